@@ -1,0 +1,1 @@
+#include "can/frame.h"

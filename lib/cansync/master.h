@@ -1,0 +1,191 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "can/frame.h"
+#include "cansync/jobs.h"
+#include "cansync/mapping.h"
+#include "cansync/mode.h"
+#include "cansync/numbers.h"
+#include "cansync/settings.h"
+#include "cansync/telegram.h"
+
+namespace cansync {
+
+/// The master's sending slots of one interval, in their order.
+enum class Slot : std::uint8_t { reference_one, reference_two, command };
+inline constexpr unsigned kSlots = 3;
+
+/// Actual values of one slave as the master knows them.
+struct ActualValues {
+  Values value = {};
+  std::array<bool, kChannels> arrived = {};             ///< which telegram brought this update
+  std::array<IntervalNumber, kChannels> interval = {};  ///< interval in which each telegram came last
+  std::array<std::uint64_t, kChannels> count = {};      ///< telegrams so far; 0 = never
+};
+
+/// What is known of one slave (M 3.2.2.7).
+struct SlaveStatus {
+  bool configured = false;
+  bool responds = false;          ///< bit 0 of the slave status
+  bool synchronized = false;      ///< bit 1: bit 15 of its status word
+  std::uint16_t status_word = 0;  ///< last status word read
+  bool status_known = false;      ///< a status word was read since the slave last began to respond
+  IntervalNumber last_seen = 0;   ///< interval of its last telegram of any kind
+  std::uint64_t answers = 0;
+  std::uint64_t unanswered = 0;     ///< commands without an answer
+  std::uint64_t missed_actual = 0;  ///< asked for actual values, none came in that interval
+  std::uint64_t slow_answers = 0;   ///< later than tRSPTO
+  Duration last_response{0};        ///< end of the command to end of the answer, of the last answer
+  Duration longest_response{0};
+
+  /// Slave status register: bit 0 responds, bit 1 synchronized.
+  constexpr std::uint16_t slave_register() const noexcept {
+    return static_cast<std::uint16_t>((responds ? 1u : 0u) | (synchronized ? 2u : 0u));
+  }
+};
+
+/// Counters since the start of the master.
+struct MasterCounters {
+  std::uint64_t intervals = 0;
+  std::uint64_t telegrams_sent = 0;
+  std::uint64_t left_out = 0;  ///< telegrams left out because their slot had passed or the bus refused them
+  std::uint64_t references_not_released =
+      0;  ///< active intervals x channels without released reference values
+  std::array<std::uint64_t, kDecodeErrors> rejected = {};  ///< received frames by DecodeError
+  std::uint64_t unexpected = 0;                            ///< well-formed telegrams nobody asked for
+  std::uint64_t foreign_master = 0;  ///< telegrams only a master sends, received from the bus
+};
+
+/// Something worth a line in the journal. `code` says what the numbers mean.
+struct MasterEvent {
+  enum class Code : std::uint8_t {
+    slave_responds,          ///< slave
+    slave_lost,              ///< slave
+    slave_synchronized,      ///< slave
+    slave_not_synchronized,  ///< slave
+    all_synchronized,
+    references_stopped,   ///< detail: channel 1 or 2
+    references_released,  ///< detail: channel 1 or 2
+    foreign_master,       ///< detail: identifier of the first such telegram
+  };
+  Code code;
+  std::optional<SlaveNumber> slave;
+  std::uint32_t detail = 0;
+};
+std::string_view name(MasterEvent::Code code) noexcept;
+
+/// Receives what the master has to tell. Called from inside the master's functions, on their thread; must not
+/// allocate, lock, throw, or call the master.
+class MasterListener {
+ public:
+  virtual ~MasterListener() = default;
+  virtual void actual_values(SlaveNumber slave, const ActualValues& values) noexcept = 0;
+  virtual void slave_status(SlaveNumber slave, const SlaveStatus& status) noexcept = 0;
+  virtual void state_changed(State from, State to, ControlCommand command) noexcept = 0;
+  virtual void parameter_done(JobId id, const ParameterResult& result) noexcept = 0;
+  virtual void transfer_progress(JobId id, std::uint32_t bytes) noexcept = 0;
+  virtual void transfer_done(JobId id, const TransferResult& result) noexcept = 0;
+  /// A control word or broadcast was sent (`done`), or ended otherwise.
+  virtual void command_done(JobId id, Outcome outcome) noexcept = 0;
+  virtual void event(const MasterEvent& event) noexcept = 0;
+};
+
+/// The CANsync master, sans-IO: it is told what happened and when, and asked what to send.
+///
+/// One interval: `begin_interval` at the SYNC edge; for each slot in order, at its planned start, `take`,
+/// then either `sent` or `left_out`; `receive` for every frame as it comes. Frames of one interval may come
+/// before or after any of the master's own telegrams.
+///
+/// Missed-tick rule: interval numbers may jump; what was missed is skipped and counted, never caught up.
+///
+/// All memory is taken in the constructor. Every other function neither allocates, blocks nor throws, and is
+/// realtime safe. Not thread safe: one thread owns the master.
+class Master {
+ public:
+  /// `listener` must outlive the master. Settings must have passed `check` (settings_check.h).
+  Master(const MasterSettings& settings, MasterListener& listener);
+  ~Master();
+  Master(const Master&) = delete;
+  Master& operator=(const Master&) = delete;
+
+  // --- the interval
+  // -------------------------------------------------------------------------------------------------
+
+  /// SYNC edge number `n` was produced. Numbers rise; a jump means missed edges.
+  void begin_interval(IntervalNumber n) noexcept;
+
+  /// When to hand over this slot's telegram, after SYNC: some margin before its latest start. In set-up,
+  /// where no reference values are on the bus, the command goes out early so that its answer comes in the
+  /// same interval.
+  Duration planned_start(Slot slot) const noexcept;
+
+  /// Latest start of this slot's telegram, after SYNC.
+  Duration latest_start(Slot slot) const noexcept;
+
+  /// The frame for this slot, if there is one to send in this interval. Ask once per slot and interval.
+  std::optional<can::Frame> take(Slot slot) noexcept;
+
+  /// The frame of `take` was handed to the bus.
+  void sent(Slot slot) noexcept;
+
+  /// The frame of `take` could not be sent in this slot: reference values are dropped, a command waits for
+  /// its next turn.
+  void left_out(Slot slot) noexcept;
+
+  /// The master's own frame was on the bus until `since_sync` (after the running interval's edge).
+  void transmitted(const can::Frame& frame, Duration since_sync) noexcept;
+
+  /// A frame of somebody else arrived at `since_sync` (after the running interval's edge).
+  void receive(const can::Frame& frame, Duration since_sync) noexcept;
+
+  // --- requests: a refusal means nothing was done
+  // ------------------------------------------------------------------
+
+  Refusal submit(const ParameterRequest& request) noexcept;
+  Refusal submit(const TransferRequest& request) noexcept;
+  Refusal submit(const ControlWordRequest& request) noexcept;
+  Refusal submit(const BroadcastRequest& request) noexcept;
+  Refusal submit(const ReferenceUpdate& update) noexcept;
+
+  /// Ends an open job as `cancelled`; a running transfer is cancelled on the slave first.
+  Refusal cancel(JobId id) noexcept;
+
+  /// Withdraws reference values not yet sent; the telegram is no longer released until new ones come.
+  void stop_release(Channel channel) noexcept;
+
+  /// Gives a command of the control register. `enable_active` obeys the enable rule unless `force`.
+  /// Leaving synchronous operation ends every open job as `master_stopped`.
+  Refusal control(ControlCommand command, bool force = false) noexcept;
+
+  // --- settings that may change while running; effective with the next interval
+  // --------------------------------------
+
+  Refusal set_reference_mapping(const ProcessMapping& mapping) noexcept;
+  Refusal set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept;
+  Refusal set_polling(Channel channel, const Cursor& cursor) noexcept;
+  void set_maximum_slave(SlaveNumber slave) noexcept;
+  Refusal set_command_cursors(const Cursor& control_word, const Cursor& parameter,
+                              const Cursor& transfer) noexcept;
+
+  // --- what is known
+  // -------------------------------------------------------------------------------------------------
+
+  State state() const noexcept;
+  IntervalNumber interval() const noexcept;
+  const MasterSettings& settings() const noexcept;
+  const SlaveStatus& slave(SlaveNumber slave) const noexcept;
+  const ActualValues& actual(SlaveNumber slave) const noexcept;
+  const MasterCounters& counters() const noexcept;
+  std::size_t open_parameter_jobs() const noexcept;
+  std::size_t open_transfers() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cansync

@@ -1,0 +1,1 @@
+#include "cansync/numbers.h"
