@@ -1,0 +1,126 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "cansync/mapping.h"
+#include "cansync/numbers.h"
+#include "cansync/settings.h"
+
+/// The whole configuration of one daemon, one bus: plain values. `config_file.h` reads it from a TOML file;
+/// docs/configuration.md lists every option. Not for the realtime thread, except `Config::master`, which is
+/// copied into the master.
+namespace cansyncd {
+
+/// What stands behind the bus.
+enum class BusKind : std::uint8_t {
+  simulated,  ///< simulated line with simulated drives, in real time
+  socketcan,  ///< a CAN network interface of the kernel
+};
+
+/// The bus. Bit rate and send margin are in `Config::master`.
+struct BusConfig {
+  std::string name = "sim";  ///< name for people, log lines and the default DDS partition; 1..64 characters
+  BusKind kind = BusKind::simulated;
+  std::string interface = "sim";  ///< "sim", or the network interface's name
+};
+
+/// What to do when the realtime thread cannot get what it asks for.
+enum class RealtimeMode : std::uint8_t {
+  enforce,  ///< refuse to start
+  ignore,   ///< say so once and run anyway
+};
+
+/// The realtime thread.
+struct RealtimeConfig {
+  RealtimeMode mode = RealtimeMode::ignore;
+  int priority = 60;                   ///< SCHED_FIFO priority, 1..98; 0: normal scheduling
+  int cpu = -1;                        ///< processor the thread is bound to; -1: any
+  bool lock_memory = true;             ///< mlockall
+  std::uint32_t request_queue = 1024;  ///< requests on their way to the realtime thread
+  std::uint32_t report_queue = 16384;  ///< reports on their way from the realtime thread
+};
+
+/// Where the SYNC edge goes beside the bus itself. A simulated bus has its own SYNC line.
+enum class SyncOutput : std::uint8_t { none };
+
+/// How far the daemon goes by itself after its start.
+enum class StartTarget : std::uint8_t {
+  none,    ///< waiting for start; clients give the mode commands
+  setup,   ///< set-up: SYNC runs, slaves are activated, the command channel is served
+  active,  ///< set-up, then active operation as soon as the enable rule allows
+};
+
+/// Start-up. What concerns the master alone is in `Config::master.startup`.
+struct StartConfig {
+  StartTarget target = StartTarget::active;
+};
+
+/// What happens when the writer of reference values dies, leaves, or misses its deadline.
+enum class WriterLostAction : std::uint8_t {
+  stop_release,  ///< no reference value telegrams of that channel until a writer gives new values
+};
+
+/// Failsafe behaviour of the reference values.
+struct FailsafeConfig {
+  WriterLostAction on_writer_lost = WriterLostAction::stop_release;
+  /// A sample of reference values whose source time lies further back is not taken; 0: not looked at.
+  std::chrono::milliseconds reference_max_age{0};
+};
+
+/// Name, unit and scaling of one value: scaled = raw (as signed 32 bits) * factor + offset, in `unit`.
+struct ValueConfig {
+  std::string name;  ///< empty: no name; else 1..64 characters
+  std::string unit;  ///< 0..16 characters
+  double factor = 1.0;
+  double offset = 0.0;
+  friend bool operator==(const ValueConfig&, const ValueConfig&) = default;
+};
+using ValueConfigs = std::array<ValueConfig, cansync::kValues>;
+
+/// What people call a slave and its actual values. Number, mapping and limits are in `Config::master.slaves`.
+struct SlaveConfig {
+  std::string name;  ///< default "slaveN"; 1..64 characters, unique, no number
+  ValueConfigs actual = {};
+  friend bool operator==(const SlaveConfig&, const SlaveConfig&) = default;
+};
+
+/// DDS.
+struct DdsConfig {
+  std::uint32_t domain = 0;      ///< 0..230
+  std::string interface = "lo";  ///< network interface DDS is bound to
+  std::string partition;         ///< of all topics; never empty after parsing (default: the bus's name)
+  bool interval_topic = false;   ///< publish the topic Interval
+  std::string xml;  ///< Cyclone DDS configuration used instead of the generated one; empty: generated
+};
+
+/// The simulated line; looked at only with `BusKind::simulated`.
+struct SimConfig {
+  cansync::SlaveMask drives;  ///< which slave numbers have a drive; default: every configured slave
+  std::chrono::milliseconds lock_time{500};  ///< from SYNC and activation to bit 15 of the status word
+  std::uint64_t seed = 1;
+  std::string fault_script;            ///< file with faults to inject; empty: none
+  std::uint32_t memory = 1024 * 1024;  ///< bytes of upload/download memory per drive
+  std::uint16_t missing_references =
+      10;             ///< intervals in a row without reference values until a drive faults
+  std::string trace;  ///< file for a candump text log of the bus; empty: none
+};
+
+/// Everything.
+struct Config {
+  BusConfig bus;
+  RealtimeConfig realtime;
+  SyncOutput sync_output = SyncOutput::none;
+  StartConfig startup;
+  FailsafeConfig failsafe;
+  cansync::MasterSettings master;  ///< bit rate, slots, slaves, mappings, polling, command channel, start-up
+  std::array<SlaveConfig, cansync::kSlaves> slaves =
+      {};                        ///< by slave number; see `master.slaves[n].configured`
+  ValueConfigs references = {};  ///< reference values 0..7
+  DdsConfig dds;
+  SimConfig sim;
+};
+
+}  // namespace cansyncd
