@@ -1,0 +1,42 @@
+#include "rt/wake_signal.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <system_error>
+
+namespace rt {
+
+WakeSignal::WakeSignal() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (descriptor_ < 0) {
+    throw std::system_error(errno, std::generic_category(), "no event descriptor (raise LimitNOFILE=)");
+  }
+}
+
+WakeSignal::~WakeSignal() {
+  ::close(descriptor_);
+}
+
+void WakeSignal::signal() noexcept {
+  const std::uint64_t one = 1;
+  // It can fail only when the counter is at its limit, and then a signal is pending anyway.
+  [[maybe_unused]] const auto written = ::write(descriptor_, &one, sizeof one);
+}
+
+bool WakeSignal::wait(std::chrono::milliseconds timeout) noexcept {
+  pollfd poll_descriptor{descriptor_, POLLIN, 0};
+  if (::poll(&poll_descriptor, 1, static_cast<int>(timeout.count())) <= 0) return false;
+  clear();
+  return true;
+}
+
+void WakeSignal::clear() noexcept {
+  std::uint64_t count = 0;
+  // It fails when nothing is pending, which is just as well.
+  [[maybe_unused]] const auto taken = ::read(descriptor_, &count, sizeof count);
+}
+
+}  // namespace rt
