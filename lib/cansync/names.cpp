@@ -1,1 +1,204 @@
-#include "cansync/numbers.h"
+#include "cansync/errors.h"
+#include "cansync/jobs.h"
+#include "cansync/master.h"
+#include "cansync/mode.h"
+#include "cansync/telegram.h"
+
+// No `default` in these switches: the compiler then warns when an enumerator has no name.
+namespace cansync {
+
+std::string_view name(DecodeError error) noexcept {
+  switch (error) {
+    case DecodeError::not_for_us:
+      return "not for us";
+    case DecodeError::not_standard:
+      return "not a standard data frame";
+    case DecodeError::wrong_slave:
+      return "wrong slave number";
+    case DecodeError::wrong_length:
+      return "wrong length";
+    case DecodeError::reserved_bits:
+      return "reserved bits used";
+  }
+  return "unknown decode error";
+}
+
+std::string_view meaning(ParameterError error) noexcept {
+  switch (error) {
+    case ParameterError::none:
+      return "no error";
+    case ParameterError::unspecified:
+      return "unspecified error";
+    case ParameterError::below_minimum:
+      return "value below the minimum";
+    case ParameterError::above_maximum:
+      return "value above the maximum";
+    case ParameterError::not_changeable:
+      return "element cannot be changed";
+    case ParameterError::not_present:
+      return "no such parameter or element";
+    case ParameterError::not_available_now:
+      return "data not available now";
+    case ParameterError::wrong_format:
+      return "wrong data format";
+  }
+  return "unknown error code";
+}
+
+std::string_view meaning(TransferError error) noexcept {
+  switch (error) {
+    case TransferError::none:
+      return "no error";
+    case TransferError::wrong_block_acknowledged:
+      return "slave acknowledged a wrong block number";
+    case TransferError::longer_than_300_bytes:
+      return "length over 300 bytes";
+    case TransferError::other_block_expected:
+      return "slave expects the block its counter names";
+    case TransferError::end_expected:
+      return "slave expects the end of the block";
+    case TransferError::end_not_expected:
+      return "slave does not yet expect the end of the block";
+    case TransferError::cancelled_by_slave:
+      return "slave cancelled the transfer";
+    case TransferError::not_possible:
+      return "transfer not possible";
+    case TransferError::address_not_allowed:
+      return "start address not allowed";
+    case TransferError::block_too_long:
+      return "block longer than the slave's maximum";
+    case TransferError::mode_not_allowed:
+      return "telegram not allowed in this phase of the transfer";
+  }
+  return "unknown error code";
+}
+
+std::string_view name(Outcome outcome) noexcept {
+  switch (outcome) {
+    case Outcome::done:
+      return "done";
+    case Outcome::slave_error:
+      return "slave error";
+    case Outcome::timeout:
+      return "timeout";
+    case Outcome::no_answer:
+      return "no answer";
+    case Outcome::word_expected:
+      return "word expected";
+    case Outcome::doubleword_expected:
+      return "doubleword expected";
+    case Outcome::value_too_wide:
+      return "value too wide";
+    case Outcome::cancelled:
+      return "cancelled";
+    case Outcome::master_stopped:
+      return "master stopped";
+  }
+  return "unknown outcome";
+}
+
+std::string_view name(Refusal refusal) noexcept {
+  switch (refusal) {
+    case Refusal::none:
+      return "not refused";
+    case Refusal::slave_not_configured:
+      return "slave not configured";
+    case Refusal::element_not_writable:
+      return "element not writable";
+    case Refusal::value_too_wide:
+      return "value too wide";
+    case Refusal::length_zero:
+      return "length zero";
+    case Refusal::block_size:
+      return "block size out of range";
+    case Refusal::address_reserved:
+      return "address reserved";
+    case Refusal::address_overflow:
+      return "address overflow";
+    case Refusal::command_reserved:
+      return "action command reserved";
+    case Refusal::priority:
+      return "priority out of range";
+    case Refusal::no_slaves:
+      return "slave mask empty or names a slave that is not configured";
+    case Refusal::queue_full:
+      return "queue full";
+    case Refusal::wrong_state:
+      return "wrong state";
+    case Refusal::interval_passed:
+      return "interval passed or too far ahead";
+    case Refusal::release_too_long:
+      return "release too long";
+    case Refusal::nothing_valid:
+      return "valid mask out of range";
+    case Refusal::slaves_missing:
+      return "slaves missing";
+    case Refusal::unknown_job:
+      return "unknown job";
+    case Refusal::mapping:
+      return "mapping names a value of the other telegram";
+  }
+  return "unknown refusal";
+}
+
+std::string_view name(State state) noexcept {
+  switch (state) {
+    case State::start_up:
+      return "start-up";
+    case State::waiting_for_initialisation:
+      return "waiting for initialisation data";
+    case State::waiting_for_start:
+      return "waiting for start";
+    case State::setting_up_master:
+      return "setting up synchronous operation as master";
+    case State::setting_up_slave:
+      return "setting up synchronous operation as slave";
+    case State::active_master:
+      return "synchronous operation active as master";
+    case State::active_slave:
+      return "synchronous operation active as slave";
+  }
+  return "unknown state";
+}
+
+std::string_view name(ControlCommand command) noexcept {
+  switch (command) {
+    case ControlCommand::cold_restart:
+      return "cold restart";
+    case ControlCommand::handshake:
+      return "handshake";
+    case ControlCommand::take_over_initialisation:
+      return "take over initialisation data";
+    case ControlCommand::start_synchronous:
+      return "start synchronous operation";
+    case ControlCommand::enable_active:
+      return "enable active operation";
+    case ControlCommand::reset_can:
+      return "reset the CAN controller";
+  }
+  return "unknown command";
+}
+
+std::string_view name(MasterEvent::Code code) noexcept {
+  switch (code) {
+    case MasterEvent::Code::slave_responds:
+      return "slave_responds";
+    case MasterEvent::Code::slave_lost:
+      return "slave_lost";
+    case MasterEvent::Code::slave_synchronized:
+      return "slave_synchronized";
+    case MasterEvent::Code::slave_not_synchronized:
+      return "slave_not_synchronized";
+    case MasterEvent::Code::all_synchronized:
+      return "all_synchronized";
+    case MasterEvent::Code::references_stopped:
+      return "references_stopped";
+    case MasterEvent::Code::references_released:
+      return "references_released";
+    case MasterEvent::Code::foreign_master:
+      return "foreign_master";
+  }
+  return "unknown_event";
+}
+
+}  // namespace cansync
