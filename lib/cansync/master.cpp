@@ -1,1 +1,268 @@
-#include "cansync/numbers.h"
+#include "cansync/master.h"
+
+#include "cansync/command_channel.h"
+#include "cansync/process_data.h"
+#include "cansync/supervision.h"
+#include "cansync/telegram.h"
+#include "cansync/timing.h"
+
+namespace cansync {
+namespace {
+
+/// A foreign master is reported again after so many intervals without its telegrams.
+constexpr IntervalNumber kForeignMasterQuiet = 1000;
+
+Channel channel_of(Slot slot) noexcept {
+  return slot == Slot::reference_one ? Channel::one : Channel::two;
+}
+
+bool is_from_master(const Telegram& telegram) noexcept {
+  return std::get_if<ActualTelegram>(&telegram) == nullptr &&
+         std::get_if<ParameterReply>(&telegram) == nullptr &&
+         std::get_if<TransferReply>(&telegram) == nullptr;
+}
+
+}  // namespace
+
+struct Master::Impl {
+  Impl(const MasterSettings& given, MasterListener& told)
+      : settings(given),
+        listener(told),
+        times(slot_times(given.bit_rate)),
+        supervision(settings, told),
+        process(settings, told),
+        command_channel(settings, supervision, told) {}
+
+  MasterSettings settings;
+  MasterListener& listener;
+  const SlotTimes& times;
+  Supervision supervision;
+  ProcessData process;
+  CommandChannel command_channel;
+  State state = State::start_up;
+  IntervalNumber now = 0;
+  MasterCounters counters;
+  IntervalNumber foreign_seen = 0;
+  bool foreign_told = false;
+
+  Duration on_timeline(Duration since_sync) const noexcept {
+    return static_cast<Duration::rep>(now) * times.interval + since_sync;
+  }
+
+  void foreign_master(std::uint32_t identifier) noexcept {
+    ++counters.foreign_master;
+    const bool tell = !foreign_told || now - foreign_seen > kForeignMasterQuiet;
+    foreign_told = true;
+    foreign_seen = now;
+    if (tell) listener.event({MasterEvent::Code::foreign_master, std::nullopt, identifier});
+  }
+
+  bool deliver(const Telegram& telegram, Duration since_sync) noexcept {
+    if (const auto* actual = std::get_if<ActualTelegram>(&telegram)) {
+      supervision.seen(actual->slave);
+      return is_active(state) && process.receive(*actual);
+    }
+    if (const auto* reply = std::get_if<ParameterReply>(&telegram)) {
+      supervision.seen(reply->slave);
+      return command_channel.receive(*reply, on_timeline(since_sync));
+    }
+    const auto* reply = std::get_if<TransferReply>(&telegram);
+    supervision.seen(reply->slave);
+    return command_channel.receive(*reply, on_timeline(since_sync));
+  }
+
+  void enter(State to, ControlCommand command) noexcept {
+    const State from = state;
+    state = to;
+    if (!is_synchronous(to)) command_channel.end_all(Outcome::master_stopped);
+    if (!is_active(to)) process.stop();
+    if (is_synchronous(to) && !is_synchronous(from)) supervision.begin(now);
+    listener.state_changed(from, to, command);
+  }
+};
+
+Master::Master(const MasterSettings& settings, MasterListener& listener)
+    : impl_(std::make_unique<Impl>(settings, listener)) {}
+Master::~Master() = default;
+
+// --- the interval
+// ------------------------------------------------------------------------------------------------------
+
+void Master::begin_interval(IntervalNumber n) noexcept {
+  impl_->now = n;
+  ++impl_->counters.intervals;
+  impl_->supervision.begin_interval(n, is_active(impl_->state));
+  for (const auto& missed : impl_->process.begin_interval(n)) {
+    if (missed) impl_->supervision.missed_actual(*missed);
+  }
+  impl_->command_channel.begin_interval(n);
+}
+
+Duration Master::latest_start(Slot slot) const noexcept {
+  switch (slot) {
+    case Slot::reference_one:
+      return impl_->times.reference_one;
+    case Slot::reference_two:
+      return impl_->times.reference_two;
+    case Slot::command:
+      break;
+  }
+  return impl_->times.command;
+}
+
+Duration Master::planned_start(Slot slot) const noexcept {
+  const bool early = slot == Slot::command && !is_active(impl_->state);
+  return (early ? impl_->times.reference_one : latest_start(slot)) - impl_->settings.send_margin;
+}
+
+std::optional<can::Frame> Master::take(Slot slot) noexcept {
+  if (slot == Slot::command) {
+    if (!is_synchronous(impl_->state)) return std::nullopt;
+    const auto telegram = impl_->command_channel.take();
+    return telegram ? std::optional(encode(*telegram)) : std::nullopt;
+  }
+  if (!is_active(impl_->state)) return std::nullopt;
+  const auto telegram = impl_->process.telegram(channel_of(slot));
+  return telegram ? std::optional(encode(*telegram)) : std::nullopt;
+}
+
+void Master::sent(Slot slot) noexcept {
+  ++impl_->counters.telegrams_sent;
+  if (slot == Slot::command) {
+    impl_->command_channel.sent();
+  } else {
+    impl_->process.sent(channel_of(slot));
+  }
+}
+
+void Master::left_out(Slot slot) noexcept {
+  ++impl_->counters.left_out;
+  if (slot == Slot::command) {
+    impl_->command_channel.left_out();
+  } else {
+    impl_->process.left_out(channel_of(slot));
+  }
+}
+
+void Master::transmitted(const can::Frame& frame, Duration since_sync) noexcept {
+  if ((frame.id & 0x780u) == identifier::command)
+    impl_->command_channel.transmitted(impl_->on_timeline(since_sync));
+}
+
+void Master::receive(const can::Frame& frame, Duration since_sync) noexcept {
+  const Decoded decoded = decode(frame);
+  if (const auto* error = std::get_if<DecodeError>(&decoded)) {
+    ++impl_->counters.rejected[static_cast<unsigned>(*error)];
+    return;
+  }
+  const Telegram& telegram = *std::get_if<Telegram>(&decoded);
+  if (is_from_master(telegram)) {
+    impl_->foreign_master(frame.id);
+  } else if (!impl_->deliver(telegram, since_sync)) {
+    ++impl_->counters.unexpected;
+  }
+}
+
+// --- requests
+// ------------------------------------------------------------------------------------------------------------
+
+Refusal Master::submit(const ParameterRequest& request) noexcept {
+  return is_synchronous(impl_->state) ? impl_->command_channel.submit(request) : Refusal::wrong_state;
+}
+Refusal Master::submit(const TransferRequest& request) noexcept {
+  return is_synchronous(impl_->state) ? impl_->command_channel.submit(request) : Refusal::wrong_state;
+}
+Refusal Master::submit(const ControlWordRequest& request) noexcept {
+  return is_synchronous(impl_->state) ? impl_->command_channel.submit(request) : Refusal::wrong_state;
+}
+Refusal Master::submit(const BroadcastRequest& request) noexcept {
+  return is_synchronous(impl_->state) ? impl_->command_channel.submit(request) : Refusal::wrong_state;
+}
+Refusal Master::submit(const ReferenceUpdate& update) noexcept {
+  return is_active(impl_->state) ? impl_->process.update(update) : Refusal::wrong_state;
+}
+
+Refusal Master::cancel(JobId id) noexcept {
+  return impl_->command_channel.cancel(id);
+}
+
+void Master::stop_release(Channel channel) noexcept {
+  impl_->process.stop_release(channel);
+}
+
+Refusal Master::control(ControlCommand command, bool force) noexcept {
+  const auto to = next(Role::master, impl_->state, command);
+  if (!to) return Refusal::wrong_state;
+  if (command == ControlCommand::enable_active && !force &&
+      !impl_->supervision.missing(impl_->settings.startup.enable).empty()) {
+    return Refusal::slaves_missing;
+  }
+  if (command != ControlCommand::reset_can) impl_->enter(*to, command);
+  return Refusal::none;
+}
+
+Refusal Master::set_reference_mapping(const ProcessMapping& mapping) noexcept {
+  const Refusal refusal = impl_->process.set_reference_mapping(mapping);
+  if (refusal == Refusal::none) impl_->settings.process.reference_mapping = mapping;
+  return refusal;
+}
+
+Refusal Master::set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept {
+  const Refusal refusal = impl_->process.set_actual_mapping(slave, mapping);
+  if (refusal == Refusal::none) impl_->settings.slaves[slave.value()].actual_mapping = mapping;
+  return refusal;
+}
+
+Refusal Master::set_polling(Channel channel, const Cursor& cursor) noexcept {
+  const Refusal refusal = impl_->process.set_polling(channel, cursor);
+  if (refusal == Refusal::none) impl_->settings.process.polling[index(channel)] = cursor;
+  return refusal;
+}
+
+void Master::set_maximum_slave(SlaveNumber slave) noexcept {
+  impl_->settings.process.maximum_slave = slave;
+  impl_->process.set_maximum_slave(slave);
+  impl_->command_channel.set_maximum_slave(slave);
+}
+
+Refusal Master::set_command_cursors(const Cursor& control_word, const Cursor& parameter,
+                                    const Cursor& transfer) noexcept {
+  const Refusal refusal = impl_->command_channel.set_cursors(control_word, parameter, transfer);
+  if (refusal == Refusal::none) {
+    impl_->settings.command_channel.control_word = control_word;
+    impl_->settings.command_channel.parameter = parameter;
+    impl_->settings.command_channel.transfer = transfer;
+  }
+  return refusal;
+}
+
+// --- what is known
+// ---------------------------------------------------------------------------------------------------------
+
+State Master::state() const noexcept {
+  return impl_->state;
+}
+IntervalNumber Master::interval() const noexcept {
+  return impl_->now;
+}
+const MasterSettings& Master::settings() const noexcept {
+  return impl_->settings;
+}
+const SlaveStatus& Master::slave(SlaveNumber slave) const noexcept {
+  return impl_->supervision.status(slave);
+}
+const ActualValues& Master::actual(SlaveNumber slave) const noexcept {
+  return impl_->process.actual(slave);
+}
+const MasterCounters& Master::counters() const noexcept {
+  impl_->counters.references_not_released = impl_->process.not_released();
+  return impl_->counters;
+}
+std::size_t Master::open_parameter_jobs() const noexcept {
+  return impl_->command_channel.open_parameter_jobs();
+}
+std::size_t Master::open_transfers() const noexcept {
+  return impl_->command_channel.open_transfers();
+}
+
+}  // namespace cansync

@@ -1,1 +1,170 @@
-#include "cansync/numbers.h"
+#include "cansync/process_data.h"
+
+#include <algorithm>
+#include <span>
+
+namespace cansync {
+
+ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept
+    : settings_(settings.process), listener_(listener), configured_(settings.configured()) {
+  for (unsigned i = 0; i < kSlaves; ++i) actual_mapping_[i] = settings.slaves[i].actual_mapping;
+}
+
+void ProcessData::stop() noexcept {
+  for (Output& output : output_) {
+    const std::uint8_t automatic = output.automatic;
+    output = {};
+    output.automatic = automatic;
+  }
+}
+
+std::array<std::optional<SlaveNumber>, kChannels> ProcessData::begin_interval(IntervalNumber now) noexcept {
+  now_ = now;
+  std::array<std::optional<SlaveNumber>, kChannels> missed;
+  for (unsigned i = 0; i < kChannels; ++i) {
+    Output& output = output_[i];
+    missed[i] = output.asked;
+    output.asked.reset();
+    if (!first_) {
+      output.automatic = output.automatic >= settings_.maximum_slave.value()
+                             ? 0
+                             : static_cast<std::uint8_t>(output.automatic + 1);
+    }
+  }
+  first_ = false;
+  return missed;
+}
+
+Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
+  if (update.valid_mask == 0 || update.valid_mask > 0x0F) return Refusal::nothing_valid;
+  if (update.release_intervals == 0 || update.release_intervals > settings_.release_limit) {
+    return Refusal::release_too_long;
+  }
+  const bool next = update.from_interval == 0;
+  if (!next && (update.from_interval < now_ || update.from_interval > now_ + settings_.ahead_limit)) {
+    return Refusal::interval_passed;
+  }
+  Output& output = output_[index(update.channel)];
+  if (output.pending_count == kPendingUpdates) return Refusal::queue_full;
+  output.pending[output.pending_count++] = update;
+  return Refusal::none;
+}
+
+void ProcessData::stop_release(Channel channel) noexcept {
+  output_[index(channel)].pending_count = 0;
+  output_[index(channel)].remaining = 0;
+}
+
+void ProcessData::apply_due(Output& output, unsigned first_value) noexcept {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < output.pending_count; ++i) {
+    const ReferenceUpdate& update = output.pending[i];
+    if (update.from_interval > now_) {
+      output.pending[kept++] = update;
+      continue;
+    }
+    for (unsigned v = 0; v < 4; ++v) {
+      if (((update.valid_mask >> v) & 1u) != 0) references_[first_value + v] = update.value[v];
+    }
+    output.remaining = update.release_intervals;
+  }
+  output.pending_count = kept;
+}
+
+std::uint8_t ProcessData::polled(const Output& output, Channel channel) const noexcept {
+  const Cursor& cursor = settings_.polling[index(channel)];
+  switch (cursor.kind) {
+    case Cursor::Kind::automatic:
+      return output.automatic;
+    case Cursor::Kind::fixed:
+      return cursor.slave.value();
+    case Cursor::Kind::nobody:
+      break;
+  }
+  return settings_.poll_nobody;
+}
+
+void ProcessData::tell_release(Output& output, Channel channel, bool released) noexcept {
+  if (output.released == released) return;
+  output.released = released;
+  listener_.event({released ? MasterEvent::Code::references_released : MasterEvent::Code::references_stopped,
+                   std::nullopt, index(channel) + 1});
+}
+
+std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept {
+  Output& output = output_[index(channel)];
+  apply_due(output, index(channel) * 4);
+  ReferenceTelegram telegram;
+  telegram.channel = channel;
+  telegram.polled = polled(output, channel);
+  if (output.remaining == 0) {
+    ++not_released_;
+    tell_release(output, channel, false);
+    if (!settings_.poll_without_reference) return std::nullopt;
+    telegram.words = 0;
+    return telegram;
+  }
+  tell_release(output, channel, true);
+  const TelegramMapping& mapping = settings_.reference_mapping[index(channel)];
+  telegram.word = pack(mapping, references_);
+  telegram.words = settings_.full_length ? kWords : mapping.used_words();
+  return telegram;
+}
+
+void ProcessData::sent(Channel channel) noexcept {
+  Output& output = output_[index(channel)];
+  if (output.remaining > 0) --output.remaining;
+  const auto slave = SlaveNumber::from(polled(output, channel));
+  if (slave && configured_.has(*slave)) output.asked = slave;
+}
+
+void ProcessData::left_out(Channel channel) noexcept {
+  Output& output = output_[index(channel)];
+  if (output.remaining > 0) --output.remaining;
+}
+
+bool ProcessData::receive(const ActualTelegram& telegram) noexcept {
+  Output& output = output_[index(telegram.channel)];
+  if (output.asked != telegram.slave) return false;
+  output.asked.reset();
+  const unsigned channel = index(telegram.channel);
+  ActualValues& actual = actual_[telegram.slave.value()];
+  unpack(actual_mapping_[telegram.slave.value()][channel], std::span(telegram.word).first(telegram.words),
+         actual.value);
+  actual.arrived = {};
+  actual.arrived[channel] = true;
+  actual.interval[channel] = now_;
+  ++actual.count[channel];
+  listener_.actual_values(telegram.slave, actual);
+  return true;
+}
+
+namespace {
+
+bool fits(const ProcessMapping& mapping) noexcept {
+  return values_fit(mapping[0], Channel::one) && values_fit(mapping[1], Channel::two);
+}
+
+}  // namespace
+
+Refusal ProcessData::set_reference_mapping(const ProcessMapping& mapping) noexcept {
+  if (!fits(mapping)) return Refusal::mapping;
+  settings_.reference_mapping = mapping;
+  return Refusal::none;
+}
+
+Refusal ProcessData::set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept {
+  if (!configured_.has(slave)) return Refusal::slave_not_configured;
+  if (!fits(mapping)) return Refusal::mapping;
+  actual_mapping_[slave.value()] = mapping;
+  return Refusal::none;
+}
+
+Refusal ProcessData::set_polling(Channel channel, const Cursor& cursor) noexcept {
+  if (cursor.kind == Cursor::Kind::fixed && !configured_.has(cursor.slave))
+    return Refusal::slave_not_configured;
+  settings_.polling[index(channel)] = cursor;
+  return Refusal::none;
+}
+
+}  // namespace cansync

@@ -1,1 +1,178 @@
-#include "cansync/numbers.h"
+#include "cansync/transfer_job.h"
+
+#include <algorithm>
+
+namespace cansync {
+namespace {
+
+/// Errors about the order of telegrams may pass when the telegram or the block is sent again; the others are
+/// answers.
+bool about_order(TransferError error) noexcept {
+  switch (error) {
+    case TransferError::wrong_block_acknowledged:
+    case TransferError::other_block_expected:
+    case TransferError::end_expected:
+    case TransferError::end_not_expected:
+    case TransferError::mode_not_allowed:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+TransferJob::TransferJob(const TransferRequest& request, const TransferLimits& limits) noexcept
+    : request_(request), limits_(limits) {
+  begin_block();
+}
+
+void TransferJob::begin_block() noexcept {
+  block_length_ =
+      static_cast<std::uint16_t>(std::min<std::uint32_t>(limits_.block_size, total() - block_start_));
+  offset_ = 0;
+  refusals_ = 0;
+  phase_ = Phase::initialise;
+  on_slave_ = false;
+  timed_ = false;
+}
+
+Telegram TransferJob::telegram() const noexcept {
+  const SlaveNumber slave = request_.slave;
+  if (phase_ == Phase::cancel) return cancel_transfer(slave);
+  if (phase_ == Phase::initialise) {
+    const std::uint32_t address = request_.address + block_start_ / limits_.address_step;
+    return TransferInitialise{slave, request_.direction, *BlockOffset::from(block_length_), address,
+                              request_.sub_slave};
+  }
+  const BlockOffset offset = *BlockOffset::from(offset_);
+  if (request_.direction == TransferRequest::Direction::upload) return UploadBlock{slave, offset, last()};
+  DownloadBlock block{slave, offset, last(), {}};
+  const std::size_t bytes = std::min<std::size_t>(6, block_length_ - offset_);
+  const auto data = request_.data.subspan(block_start_ + offset_, bytes);
+  std::copy(data.begin(), data.end(), block.data.begin());
+  return block;
+}
+
+void TransferJob::sent(IntervalNumber now) noexcept {
+  if (!was_sent_) first_sent_ = now;
+  was_sent_ = true;
+  if (phase_ != Phase::cancel) on_slave_ = true;
+}
+
+void TransferJob::end(Outcome outcome, IntervalNumber now) noexcept {
+  result_.outcome = outcome;
+  result_.intervals =
+      was_sent_ ? static_cast<std::uint32_t>(std::max<IntervalNumber>(now - first_sent_, 1)) : 0;
+}
+
+Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexcept {
+  if (reply.busy) return Step::again;
+  if (phase_ == Phase::cancel) return cancelled(now);
+  if (reply.error) return refused(static_cast<TransferError>(load_word(reply.payload.data())), now);
+  return phase_ == Phase::initialise ? initialised(reply, now) : block_answered(reply, now);
+}
+
+Step TransferJob::initialised(const TransferReply& reply, IntervalNumber now) noexcept {
+  if (reply.payload_size != 0) return Step::ignored;
+  const std::uint16_t fixed = reply.offset.value();
+  if (request_.direction == TransferRequest::Direction::upload && fixed != 0 && fixed != block_length_) {
+    if (fixed > total() - block_start_) {
+      result_.error = TransferError::block_too_long;
+      result_.error_offset = block_start_;
+      return fail_block(Outcome::slave_error, false, now);
+    }
+    ends_here_ = fixed < block_length_;
+    block_length_ = fixed;
+  }
+  phase_ = Phase::blocks;
+  refusals_ = 0;
+  return Step::again;
+}
+
+Step TransferJob::block_answered(const TransferReply& reply, IntervalNumber now) noexcept {
+  const bool upload = request_.direction == TransferRequest::Direction::upload;
+  if (reply.payload_size != (upload ? 6 : 0)) return Step::ignored;
+  if (reply.offset.value() != offset_) return refused(TransferError::wrong_block_acknowledged, now);
+  if (upload) {
+    const std::ptrdiff_t bytes = std::min<std::ptrdiff_t>(6, block_length_ - offset_);
+    std::copy_n(reply.payload.begin(), bytes, request_.data.begin() + block_start_ + offset_);
+  }
+  refusals_ = 0;
+  if (last()) return block_complete(now);
+  offset_ = static_cast<std::uint16_t>(offset_ + 6);
+  result_.bytes = block_start_ + offset_;
+  return Step::again;
+}
+
+Step TransferJob::block_complete(IntervalNumber now) noexcept {
+  block_start_ += block_length_;
+  result_.bytes = block_start_;
+  retries_ = 0;
+  if (block_start_ >= total() || ends_here_) {
+    end(Outcome::done, now);
+    return Step::ended;
+  }
+  begin_block();
+  return Step::again;
+}
+
+Step TransferJob::refused(TransferError error, IntervalNumber now) noexcept {
+  result_.error_offset = block_start_ + offset_;
+  if (about_order(error) && refusals_ < limits_.telegram_repeats) {
+    ++refusals_;
+    ++result_.repeated_telegrams;
+    return Step::again;
+  }
+  result_.error = error;
+  return fail_block(Outcome::slave_error, about_order(error), now);
+}
+
+Step TransferJob::unanswered(IntervalNumber now) noexcept {
+  if (phase_ == Phase::cancel) return cancels_++ == 0 ? Step::again : cancelled(now);
+  ++result_.repeated_telegrams;
+  return Step::again;
+}
+
+Step TransferJob::check_time(IntervalNumber now) noexcept {
+  if (!timed_) {
+    timed_ = true;
+    deadline_ = now + limits_.monitoring;
+    return Step::again;
+  }
+  if (now < deadline_ || phase_ == Phase::cancel) return Step::again;
+  result_.error_offset = block_start_ + offset_;
+  return fail_block(Outcome::timeout, true, now);
+}
+
+Step TransferJob::fail_block(Outcome outcome, bool may_retry, IntervalNumber now) noexcept {
+  if (may_retry && retries_ < limits_.block_retries) {
+    ++retries_;
+    ++result_.repeated_blocks;
+    outcome = Outcome::done;
+  } else {
+    retries_ = limits_.block_retries;
+  }
+  result_.bytes = block_start_;
+  return abort(outcome, now);
+}
+
+Step TransferJob::abort(Outcome outcome, IntervalNumber now) noexcept {
+  after_cancel_ = outcome;
+  if (!on_slave_) return cancelled(now);
+  phase_ = Phase::cancel;
+  cancels_ = 0;
+  return Step::again;
+}
+
+Step TransferJob::cancelled(IntervalNumber now) noexcept {
+  if (after_cancel_ == Outcome::done) {
+    result_.error = TransferError::none;
+    begin_block();
+    return Step::again;
+  }
+  end(after_cancel_, now);
+  return Step::ended;
+}
+
+}  // namespace cansync

@@ -1,0 +1,161 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cansync/jobs.h"
+#include "cansync/master.h"
+#include "cansync/numbers.h"
+#include "cansync/parameter_job.h"
+#include "cansync/settings.h"
+#include "cansync/slave_queues.h"
+#include "cansync/supervision.h"
+#include "cansync/telegram.h"
+#include "cansync/transfer_job.h"
+
+namespace cansync {
+
+/// A first-in-first-out queue of fixed size.
+template <class T>
+class FixedQueue {
+ public:
+  explicit FixedQueue(std::size_t capacity) : items_(capacity) {}
+  bool full() const noexcept { return count_ == items_.size(); }
+  bool empty() const noexcept { return count_ == 0; }
+  const T& front() const noexcept { return items_[first_]; }
+  bool push(const T& item) noexcept {
+    if (full()) return false;
+    items_[(first_ + count_) % items_.size()] = item;
+    ++count_;
+    return true;
+  }
+  void pop() noexcept {
+    first_ = (first_ + 1) % items_.size();
+    --count_;
+  }
+  /// Takes out the first item for which `match` holds; false when there is none.
+  template <class Match>
+  bool remove_if(Match match) noexcept {
+    bool found = false;
+    for (std::size_t i = 0; i < count_; ++i) {
+      T& item = items_[(first_ + i) % items_.size()];
+      if (found) {
+        items_[(first_ + i - 1) % items_.size()] = item;
+      } else {
+        found = match(item);
+      }
+    }
+    if (found) --count_;
+    return found;
+  }
+
+ private:
+  std::vector<T> items_;
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+};
+
+/// Decides which one command goes out in an interval, and brings the answers to their jobs (M 3.2.2.6).
+///
+/// Order: broadcast 0; then status words, transfers and parameters whose minimum share is due; broadcast 1;
+/// broadcast 2; control word; parameter; transfer; status words. In start-up the activation and the first
+/// status words go right after broadcast 0. Memory is taken in the constructor; everything else is realtime
+/// safe. Not thread safe.
+class CommandChannel {
+ public:
+  CommandChannel(const MasterSettings& settings, Supervision& supervision, MasterListener& listener);
+
+  Refusal submit(const ParameterRequest& request) noexcept;
+  Refusal submit(const TransferRequest& request) noexcept;
+  Refusal submit(const ControlWordRequest& request) noexcept;
+  Refusal submit(const BroadcastRequest& request) noexcept;
+  Refusal cancel(JobId id) noexcept;
+
+  /// Ends every open job.
+  void end_all(Outcome outcome) noexcept;
+
+  /// A new interval: scanning cursors rise.
+  void begin_interval(IntervalNumber now) noexcept;
+
+  /// The command for this interval. What the last command asked is over: without an answer it counts as
+  /// unanswered.
+  std::optional<Telegram> take() noexcept;
+  void sent() noexcept;
+  void left_out() noexcept { chosen_.kind = Kind::none; }
+
+  /// End of the last command on the bus, as a time since the start of the timeline.
+  void transmitted(Duration end) noexcept { command_end_ = end; }
+
+  /// Answers, with the end of the frame as a time since the start of the timeline. False: nobody asked.
+  bool receive(const ParameterReply& reply, Duration end) noexcept;
+  bool receive(const TransferReply& reply, Duration end) noexcept;
+
+  Refusal set_cursors(const Cursor& control_word, const Cursor& parameter, const Cursor& transfer) noexcept;
+  void set_maximum_slave(SlaveNumber slave) noexcept { maximum_slave_ = slave; }
+
+  const CommandChannelSettings& settings() const noexcept { return settings_; }
+  std::size_t open_parameter_jobs() const noexcept { return parameters_.size(); }
+  std::size_t open_transfers() const noexcept { return transfers_.size(); }
+
+ private:
+  enum class Kind : std::uint8_t { none, broadcast, control_word, parameter, transfer, supervision };
+
+  struct Chosen {
+    Kind kind = Kind::none;
+    SlaveNumber slave;
+    std::uint8_t priority = 0;  ///< of a broadcast
+    Telegram telegram;
+  };
+
+  /// Where a job kind looks for its next slave.
+  struct Scan {
+    Cursor cursor;
+    std::uint8_t rising = 0;          ///< scan: the slave of this interval
+    std::uint8_t last = kSlaves - 1;  ///< work conserving: the slave served last
+    std::uint32_t passed_over = 0;    ///< intervals in a row in which a waiting job was not served
+  };
+
+  std::optional<SlaveNumber> next_slave(const Scan& scan, SlaveMask waiting) const noexcept;
+  bool share_due(const Scan& scan, SlaveMask waiting) const noexcept;
+  void count_share(Scan& scan, SlaveMask waiting, bool served) noexcept;
+
+  SlaveMask pressing() const noexcept;
+  void choose() noexcept;
+  bool choose_broadcast(std::uint8_t priority) noexcept;
+  bool choose_control_word() noexcept;
+  bool choose_parameter() noexcept;
+  bool choose_transfer() noexcept;
+  bool choose_supervision() noexcept;
+
+  void settle_unanswered() noexcept;
+  void check_times() noexcept;
+  std::optional<Duration> note_response(SlaveNumber slave, Duration end, unsigned data_bytes) noexcept;
+  void finish_parameter(SlaveNumber slave) noexcept;
+  void finish_transfer(SlaveNumber slave) noexcept;
+  void end_transfer(const TransferJob& job) noexcept;
+  IntervalNumber intervals(Duration time) const noexcept;
+
+  const MasterSettings& master_;
+  CommandChannelSettings settings_;
+  Supervision& supervision_;
+  MasterListener& listener_;
+  SlaveMask configured_;
+  SlaveNumber maximum_slave_;
+  std::array<FixedQueue<BroadcastRequest>, 3> broadcasts_;
+  std::vector<FixedQueue<ControlWordRequest>> control_words_;
+  SlaveMask control_words_waiting_;
+  SlaveQueues<ParameterJob> parameters_;
+  SlaveQueues<TransferJob> transfers_;
+  Scan control_word_scan_;
+  Scan parameter_scan_;
+  Scan transfer_scan_;
+  Scan supervision_scan_;  ///< only its share counts
+  Chosen chosen_;
+  Chosen asked_;  ///< the last command sent, while its answer may come
+  Duration command_end_{-1};
+  IntervalNumber now_ = 0;
+};
+
+}  // namespace cansync

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cansync/jobs.h"
+#include "cansync/numbers.h"
+#include "cansync/telegram.h"
+
+namespace cansync {
+
+/// What an answer, or its absence, means for a job.
+enum class Step : std::uint8_t {
+  ignored,  ///< not the answer to what was asked; the job still waits
+  again,    ///< a telegram is to be sent in a later interval
+  ended,    ///< the result is final
+};
+
+/// One parameter job on its way: what to send, and what the answers mean (M 3.2.1.3, 3.2.2.6). Pure state
+/// machine, realtime safe.
+class ParameterJob {
+ public:
+  ParameterJob() = default;
+  explicit ParameterJob(const ParameterRequest& request) noexcept;
+
+  const ParameterRequest& request() const noexcept { return request_; }
+  const ParameterResult& result() const noexcept { return result_; }
+
+  /// The telegram to send now. A write "as the slave says" reads first.
+  ParameterCommand telegram() const noexcept;
+
+  /// The telegram was handed to the bus in interval `now`.
+  void sent(IntervalNumber now) noexcept;
+
+  /// A parameter reply of this slave came in interval `now`.
+  Step answered(const ParameterReply& reply, IntervalNumber now) noexcept;
+
+  /// No answer came before the next command was chosen. A write ends as `no_answer` unless `repeat_writes`:
+  /// the slave may have taken the value, and a value must not be applied twice.
+  Step unanswered(bool repeat_writes, IntervalNumber now) noexcept;
+
+  /// Ends the job from outside.
+  void end(Outcome outcome, IntervalNumber now) noexcept;
+
+  /// Monitoring time: begins when the job is first of its slave, and ends at this interval.
+  bool monitored() const noexcept { return deadline_ != 0; }
+  void monitor_until(IntervalNumber deadline) noexcept { deadline_ = deadline; }
+  IntervalNumber deadline() const noexcept { return deadline_; }
+
+ private:
+  bool reading() const noexcept { return !request_.write || asking_format_; }
+  Step take_read(const ParameterReply& reply, IntervalNumber now) noexcept;
+  Step take_format(bool doubleword, IntervalNumber now) noexcept;
+
+  ParameterRequest request_;
+  ParameterResult result_;
+  IntervalNumber first_sent_ = 0;
+  IntervalNumber deadline_ = 0;
+  bool was_sent_ = false;
+  bool asking_format_ = false;
+};
+
+}  // namespace cansync

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cansync/jobs.h"
+#include "cansync/numbers.h"
+#include "cansync/parameter_job.h"
+#include "cansync/telegram.h"
+
+namespace cansync {
+
+/// Limits of a transfer that come from the settings.
+struct TransferLimits {
+  std::uint16_t block_size = 300;      ///< bytes per initialise, 1..4092
+  std::uint8_t telegram_repeats = 1;   ///< times a telegram the slave refused is sent again
+  std::uint8_t block_retries = 1;      ///< times a failed block is begun again
+  std::uint8_t address_step = 1;       ///< bytes per start address
+  IntervalNumber monitoring = 30'000;  ///< intervals a block may take
+};
+
+/// Longest block one initialise may announce: a multiple of 6 and of 4 that the 12-bit length holds.
+inline constexpr std::uint16_t kLongestBlock = 4092;
+
+/// One upload or download on its way: blocks of initialise, body and last telegrams, repeats, cancel
+/// (M 3.2.1.3, 4.24). Pure state machine, realtime safe; touches the request's data only.
+class TransferJob {
+ public:
+  TransferJob() = default;
+  TransferJob(const TransferRequest& request, const TransferLimits& limits) noexcept;
+
+  const TransferRequest& request() const noexcept { return request_; }
+  const TransferResult& result() const noexcept { return result_; }
+
+  /// The telegram to send now.
+  Telegram telegram() const noexcept;
+
+  /// The telegram was handed to the bus in interval `now`.
+  void sent(IntervalNumber now) noexcept;
+
+  /// A transfer reply of this slave came in interval `now`.
+  Step answered(const TransferReply& reply, IntervalNumber now) noexcept;
+
+  /// No answer came before the next command was chosen: the telegram is sent again until the block's time is
+  /// over.
+  Step unanswered(IntervalNumber now) noexcept;
+
+  /// To be asked once an interval while the job is first of its slave: begins the block's monitoring time,
+  /// and ends the block when it is over.
+  Step check_time(IntervalNumber now) noexcept;
+
+  /// Ends the job as soon as the slave has been told: `again` = a cancel telegram is to be sent first.
+  Step abort(Outcome outcome, IntervalNumber now) noexcept;
+
+  /// Ends the job at once, without a word to the slave.
+  void end(Outcome outcome, IntervalNumber now) noexcept;
+
+ private:
+  enum class Phase : std::uint8_t { initialise, blocks, cancel };
+
+  std::uint32_t total() const noexcept { return static_cast<std::uint32_t>(request_.data.size()); }
+  bool last() const noexcept { return offset_ + 6u >= block_length_; }
+  void begin_block() noexcept;
+  Step initialised(const TransferReply& reply, IntervalNumber now) noexcept;
+  Step block_answered(const TransferReply& reply, IntervalNumber now) noexcept;
+  Step block_complete(IntervalNumber now) noexcept;
+  Step refused(TransferError error, IntervalNumber now) noexcept;
+  Step fail_block(Outcome outcome, bool may_retry, IntervalNumber now) noexcept;
+  Step cancelled(IntervalNumber now) noexcept;
+
+  TransferRequest request_;
+  TransferLimits limits_;
+  TransferResult result_;
+  Phase phase_ = Phase::initialise;
+  Outcome after_cancel_ =
+      Outcome::done;  ///< how the job ends after the cancel telegram; done = begin the block again
+  std::uint32_t block_start_ = 0;
+  std::uint16_t block_length_ = 0;
+  std::uint16_t offset_ = 0;
+  bool ends_here_ = false;  ///< the slave fixed a shorter length: no block follows
+  std::uint8_t refusals_ = 0;
+  std::uint8_t retries_ = 0;
+  std::uint8_t cancels_ = 0;
+  bool was_sent_ = false;
+  bool on_slave_ = false;  ///< an initialise was sent: the slave may have an open block
+  bool timed_ = false;
+  IntervalNumber first_sent_ = 0;
+  IntervalNumber deadline_ = 0;
+};
+
+}  // namespace cansync
