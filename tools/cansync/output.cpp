@@ -1,0 +1,59 @@
+#include "cansync/output.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <stdexcept>
+
+namespace cansync::cli {
+namespace {
+
+constexpr std::string_view kClear = "\x1b[2J";       // whole screen
+constexpr std::string_view kHome = "\x1b[H";         // cursor to the upper left
+constexpr std::string_view kEraseLine = "\x1b[K\n";  // rest of the line, next line
+constexpr std::string_view kEraseBelow = "\x1b[J";   // from the cursor to the end
+
+}  // namespace
+
+bool Output::data_on_terminal() const noexcept {
+  return ::isatty(::fileno(data_)) == 1;
+}
+
+void Output::bytes(std::string_view data) {
+  const bool written = std::fwrite(data.data(), 1, data.size(), data_) == data.size();
+  if (!written || std::fflush(data_) != 0) throw std::runtime_error("standard output cannot be written");
+}
+
+void Output::line(std::string_view text) {
+  bytes(fmt::format("{}\n", text));
+}
+
+void Output::table(const Table& table) {
+  std::string text = table.heading() + '\n';
+  for (const std::string& row : table.lines()) text += row + '\n';
+  bytes(text);
+}
+
+void Output::redraw(std::string_view title, const Table& table) {
+  std::string text;
+  if (!cleared_) text += kClear;
+  cleared_ = true;
+  text += kHome;
+  text += title;
+  text += kEraseLine;
+  text += table.heading();
+  text += kEraseLine;
+  for (const std::string& row : table.lines()) {
+    text += row;
+    text += kEraseLine;
+  }
+  text += kEraseBelow;
+  bytes(text);
+}
+
+void Output::remark(std::string_view text) {
+  // Nothing is left to say when stderr itself is gone.
+  static_cast<void>(std::fputs(fmt::format("cansync: {}\n", text).c_str(), remarks_));
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+/// Progress of a transfer for a person who waits.
+namespace cansync::cli {
+
+/// One line of `width` characters at most: bar, percentage and bytes. `total` 0 counts as done.
+std::string progress_line(std::uint64_t done, std::uint64_t total, unsigned width);
+
+/// A bar that is redrawn in one line; says nothing when `file` is no terminal.
+class ProgressBar {
+ public:
+  explicit ProgressBar(std::FILE* file);
+  /// Takes the bar away.
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void update(std::uint64_t done, std::uint64_t total);
+
+ private:
+  std::FILE* file_;
+  bool terminal_;
+  bool drawn_ = false;
+};
+
+}  // namespace cansync::cli
