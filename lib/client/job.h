@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "client/types.h"
+
+namespace cansync::client {
+
+namespace detail {
+class Link;
+template <class R>
+struct JobState;
+}  // namespace detail
+
+/// Bytes done and in total of a transfer.
+using OnProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
+
+/// One request on its way: wait for its terminal reply, or cancel it. Cheap to copy (copies name the same request);
+/// every function may be called from any thread, and after the Client is gone (the reply is `no_reply` then).
+template <class R>
+class Job {
+ public:
+  /// Waits for the terminal reply. Always ends: with the daemon's reply, or `no_reply` when the daemon is gone.
+  R wait() const;
+
+  /// Waits at most `time`; nothing when the request is still open.
+  std::optional<R> wait_for(std::chrono::milliseconds time) const;
+
+  /// Like `wait`, and calls `on_progress` (transfers; on this thread) on every change. When `stop` becomes true, for
+  /// example from a signal handler, the job is cancelled on the bus and its terminal reply is awaited, at most 5 s
+  /// (then `no_reply`). `stop` is looked at every 20 ms.
+  R wait(const std::atomic<bool>& stop, const OnProgress& on_progress = {}) const;
+
+  /// Asks the daemon to cancel; the reply says `cancelled` unless the job had ended before. Never blocks longer than
+  /// 1 s; false when the daemon could not be told.
+  bool cancel() const;
+
+  /// Number of the request, as in the topics.
+  std::uint64_t request() const noexcept;
+
+ private:
+  friend class Client;
+  explicit Job(std::shared_ptr<detail::JobState<R>> state) : state_(std::move(state)) {}
+  std::shared_ptr<detail::JobState<R>> state_;
+};
+
+using ParameterJob = Job<ParameterReply>;
+using TransferJob = Job<TransferReply>;
+using CommandJob = Job<CommandReply>;
+
+}  // namespace cansync::client

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cansync.h"
+
+/// Requests and replies as clients see them. State topics are the IDL's own structs: they are plain values that can
+/// be copied (texts: `text()` in dds/convert.h).
+namespace cansync::client {
+
+using ActualValues = cansync_ActualValues;
+using MasterStatus = cansync_MasterStatus;
+using SlaveStatus = cansync_SlaveStatus;
+using Timing = cansync_Timing;
+using Interval = cansync_Interval;
+using Event = cansync_Event;
+using Mode = cansync_Mode;
+
+/// No daemon serves the bus; `what()` names domain, partition, interface and a remedy.
+class NoDaemon : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// How a request ended. The first ten are those of the IDL (docs/dds-api.md).
+enum class ReplyCode : std::uint8_t {
+  done,
+  refused,              ///< not accepted, nothing was sent; `reason` names field, value and allowed range
+  slave_error,          ///< the slave answered with `error_code`
+  timeout,              ///< no (final) answer of the slave within the monitoring time
+  no_answer,            ///< a write was not answered; whether the slave took the value is not known
+  word_expected,        ///< the parameter is a word
+  doubleword_expected,  ///< the parameter is a doubleword
+  value_too_wide,       ///< the parameter is a word that cannot hold the value
+  cancelled,
+  master_stopped,
+  no_reply,  ///< the daemon has gone or did not take the request; whether it was done is not known
+};
+
+/// Stable word for a code, e.g. "slave_error".
+std::string_view name(ReplyCode code) noexcept;
+
+/// Terminal reply of a request of any kind.
+struct Reply {
+  ReplyCode code = ReplyCode::no_reply;
+  std::string reason;  ///< empty when done
+  bool ok() const noexcept { return code == ReplyCode::done; }
+};
+using CommandReply = Reply;
+
+struct ParameterReply : Reply {
+  std::uint16_t error_code = 0;  ///< the slave's code; 0: none
+  bool doubleword = false;       ///< format of the value on the bus
+  std::uint32_t value = 0;       ///< raw
+  std::uint32_t intervals = 0;   ///< from the first telegram to the answer
+};
+
+struct TransferReply : Reply {
+  std::uint16_t error_code = 0;
+  std::uint32_t error_offset = 0;  ///< byte offset in the data where it failed
+  std::uint32_t done = 0;          ///< bytes transferred and confirmed
+  std::uint32_t intervals = 0;
+  std::uint32_t repeated_telegrams = 0;
+  std::uint32_t repeated_blocks = 0;
+  std::vector<std::uint8_t> data;  ///< upload: what was read
+};
+
+/// Format of a parameter on the bus.
+enum class ParameterFormat : std::uint8_t { word, doubleword, as_slave_says };
+
+/// Reads or writes one parameter. Ranges are checked by the daemon, which refuses with a reason.
+struct ParameterRequest {
+  bool write = false;
+  std::uint32_t slave = 0;      ///< 0..31
+  std::uint32_t number = 0;     ///< 0..4095
+  std::uint32_t value = 0;      ///< write: raw value; a word takes 0..65535
+  std::uint32_t sub_slave = 0;  ///< 0..65535; 0: the slave itself
+  std::uint32_t element = 7;    ///< 0..7; 7 is the value, the only one that may be written
+  ParameterFormat format = ParameterFormat::as_slave_says;
+  std::uint32_t timeout_ms = 0;  ///< monitoring time; 0: the daemon's default
+};
+
+/// Uploads `length` bytes (slave to computer) or downloads `data` (computer to slave).
+struct TransferRequest {
+  bool download = false;
+  std::uint32_t slave = 0;         ///< 0..31
+  std::uint32_t address = 0;       ///< start address; 0x00..0xFF are reserved
+  std::uint32_t length = 0;        ///< upload: 1..16777216 bytes
+  std::vector<std::uint8_t> data;  ///< download: 1..16777216 bytes
+  std::uint32_t sub_slave = 0;     ///< 0..65535
+  std::uint32_t block_size = 0;    ///< bytes per initialise, 1..4092; 0: the slave's limit
+  std::uint32_t timeout_ms = 0;    ///< monitoring time per block; 0: the daemon's default
+};
+
+/// A group of slaves gets an action command.
+struct Broadcast {
+  std::uint32_t priority = 2;    ///< 0 (before everything else), 1 or 2
+  std::uint32_t slave_mask = 0;  ///< bit n: slave n
+  std::uint32_t action = 0;      ///< 1 (control word in data_word) or 128..255
+  std::uint32_t data_byte = 0;   ///< 0..255
+  std::uint32_t data_word = 0;   ///< 0..65535
+};
+
+/// Polling codes and slave cursors besides a slave number 0..31.
+inline constexpr std::int32_t kAutomatic = -128;
+inline constexpr std::int32_t kNobody = -1;
+inline constexpr std::int32_t kUnchanged = -2;
+
+/// Which slave the reference value telegrams ask for actual values.
+struct Polling {
+  std::int32_t one = kUnchanged;            ///< WRC1: slave 0..31 or a code
+  std::int32_t two = kUnchanged;            ///< WRC2
+  std::int32_t maximum_slave = kUnchanged;  ///< 0..31: automatic numbers rise up to it
+};
+
+/// Slave cursors of the command channel, one per kind of job.
+struct Cursors {
+  std::int32_t control_word = kUnchanged;
+  std::int32_t parameter = kUnchanged;
+  std::int32_t transfer = kUnchanged;
+};
+
+/// Register bytes of the words 0..3 of telegram 1, then of telegram 2 (M 3.1.1.1; 0x0D: low word of value 3).
+using MappingBytes = std::array<std::uint8_t, 8>;
+
+}  // namespace cansync::client

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <dds/dds.h>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "dds/entity.h"
+#include "dds/participant.h"
+#include "dds/signal.h"
+#include "dds/topics.h"
+
+namespace cansync::dds {
+
+/// What both kinds of endpoint do, without the type.
+class EndpointBase {
+ public:
+  /// How many endpoints of the other side are matched now; 0 on an error.
+  std::uint32_t matched() const noexcept;
+  dds_entity_t handle() const noexcept { return endpoint_.get(); }
+
+ protected:
+  EndpointBase() = default;
+  Entity topic_;     // declared first: the endpoint goes before its topic
+  Entity endpoint_;
+};
+
+/// Untyped part of Reader.
+class ReaderBase : public EndpointBase {
+ protected:
+  static constexpr std::uint32_t kBatch = 64;
+  /// Throws SetupError. `signal` is raised when data arrives or a writer comes or goes.
+  ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal);
+};
+
+/// Reads one topic. Entities are thread safe in Cyclone; take from one thread at a time.
+template <class T>
+class Reader : public ReaderBase {
+ public:
+  /// Creates the topic and a reader with the table's QoS. `signal` (nullptr: none) must outlive the reader.
+  /// Throws SetupError.
+  explicit Reader(const Participant& participant, DataSignal* signal = nullptr)
+      : ReaderBase(participant, topic_info<T>(), signal) {}
+
+  /// Takes every sample there is, in order: `on_data(const T&)` for data, `on_gone(const T&)` (only the key
+  /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are Cyclone's own
+  /// (no copy) and valid during the call only. Returns the number of samples, or a negative DDS return code.
+  template <class OnData, class OnGone>
+  dds_return_t take(OnData&& on_data, OnGone&& on_gone) {
+    dds_return_t total = 0;
+    for (;;) {
+      std::array<void*, kBatch> samples = {};
+      std::array<dds_sample_info_t, kBatch> infos;
+      const dds_return_t count = dds_take(handle(), samples.data(), infos.data(), kBatch, kBatch);
+      if (count < 0) return count;
+      if (count == 0) return total;
+      const Loan loan{handle(), samples.data(), count};
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        const T& sample = *static_cast<const T*>(samples[i]);
+        if (infos[i].valid_data) {
+          on_data(sample);
+        } else if (infos[i].instance_state != DDS_IST_ALIVE) {
+          on_gone(sample);
+        }
+      }
+      total += count;
+    }
+  }
+  template <class OnData>
+  dds_return_t take(OnData&& on_data) {
+    return take(std::forward<OnData>(on_data), [](const T&) {});
+  }
+
+ private:
+  /// Returns the loan also when a callback throws.
+  struct Loan {
+    dds_entity_t reader;
+    void** samples;
+    std::int32_t count;
+    ~Loan() { (void)dds_return_loan(reader, samples, count); }
+  };
+};
+
+/// Untyped part of Writer.
+class WriterBase : public EndpointBase {
+ protected:
+  /// Throws SetupError.
+  WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength, DataSignal* signal);
+};
+
+/// Writes one topic. Any thread may write.
+template <class T>
+class Writer : public WriterBase {
+ public:
+  /// Creates the topic and a writer with the table's QoS. `strength`: with exclusive ownership the living writer
+  /// with the highest wins. `signal` (nullptr: none) is raised when a reader comes or goes. Throws SetupError.
+  explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr)
+      : WriterBase(participant, topic_info<T>(), strength, signal) {}
+
+  /// Writes one sample. DDS_RETCODE_OK, or DDS_RETCODE_TIMEOUT when a reliable reader did not take earlier samples
+  /// within the topic's blocking time (nothing was written; try again), or another negative code. May block for
+  /// that time.
+  dds_return_t write(const T& sample) noexcept { return dds_write(handle(), &sample); }
+
+  /// Says that this writer no longer writes the sample's key; readers see it gone when it was the last writer.
+  dds_return_t unregister(const T& sample) noexcept { return dds_unregister_instance(handle(), &sample); }
+
+  /// Removes the sample's key: late readers no longer get it.
+  dds_return_t dispose(const T& sample) noexcept { return dds_dispose(handle(), &sample); }
+};
+
+}  // namespace cansync::dds

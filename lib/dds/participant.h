@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "dds/entity.h"
+
+namespace cansync::dds {
+
+/// Domains above this have no room for unicast discovery ports below 65536.
+inline constexpr std::uint32_t kMaximumDomain = 230;
+
+/// Where topics are looked for and offered.
+struct ParticipantOptions {
+  std::uint32_t domain = 0;      ///< DDS domain, 0..230
+  std::string partition;         ///< the bus's name, 1..63 characters, without '*', '?' and '['
+  std::string interface = "lo";  ///< network interface; `lo`: this computer alone, without multicast
+  std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
+};
+
+/// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, and the peers are
+/// found by unicast on 127.0.0.1 (up to 120 participants), so that it works where multicast on `lo` is off.
+std::string configuration(const ParticipantOptions& options);
+
+/// One participant in one domain with a publisher and a subscriber in one partition.
+///
+/// Participants of one process that name the same domain share Cyclone's domain; their configuration must be
+/// the same. Functions may be called from any thread.
+class Participant {
+ public:
+  /// Throws SetupError when an option is out of range, the interface does not exist, or the domain is already
+  /// open in this process with another configuration.
+  explicit Participant(const ParticipantOptions& options);
+  ~Participant();
+  Participant(Participant&&) noexcept;
+  Participant& operator=(Participant&&) noexcept;
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  const ParticipantOptions& options() const noexcept;
+  dds_entity_t handle() const noexcept;
+  dds_entity_t publisher() const noexcept;
+  dds_entity_t subscriber() const noexcept;
+
+  /// "DDS domain 3, partition can0, interface lo", for messages.
+  std::string place() const;
+
+  /// Throws SetupError with `what`, the meaning of `code`, the place and `remedy`.
+  [[noreturn]] void fail(const std::string& what, dds_return_t code, const std::string& remedy) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cansync::dds
