@@ -1,0 +1,232 @@
+#include "can/candump.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace can {
+namespace {
+
+constexpr std::uint32_t kErrorFlag = 0x20000000;
+constexpr std::uint32_t kExtendedMask = 0x1FFFFFFF;
+
+// Appends to a buffer that is known to be large enough.
+class Writer {
+ public:
+  explicit Writer(std::span<char> out) : out_(out) {}
+  void put(char c) {
+    if (size_ < out_.size()) out_[size_++] = c;
+  }
+  void put(std::string_view text) {
+    for (const char c : text) put(c);
+  }
+  void hex(std::uint32_t value, unsigned digits) {
+    while (digits-- > 0) put("0123456789ABCDEF"[(value >> (4 * digits)) & 0xF]);
+  }
+  void decimal(std::uint64_t value, unsigned least_digits) {
+    char digits[20];
+    unsigned count = 0;
+    do {
+      digits[count++] = static_cast<char>('0' + value % 10);
+      value /= 10;
+    } while (value != 0);
+    for (unsigned i = count; i < least_digits; ++i) put('0');
+    while (count > 0) put(digits[--count]);
+  }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::span<char> out_;
+  std::size_t size_ = 0;
+};
+
+std::optional<unsigned> hex_digit(char c) {
+  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
+  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
+  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
+  return std::nullopt;
+}
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+// "found 'x'" or "found the end of the line".
+std::string found(std::string_view text, std::size_t at) {
+  if (at >= text.size()) return "found the end of the text";
+  return "found '" + std::string(1, text[at]) + "'";
+}
+
+CandumpError error(std::string_view text, std::size_t at, const std::string& expected) {
+  return {at + 1, "expected " + expected + ", " + found(text, at)};
+}
+
+// Reads the digits of one number; nothing when there are none or more than `most`.
+std::optional<std::uint64_t> take_decimal(std::string_view text, std::size_t& at, std::size_t most) {
+  const std::size_t begin = at;
+  std::uint64_t value = 0;
+  while (at < text.size() && is_digit(text[at]) && at - begin < most) {
+    value = value * 10 + static_cast<std::uint64_t>(text[at++] - '0');
+  }
+  if (at == begin) return std::nullopt;
+  return value;
+}
+
+// Identifier and kind; `at` ends behind the '#'.
+std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::size_t& at) {
+  Frame frame;
+  std::size_t digits = 0;
+  while (at < text.size() && digits <= 8) {
+    const auto digit = hex_digit(text[at]);
+    if (!digit) break;
+    frame.id = (frame.id << 4) | *digit;
+    ++digits;
+    ++at;
+  }
+  if (digits != 3 && digits != 8) {
+    return CandumpError{1,
+                        "expected an identifier of 3 (standard) or 8 (extended) hexadecimal digits, found " +
+                            std::to_string(digits) + (digits > 8 ? " or more" : "") + " digits"};
+  }
+  if (digits == 3 && frame.id > 0x7FF) {
+    return CandumpError{1, "identifier " + std::string(text.substr(0, 3)) +
+                               " is over 7FF; larger ones are written with 8 digits"};
+  }
+  if (digits == 8 && (frame.id & ~(kExtendedMask | kErrorFlag)) != 0) {
+    return CandumpError{1, "identifier " + std::string(text.substr(0, 8)) + " is over 1FFFFFFF"};
+  }
+  if (at >= text.size() || text[at] != '#') return error(text, at, "'#' after the identifier");
+  ++at;
+  if (at < text.size() && text[at] == '#')
+    return CandumpError{at + 1, "CAN FD frames ('##') are not supported"};
+  if (digits == 8) {
+    const bool error_frame = (frame.id & kErrorFlag) != 0;
+    frame.kind = error_frame ? FrameKind::error : FrameKind::extended;
+    frame.id &= kExtendedMask;
+  }
+  return frame;
+}
+
+// Data bytes, or the R of a remote frame with its optional length.
+std::optional<CandumpError> parse_data(std::string_view text, std::size_t at, Frame& frame) {
+  if (at < text.size() && (text[at] == 'R' || text[at] == 'r') && frame.kind != FrameKind::error) {
+    frame.kind = FrameKind::remote;
+    ++at;
+    if (at < text.size() && text[at] >= '0' && text[at] <= '8') {
+      frame.dlc = static_cast<std::uint8_t>(text[at++] - '0');
+    }
+    if (at != text.size()) return error(text, at, "at most one length digit 0..8 after 'R'");
+    return std::nullopt;
+  }
+  for (; at < text.size(); at += 2) {
+    const auto high = hex_digit(text[at]);
+    if (!high) return error(text, at, "a hexadecimal digit");
+    if (frame.dlc == 8) return CandumpError{at + 1, "more than 8 data bytes"};
+    const auto low = at + 1 < text.size() ? hex_digit(text[at + 1]) : std::nullopt;
+    if (!low) return error(text, at + 1, "the second hexadecimal digit of a byte");
+    frame.data[frame.dlc++] = static_cast<std::uint8_t>((*high << 4) | *low);
+  }
+  return std::nullopt;
+}
+
+// "(seconds.micros)"; `at` ends behind the ')'.
+std::variant<std::chrono::microseconds, CandumpError> parse_time(std::string_view line, std::size_t& at) {
+  if (line.empty() || line[0] != '(') return error(line, 0, "'(' before the time stamp");
+  at = 1;
+  const auto seconds = take_decimal(line, at, 12);
+  if (!seconds) return error(line, at, "the seconds of the time stamp");
+  if (at >= line.size() || line[at] != '.') return error(line, at, "'.' after the seconds");
+  const std::size_t fraction = ++at;
+  const auto micros = take_decimal(line, at, 6);
+  if (!micros || at - fraction != 6) return error(line, at, "six digits of microseconds");
+  if (at >= line.size() || line[at] != ')') return error(line, at, "')' after six digits of microseconds");
+  ++at;
+  return std::chrono::microseconds(*seconds * 1'000'000 + *micros);
+}
+
+// The next word after spaces; `at` ends behind it, `begin` is where it starts.
+std::string_view take_word(std::string_view line, std::size_t& at, std::size_t& begin) {
+  while (at < line.size() && line[at] == ' ') ++at;
+  begin = at;
+  while (at < line.size() && line[at] != ' ') ++at;
+  return line.substr(begin, at - begin);
+}
+
+}  // namespace
+
+bool is_interface_name(std::string_view name) noexcept {
+  return !name.empty() && name.size() <= kInterfaceNameLimit &&
+         std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c < '\x7f'; });
+}
+
+std::size_t write_candump_line(std::chrono::microseconds time, std::string_view interface, const Frame& frame,
+                               std::span<char, kCandumpLineLimit> out) noexcept {
+  const auto micros = static_cast<std::uint64_t>(std::max<std::int64_t>(time.count(), 0));
+  Writer writer(out);
+  writer.put('(');
+  writer.decimal(micros / 1'000'000, 10);
+  writer.put('.');
+  writer.decimal(micros % 1'000'000, 6);
+  writer.put(") ");
+  writer.put(interface.substr(0, kInterfaceNameLimit));
+  writer.put(' ');
+  const bool remote = frame.kind == FrameKind::remote;
+  if (frame.kind == FrameKind::error) {
+    writer.hex((frame.id & kExtendedMask) | kErrorFlag, 8);
+  } else if (frame.kind == FrameKind::extended || (remote && frame.id > 0x7FF)) {
+    writer.hex(frame.id & kExtendedMask, 8);
+  } else {
+    writer.hex(frame.id & 0x7FF, 3);
+  }
+  writer.put('#');
+  const unsigned length = std::min<unsigned>(frame.dlc, 8);
+  if (remote) {
+    writer.put('R');
+    if (length != 0) writer.decimal(length, 1);
+  } else {
+    for (unsigned i = 0; i < length; ++i) writer.hex(frame.data[i], 2);
+  }
+  writer.put('\n');
+  return writer.size();
+}
+
+std::variant<Frame, CandumpError> parse_candump_frame(std::string_view text) {
+  std::size_t at = 0;
+  auto result = parse_identifier(text, at);
+  if (auto* frame = std::get_if<Frame>(&result)) {
+    if (auto wrong = parse_data(text, at, *frame)) return *wrong;
+  }
+  return result;
+}
+
+std::variant<CandumpLine, CandumpError> parse_candump_line(std::string_view line) {
+  while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.remove_suffix(1);
+  CandumpLine result;
+  std::size_t at = 0;
+  auto time = parse_time(line, at);
+  if (auto* wrong = std::get_if<CandumpError>(&time)) return *wrong;
+  result.time = std::get<std::chrono::microseconds>(time);
+
+  std::size_t begin = 0;
+  const std::string_view interface = take_word(line, at, begin);
+  if (!is_interface_name(interface)) {
+    return CandumpError{begin + 1, "expected an interface name of 1 to 15 characters, found '" +
+                                       std::string(interface) + "'"};
+  }
+  result.interface = interface;
+
+  auto frame = parse_candump_frame(take_word(line, at, begin));
+  if (auto* wrong = std::get_if<CandumpError>(&frame)) {
+    return CandumpError{begin + wrong->column, wrong->message};
+  }
+  result.frame = std::get<Frame>(frame);
+
+  const std::string_view rest = take_word(line, at, begin);
+  if (!rest.empty() && rest != "R" && rest != "T") {
+    return CandumpError{begin + 1,
+                        "expected the end of the line, 'R' or 'T', found '" + std::string(rest) + "'"};
+  }
+  if (at < line.size()) return error(line, at, "the end of the line");
+  return result;
+}
+
+}  // namespace can

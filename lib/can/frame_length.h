@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+
+#include "can/frame.h"
+
+/// How long a frame stands on the bus, to the bit (CAN 2.0, parts A and B). Pure functions; none allocates or
+/// throws; safe on the realtime thread.
+///
+/// All lengths count from the start-of-frame bit to the end of the interframe space of 3 bits, so that two
+/// frames in a row need the sum of their lengths. A data length over 8 counts as 8. A remote frame has its
+/// data length code but no data bits; its identifier tells its format: over 0x7FF it is extended. An error
+/// frame is taken as `kErrorFrameBits`.
+namespace can {
+
+/// Bits of the interframe space, the last ones of every length given here.
+inline constexpr unsigned kInterframeBits = 3;
+/// Bits after the CRC sequence, never stuffed: CRC delimiter, acknowledge slot and delimiter, end of frame,
+/// interframe space.
+inline constexpr unsigned kTailBits = 1 + 2 + 7 + kInterframeBits;
+/// An error frame with the interframe space after it: 6 flag bits, 1 bit by which the other nodes' flags lag,
+/// 8 delimiter bits, 3 bits of interframe space.
+inline constexpr unsigned kErrorFrameBits = 6 + 1 + 8 + kInterframeBits;
+
+/// The 15-bit CRC sequence of `frame` (polynomial 0x4599), computed over start of frame to the end of data.
+/// 0 for an error frame.
+std::uint16_t crc15(const Frame& frame) noexcept;
+
+/// Stuff bits of `frame`, counted from the start of frame to the end of the CRC sequence. 0 for an error
+/// frame.
+unsigned stuff_bits(const Frame& frame) noexcept;
+
+/// Length of `frame` on the bus in bits, with the CRC and the stuff bits of this very frame.
+unsigned frame_bits(const Frame& frame) noexcept;
+
+/// Length in bits without stuff bits of a standard data frame with `dlc` bytes (0..8): 47 + 8 * dlc.
+constexpr unsigned unstuffed_bits(std::uint8_t dlc) noexcept {
+  return 34u + 8u * (dlc > 8 ? 8u : dlc) + kTailBits;
+}
+
+/// Length in bits of a standard data frame with `dlc` bytes (0..8) when a stuff bit follows every four bits:
+/// the bound that timing plans use. Fixed bits of the header keep real frames a little shorter.
+constexpr unsigned worst_case_bits(std::uint8_t dlc) noexcept {
+  const unsigned stuffed = 34u + 8u * (dlc > 8 ? 8u : dlc);
+  return stuffed + (stuffed - 1) / 4 + kTailBits;
+}
+
+}  // namespace can

@@ -1,0 +1,127 @@
+#include "can/candump.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <initializer_list>
+#include <random>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace {
+
+using can::Frame;
+using can::FrameKind;
+using std::chrono::microseconds;
+
+Frame frame_of(std::uint32_t id, FrameKind kind, std::initializer_list<int> bytes) {
+  Frame frame;
+  frame.id = id;
+  frame.kind = kind;
+  for (const int byte : bytes) frame.data[frame.dlc++] = static_cast<std::uint8_t>(byte);
+  return frame;
+}
+
+std::string written(microseconds time, std::string_view interface, const Frame& frame) {
+  std::array<char, can::kCandumpLineLimit> buffer{};
+  const std::size_t size = can::write_candump_line(time, interface, frame, buffer);
+  return {buffer.data(), size};
+}
+
+TEST(CandumpWriter, LinesAsCandumpWritesThem) {
+  EXPECT_EQ(written(microseconds(350), "can0", frame_of(0x17F, FrameKind::standard, {0x0D, 0xAB})),
+            "(0000000000.000350) can0 17F#0DAB\n");
+  EXPECT_EQ(written(microseconds(1'700'000'000'123'456), "line1", frame_of(0x010, FrameKind::standard, {})),
+            "(1700000000.123456) line1 010#\n");
+  EXPECT_EQ(written(microseconds(0), "can0", frame_of(0x123, FrameKind::extended, {1})),
+            "(0000000000.000000) can0 00000123#01\n");
+  EXPECT_EQ(written(microseconds(0), "can0", frame_of(0x123, FrameKind::remote, {})),
+            "(0000000000.000000) can0 123#R\n");
+  Frame remote = frame_of(0x12345, FrameKind::remote, {});
+  remote.dlc = 4;
+  EXPECT_EQ(written(microseconds(0), "can0", remote), "(0000000000.000000) can0 00012345#R4\n");
+  EXPECT_EQ(written(microseconds(0), "can0", frame_of(0x008, FrameKind::error, {0, 0, 0, 0, 0, 0, 0, 0})),
+            "(0000000000.000000) can0 20000008#0000000000000000\n");
+}
+
+TEST(CandumpWriter, LongestLineFits) {
+  const std::string line =
+      written(microseconds(INT64_MAX), "a_name_that_is_far_too_long",
+              frame_of(0x1FFFFFFF, FrameKind::extended, {255, 255, 255, 255, 255, 255, 255, 255}));
+  EXPECT_EQ(line, "(9223372036854.775807) a_name_that_is_ 1FFFFFFF#FFFFFFFFFFFFFFFF\n");
+}
+
+TEST(CandumpParser, ReadsWhatTheWriterWrites) {
+  std::mt19937 random(3);
+  for (int n = 0; n < 10'000; ++n) {
+    Frame frame;
+    frame.kind = static_cast<FrameKind>(random() % 4);
+    const bool standard =
+        frame.kind == FrameKind::standard || (frame.kind == FrameKind::remote && random() % 2 == 0);
+    frame.id = static_cast<std::uint32_t>(standard ? random() % 0x800 : 0x800 + random() % 0x1FFFF800);
+    frame.dlc = static_cast<std::uint8_t>(random() % 9);
+    if (frame.kind != FrameKind::remote) {
+      for (unsigned i = 0; i < frame.dlc; ++i) frame.data[i] = static_cast<std::uint8_t>(random());
+    }
+    const microseconds time(random());
+    const auto parsed = can::parse_candump_line(written(time, "can0", frame));
+    ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(parsed))
+        << std::get<can::CandumpError>(parsed).message;
+    const auto& line = std::get<can::CandumpLine>(parsed);
+    EXPECT_EQ(line.time, time);
+    EXPECT_EQ(line.interface, "can0");
+    EXPECT_EQ(line.frame, frame);
+  }
+}
+
+TEST(CandumpParser, TakesLowerCaseAndADirection) {
+  const auto parsed = can::parse_candump_line("(1.000002)  vcan0 58f#aB T\r\n");
+  ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(parsed));
+  const auto& line = std::get<can::CandumpLine>(parsed);
+  EXPECT_EQ(line.time, microseconds(1'000'002));
+  EXPECT_EQ(line.frame, frame_of(0x58F, FrameKind::standard, {0xAB}));
+}
+
+struct Wrong {
+  std::string_view line;
+  std::size_t column;
+  std::string_view message;  // a part of it
+};
+
+class CandumpParserErrors : public testing::TestWithParam<Wrong> {};
+
+TEST_P(CandumpParserErrors, NameColumnAndCause) {
+  const auto parsed = can::parse_candump_line(GetParam().line);
+  ASSERT_TRUE(std::holds_alternative<can::CandumpError>(parsed));
+  const auto& wrong = std::get<can::CandumpError>(parsed);
+  EXPECT_EQ(wrong.column, GetParam().column) << wrong.message;
+  EXPECT_NE(wrong.message.find(GetParam().message), std::string::npos) << wrong.message;
+}
+
+INSTANTIATE_TEST_SUITE_P(Lines, CandumpParserErrors,
+                         testing::Values(Wrong{"", 1, "'(' before the time stamp, found the end"},
+                                         Wrong{"1.0 can0 123#", 1, "found '1'"},
+                                         Wrong{"(x.000000) can0 123#", 2, "the seconds"},
+                                         Wrong{"(1,000000) can0 123#", 3, "'.' after"},
+                                         Wrong{"(1.00000) can0 123#", 9, "six digits"},
+                                         Wrong{"(1.0000000) can0 123#", 10, "')' after six"},
+                                         Wrong{"(1.000000)", 11, "interface name"},
+                                         Wrong{"(1.000000) name_of_16_chars_ 123#", 12, "1 to 15 characters"},
+                                         Wrong{"(1.000000) can0", 16, "found 0 digits"},
+                                         Wrong{"(1.000000) can0 12#", 17, "found 2 digits"},
+                                         Wrong{"(1.000000) can0 123456789#", 17, "or more digits"},
+                                         Wrong{"(1.000000) can0 800#", 17, "over 7FF"},
+                                         Wrong{"(1.000000) can0 40000000#", 17, "over 1FFFFFFF"},
+                                         Wrong{"(1.000000) can0 123", 20, "'#' after the identifier"},
+                                         Wrong{"(1.000000) can0 123##0", 21, "CAN FD"},
+                                         Wrong{"(1.000000) can0 123#0", 22, "second hexadecimal"},
+                                         Wrong{"(1.000000) can0 123#0G", 22, "found 'G'"},
+                                         Wrong{"(1.000000) can0 123#x0", 21, "found 'x'"},
+                                         Wrong{"(1.000000) can0 123#001122334455667788", 37, "more than 8"},
+                                         Wrong{"(1.000000) can0 123#R9", 22, "length digit"},
+                                         Wrong{"(1.000000) can0 123#00 Q", 24, "found 'Q'"},
+                                         Wrong{"(1.000000) can0 123#00 R 1", 25, "the end of the line"}));
+
+}  // namespace
