@@ -36,11 +36,11 @@ enum class RealtimeMode : std::uint8_t {
 /// The realtime thread.
 struct RealtimeConfig {
   RealtimeMode mode = RealtimeMode::ignore;
-  int priority = 60;                   ///< SCHED_FIFO priority, 1..98; 0: normal scheduling
-  int cpu = -1;                        ///< processor the thread is bound to; -1: any
-  bool lock_memory = true;             ///< mlockall
-  std::uint32_t request_queue = 1024;  ///< requests on their way to the realtime thread
-  std::uint32_t report_queue = 16384;  ///< reports on their way from the realtime thread
+  int priority = 60;                  ///< SCHED_FIFO priority, 1..98; 0: normal scheduling
+  int cpu = -1;                       ///< processor the thread is bound to; -1: any
+  bool lock_memory = true;            ///< mlockall
+  std::uint32_t request_queue = 256;  ///< requests on their way to the realtime thread
+  std::uint32_t report_queue = 1024;  ///< reports on their way from the realtime thread
 };
 
 /// Where the SYNC edge goes beside the bus itself. A simulated bus has its own SYNC line.

@@ -1,0 +1,188 @@
+#include "daemon/config_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "cansync/mapping.h"
+#include "cansync/settings_check.h"
+
+namespace cansyncd {
+namespace {
+
+using Problems = std::vector<Problem>;
+
+/// Fields of `MasterSettings` whose option has another name.
+constexpr auto kOptionOfField = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"bit_rate", "bus.bit_rate"},
+    {"send_margin", "bus.send_margin_us"},
+    {"startup.status_period", "startup.status_period_ms"},
+    {"process.polling[0]", "process.polling_1"},
+    {"process.polling[1]", "process.polling_2"},
+    {"command_channel.control_word", "command_channel.control_word_cursor"},
+    {"command_channel.parameter", "command_channel.parameter_cursor"},
+    {"command_channel.transfer", "command_channel.transfer_cursor"},
+    {"command_channel.parameter_monitoring", "command_channel.parameter_timeout_ms"},
+    {"command_channel.transfer_monitoring", "command_channel.transfer_timeout_ms"},
+});
+
+/// The checks, with the places of all options given.
+class Checker {
+ public:
+  Checker(Draft& draft, const std::vector<Setting>& settings, const std::string& path)
+      : draft_(draft), path_(path) {
+    for (const Setting& setting : settings) places_.emplace(setting.key(), &setting);
+  }
+
+  Problems run() {
+    mappings(draft_.reference, "process.reference", draft_.config.master.process.reference_mapping);
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      cansync::SlaveSettings& slave = draft_.config.master.slaves[n];
+      if (slave.configured)
+        mappings(draft_.actual[n], fmt::format("slave.{}.actual", n), slave.actual_mapping);
+    }
+    slave_names();
+    fault_script();
+    if (problems_.empty()) master();
+    return std::move(problems_);
+  }
+
+ private:
+  const Setting* place(const std::string& key) const {
+    const auto found = places_.find(key);
+    return found == places_.end() ? nullptr : found->second;
+  }
+
+  void problem(const std::string& key, std::string text) {
+    const Setting* setting = place(key);
+    problems_.push_back({setting != nullptr ? setting->where : Position{path_, 0, 0}, key, std::move(text)});
+  }
+
+  void mappings(const MappingDrafts& drafts, const std::string& prefix, cansync::ProcessMapping& mapping) {
+    for (unsigned telegram = 0; telegram < cansync::kChannels; ++telegram) {
+      const MappingDraft& draft = drafts[telegram];
+      const std::string number = std::to_string(telegram + 1);
+      const std::string registers = prefix + "_registers_" + number;
+      const std::string values = prefix + "_values_" + number;
+      const std::string high = prefix + "_high_" + number;
+      if (draft.registers && (draft.values || draft.high)) {
+        problem(registers, fmt::format("found beside {}; allowed: one form, registers or values and high",
+                                       draft.values ? values : high));
+      } else if (draft.registers) {
+        from_registers(registers, *draft.registers, mapping[telegram]);
+      } else if (draft.values && draft.high) {
+        from_arrays(values, draft, mapping[telegram]);
+      } else if (draft.values || draft.high) {
+        problem(draft.values ? values : high,
+                fmt::format("found without {}; allowed: both together", draft.values ? high : values));
+      }
+    }
+  }
+
+  void from_registers(const std::string& key, const std::array<std::uint8_t, cansync::kWords>& bytes,
+                      cansync::TelegramMapping& mapping) {
+    for (unsigned word = 0; word < cansync::kWords; ++word) {
+      const auto decoded = cansync::from_register(bytes[word]);
+      if (decoded) {
+        mapping.word[word] = *decoded;
+        continue;
+      }
+      problem(key, fmt::format(
+                       "found 0x{:02X} in word {}; allowed: 0 for an unused word, else bit 0 set, bit 1 for "
+                       "the high word, value number 0..7 in bits 2..6",
+                       bytes[word], word));
+      return;
+    }
+  }
+
+  void from_arrays(const std::string& key, const MappingDraft& draft, cansync::TelegramMapping& mapping) {
+    if (const auto decoded = cansync::from_arrays(*draft.values, *draft.high)) {
+      mapping = *decoded;
+    } else {
+      problem(key,
+              "found an unused word (-1) that is marked high; allowed: high only beside value numbers 0..7");
+    }
+  }
+
+  void slave_names() {
+    std::map<std::string_view, unsigned> seen;
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      if (!draft_.config.master.slaves[n].configured) continue;
+      const auto [first, fresh] = seen.emplace(draft_.config.slaves[n].name, n);
+      if (fresh) continue;
+      // A default name cannot be at fault: the one given says the same as it.
+      const std::string own = fmt::format("slave.{}.name", n);
+      const std::string other = fmt::format("slave.{}.name", first->second);
+      const bool own_given = place(own) != nullptr;
+      problem(own_given ? own : other,
+              fmt::format("found \"{}\", which is the name of slave {} too; allowed: each "
+                          "name once",
+                          first->first, own_given ? first->second : n));
+    }
+  }
+
+  void fault_script() {
+    namespace fs = std::filesystem;
+    std::string& script = draft_.config.sim.fault_script;
+    if (script.empty()) return;
+    const Setting* setting = place("sim.fault_script");
+    fs::path file = script;
+    if (file.is_relative() && setting != nullptr && !setting->overridden) {
+      file = fs::path(path_).parent_path() / file;
+    }
+    script = file.string();
+    std::error_code error;
+    if (!fs::is_regular_file(file, error) || !std::ifstream(file)) {
+      problem("sim.fault_script",
+              fmt::format("found \"{}\", which cannot be read; allowed: a readable file", script));
+    }
+  }
+
+  /// The option a field of the master's settings came from.
+  std::string option_of(const std::string& field) const {
+    for (const auto& [name, option] : kOptionOfField) {
+      if (field == name) return std::string(option);
+    }
+    if (field == "slaves") return "slave";
+    std::string key = field;
+    if (key.starts_with("slaves[")) {
+      key.replace(0, 7, "slave.");
+      key.erase(key.find(']'), 1);
+    }
+    const std::size_t mapping = key.find("_mapping[");
+    if (mapping == std::string::npos) return key;
+    const std::string telegram = key.substr(mapping + 9, 1) == "0" ? "1" : "2";
+    const std::string stem = key.substr(0, mapping);
+    const std::string registers = stem + "_registers_" + telegram;
+    return place(registers) != nullptr ? registers : stem + "_values_" + telegram;
+  }
+
+  void master() {
+    for (const cansync::SettingProblem& found : cansync::check(draft_.config.master)) {
+      const std::string key = option_of(found.field);
+      const std::size_t word = found.field.find(".word[");
+      const std::string where =
+          word == std::string::npos ? "" : " in word " + found.field.substr(word + 6, 1);
+      problem(key, fmt::format("found {}{}; allowed: {}", found.found, where, found.allowed));
+    }
+  }
+
+  Draft& draft_;
+  const std::string& path_;
+  std::map<std::string, const Setting*> places_;
+  Problems problems_;
+};
+
+}  // namespace
+
+std::vector<Problem> check_and_finish(Draft& draft, const std::vector<Setting>& settings,
+                                      const std::string& path) {
+  return Checker(draft, settings, path).run();
+}
+
+}  // namespace cansyncd

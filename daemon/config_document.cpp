@@ -1,0 +1,125 @@
+#include "daemon/config_document.h"
+
+#include <toml++/toml.h>
+
+#include <cerrno>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+namespace cansyncd {
+namespace {
+
+using Path = std::vector<Node::Step>;
+
+Position position(const toml::source_region& region, const std::string& file) {
+  return {file, region.begin.line, region.begin.column};
+}
+
+std::optional<Scalar> to_scalar(const toml::node& node) {
+  if (const auto* flag = node.as_boolean()) return Scalar(flag->get());
+  if (const auto* number = node.as_integer()) return Scalar(number->get());
+  if (const auto* number = node.as_floating_point()) return Scalar(number->get());
+  if (const auto* text = node.as_string()) return Scalar(text->get());
+  return std::nullopt;
+}
+
+/// A value of a type that no option has: dates, nested or mixed lists.
+Value other_value(const toml::node& node) {
+  Value value;
+  std::ostringstream text;
+  text << "a value of type " << node.type();
+  value.text = text.str();
+  return value;
+}
+
+Value to_value(const toml::node& node) {
+  if (std::optional<Scalar> scalar = to_scalar(node)) return scalar_value(std::move(*scalar));
+  const toml::array* list = node.as_array();
+  if (list == nullptr) return other_value(node);
+  std::vector<Scalar> items;
+  for (const toml::node& item : *list) {
+    std::optional<Scalar> scalar = to_scalar(item);
+    if (!scalar) return other_value(node);
+    items.push_back(std::move(*scalar));
+  }
+  return list_value(std::move(items));
+}
+
+/// Turns toml++'s tree into the flat list.
+class Flattener {
+ public:
+  Flattener(Document& document, std::string file) : document_(document), file_(std::move(file)) {}
+
+  void table(const toml::table& table, const Path& path) {
+    for (const auto& [key, node] : table) {
+      Path inner = path;
+      inner.push_back({std::string(key.str()), -1});
+      entry(node, std::move(inner), position(key.source(), file_));
+    }
+  }
+
+ private:
+  void entry(const toml::node& node, Path path, const Position& key) {
+    const Position where = position(node.source(), file_);
+    if (const toml::table* section = node.as_table()) {
+      document_.nodes.push_back({Node::Kind::section, path, {}, key, where});
+      table(*section, path);
+    } else if (node.is_array_of_tables()) {
+      document_.nodes.push_back({Node::Kind::sections, path, {}, key, where});
+      sections(*node.as_array(), path);
+    } else {
+      document_.nodes.push_back({Node::Kind::value, std::move(path), to_value(node), key, where});
+    }
+  }
+
+  void sections(const toml::array& array, Path path) {
+    int index = 0;
+    for (const toml::node& node : array) {
+      const Position where = position(node.source(), file_);
+      path.back().index = index++;
+      document_.nodes.push_back({Node::Kind::section, path, {}, where, where});
+      table(*node.as_table(), path);
+    }
+  }
+
+  Document& document_;
+  std::string file_;
+};
+
+}  // namespace
+
+Document parse_document(std::string_view text, const std::string& file) {
+  Document document;
+  try {
+    const toml::table root = toml::parse(text, file);
+    Flattener(document, file).table(root, {});
+  } catch (const toml::parse_error& error) {
+    document.nodes.clear();
+    document.problems.push_back({position(error.source(), file), "",
+                                 "this is not TOML: " + std::string(error.description()) +
+                                     "; allowed: [section], [[section]], key = value, # comment"});
+  }
+  return document;
+}
+
+Document read_document(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  errno = 0;
+  if (stream) text << stream.rdbuf();
+  if (!stream || stream.bad() || text.bad()) {
+    const std::string why = errno != 0 ? std::generic_category().message(errno) : "it cannot be read";
+    return {{}, {{{file, 0, 0}, "", "cannot read this file: " + why}}};
+  }
+  return parse_document(text.str(), file);
+}
+
+std::optional<Value> parse_value(const std::string& text) {
+  const Document document = parse_document("value = " + text + "\n", "");
+  if (document.nodes.size() != 1 || document.nodes.front().kind != Node::Kind::value) return std::nullopt;
+  return document.nodes.front().value;
+}
+
+}  // namespace cansyncd

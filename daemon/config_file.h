@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/config.h"
+#include "daemon/config_settings.h"
+#include "daemon/config_value.h"
+
+namespace cansyncd {
+
+/// A configuration as read, together with where it came from.
+struct ConfigFile {
+  std::string path;
+  Config config;                  ///< only to be used when there are no problems
+  std::vector<Setting> settings;  ///< what was given, by the file or --set
+  std::vector<Problem> problems;  ///< everything found wrong, in the order of the file
+};
+
+/// Reads and checks `path`; `overrides` are "KEY=VALUE" and win over the file. Never throws for a wrong file:
+/// all of its problems are in the result. Main thread.
+ConfigFile load_config(const std::string& path, std::span<const std::string> overrides);
+
+/// The same for settings that are already there; `path` names the file in problems.
+ConfigFile build_config(Settings settings, const std::string& path);
+
+/// The problems for people, one a line, at most 20 and then how many more there are.
+std::string problems_text(const std::vector<Problem>& problems);
+
+}  // namespace cansyncd

@@ -1,0 +1,145 @@
+#include "daemon/config_option_rows.h"
+
+namespace cansyncd {
+namespace {
+
+using namespace rows;  // the table reads better without the prefix in every line
+
+constexpr auto kRows = std::to_array<Option>({
+    // --- [bus]
+    string("bus.name", OptionType::identifier, "(the interface)", 1, 64,
+           "Name of the bus; clients find it by this name.",
+           [](Draft& d, const Value& v) { d.config.bus.name = words(v); }),
+    string("bus.interface", OptionType::identifier, "\"sim\"", 1, 15,
+           "\"sim\": simulated line and drives, in real time; else the CAN network interface.",
+           [](Draft& d, const Value& v) {
+             d.config.bus.interface = words(v);
+             d.config.bus.kind = words(v) == "sim" ? BusKind::simulated : BusKind::socketcan;
+           }),
+    one_number("bus.bit_rate", "1000000", "125000|250000|500000|1000000", "bit/s",
+               "Bit rate; it fixes the interval: 8, 4, 2 or 1 ms.",
+               [](Draft& d, const Value& v) {
+                 d.config.master.bit_rate = cansync::slot_times_for(whole<std::uint32_t>(v))->bit_rate;
+               }),
+    whole_number("bus.send_margin_us", "50", 0, 1000, "us",
+                 "How long before its latest start a telegram is sent; takes up the thread's lateness.",
+                 [](Draft& d, const Value& v) {
+                   d.config.master.send_margin = std::chrono::microseconds(whole<std::int64_t>(v));
+                 }),
+    // --- [realtime]
+    choice("realtime.mode", "\"ignore\"", "enforce|ignore",
+           "enforce: refuse to start when priority, processor or locked memory cannot be had; ignore: say "
+           "so once and run anyway.",
+           [](Draft& d, const Value& v) {
+             d.config.realtime.mode = words(v) == "enforce" ? RealtimeMode::enforce : RealtimeMode::ignore;
+           }),
+    whole_number("realtime.priority", "60", 0, 98, "",
+                 "SCHED_FIFO priority of the realtime thread; 0 = normal scheduling.",
+                 [](Draft& d, const Value& v) { d.config.realtime.priority = whole<int>(v); }),
+    whole_number("realtime.cpu", "-1", -1, 1023, "", "Processor the realtime thread is bound to; -1 = any.",
+                 [](Draft& d, const Value& v) { d.config.realtime.cpu = whole<int>(v); }),
+    plain("realtime.lock_memory", OptionType::boolean, "true",
+          "Lock all memory, so that no page fault delays the realtime thread.",
+          [](Draft& d, const Value& v) { d.config.realtime.lock_memory = flag(v); }),
+    whole_number("realtime.request_queue", "256", 16, 65536, "requests",
+                 "Requests on their way to the realtime thread; more are refused.",
+                 [](Draft& d, const Value& v) { d.config.realtime.request_queue = whole<std::uint32_t>(v); }),
+    whole_number("realtime.report_queue", "1024", 16, 65536, "reports",
+                 "Reports on their way from the realtime thread; more are lost and counted.",
+                 [](Draft& d, const Value& v) { d.config.realtime.report_queue = whole<std::uint32_t>(v); }),
+    // --- [sync]
+    choice("sync.output", "\"none\"", "none",
+           "Where the SYNC edge goes beside the bus. The simulated bus has its own SYNC line.",
+           [](Draft& d, const Value&) { d.config.sync_output = SyncOutput::none; }),
+    // --- [startup]
+    choice("startup.target", "\"active\"", "none|setup|active",
+           "How far the daemon goes by itself: none = waits for mode commands; setup = SYNC and command "
+           "channel; active = set-up, then active operation as soon as `enable` allows.",
+           [](Draft& d, const Value& v) {
+             d.config.startup.target = words(v) == "none"    ? StartTarget::none
+                                       : words(v) == "setup" ? StartTarget::setup
+                                                             : StartTarget::active;
+           }),
+    choice("startup.enable", "\"all_synchronized\"", "all_synchronized|all_responding|any",
+           "When active operation may begin: every configured slave responds and is synchronized, every "
+           "one responds, or at once.",
+           [](Draft& d, const Value& v) {
+             d.config.master.startup.enable = words(v) == "any"              ? EnableRule::any
+                                              : words(v) == "all_responding" ? EnableRule::all_responding
+                                                                             : EnableRule::all_synchronized;
+           }),
+    whole_number(
+        "startup.activate_command", "2", 2, 255, "",
+        "Command number of the action \"SYNC mode: activate\" (unconfirmed).",
+        [](Draft& d, const Value& v) { d.config.master.startup.activate_command = whole<std::uint8_t>(v); }),
+    whole_number(
+        "startup.activate_data", "1", 0, 255, "", "Data byte of that action (unconfirmed).",
+        [](Draft& d, const Value& v) { d.config.master.startup.activate_data = whole<std::uint8_t>(v); }),
+    whole_number("startup.status_parameter", "301", 0, 4095, "",
+                 "Parameter number of the status word of slaves that do not give their own (unconfirmed).",
+                 [](Draft& d, const Value& v) {
+                   for (auto& slave : d.config.master.slaves)
+                     slave.status_parameter = whole<std::uint16_t>(v);
+                 }),
+    whole_number("startup.status_period_ms", "1000", 0, 3'600'000, "ms",
+                 "How often each slave's status word is read in active operation; 0 = never.",
+                 [](Draft& d, const Value& v) { d.config.master.startup.status_period = milliseconds(v); }),
+    whole_number(
+        "startup.lost_after", "3", 1, 255, "telegrams",
+        "Unanswered telegrams in a row until a slave counts as lost.",
+        [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }),
+    // --- [failsafe]
+    choice("failsafe.on_writer_lost", "\"stop_release\"", "stop_release",
+           "When the writer of reference values is lost: stop_release = its telegram is no longer sent, so "
+           "that the slaves extrapolate and fault by themselves.",
+           [](Draft& d, const Value&) { d.config.failsafe.on_writer_lost = WriterLostAction::stop_release; }),
+    whole_number("failsafe.reference_max_age_ms", "0", 0, 60'000, "ms",
+                 "Reference values written longer ago than this are not taken; 0 = not looked at. Needs "
+                 "synchronised clocks when writer and daemon run on different computers.",
+                 [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); }),
+    // --- [dds]
+    whole_number("dds.domain", "0", 0, 230, "", "DDS domain.",
+                 [](Draft& d, const Value& v) { d.config.dds.domain = whole<std::uint32_t>(v); }),
+    string("dds.interface", OptionType::identifier, "\"lo\"", 1, 64,
+           "Network interface DDS is bound to, by name or address. Anything but lo opens the gateway to "
+           "that network.",
+           [](Draft& d, const Value& v) { d.config.dds.interface = words(v); }),
+    string("dds.partition", OptionType::identifier, "(bus.name)", 1, 64, "DDS partition of all topics.",
+           [](Draft& d, const Value& v) { d.config.dds.partition = words(v); }),
+    plain("dds.interval_topic", OptionType::boolean, "false",
+          "Publish the topic Interval: one sample per interval, right after SYNC.",
+          [](Draft& d, const Value& v) { d.config.dds.interval_topic = flag(v); }),
+    string("dds.xml", OptionType::text, "\"\"", 0, 65536,
+           "Cyclone DDS configuration (XML) used instead of the generated one; interface is not looked at "
+           "then.",
+           [](Draft& d, const Value& v) { d.config.dds.xml = words(v); }),
+    // --- [sim]
+    plain("sim.drives", OptionType::slaves, "(every configured slave)",
+          "Slaves that have a simulated drive; the others stay silent.",
+          [](Draft& d, const Value& v) { d.config.sim.drives = slave_mask(d.config, v); }),
+    whole_number("sim.lock_time_ms", "500", 0, 60'000, "ms",
+                 "Time from activation to bit 15 of a drive's status word.",
+                 [](Draft& d, const Value& v) { d.config.sim.lock_time = milliseconds(v); }),
+    whole_number("sim.seed", "1", 0, INT64_MAX, "", "Seed of everything random in the simulation.",
+                 [](Draft& d, const Value& v) { d.config.sim.seed = whole<std::uint64_t>(v); }),
+    string("sim.fault_script", OptionType::text, "\"\"", 0, 4096,
+           "File with faults to inject; a relative path starts at the configuration file's folder.",
+           [](Draft& d, const Value& v) { d.config.sim.fault_script = words(v); }),
+    whole_number("sim.memory_bytes", "1048576", 4096, 16'777'216, "bytes",
+                 "Memory of each drive for uploads and downloads.",
+                 [](Draft& d, const Value& v) { d.config.sim.memory = whole<std::uint32_t>(v); }),
+    whole_number("sim.missing_references", "10", 1, 65535, "intervals",
+                 "Intervals in a row without reference values until a drive faults.",
+                 [](Draft& d, const Value& v) { d.config.sim.missing_references = whole<std::uint16_t>(v); }),
+    string("sim.trace", OptionType::text, "\"\"", 0, 4096,
+           "File for a log of the bus in candump's text format, SYNC edges included; the same as --trace.",
+           [](Draft& d, const Value& v) { d.config.sim.trace = words(v); }),
+});
+
+}  // namespace
+
+std::span<const Option> rows::daemon_options() {
+  return kRows;
+}
+
+}  // namespace cansyncd
