@@ -42,7 +42,6 @@ void CommandChannel::begin_interval(IntervalNumber now) noexcept {
   for (Scan* scan : {&control_word_scan_, &parameter_scan_, &transfer_scan_}) {
     scan->rising = scan->rising >= maximum_slave_.value() ? 0 : static_cast<std::uint8_t>(scan->rising + 1);
   }
-  check_times();
 }
 
 Refusal CommandChannel::set_cursors(const Cursor& control_word, const Cursor& parameter,
@@ -90,6 +89,7 @@ void CommandChannel::count_share(Scan& scan, SlaveMask waiting, bool served) noe
 
 std::optional<Telegram> CommandChannel::take() noexcept {
   settle_unanswered();
+  check_times();
   chosen_.kind = Kind::none;
   choose();
   count_share(parameter_scan_, parameters_.waiting(), chosen_.kind == Kind::parameter);
@@ -107,8 +107,8 @@ void CommandChannel::choose() noexcept {
   if (choose_broadcast(0)) return;
   if (supervision_.urgent() && choose_supervision()) return;
   if (share_due(supervision_scan_, pressing()) && choose_supervision()) return;
-  if (share_due(transfer_scan_, transfers_.waiting()) && choose_transfer()) return;
   if (share_due(parameter_scan_, parameters_.waiting()) && choose_parameter()) return;
+  if (share_due(transfer_scan_, transfers_.waiting()) && choose_transfer()) return;
   if (choose_broadcast(1) || choose_broadcast(2) || choose_control_word()) return;
   if (choose_parameter() || choose_transfer()) return;
   choose_supervision();
@@ -259,14 +259,13 @@ void CommandChannel::check_times() noexcept {
       const Duration time = job.request().monitoring_time;
       job.monitor_until(now_ + std::max<IntervalNumber>(
                                    intervals(time > Duration(0) ? time : settings_.parameter_monitoring), 1));
-    } else if (now_ >= job.deadline() && !(asked_.kind == Kind::parameter && asked_.slave == slave)) {
+    } else if (now_ >= job.deadline()) {
       job.end(Outcome::timeout, now_);
       finish_parameter(slave);
     }
   }
   for (std::uint32_t left = transfers_.waiting().bits; left != 0; left &= left - 1) {
     const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
-    if (asked_.kind == Kind::transfer && asked_.slave == slave) continue;
     if (transfers_.front(slave)->check_time(now_) == Step::ended) finish_transfer(slave);
   }
 }

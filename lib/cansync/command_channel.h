@@ -59,7 +59,7 @@ class FixedQueue {
 
 /// Decides which one command goes out in an interval, and brings the answers to their jobs (M 3.2.2.6).
 ///
-/// Order: broadcast 0; then status words, transfers and parameters whose minimum share is due; broadcast 1;
+/// Order: broadcast 0; then status words, parameters and transfers whose minimum share is due; broadcast 1;
 /// broadcast 2; control word; parameter; transfer; status words. In start-up the activation and the first
 /// status words go right after broadcast 0. Memory is taken in the constructor; everything else is realtime
 /// safe. Not thread safe.

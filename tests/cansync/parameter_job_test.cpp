@@ -1,0 +1,231 @@
+#include "master_rig.h"
+
+namespace cansync::test {
+namespace {
+
+using Kind = ParameterCommand::Kind;
+
+/// A master in active operation with four slaves whose parameter answers each test scripts; status words are
+/// answered.
+struct ParameterJobs : testing::Test {
+  MasterSettings settings = settings_for(4);
+  std::unique_ptr<MasterRig> rig;
+  std::vector<ParameterCommand> asked;
+  std::function<std::optional<Telegram>(const ParameterCommand&)> script;
+
+  void start() {
+    settings.startup.status_period = Duration(0);
+    rig = std::make_unique<MasterRig>(settings);
+    rig->activate();
+    rig->answer = [this](const Telegram& telegram) -> std::optional<Telegram> {
+      const auto* command = std::get_if<ParameterCommand>(&telegram);
+      if (command == nullptr) return std::nullopt;
+      asked.push_back(*command);
+      return script(*command);
+    };
+  }
+  ParameterResult run(ParameterRequest request, unsigned most = 10'000) {
+    if (!rig) start();
+    request.id = 1;
+    EXPECT_EQ(rig->master.submit(request), Refusal::none);
+    rig->run_until([this] { return rig->told.parameters.contains(1); }, most);
+    return rig->told.parameters[1];
+  }
+};
+
+TEST_F(ParameterJobs, ReadsAWordInOneInterval) {
+  script = [](const ParameterCommand& c) { return MasterRig::word_reply(c, 0xBEEF); };
+  const ParameterResult result = run({.slave = slave(3), .number = parameter(0xABC)});
+  EXPECT_EQ(result.outcome, Outcome::done);
+  EXPECT_EQ(result.value, 0xBEEFu);
+  EXPECT_FALSE(result.doubleword);
+  EXPECT_EQ(result.intervals, 1u);
+  ASSERT_EQ(asked.size(), 1u);
+  EXPECT_EQ(encode(asked[0]),
+            (can::Frame{0x503, can::FrameKind::standard, 4, {0x7A, 0xBC, 0, 0, 0, 0, 0, 0}}));
+}
+
+TEST_F(ParameterJobs, ReadsADoublewordWithElementAndSubSlave) {
+  script = [](const ParameterCommand& c) { return MasterRig::doubleword_reply(c, 0x12345678); };
+  const ParameterResult result = run({.slave = slave(0),
+                                      .sub_slave = {0x0102},
+                                      .number = parameter(1),
+                                      .element = *Element::from(3),
+                                      .format = ParameterFormat::doubleword});
+  EXPECT_EQ(result.outcome, Outcome::done);
+  EXPECT_EQ(result.value, 0x12345678u);
+  EXPECT_TRUE(result.doubleword);
+  EXPECT_EQ(encode(asked[0]),
+            (can::Frame{0x500, can::FrameKind::standard, 4, {0x30, 0x01, 0x02, 0x01, 0, 0, 0, 0}}));
+}
+
+TEST_F(ParameterJobs, FormatOtherThanAskedNamesTheOneExpected) {
+  script = [](const ParameterCommand& c) { return MasterRig::doubleword_reply(c, 5); };
+  EXPECT_EQ(run({.number = parameter(1), .format = ParameterFormat::word}).outcome,
+            Outcome::doubleword_expected);
+  rig.reset();
+  script = [](const ParameterCommand& c) { return MasterRig::word_reply(c, 5); };
+  EXPECT_EQ(run({.number = parameter(1), .format = ParameterFormat::doubleword}).outcome,
+            Outcome::word_expected);
+}
+
+TEST_F(ParameterJobs, WritesInBothFormats) {
+  script = [](const ParameterCommand& c) { return MasterRig::written_reply(c); };
+  EXPECT_EQ(
+      run({.write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 0x1234}).outcome,
+      Outcome::done);
+  EXPECT_EQ(encode(asked[0]),
+            (can::Frame{0x500, can::FrameKind::standard, 6, {0x70, 0x02, 0x34, 0x12, 0, 0, 0, 0}}));
+  rig.reset();
+  EXPECT_EQ(
+      run({.write = true, .number = parameter(2), .format = ParameterFormat::doubleword, .value = 0x01020304})
+          .outcome,
+      Outcome::done);
+  EXPECT_EQ(encode(asked[1]),
+            (can::Frame{0x500, can::FrameKind::standard, 8, {0x70, 0x02, 4, 3, 2, 1, 0, 0}}));
+}
+
+TEST_F(ParameterJobs, AWriteAsTheSlaveSaysReadsTheFormatFirst) {
+  script = [](const ParameterCommand& c) {
+    return c.kind == Kind::read ? MasterRig::doubleword_reply(c, 1) : MasterRig::written_reply(c);
+  };
+  const ParameterResult result = run({.write = true, .number = parameter(2), .value = 7});
+  EXPECT_EQ(result.outcome, Outcome::done);
+  EXPECT_EQ(result.value, 7u);
+  ASSERT_EQ(asked.size(), 2u);
+  EXPECT_EQ(asked[0].kind, Kind::read);
+  EXPECT_EQ(asked[1].kind, Kind::write_doubleword);
+}
+
+TEST_F(ParameterJobs, AWriteAsTheSlaveSaysRefusesAValueTheWordCannotHold) {
+  script = [](const ParameterCommand& c) { return MasterRig::word_reply(c, 1); };
+  EXPECT_EQ(run({.write = true, .number = parameter(2), .value = 0x10000}).outcome, Outcome::value_too_wide);
+  EXPECT_EQ(asked.size(), 1u);
+}
+
+TEST_F(ParameterJobs, BusyRepeatsTheSameTelegramUntilTheSlaveIsDone) {
+  script = [this](const ParameterCommand& c) {
+    return asked.size() < 6 ? MasterRig::busy_reply(c) : MasterRig::written_reply(c);
+  };
+  const ParameterResult result =
+      run({.write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 9});
+  EXPECT_EQ(result.outcome, Outcome::done);
+  EXPECT_EQ(result.busy_replies, 5u);
+  EXPECT_EQ(result.intervals, 6u);
+  for (const ParameterCommand& command : asked) EXPECT_EQ(command, asked[0]);
+}
+
+TEST_F(ParameterJobs, EndlessBusyEndsAtTheMonitoringTimeOfThreeSeconds) {
+  script = [](const ParameterCommand& c) { return MasterRig::busy_reply(c); };
+  start();
+  const IntervalNumber from = rig->next_interval;
+  EXPECT_EQ(run({.number = parameter(2)}).outcome, Outcome::timeout);
+  EXPECT_NEAR(static_cast<double>(rig->next_interval - from), 3000, 2);
+}
+
+TEST_F(ParameterJobs, MonitoringTimeOfTheRequestCounts) {
+  script = [](const ParameterCommand&) { return std::nullopt; };
+  start();
+  const IntervalNumber from = rig->next_interval;
+  EXPECT_EQ(run({.number = parameter(2), .monitoring_time = std::chrono::milliseconds(20)}).outcome,
+            Outcome::timeout);
+  EXPECT_NEAR(static_cast<double>(rig->next_interval - from), 20, 2);
+  EXPECT_GT(asked.size(), 10u) << "an unanswered read is asked again";
+}
+
+TEST_F(ParameterJobs, AnUnansweredWriteIsNeverSentTwice) {
+  script = [](const ParameterCommand&) { return std::nullopt; };
+  EXPECT_EQ(run({.write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 9}).outcome,
+            Outcome::no_answer);
+  rig->run(50);
+  EXPECT_EQ(asked.size(), 1u);
+}
+
+TEST_F(ParameterJobs, AnUnansweredWriteIsRepeatedWhenTheSettingSaysSo) {
+  settings.command_channel.repeat_unanswered_writes = true;
+  script = [this](const ParameterCommand& c) {
+    return asked.size() < 3 ? std::nullopt : std::optional(MasterRig::written_reply(c));
+  };
+  EXPECT_EQ(run({.write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 9}).outcome,
+            Outcome::done);
+  EXPECT_EQ(asked.size(), 3u);
+}
+
+TEST_F(ParameterJobs, AWriteThatWasLeftOutOfItsSlotIsSentInTheNext) {
+  script = [](const ParameterCommand& c) { return MasterRig::written_reply(c); };
+  start();
+  rig->leave_out_command = true;
+  EXPECT_EQ(run({.write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 9}).outcome,
+            Outcome::done);
+  EXPECT_EQ(asked.size(), 1u);
+  EXPECT_EQ(rig->master.counters().left_out, 1u);
+}
+
+TEST_F(ParameterJobs, AReplyToAnotherNumberSlaveOrSubSlaveIsNotTheAnswer) {
+  script = [this](const ParameterCommand& c) {
+    ParameterCommand wrong = c;
+    if (asked.size() == 1) wrong.number = parameter(99);
+    if (asked.size() == 2) wrong.slave = slave(2);
+    if (asked.size() == 3) wrong.sub_slave = {5};
+    return MasterRig::word_reply(wrong, asked.size() == 4 ? 0x4444 : 0x1111);
+  };
+  const ParameterResult result = run({.slave = slave(1), .number = parameter(10)});
+  EXPECT_EQ(result.value, 0x4444u);
+  EXPECT_EQ(asked.size(), 4u);
+  EXPECT_EQ(rig->master.counters().unexpected, 3u);
+}
+
+TEST_F(ParameterJobs, AReplyWithoutSubSlaveAddressIsAccepted) {
+  script = [](const ParameterCommand& c) {
+    return ParameterReply{c.slave, c.number, false, false, 2, {0x34, 0x12}};
+  };
+  EXPECT_EQ(run({.number = parameter(10)}).value, 0x1234u);
+}
+
+TEST_F(ParameterJobs, EverySlaveErrorIsHandedOn) {
+  for (const auto error :
+       {ParameterError::unspecified, ParameterError::below_minimum, ParameterError::above_maximum,
+        ParameterError::not_changeable, ParameterError::not_present, ParameterError::not_available_now,
+        ParameterError::wrong_format}) {
+    rig.reset();
+    script = [error](const ParameterCommand& c) { return MasterRig::error_reply(c, error); };
+    const ParameterResult result =
+        run({.write = true, .number = parameter(3), .format = ParameterFormat::word, .value = 1});
+    EXPECT_EQ(result.outcome, Outcome::slave_error);
+    EXPECT_EQ(result.error, error);
+  }
+}
+
+TEST_F(ParameterJobs, RefusalsSendNothing) {
+  script = [](const ParameterCommand& c) { return MasterRig::written_reply(c); };
+  start();
+  Master& master = rig->master;
+  EXPECT_EQ(master.submit(ParameterRequest{.slave = slave(4)}), Refusal::slave_not_configured);
+  EXPECT_EQ(master.submit(ParameterRequest{.write = true, .element = *Element::from(6)}),
+            Refusal::element_not_writable);
+  EXPECT_EQ(master.submit(ParameterRequest{.write = true, .format = ParameterFormat::word, .value = 0x10000}),
+            Refusal::value_too_wide);
+  EXPECT_EQ(master.cancel(77), Refusal::unknown_job);
+  rig->run(10);
+  EXPECT_TRUE(asked.empty());
+}
+
+TEST_F(ParameterJobs, QueueIsBoundedAndCancelEndsJobsOnce) {
+  settings.command_channel.parameter_queue = 4;
+  script = [](const ParameterCommand&) { return std::nullopt; };
+  start();
+  for (JobId id = 1; id <= 4; ++id) {
+    ASSERT_EQ(rig->master.submit(ParameterRequest{.id = id, .number = parameter(1)}), Refusal::none);
+  }
+  EXPECT_EQ(rig->master.submit(ParameterRequest{.id = 5, .number = parameter(1)}), Refusal::queue_full);
+  rig->run(3);
+  EXPECT_EQ(rig->master.cancel(1), Refusal::none);  // on its way
+  EXPECT_EQ(rig->master.cancel(3), Refusal::none);  // waiting
+  EXPECT_EQ(rig->master.cancel(3), Refusal::unknown_job);
+  EXPECT_EQ(rig->told.parameters.at(1).outcome, Outcome::cancelled);
+  EXPECT_EQ(rig->told.parameters.at(3).outcome, Outcome::cancelled);
+  EXPECT_EQ(rig->master.open_parameter_jobs(), 2u);
+}
+
+}  // namespace
+}  // namespace cansync::test

@@ -1,0 +1,225 @@
+#include "master_rig.h"
+
+namespace cansync::test {
+namespace {
+
+const auto kStandard = can::FrameKind::standard;
+
+/// Answers reference telegrams with actual values that tell slave, channel and a counter.
+std::optional<Telegram> actual_answer(const Telegram& telegram) {
+  const auto* reference = std::get_if<ReferenceTelegram>(&telegram);
+  if (reference == nullptr || reference->polled > 31) return MasterRig::status_only(telegram);
+  return ActualTelegram{
+      reference->channel, slave(reference->polled), 4, {reference->polled, 0, 0xFFFF, 0xFFFF}};
+}
+
+std::unique_ptr<MasterRig> active_line(MasterSettings settings) {
+  settings.startup.status_period = Duration(0);
+  auto rig = std::make_unique<MasterRig>(settings);
+  rig->activate();
+  rig->answer = actual_answer;
+  return rig;
+}
+
+std::vector<can::Frame> references(const MasterRig& rig) {
+  std::vector<can::Frame> frames;
+  for (const Telegram& telegram : rig.sent) {
+    if (std::holds_alternative<ReferenceTelegram>(telegram)) frames.push_back(encode(telegram));
+  }
+  return frames;
+}
+
+TEST(ProcessData, NothingReleasedMeansNoTelegramAndNoActualValues) {
+  auto rig = active_line(settings_for(2));
+  rig->run(10);
+  EXPECT_TRUE(references(*rig).empty());
+  EXPECT_TRUE(rig->told.actual.empty());
+  EXPECT_EQ(rig->master.counters().references_not_released, 20u);
+}
+
+TEST(ProcessData, AnUpdateIsReleasedExactlyOnce) {
+  MasterSettings settings = settings_for(4);
+  settings.process.polling[0] = {Cursor::Kind::fixed, slave(3)};
+  auto rig = active_line(settings);
+  ASSERT_EQ(rig->master.submit(
+                ReferenceUpdate{.channel = Channel::one, .value = {0x11223344, 0x55667788}, .valid_mask = 3}),
+            Refusal::none);
+  rig->step();
+  ASSERT_EQ(references(*rig).size(), 1u);
+  // WRC1 that asks slave 3: doubleword values 0 and 1, low word first.
+  EXPECT_EQ(references(*rig)[0],
+            (can::Frame{0x103, kStandard, 8, {0x44, 0x33, 0x22, 0x11, 0x88, 0x77, 0x66, 0x55}}));
+  ASSERT_EQ(rig->told.actual.size(), 1u);
+  EXPECT_EQ(rig->told.actual[0].first, slave(3));
+  EXPECT_EQ(rig->told.actual[0].second.value[0], 3u);
+  EXPECT_EQ(rig->told.actual[0].second.value[1], 0xFFFFFFFFu);
+  rig->run(5);
+  EXPECT_TRUE(references(*rig).empty());
+  EXPECT_EQ(rig->told.count(MasterEvent::Code::references_released), 1u);
+  EXPECT_EQ(rig->told.count(MasterEvent::Code::references_stopped), 1u);
+}
+
+TEST(ProcessData, ReleaseForSeveralIntervalsEndsByItself) {
+  auto rig = active_line(settings_for(2));
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{
+                .channel = Channel::two, .value = {1, 2, 3, 4}, .valid_mask = 15, .release_intervals = 7}),
+            Refusal::none);
+  unsigned sent = 0;
+  for (int i = 0; i < 20; ++i) {
+    rig->step();
+    sent += static_cast<unsigned>(references(*rig).size());
+  }
+  EXPECT_EQ(sent, 7u);
+}
+
+TEST(ProcessData, StopReleaseTakesEffectInTheNextInterval) {
+  auto rig = active_line(settings_for(2));
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1, .release_intervals = 100}), Refusal::none);
+  rig->run(3);
+  EXPECT_EQ(references(*rig).size(), 1u);
+  rig->master.stop_release(Channel::one);
+  rig->step();
+  EXPECT_TRUE(references(*rig).empty());
+}
+
+TEST(ProcessData, ValuesForALaterIntervalWaitForIt) {
+  auto rig = active_line(settings_for(2));
+  const IntervalNumber now = rig->next_interval;
+  rig->step();
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {5}, .valid_mask = 1, .from_interval = now + 4}),
+            Refusal::none);
+  for (IntervalNumber n = now + 1; n < now + 8; ++n) {
+    rig->step();
+    EXPECT_EQ(references(*rig).size(), n == now + 4 ? 1u : 0u) << n - now;
+  }
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1, .from_interval = now + 3}),
+            Refusal::interval_passed);
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1, .from_interval = now + 5000}),
+            Refusal::interval_passed);
+}
+
+TEST(ProcessData, ValuesNotValidKeepTheirLastValue) {
+  auto rig = active_line(settings_for(2));
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {0x1111, 0x2222}, .valid_mask = 3}), Refusal::none);
+  rig->step();
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {0x3333, 0x4444}, .valid_mask = 2}), Refusal::none);
+  rig->step();
+  EXPECT_EQ(references(*rig)[0].data, (std::array<std::uint8_t, 8>{0x11, 0x11, 0, 0, 0x44, 0x44, 0, 0}));
+}
+
+TEST(ProcessData, BadUpdatesAreRefused) {
+  auto rig = active_line(settings_for(2));
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 0}), Refusal::nothing_valid);
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 16}), Refusal::nothing_valid);
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1, .release_intervals = 0}),
+            Refusal::release_too_long);
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1, .release_intervals = 1001}),
+            Refusal::release_too_long);
+  for (int i = 0; i < 16; ++i) ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::queue_full);
+}
+
+TEST(ProcessData, AutomaticPollingRisesOneSlavePerIntervalAndBothChannelsMayAskOthers) {
+  MasterSettings settings = settings_for(5);
+  settings.process.polling[1] = {Cursor::Kind::fixed, slave(2)};
+  auto rig = active_line(settings);
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1, .release_intervals = 100}), Refusal::none);
+  ASSERT_EQ(
+      rig->master.submit(ReferenceUpdate{.channel = Channel::two, .valid_mask = 1, .release_intervals = 100}),
+      Refusal::none);
+  rig->step();
+  const std::uint32_t first = references(*rig)[0].id - 0x100;
+  for (unsigned i = 1; i < 12; ++i) {
+    rig->step();
+    EXPECT_EQ(references(*rig)[0].id, 0x100 + (first + i) % 5);
+    EXPECT_EQ(references(*rig)[1].id, 0x182u);
+  }
+}
+
+TEST(ProcessData, PollingNobodyUsesTheReservedNumber) {
+  MasterSettings settings = settings_for(2);
+  settings.process.polling[0] = {Cursor::Kind::nobody, {}};
+  auto rig = active_line(settings);
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
+  rig->step();
+  EXPECT_EQ(references(*rig)[0].id, 0x17Fu);
+}
+
+TEST(ProcessData, ATelegramAsLongAsItsMapping) {
+  MasterSettings settings = settings_for(2);
+  settings.process.full_length = false;
+  settings.process.reference_mapping[0] = TelegramMapping{{{{true, false, 3}, {}, {}, {}}}};
+  auto rig = active_line(settings);
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {0, 0, 0, 0xABCD1234}, .valid_mask = 8}),
+            Refusal::none);
+  rig->step();
+  EXPECT_EQ(references(*rig)[0].dlc, 2);
+  EXPECT_EQ(references(*rig)[0].data, (std::array<std::uint8_t, 8>{0x34, 0x12}));
+}
+
+TEST(ProcessData, PollingWithoutReferenceSendsNoValues) {
+  MasterSettings settings = settings_for(2);
+  settings.process.poll_without_reference = true;
+  auto rig = active_line(settings);
+  rig->run(4);
+  ASSERT_EQ(references(*rig).size(), 2u);
+  EXPECT_EQ(references(*rig)[0].dlc, 0);
+  EXPECT_EQ(rig->told.actual.size(), 8u);
+}
+
+TEST(ProcessData, OnlyAskedActualValuesAreTaken) {
+  MasterSettings settings = settings_for(4);
+  settings.process.polling[0] = {Cursor::Kind::fixed, slave(1)};
+  auto rig = active_line(settings);
+  rig->answer = [](const Telegram& telegram) -> std::optional<Telegram> {
+    if (!std::holds_alternative<ReferenceTelegram>(telegram)) return std::nullopt;
+    return ActualTelegram{Channel::one, slave(2), 4, {1, 2, 3, 4}};
+  };
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
+  rig->run(2);
+  EXPECT_TRUE(rig->told.actual.empty());
+  EXPECT_EQ(rig->master.counters().unexpected, 1u);
+  EXPECT_EQ(rig->master.slave(slave(1)).missed_actual, 1u);
+}
+
+TEST(ProcessData, ADuplicateOfAnActualValueTelegramIsNotTakenTwice) {
+  MasterSettings settings = settings_for(1);
+  auto rig = active_line(settings);
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
+  rig->step();
+  rig->master.receive(encode(ActualTelegram{Channel::one, slave(0), 4, {9, 9, 9, 9}}),
+                      std::chrono::microseconds(600));
+  EXPECT_EQ(rig->told.actual.size(), 1u);
+  EXPECT_EQ(rig->master.actual(slave(0)).value[0], 0u);
+}
+
+TEST(ProcessData, MappingsChangeWhileRunning) {
+  auto rig = active_line(settings_for(1));
+  ProcessMapping mapping;
+  mapping[0].word[0] = {true, true, 2};
+  mapping[1].word[3] = {true, false, 7};
+  EXPECT_EQ(rig->master.set_reference_mapping(mapping), Refusal::none);
+  EXPECT_EQ(rig->master.set_actual_mapping(slave(0), mapping), Refusal::none);
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {0, 0, 0xAABBCCDD}, .valid_mask = 4}), Refusal::none);
+  rig->answer = [](const Telegram&) { return ActualTelegram{Channel::one, slave(0), 4, {0x7788, 0, 0, 0}}; };
+  rig->step();
+  EXPECT_EQ(references(*rig)[0].data, (std::array<std::uint8_t, 8>{0xBB, 0xAA}));
+  EXPECT_EQ(rig->master.actual(slave(0)).value[2], 0x77880000u);
+  mapping[0].word[1] = {true, false, 4};  // a value of the other telegram
+  EXPECT_EQ(rig->master.set_reference_mapping(mapping), Refusal::mapping);
+  EXPECT_EQ(rig->master.set_actual_mapping(slave(0), mapping), Refusal::mapping);
+  EXPECT_EQ(rig->master.set_actual_mapping(slave(9), {}), Refusal::slave_not_configured);
+}
+
+TEST(ProcessData, AReferenceTelegramLeftOutIsNotSentLater) {
+  auto rig = active_line(settings_for(1));
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {5}, .valid_mask = 1}), Refusal::none);
+  rig->master.begin_interval(rig->next_interval++);
+  ASSERT_TRUE(rig->master.take(Slot::reference_one).has_value());
+  rig->master.left_out(Slot::reference_one);
+  rig->run(3);
+  EXPECT_TRUE(references(*rig).empty());
+}
+
+}  // namespace
+}  // namespace cansync::test
