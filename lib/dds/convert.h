@@ -14,11 +14,12 @@
 #include "cansync/settings.h"
 
 /// Between the structs of the IDL and those of the core, in one file. Requests must have passed `check`
-/// (validate.h); a field out of range is cut to its type and never read out of bounds. No function allocates or
-/// throws.
+/// (validate.h); a field out of range is cut to its type and never read out of bounds. No function allocates
+/// or throws.
 namespace cansync::dds {
 
-/// Copies `text` into a bounded IDL string, cut at the end (at a UTF-8 character) if too long; always terminated.
+/// Copies `text` into a bounded IDL string, cut at the end (at a UTF-8 character) if too long; always
+/// terminated.
 template <std::size_t N>
 void copy_text(std::string_view text, char (&out)[N]) noexcept;
 void copy_text(std::string_view text, char* out, std::size_t size) noexcept;
@@ -27,19 +28,21 @@ void copy_text(std::string_view text, char* out, std::size_t size) noexcept;
 template <std::size_t N>
 std::string_view text(const char (&in)[N]) noexcept;
 
-/// --- requests of clients -> core ---------------------------------------------------------------------------
+/// --- requests of clients -> core
+/// ---------------------------------------------------------------------------
 
 ParameterRequest to_core(const cansync_ParameterRequest& request, JobId id) noexcept;
 /// `data` is the daemon's buffer for the transfer, as long as the request says.
-TransferRequest to_core(const cansync_TransferRequest& request, JobId id, std::span<std::uint8_t> data) noexcept;
+TransferRequest to_core(const cansync_TransferRequest& request, JobId id,
+                        std::span<std::uint8_t> data) noexcept;
 /// For COMMAND_CONTROL_WORD.
 ControlWordRequest to_control_word(const cansync_Command& command, JobId id) noexcept;
 /// For COMMAND_BROADCAST.
 BroadcastRequest to_broadcast(const cansync_Command& command, JobId id) noexcept;
 ReferenceUpdate to_core(const cansync_ReferenceValues& values) noexcept;
 
-/// A polling code or cursor of Command: 0..31 a slave, -128 automatic, -1 nobody; nothing for -2 (unchanged) and
-/// every other number.
+/// A polling code or cursor of Command: 0..31 a slave, -128 automatic, -1 nobody; nothing for -2 (unchanged)
+/// and every other number.
 std::optional<Cursor> to_cursor(std::int32_t code) noexcept;
 std::int32_t to_code(const Cursor& cursor) noexcept;
 
@@ -47,7 +50,8 @@ std::int32_t to_code(const Cursor& cursor) noexcept;
 std::optional<ProcessMapping> to_mapping(const std::uint8_t (&bytes)[8]) noexcept;
 void to_registers(const ProcessMapping& mapping, std::uint8_t (&bytes)[8]) noexcept;
 
-/// --- core -> replies ---------------------------------------------------------------------------------------
+/// --- core -> replies
+/// ---------------------------------------------------------------------------------------
 
 cansync_ReplyCode to_reply_code(Outcome outcome) noexcept;
 
@@ -60,8 +64,9 @@ struct RequestKey {
 template <class Request>
 RequestKey key_of(const Request& request) noexcept;
 
-/// Terminal replies of jobs; `reason` is filled by what the outcome and the slave's error code mean. The transfer
-/// reply borrows `data` (uploads): it must live until the reply was written, and is never freed by the reply.
+/// Terminal replies of jobs; `reason` is filled by what the outcome and the slave's error code mean. The
+/// transfer reply borrows `data` (uploads): it must live until the reply was written, and is never freed by
+/// the reply.
 cansync_ParameterReply parameter_reply(const RequestKey& key, const ParameterResult& result) noexcept;
 cansync_TransferReply transfer_reply(const RequestKey& key, const TransferResult& result,
                                      std::span<std::uint8_t> data) noexcept;
@@ -72,12 +77,14 @@ cansync_ParameterReply parameter_refused(const RequestKey& key, std::string_view
 cansync_TransferReply transfer_refused(const RequestKey& key, std::string_view reason) noexcept;
 cansync_CommandReply command_refused(const RequestKey& key, std::string_view reason) noexcept;
 
-cansync_TransferProgress transfer_progress(const RequestKey& key, std::uint32_t done, std::uint32_t total) noexcept;
+cansync_TransferProgress transfer_progress(const RequestKey& key, std::uint32_t done,
+                                           std::uint32_t total) noexcept;
 
-/// --- core -> state -----------------------------------------------------------------------------------------
+/// --- core -> state
+/// -----------------------------------------------------------------------------------------
 
-/// `names` gives factor and offset of each value; `now` is the running interval; `receive_time` is CLOCK_REALTIME
-/// (ns) of the newest telegram.
+/// `names` gives factor and offset of each value; `now` is the running interval; `receive_time` is
+/// CLOCK_REALTIME (ns) of the newest telegram.
 cansync_ActualValues actual_values(SlaveNumber slave, std::string_view name, const ActualValues& values,
                                    const std::array<cansync_ValueName, kValues>& names, IntervalNumber now,
                                    std::int64_t receive_time) noexcept;

@@ -13,21 +13,27 @@
 
 namespace cansync::dds {
 
-/// What both kinds of endpoint do, without the type.
+/// A topic and its reader or writer, without the type.
 class EndpointBase {
  public:
-  /// How many endpoints of the other side are matched now; 0 on an error.
-  std::uint32_t matched() const noexcept;
   dds_entity_t handle() const noexcept { return endpoint_.get(); }
 
  protected:
-  EndpointBase() = default;
-  Entity topic_;     // declared first: the endpoint goes before its topic
+  explicit EndpointBase(Entity topic) noexcept : topic_(std::move(topic)) {}
+  dds_entity_t topic() const noexcept { return topic_.get(); }
+  void set_endpoint(Entity endpoint) noexcept { endpoint_ = std::move(endpoint); }
+
+ private:
+  Entity topic_;  // declared first: the endpoint goes before its topic
   Entity endpoint_;
 };
 
-/// Untyped part of Reader.
+/// Reader without the type.
 class ReaderBase : public EndpointBase {
+ public:
+  /// How many writers are matched now.
+  std::uint32_t matched() const noexcept;
+
  protected:
   static constexpr std::uint32_t kBatch = 64;
   /// Throws SetupError. `signal` is raised when data arrives or a writer comes or goes.
@@ -44,8 +50,9 @@ class Reader : public ReaderBase {
       : ReaderBase(participant, topic_info<T>(), signal) {}
 
   /// Takes every sample there is, in order: `on_data(const T&)` for data, `on_gone(const T&)` (only the key
-  /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are Cyclone's own
-  /// (no copy) and valid during the call only. Returns the number of samples, or a negative DDS return code.
+  /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are Cyclone's
+  /// own (no copy) and valid during the call only. Returns the number of samples, or a negative DDS return
+  /// code.
   template <class OnData, class OnGone>
   dds_return_t take(OnData&& on_data, OnGone&& on_gone) {
     dds_return_t total = 0;
@@ -82,28 +89,35 @@ class Reader : public ReaderBase {
   };
 };
 
-/// Untyped part of Writer.
+/// Writer without the type.
 class WriterBase : public EndpointBase {
+ public:
+  /// How many readers are matched now.
+  std::uint32_t matched() const noexcept;
+
  protected:
-  /// Throws SetupError.
-  WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength, DataSignal* signal);
+  /// Throws SetupError. `signal` is raised when a reader comes or goes.
+  WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength,
+             DataSignal* signal);
 };
 
 /// Writes one topic. Any thread may write.
 template <class T>
 class Writer : public WriterBase {
  public:
-  /// Creates the topic and a writer with the table's QoS. `strength`: with exclusive ownership the living writer
-  /// with the highest wins. `signal` (nullptr: none) is raised when a reader comes or goes. Throws SetupError.
+  /// Creates the topic and a writer with the table's QoS. `strength`: with exclusive ownership the living
+  /// writer with the highest wins. `signal` (nullptr: none) is raised when a reader comes or goes. Throws
+  /// SetupError.
   explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr)
       : WriterBase(participant, topic_info<T>(), strength, signal) {}
 
-  /// Writes one sample. DDS_RETCODE_OK, or DDS_RETCODE_TIMEOUT when a reliable reader did not take earlier samples
-  /// within the topic's blocking time (nothing was written; try again), or another negative code. May block for
-  /// that time.
+  /// Writes one sample. DDS_RETCODE_OK, or DDS_RETCODE_TIMEOUT when a reliable reader did not take earlier
+  /// samples within the topic's blocking time (nothing was written; try again), or another negative code. May
+  /// block for that time.
   dds_return_t write(const T& sample) noexcept { return dds_write(handle(), &sample); }
 
-  /// Says that this writer no longer writes the sample's key; readers see it gone when it was the last writer.
+  /// Says that this writer no longer writes the sample's key; readers see it gone when it was the last
+  /// writer.
   dds_return_t unregister(const T& sample) noexcept { return dds_unregister_instance(handle(), &sample); }
 
   /// Removes the sample's key: late readers no longer get it.

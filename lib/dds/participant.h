@@ -19,8 +19,9 @@ struct ParticipantOptions {
   std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
 };
 
-/// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, and the peers are
-/// found by unicast on 127.0.0.1 (up to 120 participants), so that it works where multicast on `lo` is off.
+/// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, and the peers
+/// are found by unicast on 127.0.0.1 (up to 120 participants), so that it works where multicast on `lo` is
+/// off.
 std::string configuration(const ParticipantOptions& options);
 
 /// One participant in one domain with a publisher and a subscriber in one partition.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "cansync.h"
@@ -14,14 +15,14 @@ namespace cansync::dds {
 /// QoS of one topic, for its readers and writers alike unless said otherwise.
 struct TopicQos {
   bool reliable = true;
-  bool keep_all = false;         ///< true: requests and replies; false: keep last `depth`
-  std::int32_t depth = 1;        ///< samples kept per key
-  bool transient_local = false;  ///< late readers get the last `depth` samples
-  bool exclusive = false;        ///< exclusive ownership, automatic liveliness
+  bool keep_all = false;                        ///< true: requests and replies; false: keep last `depth`
+  std::int32_t depth = 1;                       ///< samples kept per key
+  bool transient_local = false;                 ///< late readers get the last `depth` samples
+  bool exclusive = false;                       ///< exclusive ownership, automatic liveliness
   dds_duration_t lease = DDS_INFINITY;          ///< liveliness lease a reader asks for (ns)
   dds_duration_t offered_lease = DDS_INFINITY;  ///< liveliness lease our writers offer (ns)
-  /// Keep all: most samples, keys and samples per key a reader holds until they are taken; a writer that finds
-  /// them used up waits `blocking`. 0: no limit is needed.
+  /// Keep all: most samples, keys and samples per key a reader holds until they are taken; a writer that
+  /// finds them used up waits `blocking`. 0: no limit is needed.
   std::int32_t max_samples = 0;
   std::int32_t max_instances = 0;
   std::int32_t max_samples_per_instance = 0;
@@ -69,6 +70,9 @@ template <>
 const TopicInfo& topic_info<cansync_Timing>() noexcept;
 template <>
 const TopicInfo& topic_info<cansync_Event>() noexcept;
+
+/// Every row, in the order of the IDL.
+std::span<const TopicInfo* const> all_topics() noexcept;
 
 struct QosDeleter {
   void operator()(dds_qos_t* qos) const noexcept { dds_delete_qos(qos); }

@@ -9,8 +9,8 @@
 #include "cansync/jobs.h"
 #include "cansync/settings.h"
 
-/// Every range check of what comes in over DDS, in one place. A problem text names field, value, allowed range
-/// and, where there is one, the remedy; it fits `cansync_TEXT`. Gateway thread only (allocates).
+/// Every range check of what comes in over DDS, in one place. A problem text names field, value, allowed
+/// range and, where there is one, the remedy; it fits `cansync_TEXT`. Gateway thread only (allocates).
 namespace cansync::dds {
 
 /// What the checks need to know of the line.
@@ -21,10 +21,8 @@ struct Limits {
   std::uint8_t address_step = 1;                        ///< bytes per start address
   std::uint32_t release_limit = 1000;                   ///< most release_intervals
   std::uint32_t ahead_limit = 1000;                     ///< most intervals ahead
-  std::uint16_t parameter_queue = 256;
-  std::uint16_t transfer_queue = 32;
-  std::uint16_t control_word_queue = 8;
-  std::uint16_t broadcast_queue = 8;
+  std::uint16_t parameter_queue = 256;                  ///< open parameter jobs of all slaves together
+  std::uint16_t transfer_queue = 32;                    ///< open transfers of all slaves together
 };
 
 /// Longest monitoring time a request may ask for: one hour.
@@ -40,8 +38,8 @@ std::optional<std::string> check(const cansync_Command& command, const Limits& l
 /// Reference values have no reply; the text goes into an Event.
 std::optional<std::string> check(const cansync_ReferenceValues& values, const Limits& limits);
 
-/// A refusal of the core in words with limits and remedy, for what only the master knows (queue full, wrong
-/// state).
+/// A refusal of the master in words, with limits and remedy; for what only the master knows, like a full
+/// queue.
 std::string explain(Refusal refusal, const Limits& limits);
 
 }  // namespace cansync::dds

@@ -1,0 +1,165 @@
+#include <algorithm>
+
+#include "dds/convert.h"
+
+namespace cansync::dds {
+namespace {
+
+/// Builds a reason from pieces in the reply's own memory, without allocation.
+template <std::size_t N>
+class ReasonBuilder {
+ public:
+  explicit ReasonBuilder(char (&out)[N]) noexcept : out_(out) {}
+  ReasonBuilder& add(std::string_view piece) noexcept {
+    copy_text(piece, out_ + length_, N - length_);
+    length_ = text(out_).size();
+    return *this;
+  }
+  ReasonBuilder& add_hexadecimal(std::uint16_t value) noexcept {
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    const char digits[] = {'0',
+                           'x',
+                           kDigits[value >> 12],
+                           kDigits[(value >> 8) & 0xF],
+                           kDigits[(value >> 4) & 0xF],
+                           kDigits[value & 0xF]};
+    return add({digits, sizeof digits});
+  }
+
+ private:
+  char (&out_)[N];
+  std::size_t length_ = 0;
+};
+
+std::string_view reason_of(Outcome outcome) noexcept {
+  switch (outcome) {
+    case Outcome::done:
+      return "";
+    case Outcome::slave_error:
+      return "the slave answered with an error";
+    case Outcome::timeout:
+      return "no final answer of the slave within the monitoring time; check that it responds, or give a "
+             "longer timeout";
+    case Outcome::no_answer:
+      return "the write was not answered; whether the slave took the value is not known: read it back";
+    case Outcome::word_expected:
+      return "the parameter is a word; use format word or as_slave_says";
+    case Outcome::doubleword_expected:
+      return "the parameter is a doubleword; use format doubleword or as_slave_says";
+    case Outcome::value_too_wide:
+      return "the parameter is a word that cannot hold the value; allowed 0..65535";
+    case Outcome::cancelled:
+      return "cancelled";
+    case Outcome::master_stopped:
+      return "the master left the operating state while the request was open";
+  }
+  return "unknown outcome";
+}
+
+template <std::size_t N>
+void fill_reason(Outcome outcome, std::uint16_t code, std::string_view meaning, char (&out)[N]) noexcept {
+  ReasonBuilder<N> reason(out);
+  if (outcome != Outcome::slave_error) {
+    reason.add(reason_of(outcome));
+    return;
+  }
+  reason.add("slave error ").add_hexadecimal(code).add(": ").add(meaning);
+}
+
+template <class Reply>
+Reply reply_to(const RequestKey& key, cansync_ReplyCode code) noexcept {
+  Reply reply = {};
+  std::copy(key.client.begin(), key.client.end(), std::begin(reply.client));
+  reply.request = key.request;
+  reply.code = code;
+  return reply;
+}
+
+template <class Reply>
+Reply refused(const RequestKey& key, std::string_view reason) noexcept {
+  Reply reply = reply_to<Reply>(key, cansync_REPLY_REFUSED);
+  copy_text(reason, reply.reason);
+  return reply;
+}
+
+}  // namespace
+
+cansync_ReplyCode to_reply_code(Outcome outcome) noexcept {
+  switch (outcome) {
+    case Outcome::done:
+      return cansync_REPLY_DONE;
+    case Outcome::slave_error:
+      return cansync_REPLY_SLAVE_ERROR;
+    case Outcome::timeout:
+      return cansync_REPLY_TIMEOUT;
+    case Outcome::no_answer:
+      return cansync_REPLY_NO_ANSWER;
+    case Outcome::word_expected:
+      return cansync_REPLY_WORD_EXPECTED;
+    case Outcome::doubleword_expected:
+      return cansync_REPLY_DOUBLEWORD_EXPECTED;
+    case Outcome::value_too_wide:
+      return cansync_REPLY_VALUE_TOO_WIDE;
+    case Outcome::cancelled:
+      return cansync_REPLY_CANCELLED;
+    case Outcome::master_stopped:
+      break;
+  }
+  return cansync_REPLY_MASTER_STOPPED;
+}
+
+cansync_ParameterReply parameter_reply(const RequestKey& key, const ParameterResult& result) noexcept {
+  auto reply = reply_to<cansync_ParameterReply>(key, to_reply_code(result.outcome));
+  reply.error_code = static_cast<std::uint16_t>(result.error);
+  fill_reason(result.outcome, reply.error_code, meaning(result.error), reply.reason);
+  reply.doubleword = result.doubleword;
+  reply.value = result.value;
+  reply.intervals = result.intervals;
+  return reply;
+}
+
+cansync_TransferReply transfer_reply(const RequestKey& key, const TransferResult& result,
+                                     std::span<std::uint8_t> data) noexcept {
+  auto reply = reply_to<cansync_TransferReply>(key, to_reply_code(result.outcome));
+  reply.error_code = static_cast<std::uint16_t>(result.error);
+  fill_reason(result.outcome, reply.error_code, meaning(result.error), reply.reason);
+  reply.error_offset = result.error_offset;
+  reply.done = result.bytes;
+  reply.intervals = result.intervals;
+  reply.repeated_telegrams = result.repeated_telegrams;
+  reply.repeated_blocks = result.repeated_blocks;
+  reply.data._buffer = data.data();
+  reply.data._length = static_cast<std::uint32_t>(data.size());
+  reply.data._maximum = reply.data._length;
+  return reply;
+}
+
+cansync_CommandReply command_reply(const RequestKey& key, Outcome outcome) noexcept {
+  auto reply = reply_to<cansync_CommandReply>(key, to_reply_code(outcome));
+  copy_text(reason_of(outcome), reply.reason);
+  return reply;
+}
+
+cansync_ParameterReply parameter_refused(const RequestKey& key, std::string_view reason) noexcept {
+  return refused<cansync_ParameterReply>(key, reason);
+}
+
+cansync_TransferReply transfer_refused(const RequestKey& key, std::string_view reason) noexcept {
+  return refused<cansync_TransferReply>(key, reason);
+}
+
+cansync_CommandReply command_refused(const RequestKey& key, std::string_view reason) noexcept {
+  return refused<cansync_CommandReply>(key, reason);
+}
+
+cansync_TransferProgress transfer_progress(const RequestKey& key, std::uint32_t done,
+                                           std::uint32_t total) noexcept {
+  cansync_TransferProgress progress = {};
+  std::copy(key.client.begin(), key.client.end(), std::begin(progress.client));
+  progress.request = key.request;
+  progress.done = done;
+  progress.total = total;
+  return progress;
+}
+
+}  // namespace cansync::dds

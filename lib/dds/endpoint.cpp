@@ -1,0 +1,79 @@
+#include "dds/endpoint.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+namespace cansync::dds {
+namespace {
+
+constexpr const char* kRemedy =
+    "look for programs with another version of the data model, or with less memory than they need, in this "
+    "domain";
+
+void raise_on_data(dds_entity_t /*reader*/, void* signal) {
+  static_cast<DataSignal*>(signal)->raise();
+}
+
+void raise_on_reader_match(dds_entity_t /*reader*/, const dds_subscription_matched_status_t /*status*/,
+                           void* signal) {
+  static_cast<DataSignal*>(signal)->raise();
+}
+
+void raise_on_writer_match(dds_entity_t /*writer*/, const dds_publication_matched_status_t /*status*/,
+                           void* signal) {
+  static_cast<DataSignal*>(signal)->raise();
+}
+
+struct ListenerDeleter {
+  void operator()(dds_listener_t* listener) const noexcept { dds_delete_listener(listener); }
+};
+using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
+
+Entity make_topic(const Participant& participant, const TopicInfo& info) {
+  const std::string name(info.name);
+  const dds_entity_t topic =
+      dds_create_topic(participant.handle(), info.type, name.c_str(), nullptr, nullptr);
+  if (topic < 0) participant.fail("topic " + name, topic, kRemedy);
+  return Entity(topic);
+}
+
+}  // namespace
+
+ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal)
+    : EndpointBase(make_topic(participant, info)) {
+  Listener listener(nullptr);
+  if (signal != nullptr) {
+    listener.reset(dds_create_listener(signal));
+    dds_lset_data_available(listener.get(), raise_on_data);
+    dds_lset_subscription_matched(listener.get(), raise_on_reader_match);
+  }
+  const dds_entity_t reader =
+      dds_create_reader(participant.subscriber(), topic(), reader_qos(info).get(), listener.get());
+  if (reader < 0) participant.fail("reader of topic " + std::string(info.name), reader, kRemedy);
+  set_endpoint(Entity(reader));
+}
+
+std::uint32_t ReaderBase::matched() const noexcept {
+  return static_cast<std::uint32_t>(std::max(0, dds_get_matched_publications(handle(), nullptr, 0)));
+}
+
+WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength,
+                       DataSignal* signal)
+    : EndpointBase(make_topic(participant, info)) {
+  Listener listener(nullptr);
+  if (signal != nullptr) {
+    listener.reset(dds_create_listener(signal));
+    dds_lset_publication_matched(listener.get(), raise_on_writer_match);
+  }
+  const dds_entity_t writer =
+      dds_create_writer(participant.publisher(), topic(), writer_qos(info, strength).get(), listener.get());
+  if (writer < 0) participant.fail("writer of topic " + std::string(info.name), writer, kRemedy);
+  set_endpoint(Entity(writer));
+}
+
+std::uint32_t WriterBase::matched() const noexcept {
+  return static_cast<std::uint32_t>(std::max(0, dds_get_matched_subscriptions(handle(), nullptr, 0)));
+}
+
+}  // namespace cansync::dds

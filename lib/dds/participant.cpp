@@ -1,0 +1,173 @@
+#include "dds/participant.h"
+
+#include <fmt/format.h>
+#include <net/if.h>
+
+#include <map>
+#include <mutex>
+#include <string_view>
+
+#include "dds/topics.h"
+
+namespace cansync::dds {
+namespace {
+
+/// Cyclone's domain, shared by the participants of this process.
+struct Domain {
+  Entity entity;
+  std::string configuration;
+  unsigned users = 0;
+};
+
+struct OpenDomains {
+  std::mutex mutex;
+  std::map<std::uint32_t, Domain> domain;
+};
+
+OpenDomains& open_domains() {
+  static OpenDomains open;
+  return open;
+}
+
+std::string place_of(const ParticipantOptions& options) {
+  return fmt::format("DDS domain {}, partition {}, interface {}", options.domain, options.partition,
+                     options.xml.empty() ? options.interface : "as in the given Cyclone DDS configuration");
+}
+
+[[noreturn]] void fail_at(const ParticipantOptions& options, const std::string& what, dds_return_t code,
+                          const std::string& remedy) {
+  throw SetupError(
+      fmt::format("{} failed: {} ({}); {}", what, dds_strretcode(code), place_of(options), remedy));
+}
+
+/// One participant's share of the domain; the last one closes it.
+class DomainShare {
+ public:
+  explicit DomainShare(const ParticipantOptions& options) : number_(options.domain) {
+    const std::string xml = configuration(options);
+    OpenDomains& open = open_domains();
+    const std::lock_guard lock(open.mutex);
+    Domain& domain = open.domain[number_];
+    if (domain.users > 0 && domain.configuration != xml) {
+      throw SetupError(fmt::format(
+          "DDS domain {} is already open in this process with another configuration ({}); use the same "
+          "interface for every connection, or another domain",
+          number_, place_of(options)));
+    }
+    if (domain.users == 0) {
+      const dds_entity_t handle = dds_create_domain(number_, xml.c_str());
+      if (handle < 0) {
+        fail_at(options, "creating the DDS domain", handle,
+                options.xml.empty()
+                    ? "is the interface up, and the domain in no use by other code of this process?"
+                    : "check the given Cyclone DDS configuration");
+      }
+      domain.entity = Entity(handle);
+      domain.configuration = xml;
+    }
+    ++domain.users;
+  }
+  ~DomainShare() {
+    OpenDomains& open = open_domains();
+    const std::lock_guard lock(open.mutex);
+    const auto entry = open.domain.find(number_);
+    if (--entry->second.users == 0) open.domain.erase(entry);
+  }
+  DomainShare(const DomainShare&) = delete;
+  DomainShare& operator=(const DomainShare&) = delete;
+
+ private:
+  std::uint32_t number_;
+};
+
+void check_options(const ParticipantOptions& options) {
+  if (options.domain > kMaximumDomain) {
+    throw SetupError(
+        fmt::format("DDS domain {} is out of range; allowed: 0..{}", options.domain, kMaximumDomain));
+  }
+  if (options.partition.empty() || options.partition.size() > 63 ||
+      options.partition.find_first_of("*?[") != std::string::npos) {
+    throw SetupError(fmt::format(
+        "'{}' is no bus name (DDS partition); allowed: 1 to 63 characters without * ? [", options.partition));
+  }
+  if (options.xml.empty() && if_nametoindex(options.interface.c_str()) == 0) {
+    throw SetupError(
+        fmt::format("network interface '{}' does not exist (DDS domain {}, partition {}); `ip link` lists "
+                    "those there are, `lo` keeps to this computer",
+                    options.interface, options.domain, options.partition));
+  }
+}
+
+}  // namespace
+
+std::string configuration(const ParticipantOptions& options) {
+  if (!options.xml.empty()) return options.xml;
+  // A peer that vanishes without a word is noticed after LeaseDuration.
+  constexpr std::string_view kFrame =
+      "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
+      "<AllowMulticast>{}</AllowMulticast></General>"
+      "<Discovery><LeaseDuration>5 s</LeaseDuration>{}</Discovery></Domain></CycloneDDS>";
+  // Index 119 is the last whose ports belong to the domain.
+  constexpr std::string_view kUnicastPeers =
+      "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
+      "<Peers><Peer Address=\"127.0.0.1\"/></Peers>";
+  const bool loopback = options.interface == "lo";
+  return fmt::format(kFrame, options.interface, loopback ? "false" : "default",
+                     loopback ? kUnicastPeers : "");
+}
+
+struct Participant::Impl {
+  explicit Impl(const ParticipantOptions& wanted) : options(wanted), domain(wanted) {}
+  ParticipantOptions options;
+  DomainShare domain;  // declared first: goes last
+  Entity participant;
+  Entity publisher;
+  Entity subscriber;
+};
+
+Participant::Participant(const ParticipantOptions& options) {
+  check_options(options);
+  impl_ = std::make_unique<Impl>(options);
+  const dds_entity_t participant = dds_create_participant(options.domain, nullptr, nullptr);
+  if (participant < 0) {
+    fail("creating the DDS participant", participant,
+         "is the interface up, are UDP ports free, and are there fewer than 120 participants on this "
+         "computer?");
+  }
+  impl_->participant = Entity(participant);
+  const Qos qos(dds_create_qos());
+  const char* partition = impl_->options.partition.c_str();
+  dds_qset_partition(qos.get(), 1, &partition);
+  const dds_entity_t publisher = dds_create_publisher(participant, qos.get(), nullptr);
+  if (publisher < 0) fail("creating the DDS publisher", publisher, "check the bus name");
+  impl_->publisher = Entity(publisher);
+  const dds_entity_t subscriber = dds_create_subscriber(participant, qos.get(), nullptr);
+  if (subscriber < 0) fail("creating the DDS subscriber", subscriber, "check the bus name");
+  impl_->subscriber = Entity(subscriber);
+}
+
+Participant::~Participant() = default;
+Participant::Participant(Participant&&) noexcept = default;
+Participant& Participant::operator=(Participant&&) noexcept = default;
+
+const ParticipantOptions& Participant::options() const noexcept {
+  return impl_->options;
+}
+dds_entity_t Participant::handle() const noexcept {
+  return impl_->participant.get();
+}
+dds_entity_t Participant::publisher() const noexcept {
+  return impl_->publisher.get();
+}
+dds_entity_t Participant::subscriber() const noexcept {
+  return impl_->subscriber.get();
+}
+std::string Participant::place() const {
+  return place_of(impl_->options);
+}
+
+void Participant::fail(const std::string& what, dds_return_t code, const std::string& remedy) const {
+  fail_at(impl_->options, what, code, remedy);
+}
+
+}  // namespace cansync::dds

@@ -1,0 +1,142 @@
+#include "dds/validate.h"
+
+#include <fmt/format.h>
+
+#include "dds/ranges.h"
+
+namespace cansync::dds {
+namespace {
+
+constexpr std::uint32_t kLongestBlock = 4092;  // a multiple of 6 and 4 below 4096
+constexpr std::uint32_t kReservedAddresses = 0x100;
+
+Problem check_value(const cansync_ParameterRequest& request) {
+  if (!request.write) return std::nullopt;
+  if (request.element != kValueElement.value()) {
+    return fmt::format("element {}: cannot be written; allowed 7 (the value), the others can only be read",
+                       request.element);
+  }
+  if (request.format == cansync_FORMAT_WORD && request.value > 0xFFFF) {
+    return fmt::format("value {}: too wide for a word; allowed 0..65535, or format doubleword",
+                       request.value);
+  }
+  return std::nullopt;
+}
+
+Problem check_length(const cansync_TransferRequest& request) {
+  const bool download = request.direction == cansync_DIRECTION_DOWNLOAD;
+  if (request.length == 0 || request.length > cansync_MAXIMUM_TRANSFER) {
+    return fmt::format("length {}: out of range; allowed 1..{} bytes", request.length,
+                       cansync_MAXIMUM_TRANSFER);
+  }
+  if (download && request.data._length != request.length) {
+    return fmt::format("length {}: does not fit the data; allowed {}, the bytes of data", request.length,
+                       request.data._length);
+  }
+  if (!download && request.data._length != 0) {
+    return fmt::format("data of {} bytes: not with an upload; allowed 0 bytes", request.data._length);
+  }
+  return std::nullopt;
+}
+
+Problem check_address(const cansync_TransferRequest& request, const Limits& limits) {
+  if (request.address < kReservedAddresses && !limits.allow_reserved_addresses) {
+    return fmt::format(
+        "address 0x{:X}: 0x00..0xFF belong to the slave's operating system; allowed 0x100..0xFFFFFFFF, "
+        "or set allow_reserved_addresses",
+        request.address);
+  }
+  const std::uint64_t last = request.address + (std::uint64_t{request.length} - 1) / limits.address_step;
+  if (last > 0xFFFFFFFFu) {
+    return fmt::format("address 0x{:X}: with length {} the end lies at 0x{:X}; allowed up to 0xFFFFFFFF",
+                       request.address, request.length, last);
+  }
+  return std::nullopt;
+}
+
+Problem check_block_size(const cansync_TransferRequest& request, const Limits& limits) {
+  if (request.block_size == 0) return std::nullopt;
+  if (Problem problem = in_range("block_size", request.block_size, 1, kLongestBlock)) return problem;
+  const std::uint16_t most = limits.block_limit[request.slave];
+  if (request.block_size > most) {
+    return fmt::format("block_size {}: over the limit of slave {}; allowed 1..{}, 0 = {}", request.block_size,
+                       request.slave, most, most);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Limits limits_of(const MasterSettings& settings) noexcept {
+  Limits limits;
+  limits.configured = settings.configured();
+  for (unsigned slave = 0; slave < kSlaves; ++slave)
+    limits.block_limit[slave] = settings.slaves[slave].block_limit;
+  limits.allow_reserved_addresses = settings.command_channel.allow_reserved_addresses;
+  limits.address_step = settings.command_channel.address_step;
+  limits.release_limit = settings.process.release_limit;
+  limits.ahead_limit = settings.process.ahead_limit;
+  limits.parameter_queue = settings.command_channel.parameter_queue;
+  limits.transfer_queue = settings.command_channel.transfer_queue;
+  return limits;
+}
+
+Problem check(const cansync_ParameterRequest& request, const Limits& limits) {
+  if (Problem problem = configured_slave("slave", request.slave, limits)) return problem;
+  if (Problem problem = in_range("sub_slave", request.sub_slave, 0, 0xFFFF)) return problem;
+  if (Problem problem = in_range("number", request.number, 0, ParameterNumber::max)) return problem;
+  if (Problem problem = in_range("element", request.element, 0, Element::max)) return problem;
+  if (Problem problem = in_range("format", static_cast<std::int64_t>(request.format), 0,
+                                 static_cast<std::int64_t>(cansync_FORMAT_AS_SLAVE_SAYS))) {
+    return problem;
+  }
+  if (Problem problem = timeout_in_range(request.timeout)) return problem;
+  return check_value(request);
+}
+
+Problem check(const cansync_TransferRequest& request, const Limits& limits) {
+  if (Problem problem = in_range("direction", static_cast<std::int64_t>(request.direction), 0,
+                                 static_cast<std::int64_t>(cansync_DIRECTION_DOWNLOAD))) {
+    return problem;
+  }
+  if (Problem problem = configured_slave("slave", request.slave, limits)) return problem;
+  if (Problem problem = in_range("sub_slave", request.sub_slave, 0, 0xFFFF)) return problem;
+  if (Problem problem = check_length(request)) return problem;
+  if (Problem problem = check_address(request, limits)) return problem;
+  if (Problem problem = check_block_size(request, limits)) return problem;
+  return timeout_in_range(request.timeout);
+}
+
+Problem check(const cansync_ReferenceValues& values, const Limits& limits) {
+  if (Problem problem = in_range("telegram", values.telegram, 1, 2)) return problem;
+  if (values.valid == 0 || values.valid > 15) {
+    return fmt::format("valid {}: out of range; allowed 1..15, bit n = value[n] is new", values.valid);
+  }
+  return in_range("release_intervals", values.release_intervals, 0, limits.release_limit);
+}
+
+std::string explain(Refusal refusal, const Limits& limits) {
+  switch (refusal) {
+    case Refusal::queue_full:
+      return fmt::format(
+          "queue full: at most {} parameter jobs and {} transfers may be open; try again when one has "
+          "ended",
+          limits.parameter_queue, limits.transfer_queue);
+    case Refusal::wrong_state:
+      return "state: not allowed in the master's state; allowed in set-up and active operation, see mode";
+    case Refusal::slaves_missing:
+      return "slaves: not every configured slave is ready; wait for them, or use force";
+    case Refusal::unknown_job:
+      return "request: no such job is open; it has ended already, or was never taken";
+    case Refusal::interval_passed:
+      return fmt::format(
+          "from_interval: passed, or too far ahead; allowed up to {} intervals ahead, 0 = the next",
+          limits.ahead_limit);
+    case Refusal::slave_not_configured:
+      return fmt::format("slave: not configured; allowed {}", list_of(limits.configured));
+    default:
+      return std::string(name(refusal));
+  }
+}
+
+}  // namespace cansync::dds

@@ -1,0 +1,227 @@
+#include "dds/endpoint.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dds/convert.h"
+#include "support/dds_places.h"
+
+namespace cansync::dds {
+namespace {
+
+template <class T>
+std::vector<T> take_all(Reader<T>& reader) {
+  std::vector<T> all;
+  EXPECT_GE(reader.take([&](const T& sample) { all.push_back(sample); }), 0);
+  return all;
+}
+
+TEST(Endpoint, SampleCrossesTheLoopbackNetworkUnchanged) {
+  const TwoPlaces places;
+  const Participant daemon(places.here);
+  const Participant client(places.there);
+  DataSignal signal;
+  Reader<cansync_SlaveStatus> reader(client, &signal);
+  Writer<cansync_SlaveStatus> writer(daemon);
+
+  cansync_SlaveStatus sent = {};
+  sent.slave = 31;
+  copy_text("unwinder", sent.name);
+  sent.status_word = 0x8001;
+  sent.last_response = -5;
+  copy_text("1/min", sent.actual_value[7].unit_symbol);
+  sent.actual_value[7].factor = 0.25;
+  ASSERT_EQ(writer.write(sent), DDS_RETCODE_OK);  // transient local: also for readers that come later
+
+  std::vector<cansync_SlaveStatus> got;
+  ASSERT_TRUE(eventually(signal, [&] {
+    got = take_all(reader);
+    return !got.empty();
+  }));
+  ASSERT_EQ(got.size(), 1u);
+  EXPECT_EQ(got[0].slave, 31);
+  EXPECT_EQ(text(got[0].name), "unwinder");
+  EXPECT_EQ(got[0].status_word, 0x8001);
+  EXPECT_EQ(got[0].last_response, -5);
+  EXPECT_EQ(text(got[0].actual_value[7].unit_symbol), "1/min");
+  EXPECT_EQ(got[0].actual_value[7].factor, 0.25);
+}
+
+TEST(Endpoint, LateReaderGetsTheLastHundredEvents) {
+  const TwoPlaces places;
+  const Participant daemon(places.here);
+  const Participant client(places.there);
+  Writer<cansync_Event> writer(daemon);
+  cansync_Event event = {};
+  for (event.number = 1; event.number <= 150; ++event.number) ASSERT_EQ(writer.write(event), DDS_RETCODE_OK);
+
+  DataSignal signal;
+  Reader<cansync_Event> reader(client, &signal);
+  std::vector<cansync_Event> got;
+  ASSERT_TRUE(eventually(signal, [&] {
+    for (const cansync_Event& sample : take_all(reader)) got.push_back(sample);
+    return got.size() >= 100;
+  }));
+  ASSERT_EQ(got.size(), 100u);
+  EXPECT_EQ(got.front().number, 51u);
+  EXPECT_EQ(got.back().number, 150u);
+}
+
+TEST(Endpoint, OtherPartitionsDoNotHearEachOther) {
+  TwoPlaces places;
+  ParticipantOptions other = places.there;
+  other.partition = "otherbus";
+  const Participant daemon(places.here);
+  const Participant client(places.there);
+  const Participant stranger(other);
+  DataSignal signal;
+  Reader<cansync_MasterStatus> reader(client, &signal);
+  Reader<cansync_MasterStatus> stranger_reader(stranger, &signal);
+  Writer<cansync_MasterStatus> writer(daemon);
+  ASSERT_EQ(writer.write(cansync_MasterStatus{}), DDS_RETCODE_OK);
+  ASSERT_TRUE(eventually(signal, [&] { return take_all(reader).size() == 1; }));
+  EXPECT_EQ(stranger_reader.matched(), 0u);
+  EXPECT_EQ(writer.matched(), 1u);
+}
+
+/// Two writers of reference values in one place, one reader in the other.
+class Ownership : public ::testing::Test {
+ protected:
+  static cansync_ReferenceValues values(std::int32_t first) {
+    cansync_ReferenceValues sample = {};
+    sample.telegram = 1;
+    sample.value[0] = first;
+    sample.valid = 1;
+    return sample;
+  }
+
+  /// Takes what is there; true when the newest value is `first`.
+  bool newest_is(std::int32_t first) {
+    (void)reader_.take([&](const cansync_ReferenceValues& sample) { seen_.push_back(sample.value[0]); },
+                       [&](const cansync_ReferenceValues& key) {
+                         gone_ = true;
+                         EXPECT_EQ(key.telegram, 1);
+                       });
+    return !seen_.empty() && seen_.back() == first;
+  }
+
+  TwoPlaces places_;
+  Participant daemon_{places_.here};
+  Participant client_{places_.there};
+  DataSignal signal_;
+  Reader<cansync_ReferenceValues> reader_{daemon_, &signal_};
+  DataSignal matched_;
+  std::vector<std::int32_t> seen_;
+  bool gone_ = false;
+};
+
+TEST_F(Ownership, WeakerWriterChangesNothingUntilTheStrongerIsGone) {
+  std::optional<Writer<cansync_ReferenceValues>> strong(std::in_place, client_, 10, &matched_);
+  Writer<cansync_ReferenceValues> weak(client_, 1, &matched_);
+  ASSERT_TRUE(eventually(matched_, [&] { return strong->matched() == 1 && weak.matched() == 1; }));
+  ASSERT_TRUE(eventually(signal_, [&] { return reader_.matched() == 2; }));
+
+  ASSERT_EQ(strong->write(values(100)), DDS_RETCODE_OK);
+  ASSERT_TRUE(eventually(signal_, [&] { return newest_is(100); }));
+  // The weak value is followed by a strong one: had it counted, it would have been seen before that.
+  ASSERT_EQ(weak.write(values(1)), DDS_RETCODE_OK);
+  ASSERT_EQ(dds_wait_for_acks(weak.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
+  ASSERT_EQ(strong->write(values(101)), DDS_RETCODE_OK);
+  ASSERT_TRUE(eventually(signal_, [&] { return newest_is(101); }));
+  EXPECT_EQ(seen_, (std::vector<std::int32_t>{100, 101}));
+  EXPECT_FALSE(gone_);
+
+  strong.reset();
+  ASSERT_TRUE(eventually(signal_, [&] { return reader_.matched() == 1; }));
+  ASSERT_EQ(weak.write(values(2)), DDS_RETCODE_OK);
+  ASSERT_TRUE(eventually(signal_, [&] { return newest_is(2); }));
+  EXPECT_FALSE(seen_.empty());
+}
+
+TEST_F(Ownership, LossOfTheLastWriterIsTold) {
+  std::optional<Writer<cansync_ReferenceValues>> only(std::in_place, client_, 0, &matched_);
+  ASSERT_TRUE(eventually(matched_, [&] { return only->matched() == 1; }));
+  ASSERT_EQ(only->write(values(7)), DDS_RETCODE_OK);
+  ASSERT_TRUE(eventually(signal_, [&] { return newest_is(7); }));
+  EXPECT_FALSE(gone_);
+  only.reset();
+  EXPECT_TRUE(eventually(signal_, [&] {
+    (void)newest_is(7);
+    return gone_;
+  }));
+}
+
+TEST(Endpoint, ReaderHoldsNoMoreRequestsThanTheTableAllows) {
+  const TwoPlaces places;
+  const Participant daemon(places.here);
+  const Participant client(places.there);
+  DataSignal signal;
+  DataSignal matched;
+  Reader<cansync_Command> reader(daemon, &signal);
+  Writer<cansync_Command> writer(client, 0, &matched);
+  ASSERT_TRUE(eventually(matched, [&] { return writer.matched() == 1; }));
+  const std::uint64_t limit =
+      static_cast<std::uint64_t>(topic_info<cansync_Command>().qos.max_samples_per_instance);
+
+  // A reader that never takes: the flood must end at a writer that is told to wait, not in memory.
+  cansync_Command command = {};
+  bool refused = false;
+  std::uint64_t written = 0;
+  for (; written < 100 * limit && !refused; ++written) {
+    command.request = written + 1;
+    refused = writer.write(command) == DDS_RETCODE_TIMEOUT;
+  }
+  EXPECT_TRUE(refused);
+
+  // Nothing of what was accepted is lost or out of order; no take gives more than the table allows at once.
+  std::uint64_t expected = 1;
+  const std::uint64_t accepted = written - 1;
+  ASSERT_TRUE(eventually(signal, [&] {
+    const dds_return_t taken = reader.take([&](const cansync_Command& sample) {
+      EXPECT_EQ(sample.request, expected);
+      ++expected;
+    });
+    EXPECT_GE(taken, 0);
+    return expected > accepted;
+  }));
+}
+
+TEST(Participant, WrongOptionsAreRefusedByName) {
+  const auto message = [](const ParticipantOptions& options) -> std::string {
+    try {
+      const Participant participant(options);
+    } catch (const SetupError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message({.domain = 231, .partition = "can0"}), "DDS domain 231 is out of range; allowed: 0..230");
+  EXPECT_NE(message({.partition = ""}).find("1 to 63 characters"), std::string::npos);
+  EXPECT_NE(message({.partition = "can*"}).find("'can*' is no bus name"), std::string::npos);
+  const std::string interface = message({.domain = 3, .partition = "can0", .interface = "nosuch0"});
+  EXPECT_NE(interface.find("'nosuch0' does not exist (DDS domain 3, partition can0)"), std::string::npos);
+}
+
+TEST(Participant, OneProcessSharesADomainButNotWithAnotherConfiguration) {
+  const TwoPlaces places;
+  const Participant first(places.here);
+  const Participant second(places.here);
+  ParticipantOptions other = places.here;
+  other.xml = places.there.xml;
+  EXPECT_THROW(Participant{other}, SetupError);
+}
+
+TEST(Participant, DomainCanBeOpenedAgainWithAnotherConfiguration) {
+  const TwoPlaces places;
+  { const Participant first(places.here); }
+  ParticipantOptions other = places.here;
+  other.xml = places.there.xml;
+  const Participant second(other);
+  EXPECT_NE(second.place().find("partition testbus"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cansync::dds

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "dds/participant.h"
+#include "dds/signal.h"
+#include "support/free_domain.h"
+
+/// Two places in one process that see each other over the loopback network only, like two programs: `here`
+/// and `there` have their own Cyclone domain each, with the same number on the network.
+class TwoPlaces {
+ public:
+  explicit TwoPlaces(const std::string& bus = "testbus") {
+    here.domain = network_.get();
+    here.partition = bus;
+    there.domain = inside_.get();
+    there.partition = bus;
+    const std::string discovery = "<Discovery>";
+    there.xml = cansync::dds::configuration(here);
+    there.xml.insert(there.xml.find(discovery) + discovery.size(),
+                     "<ExternalDomainId>" + std::to_string(network_.get()) + "</ExternalDomainId>");
+  }
+
+ private:
+  FreeDomain network_;
+  FreeDomain inside_;
+
+ public:
+  cansync::dds::ParticipantOptions here;
+  cansync::dds::ParticipantOptions there;
+};
+
+/// Waits until `condition` holds, asking after each raise of `signal`; false when it does not within 20 s.
+template <class Condition>
+bool eventually(cansync::dds::DataSignal& signal, Condition&& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!condition()) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return false;
+    (void)signal.wait(static_cast<int>(left.count()));
+    signal.clear();
+  }
+  return true;
+}
