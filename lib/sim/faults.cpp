@@ -1,0 +1,186 @@
+#include "sim/faults.h"
+
+#include <variant>
+
+#include "cansync/telegram.h"
+
+namespace sim {
+namespace {
+
+// splitmix64: small, good enough to throw dice, and the same on every machine.
+std::uint64_t next_random(std::uint64_t& state) {
+  state += 0x9E3779B97F4A7C15u;
+  std::uint64_t mixed = state;
+  mixed = (mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9u;
+  mixed = (mixed ^ (mixed >> 27)) * 0x94D049BB133111EBu;
+  return mixed ^ (mixed >> 31);
+}
+
+double next_uniform(std::uint64_t& state) {
+  constexpr double kTwoToMinus53 = 1.0 / 9007199254740992.0;
+  return static_cast<double>(next_random(state) >> 11) * kTwoToMinus53;
+}
+
+// The slave number in an identifier of one of the channels that carry one.
+std::optional<std::uint32_t> slave_of(const can::Frame& frame) {
+  if (frame.kind != can::FrameKind::standard) return std::nullopt;
+  switch (frame.id & ~0x7Fu) {
+    case cansync::identifier::reference_one:
+    case cansync::identifier::reference_two:
+    case cansync::identifier::actual_one:
+    case cansync::identifier::actual_two:
+    case cansync::identifier::command:
+    case cansync::identifier::response:
+      return frame.id & 0x7Fu;
+    default:
+      return std::nullopt;
+  }
+}
+
+bool is_response(const can::Frame& frame) {
+  return frame.kind == can::FrameKind::standard && (frame.id & ~0x7Fu) == cansync::identifier::response;
+}
+
+constexpr unsigned kBlockBytes = 6;
+
+// The response to a question nobody asked: the next parameter, or the next block.
+void make_wrong(can::Frame& frame) {
+  auto decoded = cansync::decode(frame);
+  auto* telegram = std::get_if<cansync::Telegram>(&decoded);
+  if (telegram == nullptr) return;
+  if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) {
+    parameter->number = *cansync::ParameterNumber::from((parameter->number.value() + 1u) % 4096u);
+  } else if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) {
+    transfer->offset = *cansync::BlockOffset::from((transfer->offset.value() + kBlockBytes) % 4096u);
+  }
+  frame = cansync::encode(*telegram);
+}
+
+void make_busy(can::Frame& frame) {
+  auto decoded = cansync::decode(frame);
+  auto* telegram = std::get_if<cansync::Telegram>(&decoded);
+  if (telegram == nullptr) return;
+  const auto empty = [](auto& reply) {
+    reply.busy = true;
+    reply.error = false;
+    reply.payload_size = 0;
+    reply.payload = {};
+  };
+  if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) empty(*parameter);
+  if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) empty(*transfer);
+  frame = cansync::encode(*telegram);
+}
+
+constexpr std::size_t kind_index(FaultKind kind) {
+  return static_cast<std::size_t>(kind);
+}
+
+}  // namespace
+
+std::string_view name(FaultKind kind) noexcept {
+  constexpr std::array<std::string_view, kFaultKinds> kNames = {
+      "lost", "late", "corrupted", "duplicated", "silent", "wrong_answer", "busy", "missing_sync", "inject"};
+  return kNames[kind_index(kind)];
+}
+
+FaultSchedule::FaultSchedule(const std::vector<Fault>& faults, std::uint64_t seed) : seed_(seed) {
+  for (const Fault& fault : faults) add(fault);
+}
+
+std::size_t FaultSchedule::add(const Fault& fault) {
+  const std::size_t index = entries_.size();
+  std::uint64_t start = seed_ + index * 0xD1B54A32D192ED03u;
+  entries_.push_back({fault, next_random(start), 0});
+  ++of_kind_[kind_index(fault.kind)];
+  return index;
+}
+
+bool FaultSchedule::in_time(const Entry& entry) const noexcept {
+  return interval_ >= entry.fault.from && interval_ <= entry.fault.to;
+}
+
+bool FaultSchedule::concerns(const Entry& entry, const can::Frame& frame) const noexcept {
+  const Fault& fault = entry.fault;
+  if (!in_time(entry) || ((frame.id ^ fault.identifier) & fault.mask) != 0) return false;
+  return !fault.slave || slave_of(frame) == fault.slave->value();
+}
+
+bool FaultSchedule::hit(Entry& entry) noexcept {
+  if (entry.hits >= entry.fault.count) return false;
+  if (entry.fault.probability < 1.0 && next_uniform(entry.random) >= entry.fault.probability) return false;
+  ++entry.hits;
+  return true;
+}
+
+void FaultSchedule::begin_interval(std::uint64_t number) noexcept {
+  interval_ = number;
+  silent_ = {};
+  if (of_kind_[kind_index(FaultKind::silent)] == 0) return;
+  for (Entry& entry : entries_) {
+    if (entry.fault.kind != FaultKind::silent || !in_time(entry) || !hit(entry)) continue;
+    silent_.bits |= entry.fault.slave ? cansync::SlaveMask::of(*entry.fault.slave).bits : ~0u;
+  }
+}
+
+cansync::SlaveMask FaultSchedule::missing_sync() noexcept {
+  cansync::SlaveMask missing;
+  if (of_kind_[kind_index(FaultKind::missing_sync)] == 0) return missing;
+  for (Entry& entry : entries_) {
+    if (entry.fault.kind != FaultKind::missing_sync || !in_time(entry) || !hit(entry)) continue;
+    missing.bits |= entry.fault.slave ? cansync::SlaveMask::of(*entry.fault.slave).bits : ~0u;
+  }
+  return missing;
+}
+
+cansync::Duration FaultSchedule::at_hand_over(can::Frame& frame) noexcept {
+  cansync::Duration delay{0};
+  for (Entry& entry : entries_) {
+    const FaultKind kind = entry.fault.kind;
+    const bool answer = kind == FaultKind::wrong_answer || kind == FaultKind::busy;
+    if ((!answer && kind != FaultKind::late) || !concerns(entry, frame)) continue;
+    if ((answer && !is_response(frame)) || !hit(entry)) continue;
+    if (kind == FaultKind::late) delay += entry.fault.delay;
+    if (kind == FaultKind::wrong_answer) make_wrong(frame);
+    if (kind == FaultKind::busy) make_busy(frame);
+  }
+  return delay;
+}
+
+FaultSchedule::Fate FaultSchedule::at_start(const can::Frame& frame, bool repeated) noexcept {
+  Fate fate;
+  // A destroyed frame is not lost or duplicated as well: those faults wait for its repetition.
+  if (of_kind_[kind_index(FaultKind::corrupted)] != 0) {
+    for (Entry& entry : entries_) {
+      if (entry.fault.kind == FaultKind::corrupted && concerns(entry, frame) && hit(entry)) {
+        fate.corrupted = true;
+        return fate;
+      }
+    }
+  }
+  for (Entry& entry : entries_) {
+    const FaultKind kind = entry.fault.kind;
+    if (kind == FaultKind::duplicated && !repeated && concerns(entry, frame) && hit(entry)) {
+      fate.duplicated = true;
+    }
+    if (kind == FaultKind::lost && concerns(entry, frame) && hit(entry)) {
+      fate.lost.bits |= entry.fault.receivers.bits;
+      fate.lost_to_master = fate.lost_to_master || entry.fault.lost_to_master;
+    }
+  }
+  return fate;
+}
+
+const Fault* FaultSchedule::next_injection(std::size_t& cursor) noexcept {
+  if (of_kind_[kind_index(FaultKind::inject)] == 0) return nullptr;
+  while (cursor < entries_.size()) {
+    Entry& entry = entries_[cursor++];
+    if (entry.fault.kind == FaultKind::inject && in_time(entry) && hit(entry)) return &entry.fault;
+  }
+  return nullptr;
+}
+
+std::uint64_t FaultSchedule::hits(std::size_t index) const noexcept {
+  return index < entries_.size() ? entries_[index].hits : 0;
+}
+
+}  // namespace sim

@@ -1,0 +1,271 @@
+// The bus of a simulated line: who gets it, for how long, and who receives what.
+
+#include <algorithm>
+#include <variant>
+
+#include "can/frame_length.h"
+#include "cansync/telegram.h"
+#include "sim/line.h"
+
+namespace sim {
+namespace {
+
+// Destroyed in the last bit of the CRC sequence: what follows it is the error frame instead of the tail.
+constexpr unsigned kBitsAfterCrc = can::kTailBits;
+// SocketCAN's identifier of an error frame that tells of a protocol violation.
+constexpr std::uint32_t kProtocolViolation = 0x008;
+
+can::Frame error_frame() {
+  can::Frame frame;
+  frame.kind = can::FrameKind::error;
+  frame.id = kProtocolViolation;
+  frame.dlc = 8;
+  return frame;
+}
+
+}  // namespace
+
+void Line::advance(can::Time to) noexcept {
+  while (true) {
+    if (!flight_) {
+      // Strictly before: at `to` itself the caller may still send and take part in the arbitration.
+      const auto start = next_start();
+      if (!start || *start >= to) return;
+      begin(*start);
+    }
+    if (flight_->end > to) return;
+    finish();
+  }
+}
+
+std::optional<can::Time> Line::next_start() const noexcept {
+  std::optional<can::Time> ready = waiting_.earliest();
+  if (const PendingFrame* first = transmit_.front())
+    ready = ready ? std::min(*ready, first->ready) : first->ready;
+  if (!ready) return std::nullopt;
+  return std::max(*ready, bus_free_);
+}
+
+const PendingFrame* Line::winner(can::Time start) const noexcept {
+  const PendingFrame* best = waiting_.winner(start);
+  const PendingFrame* master = transmit_.front();
+  if (master == nullptr || master->ready > start) return best;
+  return best == nullptr || wins(*master, *best) ? master : best;
+}
+
+can::Time Line::next_end() const noexcept {
+  if (flight_) return flight_->end;
+  const auto start = next_start();
+  if (!start) return can::Time::max();
+  return *start + bit_times(winner(*start)->bits - can::kInterframeBits);
+}
+
+void Line::begin(can::Time start) noexcept {
+  leave_bus_off(start);
+  const PendingFrame* chosen = winner(start);
+  Flight flight;
+  flight.pending = *chosen;
+  if (chosen->sender == kMaster) {
+    transmit_.pop();
+  } else {
+    waiting_.remove(*chosen);
+  }
+  const PendingFrame& pending = flight.pending;
+  flight.start = start;
+  flight.fate = faults_.at_start(pending.frame, pending.repeated);
+  if (flight.fate.corrupted) {
+    flight.end = start + bit_times(pending.bits - kBitsAfterCrc);
+    flight.free = start + bit_times(pending.bits - kBitsAfterCrc + can::kErrorFrameBits);
+  } else {
+    const unsigned bits = pending.bits - can::kInterframeBits;
+    flight.end = start + bit_times(bits);
+    // Duplicated: the sender alone sees an error in the very last bit, so an error frame follows.
+    flight.free =
+        start + bit_times(bits + (flight.fate.duplicated ? can::kErrorFrameBits : can::kInterframeBits));
+    if (trace_ != nullptr) trace_->frame({start, flight.end, pending.frame, sender_of(pending.sender)});
+  }
+  flight_ = flight;
+}
+
+void Line::finish() noexcept {
+  const Flight& flight = *flight_;
+  leave_bus_off(flight.end);
+  bus_free_ = flight.free;
+  counters_.busy += flight.free - flight.start;
+  if (flight.fate.corrupted) {
+    destroyed();
+  } else {
+    ++counters_.frames;
+    deliver();
+  }
+  flight_.reset();
+}
+
+void Line::destroyed() noexcept {
+  trace_error();
+  count_failure();
+  send_again();
+}
+
+void Line::trace_error() noexcept {
+  ++counters_.error_frames;
+  if (trace_ == nullptr) return;
+  const can::Time end = flight_->free - bit_times(can::kInterframeBits);
+  trace_->frame({flight_->end, end, error_frame(), sender_of(flight_->pending.sender)});
+}
+
+void Line::deliver() noexcept {
+  const Flight& flight = *flight_;
+  const can::Frame& frame = flight.pending.frame;
+  const std::uint8_t sender = flight.pending.sender;
+  const std::uint64_t own = bit_of(sender);
+  const std::uint64_t absent = bus_off_ | silent_ | own;
+  const NodeMask lost = nodes_of(flight.fate.lost);
+
+  const bool standard = frame.kind == can::FrameKind::standard;
+  const NodeMask wanting = standard ? acceptance_[frame.id & 0x7FFu] & ~static_cast<NodeMask>(absent) : 0;
+  counters_.lost_deliveries += static_cast<unsigned>(std::popcount(wanting & lost));
+  const NodeMask receivers = wanting & ~lost;
+  if (receivers != 0) {
+    const cansync::Decoded decoded = cansync::decode(frame);
+    const auto* telegram = std::get_if<cansync::Telegram>(&decoded);
+    for_each_bit(receivers, [&](std::uint8_t index) {
+      if (const auto answer = nodes_[index]->on_frame(frame, telegram, flight.end)) hand_over(index, *answer);
+    });
+  }
+  if (sender != kMaster && (bus_off_ & bit_of(kMaster)) == 0) {
+    if (flight.fate.lost_to_master) {
+      ++counters_.lost_deliveries;
+    } else {
+      deliver_to_master(false);
+    }
+  }
+  if (flight.fate.duplicated) {
+    trace_error();
+    count_failure();
+    send_again();
+    return;
+  }
+  count_success();
+  if (sender == kMaster && !flight.abandoned) deliver_to_master(true);
+}
+
+void Line::deliver_to_master(bool own) noexcept {
+  if (received_size_ == received_.size()) {
+    ++overruns_;
+    return;
+  }
+  std::size_t at = received_first_ + received_size_;
+  if (at >= received_.size()) at -= received_.size();
+  received_[at] = {flight_->pending.frame, flight_->end, own};
+  ++received_size_;
+}
+
+void Line::send_again() noexcept {
+  PendingFrame again = flight_->pending;
+  again.ready = flight_->free;
+  again.repeated = again.repeated || flight_->fate.duplicated;
+  if (again.sender == kMaster) {
+    if (!flight_->abandoned && (bus_off_ & bit_of(kMaster)) == 0) transmit_.push_front(again);
+  } else if (((bus_off_ | silent_) & bit_of(again.sender)) == 0) {
+    waiting_.push(again);
+  }
+}
+
+// --- fault confinement
+
+void Line::count_success() noexcept {
+  if (unclean_ == 0) return;
+  const std::uint64_t sender = bit_of(flight_->pending.sender);
+  const std::uint64_t deaf = bus_off_ | silent_;
+  for_each_bit(unclean_ & ~deaf, [&](std::uint8_t participant) {
+    ErrorCounters& errors = participants_[participant].errors;
+    if (bit_of(participant) == sender) {
+      errors.transmitted();
+    } else {
+      errors.received();
+    }
+    if (errors.clean()) unclean_ &= ~bit_of(participant);
+  });
+}
+
+void Line::count_failure() noexcept {
+  const std::uint64_t sender = bit_of(flight_->pending.sender);
+  const std::uint64_t everybody = ((std::uint64_t{1} << nodes_.size()) - 1) | bit_of(kMaster);
+  // A duplicated frame is an error in its sender's eyes alone.
+  const std::uint64_t concerned = flight_->fate.duplicated ? everybody & sender : everybody;
+  for_each_bit(concerned & ~(bus_off_ | silent_), [&](std::uint8_t participant) {
+    ErrorCounters& errors = participants_[participant].errors;
+    if (bit_of(participant) != sender) {
+      errors.receive_failed();
+    } else if (participant != kMaster || !flight_->abandoned) {
+      errors.transmit_failed();
+    }
+    if (!errors.clean()) unclean_ |= bit_of(participant);
+    if (errors.bus_off()) enter_bus_off(participant);
+  });
+}
+
+void Line::enter_bus_off(std::uint8_t participant) noexcept {
+  bus_off_ |= bit_of(participant);
+  if (participant == kMaster) {
+    transmit_.clear();
+    participants_[participant].bus_off_until = can::Time::max();  // until it is reset
+  } else {
+    waiting_.drop(participant);
+    participants_[participant].bus_off_until = flight_->free + bit_times(kRecoveryBits);
+  }
+}
+
+void Line::leave_bus_off(can::Time now) noexcept {
+  for_each_bit(bus_off_, [&](std::uint8_t index) {
+    Participant& participant = participants_[index];
+    if (participant.bus_off_until > now) return;
+    participant.errors.clear();
+    bus_off_ &= ~bit_of(index);
+    unclean_ &= ~bit_of(index);
+  });
+}
+
+// --- frames of the nodes and foreign ones
+
+PendingFrame Line::pending(const can::Frame& frame, can::Time ready, std::uint8_t sender) noexcept {
+  return {frame, ready, order_++, arbitration_key(frame), can::frame_bits(frame), sender, false};
+}
+
+void Line::hand_over(std::uint8_t index, const Transmission& transmission) noexcept {
+  if (waiting_.count(index) == kFramesPerNode) {
+    ++counters_.dropped_by_nodes;
+    return;
+  }
+  can::Frame frame = transmission.frame;
+  frame.dlc = std::min<std::uint8_t>(frame.dlc, 8);
+  const can::Time delay = faults_.at_hand_over(frame);
+  waiting_.push(pending(frame, std::max(transmission.not_before, flight_->end) + delay, index));
+}
+
+void Line::inject(can::Time edge) noexcept {
+  std::size_t cursor = 0;
+  while (const Fault* fault = faults_.next_injection(cursor)) {
+    if (!waiting_.push(pending(fault->frame, edge + fault->delay, kForeign))) ++counters_.dropped_injections;
+  }
+}
+
+void Line::apply_silence() noexcept {
+  silent_ = nodes_of(faults_.silent());
+  for_each_bit(silent_, [&](std::uint8_t index) { waiting_.drop(index); });
+}
+
+Line::NodeMask Line::nodes_of(cansync::SlaveMask slaves) const noexcept {
+  NodeMask nodes = 0;
+  for_each_bit(slaves.bits, [&](std::uint8_t number) { nodes |= nodes_by_number_[number]; });
+  return nodes;
+}
+
+Sender Line::sender_of(std::uint8_t participant) const noexcept {
+  if (participant == kMaster) return {Sender::Kind::master, {}};
+  if (participant == kForeign) return {Sender::Kind::foreign, {}};
+  return {Sender::Kind::slave, nodes_[participant]->number()};
+}
+
+}  // namespace sim
