@@ -1,0 +1,131 @@
+#include "daemon/event_text.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "daemon/refusal_text.h"
+
+namespace cansyncd {
+namespace {
+
+using Code = cansync::MasterEvent::Code;
+
+cansync_EventSeverity severity_of(Code code) noexcept {
+  switch (code) {
+    case Code::slave_lost:
+    case Code::foreign_master:
+      return cansync_SEVERITY_ERROR;
+    case Code::slave_not_synchronized:
+    case Code::references_stopped:
+      return cansync_SEVERITY_WARNING;
+    case Code::slave_responds:
+    case Code::slave_synchronized:
+    case Code::all_synchronized:
+    case Code::references_released:
+      break;
+  }
+  return cansync_SEVERITY_INFO;
+}
+
+std::string text_of(const cansync::MasterEvent& event, const Config& config) {
+  const std::string who = event.slave ? slave_label(config, event.slave->value()) : std::string("a slave");
+  switch (event.code) {
+    case Code::slave_responds:
+      return who + " responds";
+    case Code::slave_lost:
+      return fmt::format("{} no longer responds; check its power and the bus cable", who);
+    case Code::slave_synchronized:
+      return who + " is synchronized";
+    case Code::slave_not_synchronized:
+      return who + " is no longer synchronized";
+    case Code::all_synchronized:
+      return "all configured slaves are synchronized";
+    case Code::references_stopped:
+      return fmt::format("reference values of telegram {} are no longer released", event.detail);
+    case Code::references_released:
+      return fmt::format("reference values of telegram {} are released", event.detail);
+    case Code::foreign_master:
+      return fmt::format("another master sends on this bus (identifier 0x{:03X}); switch one of them off",
+                         event.detail);
+  }
+  return "unknown event";
+}
+
+std::string_view remedy_of(can::SendResult result) noexcept {
+  switch (result) {
+    case can::SendResult::queued:
+      return "telegrams are sent";
+    case can::SendResult::queue_full:
+      return "the controller's queue is full; is another node on the bus, with the same bit rate?";
+    case can::SendResult::bus_off:
+      return "the controller is bus-off; check the wiring, then give mode reset-can";
+    case can::SendResult::interface_down:
+      return "the interface is missing or not up; plug it in and set it up";
+  }
+  return "unknown reason";
+}
+
+struct Describer {
+  const Config& config;
+
+  std::optional<EventText> operator()(const StateChanged& report) const {
+    return EventText{cansync_SEVERITY_INFO, "state_changed", -1,
+                     fmt::format("state '{}' to '{}' on '{}'", cansync::name(report.from),
+                                 cansync::name(report.to), cansync::name(report.command)),
+                     report.when};
+  }
+  std::optional<EventText> operator()(const EventReport& report) const {
+    return EventText{severity_of(report.event.code), cansync::name(report.event.code),
+                     report.event.slave ? int{report.event.slave->value()} : -1,
+                     text_of(report.event, config), report.when};
+  }
+  std::optional<EventText> operator()(const SyncsMissed& report) const {
+    return EventText{cansync_SEVERITY_WARNING, "syncs_missed", -1,
+                     fmt::format("{} SYNC edges were skipped: the realtime thread came too late; give it a "
+                                 "realtime priority and a processor of its own",
+                                 report.count),
+                     report.when};
+  }
+  std::optional<EventText> operator()(const ControllerChanged& report) const {
+    auto severity = cansync_SEVERITY_WARNING;
+    if (report.to == can::ControllerState::bus_off) severity = cansync_SEVERITY_ERROR;
+    if (report.to == can::ControllerState::error_active) severity = cansync_SEVERITY_INFO;
+    return EventText{severity, "controller_changed", -1,
+                     fmt::format("CAN controller {} to {}", name(report.from), name(report.to)), report.when};
+  }
+  std::optional<EventText> operator()(const SendingChanged& report) const {
+    if (report.result == can::SendResult::queued) {
+      return EventText{cansync_SEVERITY_INFO, "sending_restored", -1,
+                       fmt::format("telegrams are sent again; {} were left out", report.failed), report.when};
+    }
+    return EventText{cansync_SEVERITY_ERROR, "sending_failed", -1,
+                     fmt::format("telegrams cannot be sent: {}", remedy_of(report.result)), report.when};
+  }
+  std::optional<EventText> operator()(const TransferProgress&) const { return std::nullopt; }
+  std::optional<EventText> operator()(const ReferenceRefused&) const { return std::nullopt; }
+};
+
+}  // namespace
+
+std::optional<EventText> describe(const Report& report, const Config& config) {
+  return std::visit(Describer{config}, report);
+}
+
+std::string_view name(can::ControllerState state) noexcept {
+  switch (state) {
+    case can::ControllerState::error_active:
+      return "error-active";
+    case can::ControllerState::error_warning:
+      return "error-warning";
+    case can::ControllerState::error_passive:
+      return "error-passive";
+    case can::ControllerState::bus_off:
+      return "bus-off";
+    case can::ControllerState::stopped:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+}  // namespace cansyncd

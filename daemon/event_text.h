@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cansync.h"
+#include "daemon/config.h"
+#include "daemon/exchange.h"
+
+/// What the realtime thread reports, in words. Pure functions; not for the realtime thread (allocates).
+namespace cansyncd {
+
+/// One event before it is numbered and published.
+struct EventText {
+  cansync_EventSeverity severity = cansync_SEVERITY_INFO;
+  std::string_view code;  ///< stable word; a literal
+  int slave = -1;         ///< 0..31; -1: none
+  std::string text;
+  std::optional<Moment> when;  ///< nothing: now
+};
+
+/// The event that stands for `report`; nothing for reports that are no events (progress of a transfer), or
+/// that are counted before they become one (refused reference values).
+std::optional<EventText> describe(const Report& report, const Config& config);
+
+/// Name of a controller state as MasterStatus tells it, e.g. "bus-off".
+std::string_view name(can::ControllerState state) noexcept;
+
+}  // namespace cansyncd

@@ -1,0 +1,150 @@
+#include "daemon/gateway.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "daemon/gateway_requests.h"
+
+namespace cansyncd {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Takes from `to` what may change while running.
+void take_changeable(const Config& to, Config& config) {
+  config.references = to.references;
+  config.slaves = to.slaves;
+  config.failsafe.reference_max_age = to.failsafe.reference_max_age;
+  config.master.process.reference_mapping = to.master.process.reference_mapping;
+  config.master.process.polling = to.master.process.polling;
+  config.master.process.maximum_slave = to.master.process.maximum_slave;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    config.master.slaves[i].actual_mapping = to.master.slaves[i].actual_mapping;
+  }
+  config.master.command_channel.control_word = to.master.command_channel.control_word;
+  config.master.command_channel.parameter = to.master.command_channel.parameter;
+  config.master.command_channel.transfer = to.master.command_channel.transfer;
+}
+
+/// Milliseconds from now to `due`, rounded up, at least 0.
+int milliseconds_to(SteadyTime due) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(due - steady_clock::now());
+  return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
+}
+
+}  // namespace
+
+Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant)
+    : config_(config),
+      exchange_(exchange),
+      events_(participant),
+      state_(participant, config),
+      references_(participant, signal_, events_, config),
+      jobs_(participant, signal_, events_, config) {}
+
+Gateway::~Gateway() {
+  stop();
+}
+
+void Gateway::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void Gateway::stop() noexcept {
+  if (!thread_.joinable()) return;
+  stop_ = true;
+  exchange_.gateway_wake.signal();
+  thread_.join();
+}
+
+void Gateway::reload(const Config& config) {
+  {
+    const std::lock_guard lock(configuration_mutex_);
+    new_configuration_ = config;
+  }
+  exchange_.gateway_wake.signal();
+}
+
+void Gateway::run() {
+  std::array<pollfd, 2> wake{{{exchange_.gateway_wake.descriptor(), POLLIN, 0}, {signal_.fd(), POLLIN, 0}}};
+  while (!stop_) {
+    const SteadyTime due = pass();
+    // An interrupted or failed poll only means one pass too many.
+    (void)::poll(wake.data(), wake.size(), milliseconds_to(due));
+    exchange_.gateway_wake.clear();
+    signal_.clear();
+  }
+  end_jobs();
+}
+
+JobContext Gateway::context(SteadyTime now) {
+  const MasterSnapshot& master = state_.master();
+  return {
+      exchange_, config_, {master.state, master.when.interval, master.responding, master.synchronized}, now};
+}
+
+SteadyTime Gateway::pass() {
+  const SteadyTime now = steady_clock::now();
+  take_configuration(now);
+  SteadyTime due = state_.step(exchange_, now);
+  events_.set_interval(state_.master().when.interval);
+  const JobContext jobs = context(now);
+  take_reports(jobs);
+  references_.step(exchange_, now);
+  jobs_.take_requests(jobs);
+  for (const auto next : {jobs_.retry(jobs), references_.tick(now), events_.tick(now)}) {
+    if (next) due = std::min(due, *next);
+  }
+  return due;
+}
+
+void Gateway::take_reports(const JobContext& context) {
+  Terminal terminal;
+  while (exchange_.terminals.try_pop(terminal)) jobs_.finish(terminal, context);
+  Report report;
+  while (exchange_.reports.try_pop(report)) {
+    if (const auto* progress = std::get_if<TransferProgress>(&report)) {
+      jobs_.progress(*progress, context.now);
+    } else if (const auto* refused = std::get_if<ReferenceRefused>(&report)) {
+      references_.refused(*refused, config_, context.line, context.now);
+    } else if (const auto event = describe(report, config_)) {
+      events_.publish(*event, context.now);
+    }
+  }
+}
+
+void Gateway::take_configuration(SteadyTime now) {
+  std::optional<Config> taken;
+  {
+    const std::lock_guard lock(configuration_mutex_);
+    taken = std::exchange(new_configuration_, std::nullopt);
+  }
+  if (!taken) return;
+  for (const Request& request : changes(config_, *taken)) jobs_.give(request);
+  take_changeable(*taken, config_);
+  state_.set_names(config_);
+  references_.set_maximum_age(config_.failsafe.reference_max_age);
+  events_.publish(
+      {cansync_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
+}
+
+void Gateway::end_jobs() {
+  constexpr std::chrono::milliseconds kPatience{500};
+  constexpr int kLook = 20;
+  const SteadyTime end = steady_clock::now() + kPatience;
+  (void)state_.step(exchange_, steady_clock::now());
+  take_reports(context(steady_clock::now()));
+  jobs_.stop(context(steady_clock::now()));
+  while (jobs_.replies_waiting() && steady_clock::now() < end) {
+    (void)signal_.wait(kLook);
+    signal_.clear();
+    (void)jobs_.retry(context(steady_clock::now()));
+  }
+  jobs_.wait_for_readers(DDS_MSECS(kPatience.count()));
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "daemon/config.h"
+#include "daemon/exchange.h"
+#include "daemon/gateway_events.h"
+#include "daemon/gateway_jobs.h"
+#include "daemon/gateway_references.h"
+#include "daemon/gateway_state.h"
+#include "dds/participant.h"
+#include "dds/signal.h"
+
+namespace cansyncd {
+
+/// Binds the exchange with the realtime thread to the DDS topics: one thread of normal priority that sleeps
+/// until the realtime thread or DDS has something, and the only one that touches DDS.
+///
+/// Every request of a client gets exactly one terminal reply; all those open when the gateway stops are
+/// answered with REPLY_MASTER_STOPPED.
+class Gateway {
+ public:
+  /// Sets up every topic; nothing is taken or published before `start`. `exchange` and `participant` must
+  /// outlive the gateway. Throws cansync::dds::SetupError.
+  Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant);
+
+  /// Stops. The realtime thread must have ended before, because it may hold the data of transfers; a gateway
+  /// that was only stopped still keeps it.
+  ~Gateway();
+  Gateway(const Gateway&) = delete;
+  Gateway& operator=(const Gateway&) = delete;
+
+  /// Starts the thread; once. Throws std::system_error when there is no thread to be had.
+  void start();
+
+  /// Answers every open request, waits a little until the clients have the replies, and ends the thread.
+  /// Whether the realtime thread has ended before does not matter; results it has left in the exchange are
+  /// still told. Further calls do nothing.
+  void stop() noexcept;
+
+  /// Takes over what can change while running: names, units and scaling, mappings, polling, cursors, greatest
+  /// age of reference values. Only what differs from the configuration before is changed on the line, so that
+  /// what clients have set meanwhile stays. Everything else in `config` is ignored. Any thread; returns at
+  /// once.
+  void reload(const Config& config);
+
+ private:
+  void run();
+  /// One pass over everything that may have come; returns when the next is due at the latest.
+  SteadyTime pass();
+  void take_reports(const JobContext& context);
+  void take_configuration(SteadyTime now);
+  void end_jobs();
+  JobContext context(SteadyTime now);
+
+  Config config_;  ///< gateway thread only, once it runs
+  Exchange& exchange_;
+  cansync::dds::DataSignal signal_;  ///< before everything that raises it
+  EventPublisher events_;
+  StatePublisher state_;
+  ReferenceInput references_;
+  JobDesk jobs_;
+
+  std::mutex configuration_mutex_;
+  std::optional<Config> new_configuration_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,94 @@
+#include "daemon/gateway_events.h"
+
+#include <fmt/format.h>
+
+#include "daemon/log.h"
+#include "dds/convert.h"
+
+namespace cansyncd {
+namespace {
+
+LogPriority priority_of(cansync_EventSeverity severity) noexcept {
+  switch (severity) {
+    case cansync_SEVERITY_WARNING:
+      return LogPriority::warning;
+    case cansync_SEVERITY_ERROR:
+      return LogPriority::error;
+    case cansync_SEVERITY_INFO:
+      break;
+  }
+  return LogPriority::info;
+}
+
+}  // namespace
+
+std::int64_t wall_clock_now() noexcept {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+bool FloodGuard::pass(const EventText& event, SteadyTime now) {
+  Window& window = windows_[{event.code, event.slave}];
+  // A window with something held back stays open until its summary was told.
+  if (window.held_back == 0 && now - window.begin >= kWindow) {
+    window.begin = now;
+    window.told = 0;
+  }
+  if (window.told < kBurst) {
+    ++window.told;
+    return true;
+  }
+  ++window.held_back;
+  window.newest = event;
+  return false;
+}
+
+std::optional<EventText> FloodGuard::due(SteadyTime now) {
+  for (auto& [kind, window] : windows_) {
+    if (window.held_back == 0 || now - window.begin < kWindow) continue;
+    EventText summary = std::move(window.newest);
+    summary.text += fmt::format(" (the last of {} within a second that were not told)", window.held_back);
+    // The summary is the first of the next second.
+    window = {now, 1, 0, {}};
+    return summary;
+  }
+  return std::nullopt;
+}
+
+std::optional<SteadyTime> FloodGuard::next() const {
+  std::optional<SteadyTime> earliest;
+  for (const auto& [kind, window] : windows_) {
+    if (window.held_back == 0) continue;
+    if (!earliest || window.begin + kWindow < *earliest) earliest = window.begin + kWindow;
+  }
+  return earliest;
+}
+
+void EventPublisher::publish(const EventText& event, SteadyTime now) {
+  if (guard_.pass(event, now)) write(event);
+}
+
+std::optional<SteadyTime> EventPublisher::tick(SteadyTime now) {
+  while (const auto summary = guard_.due(now)) write(*summary);
+  return guard_.next();
+}
+
+void EventPublisher::write(const EventText& event) {
+  cansync_Event sample = {};
+  sample.number = ++number_;
+  sample.time = event.when ? event.when->wall_clock.count() : wall_clock_now();
+  sample.interval = event.when ? event.when->interval : interval_;
+  sample.severity = event.severity;
+  cansync::dds::copy_text(event.code, sample.code);
+  sample.slave = event.slave;
+  cansync::dds::copy_text(event.text, sample.text);
+  // Keep last: a reader that does not follow loses the oldest, the write itself cannot fail for want of room.
+  const dds_return_t written = writer_.write(sample);
+  log(priority_of(event.severity), "event {} {}: {}", sample.number, event.code, event.text);
+  if (written != DDS_RETCODE_OK) {
+    log(LogPriority::warning, "event {} was not published: {}", sample.number, dds_strretcode(written));
+  }
+}
+
+}  // namespace cansyncd

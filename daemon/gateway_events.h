@@ -1,0 +1,74 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "cansync.h"
+#include "daemon/event_text.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+
+namespace cansyncd {
+
+/// Clock of everything on the gateway thread that waits or is limited in rate.
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+/// CLOCK_REALTIME, ns since 1970.
+std::int64_t wall_clock_now() noexcept;
+
+/// Holds back what repeats too fast: of one kind of event at most `kBurst` a second are told, the rest is
+/// counted and summed up in one when the second is over. Not thread safe.
+class FloodGuard {
+ public:
+  static constexpr unsigned kBurst = 5;
+  static constexpr std::chrono::seconds kWindow{1};
+
+  /// True: tell it now. False: it was counted.
+  bool pass(const EventText& event, SteadyTime now);
+
+  /// The next summary that is due, newest text of its kind with the count added; nothing when there is none.
+  std::optional<EventText> due(SteadyTime now);
+
+  /// When `due` has something at the earliest; nothing: it has nothing to wait for.
+  std::optional<SteadyTime> next() const;
+
+ private:
+  struct Window {
+    SteadyTime begin;
+    unsigned told = 0;
+    std::uint64_t held_back = 0;
+    EventText newest;
+  };
+  std::map<std::pair<std::string_view, int>, Window> windows_;  ///< by code and slave
+};
+
+/// Numbers events, publishes them and writes each to the journal. Gateway thread only.
+class EventPublisher {
+ public:
+  /// Throws cansync::dds::SetupError.
+  explicit EventPublisher(const cansync::dds::Participant& participant) : writer_(participant) {}
+
+  /// Number of the running interval, for events that carry no moment of their own.
+  void set_interval(cansync::IntervalNumber interval) noexcept { interval_ = interval; }
+
+  /// Publishes `event` unless events of its kind come too fast.
+  void publish(const EventText& event, SteadyTime now);
+
+  /// Publishes the summaries that are due. Returns when to call again; nothing: no need.
+  std::optional<SteadyTime> tick(SteadyTime now);
+
+ private:
+  void write(const EventText& event);
+
+  cansync::dds::Writer<cansync_Event> writer_;
+  FloodGuard guard_;
+  std::uint64_t number_ = 0;
+  cansync::IntervalNumber interval_ = 0;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <dds/dds.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "cansync.h"
+#include "daemon/gateway_events.h"
+#include "dds/endpoint.h"
+#include "dds/signal.h"
+
+namespace cansyncd {
+
+/// The DDS participant a request came from; all zero: not known.
+using Place = std::array<std::uint8_t, 16>;
+
+/// Finds the participant that wrote a sample. Gateway thread only.
+class PlaceFinder {
+ public:
+  /// Participant of the writer `writer`, matched with `reader`; all zero when it has left already.
+  Place find(dds_entity_t reader, dds_instance_handle_t writer);
+
+ private:
+  std::map<dds_instance_handle_t, Place> known_;
+};
+
+/// Which participants have a reader matched with one of our writers. Gateway thread only.
+class MatchedPlaces {
+ public:
+  /// True when the participant has a reader matched with `writer`; also when `place` is not known.
+  bool has(dds_entity_t writer, const Place& place);
+
+ private:
+  std::set<Place> places_;
+  std::uint32_t current_ = 0;
+  std::uint32_t total_ = 0;
+};
+
+/// One reply topic. A reply that cannot be written now waits and is written later: while the client's reader
+/// is not matched yet (DDS finds readers and writers of a client one by one, so a request may be here before
+/// its client's reply reader is known), and while a reader that hangs holds up reliable delivery. Gateway
+/// thread only.
+template <class Reply>
+class ReplyOutbox {
+ public:
+  /// A reply waits so long for its client's reader.
+  static constexpr std::chrono::seconds kMatchTime{2};
+  /// Most replies that wait; then the oldest is dropped.
+  static constexpr std::size_t kWaiting = 16384;
+
+  /// Throws cansync::dds::SetupError. `signal` is raised when a reader comes or goes.
+  ReplyOutbox(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal)
+      : writer_(participant, 0, &signal) {}
+
+  /// Pause after a write that timed out, and between looks for readers.
+  static constexpr std::chrono::milliseconds kPause{100};
+
+  /// Writes `reply`, now or later. `data` is what the reply borrows.
+  void send(const Reply& reply, const Place& place, SteadyTime now, std::vector<std::uint8_t> data = {}) {
+    if (waiting_.size() == kWaiting) {
+      waiting_.pop_front();
+      ++dropped_;
+    }
+    waiting_.push_back({reply, place, now + kMatchTime, std::move(data)});
+    retry(now);
+  }
+
+  /// Writes what waits and can be written.
+  void retry(SteadyTime now) {
+    if (now < blocked_until_) return;
+    for (auto item = waiting_.begin(); item != waiting_.end();) {
+      if (now < item->give_up && !matched_.has(writer_.handle(), item->place)) {
+        ++item;
+        continue;
+      }
+      const dds_return_t written = writer_.write(item->reply);
+      if (written == DDS_RETCODE_TIMEOUT) {
+        // The write has blocked this thread; the other topics get their turn before the next.
+        blocked_until_ = std::chrono::steady_clock::now() + kPause;
+        return;
+      }
+      if (written != DDS_RETCODE_OK) ++dropped_;
+      item = waiting_.erase(item);
+    }
+  }
+
+  /// When `retry` is to be called at the latest; nothing: nothing waits.
+  std::optional<SteadyTime> next(SteadyTime now) const {
+    if (waiting_.empty()) return std::nullopt;
+    return std::max(blocked_until_, now + kPause);
+  }
+
+  bool empty() const noexcept { return waiting_.empty(); }
+
+  /// Waits at most `time` until the readers have all that was written.
+  void wait_for_readers(dds_duration_t time) const noexcept {
+    (void)dds_wait_for_acks(writer_.handle(), time);
+  }
+
+  /// Replies that were dropped since the last call.
+  std::uint64_t take_dropped() noexcept { return std::exchange(dropped_, 0); }
+
+ private:
+  struct Item {
+    Reply reply;
+    Place place;
+    SteadyTime give_up;
+    std::vector<std::uint8_t> data;
+  };
+
+  cansync::dds::Writer<Reply> writer_;
+  MatchedPlaces matched_;
+  std::deque<Item> waiting_;
+  std::uint64_t dropped_ = 0;
+  SteadyTime blocked_until_;
+};
+
+}  // namespace cansyncd

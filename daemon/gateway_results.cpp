@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "daemon/gateway_jobs.h"
+#include "daemon/gateway_requests.h"
+#include "daemon/log.h"
+
+/// Answers on their way out; requests are in gateway_jobs.cpp.
+namespace cansyncd {
+namespace {
+
+namespace dds = cansync::dds;
+
+}  // namespace
+
+void JobDesk::finish(const Terminal& terminal, const JobContext& context) {
+  const cansync::JobId id = std::visit([](const auto& done) { return done.id; }, terminal);
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end()) return;
+  std::visit([&](const auto& done) { reply(found->second, done, context); }, terminal);
+  erase(found);
+}
+
+void JobDesk::reply(Job& job, const ParameterDone& done, const JobContext& context) {
+  log_end(job, cansync::name(done.result.outcome), context.config);
+  parameter_replies_.send(dds::parameter_reply(job.key, done.result), job.place, context.now);
+}
+
+void JobDesk::reply(Job& job, const TransferDone& done, const JobContext& context) {
+  log_end(job, cansync::name(done.result.outcome), context.config);
+  const auto* request = std::get_if<cansync::TransferRequest>(&job.request);
+  std::span<std::uint8_t> data;
+  if (request != nullptr && request->direction == cansync::TransferRequest::Direction::upload) {
+    data = std::span(job.data).first(std::min<std::size_t>(job.data.size(), done.result.bytes));
+  }
+  // The reply borrows the data, so both go together.
+  const auto reply = dds::transfer_reply(job.key, done.result, data);
+  transfer_bytes_ -= job.data.size();
+  transfer_replies_.send(reply, job.place, context.now, std::move(job.data));
+  job.data = {};
+}
+
+void JobDesk::reply(Job& job, const CommandDone& done, const JobContext& context) {
+  log_end(job, cansync::name(done.outcome), context.config);
+  if (job.kind == Kind::internal) return;
+  command_replies_.send(dds::command_reply(job.key, done.outcome), job.place, context.now);
+}
+
+void JobDesk::reply(Job& job, const Refused& refused, const JobContext& context) {
+  refuse(job, refusal_text(refused.refusal, job.request, context.config, context.line), context);
+}
+
+void JobDesk::end(Job& job, cansync::Outcome outcome, const JobContext& context) {
+  log_end(job, cansync::name(outcome), context.config);
+  switch (job.kind) {
+    case Kind::parameter: {
+      cansync::ParameterResult result;
+      result.outcome = outcome;
+      parameter_replies_.send(dds::parameter_reply(job.key, result), job.place, context.now);
+      break;
+    }
+    case Kind::transfer: {
+      cansync::TransferResult result;
+      result.outcome = outcome;
+      transfer_replies_.send(dds::transfer_reply(job.key, result, {}), job.place, context.now);
+      break;
+    }
+    case Kind::command:
+      command_replies_.send(dds::command_reply(job.key, outcome), job.place, context.now);
+      break;
+    case Kind::internal:
+      break;
+  }
+}
+
+void JobDesk::progress(const TransferProgress& report, SteadyTime now) {
+  const auto found = jobs_.find(report.id);
+  if (found == jobs_.end() || found->second.kind != Kind::transfer) return;
+  Job& job = found->second;
+  if (now < job.next_progress) return;
+  job.next_progress = now + kProgressPeriod;
+  const auto total = static_cast<std::uint32_t>(job.data.size());
+  (void)progress_.write(dds::transfer_progress(job.key, report.bytes, total));
+}
+
+void JobDesk::erase(Jobs::iterator job) {
+  const auto& key = job->second.key;
+  if (job->second.kind != Kind::internal) {
+    open_.erase({key.client, key.request});
+    const auto client = per_client_.find(key.client);
+    if (--client->second == 0) per_client_.erase(client);
+  }
+  transfer_bytes_ -= job->second.data.size();
+  jobs_.erase(job);
+}
+
+void JobDesk::log_end(const Job& job, std::string_view outcome, const Config& config) const {
+  if (const auto what = describe(job.request, config)) {
+    log(LogPriority::notice, "{} by {}: {}", *what, job.who, outcome);
+  }
+}
+
+void JobDesk::stop(const JobContext& context) {
+  stopping_ = true;
+  take_requests(context);
+  for (auto& [id, job] : jobs_) {
+    end(job, cansync::Outcome::master_stopped, context);
+    if (!job.data.empty()) abandoned_.push_back(std::move(job.data));
+  }
+  jobs_.clear();
+  open_.clear();
+  per_client_.clear();
+  transfer_bytes_ = 0;
+}
+
+void JobDesk::wait_for_readers(dds_duration_t time) const noexcept {
+  parameter_replies_.wait_for_readers(time);
+  transfer_replies_.wait_for_readers(time);
+  command_replies_.wait_for_readers(time);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,181 @@
+#include "daemon/gateway_state.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "dds/convert.h"
+
+namespace cansyncd {
+namespace {
+
+namespace dds = cansync::dds;
+using cansync::SlaveNumber;
+
+std::array<cansync_ValueName, cansync::kValues> names_of(const ValueConfigs& values) {
+  std::array<cansync_ValueName, cansync::kValues> names = {};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    dds::copy_text(values[i].name, names[i].name);
+    dds::copy_text(values[i].unit, names[i].unit_symbol);
+    names[i].factor = values[i].factor;
+    names[i].offset = values[i].offset;
+  }
+  return names;
+}
+
+SettingsSnapshot settings_of(const cansync::MasterSettings& master) {
+  SettingsSnapshot settings;
+  settings.reference_mapping = master.process.reference_mapping;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    settings.actual_mapping[i] = master.slaves[i].actual_mapping;
+  }
+  settings.polling = master.process.polling;
+  settings.maximum_slave = master.process.maximum_slave;
+  settings.control_word = master.command_channel.control_word;
+  settings.parameter = master.command_channel.parameter;
+  settings.transfer = master.command_channel.transfer;
+  return settings;
+}
+
+/// What is worth a sample of MasterStatus at once; counters wait for the next second.
+auto essence(const MasterSnapshot& master) {
+  // Overrun, warning and bus-off; "sending" and "receiving" change all the time.
+  constexpr unsigned kLastingBits = 0x00C2;
+  return std::tuple(master.state, master.cansync_status & kLastingBits, master.controller.state,
+                    master.configured.bits, master.responding.bits, master.synchronized.bits);
+}
+
+cansync_Timing to_dds(const TimingSnapshot& timing) {
+  cansync_Timing sample = {};
+  sample.intervals = timing.intervals;
+  sample.lateness_minimum = timing.lateness_minimum.count();
+  sample.lateness_mean = timing.lateness_mean.count();
+  sample.lateness_maximum = timing.lateness_maximum.count();
+  std::copy(timing.histogram.begin(), timing.histogram.end(), std::begin(sample.lateness_histogram));
+  std::copy(timing.left_out.begin(), timing.left_out.end(), std::begin(sample.left_out));
+  sample.missed_syncs = timing.missed_syncs;
+  sample.bus_load = timing.bus_load;
+  return sample;
+}
+
+}  // namespace
+
+StatePublisher::StatePublisher(const dds::Participant& participant, const Config& config)
+    : config_(config),
+      actual_writer_(participant),
+      slave_writer_(participant),
+      master_writer_(participant),
+      timing_writer_(participant),
+      interval_writer_(participant),
+      settings_(settings_of(config.master)) {
+  master_.configured = config.master.configured();
+  set_names(config);
+}
+
+void StatePublisher::set_names(const Config& config) {
+  config_.references = config.references;
+  config_.slaves = config.slaves;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    slaves_[i].names = names_of(config.slaves[i].actual);
+    slaves_[i].dirty = config_.master.slaves[i].configured;
+  }
+  master_dirty_ = true;
+}
+
+SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
+  take_settings(exchange);
+  take_master(exchange);
+  take_actual(exchange);
+  IntervalReport interval;
+  if (exchange.interval.read(interval) && config_.dds.interval_topic) {
+    (void)interval_writer_.write(
+        {interval.sync.interval, interval.sync.wall_clock.count(), interval.time_left.count()});
+  }
+  TimingSnapshot timing;
+  if (exchange.timing.read(timing)) (void)timing_writer_.write(to_dds(timing));
+
+  if (master_dirty_ || now - master_published_ >= kMasterPeriod) publish_master(now);
+  SteadyTime next = master_published_ + kMasterPeriod;
+  for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
+    Slave& slave = slaves_[i];
+    if (exchange.slave[i].read(slave.report)) slave.dirty = config_.master.slaves[i].configured;
+    if (!slave.dirty) continue;
+    if (now - slave.published >= kSlavePeriod) {
+      publish_slave(*SlaveNumber::from(i), now);
+    } else {
+      next = std::min(next, slave.published + kSlavePeriod);
+    }
+  }
+  return next;
+}
+
+void StatePublisher::take_settings(Exchange& exchange) {
+  if (!exchange.settings.read(settings_)) return;
+  master_dirty_ = true;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) slaves_[i].dirty = config_.master.slaves[i].configured;
+}
+
+void StatePublisher::take_master(Exchange& exchange) {
+  const auto before = essence(master_);
+  if (exchange.master.read(master_) && essence(master_) != before) master_dirty_ = true;
+}
+
+void StatePublisher::take_actual(Exchange& exchange) {
+  ActualReport report;
+  for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
+    if (!exchange.actual[i].read(report)) continue;
+    Slave& slave = slaves_[i];
+    cansync::IntervalNumber newest = master_.when.interval;
+    for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+      // Telegrams that came between two looks are told together.
+      report.values.arrived[channel] = report.values.count[channel] != slave.told[channel];
+      newest = std::max(newest, report.values.interval[channel]);
+    }
+    slave.told = report.values.count;
+    (void)actual_writer_.write(dds::actual_values(*SlaveNumber::from(i), config_.slaves[i].name,
+                                                  report.values, slave.names, newest,
+                                                  report.when.wall_clock.count()));
+  }
+}
+
+void StatePublisher::publish_master(SteadyTime now) {
+  cansync::MasterSettings settings = config_.master;
+  settings.process.reference_mapping = settings_.reference_mapping;
+  settings.process.polling = settings_.polling;
+  settings.process.maximum_slave = settings_.maximum_slave;
+  settings.command_channel.control_word = settings_.control_word;
+  settings.command_channel.parameter = settings_.parameter;
+  settings.command_channel.transfer = settings_.transfer;
+
+  cansync_MasterStatus sample = {};
+  dds::fill_master_status(settings, master_.counters, master_.state, sample);
+  dds::copy_text(config_.bus.name, sample.bus);
+  dds::copy_text(CANSYNC_VERSION, sample.version);
+  sample.cansync_status = master_.cansync_status;
+  sample.interval = master_.when.interval;
+  dds::copy_text(name(master_.controller.state), sample.controller_state);
+  sample.transmit_errors = master_.controller.transmit_errors;
+  sample.receive_errors = master_.controller.receive_errors;
+  sample.slaves_configured = master_.configured.bits;
+  sample.slaves_responding = master_.responding.bits;
+  sample.slaves_synchronized = master_.synchronized.bits;
+  sample.open_parameter_jobs = master_.open_parameter_jobs;
+  sample.open_transfers = master_.open_transfers;
+  sample.missed_syncs = master_.missed_syncs;
+  sample.lost_reports = master_.lost_reports;
+  const auto names = names_of(config_.references);
+  std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
+  (void)master_writer_.write(sample);
+  master_dirty_ = false;
+  master_published_ = now;
+}
+
+void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
+  Slave& slave = slaves_[number.value()];
+  (void)slave_writer_.write(dds::slave_status(number, config_.slaves[number.value()].name,
+                                              slave.report.status, settings_.actual_mapping[number.value()],
+                                              slave.names));
+  slave.dirty = false;
+  slave.published = now;
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "cansync.h"
+#include "daemon/config.h"
+#include "daemon/exchange.h"
+#include "daemon/gateway_events.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+
+namespace cansyncd {
+
+/// Publishes what is known of the line: ActualValues, SlaveStatus, MasterStatus, Timing and, when the
+/// configuration switches it on, Interval. Gateway thread only.
+class StatePublisher {
+ public:
+  /// Least time between two samples of SlaveStatus of one slave; the newest status is always told in the end.
+  static constexpr std::chrono::milliseconds kSlavePeriod{100};
+  /// MasterStatus is told at least this often.
+  static constexpr std::chrono::seconds kMasterPeriod{1};
+
+  /// Throws cansync::dds::SetupError.
+  StatePublisher(const cansync::dds::Participant& participant, const Config& config);
+
+  /// Takes names, units and scaling from `config`; they are published with the next `step`.
+  void set_names(const Config& config);
+
+  /// Takes what is new from `exchange` and publishes what is due. Returns when to call again at the latest.
+  SteadyTime step(Exchange& exchange, SteadyTime now);
+
+  /// Newest state of the master, as far as it was told.
+  const MasterSnapshot& master() const noexcept { return master_; }
+  /// Newest settings in force.
+  const SettingsSnapshot& settings() const noexcept { return settings_; }
+
+ private:
+  struct Slave {
+    SlaveReport report;
+    std::array<std::uint64_t, cansync::kChannels> told = {};  ///< count of telegrams that were published
+    std::array<cansync_ValueName, cansync::kValues> names = {};
+    bool dirty = false;  ///< something is to be told
+    SteadyTime published;
+  };
+
+  void take_settings(Exchange& exchange);
+  void take_master(Exchange& exchange);
+  void take_actual(Exchange& exchange);
+  void publish_master(SteadyTime now);
+  void publish_slave(cansync::SlaveNumber number, SteadyTime now);
+
+  Config config_;
+  cansync::dds::Writer<cansync_ActualValues> actual_writer_;
+  cansync::dds::Writer<cansync_SlaveStatus> slave_writer_;
+  cansync::dds::Writer<cansync_MasterStatus> master_writer_;
+  cansync::dds::Writer<cansync_Timing> timing_writer_;
+  cansync::dds::Writer<cansync_Interval> interval_writer_;
+
+  std::array<Slave, cansync::kSlaves> slaves_;
+  MasterSnapshot master_;
+  SettingsSnapshot settings_;
+  bool master_dirty_ = true;
+  SteadyTime master_published_;
+};
+
+}  // namespace cansyncd

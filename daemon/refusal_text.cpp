@@ -1,0 +1,128 @@
+#include "daemon/refusal_text.h"
+
+#include <fmt/format.h>
+
+#include "cansync/mode.h"
+#include "dds/validate.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Refusal;
+using cansync::SlaveMask;
+using cansync::SlaveNumber;
+
+/// The slave a request is for; nothing for a request to the whole line.
+std::optional<unsigned> slave_of(const Request& request) {
+  return std::visit(
+      [](const auto& r) -> std::optional<unsigned> {
+        if constexpr (requires { r.slave; }) return unsigned{r.slave.value()};
+        return std::nullopt;
+      },
+      request);
+}
+
+std::string wrong_state(const Request& request, const RefusalContext& context) {
+  const auto now = fmt::format("state: the master is '{}' (0x{:04X})", cansync::name(context.state),
+                               static_cast<unsigned>(context.state));
+  if (const auto* mode = std::get_if<ModeRequest>(&request)) {
+    if (mode->mode == Mode::run) {
+      return now + "; active operation can be enabled in set-up alone: give mode setup first";
+    }
+    return now + "; this mode cannot be entered from there: give mode restart";
+  }
+  if (std::holds_alternative<cansync::ReferenceUpdate>(request)) {
+    return now + "; reference values are taken in active operation (0x0080) alone: give mode run first";
+  }
+  return now + "; jobs are taken in set-up (0x0043) and active operation (0x0080): give mode setup first";
+}
+
+std::string slaves_missing(const Config& config, const RefusalContext& context) {
+  const bool synchronized = config.master.startup.enable == cansync::EnableRule::all_synchronized;
+  const SlaveMask there = synchronized ? context.synchronized : context.responding;
+  const SlaveMask missing{config.master.configured().bits & ~there.bits};
+  return fmt::format("slaves: not yet {}: {}; wait for them, or give mode run with force",
+                     synchronized ? "synchronized" : "responding", slave_list(config, missing));
+}
+
+std::string queue_full(const Request& request, const Config& config) {
+  const auto& channel = config.master.command_channel;
+  const auto full = [](std::string_view queue, unsigned limit) {
+    return fmt::format("queue full: {} {} are open, at most {} are allowed; try again when one has ended",
+                       limit, queue, limit);
+  };
+  if (std::holds_alternative<cansync::ParameterRequest>(request)) {
+    return full("parameter jobs", channel.parameter_queue);
+  }
+  if (std::holds_alternative<cansync::TransferRequest>(request))
+    return full("transfers", channel.transfer_queue);
+  if (const auto* word = std::get_if<cansync::ControlWordRequest>(&request)) {
+    return full("control words for " + slave_label(config, word->slave.value()), channel.control_word_queue);
+  }
+  if (const auto* broadcast = std::get_if<cansync::BroadcastRequest>(&request)) {
+    return full(fmt::format("broadcasts of priority {}", broadcast->priority), channel.broadcast_queue);
+  }
+  if (std::holds_alternative<cansync::ReferenceUpdate>(request)) {
+    return "queue full: too many reference values wait for their interval; write them closer to it";
+  }
+  return "queue full: try again when an open request has ended";
+}
+
+std::string interval_passed(const Request& request, const Config& config, const RefusalContext& context) {
+  const auto* update = std::get_if<cansync::ReferenceUpdate>(&request);
+  return fmt::format(
+      "from_interval {}: allowed 0 (the next) or {}..{}, which is the running interval and {} ahead",
+      update != nullptr ? update->from_interval : 0, context.interval,
+      context.interval + config.master.process.ahead_limit, config.master.process.ahead_limit);
+}
+
+}  // namespace
+
+std::string slave_label(const Config& config, unsigned slave) {
+  if (slave >= config.slaves.size() || config.slaves[slave].name.empty())
+    return fmt::format("slave {}", slave);
+  return fmt::format("slave {} '{}'", slave, config.slaves[slave].name);
+}
+
+std::string slave_list(const Config& config, SlaveMask slaves) {
+  constexpr unsigned kSpelledOut = 8;
+  std::string list;
+  unsigned told = 0;
+  unsigned more = 0;
+  for (unsigned slave = 0; slave < cansync::kSlaves; ++slave) {
+    if (!slaves.has(*SlaveNumber::from(slave))) continue;
+    if (told == kSpelledOut) {
+      ++more;
+      continue;
+    }
+    if (told++ != 0) list += ", ";
+    list += slave_label(config, slave);
+  }
+  if (more != 0) list += fmt::format(" and {} more", more);
+  return told != 0 ? list : "none";
+}
+
+std::string refusal_text(Refusal refusal, const Request& request, const Config& config,
+                         const RefusalContext& context) {
+  switch (refusal) {
+    case Refusal::wrong_state:
+      return wrong_state(request, context);
+    case Refusal::slaves_missing:
+      return slaves_missing(config, context);
+    case Refusal::queue_full:
+      return queue_full(request, config);
+    case Refusal::interval_passed:
+      return interval_passed(request, config, context);
+    case Refusal::slave_not_configured:
+      if (const auto slave = slave_of(request)) {
+        return fmt::format("slave {}: not configured; configured are {}", *slave,
+                           slave_list(config, config.master.configured()));
+      }
+      break;
+    default:
+      break;
+  }
+  return cansync::dds::explain(refusal, cansync::dds::limits_of(config.master));
+}
+
+}  // namespace cansyncd

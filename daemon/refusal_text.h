@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "cansync/jobs.h"
+#include "cansync/mode.h"
+#include "cansync/numbers.h"
+#include "daemon/config.h"
+#include "daemon/exchange.h"
+
+/// What people read when the master does not take a request. Not for the realtime thread (allocates).
+namespace cansyncd {
+
+/// "slave 3 'feeder'", or "slave 3" when it has no name.
+std::string slave_label(const Config& config, unsigned slave);
+
+/// The slaves of a mask with their names, e.g. "slave 1 'unwinder', slave 4"; "none" when it is empty. At
+/// most eight are spelled out.
+std::string slave_list(const Config& config, cansync::SlaveMask slaves);
+
+/// State of the line that a refusal is explained with.
+struct RefusalContext {
+  cansync::State state = cansync::State::start_up;
+  cansync::IntervalNumber interval = 0;
+  cansync::SlaveMask responding;
+  cansync::SlaveMask synchronized;
+};
+
+/// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.
+std::string refusal_text(cansync::Refusal refusal, const Request& request, const Config& config,
+                         const RefusalContext& context);
+
+}  // namespace cansyncd
