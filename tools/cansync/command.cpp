@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cansync/verbs.h"
+
+namespace cansync::cli {
+namespace {
+
+/// The arguments of `control` as they were typed.
+struct ControlTexts {
+  std::string slave;
+  std::string word;
+};
+
+/// The arguments of `broadcast` as they were typed.
+struct BroadcastTexts {
+  std::string slaves;
+  std::string priority = "2";
+  std::string command;
+  std::string byte = "0";
+  std::string word = "0";
+};
+
+/// The arguments of `mode` as they were typed.
+struct ModeTexts {
+  std::string mode;
+  bool force = false;
+};
+
+ExitCode control_verb(Session& session, const ControlTexts& texts) {
+  const std::uint32_t word = parse_raw(texts.word, "WORD", Width::word);
+  const unsigned slave = session.slave(texts.slave);
+  const client::CommandReply reply = session.wait(session.client().control_word(slave, word));
+  const std::string where = fmt::format("control word 0x{:04X} to slave {}", word, slave);
+  return session.finish(reply, JsonObject().add("slave", slave).add("control_word", word), where,
+                        where + " sent");
+}
+
+std::uint32_t parse_slaves(Session& session, const std::string& text) {
+  if (text == "all") return session.client().master_status().slaves_configured;
+  return parse_slave_set(text, [&session](std::string_view slave) { return session.slave(slave); });
+}
+
+ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
+  client::Broadcast broadcast;
+  broadcast.priority = static_cast<std::uint32_t>(parse_integer(texts.priority, "--priority", 0, 2));
+  broadcast.action = static_cast<std::uint32_t>(parse_integer(texts.command, "--command", 0, 255));
+  broadcast.data_byte = static_cast<std::uint32_t>(parse_integer(texts.byte, "--byte", 0, 255));
+  broadcast.data_word = parse_raw(texts.word, "--word", Width::word);
+  broadcast.slave_mask = parse_slaves(session, texts.slaves);
+  const client::CommandReply reply = session.wait(session.client().broadcast(broadcast));
+  JsonObject object;
+  object.add("slave_mask", broadcast.slave_mask)
+      .add("priority", broadcast.priority)
+      .add("command", broadcast.action)
+      .add("byte", broadcast.data_byte)
+      .add("word", broadcast.data_word);
+  const std::string where = fmt::format("broadcast of command {} to slaves {}", broadcast.action,
+                                        format_slave_set(broadcast.slave_mask));
+  return session.finish(reply, object, where, where + " sent");
+}
+
+client::Mode parse_mode(std::string_view text) {
+  if (text == "setup") return cansync_MODE_SETUP;
+  if (text == "run") return cansync_MODE_RUN;
+  if (text == "stop") return cansync_MODE_STOP;
+  if (text == "reset-can") return cansync_MODE_RESET_CAN;
+  if (text == "restart") return cansync_MODE_RESTART;
+  throw UsageError(fmt::format("MODE: found '{}'; allowed: setup, run, stop, reset-can, restart", text));
+}
+
+ExitCode mode_verb(Session& session, const ModeTexts& texts) {
+  const client::Mode mode = parse_mode(texts.mode);
+  if (texts.force && mode != cansync_MODE_RUN) throw UsageError("--force: only `mode run` takes it");
+  const client::CommandReply reply = session.wait(session.client().mode(mode, texts.force));
+  return session.finish(reply, JsonObject().add("mode", texts.mode).add("force", texts.force),
+                        "mode " + texts.mode, "mode " + texts.mode + " is in effect");
+}
+
+void add_control(CLI::App& app, Verb& chosen) {
+  auto* control = app.add_subcommand("control", "send a control word to one slave");
+  auto texts = std::make_shared<ControlTexts>();
+  control->add_option("SLAVE", texts->slave, "number 0..31 or name")->required();
+  control->add_option("WORD", texts->word, "control word, 0..65535, also 0x.. or negative")->required();
+  control->footer("Done means sent: a slave does not answer a control word.");
+  control->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return control_verb(session, *texts); }; });
+}
+
+void add_broadcast(CLI::App& app, Verb& chosen) {
+  auto* broadcast = app.add_subcommand("broadcast", "send an action command to a group of slaves");
+  auto texts = std::make_shared<BroadcastTexts>();
+  broadcast
+      ->add_option("--slaves", texts->slaves,
+                   "mask (0x0000000F), list (0,4-7,winder), or all = every configured slave")
+      ->type_name("SET")
+      ->required();
+  broadcast->add_option("--command", texts->command, "1 = control word in --word; 128..255 free for the user")
+      ->type_name("N")
+      ->required();
+  broadcast->add_option("--byte", texts->byte, "data byte 0..255 (default 0)")->type_name("N");
+  broadcast->add_option("--word", texts->word, "data word 0..65535, also 0x.. or negative (default 0)")
+      ->type_name("N");
+  broadcast->add_option("--priority", texts->priority, "0 = before everything else, 1, or 2 (default)")
+      ->type_name("0|1|2");
+  broadcast->footer("Done means sent: slaves do not answer an action command.");
+  broadcast->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return broadcast_verb(session, *texts); }; });
+}
+
+void add_mode(CLI::App& app, Verb& chosen) {
+  auto* mode = app.add_subcommand("mode", "change the master's operating state");
+  auto texts = std::make_shared<ModeTexts>();
+  mode->add_option("MODE", texts->mode, "setup, run, stop, reset-can or restart")->required();
+  mode->add_flag("--force", texts->force, "run: also when slaves are missing");
+  mode->footer(
+      "Modes:\n"
+      "  setup      SYNC runs, slaves are activated and their status is read; no reference values\n"
+      "  run        active operation: reference and actual values are exchanged\n"
+      "  stop       no SYNC, no telegrams; open jobs end\n"
+      "  reset-can  reset the CAN controller (leaves bus-off)\n"
+      "  restart    cold restart of the master");
+  mode->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return mode_verb(session, *texts); }; });
+}
+
+}  // namespace
+
+void add_command_verbs(CLI::App& app, Verb& chosen) {
+  add_control(app, chosen);
+  add_broadcast(app, chosen);
+  add_mode(app, chosen);
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <deque>
+#include <memory>
+#include <mutex>
+
+#include "cansync/interrupt.h"
+#include "cansync/verbs.h"
+
+namespace cansync::cli {
+namespace {
+
+constexpr auto kLook = std::chrono::milliseconds(50);
+
+std::string_view severity_name(cansync_EventSeverity severity) {
+  switch (severity) {
+    case cansync_SEVERITY_INFO:
+      return "info";
+    case cansync_SEVERITY_WARNING:
+      return "warning";
+    case cansync_SEVERITY_ERROR:
+      return "error";
+    default:
+      return "unknown";
+  }
+}
+
+void show(Output& output, const client::Event& event) {
+  if (!output.json()) {
+    output.line(fmt::format("{}  {:<7}  {:<24}  {}", time_text(event.time, true),
+                            severity_name(event.severity), event.code, event.text));
+    return;
+  }
+  JsonObject object;
+  object.add("number", event.number)
+      .add("time_ns", event.time)
+      .add("interval", event.interval)
+      .add("severity", severity_name(event.severity))
+      .add("code", event.code);
+  if (event.slave < 0)
+    object.add_null("slave");
+  else
+    object.add("slave", event.slave);
+  output.object(object.add("text", event.text));
+}
+
+/// Events on their way from the client's thread to this one.
+class EventQueue {
+ public:
+  void put(const client::Event& event) {
+    const std::lock_guard lock(mutex_);
+    events_.push_back(event);
+  }
+  std::deque<client::Event> take_all() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(events_, {});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<client::Event> events_;
+};
+
+ExitCode follow(Session& session) {
+  client::Client& client = session.client();
+  EventQueue queue;
+  const auto subscription = client.on_event([&queue](const client::Event& event) { queue.put(event); });
+  for (;;) {
+    const bool stop = wait_until(std::chrono::steady_clock::now() + kLook);
+    for (const client::Event& event : queue.take_all()) show(session.output(), event);
+    if (stop) return ExitCode::done;
+    if (!client.daemon_present()) {
+      session.output().remark("the daemon has gone (" + client.place() + ")");
+      return ExitCode::not_reachable;
+    }
+  }
+}
+
+ExitCode events_verb(Session& session, bool following) {
+  if (following) return follow(session);
+  for (const client::Event& event : session.client().recent_events()) show(session.output(), event);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_event_verb(CLI::App& app, Verb& chosen) {
+  auto* events = app.add_subcommand("events", "what happened: the last 100 events, oldest first");
+  auto following = std::make_shared<bool>(false);
+  events->add_flag("--follow", *following, "then also those to come, until Ctrl-C");
+  events->footer(
+      "Columns: local time, severity (info, warning, error), code (a stable word such as slave_lost), and "
+      "what\n"
+      "happened in words.");
+  events->callback([following, &chosen] {
+    chosen = [following](Session& session) { return events_verb(session, *following); };
+  });
+}
+
+}  // namespace cansync::cli

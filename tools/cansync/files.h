@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Files of transfers. Errors are std::system_error with the file's name, or UsageError.
+namespace cansync::cli {
+
+/// The bytes of a file, of standard input for "-". Throws UsageError when there are none or more than `most`.
+std::vector<std::uint8_t> read_file(const std::string& path, std::size_t most);
+
+/// A file that replaces its target in one step when it is complete, and leaves no trace otherwise.
+class ReplacementFile {
+ public:
+  /// Creates the temporary file beside `target`, so that a folder that cannot be written is noticed now.
+  explicit ReplacementFile(std::string target);
+  /// Removes the temporary file unless `commit` succeeded.
+  ~ReplacementFile();
+  ReplacementFile(const ReplacementFile&) = delete;
+  ReplacementFile& operator=(const ReplacementFile&) = delete;
+
+  /// Writes everything to disk and takes the target's place.
+  void commit(std::span<const std::uint8_t> data);
+
+ private:
+  std::string target_;
+  std::string temporary_;
+  int descriptor_ = -1;
+};
+
+}  // namespace cansync::cli

@@ -1,0 +1,261 @@
+#include <fmt/format.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+
+#include "cansync/verbs.h"
+
+namespace cansync::cli {
+namespace {
+
+constexpr auto kTimingWait = std::chrono::milliseconds(2500);  // the topic comes once a second
+
+struct StatusOptions {
+  bool timing = false;
+};
+
+struct SlavesOptions {
+  std::vector<std::string> slaves;
+};
+
+/// The next sample of the topic Timing; nothing when none comes in time.
+std::optional<client::Timing> next_timing(client::Client& client) {
+  struct Slot {
+    std::mutex mutex;
+    std::condition_variable arrived;
+    std::optional<client::Timing> timing;
+  } slot;
+  const auto subscription = client.on_timing([&slot](const client::Timing& timing) {
+    const std::lock_guard lock(slot.mutex);
+    slot.timing = timing;
+    slot.arrived.notify_one();
+  });
+  std::unique_lock lock(slot.mutex);
+  slot.arrived.wait_for(lock, kTimingWait, [&slot] { return slot.timing.has_value(); });
+  const auto found = slot.timing;
+  lock.unlock();  // the subscription's end waits for a callback that may want the mutex
+  return found;
+}
+
+JsonObject value_names(const cansync_ValueName& value) {
+  return JsonObject()
+      .add("name", value.name)
+      .add("unit", value.unit_symbol)
+      .add("factor", value.factor)
+      .add("offset", value.offset);
+}
+
+JsonObject timing_object(const client::Timing& timing) {
+  JsonArray histogram;
+  for (const auto count : timing.lateness_histogram) histogram.add(count);
+  JsonArray left_out;
+  for (const auto count : timing.left_out) left_out.add(count);
+  return JsonObject()
+      .add("intervals", timing.intervals)
+      .add("lateness_minimum_ns", timing.lateness_minimum)
+      .add("lateness_mean_ns", timing.lateness_mean)
+      .add("lateness_maximum_ns", timing.lateness_maximum)
+      .add("lateness_histogram", histogram)
+      .add("left_out", left_out)
+      .add("missed_syncs", timing.missed_syncs)
+      .add("bus_load_permille", timing.bus_load);
+}
+
+JsonObject status_object(const client::MasterStatus& status) {
+  JsonArray names;
+  for (const auto& value : status.reference_value) names.add_json(value_names(value).text());
+  return JsonObject()
+      .add("bus", status.bus)
+      .add("version", status.version)
+      .add("state", status.state)
+      .add("option_status", status.option_status)
+      .add("cansync_status", status.cansync_status)
+      .add("bit_rate", status.bit_rate)
+      .add("interval_length_ns", status.interval_length)
+      .add("interval", status.interval)
+      .add("controller_state", status.controller_state)
+      .add("transmit_errors", status.transmit_errors)
+      .add("receive_errors", status.receive_errors)
+      .add("slaves_configured", status.slaves_configured)
+      .add("slaves_responding", status.slaves_responding)
+      .add("slaves_synchronized", status.slaves_synchronized)
+      .add("open_parameter_jobs", status.open_parameter_jobs)
+      .add("open_transfers", status.open_transfers)
+      .add("parameter_queue", status.parameter_queue)
+      .add("transfer_queue", status.transfer_queue)
+      .add("telegrams_sent", status.telegrams_sent)
+      .add("left_out", status.left_out)
+      .add("references_not_released", status.references_not_released)
+      .add("rejected_frames", status.rejected_frames)
+      .add("unexpected_frames", status.unexpected_frames)
+      .add("missed_syncs", status.missed_syncs)
+      .add("lost_reports", status.lost_reports)
+      .add("serving", status.serving)
+      .add("reference_values", names);
+}
+
+/// "0-3 (4 of 4)".
+std::string share(std::uint32_t mask, std::uint32_t of) {
+  return fmt::format("{} ({} of {})", format_slave_set(mask), __builtin_popcount(mask),
+                     __builtin_popcount(of));
+}
+
+void print_status(Output& output, const client::MasterStatus& status) {
+  const auto row = [&output](std::string_view label, const std::string& text) {
+    output.line(fmt::format("{:<22}{}", label, text));
+  };
+  row("bus", fmt::format("{}, cansyncd {}", status.bus, status.version));
+  row("state", fmt::format("{} (0x{:04X})", status.state, status.option_status));
+  row("bit rate",
+      fmt::format("{} bit/s, an interval takes {} us", status.bit_rate, status.interval_length / 1000));
+  row("interval", fmt::format("{}", status.interval));
+  row("controller",
+      fmt::format("{}; errors: {} transmit, {} receive; CANsync status 0x{:04X}", status.controller_state,
+                  status.transmit_errors, status.receive_errors, status.cansync_status));
+  row("slaves configured", format_slave_set(status.slaves_configured));
+  row("slaves responding", share(status.slaves_responding, status.slaves_configured));
+  row("slaves synchronized", share(status.slaves_synchronized, status.slaves_configured));
+  row("open jobs",
+      fmt::format("{} of {} parameter jobs, {} of {} transfers; served: {}", status.open_parameter_jobs,
+                  status.parameter_queue, status.open_transfers, status.transfer_queue, status.serving));
+  row("telegrams sent", fmt::format("{}", status.telegrams_sent));
+  row("telegrams left out", fmt::format("{}", status.left_out));
+  row("no reference values", fmt::format("{} telegrams", status.references_not_released));
+  row("frames", fmt::format("{} rejected, {} unexpected", status.rejected_frames, status.unexpected_frames));
+  row("missed", fmt::format("{} SYNC edges, {} reports", status.missed_syncs, status.lost_reports));
+  for (std::size_t i = 0; i < std::size(status.reference_value); ++i) {
+    const auto& value = status.reference_value[i];
+    if (std::string_view(value.name).empty()) continue;
+    row(fmt::format("reference value {}", i),
+        fmt::format("{}, one step is {} {}", value.name, value.factor, value.unit_symbol));
+  }
+}
+
+void print_timing(Output& output, const client::Timing& timing) {
+  const auto microseconds = [](std::int64_t nanoseconds) {
+    return static_cast<double>(nanoseconds) / 1000.0;
+  };
+  output.line(fmt::format("{:<22}{:.1f} us least, {:.1f} us mean, {:.1f} us most (last second)",
+                          "SYNC lateness", microseconds(timing.lateness_minimum),
+                          microseconds(timing.lateness_mean), microseconds(timing.lateness_maximum)));
+  output.line(fmt::format("{:<22}{} WRC1, {} WRC2, {} CC", "left out by slot", timing.left_out[0],
+                          timing.left_out[1], timing.left_out[2]));
+  output.line(fmt::format("{:<22}{:.1f} %", "bus load", timing.bus_load / 10.0));
+}
+
+ExitCode status_verb(Session& session, const StatusOptions& options) {
+  client::Client& client = session.client();
+  std::optional<client::Timing> timing;
+  if (options.timing) {
+    timing = next_timing(client);
+    if (!timing)
+      session.output().remark("no timing figures came: the master is not in synchronous operation");
+  }
+  const client::MasterStatus status = client.master_status();
+  if (session.json()) {
+    JsonObject object = status_object(status);
+    if (timing) object.add("timing", timing_object(*timing));
+    session.output().object(object);
+    return ExitCode::done;
+  }
+  print_status(session.output(), status);
+  if (timing) print_timing(session.output(), *timing);
+  return ExitCode::done;
+}
+
+JsonObject slave_object(const client::SlaveStatus& slave) {
+  JsonObject object;
+  object.add("slave", slave.slave)
+      .add("name", slave.name)
+      .add("responds", slave.responds)
+      .add("synchronized", slave.synchronized);
+  if (slave.status_known)
+    object.add("status_word", slave.status_word);
+  else
+    object.add_null("status_word");
+  return object.add("last_seen_interval", slave.last_seen)
+      .add("answers", slave.answers)
+      .add("unanswered", slave.unanswered)
+      .add("missed_actual", slave.missed_actual)
+      .add("slow_answers", slave.slow_answers)
+      .add("last_response_ns", slave.last_response)
+      .add("longest_response_ns", slave.longest_response);
+}
+
+void add_slave_row(Table& table, const client::SlaveStatus& slave) {
+  const auto microseconds = [](std::int64_t time) {
+    return fmt::format("{:.1f}", static_cast<double>(time) / 1e3);
+  };
+  table.add({fmt::format("{}", slave.slave), slave.name, slave.responds ? "yes" : "no",
+             slave.synchronized ? "yes" : "no",
+             slave.status_known ? fmt::format("0x{:04X}", slave.status_word) : "-",
+             fmt::format("{}", slave.last_seen), fmt::format("{}", slave.answers),
+             fmt::format("{}", slave.unanswered), fmt::format("{}", slave.missed_actual),
+             fmt::format("{}", slave.slow_answers), microseconds(slave.last_response),
+             microseconds(slave.longest_response)});
+}
+
+ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
+  const std::uint32_t wanted = session.configured_slaves(options.slaves);
+  constexpr auto right = Table::Align::right;
+  Table table({{"SLAVE", right},
+               {"NAME"},
+               {"RESPONDS"},
+               {"SYNCHRONIZED"},
+               {"STATUS"},
+               {"LAST SEEN", right},
+               {"ANSWERS", right},
+               {"UNANSWERED", right},
+               {"MISSED", right},
+               {"SLOW", right},
+               {"LAST us", right},
+               {"LONGEST us", right}});
+  for (const client::SlaveStatus& slave : session.client().slaves()) {
+    if (((wanted >> slave.slave) & 1u) == 0) continue;
+    if (session.json())
+      session.output().object(slave_object(slave));
+    else
+      add_slave_row(table, slave);
+  }
+  if (!session.json()) session.output().table(table);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_status_verbs(CLI::App& app, Verb& chosen) {
+  auto* status = app.add_subcommand("status", "the master: operating state, slaves, jobs, counters");
+  auto status_options = std::make_shared<StatusOptions>();
+  status->add_flag("--timing", status_options->timing,
+                   "also how punctual the realtime thread is, and the bus load (waits up to a second)");
+  status->footer(
+      "Lines:\n"
+      "  state                operating state, with w_OPTION_STATUS\n"
+      "  controller           state and error counters of the CAN controller, with w_CANsync_STATUS\n"
+      "  slaves ...           which slaves are configured, answer, and have locked to SYNC\n"
+      "  telegrams left out   not sent because their slot had passed\n"
+      "  no reference values  active intervals in which a reference value telegram had nothing to send\n"
+      "  frames               received ones that were no valid telegram, and ones nobody asked for\n"
+      "  missed               SYNC edges skipped, and reports of the realtime thread without room");
+  status->callback([status_options, &chosen] {
+    chosen = [status_options](Session& session) { return status_verb(session, *status_options); };
+  });
+
+  auto* slaves = app.add_subcommand("slaves", "one line for each slave: does it answer, and how fast");
+  auto slaves_options = std::make_shared<SlavesOptions>();
+  slaves->add_option("SLAVE", slaves_options->slaves, "numbers or names (default: every configured slave)");
+  slaves->footer(
+      "Columns:\n"
+      "  STATUS        last status word of the slave; - = never read since it responds\n"
+      "  LAST SEEN     interval of its last telegram\n"
+      "  ANSWERS       answers on the command channel; UNANSWERED: commands without one\n"
+      "  MISSED        times it was asked for actual values and sent none\n"
+      "  SLOW          answers later than tRSPTO\n"
+      "  LAST, LONGEST time from the end of a command to the end of its answer");
+  slaves->callback([slaves_options, &chosen] {
+    chosen = [slaves_options](Session& session) { return slaves_verb(session, *slaves_options); };
+  });
+}
+
+}  // namespace cansync::cli

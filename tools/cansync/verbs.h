@@ -1,0 +1,24 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "cansync/session.h"
+
+/// Every function adds its verbs to the program; a verb that was named on the command line puts what is to be
+/// done into `chosen`, which is called once after parsing.
+namespace cansync::cli {
+
+using Verb = std::function<ExitCode(Session&)>;
+
+void add_status_verbs(CLI::App& app, Verb& chosen);     ///< status, slaves
+void add_watch_verb(CLI::App& app, Verb& chosen);       ///< watch
+void add_event_verb(CLI::App& app, Verb& chosen);       ///< events
+void add_parameter_verbs(CLI::App& app, Verb& chosen);  ///< read, write
+void add_transfer_verbs(CLI::App& app, Verb& chosen);   ///< upload, download
+void add_command_verbs(CLI::App& app, Verb& chosen);    ///< control, broadcast, mode
+void add_reference_verb(CLI::App& app, Verb& chosen);   ///< set
+void add_polling_verb(CLI::App& app, Verb& chosen);     ///< poll
+void add_mapping_verb(CLI::App& app, Verb& chosen);     ///< map
+
+}  // namespace cansync::cli
