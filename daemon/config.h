@@ -22,7 +22,7 @@ enum class BusKind : std::uint8_t {
 
 /// The bus. Bit rate and send margin are in `Config::master`.
 struct BusConfig {
-  std::string name = "sim";  ///< name for people, log lines and the default DDS partition; 1..64 characters
+  std::string name = "sim";  ///< name for people, log lines and the default DDS partition; 1..63 characters
   BusKind kind = BusKind::simulated;
   std::string interface = "sim";  ///< "sim", or the network interface's name
 };

@@ -66,10 +66,10 @@ class Checker {
   void mappings(const MappingDrafts& drafts, const std::string& prefix, cansync::ProcessMapping& mapping) {
     for (unsigned telegram = 0; telegram < cansync::kChannels; ++telegram) {
       const MappingDraft& draft = drafts[telegram];
-      const std::string number = std::to_string(telegram + 1);
-      const std::string registers = prefix + "_registers_" + number;
-      const std::string values = prefix + "_values_" + number;
-      const std::string high = prefix + "_high_" + number;
+      const unsigned number = telegram + 1;
+      const std::string registers = fmt::format("{}_registers_{}", prefix, number);
+      const std::string values = fmt::format("{}_values_{}", prefix, number);
+      const std::string high = fmt::format("{}_high_{}", prefix, number);
       if (draft.registers && (draft.values || draft.high)) {
         problem(registers, fmt::format("found beside {}; allowed: one form, registers or values and high",
                                        draft.values ? values : high));

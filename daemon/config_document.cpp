@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <system_error>
@@ -105,13 +106,17 @@ Document parse_document(std::string_view text, const std::string& file) {
 }
 
 Document read_document(const std::string& file) {
+  const auto failure = [&](const std::string& why) {
+    return Document{{}, {{{file, 0, 0}, "", "cannot read this file: " + why}}};
+  };
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) return failure("it is a folder");
+  errno = 0;
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
-  errno = 0;
   if (stream) text << stream.rdbuf();
-  if (!stream || stream.bad() || text.bad()) {
-    const std::string why = errno != 0 ? std::generic_category().message(errno) : "it cannot be read";
-    return {{}, {{{file, 0, 0}, "", "cannot read this file: " + why}}};
+  if (!stream.is_open() || text.bad()) {
+    return failure(errno != 0 ? std::generic_category().message(errno) : "input error");
   }
   return parse_document(text.str(), file);
 }

@@ -190,8 +190,8 @@ std::string allowed(const Option& option) {
                          option.maximum);
     case OptionType::name:
       return fmt::format(
-          "a string of {}..{} bytes that is no number, not \"automatic\", \"nobody\" or \"all\", and "
-          "neither begins nor ends with a blank",
+          "a string of {}..{} bytes, no number, none of \"automatic\", \"nobody\", \"all\", no blank at its "
+          "ends",
           option.minimum, option.maximum);
     case OptionType::integer:
       return (option.choices.empty() ? fmt::format("{}..{}", option.minimum, option.maximum)

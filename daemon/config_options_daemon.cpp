@@ -7,7 +7,7 @@ using namespace rows;  // the table reads better without the prefix in every lin
 
 constexpr auto kRows = std::to_array<Option>({
     // --- [bus]
-    string("bus.name", OptionType::identifier, "(the interface)", 1, 64,
+    string("bus.name", OptionType::identifier, "(the interface)", 1, 63,
            "Name of the bus; clients find it by this name.",
            [](Draft& d, const Value& v) { d.config.bus.name = words(v); }),
     string("bus.interface", OptionType::identifier, "\"sim\"", 1, 15,
@@ -104,7 +104,7 @@ constexpr auto kRows = std::to_array<Option>({
            "Network interface DDS is bound to, by name or address. Anything but lo opens the gateway to "
            "that network.",
            [](Draft& d, const Value& v) { d.config.dds.interface = words(v); }),
-    string("dds.partition", OptionType::identifier, "(bus.name)", 1, 64, "DDS partition of all topics.",
+    string("dds.partition", OptionType::identifier, "(bus.name)", 1, 63, "DDS partition of all topics.",
            [](Draft& d, const Value& v) { d.config.dds.partition = words(v); }),
     plain("dds.interval_topic", OptionType::boolean, "false",
           "Publish the topic Interval: one sample per interval, right after SYNC.",

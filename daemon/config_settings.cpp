@@ -113,7 +113,11 @@ class Resolver {
 
   bool skipped(const Node& node) const {
     for (std::size_t steps = 1; steps <= node.path.size(); ++steps) {
-      if (skip_.contains(section_id(node.path, steps))) return true;
+      Path whole_array(node.path.begin(), node.path.begin() + static_cast<std::ptrdiff_t>(steps));
+      whole_array.back().index = -1;
+      if (skip_.contains(section_id(node.path, steps)) || skip_.contains(section_id(whole_array, steps))) {
+        return true;
+      }
     }
     return false;
   }

@@ -1,0 +1,342 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "cansync/settings_check.h"
+#include "daemon/config_file.h"
+#include "daemon/config_print.h"
+
+namespace cansyncd {
+namespace {
+
+namespace fs = std::filesystem;
+
+ConfigFile from_text(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  Settings settings = resolve(parse_document(text, "test.toml"));
+  for (const std::string& assignment : overrides) override_setting(settings, assignment);
+  return build_config(std::move(settings), "test.toml");
+}
+
+Config good(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const ConfigFile file = from_text(text, overrides);
+  EXPECT_EQ(problems_text(file.problems), "");
+  return file.config;
+}
+
+std::string content(const fs::path& path) {
+  std::ostringstream out;
+  out << std::ifstream(path).rdbuf();
+  return out.str();
+}
+
+constexpr const char* kSmallest = "[[slave]]\nnumber = 0\n";
+
+// ---- defaults
+// -------------------------------------------------------------------------------------------------
+
+TEST(Config, AFileWithOneSlaveIsEnough) {
+  const Config config = good(kSmallest);
+  EXPECT_EQ(config.bus.kind, BusKind::simulated);
+  EXPECT_EQ(config.bus.name, "sim");
+  EXPECT_EQ(config.dds.partition, "sim");
+  EXPECT_EQ(config.dds.interface, "lo");
+  EXPECT_EQ(config.slaves[0].name, "slave0");
+  EXPECT_EQ(config.master.configured().bits, 1U);
+  EXPECT_EQ(config.sim.drives.bits, 1U);
+  EXPECT_TRUE(cansync::check(config.master).empty());
+}
+
+// The table states each default once more, for the documents: it must say what the structs say.
+TEST(Config, DefaultsOfTheTableAreThoseOfTheStructs) {
+  const Config config = good(kSmallest);
+  const cansync::MasterSettings plain;
+  EXPECT_EQ(config.master.bit_rate, plain.bit_rate);
+  EXPECT_EQ(config.master.send_margin, plain.send_margin);
+  EXPECT_EQ(config.master.slaves[0].status_parameter, plain.slaves[0].status_parameter);
+  EXPECT_EQ(config.master.slaves[0].block_limit, plain.slaves[0].block_limit);
+  EXPECT_EQ(config.master.slaves[0].actual_mapping, plain.slaves[0].actual_mapping);
+  EXPECT_EQ(config.master.process.reference_mapping, plain.process.reference_mapping);
+  EXPECT_EQ(config.master.process.polling, plain.process.polling);
+  EXPECT_EQ(config.master.process.poll_nobody, plain.process.poll_nobody);
+  EXPECT_EQ(config.master.process.full_length, plain.process.full_length);
+  EXPECT_EQ(config.master.process.poll_without_reference, plain.process.poll_without_reference);
+  EXPECT_EQ(config.master.process.release_limit, plain.process.release_limit);
+  EXPECT_EQ(config.master.process.ahead_limit, plain.process.ahead_limit);
+  EXPECT_EQ(config.master.startup.enable, plain.startup.enable);
+  EXPECT_EQ(config.master.startup.activate_command, plain.startup.activate_command);
+  EXPECT_EQ(config.master.startup.activate_data, plain.startup.activate_data);
+  EXPECT_EQ(config.master.startup.status_period, plain.startup.status_period);
+  EXPECT_EQ(config.master.startup.lost_after, plain.startup.lost_after);
+}
+
+TEST(Config, DefaultsOfTheCommandChannelAreThoseOfTheStruct) {
+  const cansync::CommandChannelSettings channel = good(kSmallest).master.command_channel;
+  const cansync::CommandChannelSettings plain;
+  EXPECT_EQ(channel.serving, plain.serving);
+  EXPECT_EQ(channel.minimum_share, plain.minimum_share);
+  EXPECT_EQ(channel.control_word, plain.control_word);
+  EXPECT_EQ(channel.parameter, plain.parameter);
+  EXPECT_EQ(channel.transfer, plain.transfer);
+  EXPECT_EQ(channel.parameter_queue, plain.parameter_queue);
+  EXPECT_EQ(channel.transfer_queue, plain.transfer_queue);
+  EXPECT_EQ(channel.control_word_queue, plain.control_word_queue);
+  EXPECT_EQ(channel.broadcast_queue, plain.broadcast_queue);
+  EXPECT_EQ(channel.parameter_monitoring, plain.parameter_monitoring);
+  EXPECT_EQ(channel.transfer_monitoring, plain.transfer_monitoring);
+  EXPECT_EQ(channel.repeat_unanswered_writes, plain.repeat_unanswered_writes);
+  EXPECT_EQ(channel.telegram_repeats, plain.telegram_repeats);
+  EXPECT_EQ(channel.block_retries, plain.block_retries);
+  EXPECT_EQ(channel.allow_reserved_addresses, plain.allow_reserved_addresses);
+  EXPECT_EQ(channel.address_step, plain.address_step);
+}
+
+TEST(Config, DefaultsOfTheDaemonAreThoseOfTheStructs) {
+  const Config config = good(kSmallest);
+  const Config plain;
+  EXPECT_EQ(config.realtime.mode, plain.realtime.mode);
+  EXPECT_EQ(config.realtime.priority, plain.realtime.priority);
+  EXPECT_EQ(config.realtime.cpu, plain.realtime.cpu);
+  EXPECT_EQ(config.realtime.lock_memory, plain.realtime.lock_memory);
+  EXPECT_EQ(config.realtime.request_queue, plain.realtime.request_queue);
+  EXPECT_EQ(config.realtime.report_queue, plain.realtime.report_queue);
+  EXPECT_EQ(config.startup.target, plain.startup.target);
+  EXPECT_EQ(config.failsafe.reference_max_age, plain.failsafe.reference_max_age);
+  EXPECT_EQ(config.dds.domain, plain.dds.domain);
+  EXPECT_EQ(config.dds.interval_topic, plain.dds.interval_topic);
+  EXPECT_EQ(config.dds.xml, plain.dds.xml);
+  EXPECT_EQ(config.sim.lock_time, plain.sim.lock_time);
+  EXPECT_EQ(config.sim.seed, plain.sim.seed);
+  EXPECT_EQ(config.sim.memory, plain.sim.memory);
+  EXPECT_EQ(config.sim.missing_references, plain.sim.missing_references);
+  EXPECT_EQ(config.sim.trace, plain.sim.trace);
+  EXPECT_EQ(config.references, plain.references);
+}
+
+// ---- what options do
+// --------------------------------------------------------------------------------------------
+
+TEST(Config, BothFormsOfAMappingMeanTheSame) {
+  // M 3.1.1.1: doubleword value 0 in words 0 and 1, low words of values 2 and 3 in words 2 and 3.
+  const Config arrays = good(
+      "[process]\nreference_values_1 = [0, 0, 2, 3]\nreference_high_1 = [false, true, false, false]\n"
+      "[[slave]]\nnumber = 5\nactual_values_1 = [0, 0, 2, 3]\nactual_high_1 = [false, true, false, false]\n");
+  const Config registers = good(
+      "[process]\nreference_registers_1 = [0x01, 0x03, 0x09, 0x0D]\n"
+      "[[slave]]\nnumber = 5\nactual_registers_1 = [0x01, 0x03, 0x09, 0x0D]\n");
+  EXPECT_EQ(arrays.master.process.reference_mapping, registers.master.process.reference_mapping);
+  EXPECT_EQ(arrays.master.slaves[5].actual_mapping, registers.master.slaves[5].actual_mapping);
+  EXPECT_EQ(arrays.master.slaves[5].actual_mapping[0].word[3], (cansync::WordMapping{true, false, 3}));
+  EXPECT_EQ(arrays.master.slaves[5].actual_mapping[1], cansync::default_mapping(cansync::Channel::two));
+}
+
+TEST(Config, NamesUnitsAndScaling) {
+  const Config config = good(
+      "[[reference]]\nnumber = 2\nname = \"line speed\"\nunit = \"m/min\"\nfactor = 0.5\n"
+      "[[slave]]\nnumber = 7\nname = \"winder\"\n"
+      "[[slave.value]]\nnumber = 3\nname = \"torque\"\nunit = \"Nm\"\nfactor = 2\noffset = -1.5\n");
+  EXPECT_EQ(config.references[2], (ValueConfig{"line speed", "m/min", 0.5, 0.0}));
+  EXPECT_EQ(config.slaves[7].name, "winder");
+  EXPECT_EQ(config.slaves[7].actual[3], (ValueConfig{"torque", "Nm", 2.0, -1.5}));
+  EXPECT_EQ(config.slaves[7].actual[2], ValueConfig{});
+}
+
+TEST(Config, CursorsTakeSlaveNamesWhereverTheSlaveStands) {
+  const Config config = good(
+      "[process]\npolling_1 = \"winder\"\npolling_2 = \"nobody\"\n[command_channel]\nparameter_cursor = 7\n"
+      "[sim]\ndrives = [\"winder\", 0]\n[[slave]]\nnumber = 7\nname = \"winder\"\n[[slave]]\nnumber = 0\n");
+  const auto seven = *cansync::SlaveNumber::from(7);
+  EXPECT_EQ(config.master.process.polling[0], (cansync::Cursor{cansync::Cursor::Kind::fixed, seven}));
+  EXPECT_EQ(config.master.process.polling[1].kind, cansync::Cursor::Kind::nobody);
+  EXPECT_EQ(config.master.command_channel.parameter, (cansync::Cursor{cansync::Cursor::Kind::fixed, seven}));
+  EXPECT_EQ(config.master.process.maximum_slave, seven);
+  EXPECT_EQ(config.sim.drives.bits, 0x81U);
+}
+
+TEST(Config, SlavesWithoutTheirOwnValueTakeTheCommonOne) {
+  const Config config = good(
+      "[[slave]]\nnumber = 0\nblock_limit = 60\n[[slave]]\nnumber = 1\nstatus_parameter = 8\n"
+      "[startup]\nstatus_parameter = 400\n[command_channel]\nblock_limit = 600\n");
+  EXPECT_EQ(config.master.slaves[0].block_limit, 60);
+  EXPECT_EQ(config.master.slaves[0].status_parameter, 400);
+  EXPECT_EQ(config.master.slaves[1].block_limit, 600);
+  EXPECT_EQ(config.master.slaves[1].status_parameter, 8);
+}
+
+TEST(Config, ASocketCanInterfaceNamesTheBus) {
+  const Config config = good("[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 0\n");
+  EXPECT_EQ(config.bus.kind, BusKind::socketcan);
+  EXPECT_EQ(config.bus.name, "can0");
+  EXPECT_EQ(config.dds.partition, "can0");
+}
+
+TEST(Config, EveryBitRateSetsItsInterval) {
+  for (const cansync::SlotTimes& times : cansync::kSlotTimes) {
+    const std::string text = "[bus]\nbit_rate = " + std::to_string(times.bits_per_second) + "\n" + kSmallest;
+    EXPECT_EQ(good(text).master.bit_rate, times.bit_rate);
+  }
+}
+
+// ---- --set
+// ------------------------------------------------------------------------------------------------------
+
+TEST(Override, WinsOverTheFileAndTakesBareWords) {
+  const Config config =
+      good("[bus]\nbit_rate = 500000\nname = \"a\"\n[[slave]]\nnumber = 3\nname = \"old\"\n",
+           {"bus.bit_rate=125000", "bus.name=500", "slave.3.name=new", "slave.3.value.1.unit=rpm",
+            "reference.2.factor=0.25", "process.polling_1=new", "sim.drives=[]", "dds.domain=7"});
+  EXPECT_EQ(config.master.bit_rate, cansync::BitRate::kbit125);
+  EXPECT_EQ(config.bus.name, "500");
+  EXPECT_EQ(config.slaves[3].name, "new");
+  EXPECT_EQ(config.slaves[3].actual[1].unit, "rpm");
+  EXPECT_EQ(config.references[2].factor, 0.25);
+  EXPECT_EQ(config.master.process.polling[0].slave.value(), 3);
+  EXPECT_TRUE(config.sim.drives.empty());
+  EXPECT_EQ(config.dds.domain, 7U);
+}
+
+struct WrongOverride {
+  const char* assignment;
+  const char* expected;
+};
+
+TEST(Override, GoesThroughTheSameChecks) {
+  const WrongOverride cases[] = {
+      {"bus.bit_rate=1", "--set bus.bit_rate=1: bus.bit_rate: found 1; allowed: 125000, 250000"},
+      {"bus.rate=1", "--set bus.rate=1: bus.rate: no such option; allowed in this section: name, interface"},
+      {"bus.name", "--set bus.name: found no '='; allowed: KEY=VALUE"},
+      {"slave.name=a", "--set slave.name=a: slave.name: found key slave.name; allowed: slave.N.OPTION"},
+      {"slave.3.value.name=a",
+       "slave.3.value.name: found key slave.3.value.name; allowed: slave.N.value.M.OPTION"},
+      {"slave.9.name=a", "slave.9.name: no [[slave]] has this number; allowed: numbers of configured slaves"},
+      {"slave.32.name=a", "slave.32.name: found key slave.32.name; allowed: slave numbers 0..31"},
+      {"slave.1.number=1", "slave.1.number: numbers stand in the file alone"},
+      {"reference.8.unit=a", "reference.8.unit: found key reference.8.unit; allowed: value numbers 0..7"},
+      {"dds.domain=seven", "dds.domain: found \"seven\"; allowed: 0..230"},
+  };
+  for (const WrongOverride& wrong : cases) {
+    const ConfigFile file = from_text(kSmallest, {wrong.assignment});
+    ASSERT_EQ(file.problems.size(), 1U) << wrong.assignment;
+    EXPECT_NE(to_string(file.problems[0]).find(wrong.expected), std::string::npos)
+        << to_string(file.problems[0]);
+  }
+}
+
+// ---- wrong files
+// ------------------------------------------------------------------------------------------------
+
+TEST(WrongConfig, AMissingFileIsNamed) {
+  const ConfigFile file = load_config("/no/such/file.toml", {});
+  ASSERT_EQ(file.problems.size(), 1U);
+  EXPECT_EQ(to_string(file.problems[0]),
+            "/no/such/file.toml: cannot read this file: No such file or directory");
+}
+
+TEST(WrongConfig, AFolderIsNoFile) {
+  const ConfigFile file = load_config("/", {});
+  ASSERT_EQ(file.problems.size(), 1U);
+  EXPECT_NE(to_string(file.problems[0]).find("/: cannot read this file: it is a folder"), std::string::npos);
+}
+
+TEST(WrongConfig, AtMostTwentyProblemsAreShown) {
+  std::string text = "[[slave]]\nnumber = 0\n[bus]\n";
+  for (int i = 0; i < 25; ++i) text += "wrong" + std::to_string(i) + " = 1\n";
+  const std::string shown = problems_text(from_text(text).problems);
+  EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 21);
+  EXPECT_TRUE(shown.ends_with("and 5 more problems\n"));
+}
+
+/// Each file says at its end what is to be found in it: "# expect LINE:COLUMN: TEXT", in order and complete.
+class WrongFile : public testing::TestWithParam<fs::path> {};
+
+TEST_P(WrongFile, IsRefusedWithPlaceAndReason) {
+  std::istringstream lines(content(GetParam()));
+  std::vector<std::string> expected;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("# expect ")) expected.push_back(line.substr(9));
+  }
+  ASSERT_FALSE(expected.empty());
+  const ConfigFile file = load_config(GetParam().string(), {});
+  ASSERT_EQ(file.problems.size(), expected.size()) << problems_text(file.problems);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const Problem& found = file.problems[i];
+    const std::string text = std::to_string(found.where.line) + ":" + std::to_string(found.where.column) +
+                             ": " + to_string({{}, found.key, found.text});
+    EXPECT_EQ(text.substr(0, expected[i].size()), expected[i]);
+    EXPECT_EQ(found.where.file, GetParam().string());
+  }
+}
+
+std::vector<fs::path> wrong_files() {
+  std::vector<fs::path> out;
+  for (const auto& entry : fs::directory_iterator(CANSYNC_SOURCE_DIR "/tests/daemon/wrong_configs")) {
+    out.push_back(entry.path());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::string case_name(const testing::TestParamInfo<fs::path>& file) {
+  return file.param.stem().string();
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, WrongFile, testing::ValuesIn(wrong_files()), case_name);
+
+// ---- documents
+// --------------------------------------------------------------------------------------------------
+
+TEST(ConfigDocuments, TheDefaultConfigurationIsValidAndChangesNothing) {
+  const Config printed = good(default_config());
+  const Config smallest = good(kSmallest);
+  EXPECT_EQ(printed.master.command_channel.parameter_queue, smallest.master.command_channel.parameter_queue);
+  EXPECT_EQ(printed.master.configured(), smallest.master.configured());
+  EXPECT_EQ(printed.bus.name, smallest.bus.name);
+}
+
+TEST(ConfigDocuments, EveryCommentedExampleIsValidToo) {
+  std::istringstream lines(default_config());
+  std::string text;
+  // Lines "# key = value" are examples; the array form of mappings stands beside the registers and stays out.
+  const std::regex assignment(R"(# [a-z_12]+ = ["\[0-9].*)");
+  for (std::string line; std::getline(lines, line);) {
+    const bool example = std::regex_match(line, assignment) && line.find("_values_") == std::string::npos &&
+                         line.find("_high_") == std::string::npos;
+    text += (example ? line.substr(2) : line) + "\n";
+  }
+  EXPECT_EQ(good(text).slaves[0].name, "slave0");
+  EXPECT_NE(text.find("\nactual_registers_2 = "), std::string::npos);
+}
+
+TEST(ConfigDocuments, EveryShippedFileIsValid) {
+  for (const auto& entry : fs::directory_iterator(CANSYNC_SOURCE_DIR "/config")) {
+    if (entry.path().extension() != ".toml") continue;
+    EXPECT_EQ(problems_text(load_config(entry.path().string(), {}).problems), "") << entry.path();
+  }
+}
+
+TEST(ConfigDocuments, EveryOptionIsExplained) {
+  for (const Option& option : options()) {
+    EXPECT_FALSE(option.help.empty()) << option.key;
+    EXPECT_FALSE(option.initial.empty()) << option.key;
+    EXPECT_NE(option.apply, nullptr) << option.key;
+    EXPECT_EQ(find_option(option.key), &option) << option.key;
+  }
+}
+
+TEST(ConfigDocuments, TheDefaultFileIsWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/config/cansync.toml"), default_config())
+      << "run: cansyncd --print-default-config > config/cansync.toml";
+}
+
+TEST(ConfigDocuments, TheOptionListIsWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/docs/configuration.md"), options_markdown())
+      << "run: cansyncd --print-options-markdown > docs/configuration.md";
+}
+
+}  // namespace
+}  // namespace cansyncd
