@@ -1,0 +1,256 @@
+#include "sim/drive.h"
+
+#include <algorithm>
+
+namespace sim {
+namespace {
+
+using cansync::Channel;
+using cansync::ControlCommand;
+
+constexpr unsigned kDefaultDelayBits = 20;
+/// Steps the axis makes at most after edges were missing; by then the drive has faulted.
+constexpr std::uint32_t kMostSteps = 64;
+constexpr double kOnTarget = 10.0;   // increments
+constexpr double kStandstill = 1.0;  // increments/s
+
+std::uint32_t raw(double value) noexcept {
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(value + (value < 0 ? -0.5 : 0.5)));
+}
+
+constexpr Channel channel_of(std::uint8_t value) noexcept {
+  return value < 4 ? Channel::one : Channel::two;
+}
+
+/// True when the mapping carries the low word of `value` alone.
+bool is_word(const cansync::ProcessMapping& mapping, std::uint8_t value) noexcept {
+  const auto& words = mapping[index(channel_of(value))].word;
+  return std::none_of(words.begin(), words.end(), [value](const cansync::WordMapping& word) {
+    return word.assigned && word.high && word.value == value;
+  });
+}
+
+/// Settings with every range held and what depends on others filled in.
+DriveSettings completed(DriveSettings settings) {
+  constexpr std::uint8_t kLastValue = cansync::kValues - 1;
+  settings.axis.position_value = std::min(settings.axis.position_value, kLastValue);
+  settings.axis.speed_value = std::min(settings.axis.speed_value, kLastValue);
+  if (settings.axis.leader) {
+    auto& mapping = settings.slave.monitored[settings.axis.leader->value()];
+    if (!mapping) mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
+  }
+  if (settings.status_parameter != parameter::status_word) {
+    ParameterDefinition status;
+    status.number = settings.status_parameter;
+    status.access = ParameterDefinition::Access::read_only;
+    settings.parameters.push_back(status);
+  }
+  return settings;
+}
+
+}  // namespace
+
+Drive::Drive(const DriveSettings& settings)
+    : sync_(slot_times(settings.slave.bit_rate).interval, settings.lock_time, settings.edges_until_fault),
+      motion_(slot_times(settings.slave.bit_rate).interval),
+      slave_(completed(settings).slave, *this),
+      settings_(completed(settings)),
+      processing_delay_(settings.processing_delay.value_or(slot_times(settings.slave.bit_rate).bit_time() *
+                                                           kDefaultDelayBits)),
+      latest_actual_{slot_times(settings.slave.bit_rate).actual_one,
+                     slot_times(settings.slave.bit_rate).actual_two},
+      parameters_(settings_.parameters),
+      memory_(settings.memory) {
+  start();
+}
+
+void Drive::start() noexcept {
+  parameters_.reset();
+  parameters_.set_value(parameter::serial_number, 1000u + number().value());
+  parameters_.set_value(parameter::slave_number, number().value());
+  control_word_ = settings_.initial_control_word;
+  speed_mode_ = false;
+  choose_reference();
+  apply_parameters();
+  for (const ControlCommand command : {ControlCommand::handshake, ControlCommand::take_over_initialisation,
+                                       ControlCommand::start_synchronous, ControlCommand::enable_active}) {
+    slave_.control(command);
+  }
+}
+
+void Drive::restart() noexcept {
+  slave_.control(ControlCommand::cold_restart);
+  sync_.reset();
+  motion_ = DriveMotion(slot_times(settings_.slave.bit_rate).interval);
+  fault_ = fault_code::none;
+  busy_requests_ = 0;
+  missed_references_ = 0;
+  last_action_ = 0;
+  action_count_ = 0;
+  start();
+}
+
+bool Drive::accepts(std::uint32_t identifier) const noexcept {
+  namespace id = cansync::identifier;
+  const std::uint32_t participant = identifier & 0x7F;
+  switch (identifier & 0x780) {
+    case id::reference_one:
+    case id::reference_two:
+      return true;
+    case id::actual_one:
+    case id::actual_two:
+      return participant < cansync::kSlaves && settings_.slave.monitored[participant].has_value();
+    case id::command:
+      return participant == number().value();
+    default:
+      return identifier == id::action;
+  }
+}
+
+void Drive::on_sync(can::Time now) noexcept {
+  const std::uint32_t intervals = sync_.edge(now, slave_.sync_activated());
+  notice_sync_loss();
+  take_references(intervals);
+  const double target = speed_mode_ ? speed_setpoint_ : setpoint();
+  for (std::uint32_t i = std::min(intervals, kMostSteps); i > 0; --i) motion_.step(motion_mode(), target);
+  release();
+}
+
+std::optional<Transmission> Drive::on_frame(const can::Frame& /*frame*/, const cansync::Telegram* telegram,
+                                            can::Time end) noexcept {
+  if (telegram == nullptr) return std::nullopt;
+  if (std::holds_alternative<cansync::ParameterCommand>(*telegram)) {
+    sync_.check(end);
+    notice_sync_loss();
+  }
+  const std::optional<can::Frame> answer = slave_.receive(*telegram);
+  if (!answer) return std::nullopt;
+  const can::Time ready = end + processing_delay_;
+  // A reference telegram so late that the answer would miss its slot gets none (M 3.1.1.1).
+  const auto* reference = std::get_if<cansync::ReferenceTelegram>(telegram);
+  if (reference != nullptr && ready > sync_.last_edge() + latest_actual_[index(reference->channel)]) {
+    ++left_out_;
+    return std::nullopt;
+  }
+  return Transmission{*answer, ready};
+}
+
+// --- reference and actual values
+
+bool Drive::followed_is_word() const noexcept {
+  const cansync::SlaveSideSettings& slave = slave_.settings();
+  if (settings_.axis.leader) return is_word(*slave.monitored[settings_.axis.leader->value()], 0);
+  return is_word(slave.reference_mapping, followed_value());
+}
+
+void Drive::choose_reference() noexcept {
+  word_ = followed_is_word();
+  reference_ = ReferenceTracker(word_);
+  if (settings_.axis.leader) leader_count_ = slave_.monitored_count(*settings_.axis.leader, Channel::one);
+  speed_setpoint_ = 0;
+  missing_ = false;
+  motion_.rebase();
+}
+
+std::optional<std::uint32_t> Drive::fresh_reference() noexcept {
+  if (settings_.axis.leader) {
+    const std::uint32_t count = slave_.monitored_count(*settings_.axis.leader, Channel::one);
+    if (count == leader_count_) return std::nullopt;
+    leader_count_ = count;
+    return slave_.monitored(*settings_.axis.leader)[0];
+  }
+  const std::uint8_t value = followed_value();
+  if (!slave_.reference_fresh(channel_of(value))) return std::nullopt;
+  return slave_.references()[value];
+}
+
+void Drive::take_references(std::uint32_t intervals) noexcept {
+  const std::optional<std::uint32_t> fresh = fresh_reference();
+  std::uint32_t missing = std::min(intervals, kMostSteps);
+  if (fresh && missing > 0) --missing;
+  if (reference_.seen()) {
+    missed_references_ += missing;
+    for (; missing > 0; --missing) reference_.miss();
+    missing_ = !fresh && reference_.misses() > 0;
+  }
+  if (fresh) {
+    reference_.take(*fresh);
+    speed_setpoint_ = word_ ? static_cast<double>(static_cast<std::int16_t>(*fresh & 0xFFFF))
+                            : static_cast<double>(static_cast<std::int32_t>(*fresh));
+  } else if (settings_.misses_until_fault != 0 && reference_.misses() >= settings_.misses_until_fault) {
+    raise_fault(fault_code::references_missing);
+  }
+}
+
+MotionMode Drive::motion_mode() const noexcept {
+  if (fault_ != fault_code::none) return motion_.speed() != 0 ? MotionMode::ramp_down : MotionMode::coast;
+  if ((control_word_ & control_bit::enable) == 0) return MotionMode::coast;
+  const bool commanded = (control_word_ & control_bit::run) == control_bit::run;
+  if (!commanded || !reference_.seen() || !sync_.synchronized()) return MotionMode::ramp_down;
+  return speed_mode_ ? MotionMode::speed : MotionMode::position;
+}
+
+void Drive::release() noexcept {
+  const double position = motion_.position();
+  const double wanted = reference_.seen() && !speed_mode_ ? setpoint() : position;
+  actual_[0] = raw(position);
+  actual_[1] = raw(motion_.speed());
+  actual_[2] = raw(wanted - position);
+  actual_[3] = raw(wanted);
+  actual_[4] = raw(motion_.torque());
+  actual_[5] = status_word() | (std::uint32_t{fault_} << 16);
+  actual_[6] = raw(motion_.temperature());
+  actual_[7] = slave_.references()[4];
+  slave_.on_sync();
+  slave_.release_actual(Channel::one, actual_);
+  slave_.release_actual(Channel::two, actual_);
+}
+
+std::uint16_t Drive::status_word() const noexcept {
+  const MotionMode mode = motion_mode();
+  const bool faulty = fault_ != fault_code::none;
+  const bool powered = !faulty && (control_word_ & control_bit::enable) != 0;
+  const bool following = mode == MotionMode::position || mode == MotionMode::speed;
+  const double speed = motion_.speed();
+  const double error = mode == MotionMode::position ? setpoint() - motion_.position() : 0;
+  unsigned word = faulty ? status_bit::fault : status_bit::ready;
+  if (powered) word |= status_bit::powered;
+  if (following) word |= status_bit::following;
+  if (powered && (control_word_ & control_bit::no_quick_stop) == 0) word |= status_bit::quick_stop;
+  if (speed < kStandstill && speed > -kStandstill) word |= status_bit::standstill;
+  if (mode == MotionMode::position && error <= kOnTarget && error >= -kOnTarget)
+    word |= status_bit::on_target;
+  if (missing_) word |= status_bit::extrapolating;
+  if (sync_.synchronized()) word |= status_bit::synchronized;
+  return static_cast<std::uint16_t>(word);
+}
+
+// --- faults and commands
+
+void Drive::raise_fault(std::uint16_t code) noexcept {
+  if (fault_ == fault_code::none) fault_ = code;
+  reference_.forget();
+  missing_ = false;
+}
+
+void Drive::notice_sync_loss() noexcept {
+  if (sync_.take_loss()) raise_fault(fault_code::sync_lost);
+}
+
+void Drive::sync_activated() noexcept {
+  // The master starts up (again): what was wrong with the communication is over.
+  if (fault_ == fault_code::references_missing || fault_ == fault_code::sync_lost) fault_ = fault_code::none;
+}
+
+void Drive::control_word(std::uint16_t word) noexcept {
+  control_word_ = word;
+  if ((word & control_bit::fault_reset) != 0) fault_ = fault_code::none;
+}
+
+void Drive::action(std::uint8_t command, std::uint8_t data_byte, std::uint16_t data_word) noexcept {
+  last_action_ = (std::uint32_t{command} << 24) | (std::uint32_t{data_byte} << 16) | data_word;
+  ++action_count_;
+  if (command == kActionProvokeFault) raise_fault(std::max<std::uint16_t>(data_word, 1));
+}
+
+}  // namespace sim
