@@ -124,7 +124,9 @@ void Slave::take(const ActionCommand& action) noexcept {
   if (action.command == kCommandControlWord) {
     application_.control_word(action.data_word);
   } else if (action.command == settings_.activate_command) {
-    if (action.data_byte == settings_.activate_data) sync_activated_ = true;
+    if (action.data_byte != settings_.activate_data) return;
+    sync_activated_ = true;
+    application_.sync_activated();
   } else if (action.command >= kFirstUserCommand) {
     application_.action(action.command, action.data_byte, action.data_word);
   }

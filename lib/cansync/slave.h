@@ -63,6 +63,9 @@ class SlaveApplication {
   /// that `begin_block` answered busy and the master then dropped.
   virtual void end_block(bool complete) noexcept = 0;
 
+  /// The action "SYNC mode: activate" arrived, for the first time or again.
+  virtual void sync_activated() noexcept {}
+
   /// A control word arrived (action command 1).
   virtual void control_word(std::uint16_t word) noexcept = 0;
 

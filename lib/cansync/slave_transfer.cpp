@@ -30,7 +30,7 @@ std::optional<can::Frame> Slave::serve_transfer(const Command& command) noexcept
   const TransferReply reply = answer(command);
   const can::Frame frame = encode(reply);
   if (!reply.busy && !reply.error) {
-    answered_ = command;
+    answered_.emplace(command);
     last_answer_ = frame;
   }
   return frame;

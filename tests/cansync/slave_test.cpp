@@ -62,6 +62,7 @@ class Recorder : public SlaveApplication {
     return block;
   }
   void end_block(bool complete) noexcept override { note(complete ? "complete" : "cancelled"); }
+  void sync_activated() noexcept override { note("activated"); }
   void control_word(std::uint16_t word) noexcept override { note("control " + std::to_string(word)); }
   void action(std::uint8_t number, std::uint8_t byte, std::uint16_t word) noexcept override {
     note("action " + std::to_string(number) + " " + std::to_string(byte) + " " + std::to_string(word));
@@ -246,7 +247,7 @@ TEST_F(SlaveTest, ActivationIsRememberedUntilColdRestart) {
   EXPECT_FALSE(slave_.sync_activated()) << "another data byte";
   send(frame(0x010, {0x20, 0, 0, 0, 2, 1, 0, 0}));
   EXPECT_TRUE(slave_.sync_activated());
-  EXPECT_EQ(application_.take(), "");
+  EXPECT_EQ(application_.take(), "activated");
   EXPECT_TRUE(slave_.control(ControlCommand::cold_restart));
   EXPECT_FALSE(slave_.sync_activated());
 }
