@@ -1,13 +1,15 @@
 #include "cansync/telegram.h"
 
 #include <algorithm>
+#include <memory>
+#include <type_traits>
 
 namespace cansync {
 namespace {
 
-using Bytes = std::array<std::uint8_t, 8>;
 using Kind = ParameterCommand::Kind;
 using Direction = TransferInitialise::Direction;
+using SixBytes = std::array<std::uint8_t, 6>;
 
 // Bits of byte 0 on the command and response channels (M 3.2.1.3).
 constexpr std::uint8_t kTransfer = 0x80;  // 1: upload or download, 0: parameter
@@ -17,232 +19,252 @@ constexpr std::uint8_t kInitialise = 0x10;
 constexpr std::uint8_t kBody = 0x20;
 constexpr std::uint8_t kLast = 0x30;
 constexpr unsigned kElementShift = 4;  // parameter command
-constexpr std::uint8_t kElementMask = 0x07;
+constexpr unsigned kElementMask = 0x07;
 constexpr std::uint8_t kBusy = 0x40;      // reply
 constexpr std::uint8_t kError = 0x20;     // reply
 constexpr std::uint8_t kReserved = 0x10;  // reply
-constexpr std::uint8_t kHighMask = 0x0F;  // bits 11..8 of a parameter number, offset or length
 
 constexpr std::uint32_t kSlaveNumberMask = 0x7F;
 constexpr std::uint8_t kMaximumPayload = 6;
 
-can::Frame frame_of(std::uint32_t identifier, std::uint8_t dlc) noexcept {
-  can::Frame frame;
-  frame.id = identifier;
-  frame.dlc = dlc;
-  return frame;
+// --- the data bytes as one number, byte 0 lowest: a field of the tables is then a shift
+
+constexpr std::uint64_t put(unsigned byte, std::uint64_t value) noexcept {
+  return value << (8 * byte);
 }
 
-// Twelve bits in bytes 0 (low nibble) and 1; `control` gives the upper nibble of byte 0.
-void store_twelve(Bytes& bytes, std::uint8_t control, std::uint16_t value) noexcept {
-  bytes[0] = static_cast<std::uint8_t>(control | (value >> 8));
-  bytes[1] = static_cast<std::uint8_t>(value & 0xFF);
+constexpr std::uint8_t byte_at(std::uint64_t data, unsigned byte) noexcept {
+  return static_cast<std::uint8_t>(data >> (8 * byte));
+}
+constexpr std::uint16_t word_at(std::uint64_t data, unsigned byte) noexcept {
+  return static_cast<std::uint16_t>(data >> (8 * byte));
+}
+constexpr std::uint32_t doubleword_at(std::uint64_t data, unsigned byte) noexcept {
+  return static_cast<std::uint32_t>(data >> (8 * byte));
 }
 
-std::uint16_t load_twelve(const Bytes& bytes) noexcept {
-  return static_cast<std::uint16_t>(((bytes[0] & kHighMask) << 8) | bytes[1]);
+// Bytes 0 and 1 of commands and replies: four control bits, then twelve bits of a number, offset or length.
+constexpr std::uint64_t put_control(unsigned control, unsigned twelve) noexcept {
+  return put(0, control | (twelve >> 8)) | put(1, twelve & 0xFF);
+}
+constexpr std::uint16_t twelve_at_start(std::uint64_t data) noexcept {
+  return static_cast<std::uint16_t>(((byte_at(data, 0) & 0x0Fu) << 8) | byte_at(data, 1));
+}
+
+// Six bytes from byte 2 on.
+constexpr std::uint64_t put_six(const SixBytes& b) noexcept {
+  return put(2, b[0]) | put(3, b[1]) | put(4, b[2]) | put(5, b[3]) | put(6, b[4]) | put(7, b[5]);
+}
+constexpr SixBytes six_of(std::uint64_t d) noexcept {
+  return {byte_at(d, 2), byte_at(d, 3), byte_at(d, 4), byte_at(d, 5), byte_at(d, 6), byte_at(d, 7)};
+}
+
+// The first `dlc` bytes, 0..8; the others become zero.
+constexpr std::uint64_t first_bytes(std::uint64_t data, unsigned dlc) noexcept {
+  return dlc >= 8 ? data : data & (put(dlc, 1) - 1);
+}
+
+// Both written out: only so compilers make one move of it.
+std::uint64_t data_of(const can::Frame& frame) noexcept {
+  const auto& b = frame.data;
+  const std::uint64_t data = put(0, b[0]) | put(1, b[1]) | put(2, b[2]) | put(3, b[3]) | put(4, b[4]) |
+                             put(5, b[5]) | put(6, b[6]) | put(7, b[7]);
+  return first_bytes(data, frame.dlc);
+}
+
+can::Frame frame_of(std::uint32_t identifier, unsigned dlc, std::uint64_t data) noexcept {
+  const std::uint64_t d = first_bytes(data, dlc);
+  return {identifier,
+          can::FrameKind::standard,
+          static_cast<std::uint8_t>(dlc),
+          {byte_at(d, 0), byte_at(d, 1), byte_at(d, 2), byte_at(d, 3), byte_at(d, 4), byte_at(d, 5),
+           byte_at(d, 6), byte_at(d, 7)}};
 }
 
 // The masks keep each argument in range, so the optional is never empty.
-SlaveNumber slave_of(std::uint32_t identifier) noexcept {
-  return *SlaveNumber::from(identifier & 31u);
+SlaveNumber slave_of(const can::Frame& frame) noexcept {
+  return *SlaveNumber::from(frame.id & 31u);
 }
-BlockOffset offset_of(const Bytes& bytes) noexcept {
-  return *BlockOffset::from(load_twelve(bytes));
+BlockOffset offset_of(std::uint64_t data) noexcept {
+  return *BlockOffset::from(twelve_at_start(data));
 }
-ParameterNumber number_of(const Bytes& bytes) noexcept {
-  return *ParameterNumber::from(load_twelve(bytes));
+ParameterNumber number_of(std::uint64_t data) noexcept {
+  return *ParameterNumber::from(twelve_at_start(data));
+}
+
+// Decoders build the result anew where it stands: emplace and returning by value both copy it once more,
+// which costs more than the decoding.
+static_assert(std::is_trivially_destructible_v<Decoded>);
+
+void fail(Decoded& result, DecodeError error) noexcept {
+  std::construct_at(&result, std::in_place_index<1>, error);
 }
 
 template <class T>
-Decoded done(const T& telegram) noexcept {
-  return Decoded(std::in_place_index<0>, telegram);
-}
-
-Decoded failed(DecodeError error) noexcept {
-  return Decoded(std::in_place_index<1>, error);
+T& begin(Decoded& result) noexcept {
+  std::construct_at(&result, std::in_place_index<0>, std::in_place_type<T>);
+  return *std::get_if<T>(std::get_if<0>(&result));
 }
 
 // --- action command
 
 can::Frame encode(const ActionCommand& action) noexcept {
-  can::Frame frame = frame_of(identifier::action, 8);
-  store_doubleword(&frame.data[0], action.slaves.bits);
-  frame.data[4] = action.command;
-  frame.data[5] = action.data_byte;
-  store_word(&frame.data[6], action.data_word);
-  return frame;
+  return frame_of(identifier::action, 8,
+                  put(0, action.slaves.bits) | put(4, action.command) | put(5, action.data_byte) |
+                      put(6, action.data_word));
 }
 
-Decoded decode_action(const can::Frame& frame) noexcept {
-  if (frame.dlc != 8) return failed(DecodeError::wrong_length);
-  if (frame.data[4] == 0) return failed(DecodeError::reserved_bits);
-  return done(ActionCommand{
-      {load_doubleword(&frame.data[0])}, frame.data[4], frame.data[5], load_word(&frame.data[6])});
+void decode_action(const can::Frame& frame, Decoded& result) noexcept {
+  if (frame.dlc != 8) return fail(result, DecodeError::wrong_length);
+  const std::uint64_t data = data_of(frame);
+  if (byte_at(data, 4) == 0) return fail(result, DecodeError::reserved_bits);
+  begin<ActionCommand>(result) = {
+      {doubleword_at(data, 0)}, byte_at(data, 4), byte_at(data, 5), word_at(data, 6)};
 }
 
 // --- reference and actual values
 
-void store_words(can::Frame& frame, const std::array<std::uint16_t, 4>& word) noexcept {
-  for (unsigned i = 0; i * 2u < frame.dlc; ++i) store_word(&frame.data[i * 2u], word[i]);
+std::uint64_t put_words(const std::array<std::uint16_t, 4>& word) noexcept {
+  return put(0, word[0]) | put(2, word[1]) | put(4, word[2]) | put(6, word[3]);
 }
 
 template <class T>
 void load_words(const can::Frame& frame, T& telegram) noexcept {
+  const std::uint64_t data = data_of(frame);
   telegram.words = frame.dlc / 2;
-  for (unsigned i = 0; i < telegram.words; ++i) telegram.word[i] = load_word(&frame.data[i * 2u]);
+  telegram.word = {word_at(data, 0), word_at(data, 2), word_at(data, 4), word_at(data, 6)};
 }
 
-std::uint8_t dlc_of_words(std::uint8_t words) noexcept {
-  return static_cast<std::uint8_t>(std::min<std::uint8_t>(words, 4) * 2);
+unsigned dlc_of_words(std::uint8_t words) noexcept {
+  return std::min<unsigned>(words, 4) * 2;
 }
 
 can::Frame encode(const ReferenceTelegram& telegram) noexcept {
   const std::uint32_t base =
       telegram.channel == Channel::one ? identifier::reference_one : identifier::reference_two;
-  can::Frame frame = frame_of(base | (telegram.polled & kSlaveNumberMask), dlc_of_words(telegram.words));
-  store_words(frame, telegram.word);
-  return frame;
+  return frame_of(base | (telegram.polled & kSlaveNumberMask), dlc_of_words(telegram.words),
+                  put_words(telegram.word));
 }
 
-Decoded decode_reference(const can::Frame& frame, Channel channel) noexcept {
-  if (frame.dlc % 2 != 0) return failed(DecodeError::wrong_length);
-  ReferenceTelegram telegram;
+void decode_reference(const can::Frame& frame, Channel channel, Decoded& result) noexcept {
+  if (frame.dlc % 2 != 0) return fail(result, DecodeError::wrong_length);
+  auto& telegram = begin<ReferenceTelegram>(result);
   telegram.channel = channel;
   telegram.polled = static_cast<std::uint8_t>(frame.id & kSlaveNumberMask);
   load_words(frame, telegram);
-  return done(telegram);
 }
 
 can::Frame encode(const ActualTelegram& telegram) noexcept {
   const std::uint32_t base =
       telegram.channel == Channel::one ? identifier::actual_one : identifier::actual_two;
-  can::Frame frame = frame_of(base | telegram.slave.value(), dlc_of_words(telegram.words));
-  store_words(frame, telegram.word);
-  return frame;
+  return frame_of(base | telegram.slave.value(), dlc_of_words(telegram.words), put_words(telegram.word));
 }
 
-Decoded decode_actual(const can::Frame& frame, Channel channel) noexcept {
-  if (frame.dlc % 2 != 0) return failed(DecodeError::wrong_length);
-  ActualTelegram telegram;
+void decode_actual(const can::Frame& frame, Channel channel, Decoded& result) noexcept {
+  if (frame.dlc % 2 != 0) return fail(result, DecodeError::wrong_length);
+  auto& telegram = begin<ActualTelegram>(result);
   telegram.channel = channel;
-  telegram.slave = slave_of(frame.id);
+  telegram.slave = slave_of(frame);
   load_words(frame, telegram);
-  return done(telegram);
 }
 
 // --- parameter command
 
 can::Frame encode(const ParameterCommand& command) noexcept {
-  static constexpr std::array<std::uint8_t, 3> kDlc = {4, 6, 8};  // by Kind
-  can::Frame frame =
-      frame_of(identifier::command | command.slave.value(), kDlc[static_cast<unsigned>(command.kind)]);
-  store_twelve(frame.data, static_cast<std::uint8_t>(command.element.value() << kElementShift),
-               command.number.value());
-  if (command.kind == Kind::write_word) {
-    store_word(&frame.data[2], static_cast<std::uint16_t>(command.value & 0xFFFF));
-  } else if (command.kind == Kind::write_doubleword) {
-    store_doubleword(&frame.data[2], command.value);
+  const std::uint32_t id = identifier::command | command.slave.value();
+  const std::uint64_t head =
+      put_control(unsigned{command.element.value()} << kElementShift, command.number.value());
+  const std::uint64_t sub_slave = command.sub_slave.value;
+  switch (command.kind) {
+    case Kind::read:
+      return frame_of(id, 4, head | put(2, sub_slave));
+    case Kind::write_word:
+      return frame_of(id, 6, head | put(2, command.value & 0xFFFF) | put(4, sub_slave));
+    default:
+      return frame_of(id, 8, head | put(2, command.value) | put(6, sub_slave));
   }
-  store_word(&frame.data[frame.dlc - 2u], command.sub_slave.value);
-  return frame;
 }
 
-Decoded decode_parameter_command(const can::Frame& frame) noexcept {
-  ParameterCommand command;
-  switch (frame.dlc) {
-    case 4:
-      break;
-    case 6:
-      command.kind = Kind::write_word;
-      command.value = load_word(&frame.data[2]);
-      break;
-    case 8:
-      command.kind = Kind::write_doubleword;
-      command.value = load_doubleword(&frame.data[2]);
-      break;
-    default:
-      return failed(DecodeError::wrong_length);
+void decode_parameter_command(const can::Frame& frame, std::uint64_t data, Decoded& result) noexcept {
+  if (frame.dlc != 4 && frame.dlc != 6 && frame.dlc != 8) return fail(result, DecodeError::wrong_length);
+  auto& command = begin<ParameterCommand>(result);
+  command.slave = slave_of(frame);
+  command.number = number_of(data);
+  command.element = *Element::from((byte_at(data, 0) >> kElementShift) & kElementMask);
+  command.sub_slave.value = word_at(data, frame.dlc - 2u);
+  if (frame.dlc == 6) {
+    command.kind = Kind::write_word;
+    command.value = word_at(data, 2);
+  } else if (frame.dlc == 8) {
+    command.kind = Kind::write_doubleword;
+    command.value = doubleword_at(data, 2);
   }
-  command.slave = slave_of(frame.id);
-  command.number = number_of(frame.data);
-  command.element =
-      *Element::from(static_cast<std::uint64_t>((frame.data[0] >> kElementShift) & kElementMask));
-  command.sub_slave.value = load_word(&frame.data[frame.dlc - 2u]);
-  return done(command);
 }
 
 // --- upload and download commands
 
 can::Frame encode(const TransferInitialise& initialise) noexcept {
-  can::Frame frame = frame_of(identifier::command | initialise.slave.value(), 8);
-  const std::uint8_t direction = initialise.direction == Direction::download ? kDownload : 0;
-  store_twelve(frame.data, kTransfer | kInitialise | direction, initialise.length.value());
-  store_doubleword(&frame.data[2], initialise.address);
-  store_word(&frame.data[6], initialise.sub_slave.value);
-  return frame;
+  const unsigned direction = initialise.direction == Direction::download ? kDownload : 0;
+  return frame_of(identifier::command | initialise.slave.value(), 8,
+                  put_control(kTransfer | kInitialise | direction, initialise.length.value()) |
+                      put(2, initialise.address) | put(6, initialise.sub_slave.value));
 }
 
 can::Frame encode(const UploadBlock& block) noexcept {
-  can::Frame frame = frame_of(identifier::command | block.slave.value(), 2);
-  store_twelve(frame.data, kTransfer | (block.last ? kLast : kBody), block.offset.value());
-  return frame;
+  return frame_of(identifier::command | block.slave.value(), 2,
+                  put_control(kTransfer | (block.last ? kLast : kBody), block.offset.value()));
 }
 
 can::Frame encode(const DownloadBlock& block) noexcept {
-  can::Frame frame = frame_of(identifier::command | block.slave.value(), 8);
-  store_twelve(frame.data, kTransfer | kDownload | (block.last ? kLast : kBody), block.offset.value());
-  std::copy(block.data.begin(), block.data.end(), frame.data.begin() + 2);
-  return frame;
+  return frame_of(identifier::command | block.slave.value(), 8,
+                  put_control(kTransfer | kDownload | (block.last ? kLast : kBody), block.offset.value()) |
+                      put_six(block.data));
 }
 
-Decoded decode_initialise(const can::Frame& frame) noexcept {
-  if (frame.dlc != 8) return failed(DecodeError::wrong_length);
-  return done(TransferInitialise{slave_of(frame.id),
-                                 (frame.data[0] & kDownload) != 0 ? Direction::download : Direction::upload,
-                                 offset_of(frame.data),
-                                 load_doubleword(&frame.data[2]),
-                                 {load_word(&frame.data[6])}});
+void decode_initialise(const can::Frame& frame, std::uint64_t data, Decoded& result) noexcept {
+  if (frame.dlc != 8) return fail(result, DecodeError::wrong_length);
+  const bool download = (byte_at(data, 0) & kDownload) != 0;
+  begin<TransferInitialise>(result) = {slave_of(frame),
+                                       download ? Direction::download : Direction::upload,
+                                       offset_of(data),
+                                       doubleword_at(data, 2),
+                                       {word_at(data, 6)}};
 }
 
-Decoded decode_block(const can::Frame& frame, bool last) noexcept {
-  if ((frame.data[0] & kDownload) == 0) {
-    if (frame.dlc != 2) return failed(DecodeError::wrong_length);
-    return done(UploadBlock{slave_of(frame.id), offset_of(frame.data), last});
+void decode_block(const can::Frame& frame, std::uint64_t data, bool last, Decoded& result) noexcept {
+  if ((byte_at(data, 0) & kDownload) == 0) {
+    if (frame.dlc != 2) return fail(result, DecodeError::wrong_length);
+    begin<UploadBlock>(result) = {slave_of(frame), offset_of(data), last};
+    return;
   }
-  if (frame.dlc != 8) return failed(DecodeError::wrong_length);
-  DownloadBlock block{slave_of(frame.id), offset_of(frame.data), last, {}};
-  std::copy(frame.data.begin() + 2, frame.data.end(), block.data.begin());
-  return done(block);
+  if (frame.dlc != 8) return fail(result, DecodeError::wrong_length);
+  begin<DownloadBlock>(result) = {slave_of(frame), offset_of(data), last, six_of(data)};
 }
 
-Decoded decode_command(const can::Frame& frame) noexcept {
-  if (frame.dlc < 2) return failed(DecodeError::wrong_length);  // bytes 0 and 1 are read below
-  if ((frame.data[0] & kTransfer) == 0) return decode_parameter_command(frame);
-  switch (frame.data[0] & kModeMask) {
+void decode_command(const can::Frame& frame, Decoded& result) noexcept {
+  if (frame.dlc < 2) return fail(result, DecodeError::wrong_length);  // bytes 0 and 1 are read below
+  const std::uint64_t data = data_of(frame);
+  if ((byte_at(data, 0) & kTransfer) == 0) return decode_parameter_command(frame, data, result);
+  switch (byte_at(data, 0) & kModeMask) {
     case kInitialise:
-      return decode_initialise(frame);
+      return decode_initialise(frame, data, result);
     case kBody:
-      return decode_block(frame, false);
+      return decode_block(frame, data, false, result);
     case kLast:
-      return decode_block(frame, true);
+      return decode_block(frame, data, true, result);
     default:
-      return failed(DecodeError::reserved_bits);
+      return fail(result, DecodeError::reserved_bits);
   }
 }
 
 // --- replies
 
 template <class Reply>
-can::Frame encode_reply(const Reply& reply, std::uint8_t kind, std::uint16_t twelve) noexcept {
-  const std::uint8_t size = std::min(reply.payload_size, kMaximumPayload);
-  can::Frame frame =
-      frame_of(identifier::response | reply.slave.value(), static_cast<std::uint8_t>(size + 2));
-  const std::uint8_t busy = reply.busy ? kBusy : 0;
-  const std::uint8_t error = reply.error ? kError : 0;
-  store_twelve(frame.data, static_cast<std::uint8_t>(kind | busy | error), twelve);
-  for (unsigned i = 0; i < size; ++i) frame.data[i + 2u] = reply.payload[i];
-  return frame;
+can::Frame encode_reply(const Reply& reply, unsigned kind, unsigned twelve) noexcept {
+  const unsigned size = std::min(reply.payload_size, kMaximumPayload);
+  const unsigned control = kind | (reply.busy ? kBusy : 0u) | (reply.error ? kError : 0u);
+  return frame_of(identifier::response | reply.slave.value(), size + 2,
+                  put_control(control, twelve) | put_six(reply.payload));
 }
 
 can::Frame encode(const ParameterReply& reply) noexcept {
@@ -262,40 +284,68 @@ bool length_fits(std::uint8_t control, std::uint8_t dlc) noexcept {
 }
 
 template <class Reply>
-void load_reply(const can::Frame& frame, Reply& reply) noexcept {
-  reply.slave = slave_of(frame.id);
-  reply.busy = (frame.data[0] & kBusy) != 0;
-  reply.error = (frame.data[0] & kError) != 0;
+void load_reply(const can::Frame& frame, std::uint64_t data, Reply& reply) noexcept {
+  reply.slave = slave_of(frame);
+  reply.busy = (byte_at(data, 0) & kBusy) != 0;
+  reply.error = (byte_at(data, 0) & kError) != 0;
   reply.payload_size = static_cast<std::uint8_t>(frame.dlc - 2);
-  for (unsigned i = 0; i < reply.payload_size; ++i) reply.payload[i] = frame.data[i + 2u];
+  reply.payload = six_of(data);
 }
 
-Decoded decode_reply(const can::Frame& frame) noexcept {
-  if (frame.dlc < 2) return failed(DecodeError::wrong_length);
-  const std::uint8_t control = frame.data[0];
-  if ((control & kReserved) != 0) return failed(DecodeError::reserved_bits);
-  if (!length_fits(control, frame.dlc)) return failed(DecodeError::wrong_length);
+void decode_reply(const can::Frame& frame, Decoded& result) noexcept {
+  if (frame.dlc < 2) return fail(result, DecodeError::wrong_length);
+  const std::uint64_t data = data_of(frame);
+  const std::uint8_t control = byte_at(data, 0);
+  if ((control & kReserved) != 0) return fail(result, DecodeError::reserved_bits);
+  if (!length_fits(control, frame.dlc)) return fail(result, DecodeError::wrong_length);
   if ((control & kTransfer) == 0) {
-    ParameterReply reply;
-    reply.number = number_of(frame.data);
-    load_reply(frame, reply);
-    return done(reply);
+    auto& reply = begin<ParameterReply>(result);
+    reply.number = number_of(data);
+    load_reply(frame, data, reply);
+    return;
   }
-  TransferReply reply;
-  reply.offset = offset_of(frame.data);
-  load_reply(frame, reply);
-  return done(reply);
+  auto& reply = begin<TransferReply>(result);
+  reply.offset = offset_of(data);
+  load_reply(frame, data, reply);
 }
 
-constexpr bool is_cansync(std::uint32_t identifier) noexcept {
+constexpr bool is_cansync(std::uint32_t id) noexcept {
   // 0x100..0x1FF, 0x300..0x3FF and 0x500..0x5FF: bits 10..8 are 001, 011 or 101.
-  const std::uint32_t block = identifier >> 8;
-  return identifier == identifier::action || block == 1 || block == 3 || block == 5;
+  const std::uint32_t block = id >> 8;
+  return id == identifier::action || block == 1 || block == 3 || block == 5;
+}
+
+void decode_into(const can::Frame& frame, Decoded& result) noexcept {
+  if (!is_cansync(frame.id)) return fail(result, DecodeError::not_for_us);
+  if (frame.kind != can::FrameKind::standard) return fail(result, DecodeError::not_standard);
+  if (frame.dlc > 8) return fail(result, DecodeError::wrong_length);
+  const std::uint32_t channel = frame.id & ~kSlaveNumberMask;
+  switch (channel) {
+    case identifier::reference_one:
+      return decode_reference(frame, Channel::one, result);
+    case identifier::reference_two:
+      return decode_reference(frame, Channel::two, result);
+    case 0:  // is_cansync lets the action command alone through
+      return decode_action(frame, result);
+    default:
+      break;
+  }
+  if ((frame.id & kSlaveNumberMask) > SlaveNumber::max) return fail(result, DecodeError::wrong_slave);
+  switch (channel) {
+    case identifier::actual_one:
+      return decode_actual(frame, Channel::one, result);
+    case identifier::actual_two:
+      return decode_actual(frame, Channel::two, result);
+    case identifier::command:
+      return decode_command(frame, result);
+    default:
+      return decode_reply(frame, result);
+  }
 }
 
 }  // namespace
 
-// A switch over the index: measurably cheaper than std::visit's table of function pointers.
+// A switch over the index: cheaper than std::visit's table of function pointers.
 can::Frame encode(const Telegram& telegram) noexcept {
   switch (telegram.index()) {
     case 0:
@@ -321,31 +371,9 @@ can::Frame encode(const Telegram& telegram) noexcept {
 static_assert(std::variant_size_v<Telegram> == 9, "encode needs a case for every telegram");
 
 Decoded decode(const can::Frame& frame) noexcept {
-  if (!is_cansync(frame.id)) return failed(DecodeError::not_for_us);
-  if (frame.kind != can::FrameKind::standard) return failed(DecodeError::not_standard);
-  if (frame.dlc > 8) return failed(DecodeError::wrong_length);
-  const std::uint32_t channel = frame.id & ~kSlaveNumberMask;
-  switch (channel) {
-    case identifier::reference_one:
-      return decode_reference(frame, Channel::one);
-    case identifier::reference_two:
-      return decode_reference(frame, Channel::two);
-    case 0:  // is_cansync lets the action command alone through
-      return decode_action(frame);
-    default:
-      break;
-  }
-  if ((frame.id & kSlaveNumberMask) > SlaveNumber::max) return failed(DecodeError::wrong_slave);
-  switch (channel) {
-    case identifier::actual_one:
-      return decode_actual(frame, Channel::one);
-    case identifier::actual_two:
-      return decode_actual(frame, Channel::two);
-    case identifier::command:
-      return decode_command(frame);
-    default:
-      return decode_reply(frame);
-  }
+  Decoded result(std::in_place_index<1>, DecodeError::not_for_us);  // every path builds it anew
+  decode_into(frame, result);
+  return result;
 }
 
 }  // namespace cansync
