@@ -32,30 +32,31 @@ struct SlaveLookup {
   std::string problem;  ///< why there is none, with the names there are; empty otherwise
 };
 
-/// Ends its callback when it is destroyed; after that the callback is not running and never called again. Must not
-/// be destroyed from inside its own callback. May outlive the client.
+/// Ends its callback when it is destroyed; after that the callback is not running and never called again.
+/// Must not be destroyed from inside its own callback. May outlive the client.
 class Subscription {
  public:
   Subscription() = default;
   Subscription(Subscription&&) noexcept = default;
   Subscription& operator=(Subscription&&) noexcept;
   ~Subscription();
-  struct Hold;
+  struct Hold;  ///< internal
 
  private:
-  friend class Client;
+  friend class detail::Link;
   explicit Subscription(std::shared_ptr<Hold> hold) : hold_(std::move(hold)) {}
   std::shared_ptr<Hold> hold_;
 };
 
 /// One connection to one bus.
 ///
-/// Every function may be called from any thread. One receiver thread per client takes what arrives and runs the
-/// callbacks of subscriptions: these must be short, must not throw, and must not wait for a job of this client.
+/// Every function may be called from any thread. One receiver thread per client takes what arrives and runs
+/// the callbacks of subscriptions: these must be short, must not throw, and must not wait for a job of this
+/// client.
 class Client {
  public:
-  /// Waits until a daemon serves the bus and every request and reply is matched with it, so that nothing is lost.
-  /// Throws NoDaemon when `options.wait` is over, dds::SetupError when DDS cannot be set up.
+  /// Waits until a daemon serves the bus and every request and reply is matched with it, so that nothing is
+  /// lost. Throws NoDaemon when `options.wait` is over, dds::SetupError when DDS cannot be set up.
   static Client connect(const Options& options);
 
   Client(Client&&) noexcept;
@@ -63,13 +64,16 @@ class Client {
   /// Open jobs end with `no_reply` here; the daemon goes on with them.
   ~Client();
 
-  // --- state: latest known ---------------------------------------------------------------------------------------
+  // --- state: latest known
+  // ---------------------------------------------------------------------------------------
 
   MasterStatus master_status() const;
-  /// Configured slaves in rising order. Waits at most `time` until the status of every configured slave is there.
+  /// Configured slaves in rising order. Waits at most `time` until the status of every configured slave is
+  /// there.
   std::vector<SlaveStatus> slaves(std::chrono::milliseconds time = std::chrono::milliseconds(2000)) const;
-  /// Newest actual values of a slave; nothing before the first.
-  std::optional<ActualValues> actual_values(std::uint8_t slave) const;
+  /// Newest actual values of a slave. Waits at most `time` for the first; nothing when there are none yet.
+  std::optional<ActualValues> actual_values(
+      std::uint8_t slave, std::chrono::milliseconds time = std::chrono::milliseconds(500)) const;
   /// The slave with this number (decimal or 0x hexadecimal, 0..31) or name. Waits like `slaves`.
   SlaveLookup find_slave(std::string_view number_or_name) const;
   /// True while a daemon is matched.
@@ -77,7 +81,8 @@ class Client {
   /// The last events (at most 100), oldest first: collected until none comes for `quiet`.
   std::vector<Event> recent_events(std::chrono::milliseconds quiet = std::chrono::milliseconds(300)) const;
 
-  // --- subscriptions: state topics deliver what is known at once ----------------------------------------------
+  // --- subscriptions: state topics deliver what is known at once
+  // ----------------------------------------------
 
   [[nodiscard]] Subscription on_actual_values(std::function<void(const ActualValues&)> callback);
   [[nodiscard]] Subscription on_master_status(std::function<void(const MasterStatus&)> callback);
@@ -88,18 +93,21 @@ class Client {
   /// Only when the daemon's configuration switches the Interval topic on.
   [[nodiscard]] Subscription on_interval(std::function<void(const Interval&)> callback);
 
-  // --- jobs: submit returns at once, the others wait for the terminal reply -----------------------------------
+  // --- jobs: submit returns at once, the others wait for the terminal reply
+  // -----------------------------------
 
   ParameterJob submit(const ParameterRequest& request);
   TransferJob submit(const TransferRequest& request);
   ParameterReply read(std::uint32_t slave, std::uint32_t number, std::uint32_t timeout_ms = 0);
-  ParameterReply write(std::uint32_t slave, std::uint32_t number, std::uint32_t value, std::uint32_t timeout_ms = 0);
+  ParameterReply write(std::uint32_t slave, std::uint32_t number, std::uint32_t value,
+                       std::uint32_t timeout_ms = 0);
   TransferReply upload(std::uint32_t slave, std::uint32_t address, std::uint32_t length,
                        const OnProgress& on_progress = {});
   TransferReply download(std::uint32_t slave, std::uint32_t address, std::vector<std::uint8_t> data,
                          const OnProgress& on_progress = {});
 
-  // --- commands: answered when sent or in effect -----------------------------------------------------------------
+  // --- commands: answered when sent or in effect
+  // -----------------------------------------------------------------
 
   CommandJob control_word(std::uint32_t slave, std::uint32_t word);
   CommandJob broadcast(const Broadcast& broadcast);
@@ -119,21 +127,22 @@ class Client {
   std::shared_ptr<detail::Link> link_;
 };
 
-/// Gives reference values. The living writer with the highest strength wins, per telegram; what a weaker one writes
-/// has no effect. When this object is destroyed or its process dies (lease 500 ms), a weaker writer takes over, or
-/// release stops. That is noticed for a dead process, not for one that hangs: `release_intervals` bounds how long the
-/// last values of a hanging one are released.
+/// Gives reference values. The living writer with the highest strength wins, per telegram; what a weaker one
+/// writes has no effect. When this object is destroyed or its process dies (lease 500 ms), a weaker writer
+/// takes over, or release stops. That is noticed for a dead process, not for one that hangs:
+/// `release_intervals` bounds how long the last values of a hanging one are released.
 class ReferenceWriter {
  public:
-  /// `strength`: 0 and more. Throws dds::SetupError. Waits at most 2 s until the daemon is matched; throws NoDaemon.
+  /// `strength`: 0 and more. Throws dds::SetupError. Waits at most 2 s until the daemon is matched; throws
+  /// NoDaemon.
   explicit ReferenceWriter(Client& client, std::int32_t strength = 0);
   ~ReferenceWriter();
   ReferenceWriter(ReferenceWriter&&) noexcept;
   ReferenceWriter& operator=(ReferenceWriter&&) noexcept;
 
   /// Gives values of telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`: value[n] is new. They are
-  /// released in `release_intervals` intervals in a row (1: exactly once), from `from_interval` on (0: the next).
-  /// Empty, or what failed. Bad values are reported by the daemon as an event.
+  /// released in `release_intervals` intervals in a row (1: exactly once), from `from_interval` on (0: the
+  /// next). Empty, or what failed. Bad values are reported by the daemon as an event.
   std::string write(std::uint8_t telegram, const std::array<std::int32_t, 4>& value, std::uint8_t valid,
                     std::uint32_t release_intervals = 1, std::uint64_t from_interval = 0);
 

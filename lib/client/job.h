@@ -20,24 +20,26 @@ struct JobState;
 /// Bytes done and in total of a transfer.
 using OnProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 
-/// One request on its way: wait for its terminal reply, or cancel it. Cheap to copy (copies name the same request);
-/// every function may be called from any thread, and after the Client is gone (the reply is `no_reply` then).
+/// One request on its way: wait for its terminal reply, or cancel it. Cheap to copy (copies name the same
+/// request); every function may be called from any thread, and after the Client is gone (the reply is
+/// `no_reply` then).
 template <class R>
 class Job {
  public:
-  /// Waits for the terminal reply. Always ends: with the daemon's reply, or `no_reply` when the daemon is gone.
+  /// Waits for the terminal reply. Always ends: with the daemon's reply, or `no_reply` when the daemon is
+  /// gone.
   R wait() const;
 
   /// Waits at most `time`; nothing when the request is still open.
   std::optional<R> wait_for(std::chrono::milliseconds time) const;
 
-  /// Like `wait`, and calls `on_progress` (transfers; on this thread) on every change. When `stop` becomes true, for
-  /// example from a signal handler, the job is cancelled on the bus and its terminal reply is awaited, at most 5 s
-  /// (then `no_reply`). `stop` is looked at every 20 ms.
+  /// Like `wait`, and calls `on_progress` (transfers; on this thread) on every change. When `stop` becomes
+  /// true, for example from a signal handler, the job is cancelled on the bus and its terminal reply is
+  /// awaited, at most 5 s (then `no_reply`). `stop` is looked at every 20 ms.
   R wait(const std::atomic<bool>& stop, const OnProgress& on_progress = {}) const;
 
-  /// Asks the daemon to cancel; the reply says `cancelled` unless the job had ended before. Never blocks longer than
-  /// 1 s; false when the daemon could not be told.
+  /// Asks the daemon to cancel; the reply says `cancelled` unless the job had ended before. Never blocks
+  /// longer than 1 s; false when the daemon could not be told.
   bool cancel() const;
 
   /// Number of the request, as in the topics.

@@ -9,8 +9,8 @@
 
 #include "cansync.h"
 
-/// Requests and replies as clients see them. State topics are the IDL's own structs: they are plain values that can
-/// be copied (texts: `text()` in dds/convert.h).
+/// Requests and replies as clients see them. State topics are the IDL's own structs: they are plain values
+/// that can be copied (texts: `text()` in dds/convert.h).
 namespace cansync::client {
 
 using ActualValues = cansync_ActualValues;

@@ -1,0 +1,77 @@
+#include "client/job.h"
+
+#include "client/job_state.h"
+#include "client/link.h"
+
+namespace cansync::client {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kLook(20);           // how often a stop flag is looked at
+constexpr milliseconds kCancelGrace(5000);  // a cancelled job's reply comes within this
+
+}  // namespace
+
+template <class R>
+R Job<R>::wait() const {
+  std::unique_lock lock(state_->mutex);
+  state_->changed.wait(lock, [&] { return state_->reply.has_value(); });
+  return *state_->reply;
+}
+
+template <class R>
+std::optional<R> Job<R>::wait_for(milliseconds time) const {
+  std::unique_lock lock(state_->mutex);
+  state_->changed.wait_for(lock, time, [&] { return state_->reply.has_value(); });
+  return state_->reply;
+}
+
+template <class R>
+R Job<R>::wait(const std::atomic<bool>& stop, const OnProgress& on_progress) const {
+  std::optional<std::chrono::steady_clock::time_point> give_up;
+  std::uint64_t told = 0;
+  std::unique_lock lock(state_->mutex);
+  for (;;) {
+    if (state_->progress != told) {
+      told = state_->progress;
+      const std::uint32_t done = state_->done;
+      const std::uint32_t total = state_->total;
+      lock.unlock();
+      if (on_progress) on_progress(done, total);
+      lock.lock();
+    }
+    if (state_->reply) return *state_->reply;
+    const auto now = std::chrono::steady_clock::now();
+    if (give_up && now >= *give_up) {
+      R reply;
+      reply.reason =
+          "the daemon did not answer the cancel within 5 s; whether the request was done is not known";
+      return reply;
+    }
+    if (!give_up && stop) {
+      give_up = now + kCancelGrace;
+      lock.unlock();
+      (void)cancel();
+      lock.lock();
+    }
+    state_->changed.wait_for(lock, kLook,
+                             [&] { return state_->reply.has_value() || state_->progress != told; });
+  }
+}
+
+template <class R>
+bool Job<R>::cancel() const {
+  const std::shared_ptr<detail::Link> link = state_->link.lock();
+  return link && link->cancel(state_->request);
+}
+
+template <class R>
+std::uint64_t Job<R>::request() const noexcept {
+  return state_->request;
+}
+
+template class Job<ParameterReply>;
+template class Job<TransferReply>;
+template class Job<CommandReply>;
+
+}  // namespace cansync::client

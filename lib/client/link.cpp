@@ -1,0 +1,142 @@
+#include "client/link.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+
+namespace cansync::client::detail {
+namespace {
+
+/// 16 random bytes: no two clients have the same.
+std::array<std::uint8_t, 16> random_identity() {
+  std::array<std::uint8_t, 16> identity;
+  // So few bytes never come in part.
+  if (getrandom(identity.data(), identity.size(), 0) != static_cast<ssize_t>(identity.size())) {
+    throw dds::SetupError("the system gave no random numbers for the client's identity");
+  }
+  return identity;
+}
+
+dds::ParticipantOptions participant_options(const Options& options) {
+  return {options.domain, options.bus, options.interface, options.xml};
+}
+
+template <class R>
+void end_all(const std::vector<std::shared_ptr<JobState<R>>>& jobs, const std::string& reason) {
+  for (const auto& job : jobs) job->end(ReplyCode::no_reply, reason);
+}
+
+}  // namespace
+
+Link::Link(const Options& options)
+    : options_(options), identity_(random_identity()), participant_(participant_options(options)) {}
+
+Link::~Link() {
+  close();
+}
+
+void Link::connect(std::chrono::milliseconds wait) {
+  // The master's status comes through the reader that is announced last: when the daemon has sent it here, it
+  // knows every reply reader too, and no reply can get lost.
+  open<MasterStatus>();
+  receiver_ = std::thread([this] { receive(); });
+  std::unique_lock lock(mutex_);
+  if (!ready_changed_.wait_for(lock, wait, [&] { return ready_; })) {
+    lock.unlock();
+    throw NoDaemon(not_found(wait));
+  }
+}
+
+void Link::close() {
+  stop_ = true;
+  signal_.raise();
+  if (receiver_.joinable()) receiver_.join();
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  end_lost_jobs({});
+}
+
+bool Link::daemon_present() const {
+  const std::lock_guard lock(mutex_);
+  return !daemons_.empty();
+}
+
+std::string Link::not_found(std::chrono::milliseconds waited) const {
+  const std::string place = fmt::format("looked for {} on {}", waited, participant_.place());
+  if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0) {
+    return fmt::format(
+        "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the "
+        "same domain and interface in its [dds] section?",
+        place, options_.bus, options_.bus);
+  }
+  return fmt::format(
+      "no usable daemon found: {}; one is there, but its topics do not all match: has it the same "
+      "version as this program?",
+      place);
+}
+
+bool Link::everything_matched() const {
+  return parameter_writer_.matched() > 0 && transfer_writer_.matched() > 0 && command_writer_.matched() > 0 &&
+         cancel_writer_.matched() > 0 && parameter_reader_.matched() > 0 && transfer_reader_.matched() > 0 &&
+         command_reader_.matched() > 0 && !master_.known().empty();
+}
+
+Daemons Link::matched_daemons() const {
+  constexpr std::size_t kMost = 64;
+  Daemons daemons(kMost);
+  const dds_return_t count = dds_get_matched_publications(parameter_reader_.handle(), daemons.data(), kMost);
+  daemons.resize(std::min<std::size_t>(static_cast<std::size_t>(std::max(count, 0)), kMost));
+  return daemons;
+}
+
+void Link::receive() {
+  // Signals wake the loop; the period is for what might never signal.
+  constexpr int kPeriodMs = 500;
+  while (!stop_) {
+    (void)signal_.wait(kPeriodMs);
+    signal_.clear();
+    // Looked at before the replies: what a daemon wrote before it left is taken first.
+    const Daemons alive = matched_daemons();
+    take_progress();
+    take_replies();
+    dispatch_feeds();
+    end_lost_jobs(alive);
+    const bool ready = everything_matched();
+    const std::lock_guard lock(mutex_);
+    daemons_ = alive;
+    if (ready && !ready_) {
+      ready_ = true;
+      ready_changed_.notify_all();
+    }
+  }
+}
+
+void Link::dispatch_feeds() {
+  master_.dispatch();
+  slaves_.dispatch();
+  actual_.dispatch();
+  events_.dispatch();
+  timing_.dispatch();
+  interval_.dispatch();
+}
+
+void Link::end_lost_jobs(const Daemons& alive) {
+  std::unique_lock lock(mutex_);
+  const auto parameters = parameter_jobs_.remove_lost(alive);
+  const auto transfers = transfer_jobs_.remove_lost(alive);
+  const auto commands = command_jobs_.remove_lost(alive);
+  const std::string reason =
+      closed_ ? "the client was closed before the reply came; the daemon goes on with the request"
+              : fmt::format("the daemon is gone ({}); whether the request was done is not known",
+                            participant_.place());
+  lock.unlock();
+  end_all(parameters, reason);
+  end_all(transfers, reason);
+  end_all(commands, reason);
+}
+
+}  // namespace cansync::client::detail

@@ -1,0 +1,222 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "client/link.h"
+
+/// Requests out, replies in.
+namespace cansync::client::detail {
+namespace {
+
+ReplyCode code_of(cansync_ReplyCode code) {
+  switch (code) {
+    case cansync_REPLY_DONE:
+      return ReplyCode::done;
+    case cansync_REPLY_REFUSED:
+      return ReplyCode::refused;
+    case cansync_REPLY_SLAVE_ERROR:
+      return ReplyCode::slave_error;
+    case cansync_REPLY_TIMEOUT:
+      return ReplyCode::timeout;
+    case cansync_REPLY_NO_ANSWER:
+      return ReplyCode::no_answer;
+    case cansync_REPLY_WORD_EXPECTED:
+      return ReplyCode::word_expected;
+    case cansync_REPLY_DOUBLEWORD_EXPECTED:
+      return ReplyCode::doubleword_expected;
+    case cansync_REPLY_VALUE_TOO_WIDE:
+      return ReplyCode::value_too_wide;
+    case cansync_REPLY_CANCELLED:
+      return ReplyCode::cancelled;
+    case cansync_REPLY_MASTER_STOPPED:
+      break;
+  }
+  return ReplyCode::master_stopped;
+}
+
+template <class Sample>
+void fill_common(const Sample& sample, Reply& reply) {
+  reply.code = code_of(sample.code);
+  reply.reason = dds::text(sample.reason);
+}
+
+ParameterReply reply_of(const cansync_ParameterReply& sample) {
+  ParameterReply reply;
+  fill_common(sample, reply);
+  reply.error_code = sample.error_code;
+  reply.doubleword = sample.doubleword;
+  reply.value = sample.value;
+  reply.intervals = sample.intervals;
+  return reply;
+}
+
+TransferReply reply_of(const cansync_TransferReply& sample) {
+  TransferReply reply;
+  fill_common(sample, reply);
+  reply.error_code = sample.error_code;
+  reply.error_offset = sample.error_offset;
+  reply.done = sample.done;
+  reply.intervals = sample.intervals;
+  reply.repeated_telegrams = sample.repeated_telegrams;
+  reply.repeated_blocks = sample.repeated_blocks;
+  reply.data.assign(sample.data._buffer, sample.data._buffer + sample.data._length);
+  return reply;
+}
+
+CommandReply reply_of(const cansync_CommandReply& sample) {
+  CommandReply reply;
+  fill_common(sample, reply);
+  return reply;
+}
+
+cansync_ParameterFormat format_of(ParameterFormat format) {
+  switch (format) {
+    case ParameterFormat::word:
+      return cansync_FORMAT_WORD;
+    case ParameterFormat::doubleword:
+      return cansync_FORMAT_DOUBLEWORD;
+    case ParameterFormat::as_slave_says:
+      break;
+  }
+  return cansync_FORMAT_AS_SLAVE_SAYS;
+}
+
+}  // namespace
+
+template <class Sample>
+bool Link::mine(const Sample& sample) const {
+  return std::equal(identity_.begin(), identity_.end(), std::begin(sample.client));
+}
+
+template <class Request>
+void Link::address(Request& request, std::uint64_t number) const {
+  std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
+  request.request = number;
+  dds::copy_text(options_.client_name, request.client_name);
+}
+
+template <class R>
+std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs) {
+  auto state = std::make_shared<JobState<R>>();
+  state->link = weak_from_this();
+  const std::lock_guard lock(mutex_);
+  state->request = ++last_request_;
+  state->daemons = daemons_;
+  jobs.add(state);
+  return state;
+}
+
+template <class R, class Request>
+void Link::send(dds::Writer<Request>& writer, const Request& request, OpenJobs<R>& jobs, JobState<R>& state) {
+  if (state.daemons.empty()) {
+    const std::lock_guard lock(mutex_);
+    jobs.remove(state.request);
+    state.end(ReplyCode::no_reply,
+              fmt::format("no daemon is there ({}); nothing was sent", participant_.place()));
+    return;
+  }
+  const dds_return_t code = writer.write(request);
+  if (code == DDS_RETCODE_OK) return;
+  const std::lock_guard lock(mutex_);
+  jobs.remove(state.request);
+  state.end(
+      ReplyCode::refused,
+      code == DDS_RETCODE_TIMEOUT
+          ? "the daemon did not take the request within 1 s, nothing was sent; wait for "
+            "open requests to end"
+          : fmt::format("the request could not be written: {}; nothing was sent", dds_strretcode(code)));
+}
+
+std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& request) {
+  auto state = begin(parameter_jobs_);
+  cansync_ParameterRequest sample = {};
+  address(sample, state->request);
+  sample.write = request.write;
+  sample.slave = request.slave;
+  sample.sub_slave = request.sub_slave;
+  sample.number = request.number;
+  sample.element = request.element;
+  sample.format = format_of(request.format);
+  sample.value = request.value;
+  sample.timeout = request.timeout_ms;
+  send(parameter_writer_, sample, parameter_jobs_, *state);
+  return state;
+}
+
+std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& request) {
+  auto state = begin(transfer_jobs_);
+  if (request.data.size() > cansync_MAXIMUM_TRANSFER) {
+    const std::lock_guard lock(mutex_);
+    transfer_jobs_.remove(state->request);
+    state->end(ReplyCode::refused, fmt::format("length {}: out of range; allowed 1..{} bytes",
+                                               request.data.size(), cansync_MAXIMUM_TRANSFER));
+    return state;
+  }
+  cansync_TransferRequest sample = {};
+  address(sample, state->request);
+  sample.direction = request.download ? cansync_DIRECTION_DOWNLOAD : cansync_DIRECTION_UPLOAD;
+  sample.slave = request.slave;
+  sample.sub_slave = request.sub_slave;
+  sample.address = request.address;
+  sample.length = request.length;
+  if (request.download) {
+    sample.length = static_cast<std::uint32_t>(request.data.size());
+    // Cyclone only reads what it writes.
+    sample.data._buffer = const_cast<std::uint8_t*>(request.data.data());
+    sample.data._length = sample.data._maximum = sample.length;
+  }
+  sample.block_size = request.block_size;
+  sample.timeout = request.timeout_ms;
+  send(transfer_writer_, sample, transfer_jobs_, *state);
+  return state;
+}
+
+std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
+  auto state = begin(command_jobs_);
+  address(command, state->request);
+  send(command_writer_, command, command_jobs_, *state);
+  return state;
+}
+
+bool Link::cancel(std::uint64_t request) {
+  cansync_JobCancel sample = {};
+  std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
+  sample.request = request;
+  return cancel_writer_.write(sample) == DDS_RETCODE_OK;
+}
+
+void Link::take_progress() {
+  (void)progress_reader_.take([&](const cansync_TransferProgress& sample) {
+    if (!mine(sample)) return;
+    std::shared_ptr<JobState<TransferReply>> job;
+    {
+      const std::lock_guard lock(mutex_);
+      job = transfer_jobs_.find(sample.request);
+    }
+    if (!job) return;
+    {
+      const std::lock_guard lock(job->mutex);
+      job->done = sample.done;
+      job->total = sample.total;
+      ++job->progress;
+    }
+    job->changed.notify_all();
+  });
+}
+
+void Link::take_replies() {
+  const auto take = [this](auto& reader, auto& jobs) {
+    (void)reader.take([&](const auto& sample) {
+      if (!mine(sample)) return;
+      std::unique_lock lock(mutex_);
+      const auto job = jobs.remove(sample.request);
+      lock.unlock();
+      if (job) job->finish(reply_of(sample));
+    });
+  };
+  take(parameter_reader_, parameter_jobs_);
+  take(transfer_reader_, transfer_jobs_);
+  take(command_reader_, command_jobs_);
+}
+
+}  // namespace cansync::client::detail
