@@ -1,0 +1,330 @@
+#include "client/client.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "client/fake_daemon.h"
+#include "support/dds_places.h"
+
+namespace cansync::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+Options options_for(const dds::ParticipantOptions& place, milliseconds wait = seconds(20)) {
+  return {.domain = place.domain,
+          .bus = place.partition,
+          .interface = place.interface,
+          .client_name = "client_test",
+          .xml = place.xml,
+          .wait = wait};
+}
+
+/// A value that callbacks change and tests wait for.
+template <class T>
+class Watched {
+ public:
+  template <class Change>
+  void change(Change&& apply) {
+    {
+      const std::lock_guard lock(mutex_);
+      apply(value_);
+    }
+    changed_.notify_all();
+  }
+  template <class Condition>
+  bool wait(Condition&& condition) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, seconds(20), [&] { return condition(value_); });
+  }
+  T get() {
+    const std::lock_guard lock(mutex_);
+    return value_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  T value_ = {};
+};
+
+class ClientTest : public ::testing::Test {
+ protected:
+  TwoPlaces places_;
+  std::optional<FakeDaemon> daemon_{std::in_place, places_.here};
+  std::optional<Client> client_{Client::connect(options_for(places_.there))};
+};
+
+TEST(Connect, WithoutADaemonTellsWhereItLookedAndWhatToDo) {
+  const TwoPlaces places;
+  try {
+    const Client client = Client::connect(options_for(places.here, milliseconds(100)));
+    FAIL() << "connected to nothing";
+  } catch (const NoDaemon& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("no daemon found: looked for 100ms"), std::string::npos) << text;
+    EXPECT_NE(text.find("DDS domain " + std::to_string(places.here.domain)), std::string::npos) << text;
+    EXPECT_NE(text.find("partition testbus, interface lo"), std::string::npos) << text;
+    EXPECT_NE(text.find("systemctl status cansyncd@testbus"), std::string::npos) << text;
+  }
+}
+
+TEST(Connect, WaitsForADaemonThatComesLater) {
+  const TwoPlaces places;
+  std::optional<Client> client;
+  std::thread waiting([&] { client.emplace(Client::connect(options_for(places.there))); });
+  const FakeDaemon daemon(places.here);
+  waiting.join();
+  EXPECT_TRUE(client->daemon_present());
+  EXPECT_EQ(client->read(0, 1).code, ReplyCode::done);
+}
+
+TEST(Connect, WorksInTheDaemonsOwnProcess) {
+  const TwoPlaces places;
+  const FakeDaemon daemon(places.here);
+  Client client = Client::connect(options_for(places.here));
+  EXPECT_EQ(client.write(1, 2, 3).code, ReplyCode::done);
+  EXPECT_EQ(client.read(1, 2).value, 3u);
+}
+
+TEST_F(ClientTest, ReadGivesWhatWasWritten) {
+  ASSERT_EQ(client_->write(2, 100, 0xCAFE1234).code, ReplyCode::done);
+  const ParameterReply reply = client_->read(2, 100);
+  EXPECT_EQ(reply.code, ReplyCode::done);
+  EXPECT_EQ(reply.reason, "");
+  EXPECT_EQ(reply.value, 0xCAFE1234u);
+  EXPECT_TRUE(reply.doubleword);
+  EXPECT_EQ(reply.intervals, 1u);
+}
+
+TEST_F(ClientTest, RefusalAndSlaveErrorCarryTheirReason) {
+  const ParameterReply refused = client_->read(3, 4096);
+  EXPECT_EQ(refused.code, ReplyCode::refused);
+  EXPECT_EQ(refused.reason, "number 4096: out of range; allowed 0..4095");
+  const ParameterReply error = client_->read(3, FakeDaemon::kErrorNumber);
+  EXPECT_EQ(error.code, ReplyCode::slave_error);
+  EXPECT_EQ(error.error_code, 0xFFFE);
+  EXPECT_NE(error.reason.find("below the minimum"), std::string::npos);
+  EXPECT_EQ(client_->control_word(9, 1).wait().reason, "slave 9: not configured; allowed 0..3");
+}
+
+TEST_F(ClientTest, ManyOpenRequestsOfSeveralThreadsGetTheirOwnReply) {
+  constexpr std::uint32_t kThreads = 4;
+  constexpr std::uint32_t kEach = 200;
+  std::vector<std::thread> threads;
+  std::atomic<unsigned> wrong = 0;
+  for (std::uint32_t slave = 0; slave < kThreads; ++slave) {
+    threads.emplace_back([&, slave] {
+      std::vector<ParameterJob> jobs;
+      for (std::uint32_t i = 0; i < kEach; ++i) {
+        jobs.push_back(client_->submit(
+            ParameterRequest{.write = true, .slave = slave, .number = i, .value = slave * 1000 + i}));
+      }
+      for (std::uint32_t i = 0; i < kEach; ++i) {
+        const ParameterReply reply = jobs[i].wait();
+        if (!reply.ok() || reply.value != slave * 1000 + i) ++wrong;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_EQ(daemon_->requests(), kThreads * kEach);  // each came exactly once
+}
+
+TEST_F(ClientTest, ClientsDoNotSeeEachOthersReplies) {
+  Client other = Client::connect(options_for(places_.there));
+  // Both count their requests from 1: only the identity tells the replies apart.
+  const ParameterJob silent =
+      client_->submit(ParameterRequest{.slave = 1, .number = FakeDaemon::kSilentNumber});
+  const ParameterReply reply = other.read(1, 5);
+  EXPECT_TRUE(reply.ok());
+  EXPECT_EQ(silent.wait_for(milliseconds(0)), std::nullopt);
+  EXPECT_TRUE(silent.cancel());
+  EXPECT_EQ(silent.wait().code, ReplyCode::cancelled);
+}
+
+TEST_F(ClientTest, TransfersOfMoreThanAMegabyteAreIdentical) {
+  std::mt19937 random(20260101);
+  std::vector<std::uint8_t> data(3'000'001);
+  for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random());
+  Watched<std::set<std::uint32_t>> progress;
+  const TransferReply down = client_->download(1, 0x100, data, [&](std::uint32_t done, std::uint32_t total) {
+    progress.change([&](auto& seen) { seen.insert(done); });
+    EXPECT_EQ(total, 3'000'001u);
+  });
+  ASSERT_EQ(down.code, ReplyCode::done) << down.reason;
+  EXPECT_EQ(down.done, 3'000'001u);
+  const TransferReply up = client_->upload(1, 0x100, 3'000'001);
+  ASSERT_EQ(up.code, ReplyCode::done) << up.reason;
+  EXPECT_EQ(up.data, data);
+}
+
+TEST_F(ClientTest, LongestTransferPassesAndOneByteMoreIsRefused) {
+  std::vector<std::uint8_t> data(16'777'216, 0x5A);
+  const TransferReply down = client_->download(1, 0x100, data);
+  EXPECT_EQ(down.code, ReplyCode::done) << down.reason;
+  data.push_back(0);
+  const TransferReply refused = client_->download(1, 0x100, data);
+  EXPECT_EQ(refused.code, ReplyCode::refused);
+  EXPECT_EQ(refused.reason, "length 16777217: out of range; allowed 1..16777216 bytes");
+}
+
+TEST_F(ClientTest, StopFlagCancelsARunningTransferAndWaitsForItsEnd) {
+  std::atomic<bool> stop = false;
+  std::uint32_t done = 0;
+  const TransferJob job =
+      client_->submit(TransferRequest{.slave = 1, .address = FakeDaemon::kEndlessAddress, .length = 1000});
+  const TransferReply reply = job.wait(stop, [&](std::uint32_t bytes, std::uint32_t) {
+    done = bytes;
+    stop = true;  // as a signal handler would
+  });
+  EXPECT_EQ(reply.code, ReplyCode::cancelled);
+  EXPECT_EQ(done, 500u);
+}
+
+TEST_F(ClientTest, AnotherThreadCanCancel) {
+  const ParameterJob job = client_->submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
+  std::thread other([job] { EXPECT_TRUE(job.cancel()); });
+  EXPECT_EQ(job.wait().code, ReplyCode::cancelled);
+  other.join();
+}
+
+TEST_F(ClientTest, OpenJobsEndWhenTheDaemonGoes) {
+  const ParameterJob job = client_->submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
+  daemon_.reset();
+  const ParameterReply reply = job.wait();
+  EXPECT_EQ(reply.code, ReplyCode::no_reply);
+  EXPECT_NE(reply.reason.find("the daemon is gone"), std::string::npos);
+  const ParameterReply after = client_->read(0, 1);
+  EXPECT_EQ(after.code, ReplyCode::no_reply);
+  EXPECT_NE(after.reason.find("nothing was sent"), std::string::npos);
+}
+
+TEST_F(ClientTest, OpenJobsEndWhenTheClientGoes) {
+  const CommandJob done = client_->mode(cansync_MODE_RUN, true);
+  EXPECT_TRUE(done.wait().ok());
+  const ParameterJob open =
+      client_->submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
+  client_.reset();
+  EXPECT_EQ(open.wait().code, ReplyCode::no_reply);
+  EXPECT_FALSE(open.cancel());
+}
+
+TEST_F(ClientTest, CommandsArriveWithTheirFields) {
+  EXPECT_TRUE(client_->control_word(3, 0xABCD).wait().ok());
+  EXPECT_TRUE(
+      client_->broadcast({.priority = 1, .slave_mask = 5, .action = 130, .data_byte = 9, .data_word = 77})
+          .wait()
+          .ok());
+  EXPECT_TRUE(client_->mode(cansync_MODE_RUN, true).wait().ok());
+  EXPECT_TRUE(client_->polling({.one = 2, .maximum_slave = 3}).wait().ok());
+  EXPECT_TRUE(client_->cursors({.transfer = kAutomatic}).wait().ok());
+  EXPECT_TRUE(client_->map_references({0x01, 0x03}).wait().ok());
+  EXPECT_TRUE(client_->map_actuals(2, {0, 0, 0, 0x0D}).wait().ok());
+  const std::vector<cansync_Command> commands = daemon_->commands();
+  ASSERT_EQ(commands.size(), 7u);
+  EXPECT_EQ(commands[0].slave, 3u);
+  EXPECT_EQ(commands[0].control_word, 0xABCDu);
+  EXPECT_EQ(dds::text(commands[0].client_name), "client_test");
+  EXPECT_EQ(commands[1].slave_mask, 5u);
+  EXPECT_EQ(commands[1].action, 130u);
+  EXPECT_EQ(commands[1].data_byte, 9u);
+  EXPECT_EQ(commands[1].data_word, 77u);
+  EXPECT_EQ(commands[2].mode, cansync_MODE_RUN);
+  EXPECT_TRUE(commands[2].force);
+  EXPECT_EQ(commands[3].polling_one, 2);
+  EXPECT_EQ(commands[3].polling_two, kUnchanged);
+  EXPECT_EQ(commands[3].maximum_slave, 3);
+  EXPECT_EQ(commands[4].cursor_control_word, kUnchanged);
+  EXPECT_EQ(commands[4].cursor_transfer, kAutomatic);
+  EXPECT_EQ(commands[5].mapping[1], 0x03);
+  EXPECT_EQ(commands[6].slave, 2u);
+  EXPECT_EQ(commands[6].mapping[3], 0x0D);
+}
+
+TEST_F(ClientTest, SlavesAreFoundByNumberAndName) {
+  const std::vector<SlaveStatus> slaves = client_->slaves();
+  ASSERT_EQ(slaves.size(), 4u);
+  EXPECT_EQ(dds::text(slaves[3].name), "slave3");
+  EXPECT_EQ(client_->find_slave("slave2").slave, 2);
+  EXPECT_EQ(client_->find_slave("31").slave, 31);
+  EXPECT_EQ(client_->find_slave("0x1f").slave, 31);
+  EXPECT_EQ(client_->find_slave("32").problem, "slave 32: out of range; allowed 0..31 or a slave's name");
+  EXPECT_EQ(client_->find_slave("nobody").problem,
+            "slave 'nobody': no slave has this name; allowed 0..31 or slave0, slave1, slave2, slave3");
+}
+
+TEST_F(ClientTest, SubscriptionsHearWhatIsKnownAndWhatComes) {
+  daemon_->publish_actual(1, 11);
+  Watched<std::map<int, std::uint32_t>> seen;
+  Subscription subscription = client_->on_actual_values([&](const ActualValues& values) {
+    seen.change([&](auto& map) { map[values.slave] = values.raw[0]; });
+  });
+  EXPECT_TRUE(seen.wait([](const auto& map) { return map.contains(1) && map.at(1) == 11; }));
+  daemon_->publish_actual(2, 22);
+  EXPECT_TRUE(seen.wait([](const auto& map) { return map.contains(2); }));
+  ASSERT_TRUE(client_->actual_values(2, seconds(20)).has_value());
+  EXPECT_EQ(client_->actual_values(2)->raw[0], 22u);
+  EXPECT_EQ(client_->actual_values(3, milliseconds(0)), std::nullopt);
+
+  subscription = Subscription();  // ends it: nothing is heard any more, by a second one it is
+  Watched<std::uint32_t> second;
+  const Subscription other = client_->on_actual_values(
+      [&](const ActualValues& values) { second.change([&](auto& last) { last = values.raw[0]; }); });
+  daemon_->publish_actual(3, 33);
+  EXPECT_TRUE(second.wait([](std::uint32_t last) { return last == 33; }));
+  EXPECT_FALSE(seen.get().contains(3));
+}
+
+TEST_F(ClientTest, EventsComeWithTheirHistory) {
+  for (std::uint64_t number = 1; number <= 120; ++number) daemon_->publish_event(number);
+  Watched<std::vector<std::uint64_t>> numbers;
+  const Subscription subscription = client_->on_event(
+      [&](const Event& event) { numbers.change([&](auto& list) { list.push_back(event.number); }); });
+  EXPECT_TRUE(numbers.wait([](const auto& list) { return list.size() >= 100; }));
+  daemon_->publish_event(121);
+  EXPECT_TRUE(numbers.wait([](const auto& list) { return list.back() == 121; }));
+  EXPECT_EQ(numbers.get().front(), 21u);
+  const std::vector<Event> recent = client_->recent_events();
+  ASSERT_EQ(recent.size(), 100u);
+  EXPECT_EQ(recent.back().number, 121u);
+}
+
+TEST_F(ClientTest, WeakerReferenceWriterChangesNothingUntilTheStrongerReleases) {
+  const auto seen = [&](std::int32_t value) {
+    const auto values = daemon_->references();
+    return std::find(values.begin(), values.end(), value) != values.end();
+  };
+  // The daemon's thread takes references; a request that is answered afterwards is the fence.
+  const auto written_until = [&](ReferenceWriter& writer, std::int32_t value) {
+    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    while (!seen(value) && std::chrono::steady_clock::now() < end) {
+      EXPECT_EQ(writer.write(1, {value, 0, 0, 0}, 1), "");
+      (void)client_->read(0, 1);
+    }
+    return seen(value);
+  };
+  Client other = Client::connect(options_for(places_.there));
+  ReferenceWriter strong(*client_, 10);
+  ReferenceWriter weak(other, 1);
+  ASSERT_TRUE(written_until(strong, 100));
+  EXPECT_EQ(weak.write(1, {1, 0, 0, 0}, 1), "");
+  (void)other.read(0, 1);
+  ASSERT_TRUE(written_until(strong, 101));
+  EXPECT_FALSE(seen(1));
+  strong.release(1);
+  EXPECT_TRUE(written_until(weak, 2));
+  EXPECT_FALSE(seen(1));
+}
+
+}  // namespace
+}  // namespace cansync::client

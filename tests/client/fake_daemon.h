@@ -1,0 +1,210 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "dds/convert.h"
+#include "dds/endpoint.h"
+#include "dds/validate.h"
+
+/// Answers like the daemon, without a bus: slaves 0..3 ("slave0" .. "slave3"), parameters that keep what is
+/// written, one memory per slave. A thread of its own serves it until it is destroyed.
+///
+/// Parameter 4000 never answers (until it is cancelled), 4001 answers with "below minimum"; a transfer at
+/// address 0xDEAD00 stays open half done.
+class FakeDaemon {
+ public:
+  static constexpr std::uint32_t kSilentNumber = 4000;
+  static constexpr std::uint32_t kErrorNumber = 4001;
+  static constexpr std::uint32_t kEndlessAddress = 0xDEAD00;
+
+  explicit FakeDaemon(const cansync::dds::ParticipantOptions& options) : participant_(options) {
+    for (const unsigned slave : {0u, 1u, 2u, 3u}) settings_.slaves[slave].configured = true;
+    publish_state();
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~FakeDaemon() {
+    stop_ = true;
+    signal_.raise();
+    thread_.join();
+  }
+  FakeDaemon(const FakeDaemon&) = delete;
+  FakeDaemon& operator=(const FakeDaemon&) = delete;
+
+  /// Commands taken so far.
+  std::vector<cansync_Command> commands() const {
+    const std::lock_guard lock(mutex_);
+    return commands_;
+  }
+  /// First values of the reference values taken so far; `gone` counts telegrams without a living writer.
+  std::vector<std::int32_t> references() const {
+    const std::lock_guard lock(mutex_);
+    return references_;
+  }
+  int references_gone() const {
+    const std::lock_guard lock(mutex_);
+    return references_gone_;
+  }
+  std::size_t requests() const { return requests_; }
+
+  void publish_actual(std::uint8_t slave, std::uint32_t first) {
+    cansync_ActualValues values = {};
+    values.slave = slave;
+    values.raw[0] = first;
+    (void)actual_writer_.write(values);
+  }
+  void publish_event(std::uint64_t number) {
+    cansync_Event event = {};
+    event.number = number;
+    (void)event_writer_.write(event);
+  }
+
+ private:
+  using Key = cansync::dds::RequestKey;
+
+  void publish_state() {
+    cansync_MasterStatus master = {};
+    cansync::dds::fill_master_status(settings_, {}, cansync::State::active_master, master);
+    cansync::dds::copy_text(participant_.options().partition, master.bus);
+    (void)master_writer_.write(master);
+    for (std::uint8_t slave = 0; slave < 4; ++slave) {
+      cansync_SlaveStatus status = {};
+      status.slave = slave;
+      cansync::dds::copy_text("slave" + std::to_string(slave), status.name);
+      (void)slave_writer_.write(status);
+    }
+  }
+
+  void serve() {
+    const cansync::dds::Limits limits = cansync::dds::limits_of(settings_);
+    while (!stop_) {
+      (void)signal_.wait(1000);
+      signal_.clear();
+      (void)parameter_reader_.take([&](const cansync_ParameterRequest& request) { answer(request, limits); });
+      (void)transfer_reader_.take([&](const cansync_TransferRequest& request) { answer(request, limits); });
+      (void)command_reader_.take([&](const cansync_Command& command) { answer(command, limits); });
+      (void)cancel_reader_.take(
+          [&](const cansync_JobCancel& cancel) { end_open(cansync::dds::key_of(cancel)); });
+      take_references();
+    }
+  }
+
+  void answer(const cansync_ParameterRequest& request, const cansync::dds::Limits& limits) {
+    const Key key = cansync::dds::key_of(request);
+    ++requests_;
+    if (const auto problem = check(request, limits)) {
+      (void)parameter_writer_.write(cansync::dds::parameter_refused(key, *problem));
+      return;
+    }
+    if (request.number == kSilentNumber) {
+      open_parameters_.push_back(key);
+      return;
+    }
+    cansync::ParameterResult result;
+    if (request.number == kErrorNumber) {
+      result.outcome = cansync::Outcome::slave_error;
+      result.error = cansync::ParameterError::below_minimum;
+    } else {
+      std::uint32_t& value = parameters_[{request.slave, request.number}];
+      if (request.write) value = request.value;
+      result.value = value;
+      result.doubleword = value > 0xFFFF;
+      result.intervals = 1;
+    }
+    (void)parameter_writer_.write(cansync::dds::parameter_reply(key, result));
+  }
+
+  void answer(const cansync_TransferRequest& request, const cansync::dds::Limits& limits) {
+    const Key key = cansync::dds::key_of(request);
+    ++requests_;
+    if (const auto problem = check(request, limits)) {
+      (void)transfer_writer_.write(cansync::dds::transfer_refused(key, *problem));
+      return;
+    }
+    (void)progress_writer_.write(cansync::dds::transfer_progress(key, request.length / 2, request.length));
+    if (request.address == kEndlessAddress) {
+      open_transfers_.push_back(key);
+      return;
+    }
+    std::vector<std::uint8_t>& memory = memory_[request.slave];
+    cansync::TransferResult result;
+    result.bytes = request.length;
+    if (request.direction == cansync_DIRECTION_DOWNLOAD) {
+      memory.assign(request.data._buffer, request.data._buffer + request.data._length);
+      (void)transfer_writer_.write(cansync::dds::transfer_reply(key, result, {}));
+    } else {
+      memory.resize(request.length);
+      (void)transfer_writer_.write(cansync::dds::transfer_reply(key, result, memory));
+    }
+  }
+
+  void answer(const cansync_Command& command, const cansync::dds::Limits& limits) {
+    const Key key = cansync::dds::key_of(command);
+    ++requests_;
+    if (const auto problem = check(command, limits)) {
+      (void)command_writer_.write(cansync::dds::command_refused(key, *problem));
+      return;
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      commands_.push_back(command);
+    }
+    (void)command_writer_.write(cansync::dds::command_reply(key, cansync::Outcome::done));
+  }
+
+  void end_open(const Key& key) {
+    if (std::erase(open_parameters_, key) != 0) {
+      (void)parameter_writer_.write(
+          cansync::dds::parameter_reply(key, {.outcome = cansync::Outcome::cancelled}));
+    }
+    if (std::erase(open_transfers_, key) != 0) {
+      (void)transfer_writer_.write(
+          cansync::dds::transfer_reply(key, {.outcome = cansync::Outcome::cancelled, .bytes = 0}, {}));
+    }
+  }
+
+  void take_references() {
+    const std::lock_guard lock(mutex_);
+    (void)reference_reader_.take(
+        [&](const cansync_ReferenceValues& values) { references_.push_back(values.value[0]); },
+        [&](const cansync_ReferenceValues&) { ++references_gone_; });
+  }
+
+  cansync::MasterSettings settings_;
+  cansync::dds::Participant participant_;
+  cansync::dds::DataSignal signal_;
+  cansync::dds::Reader<cansync_ParameterRequest> parameter_reader_{participant_, &signal_};
+  cansync::dds::Reader<cansync_TransferRequest> transfer_reader_{participant_, &signal_};
+  cansync::dds::Reader<cansync_Command> command_reader_{participant_, &signal_};
+  cansync::dds::Reader<cansync_JobCancel> cancel_reader_{participant_, &signal_};
+  cansync::dds::Reader<cansync_ReferenceValues> reference_reader_{participant_, &signal_};
+  cansync::dds::Writer<cansync_ParameterReply> parameter_writer_{participant_};
+  cansync::dds::Writer<cansync_TransferReply> transfer_writer_{participant_};
+  cansync::dds::Writer<cansync_TransferProgress> progress_writer_{participant_};
+  cansync::dds::Writer<cansync_CommandReply> command_writer_{participant_};
+  cansync::dds::Writer<cansync_MasterStatus> master_writer_{participant_};
+  cansync::dds::Writer<cansync_SlaveStatus> slave_writer_{participant_};
+  cansync::dds::Writer<cansync_ActualValues> actual_writer_{participant_};
+  cansync::dds::Writer<cansync_Event> event_writer_{participant_};
+
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> parameters_;
+  std::map<std::uint32_t, std::vector<std::uint8_t>> memory_;
+  std::vector<Key> open_parameters_;
+  std::vector<Key> open_transfers_;
+
+  mutable std::mutex mutex_;
+  std::vector<cansync_Command> commands_;
+  std::vector<std::int32_t> references_;
+  int references_gone_ = 0;
+  std::atomic<std::size_t> requests_ = 0;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
