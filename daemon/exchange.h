@@ -183,7 +183,8 @@ struct ActualReport {
   Moment when;  ///< end of the newest telegram
 };
 
-/// Status of one slave; written on every change.
+/// Status of one slave; written on every change of responds, synchronized or status word, and about once a
+/// second for the counters.
 struct SlaveReport {
   cansync::SlaveStatus status;
   Moment when;
@@ -195,7 +196,7 @@ struct IntervalReport {
   cansync::Duration time_left{};  ///< from the edge until the reference values are taken
 };
 
-/// State of the master; written every interval.
+/// State of the master; written every interval, without waking the gateway for it.
 struct MasterSnapshot {
   Moment when;
   cansync::State state = cansync::State::start_up;
@@ -242,20 +243,23 @@ struct ExchangeSizes {
   std::size_t reports = 1024;
 };
 
-/// Terminal answers that can be outstanding at once with these settings, mode and setting commands included.
-constexpr std::size_t terminals_for(const cansync::CommandChannelSettings& channel) noexcept {
+/// Terminal answers that can be due at once with these settings: every open job, and every request that still
+/// waits when the master stops.
+constexpr std::size_t terminals_for(const cansync::CommandChannelSettings& channel,
+                                    std::size_t requests) noexcept {
   constexpr std::size_t kBroadcastPriorities = 3;
-  constexpr std::size_t kAnsweredAtOnce = 16;
   return std::size_t{channel.parameter_queue} + channel.transfer_queue +
          cansync::kSlaves * std::size_t{channel.control_word_queue} +
-         kBroadcastPriorities * channel.broadcast_queue + kAnsweredAtOnce;
+         kBroadcastPriorities * channel.broadcast_queue + requests;
 }
 
 /// The shared structures. Constructed before both threads, destroyed after both.
 ///
 /// The realtime thread takes a request only while `terminals` has room for the answer of every request it
 /// has taken: a gateway that does not read makes `requests` fill up, and then it has to refuse
-/// (`queue_full`) what it cannot push. No terminal can be lost.
+/// (`queue_full`) what it cannot push. No terminal can be lost. What still waits when the realtime thread
+/// stops is answered as `master_stopped`, as far as there is room; once that thread has ended, whatever is
+/// left in `requests` was never begun, and the gateway may pop it and answer for it.
 struct Exchange {
   explicit Exchange(const ExchangeSizes& sizes)
       : requests(sizes.requests), terminals(sizes.terminals), reports(sizes.reports) {}

@@ -1,0 +1,72 @@
+#include "daemon/mode_control.h"
+
+namespace cansyncd {
+
+using cansync::ControlCommand;
+using cansync::Refusal;
+using cansync::State;
+
+/// From the start to waiting for start; what is already past stays.
+void ModeControl::initialise() noexcept {
+  if (master_.state() == State::start_up) master_.control(ControlCommand::handshake);
+  if (master_.state() == State::waiting_for_initialisation) {
+    master_.control(ControlCommand::take_over_initialisation);
+  }
+}
+
+void ModeControl::set_up() noexcept {
+  initialise();
+  if (master_.state() != State::setting_up_master) master_.control(ControlCommand::start_synchronous);
+}
+
+void ModeControl::pursue_target() noexcept {
+  initialise();
+  if (target_ == StartTarget::none) return;
+  if (master_.state() == State::waiting_for_start) {
+    master_.control(ControlCommand::start_synchronous);
+    return;
+  }
+  // Refused until the enable rule is met; asked again in the next interval.
+  if (target_ == StartTarget::active && master_.state() == State::setting_up_master) {
+    master_.control(ControlCommand::enable_active);
+  }
+}
+
+Refusal ModeControl::run(bool force) noexcept {
+  if (master_.state() != State::active_master) {
+    const Refusal refusal = master_.control(ControlCommand::enable_active, force);
+    if (refusal != Refusal::none) return refusal;
+  }
+  target_ = StartTarget::active;
+  return Refusal::none;
+}
+
+Refusal ModeControl::request(Mode mode, bool force) noexcept {
+  switch (mode) {
+    case Mode::set_up:
+      target_ = StartTarget::setup;
+      set_up();
+      return Refusal::none;
+    case Mode::run:
+      return run(force);
+    case Mode::stop:
+      target_ = StartTarget::none;
+      master_.control(ControlCommand::cold_restart);
+      initialise();
+      return Refusal::none;
+    case Mode::reset_can:
+      if (!bus_.reset()) return Refusal::wrong_state;
+      return master_.control(ControlCommand::reset_can);
+    case Mode::restart:
+      target_ = configured_;
+      return master_.control(ControlCommand::cold_restart);
+  }
+  return Refusal::wrong_state;
+}
+
+void ModeControl::shut_down() noexcept {
+  target_ = StartTarget::none;
+  master_.control(ControlCommand::cold_restart);
+}
+
+}  // namespace cansyncd

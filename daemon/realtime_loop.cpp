@@ -1,0 +1,207 @@
+// Order of work of one interval:
+//  1. Wait for the edge, taking received frames as they come; they belong to the interval that ends.
+//  2. Skip edges that have gone by: count, report, wait for the next one.
+//  3. Produce the SYNC edge, account how late it was.
+//  4. Take frames that came up to now, begin the interval in the master, tell the gateway.
+//  5. Lead the master towards its target state.
+//  6. For each slot in the order of their planned starts: take requests, wait, take what came meanwhile, ask
+//  the
+//     master for the telegram, and hand it to the bus or leave it out when its latest start has passed.
+//  7. Publish the state; once a second the timing.
+// The gateway is woken before each sleep, if there is something for it.
+#include "daemon/realtime_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "cansync/timing.h"
+
+namespace cansyncd {
+
+using cansync::Slot;
+
+namespace {
+
+/// Requests taken while there is time to spare before a slot, and those that came in the last moment, just
+/// before the telegram is built: the work they make must fit into the send margin.
+constexpr unsigned kRequestsBeforeSlot = 32;
+constexpr unsigned kRequestsAtSlot = 8;
+/// Most frames taken at once; more cannot stand on the bus in one interval.
+constexpr unsigned kFramesAtOnce = 64;
+
+constexpr can::Time kSecond = std::chrono::seconds(1);
+
+constexpr unsigned index(Slot slot) noexcept {
+  return static_cast<unsigned>(slot);
+}
+
+}  // namespace
+
+can::Time read_realtime_clock() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSettings& loop, can::Bus& bus,
+                           Exchange& exchange)
+    : bus_(bus),
+      exchange_(exchange),
+      loop_(loop),
+      interval_(cansync::slot_times(settings.bit_rate).interval),
+      clock_(loop.wall_clock, loop.epoch),
+      reporter_(exchange, clock_),
+      master_(settings, reporter_),
+      mode_(master_, bus, loop.target),
+      requests_(exchange, master_, mode_, reporter_),
+      load_(cansync::slot_times(settings.bit_rate).bits_per_second) {}
+
+void RealtimeLoop::run() noexcept {
+  begin();
+  while (!stopping()) {
+    wait_until(due(next_));
+    if (skip_missed_edges()) continue;
+    begin_interval();
+    mode_.pursue_target();
+    for (const Slot slot : slots_in_order()) serve(slot);
+    publish();
+  }
+  end();
+}
+
+void RealtimeLoop::begin() noexcept {
+  clock_.adjust(bus_);
+  start_ = bus_.now() + interval_;
+  sync_ = start_ - interval_;
+  next_second_ = start_ + kSecond;
+  load_.take(start_);
+  controller_ = bus_.status();
+  reporter_.at(0, start_);
+  requests_.publish_settings();
+}
+
+void RealtimeLoop::end() noexcept {
+  reporter_.at(number_, bus_.now());
+  mode_.shut_down();
+  requests_.refuse_all_as_stopped();
+  publish();
+  reporter_.written();
+  reporter_.wake_gateway();
+}
+
+can::Time RealtimeLoop::due(cansync::IntervalNumber n) const noexcept {
+  return start_ + static_cast<can::Time::rep>(n) * interval_;
+}
+
+/// True when the edge that was waited for has gone by; `next_` is then the next one to wait for.
+bool RealtimeLoop::skip_missed_edges() noexcept {
+  const can::Time late = bus_.now() - due(next_);
+  if (synchronous()) lateness_.add(late);
+  if (late <= interval_ / 2) return false;
+  const auto whole = static_cast<cansync::IntervalNumber>(late / interval_);
+  const bool nearer_to_next = late % interval_ > interval_ / 2;
+  const cansync::IntervalNumber skipped = whole + (nearer_to_next ? 1 : 0);
+  next_ += skipped;
+  if (synchronous()) {
+    missed_syncs_ += skipped;
+    reporter_.at(next_, due(next_));
+    reporter_.report(SyncsMissed{reporter_.moment(), skipped});
+  }
+  return nearer_to_next;
+}
+
+void RealtimeLoop::begin_interval() noexcept {
+  const can::Time edge = due(next_);
+  if (synchronous()) bus_.sync_edge(edge);
+  receive_frames();
+  sync_ = edge;
+  number_ = next_++;
+  heard_others_ = false;
+  reporter_.at(number_, edge);
+  begun_ = synchronous();
+  if (begun_) master_.begin_interval(number_);
+  if (begun_ && loop_.report_intervals) {
+    exchange_.interval.write({reporter_.moment(), master_.planned_start(Slot::reference_one)});
+    reporter_.written();
+  }
+}
+
+RealtimeLoop::Slots RealtimeLoop::slots_in_order() const noexcept {
+  Slots slots = {Slot::reference_one, Slot::reference_two, Slot::command};
+  std::sort(slots.begin(), slots.end(), [this](Slot a, Slot b) {
+    const auto start_a = master_.planned_start(a);
+    const auto start_b = master_.planned_start(b);
+    return start_a != start_b ? start_a < start_b : a < b;
+  });
+  return slots;
+}
+
+void RealtimeLoop::serve(Slot slot) noexcept {
+  if (!stopping()) requests_.take(kRequestsBeforeSlot);
+  wait_until(sync_ + master_.planned_start(slot));
+  reporter_.at(number_, bus_.now());
+  if (!stopping()) requests_.take(kRequestsAtSlot);
+  // Without an edge at its beginning, this interval carries no telegram.
+  if (!begun_) return;
+  if (const auto frame = master_.take(slot)) hand_over(slot, *frame);
+}
+
+void RealtimeLoop::hand_over(Slot slot, const can::Frame& frame) noexcept {
+  if (bus_.now() <= sync_ + master_.latest_start(slot)) {
+    const can::SendResult result = bus_.send(frame);
+    watch_sending(result);
+    if (result == can::SendResult::queued) {
+      last_sent_ = frame;
+      echo_due_ = true;
+      master_.sent(slot);
+      return;
+    }
+  }
+  ++left_out_[index(slot)];
+  master_.left_out(slot);
+}
+
+void RealtimeLoop::wait_until(can::Time deadline) noexcept {
+  reporter_.wake_gateway();
+  while (bus_.wait_until(deadline) != can::Wake::deadline) {
+    receive_frames();
+    reporter_.wake_gateway();
+  }
+  receive_frames();
+}
+
+void RealtimeLoop::receive_frames() noexcept {
+  can::ReceivedFrame received;
+  for (unsigned i = 0; i < kFramesAtOnce && bus_.receive(received); ++i) {
+    load_.add(received.frame);
+    const can::Time since_sync = received.end - sync_;
+    if (received.own) {
+      if (received.frame == last_sent_) echo_due_ = false;
+      master_.transmitted(received.frame, since_sync);
+    } else {
+      heard_others_ = true;
+      reporter_.at(number_, received.end);
+      master_.receive(received.frame, since_sync);
+    }
+  }
+}
+
+/// Reports on the edge that telegrams cannot be handed to the bus, or can again.
+void RealtimeLoop::watch_sending(can::SendResult result) noexcept {
+  const can::SendResult before = last_send_;
+  last_send_ = result;
+  if (result != can::SendResult::queued) ++failed_sends_;
+  if (result == before) return;
+  reporter_.report(SendingChanged{reporter_.moment(), result, failed_sends_});
+  if (result == can::SendResult::queued) failed_sends_ = 0;
+}
+
+void RealtimeLoop::watch_controller() noexcept {
+  const can::ControllerState before = controller_.state;
+  controller_ = bus_.status();
+  if (controller_.state == before) return;
+  reporter_.report(ControllerChanged{reporter_.moment(), before, controller_.state});
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,84 @@
+// What the realtime loop tells the gateway about itself.
+#include <algorithm>
+#include <chrono>
+
+#include "daemon/realtime_loop.h"
+
+namespace cansyncd {
+
+using cansync::SlaveNumber;
+
+void RealtimeLoop::publish() noexcept {
+  watch_controller();
+  const can::Time now = bus_.now();
+  MasterSnapshot snapshot;
+  reporter_.at(number_, now);
+  snapshot.when = reporter_.moment();
+  snapshot.state = master_.state();
+  snapshot.cansync_status = cansync_status();
+  snapshot.counters = master_.counters();
+  snapshot.controller = controller_;
+  snapshot.configured = master_.settings().configured();
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    const SlaveNumber slave = *SlaveNumber::from(i);
+    const cansync::SlaveStatus& status = master_.slave(slave);
+    if (status.responds) snapshot.responding.set(slave);
+    if (status.synchronized) snapshot.synchronized.set(slave);
+  }
+  snapshot.open_parameter_jobs = static_cast<std::uint32_t>(master_.open_parameter_jobs());
+  snapshot.open_transfers = static_cast<std::uint32_t>(master_.open_transfers());
+  snapshot.missed_syncs = missed_syncs_;
+  snapshot.lost_reports = reporter_.lost_reports();
+  // Nobody is woken for it alone: what changed in it has been reported.
+  exchange_.master.write(snapshot);
+  refresh_slave_counters();
+  if (now >= next_second_) publish_timing(now);
+}
+
+/// Slaves' counters change all the time; each slave's are told about once a second, one slave at a time.
+void RealtimeLoop::refresh_slave_counters() noexcept {
+  constexpr can::Time kSecond = std::chrono::seconds(1);
+  const auto turn = static_cast<cansync::IntervalNumber>(
+      std::max<can::Time::rep>(kSecond / interval_ / cansync::kSlaves, 1));
+  if (next_ % turn != 0) return;
+  const SlaveNumber slave = *SlaveNumber::from((next_ / turn) % cansync::kSlaves);
+  if (master_.slave(slave).configured) reporter_.slave_status(slave, master_.slave(slave));
+}
+
+void RealtimeLoop::publish_timing(can::Time now) noexcept {
+  constexpr can::Time kSecond = std::chrono::seconds(1);
+  const auto lateness = lateness_.take();
+  TimingSnapshot timing;
+  timing.intervals = master_.counters().intervals;
+  timing.lateness_minimum = lateness.minimum;
+  timing.lateness_mean = lateness.mean;
+  timing.lateness_maximum = lateness.maximum;
+  timing.histogram = lateness_.histogram();
+  timing.left_out = left_out_;
+  timing.missed_syncs = missed_syncs_;
+  timing.bus_load = load_.take(now);
+  exchange_.timing.write(timing);
+  reporter_.written();
+  overruns_before_ = controller_.overruns;
+  next_second_ = std::max(next_second_ + kSecond, now);
+  clock_.adjust(bus_);
+}
+
+/// Interface status register (M 3.2.2.3). Overrun: in the running second. Receiving: a frame of somebody else
+/// came in this interval.
+std::uint16_t RealtimeLoop::cansync_status() const noexcept {
+  using can::ControllerState;
+  const ControllerState state = controller_.state;
+  const bool warning = state == ControllerState::error_warning || state == ControllerState::error_passive;
+  unsigned bits = 0;
+  if (controller_.overruns != overruns_before_) bits |= 1u << 1;
+  if (last_send_ != can::SendResult::queue_full) bits |= 1u << 2;
+  if (!echo_due_ && last_send_ == can::SendResult::queued) bits |= 1u << 3;
+  if (heard_others_) bits |= 1u << 4;
+  if (echo_due_) bits |= 1u << 5;
+  if (warning) bits |= 1u << 6;
+  if (state == ControllerState::bus_off) bits |= 1u << 7;
+  return static_cast<std::uint16_t>(bits);
+}
+
+}  // namespace cansyncd
