@@ -69,6 +69,12 @@ unsigned reply_lengths(unsigned first) {
   }
 }
 
+// Without two bytes there is no first byte to judge.
+std::optional<DecodeError> expected_error(unsigned allowed, unsigned dlc) {
+  if (((allowed >> dlc) & 1u) != 0) return std::nullopt;
+  return allowed == 0 && dlc >= 2 ? DecodeError::reserved_bits : DecodeError::wrong_length;
+}
+
 TEST(Lengths, ActionCommandTakesEightAlone) {
   for (unsigned dlc = 0; dlc <= 8; ++dlc) {
     can::Frame frame = frame_of(identifier::action, dlc);
@@ -93,14 +99,7 @@ TEST(Lengths, OfCommandsForEveryFirstByte) {
   for (unsigned first = 0; first < 256; ++first) {
     for (unsigned dlc = 0; dlc <= 8; ++dlc) {
       const can::Frame frame = frame_of(identifier::command + 17, dlc, static_cast<std::uint8_t>(first));
-      std::optional<DecodeError> expected;
-      if (dlc < 2) {
-        expected = DecodeError::wrong_length;
-      } else if (command_lengths(first) == 0) {
-        expected = DecodeError::reserved_bits;
-      } else if (((command_lengths(first) >> dlc) & 1u) == 0) {
-        expected = DecodeError::wrong_length;
-      }
+      const auto expected = expected_error(command_lengths(first), dlc);
       EXPECT_EQ(error_of(frame), expected) << "first byte " << first << " dlc " << dlc;
     }
   }
@@ -110,14 +109,7 @@ TEST(Lengths, OfRepliesForEveryFirstByte) {
   for (unsigned first = 0; first < 256; ++first) {
     for (unsigned dlc = 0; dlc <= 8; ++dlc) {
       const can::Frame frame = frame_of(identifier::response + 31, dlc, static_cast<std::uint8_t>(first));
-      std::optional<DecodeError> expected;
-      if (dlc < 2) {
-        expected = DecodeError::wrong_length;
-      } else if (reply_lengths(first) == 0) {
-        expected = DecodeError::reserved_bits;
-      } else if (((reply_lengths(first) >> dlc) & 1u) == 0) {
-        expected = DecodeError::wrong_length;
-      }
+      const auto expected = expected_error(reply_lengths(first), dlc);
       EXPECT_EQ(error_of(frame), expected) << "first byte " << first << " dlc " << dlc;
     }
   }
