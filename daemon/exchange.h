@@ -244,9 +244,9 @@ struct ExchangeSizes {
 };
 
 /// Terminal answers that can be due at once with these settings: every open job, and every request that still
-/// waits when the master stops.
+/// waits in a queue of `requests` entries when the master stops.
 constexpr std::size_t terminals_for(const cansync::CommandChannelSettings& channel,
-                                    std::size_t requests) noexcept {
+                                    std::size_t requests = ExchangeSizes{}.requests) noexcept {
   constexpr std::size_t kBroadcastPriorities = 3;
   return std::size_t{channel.parameter_queue} + channel.transfer_queue +
          cansync::kSlaves * std::size_t{channel.control_word_queue} +
