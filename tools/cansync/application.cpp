@@ -60,6 +60,24 @@ void add_verbs(CLI::App& app, Verb& chosen) {
   add_reference_verb(app, chosen);
   add_polling_verb(app, chosen);
   add_mapping_verb(app, chosen);
+  for (CLI::App* verb : app.get_subcommands({})) {
+    verb->group("Verbs");
+    verb->footer(verb->get_footer() +
+                 "\n\n`cansync --help` shows the options of every verb and the exit codes.");
+  }
+}
+
+/// CLI11's help in the words of this program.
+void name_help_parts(CLI::App& app) {
+  app.get_formatter()->label("SUBCOMMAND", "VERB");
+  app.get_formatter()->label("TEXT", "");
+  app.get_formatter()->label("REQUIRED", "");
+}
+
+std::string verb_list(const CLI::App& app) {
+  std::string list;
+  for (const CLI::App* verb : app.get_subcommands({})) list += (list.empty() ? "" : ", ") + verb->get_name();
+  return list;
 }
 
 /// Help and version are data; everything else that CLI11 reports is a usage error.
@@ -79,11 +97,13 @@ ExitCode parse_and_run(int argc, const char* const* argv, std::FILE* data, std::
   CLI::App app("Speaks to a running cansyncd: looks at a CANsync line and works with its slaves.", "cansync");
   app.set_version_flag("--version", "cansync " CANSYNC_VERSION);
   app.footer(exit_code_help());
-  app.require_subcommand(1);
+  // One at most: the word after a verb may be a slave that is named like a verb. None is told below.
+  app.require_subcommand(0, 1);
   app.fallthrough();  // options of every verb may also stand after the verb
   Globals globals;
   GlobalTexts texts;
   Verb verb;
+  name_help_parts(app);
   add_global_options(app, globals, texts);
   add_verbs(app, verb);
   try {
@@ -92,6 +112,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, std::FILE* data, std::
     Output output(data, remarks, false);
     return parse_ended(app, error, output);
   }
+  if (!verb) throw UsageError("VERB: found nothing; allowed: " + verb_list(app));
   take_global_texts(texts, globals);
   Output output(data, remarks, globals.json);
   Session session(globals, output);

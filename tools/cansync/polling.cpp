@@ -17,7 +17,7 @@ struct PollTexts {
 };
 
 std::int32_t parse_cursor(Session& session, std::string_view text) {
-  if (text == "auto") return client::kAutomatic;
+  if (text == "auto" || text == "automatic") return client::kAutomatic;
   if (text == "nobody") return client::kNobody;
   return static_cast<std::int32_t>(session.slave(text));
 }
