@@ -34,16 +34,16 @@ ParameterAnswer failed(ParameterError error) noexcept {
 }
 
 constexpr ParameterDefinition read_only(std::uint16_t number, bool doubleword, std::uint32_t initial = 0) {
-  return {number, doubleword, Access::read_only, initial, false, 0, 0, false};
+  return {number, doubleword, Access::read_only, initial, 0, 0, false, false};
 }
 
 constexpr ParameterDefinition limited(std::uint16_t number, bool doubleword, std::uint32_t initial,
                                       std::int64_t minimum, std::int64_t maximum) {
-  return {number, doubleword, Access::read_write, initial, true, minimum, maximum, false};
+  return {number, doubleword, Access::read_write, initial, minimum, maximum, true, false};
 }
 
 constexpr ParameterDefinition plain(std::uint16_t number, bool doubleword) {
-  return {number, doubleword, Access::read_write, 0, false, 0, 0, false};
+  return {number, doubleword, Access::read_write, 0, 0, 0, false, false};
 }
 
 constexpr ParameterDefinition kStandard[] = {
@@ -70,9 +70,9 @@ constexpr ParameterDefinition kStandard[] = {
     limited(parameter::maximum_speed, true, 100'000'000, 1, kLargest),
     limited(parameter::deceleration, true, 10'000'000, 1, kLargest),
     limited(parameter::torque_offset, false, 0, -1000, 1000),
-    {parameter::busy, false, Access::read_write, 410, false, 0, 0, true},
-    {parameter::busy_replies, false, Access::read_write, 3, false, 0, 0, false},
-    {parameter::not_available, false, Access::not_available, 0, false, 0, 0, false},
+    {parameter::busy, false, Access::read_write, 410, 0, 0, false, true},
+    {parameter::busy_replies, false, Access::read_write, 3, 0, 0, false, false},
+    {parameter::not_available, false, Access::not_available, 0, 0, 0, false, false},
     plain(parameter::user_doubleword, true),
 };
 

@@ -20,9 +20,9 @@ struct ParameterDefinition {
   bool doubleword = false;   ///< format: 32 bits, else 16
   Access access = Access::read_write;
   std::uint32_t initial = 0;        ///< raw value at power-on
-  bool limited = false;             ///< `minimum` and `maximum` hold, and can be read as elements 0 and 1
   std::int64_t minimum = 0;         ///< below zero: the value is signed
   std::int64_t maximum = 0;         ///< inclusive
+  bool limited = false;             ///< `minimum` and `maximum` hold, and can be read as elements 0 and 1
   bool answers_busy_first = false;  ///< each access is answered busy a settable number of times
 };
 
