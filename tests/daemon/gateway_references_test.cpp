@@ -1,0 +1,173 @@
+#include <gtest/gtest.h>
+
+#include "gateway_rig.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Channel;
+
+cansync_ReferenceValues values(std::uint8_t telegram, std::int32_t first) {
+  cansync_ReferenceValues sample = {};
+  sample.telegram = telegram;
+  sample.value[0] = first;
+  sample.value[3] = -4;
+  sample.valid = 0b1001;
+  sample.release_intervals = 20;
+  return sample;
+}
+
+/// A writer of reference values in a process of its own, as far as DDS can tell.
+class ReferenceWriter {
+ public:
+  ReferenceWriter(GatewayRig& rig, std::int32_t strength)
+      : participant_(rig.places().there), writer_(participant_, strength, &signal_) {
+    EXPECT_TRUE(eventually(signal_, [this] { return writer_.matched() > 0; }));
+  }
+  void write(const cansync_ReferenceValues& sample) { ASSERT_EQ(writer_.write(sample), DDS_RETCODE_OK); }
+  /// Writes, and waits until the gateway's reader has it.
+  void deliver(const cansync_ReferenceValues& sample) {
+    write(sample);
+    ASSERT_EQ(dds_wait_for_acks(writer_.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
+  }
+  void unregister(const cansync_ReferenceValues& sample) {
+    ASSERT_EQ(writer_.unregister(sample), DDS_RETCODE_OK);
+  }
+
+ private:
+  cansync::dds::Participant participant_;
+  cansync::dds::DataSignal signal_;
+  cansync::dds::Writer<cansync_ReferenceValues> writer_;
+};
+
+std::optional<cansync_Event> event(GatewayRig& rig, std::string_view code) {
+  return rig.client.wait_for<cansync_Event>(
+      [&](const auto& e) { return cansync::dds::text(e.code) == code; });
+}
+
+TEST(GatewayReferences, ReachTheRealtimeThread) {
+  GatewayRig rig;
+  ReferenceWriter writer(rig, 0);
+  auto sample = values(2, -100);
+  sample.from_interval = 1234;
+  writer.write(sample);
+  const auto update = rig.expect_request<cansync::ReferenceUpdate>();
+  EXPECT_EQ(update.channel, Channel::two);
+  EXPECT_EQ(update.value[0], static_cast<std::uint32_t>(-100));
+  EXPECT_EQ(update.value[3], static_cast<std::uint32_t>(-4));
+  EXPECT_EQ(update.valid_mask, 0b1001);
+  EXPECT_EQ(update.from_interval, 1234u);
+  EXPECT_EQ(update.release_intervals, 20u);
+}
+
+TEST(GatewayReferences, AWeakerWriterChangesNothingUntilTheStrongerIsGone) {
+  GatewayRig rig;
+  auto strong = std::make_optional<ReferenceWriter>(rig, 10);
+  strong->write(values(1, 111));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 111u);
+
+  ReferenceWriter weak(rig, 5);
+  weak.deliver(values(1, 222));
+  // What the stronger one writes after the weaker one's values were delivered is the next that comes through.
+  strong->write(values(1, 112));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 112u);
+
+  strong.reset();
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  ASSERT_TRUE(event(rig, "reference_writer_lost"));
+  weak.write(values(1, 333));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 333u);
+}
+
+TEST(GatewayReferences, ReleaseStopsForTheTelegramsOfTheWriterThatLeft) {
+  GatewayRig rig;
+  ReferenceWriter other(rig, 0);
+  other.write(values(2, 1));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().channel, Channel::two);
+  {
+    ReferenceWriter writer(rig, 0);
+    writer.write(values(1, 1));
+    EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().channel, Channel::one);
+  }
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  const auto lost = event(rig, "reference_writer_lost");
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->severity, cansync_SEVERITY_WARNING);
+  EXPECT_NE(cansync::dds::text(lost->text).find("telegram 1"), std::string_view::npos);
+  // Telegram 2 goes on.
+  other.write(values(2, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+}
+
+TEST(GatewayReferences, AWriterThatGivesATelegramUpStopsIt) {
+  GatewayRig rig;
+  ReferenceWriter writer(rig, 0);
+  writer.write(values(1, 1));
+  rig.expect_request<cansync::ReferenceUpdate>();
+  writer.unregister(values(1, 0));
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  // The same writer may take it again.
+  writer.write(values(1, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+}
+
+TEST(GatewayReferences, BadOnesAreToldAsAnEvent) {
+  GatewayRig rig;
+  ReferenceWriter writer(rig, 0);
+  auto bad = values(1, 1);
+  bad.release_intervals = 1001;
+  writer.write(bad);
+  const auto refused = event(rig, "reference_refused");
+  ASSERT_TRUE(refused);
+  const auto text = cansync::dds::text(refused->text);
+  EXPECT_NE(text.find("telegram 1"), std::string_view::npos) << text;
+  EXPECT_NE(text.find("release_intervals 1001"), std::string_view::npos) << text;
+  EXPECT_NE(text.find("0..1000"), std::string_view::npos) << text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+TEST(GatewayReferences, ThoseTheMasterRefusesAreToldOnceAndCounted) {
+  GatewayRig rig;
+  MasterSnapshot master;
+  master.state = cansync::State::setting_up_master;
+  rig.tell(master);
+  ReferenceWriter writer(rig, 0);
+  writer.write(values(2, 1));
+  rig.expect_request<cansync::ReferenceUpdate>();
+  for (cansync::IntervalNumber n = 50; n < 53; ++n) {
+    ASSERT_TRUE(rig.exchange.reports.try_push(
+        ReferenceRefused{moment(n), Channel::two, cansync::Refusal::wrong_state}));
+  }
+  rig.exchange.gateway_wake.signal();
+  const auto over = event(rig, "reference_refusals_over");
+  ASSERT_TRUE(over);
+  EXPECT_NE(cansync::dds::text(over->text).find("3 were before"), std::string_view::npos) << over->text;
+  const auto& events = rig.client.all<cansync_Event>();
+  const auto is_refusal = [](const auto& e) { return cansync::dds::text(e.code) == "reference_refused"; };
+  ASSERT_EQ(std::count_if(events.begin(), events.end(), is_refusal), 1);
+  const auto refused = std::find_if(events.begin(), events.end(), is_refusal);
+  EXPECT_EQ(refused->interval, 50u);
+  const auto text = cansync::dds::text(refused->text);
+  EXPECT_NE(text.find("telegram 2"), std::string_view::npos) << text;
+  EXPECT_NE(text.find("0x0043"), std::string_view::npos) << text;
+  EXPECT_NE(text.find("mode run"), std::string_view::npos) << text;
+}
+
+TEST(GatewayReferences, StaleOnesAreRefused) {
+  Config config = gateway_config();
+  config.failsafe.reference_max_age = std::chrono::milliseconds(200);
+  GatewayRig rig(config);
+  cansync::dds::Participant participant(rig.places().there);
+  cansync::dds::DataSignal signal;
+  cansync::dds::Writer<cansync_ReferenceValues> writer(participant, 0, &signal);
+  ASSERT_TRUE(eventually(signal, [&] { return writer.matched() > 0; }));
+  const auto sample = values(1, 1);
+  ASSERT_EQ(dds_write_ts(writer.handle(), &sample, dds_time() - DDS_SECS(5)), DDS_RETCODE_OK);
+  const auto refused = event(rig, "reference_refused");
+  ASSERT_TRUE(refused);
+  EXPECT_NE(cansync::dds::text(refused->text).find("at most 200 ms"), std::string_view::npos)
+      << refused->text;
+}
+
+}  // namespace
+}  // namespace cansyncd

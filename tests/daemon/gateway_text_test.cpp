@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+
+#include "daemon/event_text.h"
+#include "daemon/gateway_events.h"
+#include "daemon/gateway_requests.h"
+#include "daemon/refusal_text.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Refusal;
+using cansync::SlaveNumber;
+
+Config line() {
+  Config config;
+  for (unsigned i = 0; i < 12; ++i) config.master.slaves[i].configured = true;
+  config.slaves[1].name = "feeder";
+  return config;
+}
+
+TEST(RefusalText, SlavesAreCalledByNumberAndName) {
+  const Config config = line();
+  EXPECT_EQ(slave_label(config, 1), "slave 1 'feeder'");
+  EXPECT_EQ(slave_label(config, 2), "slave 2");
+  EXPECT_EQ(slave_list(config, {0b110}), "slave 1 'feeder', slave 2");
+  EXPECT_EQ(slave_list(config, {0}), "none");
+  EXPECT_EQ(slave_list(config, {0xFFF}),
+            "slave 0, slave 1 'feeder', slave 2, slave 3, slave 4, slave 5, slave 6, slave 7 and 4 more");
+}
+
+TEST(RefusalText, EachRefusalOfTheMasterSaysWhatIsAllowed) {
+  const Config config = line();
+  const RefusalContext context{cansync::State::setting_up_master, 5000, {0xFFE}, {0xFFC}};
+  const auto text = [&](Refusal refusal, const Request& request) {
+    return refusal_text(refusal, request, config, context);
+  };
+  EXPECT_EQ(text(Refusal::wrong_state, ModeRequest{1, Mode::run, false}),
+            "state: the master is 'setting up synchronous operation as master' (0x0043); active operation "
+            "can be enabled "
+            "in set-up alone: give mode setup first");
+  EXPECT_EQ(
+      text(Refusal::slaves_missing, ModeRequest{1, Mode::run, false}),
+      "slaves: not yet synchronized: slave 0, slave 1 'feeder'; wait for them, or give mode run with force");
+  cansync::ReferenceUpdate update;
+  update.from_interval = 99;
+  EXPECT_EQ(
+      text(Refusal::interval_passed, update),
+      "from_interval 99: allowed 0 (the next) or 5000..6000, which is the running interval and 1000 ahead");
+  cansync::BroadcastRequest broadcast;
+  broadcast.priority = 0;
+  EXPECT_EQ(
+      text(Refusal::queue_full, broadcast),
+      "queue full: 8 broadcasts of priority 0 are open, at most 8 are allowed; try again when one has ended");
+  cansync::TransferRequest transfer;
+  transfer.slave = *SlaveNumber::from(1);
+  transfer.block_size = 301;
+  EXPECT_EQ(text(Refusal::block_size, transfer),
+            "block_size 301: allowed 1..300 in whole start addresses (multiples of 1), 0 = 300");
+  cansync::ParameterRequest read;
+  read.slave = *SlaveNumber::from(20);
+  EXPECT_EQ(text(Refusal::slave_not_configured, read).substr(0, 42),
+            "slave 20: not configured; configured are s");
+  EXPECT_NE(text(Refusal::queue_full, update), text(Refusal::queue_full, SetPolling{}));
+}
+
+TEST(EventText, ReportsBecomeEventsWithNames) {
+  const Config config = line();
+  const auto told = [&](const Report& report) { return *describe(report, config); };
+  using Code = cansync::MasterEvent::Code;
+  const auto lost = told(EventReport{{7, {}, {}}, {Code::slave_lost, SlaveNumber::from(1), 0}});
+  EXPECT_EQ(lost.code, "slave_lost");
+  EXPECT_EQ(lost.slave, 1);
+  EXPECT_EQ(lost.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(lost.text, "slave 1 'feeder' no longer responds; check its power and the bus cable");
+  EXPECT_EQ(lost.when->interval, 7u);
+  EXPECT_EQ(told(EventReport{{}, {Code::foreign_master, std::nullopt, 0x105}}).text,
+            "another master sends on this bus (identifier 0x105); switch one of them off");
+  EXPECT_EQ(told(EventReport{{}, {Code::references_stopped, std::nullopt, 2}}).text,
+            "reference values of telegram 2 are no longer released");
+  EXPECT_EQ(told(StateChanged{{},
+                              cansync::State::waiting_for_start,
+                              cansync::State::setting_up_master,
+                              cansync::ControlCommand::start_synchronous})
+                .code,
+            "state_changed");
+  EXPECT_EQ(told(SyncsMissed{{}, 12}).text.substr(0, 27), "12 SYNC edges were skipped:");
+  const auto off =
+      told(ControllerChanged{{}, can::ControllerState::error_passive, can::ControllerState::bus_off});
+  EXPECT_EQ(off.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(off.text, "CAN controller error-passive to bus-off");
+  EXPECT_EQ(told(SendingChanged{{}, can::SendResult::bus_off, 0}).code, "sending_failed");
+  EXPECT_EQ(told(SendingChanged{{}, can::SendResult::queued, 17}).text,
+            "telegrams are sent again; 17 were left out");
+  EXPECT_FALSE(describe(TransferProgress{1, 2}, config));
+  EXPECT_FALSE(describe(ReferenceRefused{}, config));
+}
+
+TEST(FloodGuard, HoldsBackAndSumsUp) {
+  FloodGuard guard;
+  SteadyTime now{std::chrono::hours(1)};
+  EventText event{cansync_SEVERITY_INFO, "references_stopped", -1, "", std::nullopt};
+  for (unsigned i = 0; i < FloodGuard::kBurst; ++i) EXPECT_TRUE(guard.pass(event, now));
+  for (int i = 0; i < 3; ++i) {
+    event.text = "number " + std::to_string(i);
+    EXPECT_FALSE(guard.pass(event, now));
+  }
+  // Others are not held back with it.
+  EXPECT_TRUE(guard.pass({cansync_SEVERITY_INFO, "references_stopped", 3, "", std::nullopt}, now));
+  EXPECT_TRUE(guard.pass({cansync_SEVERITY_INFO, "slave_lost", -1, "", std::nullopt}, now));
+  EXPECT_FALSE(guard.due(now));
+  ASSERT_TRUE(guard.next());
+  now = *guard.next();
+  const auto summary = guard.due(now);
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->text, "number 2 (the last of 3 within a second that were not told)");
+  EXPECT_FALSE(guard.due(now));
+  EXPECT_FALSE(guard.next());
+  // The summary counts for the next second.
+  for (unsigned i = 1; i < FloodGuard::kBurst; ++i) EXPECT_TRUE(guard.pass(event, now));
+  EXPECT_FALSE(guard.pass(event, now));
+}
+
+TEST(GatewayRequests, OnlyWhatChangesSomethingIsWorthALine) {
+  const Config config = line();
+  cansync::ParameterRequest parameter;
+  parameter.slave = *SlaveNumber::from(1);
+  parameter.number = *cansync::ParameterNumber::from(120);
+  parameter.value = 500;
+  EXPECT_FALSE(describe(parameter, config));
+  parameter.write = true;
+  EXPECT_EQ(describe(parameter, config), "write slave 1 'feeder' sub-slave 0 parameter 120 = 500 (0x1F4)");
+  cansync::TransferRequest transfer;
+  EXPECT_FALSE(describe(transfer, config));
+  EXPECT_FALSE(describe(cansync::ReferenceUpdate{}, config));
+  EXPECT_EQ(describe(ModeRequest{1, Mode::run, true}, config), "mode run with force");
+  EXPECT_EQ(describe(cansync::ControlWordRequest{1, *SlaveNumber::from(2), 0xF}, config),
+            "control word 0x000F to slave 2");
+  SetReferenceMapping mapping;
+  mapping.mapping[0].word[0] = {true, false, 3};
+  EXPECT_EQ(describe(mapping, config), "mapping of the reference values 0D 00 00 00 00 00 00 00");
+}
+
+TEST(GatewayRequests, UnknownCommandsAreNoRequests) {
+  cansync_Command command = {};
+  command.kind = static_cast<cansync_CommandKind>(7);
+  EXPECT_FALSE(to_request(command, 1));
+  command.kind = cansync_COMMAND_MODE;
+  command.mode = static_cast<cansync_Mode>(7);
+  EXPECT_FALSE(to_request(command, 1));
+  command.kind = cansync_COMMAND_REFERENCE_MAPPING;
+  command.mapping[3] = 0x80;
+  EXPECT_FALSE(to_request(command, 1));
+}
+
+TEST(GatewayRequests, ChangesAreWhatDiffers) {
+  const Config before = line();
+  EXPECT_TRUE(changes(before, before).empty());
+  Config after = before;
+  after.master.process.reference_mapping[1].word[0] = {true, true, 7};
+  after.master.command_channel.transfer = {cansync::Cursor::Kind::nobody, {}};
+  after.master.slaves[30].actual_mapping[0].word[0] = {};  // not configured
+  const auto requests = changes(before, after);
+  ASSERT_EQ(requests.size(), 2u);
+  EXPECT_EQ(std::get<SetReferenceMapping>(requests[0]).mapping, after.master.process.reference_mapping);
+  const auto& cursors = std::get<SetCursors>(requests[1]);
+  EXPECT_FALSE(cursors.control_word || cursors.parameter);
+  EXPECT_EQ(cursors.transfer, after.master.command_channel.transfer);
+}
+
+}  // namespace
+}  // namespace cansyncd
