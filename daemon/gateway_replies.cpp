@@ -41,7 +41,9 @@ bool MatchedPlaces::has(dds_entity_t writer, const Place& place) {
     std::vector<dds_instance_handle_t> readers(current_);
     const dds_return_t found = dds_get_matched_subscriptions(writer, readers.data(), readers.size());
     readers.resize(std::min(readers.size(), static_cast<std::size_t>(std::max(found, 0))));
-    places_.clear();
+    // Those that have left are kept, because nobody needs to wait for them; not for ever.
+    constexpr std::size_t kRemembered = 4096;
+    if (places_.size() > kRemembered) places_.clear();
     for (const auto handle : readers) {
       const Endpoint endpoint(dds_get_matched_subscription_data(writer, handle));
       if (endpoint) places_.insert(place_of(*endpoint));

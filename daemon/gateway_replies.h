@@ -36,11 +36,12 @@ class PlaceFinder {
 /// Which participants have a reader matched with one of our writers. Gateway thread only.
 class MatchedPlaces {
  public:
-  /// True when the participant has a reader matched with `writer`; also when `place` is not known.
+  /// True when the participant has, or once had, a reader matched with `writer`; also when `place` is not
+  /// known. False: its reader may still come.
   bool has(dds_entity_t writer, const Place& place);
 
  private:
-  std::set<Place> places_;
+  std::set<Place> places_;  ///< matched now or before
   std::uint32_t current_ = 0;
   std::uint32_t total_ = 0;
 };

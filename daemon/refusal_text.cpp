@@ -76,6 +76,15 @@ std::string interval_passed(const Request& request, const Config& config, const 
       context.interval + config.master.process.ahead_limit, config.master.process.ahead_limit);
 }
 
+std::string block_size(const Request& request, const Config& config) {
+  const auto* transfer = std::get_if<cansync::TransferRequest>(&request);
+  if (transfer == nullptr) return "block_size: out of range";
+  const unsigned limit = config.master.slaves[transfer->slave.value()].block_limit;
+  const unsigned step = config.master.command_channel.address_step;
+  return fmt::format("block_size {}: allowed 1..{} in whole start addresses (multiples of {}), 0 = {}",
+                     transfer->block_size, limit, step, limit);
+}
+
 }  // namespace
 
 std::string slave_label(const Config& config, unsigned slave) {
@@ -113,6 +122,8 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
       return queue_full(request, config);
     case Refusal::interval_passed:
       return interval_passed(request, config, context);
+    case Refusal::block_size:
+      return block_size(request, config);
     case Refusal::slave_not_configured:
       if (const auto slave = slave_of(request)) {
         return fmt::format("slave {}: not configured; configured are {}", *slave,
