@@ -100,7 +100,7 @@ enum class Refusal : std::uint8_t {
   address_overflow,  ///< start address + length is over 32 bits
   command_reserved,  ///< action command 0 and 2..127
   priority,          ///< broadcast priority 0..2
-  no_slaves,         ///< empty group mask, or a bit of a slave that is not configured
+  no_slaves,         ///< empty group mask
   queue_full,
   wrong_state,       ///< the master is not in set-up or active operation
   interval_passed,   ///< reference values for an interval that is over or too far ahead

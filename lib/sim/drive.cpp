@@ -1,6 +1,7 @@
 #include "sim/drive.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sim {
 namespace {
@@ -57,8 +58,8 @@ Drive::Drive(const DriveSettings& settings)
       settings_(completed(settings)),
       processing_delay_(settings.processing_delay.value_or(slot_times(settings.slave.bit_rate).bit_time() *
                                                            kDefaultDelayBits)),
-      latest_actual_{slot_times(settings.slave.bit_rate).actual_one,
-                     slot_times(settings.slave.bit_rate).actual_two},
+      times_(slot_times(settings.slave.bit_rate)),
+      latest_actual_{times_.actual_one, times_.actual_two},
       parameters_(settings_.parameters),
       memory_(settings.memory) {
   start();
@@ -112,8 +113,9 @@ void Drive::on_sync(can::Time now) noexcept {
   notice_sync_loss();
   take_references(intervals);
   const double target = speed_mode_ ? speed_setpoint_ : setpoint();
-  for (std::uint32_t i = std::min(intervals, kMostSteps); i > 0; --i) motion_.step(motion_mode(), target);
-  release();
+  const MotionMode mode = motion_mode();
+  for (std::uint32_t i = std::min(intervals, kMostSteps); i > 0; --i) motion_.step(mode, target);
+  release(mode);
 }
 
 std::optional<Transmission> Drive::on_frame(const can::Frame& /*frame*/, const cansync::Telegram* telegram,
@@ -131,6 +133,11 @@ std::optional<Transmission> Drive::on_frame(const can::Frame& /*frame*/, const c
   if (reference != nullptr && ready > sync_.last_edge() + latest_actual_[index(reference->channel)]) {
     ++left_out_;
     return std::nullopt;
+  }
+  // After the last slot the bus belongs to the next interval, where the answer's slot is the first
+  // (M 3.1.1.1).
+  if (reference == nullptr && ready > sync_.last_edge() + times_.command) {
+    return Transmission{*answer, std::max(ready, sync_.last_edge() + times_.interval + processing_delay_)};
   }
   return Transmission{*answer, ready};
 }
@@ -190,15 +197,16 @@ MotionMode Drive::motion_mode() const noexcept {
   return speed_mode_ ? MotionMode::speed : MotionMode::position;
 }
 
-void Drive::release() noexcept {
+void Drive::release(MotionMode mode) noexcept {
   const double position = motion_.position();
   const double wanted = reference_.seen() && !speed_mode_ ? setpoint() : position;
+  const double error = wanted - position;
   actual_[0] = raw(position);
   actual_[1] = raw(motion_.speed());
-  actual_[2] = raw(wanted - position);
+  actual_[2] = raw(error);
   actual_[3] = raw(wanted);
   actual_[4] = raw(motion_.torque());
-  actual_[5] = status_word() | (std::uint32_t{fault_} << 16);
+  actual_[5] = status_word(mode, error) | (std::uint32_t{fault_} << 16);
   actual_[6] = raw(motion_.temperature());
   actual_[7] = slave_.references()[4];
   slave_.on_sync();
@@ -207,21 +215,22 @@ void Drive::release() noexcept {
 }
 
 std::uint16_t Drive::status_word() const noexcept {
-  const MotionMode mode = motion_mode();
+  return status_word(motion_mode(), setpoint() - motion_.position());
+}
+
+std::uint16_t Drive::status_word(MotionMode mode, double error) const noexcept {
+  const auto bit = [](std::uint16_t mask, bool on) { return on ? unsigned{mask} : 0u; };
   const bool faulty = fault_ != fault_code::none;
   const bool powered = !faulty && (control_word_ & control_bit::enable) != 0;
+  const bool stopping = powered && (control_word_ & control_bit::no_quick_stop) == 0;
   const bool following = mode == MotionMode::position || mode == MotionMode::speed;
-  const double speed = motion_.speed();
-  const double error = mode == MotionMode::position ? setpoint() - motion_.position() : 0;
-  unsigned word = faulty ? status_bit::fault : status_bit::ready;
-  if (powered) word |= status_bit::powered;
-  if (following) word |= status_bit::following;
-  if (powered && (control_word_ & control_bit::no_quick_stop) == 0) word |= status_bit::quick_stop;
-  if (speed < kStandstill && speed > -kStandstill) word |= status_bit::standstill;
-  if (mode == MotionMode::position && error <= kOnTarget && error >= -kOnTarget)
-    word |= status_bit::on_target;
-  if (missing_) word |= status_bit::extrapolating;
-  if (sync_.synchronized()) word |= status_bit::synchronized;
+  const unsigned word =
+      bit(status_bit::ready, !faulty) | bit(status_bit::powered, powered) |
+      bit(status_bit::following, following) | bit(status_bit::fault, faulty) |
+      bit(status_bit::quick_stop, stopping) |
+      bit(status_bit::standstill, std::abs(motion_.speed()) < kStandstill) |
+      bit(status_bit::on_target, mode == MotionMode::position && std::abs(error) <= kOnTarget) |
+      bit(status_bit::extrapolating, missing_) | bit(status_bit::synchronized, sync_.synchronized());
   return static_cast<std::uint16_t>(word);
 }
 

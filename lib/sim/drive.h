@@ -162,7 +162,9 @@ class Drive final : public Node, private cansync::SlaveApplication {
   double setpoint() const noexcept {
     return reference_.value() * settings_.axis.gear + settings_.axis.offset;
   }
-  void release() noexcept;
+  std::uint16_t status_word(MotionMode mode, double error) const noexcept;
+  /// Releases the actual values of this interval.
+  void release(MotionMode mode) noexcept;
 
   // What every interval touches comes first, to lie together.
   std::uint16_t control_word_ = 0;
@@ -180,6 +182,7 @@ class Drive final : public Node, private cansync::SlaveApplication {
   cansync::Slave slave_;
   DriveSettings settings_;
   cansync::Duration processing_delay_;
+  const cansync::SlotTimes& times_;
   std::array<cansync::Duration, cansync::kChannels> latest_actual_;
   std::uint64_t left_out_ = 0;
   std::uint32_t busy_requests_ = 0;
