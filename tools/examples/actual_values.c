@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "cansync.h" /* made by: idlc cansync.idl */
-
 /* The daemon's default: this computer alone, without multicast. */
 static const char* const configuration =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo'/></Interfaces>"
@@ -32,6 +31,7 @@ static const void* next(dds_entity_t reader, const uint8_t* key, size_t size) {
 int main(int argc, char** argv) {
   if (argc != 5) return fprintf(stderr, "usage: %s DOMAIN BUS SLAVE NUMBER\n", argv[0]), 1;
   const uint32_t domain = (uint32_t)atoi(argv[1]);
+  const uint8_t slave = (uint8_t)atoi(argv[3]);
   if (dds_create_domain(domain, configuration) < 0) return fprintf(stderr, "no DDS domain %s\n", argv[1]), 1;
   const dds_entity_t participant = dds_create_participant(domain, NULL, NULL);
   dds_qos_t* qos = dds_create_qos();
@@ -45,7 +45,6 @@ int main(int argc, char** argv) {
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
   const dds_entity_t values = dds_create_reader(participant, TOPIC(ActualValues), qos, NULL);
-  const uint8_t slave = (uint8_t)atoi(argv[3]);
   const cansync_ActualValues* now = next(values, &slave, 1);
   for (int i = 0; i < 8; i++) printf("value %d: raw 0x%08" PRIX32 ", %g\n", i, now->raw[i], now->scaled[i]);
 
@@ -53,7 +52,7 @@ int main(int argc, char** argv) {
   request.element = 7; /* the value itself */
   request.format = cansync_FORMAT_AS_SLAVE_SAYS;
   dds_get_guid(participant, (dds_guid_t*)request.client); /* 16 bytes that nobody else has */
-  if (dds_write(requests, &request) < 0) return fprintf(stderr, "the request could not be written\n"), 1;
+  if (dds_write(requests, &request) < 0) return fprintf(stderr, "the request was not written\n"), 1;
   const cansync_ParameterReply* reply = next(replies, request.client, sizeof request.client);
   if (reply->code == cansync_REPLY_DONE)
     return printf("parameter %s: %" PRIu32 "\n", argv[4], reply->value), 0;
