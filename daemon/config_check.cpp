@@ -41,8 +41,11 @@ class Checker {
 
   Problems run() {
     mappings(draft_.reference, "process.reference", draft_.config.master.process.reference_mapping);
+    cansync::ProcessMapping common = cansync::SlaveSettings{}.actual_mapping;
+    mappings(draft_.actual_common, "process.actual", common);
     for (unsigned n = 0; n < cansync::kSlaves; ++n) {
       cansync::SlaveSettings& slave = draft_.config.master.slaves[n];
+      slave.actual_mapping = common;
       if (slave.configured)
         mappings(draft_.actual[n], fmt::format("slave.{}.actual", n), slave.actual_mapping);
     }
@@ -158,8 +161,13 @@ class Checker {
     if (mapping == std::string::npos) return key;
     const std::string telegram = key.substr(mapping + 9, 1) == "0" ? "1" : "2";
     const std::string stem = key.substr(0, mapping);
-    const std::string registers = stem + "_registers_" + telegram;
-    return place(registers) != nullptr ? registers : stem + "_values_" + telegram;
+    for (const std::string& owner : {stem, std::string("process.actual")}) {
+      for (const std::string_view form : {"_registers_", "_values_"}) {
+        std::string option = fmt::format("{}{}{}", owner, form, telegram);
+        if (place(option) != nullptr) return option;
+      }
+    }
+    return stem;
   }
 
   void master() {

@@ -133,6 +133,11 @@ inline ValueConfig& actual_value(Draft& draft) {
 inline ValueConfig& reference_value(Draft& draft) {
   return draft.config.references[draft.value];
 }
+/// Changes one actual value of every slave.
+template <class Change>
+void for_all(Draft& draft, Change&& change) {
+  for (SlaveConfig& slave : draft.config.slaves) change(slave.actual[draft.value]);
+}
 inline cansync::CommandChannelSettings& channel(Draft& draft) {
   return draft.config.master.command_channel;
 }
@@ -149,6 +154,8 @@ inline constexpr std::string_view kValuesHelp =
     "telegram beside it.";
 inline constexpr std::string_view kHighHelp =
     "Beside the value numbers: true = that word carries the value's high word.";
+inline constexpr std::string_view kCommonMappingHelp =
+    "Mapping of the first actual value telegram, for slaves that do not give their own; forms as above.";
 inline constexpr std::string_view kSecondHelp = "As above, for the second telegram.";
 inline constexpr std::string_view kMappingOne = "(doubleword values 0 and 1, low word first)";
 inline constexpr std::string_view kMappingTwo = "(doubleword values 4 and 5, low word first)";

@@ -177,7 +177,7 @@ bool is_section(std::string_view key) {
 }
 
 bool is_repeated(std::string_view section) {
-  return section == "slave" || section == "slave.value" || section == "reference";
+  return section == "slave" || section == "slave.value" || section == "actual" || section == "reference";
 }
 
 std::string allowed(const Option& option) {

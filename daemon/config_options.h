@@ -42,9 +42,10 @@ using MappingDrafts = std::array<MappingDraft, cansync::kChannels>;
 struct Draft {
   Config config;
   MappingDrafts reference = {};
+  MappingDrafts actual_common = {};  ///< of slaves that do not give their own
   std::array<MappingDrafts, cansync::kSlaves> actual = {};
   unsigned slave = 0;  ///< slave number an option of [[slave]] belongs to
-  unsigned value = 0;  ///< value number an option of [[slave.value]] or [[reference]] belongs to
+  unsigned value = 0;  ///< value number an option of [[slave.value]], [[actual]] or [[reference]] belongs to
 };
 
 /// One option.

@@ -93,10 +93,11 @@ constexpr auto kRows = std::to_array<Option>({
            "When the writer of reference values is lost: stop_release = its telegram is no longer sent, so "
            "that the slaves extrapolate and fault by themselves.",
            [](Draft& d, const Value&) { d.config.failsafe.on_writer_lost = WriterLostAction::stop_release; }),
-    whole_number("failsafe.reference_max_age_ms", "0", 0, 60'000, "ms",
-                 "Reference values written longer ago than this are not taken; 0 = not looked at. Needs "
-                 "synchronised clocks when writer and daemon run on different computers.",
-                 [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); }),
+    reloadable(whole_number(
+        "failsafe.reference_max_age_ms", "0", 0, 60'000, "ms",
+        "Reference values written longer ago than this are not taken; 0 = not looked at. Needs "
+        "synchronised clocks when writer and daemon run on different computers.",
+        [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); })),
     // --- [dds]
     whole_number("dds.domain", "0", 0, 230, "", "DDS domain.",
                  [](Draft& d, const Value& v) { d.config.dds.domain = whole<std::uint32_t>(v); }),
@@ -128,8 +129,8 @@ constexpr auto kRows = std::to_array<Option>({
     whole_number("sim.memory_bytes", "1048576", 4096, 16'777'216, "bytes",
                  "Memory of each drive for uploads and downloads.",
                  [](Draft& d, const Value& v) { d.config.sim.memory = whole<std::uint32_t>(v); }),
-    whole_number("sim.missing_references", "10", 1, 65535, "intervals",
-                 "Intervals in a row without reference values until a drive faults.",
+    whole_number("sim.missing_references", "10", 0, 65535, "intervals",
+                 "Intervals in a row without reference values until a drive faults; 0 = never.",
                  [](Draft& d, const Value& v) { d.config.sim.missing_references = whole<std::uint16_t>(v); }),
     string("sim.trace", OptionType::text, "\"\"", 0, 4096,
            "File for a log of the bus in candump's text format, SYNC edges included; the same as --trace.",

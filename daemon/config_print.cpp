@@ -64,6 +64,10 @@ std::string_view section_help(std::string_view section) {
   if (section == "slave") return "Once for each slave of the line.";
   if (section == "slave.value")
     return "Below its slave, once for each actual value that has a name, unit or scaling.";
+  if (section == "actual") {
+    return "Once for each actual value that has a name, unit or scaling on all slaves; a slave's own go "
+           "first.";
+  }
   if (section == "reference") return "Once for each reference value that has a name, unit or scaling.";
   return "";
 }
@@ -107,6 +111,9 @@ std::string_view example(const Option& option) {
   if (option.key == "slave.name") return "\"slave0\"";
   if (option.key == "slave.status_parameter") return "301";
   if (option.key == "slave.block_limit") return "300";
+  if (option.key == "slave.value.unit") return "\"rpm\"";
+  if (option.key == "slave.value.factor") return "1.0";
+  if (option.key == "slave.value.offset") return "0.0";
   const bool first = option.key.ends_with("_1");
   switch (option.type) {
     case OptionType::registers:

@@ -29,9 +29,9 @@ std::string text_of(const ByKey& settings, const std::string& key, const Option&
   return found == settings.end() ? std::string(option.initial) : found->second->value.text;
 }
 
-/// Numbers of [[slave.value]] and [[reference]] mean nothing by themselves.
+/// Numbers of [[slave.value]], [[actual]] and [[reference]] mean nothing by themselves.
 bool is_value_number(const Option& option) {
-  return option.key == "slave.value.number" || option.key == "reference.number";
+  return option.key.ends_with(".number") && option.key != "slave.number";
 }
 
 }  // namespace

@@ -239,12 +239,10 @@ Value override_value(const Option& option, const std::string& text) {
 std::optional<std::string> take_numbers(Setting& setting, const std::vector<int>& numbers) {
   const std::string_view key = setting.option->key;
   const bool slave = key.starts_with("slave.");
-  const bool value = key.starts_with("slave.value.") || key.starts_with("reference.");
+  const bool value = is_repeated(key.substr(0, key.rfind('.'))) && key.substr(0, key.rfind('.')) != "slave";
   if (numbers.size() != (slave ? 1U : 0U) + (value ? 1U : 0U)) {
-    return slave && value ? "slave.N.value.M.OPTION"
-           : slave        ? "slave.N.OPTION"
-           : value        ? "reference.N.OPTION"
-                          : std::string(key);
+    if (slave) return value ? "slave.N.value.M.OPTION" : "slave.N.OPTION";
+    return value ? fmt::format("{}.N.OPTION", key.substr(0, key.find('.'))) : std::string(key);
   }
   if (slave) setting.slave = numbers.front();
   if (value) setting.value_index = numbers.back();
@@ -257,11 +255,8 @@ std::optional<std::string> take_numbers(Setting& setting, const std::vector<int>
 
 std::string Setting::key() const {
   std::string out(option->key);
-  const auto insert = [&](std::string_view after, int number) {
-    out.insert(out.find(after) + after.size(), std::to_string(number) + ".");
-  };
-  if (value_index >= 0) insert(slave >= 0 ? "value." : "reference.", value_index);
-  if (slave >= 0) insert("slave.", slave);
+  if (value_index >= 0) out.insert(out.rfind('.'), "." + std::to_string(value_index));
+  if (slave >= 0) out.insert(out.find('.'), "." + std::to_string(slave));
   return out;
 }
 

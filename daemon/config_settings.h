@@ -15,7 +15,7 @@ namespace cansyncd {
 struct Setting {
   const Option* option = nullptr;
   int slave = -1;        ///< slave number of an option of [[slave]]
-  int value_index = -1;  ///< value number of an option of [[slave.value]] or [[reference]]
+  int value_index = -1;  ///< value number of an option of [[slave.value]], [[actual]] or [[reference]]
   Value value;
   Position where;
   bool overridden = false;  ///< given by --set, not by the file

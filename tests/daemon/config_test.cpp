@@ -168,6 +168,21 @@ TEST(Config, SlavesWithoutTheirOwnValueTakeTheCommonOne) {
   EXPECT_EQ(config.master.slaves[1].status_parameter, 8);
 }
 
+TEST(Config, ActualValuesOfAllSlavesAndTheirExceptions) {
+  const Config config = good(
+      "[process]\nactual_registers_2 = [0x11, 0x15, 0, 0]\n"
+      "[[slave]]\nnumber = 0\n[[slave.value]]\nnumber = 1\nunit = \"m/s\"\n"
+      "[[slave]]\nnumber = 1\nactual_values_2 = [4, -1, -1, -1]\nactual_high_2 = [true, false, false, "
+      "false]\n"
+      "[[actual]]\nnumber = 1\nname = \"speed\"\nunit = \"rpm\"\nfactor = 60\n");
+  EXPECT_EQ(config.slaves[0].actual[1], (ValueConfig{"speed", "m/s", 60.0, 0.0}));
+  EXPECT_EQ(config.slaves[1].actual[1], (ValueConfig{"speed", "rpm", 60.0, 0.0}));
+  EXPECT_EQ(config.master.slaves[0].actual_mapping[1].word[1], (cansync::WordMapping{true, false, 5}));
+  EXPECT_EQ(config.master.slaves[1].actual_mapping[1].word[0], (cansync::WordMapping{true, true, 4}));
+  EXPECT_FALSE(config.master.slaves[1].actual_mapping[1].word[1].assigned);
+  EXPECT_EQ(config.master.slaves[1].actual_mapping[0], cansync::default_mapping(cansync::Channel::one));
+}
+
 TEST(Config, ASocketCanInterfaceNamesTheBus) {
   const Config config = good("[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 0\n");
   EXPECT_EQ(config.bus.kind, BusKind::socketcan);
@@ -189,12 +204,14 @@ TEST(Override, WinsOverTheFileAndTakesBareWords) {
   const Config config =
       good("[bus]\nbit_rate = 500000\nname = \"a\"\n[[slave]]\nnumber = 3\nname = \"old\"\n",
            {"bus.bit_rate=125000", "bus.name=500", "slave.3.name=new", "slave.3.value.1.unit=rpm",
-            "reference.2.factor=0.25", "process.polling_1=new", "sim.drives=[]", "dds.domain=7"});
+            "reference.2.factor=0.25", "actual.2.name=torque", "process.polling_1=new", "sim.drives=[]",
+            "dds.domain=7"});
   EXPECT_EQ(config.master.bit_rate, cansync::BitRate::kbit125);
   EXPECT_EQ(config.bus.name, "500");
   EXPECT_EQ(config.slaves[3].name, "new");
   EXPECT_EQ(config.slaves[3].actual[1].unit, "rpm");
   EXPECT_EQ(config.references[2].factor, 0.25);
+  EXPECT_EQ(config.slaves[3].actual[2].name, "torque");
   EXPECT_EQ(config.master.process.polling[0].slave.value(), 3);
   EXPECT_TRUE(config.sim.drives.empty());
   EXPECT_EQ(config.dds.domain, 7U);
@@ -216,6 +233,7 @@ TEST(Override, GoesThroughTheSameChecks) {
       {"slave.9.name=a", "slave.9.name: no [[slave]] has this number; allowed: numbers of configured slaves"},
       {"slave.32.name=a", "slave.32.name: found key slave.32.name; allowed: slave numbers 0..31"},
       {"slave.1.number=1", "slave.1.number: numbers stand in the file alone"},
+      {"actual.name=a", "actual.name: found key actual.name; allowed: actual.N.OPTION"},
       {"reference.8.unit=a", "reference.8.unit: found key reference.8.unit; allowed: value numbers 0..7"},
       {"dds.domain=seven", "dds.domain: found \"seven\"; allowed: 0..230"},
   };

@@ -1,0 +1,214 @@
+#include "daemon/daemon.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <exception>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "cansync/timing.h"
+#include "daemon/config_reload.h"
+#include "daemon/exchange.h"
+#include "daemon/gateway.h"
+#include "daemon/log.h"
+#include "daemon/realtime_loop.h"
+#include "daemon/service.h"
+#include "daemon/sim_bus.h"
+#include "dds/participant.h"
+#include "rt/realtime_thread.h"
+
+namespace cansyncd {
+namespace {
+
+/// Blocks the signals the daemon waits for; every thread started afterwards inherits it.
+class SignalSet {
+ public:
+  SignalSet() {
+    ::sigemptyset(&set_);
+    for (const int number : {SIGTERM, SIGINT, SIGHUP}) ::sigaddset(&set_, number);
+    ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+  }
+
+  /// Sleeps until one of them comes.
+  int wait() const {
+    int number = 0;
+    while (::sigwait(&set_, &number) != 0) {
+    }
+    return number;
+  }
+
+ private:
+  sigset_t set_{};
+};
+
+ExchangeSizes exchange_sizes(const Config& config) {
+  return {config.realtime.request_queue,
+          terminals_for(config.master.command_channel, config.realtime.request_queue),
+          config.realtime.report_queue};
+}
+
+LoopSettings loop_settings(const Config& config) {
+  LoopSettings settings;
+  settings.target = config.startup.target;
+  settings.report_intervals = config.dds.interval_topic;
+  return settings;
+}
+
+rt::RealtimeSettings realtime_settings(const RealtimeConfig& config) {
+  rt::RealtimeSettings settings;
+  settings.enforce = config.mode == RealtimeMode::enforce;
+  settings.priority = config.priority;
+  settings.cpu = config.cpu;
+  settings.lock_memory = config.lock_memory;
+  settings.hold_cpu_awake = settings.enforce;
+  return settings;
+}
+
+void log_problems(const std::vector<Problem>& problems) {
+  const std::string text = problems_text(problems);
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = text.find('\n', from);
+    log_line(LogPriority::error, text.substr(from, end - from));
+    from = end + 1;
+  }
+}
+
+/// Everything that runs, in the order it is built; taken down the other way round.
+class Daemon {
+ public:
+  explicit Daemon(ConfigFile file)
+      : file_(std::move(file)),
+        bus_(file_.config),
+        exchange_(exchange_sizes(file_.config)),
+        participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
+                      file_.config.dds.xml}),
+        gateway_(file_.config, exchange_, participant_),
+        loop_(file_.config.master, loop_settings(file_.config), bus_.bus(), exchange_) {}
+
+  ~Daemon() { stop(); }
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  void start() {
+    thread_.emplace(realtime_settings(file_.config.realtime), [this] { loop_.run(); });
+    for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
+    gateway_.start();
+    const auto& times = cansync::slot_times(file_.config.master.bit_rate);
+    const std::string text =
+        fmt::format("bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
+                    file_.config.bus.interface, times.bits_per_second,
+                    __builtin_popcount(file_.config.master.configured().bits), participant_.place());
+    log(LogPriority::notice, "running: {}", text);
+    service::ready(text);
+  }
+
+  /// Open jobs are answered first by the realtime thread, then by the gateway.
+  void stop() noexcept {
+    if (!thread_) return;
+    loop_.request_stop();
+    thread_.reset();
+    gateway_.stop();
+    report_trace();
+  }
+
+  void reload(const std::vector<std::string>& overrides) {
+    service::reloading();
+    ConfigFile wanted = load_checked(file_.path, overrides);
+    if (!wanted.problems.empty()) {
+      log(LogPriority::error, "{} is wrong; the daemon keeps running as before", file_.path);
+      log_problems(wanted.problems);
+    } else {
+      apply(plan_reload(file_, wanted));
+    }
+    service::ready("running");
+  }
+
+ private:
+  void apply(ReloadPlan plan) {
+    if (!plan.merged.problems.empty()) {
+      log(LogPriority::error, "the changes of {} need a restart; the daemon keeps running as before",
+          file_.path);
+      log_problems(plan.merged.problems);
+      return;
+    }
+    for (const std::string& key : plan.applied) log(LogPriority::notice, "changed: {}", key);
+    for (const std::string& key : plan.needs_restart) {
+      log(LogPriority::warning, "not changed: {} takes effect after a restart", key);
+    }
+    if (plan.applied.empty() && plan.needs_restart.empty()) log(LogPriority::notice, "nothing has changed");
+    file_ = std::move(plan.merged);
+    gateway_.reload(file_.config);
+  }
+
+  void report_trace() noexcept {
+    const std::optional<sim::TraceSummary> summary = bus_.close_trace();
+    if (!summary) return;
+    const std::string& path = file_.config.sim.trace;
+    if (summary->error != 0) {
+      log(LogPriority::error, "trace {}: {}", path, std::generic_category().message(summary->error));
+    }
+    log(LogPriority::info, "trace {}: {} lines written, {} lost", path, summary->lines, summary->lost);
+  }
+
+  ConfigFile file_;
+  SimBus bus_;
+  Exchange exchange_;
+  cansync::dds::Participant participant_;
+  Gateway gateway_;
+  RealtimeLoop loop_;
+  std::optional<rt::RealtimeThread> thread_;
+};
+
+/// Until SIGTERM or SIGINT.
+void serve(Daemon& daemon, const SignalSet& signals, const std::vector<std::string>& overrides) {
+  while (true) {
+    const int number = signals.wait();
+    if (number == SIGHUP) {
+      daemon.reload(overrides);
+      continue;
+    }
+    log(LogPriority::notice, "stopping: {}", number == SIGTERM ? "SIGTERM" : "SIGINT");
+    service::stopping();
+    return;
+  }
+}
+
+}  // namespace
+
+ConfigFile load_checked(const std::string& path, const std::vector<std::string>& overrides) {
+  ConfigFile file = load_config(path, overrides);
+  if (!file.problems.empty()) return file;
+  if (file.config.bus.kind != BusKind::simulated) {
+    Position where{path, 0, 0};
+    for (const Setting& setting : file.settings) {
+      if (setting.option->key == "bus.interface") where = setting.where;
+    }
+    file.problems.push_back(
+        {where, "bus.interface",
+         fmt::format("found \"{}\"; allowed: \"sim\", because this version drives simulated "
+                     "buses only",
+                     file.config.bus.interface)});
+    return file;
+  }
+  file.problems = check_fault_script(file.config);
+  return file;
+}
+
+int run_daemon(ConfigFile file, const std::vector<std::string>& overrides) {
+  const SignalSet signals;
+  try {
+    Daemon daemon(std::move(file));
+    daemon.start();
+    serve(daemon, signals, overrides);
+    daemon.stop();
+  } catch (const std::exception& error) {
+    log(LogPriority::error, "cannot run: {}", error.what());
+    return exit_code::cannot_start;
+  }
+  log_line(LogPriority::notice, "stopped");
+  return exit_code::done;
+}
+
+}  // namespace cansyncd
