@@ -99,7 +99,7 @@ class Line final : public can::Bus {
   static constexpr std::uint8_t kMaster = kMostNodes;       // participants after the nodes 0..31
   static constexpr std::uint8_t kForeign = kMostNodes + 1;  // frames that no participant has sent
   static constexpr unsigned kFramesPerNode = 8;
-  static constexpr std::uint64_t kRecoveryBits = 128 * 11;  // bus-off to error active, CAN 2.0
+  static constexpr std::uint64_t kRecoveryBits = std::uint64_t{128} * 11;  // bus-off to error active, CAN 2.0
   static constexpr std::uint64_t bit_of(std::uint8_t participant) { return std::uint64_t{1} << participant; }
   // Calls `action` with the index of every set bit, the lowest first.
   template <class Action>

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/faults.h"
+
+/// Fault scripts: TOML files with one table `[[fault]]` for each fault. docs/fault-scripts.md has every key.
+namespace sim {
+
+/// One thing that is wrong in a fault script.
+struct FaultScriptError {
+  std::string file;
+  std::size_t line = 0;    ///< from 1; 0: the file as a whole
+  std::size_t column = 0;  ///< from 1; 0: the file as a whole
+  std::string message;     ///< what was found and what is allowed
+
+  /// `file:line:column: message`.
+  std::string text() const;
+};
+
+/// The faults of a script, or all that is wrong with it.
+struct FaultScript {
+  std::vector<Fault> faults;  ///< in the order of the file; empty when there are errors
+  std::vector<FaultScriptError> errors;
+};
+
+/// Parses a script that is already in memory; `file` is named in errors.
+FaultScript parse_fault_script(std::string_view text, std::string_view file);
+
+/// Reads and parses the script at `path`.
+FaultScript load_fault_script(const std::string& path);
+
+}  // namespace sim
