@@ -52,7 +52,9 @@ DriveSettings completed(DriveSettings settings) {
 }  // namespace
 
 Drive::Drive(const DriveSettings& settings)
-    : sync_(slot_times(settings.slave.bit_rate).interval, settings.lock_time, settings.edges_until_fault),
+    : axis_(completed(settings).axis),
+      misses_until_fault_(settings.misses_until_fault),
+      sync_(slot_times(settings.slave.bit_rate).interval, settings.lock_time, settings.edges_until_fault),
       motion_(slot_times(settings.slave.bit_rate).interval),
       slave_(completed(settings).slave, *this),
       settings_(completed(settings)),
@@ -146,25 +148,25 @@ std::optional<Transmission> Drive::on_frame(const can::Frame& /*frame*/, const c
 
 bool Drive::followed_is_word() const noexcept {
   const cansync::SlaveSideSettings& slave = slave_.settings();
-  if (settings_.axis.leader) return is_word(*slave.monitored[settings_.axis.leader->value()], 0);
+  if (axis_.leader) return is_word(*slave.monitored[axis_.leader->value()], 0);
   return is_word(slave.reference_mapping, followed_value());
 }
 
 void Drive::choose_reference() noexcept {
   word_ = followed_is_word();
   reference_ = ReferenceTracker(word_);
-  if (settings_.axis.leader) leader_count_ = slave_.monitored_count(*settings_.axis.leader, Channel::one);
+  if (axis_.leader) leader_count_ = slave_.monitored_count(*axis_.leader, Channel::one);
   speed_setpoint_ = 0;
   missing_ = false;
   motion_.rebase();
 }
 
 std::optional<std::uint32_t> Drive::fresh_reference() noexcept {
-  if (settings_.axis.leader) {
-    const std::uint32_t count = slave_.monitored_count(*settings_.axis.leader, Channel::one);
+  if (axis_.leader) {
+    const std::uint32_t count = slave_.monitored_count(*axis_.leader, Channel::one);
     if (count == leader_count_) return std::nullopt;
     leader_count_ = count;
-    return slave_.monitored(*settings_.axis.leader)[0];
+    return slave_.monitored(*axis_.leader)[0];
   }
   const std::uint8_t value = followed_value();
   if (!slave_.reference_fresh(channel_of(value))) return std::nullopt;
@@ -184,7 +186,7 @@ void Drive::take_references(std::uint32_t intervals) noexcept {
     reference_.take(*fresh);
     speed_setpoint_ = word_ ? static_cast<double>(static_cast<std::int16_t>(*fresh & 0xFFFF))
                             : static_cast<double>(static_cast<std::int32_t>(*fresh));
-  } else if (settings_.misses_until_fault != 0 && reference_.misses() >= settings_.misses_until_fault) {
+  } else if (misses_until_fault_ != 0 && reference_.misses() >= misses_until_fault_) {
     raise_fault(fault_code::references_missing);
   }
 }

@@ -151,7 +151,7 @@ class Drive final : public Node, private cansync::SlaveApplication {
   std::optional<std::uint32_t> live_value(std::uint16_t number) const noexcept;
   void apply_parameters() noexcept;
   std::uint8_t followed_value() const noexcept {
-    return speed_mode_ ? settings_.axis.speed_value : settings_.axis.position_value;
+    return speed_mode_ ? axis_.speed_value : axis_.position_value;
   }
   bool followed_is_word() const noexcept;  ///< the mapping carries its low word alone
   void choose_reference() noexcept;
@@ -159,9 +159,7 @@ class Drive final : public Node, private cansync::SlaveApplication {
   std::optional<std::uint32_t> fresh_reference() noexcept;
   void take_references(std::uint32_t intervals) noexcept;
   MotionMode motion_mode() const noexcept;
-  double setpoint() const noexcept {
-    return reference_.value() * settings_.axis.gear + settings_.axis.offset;
-  }
+  double setpoint() const noexcept { return reference_.value() * axis_.gear + axis_.offset; }
   std::uint16_t status_word(MotionMode mode, double error) const noexcept;
   /// Releases the actual values of this interval.
   void release(MotionMode mode) noexcept;
@@ -175,6 +173,8 @@ class Drive final : public Node, private cansync::SlaveApplication {
   std::uint32_t missed_references_ = 0;
   std::uint32_t leader_count_ = 0;  ///< telegrams of the leader taken so far
   double speed_setpoint_ = 0;       ///< increments/s, in operating mode 1
+  AxisSettings axis_;
+  std::uint32_t misses_until_fault_;
   ReferenceTracker reference_;
   DriveSync sync_;
   DriveMotion motion_;
