@@ -43,10 +43,10 @@ struct JobState {
     }
     changed.notify_all();
   }
-  void end(ReplyCode code, std::string reason) {
+  void end(ReplyCode code, const std::string& reason) {
     R terminal;
     terminal.code = code;
-    terminal.reason = std::move(reason);
+    terminal.reason = reason;
     finish(std::move(terminal));
   }
 };
