@@ -11,6 +11,7 @@ namespace {
 
 constexpr unsigned kValues = 8;
 constexpr std::int64_t kMillisecond = 1'000'000;  // ns
+constexpr auto kFirstValues = std::chrono::milliseconds(500);
 
 /// The arguments as they were typed.
 struct WatchTexts {
@@ -33,11 +34,22 @@ std::int64_t wall_clock() {
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
+/// Gives every slave's newest actual values the time to come; slaves that send none cost all of it.
+void await_values(const client::Client& client, std::uint32_t wanted) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + kFirstValues;
+  for (const client::SlaveStatus& status : client.slaves()) {
+    if (((wanted >> status.slave) & 1u) == 0) continue;
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    static_cast<void>(client.actual_values(status.slave, std::max(left, std::chrono::milliseconds(0))));
+  }
+}
+
 std::vector<Row> collect(const client::Client& client, std::uint32_t wanted) {
   std::vector<Row> rows;
   for (const client::SlaveStatus& status : client.slaves()) {
     if (((wanted >> status.slave) & 1u) == 0) continue;
-    Row row{status, client.actual_values(status.slave), 0};
+    Row row{status, client.actual_values(status.slave, std::chrono::milliseconds(0)), 0};
     if (row.values) {
       const unsigned came =
           ((row.values->ever & 1u) != 0 ? 0x0Fu : 0u) | ((row.values->ever & 2u) != 0 ? 0xF0u : 0u);
@@ -186,6 +198,7 @@ ExitCode watch_verb(Session& session, const WatchTexts& texts) {
   const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
   const std::uint32_t wanted = session.configured_slaves(texts.slaves);
   client::Client& client = session.client();
+  await_values(client, wanted);
   Display display(session.output(), texts.raw);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {

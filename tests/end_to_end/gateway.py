@@ -1,0 +1,171 @@
+"""A running cansyncd with simulated drives, and the command `cansync`, for tests of whole processes.
+
+The paths of both programs come from the environment: CANSYNC and CANSYNCD.
+"""
+
+import json
+import os
+import pty
+import random
+import select
+import signal
+import subprocess
+import tempfile
+import time
+
+CANSYNC = os.environ["CANSYNC"]
+CANSYNCD = os.environ["CANSYNCD"]
+LONG = 120  # seconds after which something has certainly gone wrong, also on a loaded machine under a sanitizer
+ACTIVE = 0x80  # w_OPTION_STATUS
+
+
+def wait_for(what, condition, seconds=LONG):
+    """The first result of `condition` that is true."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        result = condition()
+        if result:
+            return result
+        time.sleep(0.02)
+    raise AssertionError(f"not within {seconds} s: {what}")
+
+
+class Place:
+    """A DDS domain and a partition that nobody else uses."""
+
+    def __init__(self):
+        # Ports of these domains lie below those the system gives to outgoing connections.
+        self.domain = random.SystemRandom().randint(1, 100)
+        self.bus = f"test{os.getpid()}-{random.SystemRandom().randrange(10**9)}"
+        self.environment = dict(os.environ, CANSYNC_DOMAIN=str(self.domain), CANSYNC_BUS=self.bus, TZ="UTC")
+
+    def start(self, *arguments, **options):
+        """`cansync` with these arguments, running."""
+        options.setdefault("stdout", subprocess.PIPE)
+        options.setdefault("stderr", subprocess.PIPE)
+        return subprocess.Popen([CANSYNC, *map(str, arguments)], env=self.environment, **options)
+
+    def run(self, *arguments, data=None):
+        """`cansync` with these arguments, to its end. Output as text; `data` is its standard input."""
+        with self.start(*arguments, stdin=subprocess.PIPE) as process:
+            try:
+                out, err = process.communicate(data, timeout=LONG)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                raise
+        return subprocess.CompletedProcess(arguments, process.returncode, out, err.decode())
+
+    def run_on_terminal(self, *arguments):
+        """Like `run`, with standard output and error on one terminal; all that it showed, and the exit code."""
+        terminal, other = pty.openpty()
+        process = self.start(*arguments, stdout=other, stderr=other)
+        os.close(other)
+        shown = b""
+        deadline = time.monotonic() + LONG
+        while time.monotonic() < deadline:
+            if not select.select([terminal], [], [], 0.1)[0]:
+                continue
+            try:
+                part = os.read(terminal, 65536)
+            except OSError:  # the last process has closed it
+                break
+            shown += part
+        os.close(terminal)
+        return shown.decode(), process.wait(LONG)
+
+
+class Gateway(Place):
+    """A daemon with a simulated line; a context manager."""
+
+    def __init__(self, slaves=4, bit_rate=1000000, extra=""):
+        super().__init__()
+        self.slaves = slaves
+        self.folder = tempfile.TemporaryDirectory(prefix="cansync_test_")
+        self.config = os.path.join(self.folder.name, "line.toml")
+        self.log = os.path.join(self.folder.name, "daemon.log")
+        with open(self.config, "w", encoding="utf-8") as file:
+            file.write(self._toml(bit_rate) + extra)
+        self.process = None
+
+    def _toml(self, bit_rate):
+        text = f"""
+[bus]
+name = "{self.bus}"
+interface = "sim"
+bit_rate = {bit_rate}
+[dds]
+domain = {self.domain}
+[sim]
+lock_time_ms = 50
+[[reference]]
+number = 0
+name = "target"
+unit = "mm"
+factor = 0.001
+"""
+        for slave in range(self.slaves):
+            text += f"[[slave]]\nnumber = {slave}\n"
+            if slave == 1:
+                text += 'name = "winder"\n[[slave.value]]\nnumber = 0\nname = "position"\nunit = "mm"\nfactor = 0.001\n'
+        return text
+
+    def __enter__(self):
+        with open(self.log, "wb") as log:
+            self.process = subprocess.Popen([CANSYNCD, self.config], stdout=log, stderr=log)
+        try:
+            self.wait_active()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, kind=None, *_):
+        code = self.stop()
+        self.folder.cleanup()
+        if code != 0 and kind is None:
+            raise AssertionError(f"the daemon ended with {code}")
+
+    def stop(self):
+        """Ends the daemon in order; its exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        try:
+            return self.process.wait(LONG)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+            raise
+
+    def log_text(self):
+        with open(self.log, encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def status(self):
+        """The daemon's status, or None while it cannot be had."""
+        if self.process.poll() is not None:
+            raise AssertionError("the daemon has ended:\n" + self.log_text())
+        result = self.run("status", "--json")
+        return json.loads(result.stdout) if result.returncode == 0 else None
+
+    def wait_status(self, what, condition):
+        def look():
+            status = self.status()
+            return status if status and condition(status) else None
+
+        return wait_for(what, look)
+
+    def wait_active(self):
+        every = (1 << self.slaves) - 1
+        return self.wait_status(
+            "every slave synchronized in active operation",
+            lambda s: s["option_status"] == ACTIVE and s["slaves_synchronized"] == every,
+        )
+
+    def json(self, *arguments, code=0):
+        """The objects that `cansync ... --json` printed; its exit code must be `code`."""
+        result = self.run(*arguments, "--json")
+        if result.returncode != code:
+            raise AssertionError(
+                f"{arguments}: exit code {result.returncode} instead of {code}\n{result.stdout}\n{result.stderr}"
+            )
+        return [json.loads(line) for line in result.stdout.splitlines()]

@@ -1,0 +1,471 @@
+"""Every verb of `cansync` as a process, against a running cansyncd with simulated drives."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import tempfile
+import unittest
+
+from gateway import ACTIVE, LONG, Gateway, Place, wait_for
+
+# Parameters of a simulated drive.
+DEVICE_TYPE, CONTROL_WORD, LAST_ACTION = 100, 300, 330
+BUSY, BUSY_REPLIES, NOT_AVAILABLE = 410, 411, 420
+WORD, DOUBLEWORD = 1000, 1020
+ALWAYS_BUSY = 0xFFFF
+DATA = 0x100  # first start address of a drive's memory
+
+
+class VerbTest(unittest.TestCase):
+    SLAVES = 4
+
+    @classmethod
+    def setUpClass(cls):
+        cls.gateway = cls.enterClassContext(Gateway(slaves=cls.SLAVES))
+
+    def tearDown(self):
+        # What a test left open or changed must not reach the next one.
+        self.assertIsNone(self.gateway.process.poll(), self.gateway.log_text())
+
+    def run_verb(self, *arguments, code=0, data=None):
+        result = self.gateway.run(*arguments, data=data)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout}\n{result.stderr}")
+        if code == 0 and result.stdout:
+            self.assertNotIn("cansync:", result.stdout.decode(errors="replace"))
+        return result
+
+    def text(self, *arguments):
+        return self.run_verb(*arguments).stdout.decode()
+
+    def fails(self, *arguments, code):
+        """What it says on stderr; there must be no data."""
+        result = self.run_verb(*arguments, code=code)
+        self.assertEqual(result.stdout, b"")
+        self.assertTrue(result.stderr.startswith("cansync: "), result.stderr)
+        return result.stderr
+
+    def json(self, *arguments, code=0):
+        return self.gateway.json(*arguments, code=code)
+
+    def one(self, *arguments, code=0):
+        objects = self.json(*arguments, code=code)
+        self.assertEqual(len(objects), 1, objects)
+        return objects[0]
+
+    def interrupt(self, process, code):
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=LONG)
+        self.assertEqual(process.returncode, code, err.decode())
+        return out, err.decode()
+
+
+class Looking(VerbTest):
+    def test_status(self):
+        status = self.one("status")
+        self.assertEqual(
+            list(status),
+            "bus version state option_status cansync_status bit_rate interval_length_ns interval controller_state "
+            "transmit_errors receive_errors slaves_configured slaves_responding slaves_synchronized "
+            "open_parameter_jobs open_transfers parameter_queue transfer_queue telegrams_sent left_out "
+            "references_not_released rejected_frames unexpected_frames missed_syncs lost_reports serving "
+            "reference_values".split(),
+        )
+        self.assertEqual(status["bus"], self.gateway.bus)
+        self.assertEqual(status["bit_rate"], 1000000)
+        self.assertEqual(status["interval_length_ns"], 1000000)
+        self.assertEqual(status["slaves_configured"], 0xF)
+        self.assertEqual(status["reference_values"][0], {"name": "target", "unit": "mm", "factor": 0.001, "offset": 0})
+        text = self.text("status")
+        self.assertRegex(text, r"(?m)^state +.*active.*\(0x0080\)$")
+        self.assertRegex(text, r"(?m)^slaves synchronized +0-3 \(4 of 4\)$")
+
+    def test_status_with_timing(self):
+        timing = self.one("status", "--timing")["timing"]
+        self.assertGreater(timing["intervals"], 0)
+        self.assertEqual(len(timing["lateness_histogram"]), 16)
+        self.assertIn("bus load", self.text("status", "--timing"))
+
+    def test_slaves(self):
+        slaves = self.json("slaves")
+        self.assertEqual([slave["slave"] for slave in slaves], [0, 1, 2, 3])
+        self.assertEqual(
+            list(slaves[1]),
+            "slave name responds synchronized status_word last_seen_interval answers unanswered missed_actual "
+            "slow_answers last_response_ns longest_response_ns".split(),
+        )
+        self.assertEqual(slaves[1]["name"], "winder")
+        for slave in slaves:
+            self.assertTrue(slave["responds"] and slave["synchronized"] and slave["status_word"] & 0x8000)
+        lines = self.text("slaves", "winder", "3").splitlines()
+        self.assertEqual([line.split()[:2] for line in lines[1:]], [["1", "winder"], ["3", "slave3"]])
+        self.assertIn("9 not configured; configured are 0-3", self.fails("slaves", "9", code=2))
+
+    def test_events(self):
+        events = self.json("events")
+        self.assertEqual(list(events[0]), "number time_ns interval severity code slave text".split())
+        self.assertEqual([event["number"] for event in events], sorted(event["number"] for event in events))
+        self.assertIn("all_synchronized", [event["code"] for event in events])
+        self.assertRegex(self.text("events"), r"(?m)^\d{4}-\d\d-\d\d [\d:.]{12}  info     all_synchronized ")
+
+    def test_events_are_followed_until_ctrl_c(self):
+        follower = self.gateway.start("events", "--follow", "--json")
+        known = json.loads(follower.stdout.readline())["number"]
+        self.run_verb("mode", "reset-can")
+        self.run_verb("mode", "setup")
+        self.run_verb("mode", "run", "--force")
+        for line in follower.stdout:
+            event = json.loads(line)
+            self.assertGreater(event["number"], known)
+            known = event["number"]
+            if event["code"] == "state_changed" and "'enable active operation'" in event["text"]:
+                break
+        self.interrupt(follower, code=0)
+        self.gateway.wait_active()
+
+
+class Parameters(VerbTest):
+    def test_read(self):
+        self.assertEqual(self.text("read", 0, DEVICE_TYPE), "4400 (0x1130, word)\n")
+        self.assertEqual(self.text("read", "winder", "0x65"), "65536 (0x00010000, doubleword)\n")
+        self.assertEqual(
+            self.one("read", "winder", DEVICE_TYPE, "--format", "word") | {"intervals": 0},
+            {"slave": 1, "number": DEVICE_TYPE, "element": 7, "sub_slave": 0, "value": 4400, "signed": 4400}
+            | {"format": "word", "error_code": 0, "intervals": 0, "result": "done", "reason": ""},
+        )
+
+    def test_write_in_every_notation(self):
+        for text, value in [("1500", 1500), ("0xFFFE", 65534), ("-5", 65531), ("-0x10", 65520), ("65535", 65535)]:
+            self.run_verb("write", 2, WORD, text)
+            self.assertEqual(self.one("read", 2, WORD)["value"], value, text)
+        for text, value in [("-5", 4294967291), ("-2147483648", 2147483648), ("0xFFFFFFFF", 4294967295)]:
+            self.run_verb("write", 2, DOUBLEWORD, text)
+            self.assertEqual(self.one("read", 2, DOUBLEWORD)["value"], value, text)
+        self.assertEqual(
+            self.text("write", "winder", DOUBLEWORD, "-1", "--format", "doubleword"),
+            "4294967295 (0xFFFFFFFF, doubleword, signed -1)\n",
+        )
+
+    def test_a_negative_value_that_the_slaves_word_cannot_hold(self):
+        self.run_verb("write", 0, WORD, 7)
+        self.assertIn("allowed: -32768..65535", self.fails("write", 0, WORD, "-32769", code=2))
+        self.assertEqual(self.one("read", 0, WORD)["value"], 7)
+
+    def test_refused(self):
+        self.assertIn("allowed 0..3", self.fails("read", 9, DEVICE_TYPE, code=3))
+        refused = self.one("write", 0, WORD, 1, "--element", 0, code=3)
+        self.assertEqual((refused["result"], refused["value"]), ("refused", None))
+        self.assertIn("element", refused["reason"])
+
+    def test_unknown_name(self):
+        self.assertIn("winder", self.fails("read", "unwinder", DEVICE_TYPE, code=2))
+
+    def test_slave_errors(self):
+        error = self.one("read", 0, 77, code=4)
+        self.assertEqual((error["result"], error["error_code"], error["value"]), ("slave_error", 0xFFFB, None))
+        self.assertIn("0xFFFB", self.fails("read", 0, 77, code=4))
+        self.assertEqual(self.one("read", 0, NOT_AVAILABLE, code=4)["error_code"], 0xFFFA)
+        self.assertEqual(self.one("write", 0, DEVICE_TYPE, 1, code=4)["error_code"], 0xFFFC)
+        self.assertEqual(self.one("read", 0, DEVICE_TYPE, "--format", "doubleword", code=4)["result"], "word_expected")
+        self.assertEqual(self.one("read", 0, DOUBLEWORD, "--format", "word", code=4)["result"], "doubleword_expected")
+        self.assertEqual(self.one("write", 0, WORD, 70000, code=4)["result"], "value_too_wide")
+
+    def test_busy_for_a_while(self):
+        self.run_verb("write", 3, BUSY_REPLIES, 5)
+        answer = self.one("read", 3, BUSY)
+        self.assertEqual(answer["value"], 410)
+        self.assertGreaterEqual(answer["intervals"], 6)
+
+    def test_busy_for_ever_ends_with_the_monitoring_time(self):
+        self.run_verb("write", 3, BUSY_REPLIES, ALWAYS_BUSY)
+        self.addCleanup(self.run_verb, "write", 3, BUSY_REPLIES, 0)
+        self.assertEqual(self.one("read", 3, BUSY, "--timeout", 0.3, code=5)["result"], "timeout")
+        self.assertIn("slave 3, parameter 410", self.fails("read", 3, BUSY, "--timeout", 0.3, code=5))
+
+    def test_ctrl_c_cancels_the_job_of_a_busy_slave(self):
+        self.run_verb("write", 3, BUSY_REPLIES, ALWAYS_BUSY)
+        self.addCleanup(self.run_verb, "write", 3, BUSY_REPLIES, 0)
+        process = self.gateway.start("read", 3, BUSY, "--timeout", 3000, "--json")
+        self.gateway.wait_status("the job is open", lambda status: status["open_parameter_jobs"] == 1)
+        out, _ = self.interrupt(process, code=7)
+        self.assertEqual(json.loads(out)["result"], "cancelled")
+        self.gateway.wait_status("no job is open", lambda status: status["open_parameter_jobs"] == 0)
+
+
+class Transfers(VerbTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+
+    def path(self, name, data=None):
+        path = os.path.join(self.folder, name)
+        if data is not None:
+            with open(path, "wb") as file:
+                file.write(data)
+        return path
+
+    def content(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def test_64_kib_there_and_back_are_identical(self):
+        data = os.urandom(65536)
+        done = self.one("download", "winder", DATA, self.path("in", data))
+        self.assertEqual((done["bytes"], done["result"]), (65536, "done"))
+        self.assertEqual(
+            list(done),
+            "slave sub_slave address bytes error_code error_offset intervals repeated_telegrams repeated_blocks "
+            "result reason".split(),
+        )
+        self.run_verb("upload", "winder", hex(DATA), 65536, self.path("out"))
+        self.assertEqual(self.content("out"), data)
+
+    def test_standard_input_and_output(self):
+        data = os.urandom(1001)
+        self.run_verb("download", 2, DATA, "-", "--block-size", 60, data=data)
+        self.assertEqual(self.run_verb("upload", 2, DATA, 1001, "-").stdout, data)
+
+    def test_a_refused_upload_leaves_the_file_as_it_was(self):
+        path = self.path("kept", b"before")
+        self.assertIn("address", self.fails("upload", 0, 0x10, 100, path, code=3))
+        self.assertEqual(self.content("kept"), b"before")
+        self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("kept")], ["kept"])
+
+    def test_slave_error(self):
+        beyond = 0x00F00000
+        failed = self.one("download", 0, beyond, self.path("small", b"123456"), code=4)
+        self.assertEqual((failed["result"], failed["error_code"], failed["bytes"]), ("slave_error", 0x0105, 0))
+
+    def test_a_folder_that_is_missing_is_told_before_the_bus_is_used(self):
+        self.fails("upload", 0, DATA, 100, self.path("missing/file"), code=1)
+        self.fails("download", 0, DATA, self.path("missing"), code=1)
+
+    def test_ctrl_c_cancels_a_long_upload(self):
+        process = self.gateway.start("upload", 1, DATA, 1000000, self.path("cut"), "--json")
+        self.gateway.wait_status("the transfer runs", lambda status: status["open_transfers"] == 1)
+        out, err = self.interrupt(process, code=7)
+        self.assertEqual(json.loads(out)["result"], "cancelled")
+        self.assertIn("upload at 0x100", err)
+        self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("cut")], [])
+        self.gateway.wait_status("no transfer is open", lambda status: status["open_transfers"] == 0)
+        self.run_verb("upload", 1, DATA, 600, self.path("after"))
+        self.assertEqual(len(self.content("after")), 600)
+
+    def test_the_progress_bar_is_for_terminals_alone(self):
+        shown, code = self.gateway.run_on_terminal("upload", 0, DATA, 3000, self.path("bar"))
+        self.assertEqual(code, 0, shown)
+        self.assertRegex(shown, r"\r\x1b\[K\[#*\.*\] +\d+ %  \d+ of 3000 B")
+        self.assertRegex(self.run_verb("upload", 0, DATA, 3000, self.path("bar")).stderr, r"^cansync: 3000 bytes in \d+ intervals\n$")
+
+
+class Commands(VerbTest):
+    def test_control_word(self):
+        for text, word in [("0x1234", 0x1234), ("-1", 0xFFFF), ("7", 7)]:
+            self.assertEqual(self.one("control", "winder", text)["control_word"], word)
+            wait_for("the drive has it", lambda: self.one("read", 1, CONTROL_WORD)["value"] == word)
+        self.assertIn("control word 0x0007 to slave 1 sent", self.run_verb("control", 1, 7).stderr)
+        self.assertIn("allowed 0..3", self.fails("control", 17, 7, code=3))
+
+    def last_actions(self):
+        return [self.one("read", slave, LAST_ACTION)["value"] for slave in range(self.SLAVES)]
+
+    def test_broadcast_reaches_the_group_alone(self):
+        before = self.last_actions()
+        sent = self.one("broadcast", "--slaves", "0,winder", "--command", 200, "--byte", 0x5A, "--word", "0x1234")
+        self.assertEqual(
+            sent, {"slave_mask": 3, "priority": 2, "command": 200, "byte": 0x5A, "word": 0x1234, "result": "done", "reason": ""}
+        )
+        wait_for("two drives have it", lambda: self.last_actions()[:2] != before[:2])
+        after = self.last_actions()
+        self.assertEqual(after[0], after[1])
+        self.assertEqual(after[2:], before[2:])
+
+    def test_broadcast_in_every_priority(self):
+        for priority in range(3):
+            self.run_verb("broadcast", "--slaves", "all", "--command", 201 + priority, "--priority", priority)
+            wait_for("all have it", lambda: len(set(self.last_actions())) == 1)
+
+    def test_broadcast_refused(self):
+        self.assertIn("command", self.fails("broadcast", "--slaves", "all", "--command", 5, code=3).lower())
+        self.fails("broadcast", "--slaves", "0x100", "--command", 200, code=3)
+
+    def test_modes(self):
+        self.addCleanup(self.gateway.wait_active)
+        self.assertEqual(self.one("mode", "stop"), {"mode": "stop", "force": False, "result": "done", "reason": ""})
+        self.assertEqual(self.gateway.status()["option_status"], 0x03)
+        self.assertIn("mode setup", self.fails("read", 0, DEVICE_TYPE, code=3))
+        self.run_verb("mode", "setup")
+        self.gateway.wait_status("all are synchronized", lambda s: s["slaves_synchronized"] == s["slaves_configured"])
+        self.assertEqual(self.gateway.status()["option_status"], 0x43)
+        self.assertEqual(self.one("read", 0, DEVICE_TYPE)["value"], 4400)
+        self.assertEqual(self.run_verb("mode", "run").stderr, "cansync: mode run is in effect\n")
+        self.assertEqual(self.gateway.status()["option_status"], ACTIVE)
+        self.run_verb("mode", "reset-can")
+        self.run_verb("mode", "restart")
+        status = self.gateway.wait_status("it has started again", lambda s: s["option_status"] in (0x03, 0x43, ACTIVE))
+        if status["option_status"] == 0x03:
+            self.run_verb("mode", "setup")
+        self.gateway.wait_status("all are synchronized", lambda s: s["slaves_synchronized"] == s["slaves_configured"])
+        self.run_verb("mode", "run")
+
+    def test_polling_and_cursors(self):
+        usual = self.one("poll")
+        self.assertEqual(
+            usual,
+            {"channel_1": "auto", "channel_2": "auto", "maximum_slave": 3, "control_word": "auto"}
+            | {"parameter": "auto", "transfer": "auto", "serving": "work_conserving"},
+        )
+        self.run_verb("poll", 1, "winder", 2, "nobody", "--maximum", 2, "--parameter", 3, "--control-word", "nobody")
+        changed = {"channel_1": 1, "channel_2": "nobody", "maximum_slave": 2, "control_word": "nobody", "parameter": 3}
+        wait_for("the status shows it", lambda: self.one("poll") == usual | changed)
+        self.assertRegex(self.text("poll"), r"(?m)^channel 1 .* slave 1$")
+        self.assertEqual(self.one("poll", 1, "auto", 2, "auto", "--maximum", 3)["result"], "done")
+        self.run_verb("poll", "--parameter", "auto", "--control-word", "auto")
+        wait_for("it is as before", lambda: self.one("poll") == usual)
+        self.fails("poll", 1, 9, code=3)
+
+    def test_mapping(self):
+        usual = self.json("map")
+        self.assertEqual([(m["of"], m["slave"], m["telegram"]) for m in usual[:3]],
+                         [("references", None, 1), ("references", None, 2), ("slave", 0, 1)])
+        self.assertEqual(usual[0]["words"], ["value0.low", "value0.high", "value1.low", "value1.high"])
+        self.assertEqual(usual[0]["registers"], [1, 3, 5, 7])
+        self.run_verb("map", "references", 1, "target.low", "target.high", "0x0D", "-")
+        wait_for("the status shows it", lambda: self.json("map", "references")[0]["registers"] == [1, 3, 0x0D, 0])
+        self.assertEqual(self.one("map", "winder", 2, "4.low")["result"], "done")
+        wait_for("the status shows it", lambda: self.json("map", "winder")[1]["words"] == ["value4.low", "-", "-", "-"])
+        self.assertEqual(self.json("map", 0), usual[2:4])
+        self.assertRegex(self.text("map"), r"(?m)^slave 1 +RDC2 +value4\.low +- +- +-$")
+        self.fails("map", "references", 1, "value4.low", code=3)
+        self.run_verb("map", "references", 1, "0x01", "0x03", "0x05", "0x07")
+        self.run_verb("map", "winder", 2, "0x11", "0x13", "0x15", "0x17")
+        wait_for("it is as before", lambda: self.json("map") == usual)
+
+
+class ReferenceValues(VerbTest):
+    def setUp(self):
+        # A drive whose reference values stopped has faulted; this control word acknowledges it.
+        for slave in range(self.SLAVES):
+            self.run_verb("control", slave, 0x87)
+
+    def start_set(self, *arguments):
+        process = self.gateway.start("set", *arguments)
+        self.addCleanup(lambda: process.poll() is None and self.interrupt(process, code=0))
+        return process
+
+    def position(self, slave):
+        values = self.one("watch", slave, "--count", 1)["values"]
+        return next((value["raw"] for value in values if value["value"] == 0), None)
+
+    def follow(self, position):
+        """Acknowledges faults until every drive stands at `position`."""
+
+        def look():
+            for slave in range(self.SLAVES):
+                self.run_verb("control", slave, 0x87)
+            return all(self.position(slave) == position for slave in range(self.SLAVES))
+
+        wait_for(f"every drive stands at {position}", look)
+
+    def test_actual_values_follow_until_ctrl_c(self):
+        process = self.start_set("0=5000")
+        self.follow(5000)
+        winder = self.one("watch", "winder", "--count", 1)
+        self.assertEqual(list(winder), "slave name receive_time_ns age_ms intervals values".split())
+        self.assertEqual(winder["values"][0], {"value": 0, "name": "position", "raw": 5000, "scaled": 5, "unit": "mm"})
+        self.assertRegex(self.text("watch", "winder", "--count", 1), r"position.*\n.* 5 mm")
+        self.assertRegex(self.text("watch", "winder", "--count", 1, "--raw"), r"position.*\n.* 5000")
+        _, remarks = self.interrupt(process, code=0)
+        self.assertRegex(remarks, r"values were given \d+ times and are given up")
+
+    def test_scaled_and_named(self):
+        self.start_set("target=-2.5", "--scaled", "--rate", 100, "--release", 200)
+        self.follow(-2500)
+
+    def test_the_stronger_writer_wins(self):
+        self.start_set("0=700", "--strength", 9)
+        self.follow(700)
+        weaker = self.one("set", "0=90000", "--strength", 2, "--seconds", 1)
+        self.assertGreater(weaker["samples"], 1)
+        self.assertEqual(self.position(0), 700)
+
+    def test_watch_adds_lines(self):
+        lines = self.text("watch", "--count", 3, "--interval", 20).splitlines()
+        self.assertEqual(len(lines), 1 + 3 * self.SLAVES)
+        self.assertEqual(lines[0].split()[:3], ["TIME", "SLAVE", "NAME"])
+        self.assertEqual([line.split()[1] for line in lines[1:]], ["0", "1", "2", "3"] * 3)
+
+    def test_watch_redraws_on_a_terminal(self):
+        shown, code = self.gateway.run_on_terminal("watch", "--count", 3, "--interval", 20)
+        self.assertEqual(code, 0)
+        self.assertEqual(shown.count("\x1b[H"), 3)
+        self.assertEqual(shown.count("\x1b[2J"), 1)
+        self.assertEqual(len(re.findall(r"winder", shown)), 3)
+
+    def test_watch_ends_with_ctrl_c(self):
+        process = self.gateway.start("watch", "--interval", 20)
+        process.stdout.readline()
+        self.interrupt(process, code=0)
+
+    def test_wrong_values_are_told(self):
+        self.assertIn("value", self.fails("set", "nonsense=1", code=2))
+        self.assertIn("allowed", self.fails("set", "0=4294967296", code=2))
+        self.assertIn("allowed: -2.14748e+06..2.14748e+06", self.fails("set", "target=3e6", "--scaled", code=2))
+        remark = self.run_verb("set", "2=1", "--seconds", 0.1).stderr
+        self.assertIn("reference value 2 is in no telegram", remark)
+
+
+class Line32(VerbTest):
+    SLAVES = 32
+
+    def test_all_slaves_are_there(self):
+        slaves = self.json("slaves")
+        self.assertEqual([slave["slave"] for slave in slaves], list(range(32)))
+        self.assertTrue(all(slave["responds"] and slave["synchronized"] for slave in slaves))
+        self.assertRegex(self.text("status"), r"(?m)^slaves responding +0-31 \(32 of 32\)$")
+
+    def test_the_highest_slave(self):
+        self.assertEqual(self.one("read", 31, DEVICE_TYPE)["value"], 4400)
+        self.run_verb("write", "slave31", WORD, 31)
+        self.assertEqual(self.one("read", 31, WORD)["value"], 31)
+
+    def test_every_slave_sends_actual_values(self):
+        process = self.gateway.start("set", "0=1", "4=1")
+        try:
+            wait_for(
+                "values of all",
+                lambda: all(row["values"] and None not in row["intervals"] for row in self.json("watch", "--count", 1)),
+            )
+        finally:
+            self.interrupt(process, code=0)
+
+
+class WithoutDaemon(unittest.TestCase):
+    def test_it_says_where_it_looked(self):
+        place = Place()
+        for verb in (["status"], ["read", "0", "100", "--json"], ["watch"], ["set", "0=1"]):
+            result = place.run(*verb, "--timeout", 1)
+            self.assertEqual((result.returncode, result.stdout), (6, b""))
+            for part in (f"domain {place.domain}", place.bus, "interface lo", "cansyncd"):
+                self.assertIn(part, result.stderr)
+
+    def test_another_bus_is_not_this_one(self):
+        with Gateway() as gateway:
+            result = gateway.run("status", "--bus", "another", "--timeout", 1)
+            self.assertEqual(result.returncode, 6)
+            self.assertIn("another", result.stderr)
+
+    def test_a_daemon_that_stops_answers_open_jobs(self):
+        with Gateway() as gateway:
+            gateway.run("write", 0, BUSY_REPLIES, ALWAYS_BUSY)
+            process = gateway.start("read", 0, BUSY, "--timeout", 3000, "--json")
+            gateway.wait_status("the job is open", lambda status: status["open_parameter_jobs"] == 1)
+            gateway.stop()
+            out, err = process.communicate(timeout=LONG)
+            self.assertEqual((process.returncode, json.loads(out)["result"]), (7, "master_stopped"), err)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
