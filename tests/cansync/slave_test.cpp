@@ -210,6 +210,7 @@ TEST_F(MonitorTest, TakesActualValuesOfMonitoredSlavesAlone) {
   EXPECT_EQ(send(frame(0x300 + 9, {1, 0, 2, 0, 3, 0, 4, 0})), std::nullopt);
   EXPECT_EQ(send(frame(0x380 + 9, {5, 0, 0, 0, 0, 0, 0, 0})), std::nullopt);
   send(frame(0x300 + 8, {9, 9, 9, 9, 9, 9, 9, 9}));
+  send(frame(0x300 + 9, {}));
   EXPECT_EQ(slave_.monitored(nine), (Values{0x20001, 0x40003, 0, 0, 5, 0, 0, 0}));
   EXPECT_EQ(slave_.monitored_count(nine, Channel::one), 1u);
   EXPECT_EQ(slave_.monitored_count(nine, Channel::two), 1u);

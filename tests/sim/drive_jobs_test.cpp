@@ -1,9 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <initializer_list>
 #include <numeric>
 #include <optional>
+#include <regex>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "drive_rig.h"
@@ -167,6 +172,8 @@ TEST_F(DriveJobs, SubSlavesAreNotPresent) {
   const ParameterReply reply = parameter(Kind::read, parameter::device_type, 0, 7, 12);
   EXPECT_EQ(error(reply), ParameterError::not_present);
   EXPECT_EQ(cansync::load_word(reply.payload.data() + 2), 12) << "the address comes back";
+  EXPECT_EQ(error(parameter(Kind::write_word, 1000, 5, 7, 12)), ParameterError::not_present);
+  EXPECT_EQ(word(1000), 0u);
   EXPECT_EQ(error(initialise(kUpload, 6, 0x100, 12)), TransferError::address_not_allowed);
 }
 
@@ -222,6 +229,40 @@ TEST_F(OtherStatusParameter, StatusWordAndFurtherParametersAreSettable) {
   EXPECT_EQ(doubleword(56), 0x12345678u);
   EXPECT_EQ(word(1000), 3u) << "the later definition counts";
   EXPECT_EQ(write(Kind::write_word, 1000, 1), ParameterError::not_changeable);
+}
+
+// --- the documented table
+
+/// One row a parameter, as docs/simulated-drive.md writes it; ranges of numbers taken apart.
+std::set<std::string> documented_rows() {
+  std::ifstream document(CANSYNC_DRIVE_DOC);
+  EXPECT_TRUE(document.is_open()) << CANSYNC_DRIVE_DOC;
+  const std::regex row(R"(\| (\d+)(?:\.\.(\d+))? (\| (?:word|doubleword) \|[^|]*\|[^|]*\|[^|]*)\|[^|]*\|)");
+  std::set<std::string> rows;
+  std::smatch match;
+  for (std::string line; std::getline(document, line);) {
+    if (!std::regex_match(line, match, row)) continue;
+    const int first = std::stoi(match[1]);
+    const int last = match[2].matched ? std::stoi(match[2]) : first;
+    for (int number = first; number <= last; ++number) {
+      rows.insert(std::to_string(number) + " " + match[3].str());
+    }
+  }
+  return rows;
+}
+
+TEST(DriveDocument, TableHasEveryParameterAsItIs) {
+  std::set<std::string> rows;
+  for (const ParameterDefinition& definition : standard_parameters()) {
+    const std::array<const char*, 3> access = {"read, write", "read only", "never"};
+    const std::string limits = definition.limited ? std::to_string(definition.minimum) + ".." +
+                                                        std::to_string(definition.maximum) + " "
+                                                  : "";
+    rows.insert(std::to_string(definition.number) + " | " + (definition.doubleword ? "doubleword" : "word") +
+                " | " + access.at(static_cast<std::size_t>(definition.access)) + " | " +
+                std::to_string(definition.initial) + " | " + limits);
+  }
+  EXPECT_EQ(documented_rows(), rows);
 }
 
 // --- memory
@@ -293,6 +334,15 @@ TEST_F(Transfers, BusyTransferTelegrams) {
   const cansync::UploadBlock last{rig_.drive.number(), {}, true};
   for (int i = 0; i < 2; ++i) EXPECT_TRUE(ask<TransferReply>(last).busy);
   EXPECT_FALSE(ask<TransferReply>(last).busy);
+}
+
+TEST_F(Transfers, CancelledWhileBusyTheNextIsBusyAsOftenAgain) {
+  rig_.drive.memory().set_busy_replies(2);
+  EXPECT_TRUE(initialise(kUpload, 6, 0x100).busy);
+  initialise(kUpload, 0, 0);
+  EXPECT_TRUE(initialise(kUpload, 6, 0x100).busy);
+  EXPECT_TRUE(initialise(kUpload, 6, 0x100).busy);
+  EXPECT_FALSE(initialise(kUpload, 6, 0x100).busy);
 }
 
 TEST_F(Transfers, DriveMayFixTheUploadLength) {

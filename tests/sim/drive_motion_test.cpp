@@ -46,6 +46,8 @@ TEST(ReferenceTracker, ForgettingKeepsWhereItStoodButNotTheSpeed) {
   tracker.take(0x80000010);
   tracker.forget();
   EXPECT_FALSE(tracker.seen());
+  tracker.miss();
+  EXPECT_EQ(tracker.value(), 2147483664.0);
   tracker.take(0x80000020);
   EXPECT_EQ(tracker.value(), 2147483680.0);
   tracker.miss();
@@ -101,6 +103,20 @@ TEST(DriveMotion, PositionWrapsWithTheBus) {
     ASSERT_NEAR(rig.speed(), 500'000, 500'001) << "no jump at the turn";
   }
   EXPECT_LT(rig.position(), 0);
+}
+
+TEST(DriveMotion, ChangeOfModeBeyondTheTurnMakesNoJump) {
+  DriveRig rig;
+  rig.lock();
+  for (int i = 0; i < 40'000; ++i) rig.follow(2'147'000'000);
+  for (int i = 0; i < 100; ++i) rig.follow(-2'147'000'000);
+  ASSERT_EQ(rig.position(), -2'147'000'000);
+  rig.drive.set_parameter(parameter::operating_mode, 1);
+  rig.edge();
+  EXPECT_EQ(rig.position(), -2'147'000'000);
+  rig.drive.set_parameter(parameter::operating_mode, 0);
+  rig.follow(-2'147'000'000);
+  EXPECT_EQ(rig.speed(), 0);
 }
 
 TEST(DriveMotion, GearOffsetAndOwnReferenceValue) {
@@ -231,6 +247,27 @@ TEST(MissingReferences, FaultResetLetsItFollowAgain) {
   for (int i = 0; i < 100; ++i) rig.follow(5000);
   EXPECT_EQ(rig.position(), 5000);
   EXPECT_TRUE(rig.has(status_bit::following));
+}
+
+TEST(MissingReferences, AfterAFaultResetTheNextReferenceIsWaitedFor) {
+  DriveRig rig;
+  rig.lock();
+  rig.follow(100);
+  rig.edges(50);
+  rig.control(control_bit::run | control_bit::fault_reset);
+  const std::uint32_t missed = rig.drive.missed_references();
+  rig.edges(50);
+  EXPECT_EQ(rig.drive.fault(), fault_code::none);
+  EXPECT_EQ(rig.drive.missed_references(), missed);
+}
+
+TEST(MissingReferences, TheFirstFaultIsKept) {
+  DriveRig rig;
+  rig.lock();
+  rig.drive.raise_fault(77);
+  rig.follow(100);
+  rig.edges(50);
+  EXPECT_EQ(rig.drive.fault(), 77);
 }
 
 TEST(MissingReferences, OnlyTheTelegramThatCarriesTheAxisCounts) {
