@@ -1,0 +1,68 @@
+// A lead axis: gives every drive of a line a position reference value in every interval, each value released
+// once. The daemon's Interval topic is the clock (dds.interval_topic = true). Values are increments; 65536
+// are one revolution. Usage: lead_axis DOMAIN BUS RPM SECONDS        Exit code: 0 done, 1 failed
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <semaphore>
+#include <string>
+
+#include "client/client.h"
+
+namespace {
+
+using namespace cansync::client;
+
+int lead(const Options& options, double rpm, double seconds) {
+  Client client = Client::connect(options);
+  const double interval = static_cast<double>(client.master_status().interval_length) * 1e-9;
+  ReferenceWriter writer(client, 10);
+
+  std::counting_semaphore<> begun(0);
+  std::atomic<std::uint64_t> number{0};
+  const Subscription subscription = client.on_interval([&](const Interval& now) {
+    number = now.number;
+    begun.release();
+  });
+
+  const double steps = std::ceil(seconds / interval);
+  const double full_step = rpm / 60 * 65536 * interval;
+  double position = 0;
+  std::uint64_t given = 0;
+  for (double done = 0; done < steps; done += 1) {
+    if (!begun.try_acquire_for(std::chrono::seconds(2))) {
+      std::fprintf(stderr, "no interval for 2 s: is dds.interval_topic on, and does the line run?\n");
+      return 1;
+    }
+    const std::uint64_t next = number.load() + 1;
+    if (next == given) continue;  // two wake-ups for one interval: never a second value for it
+    // Two seconds to full speed; intervals that this program slept through are counted in, so that no step is
+    // uneven.
+    const double passed = given == 0 ? 1 : static_cast<double>(next - given);
+    position += full_step * std::fmin(done * interval / 2, 1) * passed;
+    const auto raw = static_cast<std::int32_t>(static_cast<std::uint32_t>(std::llround(position)));
+    if (const std::string failed = writer.write(1, {raw, 0, 0, 0}, 0b0001); !failed.empty()) {
+      std::fprintf(stderr, "%s\n", failed.c_str());
+      return 1;
+    }
+    given = next;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 5) return std::fprintf(stderr, "usage: %s DOMAIN BUS RPM SECONDS\n", argv[0]), 1;
+  try {
+    Options options;
+    options.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
+    options.bus = argv[2];
+    options.client_name = "lead axis";
+    return lead(options, std::atof(argv[3]), std::atof(argv[4]));
+  } catch (const std::exception& error) {
+    return std::fprintf(stderr, "%s\n", error.what()), 1;
+  }
+}
