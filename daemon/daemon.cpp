@@ -78,6 +78,7 @@ void log_problems(const std::vector<Problem>& problems) {
 /// Everything that runs, in the order it is built; taken down the other way round.
 class Daemon {
  public:
+  /// Throws std::system_error or cansync::dds::SetupError for what cannot be had.
   explicit Daemon(ConfigFile file)
       : file_(std::move(file)),
         bus_(file_.config),
@@ -91,6 +92,7 @@ class Daemon {
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
+  /// Throws rt::RealtimeError when realtime is enforced and not granted, std::system_error without threads.
   void start() {
     thread_.emplace(realtime_settings(file_.config.realtime), [this] { loop_.run(); });
     for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
@@ -100,8 +102,8 @@ class Daemon {
         fmt::format("bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
                     file_.config.bus.interface, times.bits_per_second,
                     __builtin_popcount(file_.config.master.configured().bits), participant_.place());
-    log(LogPriority::notice, "running: {}", text);
-    service::ready(text);
+    log(LogPriority::notice, "running: {}", status_);
+    service::ready(status_);
   }
 
   /// Open jobs are answered first by the realtime thread, then by the gateway.
@@ -122,7 +124,7 @@ class Daemon {
     } else {
       apply(plan_reload(file_, wanted));
     }
-    service::ready("running");
+    service::ready(status_);
   }
 
  private:
@@ -159,6 +161,7 @@ class Daemon {
   Gateway gateway_;
   RealtimeLoop loop_;
   std::optional<rt::RealtimeThread> thread_;
+  std::string status_;
 };
 
 /// Until SIGTERM or SIGINT.

@@ -19,10 +19,6 @@ void ready(const std::string& status) {
   notify("READY=1\nSTATUS=" + status);
 }
 
-void status(const std::string& text) {
-  notify("STATUS=" + text);
-}
-
 void reloading() {
   using std::chrono::microseconds;
   const auto now = std::chrono::steady_clock::now().time_since_epoch();

@@ -1,0 +1,220 @@
+#include "program.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <variant>
+
+#include "can/candump.h"
+#include "support/free_domain.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The daemon's program in a folder of its own, on a domain of its own.
+class CansyncdTest : public testing::Test {
+ protected:
+  CansyncdTest() {
+    std::string name = (fs::temp_directory_path() / "cansyncd-test-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~CansyncdTest() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const fs::path path = folder_ / name;
+    std::ofstream(path) << text;
+    return path.string();
+  }
+
+  Program run(std::vector<std::string> arguments, const std::vector<std::string>& environment = {}) const {
+    arguments.push_back("--domain=" + std::to_string(domain_.get()));
+    return {CANSYNCD, std::move(arguments), environment};
+  }
+
+  fs::path folder_;
+  FreeDomain domain_;
+};
+
+constexpr const char* kTwoSlaves =
+    "[bus]\nname = \"two\"\n[sim]\nlock_time_ms = 20\n[[slave]]\nnumber = 0\nname = "
+    "\"winder\"\n[[slave]]\nnumber = "
+    "5\n";
+
+TEST_F(CansyncdTest, ChecksAFileAndStartsNothing) {
+  const std::string file = write("good.toml", kTwoSlaves);
+  Program check = run({"--check", file});
+  EXPECT_EQ(check.exit_code(), 0);
+  EXPECT_EQ(check.text(), file + ": in order\n");
+}
+
+TEST_F(CansyncdTest, RefusesAWrongFileInBothWays) {
+  const std::string file = write("wrong.toml", "[bus]\nbit_rate = 1\n[[slave]]\nnumber = 99\n");
+  const std::string expected =
+      file + ":2:12: bus.bit_rate: found 1; allowed: 125000, 250000, 500000 or 1000000 bit/s\n" + file +
+      ":4:10: slave.number: found 99; allowed: 0..31\n";
+  for (const char* option : {"--check", "--"}) {
+    Program program(CANSYNCD, {option, file});
+    EXPECT_EQ(program.exit_code(), 78);
+    EXPECT_EQ(program.text(), expected);
+  }
+}
+
+TEST_F(CansyncdTest, RefusesACanInterfaceWithTheReason) {
+  Program program = run({write("can.toml", "[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 0\n")});
+  EXPECT_EQ(program.exit_code(), 78);
+  EXPECT_NE(program.text().find(
+                "can.toml:2:13: bus.interface: found \"can0\"; allowed: \"sim\", because this version "
+                "drives simulated buses only"),
+            std::string::npos)
+      << program.text();
+}
+
+TEST_F(CansyncdTest, NamesThePlaceInAWrongFaultScript) {
+  write("faults.toml", "[[fault]]\nkind = \"nonsense\"\n");
+  Program script =
+      run({"--check", write("b.toml", "[sim]\nfault_script = \"faults.toml\"\n[[slave]]\nnumber = 0\n")});
+  EXPECT_EQ(script.exit_code(), 78);
+  EXPECT_NE(script.text().find("/faults.toml:2:"), std::string::npos) << script.text();
+}
+
+TEST_F(CansyncdTest, WrongCommandLinesAreUsageErrors) {
+  const std::string file = write("good.toml", kTwoSlaves);
+  const std::vector<std::vector<std::string>> wrong = {
+      {}, {"--nonsense"}, {file, "--check", file}, {file, file}};
+  for (const auto& arguments : wrong) {
+    Program program(CANSYNCD, arguments);
+    EXPECT_EQ(program.exit_code(), 2) << program.text();
+    EXPECT_NE(program.text().find("--help"), std::string::npos) << program.text();
+  }
+}
+
+TEST_F(CansyncdTest, WhatCannotBeHadIsNamed) {
+  const std::string file = write("good.toml", kTwoSlaves);
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--set", "dds.interface=nosuch0"}, "nosuch0"},
+      {{"--trace", "/no/such/folder/trace.log"}, "/no/such/folder/trace.log"},
+      {{"--set", "realtime.mode=enforce", "--set", "realtime.cpu=1023"}, "1023"},
+  };
+  for (const auto& [arguments, expected] : cases) {
+    std::vector<std::string> all = {file};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    Program program = run(all);
+    EXPECT_EQ(program.exit_code(), 1) << program.text();
+    EXPECT_NE(program.text().find("<3>cannot run: "), std::string::npos) << program.text();
+    EXPECT_NE(program.text().find(expected), std::string::npos) << program.text();
+  }
+}
+
+TEST_F(CansyncdTest, RunsUntilSigtermOrSigint) {
+  const std::string file = write("good.toml", kTwoSlaves);
+  for (const int number : {SIGTERM, SIGINT}) {
+    Program program = run({file});
+    ASSERT_TRUE(program.says("<5>running: bus two (sim) at 1000000 bit/s, 2 slaves")) << program.text();
+    ASSERT_TRUE(program.says("active as master")) << program.text();
+    program.signal(number);
+    EXPECT_EQ(program.exit_code(), 0) << program.text();
+    EXPECT_TRUE(program.text().ends_with("<5>stopped\n")) << program.text();
+  }
+}
+
+TEST_F(CansyncdTest, SighupAppliesWhatItCanAndSaysWhatNeedsARestart) {
+  const std::string file = write("line.toml", kTwoSlaves);
+  Program program = run({file});
+  ASSERT_TRUE(program.says("active as master")) << program.text();
+
+  write("line.toml",
+        "[bus]\nname = \"other\"\n[process]\npolling_1 = 5\n[sim]\nlock_time_ms = 20\n"
+        "[[slave]]\nnumber = 0\nname = \"unwinder\"\n[[slave]]\nnumber = 5\n");
+  program.signal(SIGHUP);
+  EXPECT_TRUE(program.says("<5>changed: process.polling_1\n")) << program.text();
+  EXPECT_TRUE(program.says("<5>changed: slave.0.name\n")) << program.text();
+  EXPECT_TRUE(program.says("<4>not changed: bus.name takes effect after a restart\n")) << program.text();
+  EXPECT_TRUE(program.says("configuration_reloaded")) << program.text();
+
+  write("line.toml", "[process]\npolling_1 = 6\n[[slave]]\nnumber = 0\n");
+  program.signal(SIGHUP);
+  EXPECT_TRUE(program.says("is wrong; the daemon keeps running as before\n")) << program.text();
+  EXPECT_TRUE(program.says("line.toml:2:13: process.polling_1: found 6; allowed")) << program.text();
+
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.exit_code(), 0);
+}
+
+TEST_F(CansyncdTest, TraceIsACandumpLogOfTheBus) {
+  const std::string trace = (folder_ / "trace.log").string();
+  Program program = run({write("line.toml", kTwoSlaves), "--trace", trace});
+  ASSERT_TRUE(program.says("active as master")) << program.text();
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.exit_code(), 0);
+  EXPECT_NE(program.text().find("trace " + trace), std::string::npos);
+
+  std::ifstream lines(trace);
+  std::set<std::uint32_t> identifiers;
+  int edges = 0;
+  for (std::string text; std::getline(lines, text);) {
+    const auto line = can::parse_candump_line(text);
+    ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(line)) << text;
+    const auto& parsed = std::get<can::CandumpLine>(line);
+    if (parsed.interface == "sync") {
+      ++edges;
+    } else {
+      identifiers.insert(parsed.frame.id);
+    }
+  }
+  EXPECT_GT(edges, 20);
+  // SYNC activation, and the status words of both slaves asked and answered.
+  for (const std::uint32_t id : {0x010U, 0x500U, 0x580U, 0x505U, 0x585U})
+    EXPECT_TRUE(identifiers.contains(id)) << id;
+}
+
+/// The socket a service manager listens on.
+class NotifySocket {
+ public:
+  explicit NotifySocket(const fs::path& path) : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.string().copy(static_cast<char*>(address.sun_path), sizeof address.sun_path - 1);
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the socket interface wants it so
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const timeval patience{60, 0};
+    EXPECT_EQ(::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
+  }
+  ~NotifySocket() { ::close(socket_); }
+  NotifySocket(const NotifySocket&) = delete;
+  NotifySocket& operator=(const NotifySocket&) = delete;
+
+  /// The next message; empty when none comes.
+  std::string next() const {
+    std::string text(4096, '\0');
+    const ssize_t size = ::recv(socket_, text.data(), text.size(), 0);
+    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return text;
+  }
+
+ private:
+  int socket_;
+};
+
+TEST_F(CansyncdTest, TellsTheServiceManagerItsState) {
+  const NotifySocket manager(folder_ / "notify");
+  Program program = run({write("line.toml", kTwoSlaves)}, {"NOTIFY_SOCKET=" + (folder_ / "notify").string()});
+  EXPECT_TRUE(manager.next().starts_with("READY=1\nSTATUS=bus two (sim) at 1000000 bit/s"));
+  program.signal(SIGHUP);
+  EXPECT_TRUE(manager.next().starts_with("RELOADING=1\nMONOTONIC_USEC="));
+  EXPECT_TRUE(manager.next().starts_with("READY=1\n"));
+  program.signal(SIGTERM);
+  EXPECT_EQ(manager.next(), "STOPPING=1");
+  EXPECT_EQ(program.exit_code(), 0);
+}
+
+}  // namespace
