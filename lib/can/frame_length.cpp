@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+
+static_assert(std::endian::native == std::endian::little, "bytes_of and message_of swap bytes");
 
 namespace can {
 namespace {
@@ -89,6 +92,15 @@ struct Message {
   unsigned size = 0;  // number of bits, the dominant start bit included
 };
 
+// A message's bytes, the last one last, so that loops need no shifts of 128 bits.
+using Bytes = std::array<std::uint8_t, sizeof(Wide)>;
+
+Bytes bytes_of(Wide bits) {
+  const std::array<std::uint64_t, 2> words = {__builtin_bswap64(static_cast<std::uint64_t>(bits >> 64)),
+                                              __builtin_bswap64(static_cast<std::uint64_t>(bits))};
+  return std::bit_cast<Bytes>(words);
+}
+
 Message message_of(const Frame& frame) {
   const bool remote = frame.kind == FrameKind::remote;
   const bool extended = frame.kind == FrameKind::extended || (remote && frame.id > 0x7FF);
@@ -106,7 +118,10 @@ Message message_of(const Frame& frame) {
     message.size = 19;
   }
   if (!remote) {
-    for (unsigned i = 0; i < length_code; ++i) message.bits = (message.bits << 8) | frame.data[i];
+    const std::uint64_t data = __builtin_bswap64(std::bit_cast<std::uint64_t>(frame.data));
+    if (length_code > 0) {
+      message.bits = (message.bits << (8 * length_code)) | (data >> (64 - 8 * length_code));
+    }
     message.size += 8 * length_code;
   }
   return message;
@@ -114,12 +129,10 @@ Message message_of(const Frame& frame) {
 
 std::uint16_t crc_of(const Message& message) {
   // Leading zeros change nothing, so the message is taken in whole bytes from its end.
+  const Bytes bytes = bytes_of(message.bits);
+  const std::size_t count = (message.size + 7) / 8;
   unsigned crc = 0;
-  Wide rest = message.bits;
-  for (unsigned k = 0; 8 * k < message.size; ++k) {
-    crc ^= kCrc[k][static_cast<std::uint8_t>(rest)];
-    rest >>= 8;
-  }
+  for (std::size_t k = 0; k < count; ++k) crc ^= kCrc[k][bytes[bytes.size() - 1 - k]];
   return static_cast<std::uint16_t>(crc);
 }
 
@@ -129,12 +142,11 @@ unsigned count_stuff_bits(const Message& message) {
   // Filled up in front to whole bytes with alternating levels that end recessive: none of them is stuffed,
   // and the dominant start of frame begins a new row.
   const unsigned fill = (8 - size % 8) % 8;
-  const Wide filled = (Wide{0x55u & ((1u << fill) - 1)} << size) | bits;
+  const Bytes bytes = bytes_of((Wide{0x55u & ((1u << fill) - 1)} << size) | bits);
   unsigned state = state_of(1, 1);
   unsigned stuffed = 0;
-  for (unsigned shift = size + fill; shift > 0;) {
-    shift -= 8;
-    const Step step = kStuff[state][static_cast<std::uint8_t>(filled >> shift)];
+  for (std::size_t i = bytes.size() - (size + fill) / 8; i < bytes.size(); ++i) {
+    const Step step = kStuff[state][bytes[i]];
     state = step.state;
     stuffed += step.stuffed;
   }

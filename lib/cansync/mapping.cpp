@@ -80,10 +80,10 @@ void unpack(const TelegramMapping& mapping, std::span<const std::uint16_t> words
   const std::size_t count = std::min<std::size_t>(words.size(), kWords);
   for (std::size_t i = 0; i < count; ++i) {
     const WordMapping& entry = mapping.word[i];
-    if (!entry.assigned || entry.value >= kValues) continue;
-    std::uint32_t& value = values[entry.value];
-    value = entry.high ? (value & 0x0000FFFFu) | (static_cast<std::uint32_t>(words[i]) << 16)
-                       : (value & 0xFFFF0000u) | words[i];
+    if (!entry.assigned) continue;
+    std::uint32_t& value = values[entry.value % kValues];
+    const unsigned shift = entry.high ? 16 : 0;
+    value = (value & ~(0xFFFFu << shift)) | (static_cast<std::uint32_t>(words[i]) << shift);
   }
 }
 

@@ -12,9 +12,11 @@ ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listene
 
 void ProcessData::stop() noexcept {
   for (Output& output : output_) {
-    const std::uint8_t automatic = output.automatic;
-    output = {};
-    output.automatic = automatic;
+    output.pending_count = 0;
+    output.remaining = 0;
+    output.asked.reset();
+    output.told_released = false;
+    output.quiet_until = 0;
   }
 }
 
@@ -85,8 +87,9 @@ std::uint8_t ProcessData::polled(const Output& output, Channel channel) const no
 }
 
 void ProcessData::tell_release(Output& output, Channel channel, bool released) noexcept {
-  if (output.released == released) return;
-  output.released = released;
+  if (output.told_released == released || (!released && now_ < output.quiet_until)) return;
+  if (!released) output.quiet_until = now_ + kQuietIntervals;
+  output.told_released = released;
   listener_.event({released ? MasterEvent::Code::references_released : MasterEvent::Code::references_stopped,
                    std::nullopt, index(channel) + 1});
 }

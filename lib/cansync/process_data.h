@@ -54,18 +54,21 @@ class ProcessData {
 
  private:
   static constexpr std::size_t kPendingUpdates = 16;
+  static constexpr IntervalNumber kQuietIntervals = 1000;
 
   struct Output {
     std::array<ReferenceUpdate, kPendingUpdates> pending = {};
     std::size_t pending_count = 0;
-    std::uint32_t remaining = 0;  ///< intervals for which the values are still released
-    bool released = false;        ///< as last told to the listener
-    std::uint8_t automatic = 0;   ///< the rising slave number
+    std::uint32_t remaining = 0;     ///< intervals for which the values are still released
+    bool told_released = false;      ///< as last told to the listener
+    IntervalNumber quiet_until = 0;  ///< no further "stopped" is told before
+    std::uint8_t automatic = 0;      ///< the rising slave number
     std::optional<SlaveNumber> asked;
   };
 
   void apply_due(Output& output, unsigned first_value) noexcept;
   std::uint8_t polled(const Output& output, Channel channel) const noexcept;
+  /// Tells the first change at once; a release that keeps stopping is told once in `kQuietIntervals`.
   void tell_release(Output& output, Channel channel, bool released) noexcept;
 
   ProcessSettings settings_;

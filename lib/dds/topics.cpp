@@ -17,9 +17,10 @@ constexpr TopicQos events() {
   return {.depth = 100, .transient_local = true};
 }
 
-/// Strongest living writer wins; a reader asks for signs of life at least every second.
+/// Strongest living writer wins; a reader asks for signs of life at least every second. Values may be written
+/// for intervals ahead, as many as the master keeps waiting.
 constexpr TopicQos exclusive() {
-  return {.exclusive = true, .lease = DDS_SECS(1), .offered_lease = DDS_MSECS(500)};
+  return {.depth = 16, .exclusive = true, .lease = DDS_SECS(1), .offered_lease = DDS_MSECS(500)};
 }
 
 /// Nothing is lost, and no peer can make a reader grow without end.

@@ -21,6 +21,9 @@ WakeSignal::~WakeSignal() {
 }
 
 void WakeSignal::signal() noexcept {
+  // A pending signal is enough: its taker looks at the data after `clear`, and so sees what was written
+  // before this.
+  if (pending_.exchange(true, std::memory_order_acq_rel)) return;
   const std::uint64_t one = 1;
   // It can fail only when the counter is at its limit, and then a signal is pending anyway.
   [[maybe_unused]] const auto written = ::write(descriptor_, &one, sizeof one);
@@ -37,6 +40,8 @@ void WakeSignal::clear() noexcept {
   std::uint64_t count = 0;
   // It fails when nothing is pending, which is just as well.
   [[maybe_unused]] const auto taken = ::read(descriptor_, &count, sizeof count);
+  // Only now: a signal between the two lines is then swallowed before its data is looked at, never after.
+  pending_.exchange(false, std::memory_order_acq_rel);
 }
 
 }  // namespace rt

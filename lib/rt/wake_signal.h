@@ -1,10 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 
 namespace rt {
 
-/// Wakes one thread from any other: an eventfd. `signal` is one system call and realtime safe.
+/// Wakes one thread from any other: an eventfd. `signal` is realtime safe: one system call when none is
+/// pending, none otherwise. Whoever takes a signal must look at the data after taking it, not before.
 class WakeSignal {
  public:
   /// Throws std::system_error when the process has no file descriptor left.
@@ -27,6 +29,7 @@ class WakeSignal {
 
  private:
   int descriptor_;
+  std::atomic<bool> pending_{false};
 };
 
 }  // namespace rt

@@ -59,6 +59,20 @@ TEST(ProcessData, AnUpdateIsReleasedExactlyOnce) {
   EXPECT_EQ(rig->told.count(MasterEvent::Code::references_stopped), 1u);
 }
 
+TEST(ProcessData, AReleaseThatKeepsStoppingIsToldOnceInAThousandIntervals) {
+  auto rig = active_line(settings_for(2));
+  for (int i = 0; i < 3000; ++i) {
+    if (i % 2 == 0) {
+      ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
+    }
+    rig->step();
+  }
+  EXPECT_EQ(rig->told.count(MasterEvent::Code::references_stopped), 3u);
+  rig->run(1000);
+  EXPECT_EQ(rig->told.count(MasterEvent::Code::references_stopped), 4u) << "the last stop is told in the end";
+  EXPECT_EQ(rig->told.count(MasterEvent::Code::references_released), 4u);
+}
+
 TEST(ProcessData, ReleaseForSeveralIntervalsEndsByItself) {
   auto rig = active_line(settings_for(2));
   ASSERT_EQ(rig->master.submit(ReferenceUpdate{

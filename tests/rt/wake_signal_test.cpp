@@ -48,4 +48,20 @@ TEST(WakeSignal, WakesAnotherThreadAndPublishesWhatWasWrittenBefore) {
   EXPECT_EQ(value.load(std::memory_order_relaxed), 42);
 }
 
+TEST(WakeSignal, NoSignalIsLostWhileTheWaiterTakesThem) {
+  rt::WakeSignal wake;
+  std::atomic<int> written{0};
+  constexpr int kLast = 20'000;
+  std::thread writer([&] {
+    for (int i = 1; i <= kLast; ++i) {
+      written.store(i, std::memory_order_relaxed);
+      wake.signal();
+    }
+  });
+  int seen = 0;
+  while (seen < kLast && wake.wait(seconds(60))) seen = written.load(std::memory_order_relaxed);
+  writer.join();
+  EXPECT_EQ(seen, kLast);
+}
+
 }  // namespace
