@@ -1,6 +1,8 @@
-// A lead axis: gives every drive of a line a position reference value in every interval, each value released
-// once. The daemon's Interval topic is the clock (dds.interval_topic = true). Values are increments; 65536
-// are one revolution. Usage: lead_axis DOMAIN BUS RPM SECONDS        Exit code: 0 done, 1 failed
+// A lead axis: gives every drive of a line a position reference value for every interval, each released
+// exactly once. Values are written eight intervals ahead, so that this program may be late now and then. The
+// daemon's Interval topic is the clock (dds.interval_topic = true); 65536 increments are one revolution.
+// Usage: lead_axis DOMAIN BUS RPM SECONDS        Exit code: 0 done, 1 failed
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +17,8 @@ namespace {
 
 using namespace cansync::client;
 
+constexpr std::uint64_t kAhead = 8;
+
 int lead(const Options& options, double rpm, double seconds) {
   Client client = Client::connect(options);
   const double interval = static_cast<double>(client.master_status().interval_length) * 1e-9;
@@ -27,27 +31,24 @@ int lead(const Options& options, double rpm, double seconds) {
     begun.release();
   });
 
-  const double steps = std::ceil(seconds / interval);
   const double full_step = rpm / 60 * 65536 * interval;
+  const auto steps = static_cast<std::uint64_t>(seconds / interval);
   double position = 0;
-  std::uint64_t given = 0;
-  for (double done = 0; done < steps; done += 1) {
+  std::uint64_t next = 0;  // the interval that gets a value next
+  for (std::uint64_t done = 0; done < steps;) {
     if (!begun.try_acquire_for(std::chrono::seconds(2))) {
       std::fprintf(stderr, "no interval for 2 s: is dds.interval_topic on, and does the line run?\n");
       return 1;
     }
-    const std::uint64_t next = number.load() + 1;
-    if (next == given) continue;  // two wake-ups for one interval: never a second value for it
-    // Two seconds to full speed; intervals that this program slept through are counted in, so that no step is
-    // uneven.
-    const double passed = given == 0 ? 1 : static_cast<double>(next - given);
-    position += full_step * std::fmin(done * interval / 2, 1) * passed;
-    const auto raw = static_cast<std::int32_t>(static_cast<std::uint32_t>(std::llround(position)));
-    if (const std::string failed = writer.write(1, {raw, 0, 0, 0}, 0b0001); !failed.empty()) {
-      std::fprintf(stderr, "%s\n", failed.c_str());
-      return 1;
+    for (next = std::max(next, number + 1); next <= number + kAhead; ++next, ++done) {
+      // Two seconds to full speed.
+      position += full_step * std::min(static_cast<double>(done) * interval / 2, 1.0);
+      const auto raw = static_cast<std::int32_t>(static_cast<std::uint32_t>(std::llround(position)));
+      if (const std::string failed = writer.write(1, {raw, 0, 0, 0}, 0b0001, 1, next); !failed.empty()) {
+        std::fprintf(stderr, "%s\n", failed.c_str());
+        return 1;
+      }
     }
-    given = next;
   }
   return 0;
 }
