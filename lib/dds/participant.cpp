@@ -107,7 +107,8 @@ std::string configuration(const ParticipantOptions& options) {
       "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
       "<AllowMulticast>{}</AllowMulticast></General>"
       "<Discovery><LeaseDuration>5 s</LeaseDuration>{}</Discovery>"
-      "<Internal><HeartbeatInterval min=\"5 ms\" minsched=\"5 ms\">10 ms</HeartbeatInterval></Internal></Domain></CycloneDDS>";
+      "<Internal><HeartbeatInterval min=\"5 ms\" minsched=\"5 ms\">10 "
+      "ms</HeartbeatInterval></Internal></Domain></CycloneDDS>";
   // Index 119 is the last whose ports belong to the domain.
   constexpr std::string_view kUnicastPeers =
       "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
