@@ -136,9 +136,16 @@ TEST_F(Ownership, WeakerWriterChangesNothingUntilTheStrongerIsGone) {
 
   strong.reset();
   ASSERT_TRUE(eventually(signal_, [&] { return reader_.matched() == 1; }));
-  ASSERT_EQ(weak.write(values(2)), DDS_RETCODE_OK);
-  ASSERT_TRUE(eventually(signal_, [&] { return newest_is(2); }));
-  EXPECT_FALSE(seen_.empty());
+  // The owner's end may come after one more weak value, which is then not taken; a weak writer goes on
+  // writing.
+  bool taken_over = false;
+  for (std::int32_t value = 2; !taken_over && value < 400; ++value) {
+    ASSERT_EQ(weak.write(values(value)), DDS_RETCODE_OK);
+    (void)signal_.wait(50);
+    signal_.clear();
+    taken_over = newest_is(value);
+  }
+  EXPECT_TRUE(taken_over);
 }
 
 TEST_F(Ownership, LossOfTheLastWriterIsTold) {
