@@ -1,5 +1,6 @@
 #include "daemon/gateway.h"
 
+#include <fmt/format.h>
 #include <poll.h>
 
 #include <algorithm>
@@ -96,7 +97,7 @@ SteadyTime Gateway::pass() {
   take_reports(jobs);
   references_.step(exchange_, now);
   jobs_.take_requests(jobs);
-  for (const auto next : {jobs_.retry(jobs), references_.tick(now), events_.tick(now)}) {
+  for (const auto next : {jobs_.retry(jobs), references_.tick(now), tell_syncs(now), events_.tick(now)}) {
     if (next) due = std::min(due, *next);
   }
   return due;
@@ -111,10 +112,30 @@ void Gateway::take_reports(const JobContext& context) {
       jobs_.progress(*progress, context.now);
     } else if (const auto* refused = std::get_if<ReferenceRefused>(&report)) {
       references_.refused(*refused, config_, context.line, context.now);
-    } else if (const auto event = describe(report, config_)) {
-      events_.publish(*event, context.now);
+    } else {
+      take_event(report, context.now);
     }
   }
+}
+
+void Gateway::take_event(const Report& report, SteadyTime now) {
+  // A computer that is too slow skips edges all the time; that must not push everything else out of the
+  // history.
+  const auto* missed = std::get_if<SyncsMissed>(&report);
+  if (missed != nullptr && !missed_syncs_.add(missed->count, now)) return;
+  if (const auto event = describe(report, config_)) events_.publish(*event, now);
+}
+
+std::optional<SteadyTime> Gateway::tell_syncs(SteadyTime now) {
+  const std::uint64_t missed = missed_syncs_.take_over(now);
+  if (missed != 0) {
+    events_.publish(
+        {cansync_SEVERITY_INFO, "syncs_kept", -1,
+         fmt::format("no SYNC edge was skipped for {} s; {} were before", kSyncQuiet.count(), missed),
+         std::nullopt},
+        now);
+  }
+  return missed_syncs_.next();
 }
 
 void Gateway::take_configuration(SteadyTime now) {

@@ -23,6 +23,9 @@ namespace cansyncd {
 /// answered with REPLY_MASTER_STOPPED.
 class Gateway {
  public:
+  /// SYNC edges that are skipped again and again are one row until none was for so long.
+  static constexpr std::chrono::seconds kSyncQuiet{10};
+
   /// Sets up every topic; nothing is taken or published before `start`. `exchange` and `participant` must
   /// outlive the gateway. Throws cansync::dds::SetupError.
   Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant);
@@ -52,6 +55,9 @@ class Gateway {
   /// One pass over everything that may have come; returns when the next is due at the latest.
   SteadyTime pass();
   void take_reports(const JobContext& context);
+  void take_event(const Report& report, SteadyTime now);
+  /// Tells when the row of skipped SYNC edges is over. Returns when to call again; nothing: no need.
+  std::optional<SteadyTime> tell_syncs(SteadyTime now);
   void take_configuration(SteadyTime now);
   void end_jobs();
   JobContext context(SteadyTime now);
@@ -63,6 +69,7 @@ class Gateway {
   StatePublisher state_;
   ReferenceInput references_;
   JobDesk jobs_;
+  FaultRow missed_syncs_{kSyncQuiet};
 
   std::mutex configuration_mutex_;
   std::optional<Config> new_configuration_;

@@ -47,6 +47,38 @@ class FloodGuard {
   std::map<std::pair<std::string_view, int>, Window> windows_;  ///< by code and slave
 };
 
+/// A fault that comes again and again: its first is told, the others are counted until it has stayed away for
+/// `quiet`. Not thread safe.
+class FaultRow {
+ public:
+  explicit FaultRow(std::chrono::seconds quiet) : quiet_(quiet) {}
+
+  /// `count` faults happened. True: they begin a row, and are to be told.
+  bool add(std::uint64_t count, SteadyTime now) {
+    const bool first = count_ == 0;
+    count_ += count;
+    last_ = now;
+    return first && count != 0;
+  }
+
+  /// Faults of the row that is over, and forgets them; 0: none is over.
+  std::uint64_t take_over(SteadyTime now) {
+    return count_ != 0 && now - last_ >= quiet_ ? std::exchange(count_, 0) : 0;
+  }
+
+  /// When the row is over at the earliest; nothing: there is none.
+  std::optional<SteadyTime> next() const {
+    return count_ != 0 ? std::optional(last_ + quiet_) : std::nullopt;
+  }
+
+  std::chrono::seconds quiet() const noexcept { return quiet_; }
+
+ private:
+  std::chrono::seconds quiet_;
+  std::uint64_t count_ = 0;
+  SteadyTime last_;
+};
+
 /// Numbers events, publishes them and writes each to the journal. Gateway thread only.
 class EventPublisher {
  public:

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "daemon/gateway_take.h"
@@ -125,9 +126,7 @@ void ReferenceInput::refused(const ReferenceRefused& report, const Config& confi
 void ReferenceInput::count_refused(unsigned channel, std::string reason, std::optional<Moment> when,
                                    SteadyTime now) {
   Telegram& telegram = telegrams_[channel];
-  ++telegram.refused;
-  telegram.last_refused = now;
-  if (telegram.refused > 1) return;
+  if (!telegram.refused.add(1, now)) return;
   telegram.reason = std::move(reason);
   events_.publish(
       {cansync_SEVERITY_WARNING, "reference_refused", -1,
@@ -139,21 +138,17 @@ std::optional<SteadyTime> ReferenceInput::tick(SteadyTime now) {
   std::optional<SteadyTime> next;
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     Telegram& telegram = telegrams_[channel];
-    if (telegram.refused == 0) continue;
-    const SteadyTime over = telegram.last_refused + kQuiet;
-    if (now < over) {
-      if (!next || over < *next) next = over;
-      continue;
-    }
+    const std::uint64_t refused = telegram.refused.take_over(now);
+    if (const auto over = telegram.refused.next()) next = next ? std::min(*next, *over) : *over;
+    if (refused == 0) continue;
     events_.publish(
         {cansync_SEVERITY_INFO, "reference_refusals_over", -1,
          fmt::format(
              "no reference values of telegram {} were refused for {} s; {} were before, the first because "
              "of {}",
-             channel + 1, kQuiet.count(), telegram.refused, telegram.reason),
+             channel + 1, kQuiet.count(), refused, telegram.reason),
          std::nullopt},
         now);
-    telegram.refused = 0;
   }
   return next;
 }

@@ -48,9 +48,8 @@ class ReferenceInput {
     dds_instance_handle_t owner = 0;  ///< writer of the values handed on last; 0: none
     bool stop_wanted = false;         ///< StopRelease waits for room
     cansync::ReferenceUpdate newest;  ///< handed on last
-    std::uint64_t refused = 0;        ///< in this row
-    std::string reason;               ///< of the event that was told
-    SteadyTime last_refused;
+    FaultRow refused{kQuiet};
+    std::string reason;  ///< of the event that was told
   };
 
   void take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info, Exchange& exchange,

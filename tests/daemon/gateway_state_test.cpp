@@ -203,6 +203,18 @@ TEST(GatewayState, TheLast100EventsAreThereForOneWhoComesLate) {
   EXPECT_EQ(text(events[71].text).substr(0, 18), "slave 3 'rewinder'");
 }
 
+TEST(GatewayState, SkippedSyncEdgesAreToldOnce) {
+  GatewayRig rig;
+  for (cansync::IntervalNumber n = 1; n <= 20; ++n) rig.report(SyncsMissed{moment(n), 3});
+  rig.report(StateChanged{moment(21)});
+  ASSERT_TRUE(
+      rig.client.wait_for<cansync_Event>([](const auto& e) { return text(e.code) == "state_changed"; }));
+  const auto& events = rig.client.all<cansync_Event>();
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(text(events[0].code), "syncs_missed");
+  EXPECT_EQ(events[0].interval, 1u);
+}
+
 TEST(GatewayState, ReloadPublishesNamesAndChangesTheLine) {
   GatewayRig rig;
   Config config = gateway_config();

@@ -120,6 +120,24 @@ TEST(FloodGuard, HoldsBackAndSumsUp) {
   EXPECT_FALSE(guard.pass(event, now));
 }
 
+TEST(FaultRow, TellsTheFirstAndCountsTheOthers) {
+  FaultRow row(std::chrono::seconds(10));
+  SteadyTime now{std::chrono::hours(1)};
+  EXPECT_FALSE(row.next());
+  EXPECT_TRUE(row.add(2, now));
+  now += std::chrono::seconds(9);
+  EXPECT_EQ(row.take_over(now), 0u);
+  EXPECT_FALSE(row.add(3, now));
+  now += std::chrono::seconds(9);
+  EXPECT_EQ(row.take_over(now), 0u);
+  now += std::chrono::seconds(1);
+  EXPECT_EQ(row.next(), now);
+  EXPECT_EQ(row.take_over(now), 5u);
+  EXPECT_EQ(row.take_over(now), 0u);
+  EXPECT_FALSE(row.next());
+  EXPECT_TRUE(row.add(1, now));
+}
+
 TEST(GatewayRequests, OnlyWhatChangesSomethingIsWorthALine) {
   const Config config = line();
   cansync::ParameterRequest parameter;
