@@ -98,10 +98,9 @@ class Daemon {
     for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
     gateway_.start();
     const auto& times = cansync::slot_times(file_.config.master.bit_rate);
-    const std::string text =
-        fmt::format("bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
-                    file_.config.bus.interface, times.bits_per_second,
-                    __builtin_popcount(file_.config.master.configured().bits), participant_.place());
+    status_ = fmt::format("bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
+                          file_.config.bus.interface, times.bits_per_second,
+                          __builtin_popcount(file_.config.master.configured().bits), participant_.place());
     log(LogPriority::notice, "running: {}", status_);
     service::ready(status_);
   }
