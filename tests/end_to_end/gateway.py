@@ -7,6 +7,7 @@ import json
 import os
 import pty
 import random
+import re
 import select
 import signal
 import subprocess
@@ -17,6 +18,21 @@ CANSYNC = os.environ["CANSYNC"]
 CANSYNCD = os.environ["CANSYNCD"]
 LONG = 120  # seconds after which something has certainly gone wrong, also on a loaded machine under a sanitizer
 ACTIVE = 0x80  # w_OPTION_STATUS
+TIMING = "timing"  # key that `status` has with --timing alone
+
+
+def documented_keys():
+    """The keys of each verb's objects, from the table of docs/command-line.md: a list of lists for each verb."""
+    path = os.path.join(os.path.dirname(__file__), "..", "..", "docs", "command-line.md")
+    keys = {}
+    with open(path, encoding="utf-8") as file:
+        table = file.read().split("\n## JSON\n")[1].split("| verb | objects | keys |\n")[1]
+    for row in table.split("\n\n")[0].splitlines()[1:]:
+        verbs, _, names = row.strip("|").split("|")
+        names = names.replace("the same, as it was asked, then", " ".join(f"`{k}`" for k in keys.get("map", [[]])[0]))
+        for verb in re.findall("`([a-z]+)`", verbs):
+            keys.setdefault(verb, []).append(re.findall("`([a-z_0-9]+)`", names))
+    return keys
 
 
 def wait_for(what, condition, seconds=LONG):
@@ -28,6 +44,9 @@ def wait_for(what, condition, seconds=LONG):
             return result
         time.sleep(0.02)
     raise AssertionError(f"not within {seconds} s: {what}")
+
+
+DOCUMENTED = documented_keys()
 
 
 class Place:
@@ -168,4 +187,8 @@ factor = 0.001
             raise AssertionError(
                 f"{arguments}: exit code {result.returncode} instead of {code}\n{result.stdout}\n{result.stderr}"
             )
-        return [json.loads(line) for line in result.stdout.splitlines()]
+        objects = [json.loads(line) for line in result.stdout.splitlines()]
+        for found in objects:
+            if [key for key in found if key != TIMING] not in DOCUMENTED[arguments[0]]:
+                raise AssertionError(f"{arguments}: {list(found)} are not the keys of docs/command-line.md")
+        return objects

@@ -129,7 +129,27 @@ class Complaints {
   client::Subscription subscription_;  // last: its callback uses what stands above
 };
 
-/// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up. Number of samples.
+/// Writes one sample of each telegram that has values; empty, or what failed.
+std::string write_once(client::ReferenceWriter& writer, const Telegrams& telegrams, std::uint32_t release) {
+  std::uint8_t number = 0;
+  for (const Telegram& telegram : telegrams) {
+    ++number;
+    if (telegram.valid == 0) continue;
+    std::string problem = writer.write(number, telegram.value, telegram.valid, release);
+    if (!problem.empty()) return problem;
+  }
+  return {};
+}
+
+void give_up(client::ReferenceWriter& writer, const Telegrams& telegrams) {
+  std::uint8_t number = 0;
+  for (const Telegram& telegram : telegrams) {
+    ++number;
+    if (telegram.valid != 0) writer.release(number);
+  }
+}
+
+/// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up.
 ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, std::int32_t strength) {
   using Clock = std::chrono::steady_clock;
   client::Client& client = session.client();
@@ -141,15 +161,13 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
       pace.seconds ? start + std::chrono::duration_cast<Clock::duration>(length) : Clock::time_point::max();
   client::Reply reply{client::ReplyCode::done, ""};
   std::uint64_t samples = 0;
-  for (auto next = start; next < end && reply.ok();) {
-    for (std::uint8_t i = 0; i < telegrams.size() && reply.ok(); ++i) {
-      if (telegrams[i].valid == 0) continue;
-      const std::string problem = writer.write(static_cast<std::uint8_t>(i + 1), telegrams[i].value,
-                                               telegrams[i].valid, pace.release);
-      if (!problem.empty()) reply = {client::ReplyCode::no_reply, problem};
+  for (auto next = start; next < end;) {
+    std::string problem = write_once(writer, telegrams, pace.release);
+    if (problem.empty() && !client.daemon_present()) problem = "the daemon has gone (" + client.place() + ")";
+    if (!problem.empty()) {
+      reply = {client::ReplyCode::no_reply, problem};
+      break;
     }
-    if (!client.daemon_present())
-      reply = {client::ReplyCode::no_reply, "the daemon has gone (" + client.place() + ")"};
     ++samples;
     complaints.tell(session.output());
     // A late turn is not caught up.
@@ -157,8 +175,7 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
     if (wait_until(std::min(next, end))) break;
   }
   complaints.tell(session.output());
-  for (std::uint8_t i = 0; i < telegrams.size(); ++i)
-    if (telegrams[i].valid != 0) writer.release(static_cast<std::uint8_t>(i + 1));
+  give_up(writer, telegrams);
   return session.finish(reply, JsonObject().add("samples", samples).add("release_intervals", pace.release),
                         "set", fmt::format("values were given {} times and are given up", samples));
 }
