@@ -160,7 +160,7 @@ class Checker {
     const std::size_t mapping = key.find("_mapping[");
     if (mapping == std::string::npos) return key;
     const std::string telegram = key.substr(mapping + 9, 1) == "0" ? "1" : "2";
-    const std::string stem = key.substr(0, mapping);
+    std::string stem = key.substr(0, mapping);
     for (const std::string& owner : {stem, std::string("process.actual")}) {
       for (const std::string_view form : {"_registers_", "_values_"}) {
         std::string option = fmt::format("{}{}{}", owner, form, telegram);
