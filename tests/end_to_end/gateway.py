@@ -173,6 +173,14 @@ factor = 0.001
 
         return wait_for(what, look)
 
+    def start_job(self, counter, *arguments):
+        """`cansync` with a job that does not end by itself; back as soon as `counter` of the status shows it open."""
+        # The status comes up to a second late: an earlier job must not be taken for this one.
+        self.wait_status("no job is open", lambda status: status[counter] == 0)
+        process = self.start(*arguments)
+        self.wait_status("the job is open", lambda status: status[counter] == 1)
+        return process
+
     def wait_active(self):
         every = (1 << self.slaves) - 1
         return self.wait_status(

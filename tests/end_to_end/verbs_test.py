@@ -182,8 +182,7 @@ class Parameters(VerbTest):
     def test_ctrl_c_cancels_the_job_of_a_busy_slave(self):
         self.run_verb("write", 3, BUSY_REPLIES, ALWAYS_BUSY)
         self.addCleanup(self.run_verb, "write", 3, BUSY_REPLIES, 0)
-        process = self.gateway.start("read", 3, BUSY, "--timeout", 3000, "--json")
-        self.gateway.wait_status("the job is open", lambda status: status["open_parameter_jobs"] == 1)
+        process = self.gateway.start_job("open_parameter_jobs", "read", 3, BUSY, "--timeout", 3000, "--json")
         out, _ = self.interrupt(process, code=7)
         self.assertEqual(json.loads(out)["result"], "cancelled")
         self.gateway.wait_status("no job is open", lambda status: status["open_parameter_jobs"] == 0)
@@ -234,8 +233,7 @@ class Transfers(VerbTest):
         self.fails("download", 0, DATA, self.path("missing"), code=1)
 
     def test_ctrl_c_cancels_a_long_upload(self):
-        process = self.gateway.start("upload", 1, DATA, 1000000, self.path("cut"), "--json")
-        self.gateway.wait_status("the transfer runs", lambda status: status["open_transfers"] == 1)
+        process = self.gateway.start_job("open_transfers", "upload", 1, DATA, 1000000, self.path("cut"), "--json")
         out, err = self.interrupt(process, code=7)
         self.assertEqual(json.loads(out)["result"], "cancelled")
         self.assertIn("upload at 0x100", err)
@@ -475,8 +473,7 @@ class WithoutDaemon(unittest.TestCase):
     def test_a_daemon_that_stops_answers_open_jobs(self):
         with Gateway() as gateway:
             gateway.run("write", 0, BUSY_REPLIES, ALWAYS_BUSY)
-            process = gateway.start("read", 0, BUSY, "--timeout", 3000, "--json")
-            gateway.wait_status("the job is open", lambda status: status["open_parameter_jobs"] == 1)
+            process = gateway.start_job("open_parameter_jobs", "read", 0, BUSY, "--timeout", 3000, "--json")
             gateway.stop()
             out, err = process.communicate(timeout=LONG)
             self.assertEqual((process.returncode, json.loads(out)["result"]), (7, "master_stopped"), err)
