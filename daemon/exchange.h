@@ -21,7 +21,6 @@
 namespace cansyncd {
 
 // --- gateway -> realtime thread
-// -----------------------------------------------------------------------------------
 
 /// Ends an open job as `cancelled`. No reply of its own: the job answers. An unknown job is ignored.
 struct Cancel {
@@ -85,7 +84,6 @@ using Request = std::variant<cansync::ParameterRequest, cansync::TransferRequest
                              ModeRequest, SetPolling, SetCursors, SetReferenceMapping, SetActualMapping>;
 
 // --- realtime thread -> gateway: never lost
-// -----------------------------------------------------------------------
 
 /// A parameter job ended.
 struct ParameterDone {
@@ -115,7 +113,6 @@ struct Refused {
 using Terminal = std::variant<ParameterDone, TransferDone, CommandDone, Refused>;
 
 // --- realtime thread -> gateway: counted as `lost_reports` when there is no room
-// ----------------------------------
 
 /// An instant on all three timelines.
 struct Moment {
@@ -175,7 +172,6 @@ using Report = std::variant<StateChanged, TransferProgress, EventReport, Referen
                             ControllerChanged, SendingChanged>;
 
 // --- realtime thread -> gateway: newest value only
-// ----------------------------------------------------------------
 
 /// Actual values of one slave; written for every actual value telegram that arrives.
 struct ActualReport {

@@ -57,7 +57,6 @@ Refusal CommandChannel::set_cursors(const Cursor& control_word, const Cursor& pa
 }
 
 // --- which command goes out
-// ------------------------------------------------------------------------------------------
 
 std::optional<SlaveNumber> CommandChannel::next_slave(const Scan& scan, SlaveMask waiting) const noexcept {
   if (waiting.empty() || scan.cursor.kind == Cursor::Kind::nobody) return std::nullopt;
@@ -192,7 +191,6 @@ void CommandChannel::sent() noexcept {
 }
 
 // --- answers
-// -----------------------------------------------------------------------------------------------------------
 
 std::optional<Duration> CommandChannel::note_response(SlaveNumber slave, Duration end,
                                                       unsigned data_bytes) noexcept {

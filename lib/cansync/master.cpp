@@ -86,7 +86,6 @@ Master::Master(const MasterSettings& settings, MasterListener& listener)
 Master::~Master() = default;
 
 // --- the interval
-// ------------------------------------------------------------------------------------------------------
 
 void Master::begin_interval(IntervalNumber n) noexcept {
   impl_->now = n;
@@ -164,7 +163,6 @@ void Master::receive(const can::Frame& frame, Duration since_sync) noexcept {
 }
 
 // --- requests
-// ------------------------------------------------------------------------------------------------------------
 
 Refusal Master::submit(const ParameterRequest& request) noexcept {
   return is_synchronous(impl_->state) ? impl_->command_channel.submit(request) : Refusal::wrong_state;
@@ -237,7 +235,6 @@ Refusal Master::set_command_cursors(const Cursor& control_word, const Cursor& pa
 }
 
 // --- what is known
-// ---------------------------------------------------------------------------------------------------------
 
 State Master::state() const noexcept {
   return impl_->state;

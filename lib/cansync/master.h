@@ -113,7 +113,6 @@ class Master {
   Master& operator=(const Master&) = delete;
 
   // --- the interval
-  // -------------------------------------------------------------------------------------------------
 
   /// SYNC edge number `n` was produced. Numbers rise; a jump means missed edges.
   void begin_interval(IntervalNumber n) noexcept;
@@ -143,7 +142,6 @@ class Master {
   void receive(const can::Frame& frame, Duration since_sync) noexcept;
 
   // --- requests: a refusal means nothing was done
-  // ------------------------------------------------------------------
 
   Refusal submit(const ParameterRequest& request) noexcept;
   Refusal submit(const TransferRequest& request) noexcept;
@@ -162,7 +160,6 @@ class Master {
   Refusal control(ControlCommand command, bool force = false) noexcept;
 
   // --- settings that may change while running; effective with the next interval
-  // --------------------------------------
 
   Refusal set_reference_mapping(const ProcessMapping& mapping) noexcept;
   Refusal set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept;
@@ -172,7 +169,6 @@ class Master {
                               const Cursor& transfer) noexcept;
 
   // --- what is known
-  // -------------------------------------------------------------------------------------------------
 
   State state() const noexcept;
   IntervalNumber interval() const noexcept;

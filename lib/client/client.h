@@ -65,7 +65,6 @@ class Client {
   ~Client();
 
   // --- state: latest known
-  // ---------------------------------------------------------------------------------------
 
   MasterStatus master_status() const;
   /// Configured slaves in rising order. Waits at most `time` until the status of every configured slave is
@@ -82,7 +81,6 @@ class Client {
   std::vector<Event> recent_events(std::chrono::milliseconds quiet = std::chrono::milliseconds(300)) const;
 
   // --- subscriptions: state topics deliver what is known at once
-  // ----------------------------------------------
 
   [[nodiscard]] Subscription on_actual_values(std::function<void(const ActualValues&)> callback);
   [[nodiscard]] Subscription on_master_status(std::function<void(const MasterStatus&)> callback);
@@ -94,7 +92,6 @@ class Client {
   [[nodiscard]] Subscription on_interval(std::function<void(const Interval&)> callback);
 
   // --- jobs: submit returns at once, the others wait for the terminal reply
-  // -----------------------------------
 
   ParameterJob submit(const ParameterRequest& request);
   TransferJob submit(const TransferRequest& request);
@@ -107,7 +104,6 @@ class Client {
                          const OnProgress& on_progress = {});
 
   // --- commands: answered when sent or in effect
-  // -----------------------------------------------------------------
 
   CommandJob control_word(std::uint32_t slave, std::uint32_t word);
   CommandJob broadcast(const Broadcast& broadcast);

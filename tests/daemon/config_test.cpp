@@ -38,7 +38,6 @@ std::string content(const fs::path& path) {
 constexpr const char* kSmallest = "[[slave]]\nnumber = 0\n";
 
 // ---- defaults
-// -------------------------------------------------------------------------------------------------
 
 TEST(Config, AFileWithOneSlaveIsEnough) {
   const Config config = good(kSmallest);
@@ -119,7 +118,6 @@ TEST(Config, DefaultsOfTheDaemonAreThoseOfTheStructs) {
 }
 
 // ---- what options do
-// --------------------------------------------------------------------------------------------
 
 TEST(Config, BothFormsOfAMappingMeanTheSame) {
   // M 3.1.1.1: doubleword value 0 in words 0 and 1, low words of values 2 and 3 in words 2 and 3.
@@ -198,7 +196,6 @@ TEST(Config, EveryBitRateSetsItsInterval) {
 }
 
 // ---- --set
-// ------------------------------------------------------------------------------------------------------
 
 TEST(Override, WinsOverTheFileAndTakesBareWords) {
   const Config config =
@@ -246,7 +243,6 @@ TEST(Override, GoesThroughTheSameChecks) {
 }
 
 // ---- wrong files
-// ------------------------------------------------------------------------------------------------
 
 TEST(WrongConfig, AMissingFileIsNamed) {
   const ConfigFile file = load_config("/no/such/file.toml", {});
@@ -306,7 +302,6 @@ std::string case_name(const testing::TestParamInfo<fs::path>& file) {
 INSTANTIATE_TEST_SUITE_P(Table, WrongFile, testing::ValuesIn(wrong_files()), case_name);
 
 // ---- documents
-// --------------------------------------------------------------------------------------------------
 
 TEST(ConfigDocuments, TheDefaultConfigurationIsValidAndChangesNothing) {
   const Config printed = good(default_config());

@@ -30,7 +30,6 @@ cansync::ReferenceUpdate references(Channel channel, std::uint32_t intervals = 1
 }
 
 // --- the timeline
-// --------------------------------------------------------------------------------------------
 
 TEST(RealtimeLoop, ProducesEachEdgeOnTheAbsoluteTimeline) {
   LoopRig rig;
@@ -99,7 +98,6 @@ TEST(RealtimeLoop, AnEdgeNearerToTheNextOneIsSkippedToo) {
 }
 
 // --- slots
-// -----------------------------------------------------------------------------------------------------
 
 TEST(RealtimeLoop, SendsEachTelegramAtItsPlannedStart) {
   LoopRig rig;
@@ -194,7 +192,6 @@ TEST(RealtimeLoop, ARefusedFrameIsLeftOutAndReportedOnTheEdge) {
 }
 
 // --- modes and the gateway
-// ---------------------------------------------------------------------------------------
 
 TEST(RealtimeLoop, ReachesActiveOperationByItselfOnceSlavesAreSynchronized) {
   LoopRig rig;
@@ -396,7 +393,6 @@ TEST(RealtimeLoop, BusLoadIsTheShareOfBits) {
 }
 
 // --- answers are never lost
-// -----------------------------------------------------------------------------------------
 
 TEST(RealtimeLoop, StopAnswersEveryOpenJobAndEveryWaitingRequest) {
   LoopRig rig;
