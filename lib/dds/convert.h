@@ -97,7 +97,6 @@ cansync_SlaveStatus slave_status(SlaveNumber slave, std::string_view name, const
 void fill_master_status(const MasterSettings& settings, const MasterCounters& counters, State state,
                         cansync_MasterStatus& out) noexcept;
 
-
 template <std::size_t N>
 void copy_text(std::string_view text, char (&out)[N]) noexcept {
   copy_text(text, out, N);
