@@ -45,11 +45,11 @@ int main(int argc, char** argv) {
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
   const dds_entity_t values = dds_create_reader(participant, TOPIC(ActualValues), qos, NULL);
+  dds_delete_qos(qos);
   const cansync_ActualValues* now = next(values, &slave, 1);
   for (int i = 0; i < 8; i++) printf("value %d: raw 0x%08" PRIX32 ", %g\n", i, now->raw[i], now->scaled[i]);
-
-  cansync_ParameterRequest request = {.request = 1, .slave = slave, .number = (uint32_t)atoi(argv[4])};
-  request.element = 7; /* the value itself */
+  cansync_ParameterRequest request = {.request = 1, .slave = slave, .element = 7};
+  request.number = (uint32_t)atoi(argv[4]);
   request.format = cansync_FORMAT_AS_SLAVE_SAYS;
   dds_get_guid(participant, (dds_guid_t*)request.client); /* 16 bytes that nobody else has */
   if (dds_write(requests, &request) < 0) return fprintf(stderr, "the request was not written\n"), 1;
