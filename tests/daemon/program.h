@@ -75,6 +75,7 @@ class Program {
 
   static std::vector<char*> pointers(std::vector<std::string>& strings) {
     std::vector<char*> out;
+    out.reserve(strings.size() + 1);
     for (std::string& string : strings) out.push_back(string.data());
     out.push_back(nullptr);
     return out;
