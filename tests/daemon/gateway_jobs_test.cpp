@@ -107,8 +107,10 @@ TEST(GatewayJobs, ADownloadIsGivenToTheRealtimeThreadWithItsData) {
   EXPECT_EQ(job.address, 0x1000u);
   EXPECT_EQ(std::vector<std::uint8_t>(job.data.begin(), job.data.end()), data);
 
-  rig.report(TransferProgress{job.id, 300});
-  const auto progress = rig.client.wait_for<cansync_TransferProgress>(
+  const auto progress = rig.client.ask_for<cansync_TransferProgress>(
+      [&] {
+        rig.report(TransferProgress{job.id, 300});
+      },
       [](const auto& p) { return p.request == 1 && p.done == 300; });
   ASSERT_TRUE(progress);
   EXPECT_EQ(progress->total, 1000u);

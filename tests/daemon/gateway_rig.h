@@ -82,6 +82,22 @@ class TestClient {
     });
     return found;
   }
+  /// Like `wait_for`, for best-effort topics: `again` makes the gateway publish once more, because it may not
+  /// have found this client's reader yet.
+  template <class T, class Again, class Fits>
+  std::optional<T> ask_for(Again&& again, Fits&& fits) {
+    constexpr int kPatience = 20;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
+      again();
+      (void)signal_.wait(kPatience);
+      signal_.clear();
+      for (const T& sample : all<T>()) {
+        if (fits(sample)) return sample;
+      }
+    }
+    return std::nullopt;
+  }
   /// Waits for the reply to a request and takes it out, so that a second one would be found again.
   template <class T>
   std::optional<T> reply(std::uint64_t request, const Identity& client = identity(1)) {
