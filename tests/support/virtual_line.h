@@ -46,7 +46,7 @@ inline std::vector<std::unique_ptr<sim::Node>> drives_for(
 class VirtualLine : private sim::TraceSink {
  public:
   VirtualLine(const cansync::MasterSettings& settings, std::vector<std::unique_ptr<sim::Node>> nodes,
-              std::vector<sim::Fault> faults = {})
+              const std::vector<sim::Fault>& faults = {})
       : times_(cansync::slot_times(settings.bit_rate)),
         line_(bus_settings(faults), std::move(nodes)),
         exchange_(ExchangeSizes{}),
