@@ -21,12 +21,16 @@ client::Client& Session::client() {
     options.bus = globals_.bus;
     options.interface = globals_.interface;
     options.client_name = "cansync";
-    const double search = std::max(globals_.timeout.value_or(kDefaultSearch), kShortestSearch);
-    options.wait = std::chrono::milliseconds(static_cast<std::int64_t>(search * 1000.0));
+    options.wait = search_time();
     client_ = client::Client::connect(options);
     if (interrupt_flag().load()) throw Interrupted();
   }
   return *client_;
+}
+
+std::chrono::milliseconds Session::search_time() const noexcept {
+  const double seconds = std::max(globals_.timeout.value_or(kDefaultSearch), kShortestSearch);
+  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
 }
 
 std::uint32_t Session::monitoring_ms() const noexcept {
@@ -36,6 +40,7 @@ std::uint32_t Session::monitoring_ms() const noexcept {
 
 unsigned Session::slave(std::string_view text) {
   if (looks_like_number(text)) return static_cast<unsigned>(parse_integer(text, "SLAVE", 0, kHighestSlave));
+  static_cast<void>(client().slaves(search_time()));  // the names come with the status of the slaves
   const client::SlaveLookup found = client().find_slave(text);
   if (!found.slave) throw UsageError(fmt::format("SLAVE: {}", found.problem));
   return *found.slave;

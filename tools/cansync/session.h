@@ -63,6 +63,9 @@ class Session {
                   std::string_view done = {});
 
  private:
+  /// How long to look for the daemon, and to wait for what it tells of its slaves.
+  std::chrono::milliseconds search_time() const noexcept;
+
   Globals globals_;
   Output& output_;
   std::optional<client::Client> client_;
