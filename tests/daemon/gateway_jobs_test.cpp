@@ -306,7 +306,7 @@ TEST(GatewayJobs, ManyClientsEachGetTheirOwnReplies) {
     for (std::uint64_t number = 1; number <= kEach; ++number) {
       const auto reply = rig.client.reply<cansync_ParameterReply>(number, TestClient::identity(client));
       ASSERT_TRUE(reply);
-      EXPECT_EQ(reply->value, client * 100u + number);
+      EXPECT_EQ(reply->value, std::uint64_t{client} * 100 + number);
       EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(number, TestClient::identity(client)), 0u);
     }
   }
