@@ -8,7 +8,6 @@ namespace cansyncd {
 namespace {
 
 using cansync::Refusal;
-using testing::Message;
 
 cansync_ParameterRequest good_read(std::uint64_t number, std::uint8_t client = 1) {
   auto request = TestClient::request<cansync_ParameterRequest>(number, TestClient::identity(client));
