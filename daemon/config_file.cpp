@@ -37,6 +37,9 @@ void apply_defaults(Draft& draft) {
 void apply_derived(Config& config, const std::vector<Setting>& settings) {
   if (!given(settings, "bus.name")) config.bus.name = config.bus.interface;
   if (!given(settings, "dds.partition")) config.dds.partition = config.bus.name;
+  if (!given(settings, "bus.send_margin_us")) {
+    config.master.send_margin = cansync::default_send_margin(config.master.bit_rate);
+  }
   const cansync::SlaveMask configured = config.master.configured();
   if (!given(settings, "sim.drives")) config.sim.drives = configured;
   if (given(settings, "process.maximum_slave")) return;

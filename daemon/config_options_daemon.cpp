@@ -21,7 +21,7 @@ constexpr auto kRows = std::to_array<Option>({
                [](Draft& d, const Value& v) {
                  d.config.master.bit_rate = cansync::slot_times_for(whole<std::uint32_t>(v))->bit_rate;
                }),
-    whole_number("bus.send_margin_us", "50", 0, 1000, "us",
+    whole_number("bus.send_margin_us", "(50 bit times)", 0, 1000, "us",
                  "How long before its latest start a telegram is sent; takes up the thread's lateness.",
                  [](Draft& d, const Value& v) {
                    d.config.master.send_margin = std::chrono::microseconds(whole<std::int64_t>(v));

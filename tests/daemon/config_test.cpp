@@ -51,6 +51,17 @@ TEST(Config, AFileWithOneSlaveIsEnough) {
   EXPECT_TRUE(cansync::check(config.master).empty());
 }
 
+TEST(Config, SendMarginFollowsTheBitRateUnlessGiven) {
+  using std::chrono::microseconds;
+  const std::string slave = "\n[[slave]]\nnumber = 0\n";
+  EXPECT_EQ(good("[bus]\nbit_rate = 1000000" + slave).master.send_margin, microseconds(50));
+  EXPECT_EQ(good("[bus]\nbit_rate = 500000" + slave).master.send_margin, microseconds(100));
+  EXPECT_EQ(good("[bus]\nbit_rate = 250000" + slave).master.send_margin, microseconds(200));
+  EXPECT_EQ(good("[bus]\nbit_rate = 125000" + slave).master.send_margin, microseconds(400));
+  EXPECT_EQ(good("[bus]\nbit_rate = 125000\nsend_margin_us = 60" + slave).master.send_margin,
+            microseconds(60));
+}
+
 // The table states each default once more, for the documents: it must say what the structs say.
 TEST(Config, DefaultsOfTheTableAreThoseOfTheStructs) {
   const Config config = good(kSmallest);

@@ -193,7 +193,8 @@ factor = 0.001
         result = self.run(*arguments, "--json")
         if result.returncode != code:
             raise AssertionError(
-                f"{arguments}: exit code {result.returncode} instead of {code}\n{result.stdout}\n{result.stderr}"
+                f"{arguments}: exit code {result.returncode} instead of {code}\n{result.stdout}\n{result.stderr}\n"
+                f"status: {self.run('status', '--json').stdout}\nthe daemon's log:\n{self.log_text()}"
             )
         objects = [json.loads(line) for line in result.stdout.splitlines()]
         for found in objects:
