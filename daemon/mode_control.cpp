@@ -55,7 +55,7 @@ Refusal ModeControl::request(Mode mode, bool force) noexcept {
       initialise();
       return Refusal::none;
     case Mode::reset_can:
-      if (!bus_.reset()) return Refusal::wrong_state;
+      if (bus_.reset() != can::ResetResult::done) return Refusal::wrong_state;
       return master_.control(ControlCommand::reset_can);
     case Mode::restart:
       target_ = configured_;

@@ -94,7 +94,7 @@ class RealtimeLoop {
   std::array<std::uint64_t, cansync::kSlots> left_out_ = {};
   can::Time next_second_{};
   can::ControllerStatus controller_;
-  std::uint64_t overruns_before_ = 0;  ///< when the running second began
+  std::uint64_t overruns_before_ = 0;  ///< and drops, when the running second began
   can::SendResult last_send_ = can::SendResult::queued;
   std::uint64_t failed_sends_ = 0;  ///< in a row
   can::Frame last_sent_;

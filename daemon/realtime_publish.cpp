@@ -59,7 +59,7 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
   timing.bus_load = load_.take(now);
   exchange_.timing.write(timing);
   reporter_.written();
-  overruns_before_ = controller_.overruns;
+  overruns_before_ = controller_.overruns + controller_.dropped;
   next_second_ = std::max(next_second_ + kSecond, now);
   clock_.adjust(bus_);
 }
@@ -71,7 +71,7 @@ std::uint16_t RealtimeLoop::cansync_status() const noexcept {
   const ControllerState state = controller_.state;
   const bool warning = state == ControllerState::error_warning || state == ControllerState::error_passive;
   unsigned bits = 0;
-  if (controller_.overruns != overruns_before_) bits |= 1u << 1;
+  if (controller_.overruns + controller_.dropped != overruns_before_) bits |= 1u << 1;
   if (last_send_ != can::SendResult::queue_full) bits |= 1u << 2;
   if (!echo_due_ && last_send_ == can::SendResult::queued) bits |= 1u << 3;
   if (heard_others_) bits |= 1u << 4;

@@ -31,14 +31,45 @@ enum class Wake : std::uint8_t { deadline, frame, interrupted };
 /// Controller state after CAN 2.0, fault confinement.
 enum class ControllerState : std::uint8_t { error_active, error_warning, error_passive, bus_off, stopped };
 
-/// State and counters of the controller behind a bus.
+/// State of the interface behind a bus.
+enum class LinkState : std::uint8_t {
+  up,
+  down,            ///< there, but not set up
+  missing,         ///< no such interface now
+  wrong_bit_rate,  ///< set up with another bit rate than the configured one: nothing is sent
+};
+
+/// Where the time of a received frame comes from.
+enum class TimestampSource : std::uint8_t {
+  simulation,  ///< exact, by the simulated bus
+  hardware,    ///< the controller's own clock
+  kernel,      ///< the kernel, when the driver handed the frame over
+  thread,      ///< the realtime thread, when it looked: no better than its wake-ups
+};
+
+/// State and counters of the controller behind a bus. Counters count since the start and never fall.
 struct ControllerStatus {
   ControllerState state = ControllerState::error_active;
   std::uint16_t transmit_errors = 0;  ///< transmit error counter, 0..256
   std::uint16_t receive_errors = 0;   ///< receive error counter, 0..255
-  std::uint64_t overruns = 0;         ///< frames lost for want of room since the start
+  std::uint64_t overruns = 0;         ///< frames lost because the controller had no room for them
+  LinkState link = LinkState::up;
+  std::uint32_t bits_per_second = 0;     ///< bit rate the interface is set to; 0: not known
+  std::uint64_t error_frames = 0;        ///< error frames of every kind
+  std::uint64_t acknowledge_errors = 0;  ///< frames that nobody acknowledged
+  std::uint64_t restarts = 0;            ///< times the controller left bus-off
+  std::uint64_t queue_full = 0;          ///< telegrams refused because the send queue was full
+  std::uint64_t dropped = 0;             ///< received frames lost because nobody had taken them in time
 
   friend bool operator==(const ControllerStatus&, const ControllerStatus&) = default;
+};
+
+/// What became of a request to reset the controller.
+enum class ResetResult : std::uint8_t {
+  done,           ///< the controller starts anew
+  pending,        ///< begun; `reset_result` tells when it is done
+  not_permitted,  ///< the daemon has not got the right (CAP_NET_ADMIN)
+  unavailable,    ///< the interface is missing or down, or its driver cannot
 };
 
 /// What the realtime loop needs of a bus: a clock, a way to sleep, frames in and out, and the SYNC edge.
@@ -68,8 +99,15 @@ class Bus {
   /// State of the controller.
   virtual ControllerStatus status() noexcept = 0;
 
-  /// Resets the controller, which leaves bus-off. False: this bus cannot or may not.
-  virtual bool reset() noexcept = 0;
+  /// Resets the controller, which leaves bus-off. `pending`: ask `reset_result` from time to time; a second
+  /// reset before that one has ended is the same one.
+  virtual ResetResult reset() noexcept = 0;
+
+  /// What became of the last `reset`.
+  virtual ResetResult reset_result() noexcept = 0;
+
+  /// Where the times of received frames come from, as of the newest one.
+  virtual TimestampSource timestamp_source() noexcept = 0;
 };
 
 }  // namespace can

@@ -106,7 +106,10 @@ can::SendResult Line::send(const can::Frame& frame) noexcept {
   advance(now);
   leave_bus_off(now);
   if ((bus_off_ & bit_of(kMaster)) != 0) return can::SendResult::bus_off;
-  if (transmit_.size() >= transmit_depth_) return can::SendResult::queue_full;
+  if (transmit_.size() >= transmit_depth_) {
+    ++queue_full_;
+    return can::SendResult::queue_full;
+  }
   can::Frame sent = frame;
   sent.dlc = std::min<std::uint8_t>(sent.dlc, 8);
   const can::Time delay = faults_.at_hand_over(sent);
@@ -136,11 +139,15 @@ can::ControllerStatus Line::status() noexcept {
   status.state = (bus_off_ & bit_of(kMaster)) != 0 ? can::ControllerState::bus_off : errors.state();
   status.transmit_errors = errors.transmit_errors();
   status.receive_errors = errors.receive_errors();
-  status.overruns = overruns_;
+  status.bits_per_second = bits_per_second_;
+  status.error_frames = counters_.error_frames;
+  status.restarts = restarts_;
+  status.queue_full = queue_full_;
+  status.dropped = dropped_;
   return status;
 }
 
-bool Line::reset() noexcept {
+can::ResetResult Line::reset() noexcept {
   const can::Time now = clock_.now();
   advance(now);
   transmit_.clear();
@@ -149,12 +156,16 @@ bool Line::reset() noexcept {
   master.errors.clear();
   unclean_ &= ~bit_of(kMaster);
   if ((bus_off_ & bit_of(kMaster)) != 0) master.bus_off_until = now + bit_times(kRecoveryBits);
-  return true;
+  return can::ResetResult::done;
 }
 
 can::ControllerStatus Line::node_status(std::size_t index) const noexcept {
   const ErrorCounters& errors = participants_[index].errors;
-  return {errors.state(), errors.transmit_errors(), errors.receive_errors(), 0};
+  can::ControllerStatus status;
+  status.state = errors.state();
+  status.transmit_errors = errors.transmit_errors();
+  status.receive_errors = errors.receive_errors();
+  return status;
 }
 
 }  // namespace sim

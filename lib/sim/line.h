@@ -78,7 +78,9 @@ class Line final : public can::Bus {
   can::ControllerStatus status() noexcept override;
   /// Empties the transmit queue and clears the error counters; always possible. Out of bus-off it takes
   /// 128 * 11 bit times until `status` no longer says bus_off.
-  bool reset() noexcept override;
+  can::ResetResult reset() noexcept override;
+  can::ResetResult reset_result() noexcept override { return can::ResetResult::done; }
+  can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::simulation; }
 
   /// Time on the bus of so many bits, rounded down to whole nanoseconds.
   can::Time bit_times(std::uint64_t bits) const noexcept;
@@ -171,7 +173,9 @@ class Line final : public can::Bus {
   std::optional<Flight> flight_;
   can::Time bus_free_{};
   std::uint64_t order_ = 0;
-  std::uint64_t overruns_ = 0;
+  std::uint64_t dropped_ = 0;
+  std::uint64_t queue_full_ = 0;
+  std::uint64_t restarts_ = 0;
   LineCounters counters_;
 };
 

@@ -152,7 +152,7 @@ void Line::deliver() noexcept {
 
 void Line::deliver_to_master(bool own) noexcept {
   if (received_size_ == received_.size()) {
-    ++overruns_;
+    ++dropped_;
     return;
   }
   std::size_t at = received_first_ + received_size_;
@@ -223,6 +223,7 @@ void Line::leave_bus_off(can::Time now) noexcept {
     if (participant.bus_off_until > now) return;
     participant.errors.clear();
     bus_off_ &= ~bit_of(index);
+    if (index == kMaster) ++restarts_;
     unclean_ &= ~bit_of(index);
   });
 }

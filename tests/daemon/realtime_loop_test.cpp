@@ -264,7 +264,7 @@ TEST(RealtimeLoop, OperatorsLeadTheLineThroughAllModes) {
 
 TEST(RealtimeLoop, ABusThatCannotBeResetRefuses) {
   LoopRig rig;
-  rig.bus.may_reset = false;
+  rig.bus.reset_answer = can::ResetResult::unavailable;
   rig.push_at(50, ModeRequest{1, Mode::reset_can, false});
   rig.run_until(60);
   EXPECT_EQ(rig.answer_to<Refused>(1).refusal, Refusal::wrong_state);

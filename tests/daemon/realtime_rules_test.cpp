@@ -97,7 +97,9 @@ class WatchedLine final : public can::Bus {
     }
   }
   can::ControllerStatus status() noexcept override { return line_.status(); }
-  bool reset() noexcept override { return line_.reset(); }
+  can::ResetResult reset() noexcept override { return line_.reset(); }
+  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
+  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
 
  private:
   /// The kernel's count is read outside the span that is watched: reading it allocates.

@@ -33,7 +33,7 @@ class ScriptedBus final : public can::Bus {
 
   can::SendResult send_result = can::SendResult::queued;
   can::ControllerStatus controller;
-  bool may_reset = true;
+  can::ResetResult reset_answer = can::ResetResult::done;
   unsigned resets = 0;
 
   std::vector<Sent> sent;
@@ -77,10 +77,12 @@ class ScriptedBus final : public can::Bus {
 
   void sync_edge(can::Time due) noexcept override { edges.emplace_back(due, now_); }
   can::ControllerStatus status() noexcept override { return controller; }
-  bool reset() noexcept override {
-    if (may_reset) ++resets;
-    return may_reset;
+  can::ResetResult reset() noexcept override {
+    ++resets;
+    return reset_answer;
   }
+  can::ResetResult reset_result() noexcept override { return reset_answer; }
+  can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::simulation; }
 
  private:
   can::Time duration(const can::Frame& frame) const {

@@ -170,12 +170,15 @@ TEST(Faults, ResetLeavesBusOffAfterTheRecoveryTime) {
   ASSERT_EQ(line.status().state, ControllerState::bus_off);
   run_until(line, us(100'000));
   EXPECT_EQ(line.status().state, ControllerState::bus_off) << "not by itself";
-  EXPECT_TRUE(line.reset());
+  EXPECT_EQ(line.reset(), can::ResetResult::done);
   run_until(line, us(100'000 + 1407));
   EXPECT_EQ(line.send(frame("106#")), can::SendResult::bus_off);
   run_until(line, us(100'000 + 1408));  // 128 * 11 bits
   EXPECT_EQ(line.status().state, ControllerState::error_active);
   EXPECT_EQ(line.status().transmit_errors, 0u);
+  EXPECT_EQ(line.status().restarts, 1u);
+  EXPECT_EQ(line.status().error_frames, line.counters().error_frames);
+  EXPECT_GE(line.status().error_frames, 32u);
   EXPECT_EQ(line.send(frame("107#")), can::SendResult::queued);
   EXPECT_EQ(texts(run_until(line, us(110'000))), (Texts{"107#"})) << "what waited before is gone";
 }
@@ -185,7 +188,7 @@ TEST(Faults, ResetDropsWhatWaitsAndTheFrameOnTheBus) {
   line.send(frame("105#"));
   line.send(frame("106#"));
   run_until(line, us(10));
-  EXPECT_TRUE(line.reset());
+  EXPECT_EQ(line.reset(), can::ResetResult::done);
   line.send(frame("107#"));
   EXPECT_EQ(texts(run_until(line, us(1000))), (Texts{"107#"}));
 }

@@ -166,6 +166,7 @@ TEST(Line, TransmitQueueHasItsDepth) {
   EXPECT_EQ(run_until(line, us(1)).size(), 0u) << "the first one is on the bus now";
   EXPECT_EQ(line.send(frame("104#")), SendResult::queued);
   EXPECT_EQ(line.send(frame("105#")), SendResult::queue_full);
+  EXPECT_EQ(line.status().queue_full, 2u);
   const auto received = run_until(line, us(1000));
   ASSERT_EQ(received.size(), 4u);
   EXPECT_EQ(text(received[3].frame), "104#");
@@ -313,7 +314,7 @@ TEST(LineInRealTime, FullReceiveQueueIsCounted) {
   const Time start = line.now();
   while (line.now() < start + us(1000)) {  // all five are on the bus before the first is taken
   }
-  EXPECT_EQ(line.status().overruns, 3u);
+  EXPECT_EQ(line.status().dropped, 3u);
   EXPECT_EQ(receive_all(line).size(), 2u);
 }
 
