@@ -94,8 +94,10 @@ class Daemon {
 
   /// Throws rt::RealtimeError when realtime is enforced and not granted, std::system_error without threads.
   void start() {
-    thread_.emplace(realtime_settings(file_.config.realtime), [this] { loop_.run(); });
+    const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
+    thread_.emplace(settings, [this] { loop_.run(); });
     for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
+    gateway_.set_realtime(settings, thread_->grants());
     gateway_.start();
     const auto& times = cansync::slot_times(file_.config.master.bit_rate);
     status_ = fmt::format("bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,

@@ -10,6 +10,7 @@
 #include "cansync/master.h"
 #include "cansync/mode.h"
 #include "cansync/settings.h"
+#include "daemon/slot_statistics.h"
 #include "rt/latest_value.h"
 #include "rt/spsc_ring.h"
 #include "rt/wake_signal.h"
@@ -230,6 +231,9 @@ struct TimingSnapshot {
   std::array<std::uint64_t, cansync::kSlots> left_out = {};  ///< WRC1, WRC2, CC since the start
   std::uint64_t missed_syncs = 0;                            ///< since the start
   std::uint32_t bus_load = 0;                                ///< permille, of the last second
+  SlotSummaries slots = {};                                  ///< as seen on the bus, in active operation
+  std::array<cansync::Duration, cansync::kSlots> planned =
+      {};  ///< planned start of WRC1, WRC2, CC after SYNC
 };
 
 /// Number of entries in each queue of the exchange.

@@ -36,6 +36,11 @@ class Gateway {
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
 
+  /// What the realtime thread asked for and was granted, for MasterStatus. Before `start`.
+  void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
+    state_.set_realtime(wanted, granted);
+  }
+
   /// Starts the thread; once. Throws std::system_error when there is no thread to be had.
   void start();
 

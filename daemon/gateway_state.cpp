@@ -44,7 +44,28 @@ auto essence(const MasterSnapshot& master) {
                     master.configured.bits, master.responding.bits, master.synchronized.bits);
 }
 
-cansync_Timing to_dds(const TimingSnapshot& timing) {
+/// Where the instants of a simulated line come from.
+constexpr std::string_view kSimulationTimestamps = "simulation";
+
+constexpr TelegramClass kSlotOrder[kTelegramClasses] = {
+    TelegramClass::response,      TelegramClass::reference_one, TelegramClass::actual_one,
+    TelegramClass::reference_two, TelegramClass::actual_two,    TelegramClass::command};
+
+/// -1 ns for what the slaves send.
+cansync::Duration planned_start(const TimingSnapshot& timing, TelegramClass slot) {
+  switch (slot) {
+    case TelegramClass::reference_one:
+      return timing.planned[static_cast<unsigned>(cansync::Slot::reference_one)];
+    case TelegramClass::reference_two:
+      return timing.planned[static_cast<unsigned>(cansync::Slot::reference_two)];
+    case TelegramClass::command:
+      return timing.planned[static_cast<unsigned>(cansync::Slot::command)];
+    default:
+      return cansync::Duration(-1);
+  }
+}
+
+cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& times) {
   cansync_Timing sample = {};
   sample.intervals = timing.intervals;
   sample.lateness_minimum = timing.lateness_minimum.count();
@@ -54,7 +75,32 @@ cansync_Timing to_dds(const TimingSnapshot& timing) {
   std::copy(timing.left_out.begin(), timing.left_out.end(), std::begin(sample.left_out));
   sample.missed_syncs = timing.missed_syncs;
   sample.bus_load = timing.bus_load;
+  for (unsigned i = 0; i < kTelegramClasses; ++i) {
+    const TelegramClass slot = kSlotOrder[i];
+    const SlotSummary& seen = timing.slots[static_cast<unsigned>(slot)];
+    sample.slot[i] = {seen.count,
+                      seen.earliest.count(),
+                      seen.mean.count(),
+                      seen.latest.count(),
+                      planned_start(timing, slot).count(),
+                      latest_start(times, slot).count(),
+                      seen.late};
+  }
+  dds::copy_text(kSimulationTimestamps, sample.timestamp_source);
   return sample;
+}
+
+void fill_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted,
+                   cansync_MasterStatus& sample) {
+  sample.realtime_enforced = wanted.enforce;
+  sample.realtime_priority = granted.scheduling ? wanted.priority : 0;
+  sample.realtime_priority_wanted = wanted.priority;
+  sample.realtime_cpu = granted.affinity ? wanted.cpu : -1;
+  sample.realtime_cpu_wanted = wanted.cpu;
+  sample.memory_locked = wanted.lock_memory && granted.memory_locked;
+  sample.memory_lock_wanted = wanted.lock_memory;
+  // What was not asked for counts as granted.
+  sample.cpu_held_awake = wanted.hold_cpu_awake && granted.cpu_held_awake;
 }
 
 }  // namespace
@@ -81,6 +127,12 @@ void StatePublisher::set_names(const Config& config) {
   master_dirty_ = true;
 }
 
+void StatePublisher::set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
+  realtime_wanted_ = wanted;
+  realtime_granted_ = granted;
+  master_dirty_ = true;
+}
+
 SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
   take_settings(exchange);
   take_master(exchange);
@@ -91,7 +143,9 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
         {interval.sync.interval, interval.sync.wall_clock.count(), interval.time_left.count()});
   }
   TimingSnapshot timing;
-  if (exchange.timing.read(timing)) (void)timing_writer_.write(to_dds(timing));
+  if (exchange.timing.read(timing)) {
+    (void)timing_writer_.write(to_dds(timing, cansync::slot_times(config_.master.bit_rate)));
+  }
 
   if (master_dirty_ || now - master_published_ >= kMasterPeriod) publish_master(now);
   SteadyTime next = master_published_ + kMasterPeriod;
@@ -162,6 +216,10 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.open_transfers = master_.open_transfers;
   sample.missed_syncs = master_.missed_syncs;
   sample.lost_reports = master_.lost_reports;
+  sample.data_model = cansync_DATA_MODEL;
+  dds::copy_text(config_.bus.interface, sample.bus_interface);
+  if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
+  fill_realtime(realtime_wanted_, realtime_granted_, sample);
   const auto names = names_of(config_.references);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
   (void)master_writer_.write(sample);

@@ -9,6 +9,7 @@
 #include "daemon/gateway_events.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
+#include "rt/realtime_thread.h"
 
 namespace cansyncd {
 
@@ -26,6 +27,9 @@ class StatePublisher {
 
   /// Takes names, units and scaling from `config`; they are published with the next `step`.
   void set_names(const Config& config);
+
+  /// What the realtime thread asked for and was granted; published with the next `step`.
+  void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted);
 
   /// Takes what is new from `exchange` and publishes what is due. Returns when to call again at the latest.
   SteadyTime step(Exchange& exchange, SteadyTime now);
@@ -60,6 +64,8 @@ class StatePublisher {
   std::array<Slave, cansync::kSlaves> slaves_;
   MasterSnapshot master_;
   SettingsSnapshot settings_;
+  rt::RealtimeSettings realtime_wanted_;
+  rt::Grants realtime_granted_;
   bool master_dirty_ = true;
   SteadyTime master_published_;
 };

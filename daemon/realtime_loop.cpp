@@ -55,7 +55,8 @@ RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSe
       master_(settings, reporter_),
       mode_(master_, bus, loop.target),
       requests_(exchange, master_, mode_, reporter_),
-      load_(cansync::slot_times(settings.bit_rate).bits_per_second) {}
+      load_(cansync::slot_times(settings.bit_rate).bits_per_second),
+      slots_(cansync::slot_times(settings.bit_rate)) {}
 
 void RealtimeLoop::run() noexcept {
   begin();
@@ -175,6 +176,7 @@ void RealtimeLoop::receive_frames() noexcept {
   can::ReceivedFrame received;
   for (unsigned i = 0; i < kFramesAtOnce && bus_.receive(received); ++i) {
     load_.add(received.frame);
+    if (master_.state() == cansync::State::active_master) slots_.add(received.frame, received.end, sync_);
     const can::Time since_sync = received.end - sync_;
     if (received.own) {
       if (received.frame == last_sent_) echo_due_ = false;

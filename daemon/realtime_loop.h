@@ -13,6 +13,7 @@
 #include "daemon/mode_control.h"
 #include "daemon/reporter.h"
 #include "daemon/request_intake.h"
+#include "daemon/slot_statistics.h"
 #include "daemon/wall_clock.h"
 #include "rt/timing_statistics.h"
 
@@ -90,6 +91,7 @@ class RealtimeLoop {
   can::Time sync_{};                    ///< edge of the running interval, as due
   rt::TimingStatistics lateness_;
   BusLoad load_;
+  SlotStatistics slots_;
   std::uint64_t missed_syncs_ = 0;
   std::array<std::uint64_t, cansync::kSlots> left_out_ = {};
   can::Time next_second_{};

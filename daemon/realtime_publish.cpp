@@ -7,6 +7,7 @@
 namespace cansyncd {
 
 using cansync::SlaveNumber;
+using cansync::Slot;
 
 void RealtimeLoop::publish() noexcept {
   watch_controller();
@@ -57,6 +58,10 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
   timing.left_out = left_out_;
   timing.missed_syncs = missed_syncs_;
   timing.bus_load = load_.take(now);
+  timing.slots = slots_.take();
+  for (const Slot slot : {Slot::reference_one, Slot::reference_two, Slot::command}) {
+    timing.planned[static_cast<unsigned>(slot)] = master_.planned_start(slot);
+  }
   exchange_.timing.write(timing);
   reporter_.written();
   overruns_before_ = controller_.overruns + controller_.dropped;

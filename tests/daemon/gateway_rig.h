@@ -188,12 +188,14 @@ struct TransferAnswer {
 /// A gateway in one place, a client in another, and the test as the realtime thread between them.
 class GatewayRig {
  public:
-  explicit GatewayRig(const Config& config = gateway_config(), const ExchangeSizes& sizes = {})
+  explicit GatewayRig(const Config& config = gateway_config(), const ExchangeSizes& sizes = {},
+                      const rt::RealtimeSettings& wanted = {}, const rt::Grants& granted = {})
       : exchange(sizes),
         participant_(places_.here),
         gateway(std::make_unique<Gateway>(config, exchange, participant_)),
         client(places_.there),
         transfer_replies_(client.participant(), &client.signal()) {
+    gateway->set_realtime(wanted, granted);
     gateway->start();
     EXPECT_TRUE(client.wait_for_gateway());
     EXPECT_TRUE(eventually(client.signal(), [&] { return transfer_replies_.matched() > 0; }));

@@ -91,6 +91,30 @@ TEST(GatewayState, MasterStatusComesEverySecond) {
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(900));
 }
 
+TEST(GatewayState, MasterStatusTellsWhatTheRealtimeThreadWasGranted) {
+  rt::RealtimeSettings wanted;
+  wanted.enforce = false;
+  wanted.priority = 70;
+  wanted.cpu = 2;
+  rt::Grants granted;
+  granted.memory_locked = true;
+  granted.affinity = true;
+  granted.cpu_held_awake = true;
+  GatewayRig rig(gateway_config(), {}, wanted, granted);
+  const auto status = rig.client.wait_for<cansync_MasterStatus>([](const auto&) { return true; });
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->data_model, static_cast<unsigned>(cansync_DATA_MODEL));
+  EXPECT_EQ(text(status->bus_interface), "sim");
+  EXPECT_FALSE(status->realtime_enforced);
+  EXPECT_EQ(status->realtime_priority, 0) << "not granted";
+  EXPECT_EQ(status->realtime_priority_wanted, 70);
+  EXPECT_EQ(status->realtime_cpu, 2);
+  EXPECT_EQ(status->realtime_cpu_wanted, 2);
+  EXPECT_TRUE(status->memory_locked);
+  EXPECT_TRUE(status->memory_lock_wanted);
+  EXPECT_TRUE(status->cpu_held_awake);
+}
+
 TEST(GatewayState, MasterStatusComesAtOnceWhenSettingsChange) {
   GatewayRig rig;
   SettingsSnapshot settings;
@@ -146,6 +170,10 @@ TEST(GatewayState, TimingIsPublished) {
   timing.histogram[5] = 12;
   timing.left_out = {1, 2, 3};
   timing.bus_load = 456;
+  timing.slots[static_cast<unsigned>(TelegramClass::actual_one)] = {
+      7, std::chrono::microseconds(400), std::chrono::microseconds(410), std::chrono::microseconds(430), 9};
+  timing.planned = {std::chrono::microseconds(300), std::chrono::microseconds(600),
+                    std::chrono::microseconds(900)};
   const auto publish = [&] {
     rig.exchange.timing.write(timing);
     rig.exchange.gateway_wake.signal();
@@ -156,6 +184,19 @@ TEST(GatewayState, TimingIsPublished) {
   EXPECT_EQ(sample->lateness_maximum, 37'000);
   EXPECT_EQ(sample->lateness_histogram[5], 12u);
   EXPECT_EQ(sample->left_out[2], 3u);
+  const auto& seen = sample->slot[2];
+  EXPECT_EQ(seen.count, 7u);
+  EXPECT_EQ(seen.earliest, 400'000);
+  EXPECT_EQ(seen.mean, 410'000);
+  EXPECT_EQ(seen.latest, 430'000);
+  EXPECT_EQ(seen.late, 9u);
+  const std::array<std::int64_t, 6> latest{210'000, 350'000, 520'000, 650'000, 820'000, 950'000};
+  const std::array<std::int64_t, 6> planned{-1, 300'000, -1, 600'000, -1, 900'000};
+  for (std::size_t i = 0; i < latest.size(); ++i) {
+    EXPECT_EQ(sample->slot[i].latest_start, latest[i]) << i;
+    EXPECT_EQ(sample->slot[i].planned_start, planned[i]) << i;
+  }
+  EXPECT_EQ(text(sample->timestamp_source), "simulation");
   EXPECT_EQ(sample->bus_load, 456u);
 }
 
