@@ -101,8 +101,8 @@ struct SimConfig {
   cansync::SlaveMask drives;  ///< which slave numbers have a drive; default: every configured slave
   std::chrono::milliseconds lock_time{500};  ///< from SYNC and activation to bit 15 of the status word
   std::uint64_t seed = 1;
-  std::string fault_script;            ///< file with faults to inject; empty: none
-  std::uint32_t memory = 1024 * 1024;  ///< bytes of upload/download memory per drive
+  std::string fault_script;           ///< file with faults to inject; empty: none
+  std::uint32_t memory = 256 * 1024;  ///< bytes of upload/download memory per drive
   std::uint16_t missing_references =
       10;             ///< intervals in a row without reference values until a drive faults
   std::string trace;  ///< file for a candump text log of the bus; empty: none

@@ -126,7 +126,7 @@ constexpr auto kRows = std::to_array<Option>({
     string("sim.fault_script", OptionType::text, "\"\"", 0, 4096,
            "File with faults to inject; a relative path starts at the configuration file's folder.",
            [](Draft& d, const Value& v) { d.config.sim.fault_script = words(v); }),
-    whole_number("sim.memory_bytes", "1048576", 4096, 16'777'216, "bytes",
+    whole_number("sim.memory_bytes", "262144", 4096, 16'777'216, "bytes",
                  "Memory of each drive for uploads and downloads.",
                  [](Draft& d, const Value& v) { d.config.sim.memory = whole<std::uint32_t>(v); }),
     whole_number("sim.missing_references", "10", 0, 65535, "intervals",

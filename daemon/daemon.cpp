@@ -18,9 +18,13 @@
 #include "daemon/sim_bus.h"
 #include "dds/participant.h"
 #include "rt/realtime_thread.h"
+#include "rt/thread_stack.h"
 
 namespace cansyncd {
 namespace {
+
+/// Of the threads of DDS and of our own; the deepest was seen to use under 100 KiB.
+constexpr std::size_t kThreadStack = std::size_t{512} * 1024;
 
 /// Blocks the signals the daemon waits for; every thread started afterwards inherits it.
 class SignalSet {
@@ -202,6 +206,9 @@ ConfigFile load_checked(const std::string& path, const std::vector<std::string>&
 
 int run_daemon(ConfigFile file, const std::vector<std::string>& overrides) {
   const SignalSet signals;
+  if (!rt::set_default_stack_size(kThreadStack)) {
+    log(LogPriority::warning, "thread stacks keep the system's size; locked memory will be larger");
+  }
   try {
     Daemon daemon(std::move(file));
     daemon.start();

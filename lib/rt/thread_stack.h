@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+
+namespace rt {
+
+/// Makes `bytes` the stack size of every thread created from now on without a size of its own, those of
+/// libraries included; false when the system refuses the size, and nothing has changed.
+///
+/// With all memory locked every stack counts in full, 8 MiB each by default. At least 128 KiB; call at the
+/// start of the program, on the main thread.
+bool set_default_stack_size(std::size_t bytes) noexcept;
+
+}  // namespace rt

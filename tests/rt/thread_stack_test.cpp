@@ -1,0 +1,36 @@
+#include "rt/thread_stack.h"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+
+#include <thread>
+
+namespace {
+
+std::size_t stack_of_a_new_thread() {
+  std::size_t size = 0;
+  std::thread([&size] {
+    pthread_attr_t attributes;
+    if (pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+    pthread_attr_getstacksize(&attributes, &size);
+    pthread_attr_destroy(&attributes);
+  }).join();
+  return size;
+}
+
+TEST(ThreadStack, NewThreadsHaveTheSizeThatWasSet) {
+  const std::size_t before = stack_of_a_new_thread();
+  // Larger than any stack the C library may keep for reuse.
+  const std::size_t wanted = before + std::size_t{1024} * 1024;
+  ASSERT_TRUE(rt::set_default_stack_size(wanted));
+  EXPECT_EQ(stack_of_a_new_thread(), wanted);
+  ASSERT_TRUE(rt::set_default_stack_size(before));
+}
+
+TEST(ThreadStack, ARefusedSizeChangesNothing) {
+  const std::size_t before = stack_of_a_new_thread();
+  EXPECT_FALSE(rt::set_default_stack_size(1));
+  EXPECT_EQ(stack_of_a_new_thread(), before);
+}
+
+}  // namespace
