@@ -19,6 +19,7 @@ allowed_folders() {
     cansync) echo 'cansync' ;; # and can/frame.h
     sim) echo 'can|cansync|sim' ;;
     rt) echo 'can|rt' ;; # knows no CANsync
+    sync) echo 'can|rt|sync' ;; # knows no CANsync
     dds) echo 'cansync|rt|dds' ;; # knows no bus
     client) echo 'cansync|dds|client' ;;
   esac
@@ -48,16 +49,18 @@ check() {
     return 1
   fi
   failures=0
-  for layer in can cansync sim rt dds client; do
+  for layer in can cansync sim rt sync dds client; do
     # Includes of another folder. A generated or system header carries no folder of ours.
     report "lib/$layer may not include this folder" < <(
-      matching "$lib/$layer" '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](can|cansync|sim|rt|dds|client|daemon|tools)/' \
+      matching "$lib/$layer" '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](can|cansync|sim|rt|sync|dds|client|daemon|tools)/' \
         "include[[:space:]]*[\"<](($(allowed_folders "$layer"))/$( [ "$layer" = cansync ] && echo '|can/frame\.h'))" |
         grep -vE 'include[[:space:]]*<dds/')
   done
   report 'lib/can may not know CANsync' < <(matching "$lib/can" 'cansync')
-  report 'lib/rt may not know CANsync' < <(matching "$lib/rt" '(cansync/|cansync::|namespace cansync)')
-  for layer in can cansync sim rt; do
+  for layer in rt sync; do
+    report "lib/$layer may not know CANsync" < <(matching "$lib/$layer" '(cansync/|cansync::|namespace cansync)')
+  done
+  for layer in can cansync sim rt sync; do
     report "lib/$layer may not use DDS" < <(
       matching "$lib/$layer" '#[[:space:]]*include[[:space:]]*["<]((dds|ddsc)/|dds[a-z_]*\.h|cansync\.h)|\bdds_[a-z]+')
   done
@@ -73,7 +76,7 @@ check() {
 plant() { # file, line: the check must name exactly this file
   local tree out
   tree=$(mktemp -d) || exit 2
-  mkdir -p "$tree"/lib/{can,cansync,sim,rt,dds,client}
+  mkdir -p "$tree"/lib/{can,cansync,sim,rt,sync,dds,client}
   printf '#include <array>\n#include "can/frame.h"\n#include "cansync/numbers.h"\n' >"$tree/lib/cansync/clean.cpp"
   printf '#include "can/bus.h"\n' >"$tree/lib/sim/clean.h"
   printf '#include <dds/dds.h>\n#include "cansync/jobs.h"\n#include "cansync.h"\n' >"$tree/lib/dds/clean.cpp"
@@ -110,6 +113,11 @@ self_test() {
   plant rt/planted.h '#include "cansync/jobs.h"' || bad=1
   plant rt/planted.h 'void f(const cansync::Telegram&);' || bad=1
   plant rt/planted.cpp 'auto x = dds_create_participant(0, nullptr, nullptr);' || bad=1
+  plant sync/planted.h '#include "cansync/timing.h"' || bad=1
+  plant sync/planted.cpp '#include "sim/clock.h"' || bad=1
+  plant sync/planted.cpp '#include <dds/dds.h>' || bad=1
+  plant rt/planted.cpp '#include "sync/phase_lock.h"' || bad=1
+  plant dds/planted.cpp '#include "sync/phase_lock.h"' || bad=1
   plant dds/planted.cpp '#include "can/bus.h"' || bad=1
   plant dds/planted.cpp '#include "client/client.h"' || bad=1
   plant client/planted.cpp '#include "daemon/exchange.h"' || bad=1
