@@ -11,6 +11,7 @@
 
 #include "cansync/mapping.h"
 #include "cansync/settings_check.h"
+#include "daemon/bus_budget.h"
 
 namespace cansyncd {
 namespace {
@@ -171,7 +172,9 @@ class Checker {
   }
 
   void master() {
-    for (const cansync::SettingProblem& found : cansync::check(draft_.config.master)) {
+    auto found_problems = cansync::check(draft_.config.master);
+    if (found_problems.empty()) found_problems = check_budget(budget_input(draft_.config));
+    for (const cansync::SettingProblem& found : found_problems) {
       const std::string key = option_of(found.field);
       const std::size_t word = found.field.find(".word[");
       const std::string where =

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/bus_budget.h"
+#include "daemon/bus_budget_text.h"
 #include "daemon/config_print.h"
 #include "daemon/daemon.h"
 
@@ -28,7 +30,8 @@ void describe(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("cansyncd " CANSYNC_VERSION));
   auto* config =
       app.add_option("CONFIG", arguments.config, "Configuration file (TOML); runs the bus it describes");
-  auto* check = app.add_option("--check", arguments.check, "Check this configuration file and start nothing")
+  auto* check = app.add_option("--check", arguments.check,
+                               "Check this configuration file, print its bus budget and start nothing")
                     ->type_name("FILE");
   app.add_option("--trace", arguments.trace,
                  "Log of the simulated bus in candump's format; --set sim.trace=FILE")
@@ -75,7 +78,9 @@ int run(const Arguments& arguments) {
     fmt::print(stderr, "{}", problems_text(file.problems));
     return exit_code::wrong_config;
   }
-  if (check_only) return print(fmt::format("{}: in order\n", path));
+  if (check_only) {
+    return print(fmt::format("{}: in order\n{}", path, budget_text(bus_budget(budget_input(file.config)))));
+  }
   return run_daemon(std::move(file), overrides(arguments));
 }
 
