@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <string>
 
 #include "can/frame_length.h"
@@ -112,7 +113,7 @@ void add_load(BusBudget& budget, const BudgetInput& input) {
   }
   const double read = least_bits(kReadCommandBytes) + least_bits(kWordReplyBytes);
   const auto permille = [&](double of) {
-    return static_cast<unsigned>(of * 1000 / budget.capacity_bits + 0.5);
+    return static_cast<unsigned>(std::lround(of * 1000 / budget.capacity_bits));
   };
   budget.typical = permille(bits + read);
   const Duration period = master.startup.status_period;

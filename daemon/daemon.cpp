@@ -14,9 +14,11 @@
 #include "daemon/gateway.h"
 #include "daemon/log.h"
 #include "daemon/realtime_loop.h"
+#include "daemon/realtime_text.h"
 #include "daemon/service.h"
 #include "daemon/sim_bus.h"
 #include "dds/participant.h"
+#include "rt/kernel_type.h"
 #include "rt/realtime_thread.h"
 #include "rt/thread_stack.h"
 
@@ -66,7 +68,6 @@ rt::RealtimeSettings realtime_settings(const RealtimeConfig& config) {
   settings.priority = config.priority;
   settings.cpu = config.cpu;
   settings.lock_memory = config.lock_memory;
-  settings.hold_cpu_awake = settings.enforce;
   return settings;
 }
 
@@ -100,6 +101,7 @@ class Daemon {
   void start() {
     const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
     thread_.emplace(settings, [this] { loop_.run(); });
+    log_line(LogPriority::notice, realtime_text(settings, thread_->grants(), rt::kernel_type()));
     for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
     gateway_.set_realtime(settings, thread_->grants());
     gateway_.start();

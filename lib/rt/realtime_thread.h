@@ -17,7 +17,7 @@ struct RealtimeSettings {
   int priority = 60;           ///< SCHED_FIFO, 1..`highest_priority`; 0: normal scheduling
   int cpu = -1;                ///< processor the thread is bound to, from 0; -1: any
   bool lock_memory = true;     ///< mlockall for the whole process, present and future pages
-  bool hold_cpu_awake = true;  ///< /dev/cpu_dma_latency at 0 us while the thread lives; never enforced
+  bool hold_cpu_awake = true;  ///< /dev/cpu_dma_latency at 0 us while the thread lives, when it can be had
   std::size_t prefaulted_stack = std::size_t{256} * 1024;  ///< bytes of stack touched before the work begins
 };
 

@@ -123,6 +123,7 @@ TEST_F(CansyncdTest, RunsUntilSigtermOrSigint) {
     Program program = run({file});
     ASSERT_TRUE(program.says("<5>running: bus two (sim) at 1000000 bit/s, 2 slaves")) << program.text();
     ASSERT_TRUE(program.says("active as master")) << program.text();
+    EXPECT_NE(program.text().find("<5>realtime thread: SCHED_"), std::string::npos) << program.text();
     program.signal(number);
     EXPECT_EQ(program.exit_code(), 0) << program.text();
     EXPECT_TRUE(program.text().ends_with("<5>stopped\n")) << program.text();

@@ -115,6 +115,18 @@ int in_child_without_rights(Work work) {
   return WEXITSTATUS(status);
 }
 
+TEST(RealtimeThread, HoldsTheProcessorAwakeInBothModesWhenItMay) {
+  for (const bool enforce : {true, false}) {
+    RealtimeSettings settings = modest();
+    settings.enforce = enforce;
+    settings.hold_cpu_awake = true;
+    RealtimeThread thread(settings, [] {});
+    const bool may = access("/dev/cpu_dma_latency", W_OK) == 0;
+    EXPECT_EQ(thread.grants().cpu_held_awake, may) << "never enforced, always asked for";
+    EXPECT_EQ(thread.grants().missing.empty(), may);
+  }
+}
+
 TEST(RealtimeThread, EnforceFailsWithoutRightsAndNamesBothLimits) {
   const int ending = in_child_without_rights([] {
     RealtimeSettings settings;
