@@ -7,7 +7,6 @@
 #include "can/bus.h"
 #include "daemon/config.h"
 #include "daemon/config_value.h"
-#include "sim/drive.h"
 #include "sim/line.h"
 #include "sim/trace_file.h"
 
@@ -15,10 +14,6 @@ namespace cansyncd {
 
 /// Everything wrong with the fault script that `config` names; empty when there is none. Main thread.
 std::vector<Problem> check_fault_script(const Config& config);
-
-/// What a simulated drive of slave `number` is: numbers, mappings and limits as the configuration says, so
-/// that master and drive agree from the start.
-sim::DriveSettings drive_settings(const Config& config, cansync::SlaveNumber number);
 
 /// The simulated line of a configuration in real time: drives, faults and trace. Built on the main thread;
 /// afterwards `bus` belongs to the realtime thread.

@@ -284,6 +284,9 @@ void read_faults(const toml::table& document, std::string_view file, FaultScript
     for (const toml::node& entry : *list) {
       if (const toml::table* table = entry.as_table()) {
         script.faults.push_back(FaultReader(*table, file, script.errors).read());
+        const toml::node* kind = table->get("kind");
+        const toml::source_position place = (kind != nullptr ? *kind : entry).source().begin;
+        script.places.push_back({place.line, place.column});
       } else {
         wrong(entry.source(), fmt::format("fault is {}; allowed: tables [[fault]]", shown(entry)));
       }
@@ -307,7 +310,10 @@ FaultScript parse_fault_script(std::string_view text, std::string_view file) {
     script.errors.push_back({std::string(file), place.line, place.column,
                              fmt::format("not valid TOML: {}", error.description())});
   }
-  if (!script.errors.empty()) script.faults.clear();
+  if (!script.errors.empty()) {
+    script.faults.clear();
+    script.places.clear();
+  }
   const auto place = [](const FaultScriptError& error) { return std::pair(error.line, error.column); };
   std::sort(script.errors.begin(), script.errors.end(),
             [&](const FaultScriptError& a, const FaultScriptError& b) { return place(a) < place(b); });
@@ -322,7 +328,7 @@ FaultScript load_fault_script(const std::string& path) {
     text.append(part.data(), static_cast<std::size_t>(file.gcount()));
   }
   if (!file.is_open() || file.bad())
-    return {{}, {{path, 0, 0, "cannot be read; check that the file exists and may be read"}}};
+    return {{}, {}, {{path, 0, 0, "cannot be read; check that the file exists and may be read"}}};
   return parse_fault_script(text, path);
 }
 

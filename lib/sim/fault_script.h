@@ -21,9 +21,16 @@ struct FaultScriptError {
   std::string text() const;
 };
 
+/// A place in a fault script; line and column count from 1.
+struct FaultPlace {
+  std::size_t line = 0;
+  std::size_t column = 0;
+};
+
 /// The faults of a script, or all that is wrong with it.
 struct FaultScript {
-  std::vector<Fault> faults;  ///< in the order of the file; empty when there are errors
+  std::vector<Fault> faults;       ///< in the order of the file; empty when there are errors
+  std::vector<FaultPlace> places;  ///< where the value of each fault's key `kind` stands
   std::vector<FaultScriptError> errors;
 };
 

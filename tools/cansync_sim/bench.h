@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "can/bus.h"
+#include "can/frame.h"
+#include "cansync/numbers.h"
+#include "sim/arbitration.h"
+#include "sim/drive.h"
+#include "sim/faults.h"
+
+/// The drive simulator program `cansync-sim`: simulated drives on a CAN interface of the kernel.
+namespace cansync_sim {
+
+/// What a bench is, beside its drives.
+struct BenchSettings {
+  std::uint32_t sync_identifier = 0;  ///< identifier of the software SYNC frame, 0..0x7FF
+  cansync::Duration interval{0};      ///< from one SYNC to the next; answers older than that are not sent
+  std::vector<sim::Fault> faults;     ///< none of kind `corrupted`
+  std::uint64_t seed = 1;             ///< of the faults' chance
+};
+
+/// What a bench has counted since its start.
+struct BenchCounters {
+  std::uint64_t syncs = 0;          ///< SYNC frames received
+  std::uint64_t received = 0;       ///< other data frames received
+  std::uint64_t error_frames = 0;   ///< error frames received
+  std::uint64_t sent = 0;           ///< frames sent, foreign ones of the fault script included
+  std::uint64_t not_sent = 0;       ///< frames the interface did not take
+  std::uint64_t too_late = 0;       ///< answers that would have come more than one interval late
+  std::uint64_t faults_missed = 0;  ///< foreign frames of the fault script without room
+};
+
+/// Simulated drives on a bus that is not simulated, sans-IO: it is given the frames that were received and
+/// asked which frame is to be sent next. SYNC is a frame with an identifier of its own, which is no part of
+/// CANsync. One thread; nothing allocates or throws after construction.
+class Bench {
+ public:
+  Bench(const BenchSettings& settings, std::vector<std::unique_ptr<sim::Drive>> drives);
+
+  /// A frame was received; `now` is the present in the clock of `frame.end`.
+  void receive(const can::ReceivedFrame& frame, can::Time now) noexcept;
+
+  /// When the next frame is to be sent; `can::Time::max()` when none waits.
+  can::Time next_due() const noexcept;
+
+  /// Takes the next frame to be sent at `now`; nothing when none is due. Of several the one with the lowest
+  /// identifier comes first.
+  std::optional<can::Frame> next(can::Time now) noexcept;
+
+  /// Tells what became of the frame that `next` gave last.
+  void sent(can::SendResult result) noexcept;
+
+  /// The interface is lost: what waits is not sent any more.
+  void link_lost() noexcept;
+
+  const BenchCounters& counters() const noexcept { return counters_; }
+  const std::vector<std::unique_ptr<sim::Drive>>& drives() const noexcept { return drives_; }
+
+ private:
+  using DriveMask = std::uint32_t;  // bit n = drives_[n]
+  static constexpr std::uint8_t kForeign = 0xFF;
+
+  void sync(can::Time edge) noexcept;
+  void deliver(const can::Frame& frame, can::Time end, can::Time now, DriveMask receivers) noexcept;
+  void hand_over(std::uint8_t index, const sim::Transmission& answer, can::Time end, can::Time now) noexcept;
+  bool push(const can::Frame& frame, can::Time ready, std::uint8_t sender, bool repeated) noexcept;
+  DriveMask drives_of(cansync::SlaveMask slaves) const noexcept;
+  DriveMask accepting(const can::Frame& frame) const noexcept;
+
+  std::vector<std::unique_ptr<sim::Drive>> drives_;
+  std::uint32_t sync_identifier_;
+  cansync::Duration interval_;
+  sim::FaultSchedule faults_;
+  std::vector<DriveMask> acceptance_;  // by identifier
+  sim::PendingFrames waiting_;
+  DriveMask silent_ = 0;
+  std::uint64_t order_ = 0;
+  BenchCounters counters_;
+};
+
+}  // namespace cansync_sim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cansync_sim/bench.h"
+#include "sim/drive.h"
+
+namespace cansync_sim {
+
+/// Identifier of the software SYNC frame, when no other is given.
+inline constexpr std::uint32_t kDefaultSyncIdentifier = 0x080;
+
+/// What stands on the command line, as text; empty: not given.
+struct Arguments {
+  std::string interface;
+  std::string config;
+  std::string slaves;
+  std::string sync_id;
+  std::string faults;
+  std::string bit_rate;
+  std::string lock_time;
+  std::string status_parameter;
+  std::string memory;
+  std::string missing_references;
+  std::string seed;
+  std::vector<std::string> set;
+  bool wait = false;
+  bool verbose = false;
+};
+
+/// What the program runs with, or all that is wrong with its arguments.
+struct Setup {
+  std::string interface;
+  BenchSettings bench;
+  std::vector<sim::DriveSettings> drives;
+  std::vector<std::string> problems;  ///< one line each: what was found, where, what is allowed
+};
+
+/// Slave numbers written as "3", "0-31" or "0,3,5-7"; nothing when the text is no such list.
+std::optional<cansync::SlaveMask> parse_slaves(const std::string& text);
+
+/// True when a CANsync channel uses this standard identifier (section 1 of the protocol: 0x010, 0x100..0x1FF,
+/// 0x300..0x3FF, 0x500..0x5FF).
+bool is_cansync_identifier(std::uint32_t identifier) noexcept;
+
+/// Reads the files the arguments name and checks everything.
+Setup make_setup(const Arguments& arguments);
+
+}  // namespace cansync_sim
