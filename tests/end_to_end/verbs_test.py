@@ -7,6 +7,7 @@ import signal
 import subprocess
 import tempfile
 import unittest
+from xml.etree import ElementTree
 
 from gateway import ACTIVE, LONG, Gateway, Place, wait_for
 
@@ -83,12 +84,6 @@ class Looking(VerbTest):
         self.assertRegex(text, r"(?m)^state +.*active.*\(0x0080\)$")
         self.assertRegex(text, r"(?m)^slaves synchronized +0-3 \(4 of 4\)$")
 
-    def test_status_with_timing(self):
-        timing = self.one("status", "--timing")["timing"]
-        self.assertGreater(timing["intervals"], 0)
-        self.assertEqual(len(timing["lateness_histogram"]), 16)
-        self.assertIn("bus load", self.text("status", "--timing"))
-
     def test_slaves(self):
         slaves = self.synchronized_slaves()
         self.assertEqual([slave["slave"] for slave in slaves], [0, 1, 2, 3])
@@ -119,6 +114,74 @@ class Looking(VerbTest):
                 break
         self.interrupt(follower, code=0)
         self.gateway.wait_active()
+
+
+class Timing(VerbTest):
+    """Lateness and slots of a line with reference values on it."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        values = cls.gateway.start("set", "0=1", "4=1")
+        cls.addClassCleanup(cls.end, values)
+
+    @staticmethod
+    def end(process):
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=LONG)
+
+    def slots(self, *arguments):
+        """A report in which both reference value telegrams were seen."""
+
+        def look():
+            report = self.one("timing", *arguments)
+            return report if all(slot["count"] > 0 for slot in report["slots"][1:5]) else None
+
+        return wait_for("all process data are on the bus", look)
+
+    def test_slots(self):
+        report = self.slots()
+        self.assertEqual([slot["slot"] for slot in report["slots"]], ["RC", "WRC1", "RDC1", "WRC2", "RDC2", "CC"])
+        self.assertEqual([slot["allowed_ns"] // 1000 for slot in report["slots"]], [210, 350, 520, 650, 820, 950])
+        self.assertEqual([slot["left_out"] is None for slot in report["slots"]], [True, False, True, False, True, False])
+        for slot in report["slots"][1:5]:
+            self.assertTrue(0 < slot["earliest_ns"] <= slot["mean_ns"] <= slot["latest_ns"] < 1000000, slot)
+        self.assertIsNone(report["seconds"])
+        self.assertEqual(len(report["lateness_histogram"]), 16)
+        self.assertEqual(report["timestamp_source"], "simulation")
+
+    def test_some_seconds_alone(self):
+        whole = self.one("timing")
+        report = self.one("timing", "--seconds", 2)
+        self.assertEqual(report["seconds"], 2)
+        self.assertLess(report["intervals"], whole["intervals"] + 2500)
+        # An interval has one wake-up; skipped ones have none. The loop may be between counting the one and the other.
+        self.assertAlmostEqual(sum(report["lateness_histogram"]), report["intervals"], delta=report["missed_syncs"] + 2)
+
+    def test_diagram(self):
+        self.slots()
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "interval.svg")
+            report = self.one("timing", "--seconds", 1, "--svg", path)
+            texts = [element.text for element in ElementTree.parse(path).iter("{http://www.w3.org/2000/svg}text")]
+        self.assertIn(f"CANsync interval on bus {self.gateway.bus} at 1000000 bit/s", texts)
+        for slot in report["slots"]:
+            self.assertIn(slot["slot"], texts)
+            if slot["count"]:
+                self.assertIn(str(slot["count"]), texts)
+
+    def test_text_fits_the_terminal_and_follows_until_ctrl_c(self):
+        text = self.text("timing")
+        self.assertRegex(text, r"(?m)^p50 < \d+ us, p90 ")
+        self.assertIn("bus load", text)
+        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        follower = self.gateway.start("timing", "--follow", "--json")
+        for _ in range(2):
+            self.assertGreater(json.loads(follower.stdout.readline())["intervals"], 0)
+        self.interrupt(follower, code=0)
+
+    def test_wrong_seconds(self):
+        self.assertIn("--seconds: found '0'; allowed: 1..3600", self.fails("timing", "--seconds", 0, code=2))
 
 
 class Parameters(VerbTest):

@@ -5,6 +5,8 @@
 
 #include <stdexcept>
 
+#include "cansync/progress.h"
+
 namespace cansync::cli {
 namespace {
 
@@ -34,21 +36,27 @@ void Output::table(const Table& table) {
   bytes(text);
 }
 
-void Output::redraw(std::string_view title, const Table& table) {
+std::size_t Output::data_width() const noexcept {
+  return terminal_width(data_) - 1;
+}
+
+void Output::redraw(const std::vector<std::string>& lines) {
   std::string text;
   if (!cleared_) text += kClear;
   cleared_ = true;
   text += kHome;
-  text += title;
-  text += kEraseLine;
-  text += table.heading();
-  text += kEraseLine;
-  for (const std::string& row : table.lines()) {
-    text += row;
+  for (const std::string& line : lines) {
+    text += line;
     text += kEraseLine;
   }
   text += kEraseBelow;
   bytes(text);
+}
+
+void Output::redraw(std::string_view title, const Table& table) {
+  std::vector<std::string> lines{std::string(title), table.heading()};
+  for (std::string& row : table.lines()) lines.push_back(std::move(row));
+  redraw(lines);
 }
 
 void Output::remark(std::string_view text) {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cansync/json.h"
 #include "cansync/table.h"
@@ -24,6 +25,10 @@ class Output {
   void object(const JsonObject& object) { line(object.text()); }
   /// Heading and rows.
   void table(const Table& table);
+  /// Characters of a line: the terminal's width less one (some wrap when the last column is written), or 79.
+  std::size_t data_width() const noexcept;
+  /// Draws these lines over the screen's former content; only for a terminal.
+  void redraw(const std::vector<std::string>& lines);
   /// Draws `table` over the screen's former content; only for a terminal.
   void redraw(std::string_view title, const Table& table);
   /// Data without a line end, e.g. a file's bytes; flushed.

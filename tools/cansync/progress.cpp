@@ -11,13 +11,13 @@ namespace {
 
 constexpr unsigned kDefaultWidth = 80;
 
+}  // namespace
+
 unsigned terminal_width(std::FILE* file) {
   winsize size{};
   const bool known = ::ioctl(::fileno(file), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   return known ? size.ws_col : kDefaultWidth;
 }
-
-}  // namespace
 
 std::string progress_line(std::uint64_t done, std::uint64_t total, unsigned width) {
   const std::uint64_t counted = std::min(done, total);

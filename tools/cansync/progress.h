@@ -7,6 +7,9 @@
 /// Progress of a transfer for a person who waits.
 namespace cansync::cli {
 
+/// Columns of the terminal behind `file`; 80 when it is none.
+unsigned terminal_width(std::FILE* file);
+
 /// One line of `width` characters at most: bar, percentage and bytes. `total` 0 counts as done.
 std::string progress_line(std::uint64_t done, std::uint64_t total, unsigned width);
 

@@ -101,6 +101,12 @@ std::string cursor_text(std::int32_t code) {
   return fmt::format("slave {}", code);
 }
 
+std::string date_text() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const std::string text = time_text(std::chrono::nanoseconds(now).count(), true);
+  return text.substr(0, text.find('.'));
+}
+
 std::string time_text(std::int64_t nanoseconds, bool date) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   const auto seconds = static_cast<std::time_t>(nanoseconds / kSecond);

@@ -83,6 +83,9 @@ std::uint8_t mapped_values(const std::uint8_t (&bytes)[8]) noexcept;
 /// "automatic", "nobody", or "slave 3" for a polling or cursor code.
 std::string cursor_text(std::int32_t code);
 
+/// Local date and time of now, to the second.
+std::string date_text();
+
 /// Local date and time with milliseconds of a CLOCK_REALTIME instant in ns; `date` false: the time alone.
 std::string time_text(std::int64_t nanoseconds, bool date);
 

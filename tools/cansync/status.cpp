@@ -1,42 +1,15 @@
 #include <fmt/format.h>
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
 namespace {
 
-constexpr auto kTimingWait = std::chrono::milliseconds(2500);  // the topic comes once a second
-
-struct StatusOptions {
-  bool timing = false;
-};
-
 struct SlavesOptions {
   std::vector<std::string> slaves;
 };
-
-/// The next sample of the topic Timing; nothing when none comes in time.
-std::optional<client::Timing> next_timing(client::Client& client) {
-  struct Slot {
-    std::mutex mutex;
-    std::condition_variable arrived;
-    std::optional<client::Timing> timing;
-  } slot;
-  const auto subscription = client.on_timing([&slot](const client::Timing& timing) {
-    const std::lock_guard lock(slot.mutex);
-    slot.timing = timing;
-    slot.arrived.notify_one();
-  });
-  std::unique_lock lock(slot.mutex);
-  slot.arrived.wait_for(lock, kTimingWait, [&slot] { return slot.timing.has_value(); });
-  const auto found = slot.timing;
-  lock.unlock();  // the subscription's end waits for a callback that may want the mutex
-  return found;
-}
 
 JsonObject value_names(const cansync_ValueName& value) {
   return JsonObject()
@@ -44,22 +17,6 @@ JsonObject value_names(const cansync_ValueName& value) {
       .add("unit", value.unit_symbol)
       .add("factor", value.factor)
       .add("offset", value.offset);
-}
-
-JsonObject timing_object(const client::Timing& timing) {
-  JsonArray histogram;
-  for (const auto count : timing.lateness_histogram) histogram.add(count);
-  JsonArray left_out;
-  for (const auto count : timing.left_out) left_out.add(count);
-  return JsonObject()
-      .add("intervals", timing.intervals)
-      .add("lateness_minimum_ns", timing.lateness_minimum)
-      .add("lateness_mean_ns", timing.lateness_mean)
-      .add("lateness_maximum_ns", timing.lateness_maximum)
-      .add("lateness_histogram", histogram)
-      .add("left_out", left_out)
-      .add("missed_syncs", timing.missed_syncs)
-      .add("bus_load_permille", timing.bus_load);
 }
 
 JsonObject status_object(const client::MasterStatus& status) {
@@ -132,35 +89,13 @@ void print_status(Output& output, const client::MasterStatus& status) {
   }
 }
 
-void print_timing(Output& output, const client::Timing& timing) {
-  const auto microseconds = [](std::int64_t nanoseconds) {
-    return static_cast<double>(nanoseconds) / 1000.0;
-  };
-  output.line(fmt::format("{:<22}{:.1f} us least, {:.1f} us mean, {:.1f} us most (last second)",
-                          "SYNC lateness", microseconds(timing.lateness_minimum),
-                          microseconds(timing.lateness_mean), microseconds(timing.lateness_maximum)));
-  output.line(fmt::format("{:<22}{} WRC1, {} WRC2, {} CC", "left out by slot", timing.left_out[0],
-                          timing.left_out[1], timing.left_out[2]));
-  output.line(fmt::format("{:<22}{:.1f} %", "bus load", timing.bus_load / 10.0));
-}
-
-ExitCode status_verb(Session& session, const StatusOptions& options) {
-  client::Client& client = session.client();
-  std::optional<client::Timing> timing;
-  if (options.timing) {
-    timing = next_timing(client);
-    if (!timing)
-      session.output().remark("no timing figures came: the master is not in synchronous operation");
-  }
-  const client::MasterStatus status = client.master_status();
+ExitCode status_verb(Session& session) {
+  const client::MasterStatus status = session.client().master_status();
   if (session.json()) {
-    JsonObject object = status_object(status);
-    if (timing) object.add("timing", timing_object(*timing));
-    session.output().object(object);
+    session.output().object(status_object(status));
     return ExitCode::done;
   }
   print_status(session.output(), status);
-  if (timing) print_timing(session.output(), *timing);
   return ExitCode::done;
 }
 
@@ -226,9 +161,6 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
 
 void add_status_verbs(CLI::App& app, Verb& chosen) {
   auto* status = app.add_subcommand("status", "the master: operating state, slaves, jobs, counters");
-  auto status_options = std::make_shared<StatusOptions>();
-  status->add_flag("--timing", status_options->timing,
-                   "also how punctual the realtime thread is, and the bus load (waits up to a second)");
   status->footer(
       "Lines:\n"
       "  state                operating state, with w_OPTION_STATUS\n"
@@ -238,9 +170,7 @@ void add_status_verbs(CLI::App& app, Verb& chosen) {
       "  no reference values  active intervals in which a reference value telegram had nothing to send\n"
       "  frames               received ones that were no valid telegram, and ones nobody asked for\n"
       "  missed               SYNC edges skipped, and reports of the realtime thread without room");
-  status->callback([status_options, &chosen] {
-    chosen = [status_options](Session& session) { return status_verb(session, *status_options); };
-  });
+  status->callback([&chosen] { chosen = status_verb; });
 
   auto* slaves = app.add_subcommand("slaves", "one line for each slave: does it answer, and how fast");
   auto slaves_options = std::make_shared<SlavesOptions>();
