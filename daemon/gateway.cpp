@@ -72,12 +72,14 @@ void Gateway::reload(const Config& config) {
 
 void Gateway::run() {
   std::array<pollfd, 2> wake{{{exchange_.gateway_wake.descriptor(), POLLIN, 0}, {signal_.fd(), POLLIN, 0}}};
+  bool samples_may_wait = true;
   while (!stop_) {
-    const SteadyTime due = pass();
+    const SteadyTime due = pass(samples_may_wait);
     // An interrupted or failed poll only means one pass too many.
-    (void)::poll(wake.data(), wake.size(), milliseconds_to(due));
-    exchange_.gateway_wake.clear();
-    signal_.clear();
+    const int ready = ::poll(wake.data(), wake.size(), milliseconds_to(due));
+    if (ready > 0 && wake[0].revents != 0) exchange_.gateway_wake.clear();
+    samples_may_wait = ready <= 0 || wake[1].revents != 0;
+    if (samples_may_wait) signal_.clear();
   }
   end_jobs();
 }
@@ -88,15 +90,19 @@ JobContext Gateway::context(SteadyTime now) {
       exchange_, config_, {master.state, master.when.interval, master.responding, master.synchronized}, now};
 }
 
-SteadyTime Gateway::pass() {
+SteadyTime Gateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
   take_configuration(now);
   SteadyTime due = state_.step(exchange_, now);
   events_.set_interval(state_.master().when.interval);
   const JobContext jobs = context(now);
   take_reports(jobs);
-  references_.step(exchange_, now);
-  jobs_.take_requests(jobs);
+  // Asking every reader costs more than all the rest of a pass.
+  if (samples_may_wait) {
+    references_.take_samples(exchange_, now);
+    jobs_.take_requests(jobs);
+  }
+  references_.push_stops(exchange_);
   for (const auto next : {jobs_.retry(jobs), references_.tick(now), tell_syncs(now), events_.tick(now)}) {
     if (next) due = std::min(due, *next);
   }

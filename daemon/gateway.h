@@ -57,8 +57,9 @@ class Gateway {
 
  private:
   void run();
-  /// One pass over everything that may have come; returns when the next is due at the latest.
-  SteadyTime pass();
+  /// One pass over everything that may have come; returns when the next is due at the latest. The readers are
+  /// asked only when `samples_may_wait`.
+  SteadyTime pass(bool samples_may_wait);
   void take_reports(const JobContext& context);
   void take_event(const Report& report, SteadyTime now);
   /// Tells when the row of skipped SYNC edges is over. Returns when to call again; nothing: no need.

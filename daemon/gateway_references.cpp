@@ -26,12 +26,11 @@ ReferenceInput::ReferenceInput(const dds::Participant& participant, dds::DataSig
       limits_(dds::limits_of(config.master)),
       maximum_age_(config.failsafe.reference_max_age) {}
 
-void ReferenceInput::step(Exchange& exchange, SteadyTime now) {
+void ReferenceInput::take_samples(Exchange& exchange, SteadyTime now) {
   take_with_info(reader_, [&](const cansync_ReferenceValues& sample, const dds_sample_info_t& info) {
     take(sample, info, exchange, now);
   });
   look_for_owners(now);
-  push_stops(exchange);
 }
 
 void ReferenceInput::take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info,

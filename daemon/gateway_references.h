@@ -33,8 +33,11 @@ class ReferenceInput {
   /// Values whose source time lies further back are refused; 0: not looked at.
   void set_maximum_age(std::chrono::milliseconds age) noexcept { maximum_age_ = age; }
 
-  /// Takes what is new and hands it on.
-  void step(Exchange& exchange, SteadyTime now);
+  /// Takes what is new and hands it on; needed only after the signal was raised.
+  void take_samples(Exchange& exchange, SteadyTime now);
+
+  /// Hands on the withdrawals for which there was no room yet.
+  void push_stops(Exchange& exchange);
 
   /// The master refused what was handed on last.
   void refused(const ReferenceRefused& report, const Config& config, const RefusalContext& context,
@@ -58,7 +61,6 @@ class ReferenceInput {
                                      const dds_sample_info_t& info) const;
   void look_for_owners(SteadyTime now);
   void writer_lost(unsigned channel, SteadyTime now);
-  void push_stops(Exchange& exchange);
   void count_refused(unsigned channel, std::string reason, std::optional<Moment> when, SteadyTime now);
 
   cansync::dds::Reader<cansync_ReferenceValues> reader_;
