@@ -1,0 +1,203 @@
+"""Figures that the machine itself can tell, with the simulated line: G1, G2, G8, G9, G10, G11 and memory."""
+
+import contextlib
+import json
+import os
+import re
+import subprocess
+import tempfile
+import time
+
+from figures import quantile
+
+PRIORITY, CPU = 80, 1
+SLAVES = 32
+
+
+def cyclictest(seconds):
+    """Quantiles of the wake-up lateness of cyclictest, in us, same priority and processor as ours."""
+    shown = subprocess.run(
+        ["cyclictest", "-q", "-m", "-t", "1", "-p", str(PRIORITY), "-i", "1000", "-a", str(CPU), "-D", f"{seconds}s",
+         "-h", "100000"],
+        check=True, capture_output=True, text=True).stdout
+    counts = [(int(step), int(count)) for step, count in re.findall(r"(?m)^(\d{6}) (\d+)", shown)]
+    total = sum(count for _, count in counts)
+    out = {}
+    for name, share in (("p50", 0.5), ("p90", 0.9), ("p99", 0.99), ("p99.9", 0.999)):
+        below = 0
+        for step, count in counts:
+            below += count
+            if below > share * total:
+                out[name] = step
+                break
+    return out
+
+
+def own_loop(build, seconds):
+    """The same quantiles of the daemon's realtime loop at the SYNC edge."""
+    shown = subprocess.run([f"{build}/bench/loop_bench", str(seconds), str(PRIORITY), str(CPU)], check=True,
+                           capture_output=True, text=True).stdout
+    return json.loads(shown)["late"]
+
+
+def lateness(figures, build, rounds, seconds):
+    """G1 and G2."""
+    pairs = [(own_loop(build, seconds), cyclictest(seconds)) for _ in range(rounds)]
+    for name, quantiles, target in (("G1", ("p50", "p90"), 1.10), ("G2", ("p99", "p99.9"), 1.5)):
+        for q in quantiles:
+            figures.ratio(name, f"SYNC wake-up lateness {q}, yardstick cyclictest", "us",
+                          [(ours[q], other[q]) for ours, other in pairs], target)
+
+
+@contextlib.contextmanager
+def load(command):
+    """Keeps `command` running, again and again, in the background."""
+    loop = subprocess.Popen(["bash", "-c", f"while :; do {command}; done"], stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL, start_new_session=True)
+    try:
+        time.sleep(0.5)  # the load has to build up before the measurement
+        yield
+    finally:
+        os.killpg(loop.pid, 9)
+        loop.wait()
+
+
+def under_load(figures, build, rounds, seconds):
+    """G10."""
+    loads = (("stress-ng", "stress-ng --quiet --cpu 2 --vm 1 --vm-bytes 64M --timeout 5s"),
+             ("hackbench", "hackbench -g 2 -l 2000"))
+    for name, command in loads:
+        pairs = []
+        for _ in range(rounds):
+            idle, idle_other = own_loop(build, seconds)["p50"], cyclictest(seconds)["p50"]
+            with load(command):
+                loaded, loaded_other = own_loop(build, seconds)["p50"], cyclictest(seconds)["p50"]
+            pairs.append((loaded / max(idle, 1), loaded_other / max(idle_other, 1)))
+        figures.ratio("G10", f"p50 under {name} / p50 idle, yardstick cyclictest", "x", pairs, 1.3)
+
+
+class Daemon:
+    """A cansyncd with 32 simulated slaves at 1 Mbit/s, enforced realtime; a context manager."""
+
+    def __init__(self, build, domain, bus):
+        self.build, self.domain, self.bus = build, domain, bus
+        self.folder = tempfile.TemporaryDirectory(prefix="cansync_bench_")
+        self.config = os.path.join(self.folder.name, "line.toml")
+        with open(self.config, "w", encoding="utf-8") as file:
+            file.write(f'[bus]\nname = "{bus}"\n[realtime]\nmode = "enforce"\npriority = {PRIORITY}\ncpu = {CPU}\n'
+                       f"[dds]\ndomain = {domain}\n")
+            file.writelines(f"[[slave]]\nnumber = {n}\n" for n in range(SLAVES))
+
+    def __enter__(self):
+        self.process = subprocess.Popen([f"{self.build}/daemon/cansyncd", self.config], stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + 30
+        while self.cansync("status", "--json").get("option_status") != 0x80:
+            if time.monotonic() > deadline or self.process.poll() is not None:
+                raise RuntimeError("the daemon did not reach active operation")
+        # Reference values in every interval, so that each slave in turn answers with its actual values.
+        self.writer = subprocess.Popen(
+            [f"{self.build}/tools/cansync/cansync", "--domain", str(self.domain), "--bus", self.bus, "set", "0=1", "4=1"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        return self
+
+    def __exit__(self, *_):
+        for process in (self.writer, self.process):
+            process.terminate()
+            process.wait(30)
+        self.folder.cleanup()
+
+    def cansync(self, *arguments):
+        done = subprocess.run(
+            [f"{self.build}/tools/cansync/cansync", "--domain", str(self.domain), "--bus", self.bus, *arguments],
+            capture_output=True, text=True, check=False)
+        return json.loads(done.stdout) if done.returncode == 0 and done.stdout else {}
+
+    def thread(self):
+        """The realtime thread's number."""
+        for task in os.listdir(f"/proc/{self.process.pid}/task"):
+            with open(f"/proc/{self.process.pid}/task/{task}/comm", encoding="utf-8") as file:
+                if file.read().strip() == "cansync-rt":
+                    return int(task)
+        raise RuntimeError("no thread cansync-rt")
+
+
+
+
+def cpu_time(pid):
+    """Seconds of processor time that a process has used, to the nanosecond."""
+    total = 0
+    for task in os.listdir(f"/proc/{pid}/task"):
+        with contextlib.suppress(FileNotFoundError), open(f"/proc/{pid}/task/{task}/schedstat", encoding="utf-8") as file:
+            total += int(file.read().split()[0])
+    return total / 1e9
+
+
+def delays(command):
+    shown = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    return [int(line) / 1000 for line in shown.split()]
+
+
+def dds_and_cpu(figures, build, rounds, seconds, domain):
+    """G8 and G9, in one run: a listener takes what the daemon publishes, then what a bare writer writes."""
+    latency, processor = [], []
+    for n in range(rounds):
+        listen = [f"{build}/bench/dds_latency", "listen", str(domain), f"bench{n}", str(seconds)]
+        with Daemon(build, domain, f"bench{n}") as daemon:
+            before = cpu_time(daemon.process.pid)
+            ours = delays(listen)
+            own_cpu = (cpu_time(daemon.process.pid) - before) / seconds
+        per_second = max(round(len(ours) / seconds), 1)
+        writer = subprocess.Popen([f"{build}/bench/dds_latency", "write", str(domain), f"bench{n}", "3600", str(per_second)])
+        sender = subprocess.Popen([f"{build}/bench/reference_sender", "-", "1000", "3600", str(PRIORITY), str(CPU)],
+                                  stdout=subprocess.DEVNULL)
+        try:
+            before = cpu_time(writer.pid) + cpu_time(sender.pid)
+            bare = delays(listen)
+            bare_cpu = (cpu_time(writer.pid) + cpu_time(sender.pid) - before) / seconds
+        finally:
+            for process in (writer, sender):
+                process.kill()
+                process.wait()
+        latency.append((quantile(ours, 0.5), quantile(bare, 0.5)))
+        processor.append((100 * own_cpu, 100 * bare_cpu))
+    figures.ratio("G8", "actual value on the bus to a client's listener p50, yardstick bare writer to listener", "us",
+                  latency, 1.5)
+    figures.ratio("G9", f"processor time of the daemon, {SLAVES} slaves at 1 kHz with their simulation, yardstick sender and "
+                  "bare writer of as many samples", "%", processor, 1.5)
+
+
+def exact_counts(figures, build, seconds, domain):
+    """G11 and memory."""
+    with Daemon(build, domain, "exact") as daemon:
+        stat = f"/proc/{daemon.process.pid}/task/{daemon.thread()}"
+
+        def read():
+            with open(f"{stat}/stat", encoding="utf-8") as file:
+                fields = file.read().rpartition(")")[2].split()
+            with open(f"{stat}/status", encoding="utf-8") as file:
+                switches = re.search(r"nonvoluntary_ctxt_switches:\s+(\d+)", file.read())[1]
+            return int(fields[7]), int(fields[9]), int(switches)
+
+        time.sleep(2)  # warm-up
+        before, since = read(), daemon.cansync("status", "--json")["interval"]
+        time.sleep(seconds)
+        faults = [now - then for now, then in zip(read(), before)]
+        figures.limit("G11", "minor page faults of the realtime thread", "", faults[0:1], 0)
+        figures.limit("G11", "major page faults of the realtime thread", "", faults[1:2], 0)
+        figures.limit("G11", "involuntary switches of the realtime thread", "", faults[2:3], 0)
+        with open(f"/proc/{daemon.process.pid}/status", encoding="utf-8") as file:
+            resident = int(re.search(r"VmRSS:\s+(\d+)", file.read())[1]) / 1024
+        figures.limit("memory", f"resident, all memory locked, {SLAVES} simulated slaves", "MiB", [resident], 40)
+        system_calls(figures, daemon, seconds)
+        del since
+
+
+def system_calls(figures, daemon, seconds):
+    """System calls of the realtime thread on the simulated line, by kind, from strace."""
+    shown = subprocess.run(
+        ["timeout", "--signal=INT", str(seconds), "strace", "-qq", "-p", str(daemon.thread()), "-e", "trace=all", "-o",
+         "/dev/stdout"], capture_output=True, text=True, check=False).stdout
+    names = re.findall(r"(?m)^(\w+)\(", shown)
+    futex = sum(name == "futex" for name in names)
+    figures.limit("G11", "futex calls of the realtime thread", "", [futex], 0)
