@@ -77,10 +77,13 @@ def under_load(figures, build, rounds, seconds):
 
 
 class Daemon:
-    """A cansyncd with 32 simulated slaves at 1 Mbit/s, enforced realtime; a context manager."""
+    """A daemon with 32 slaves at 1 Mbit/s and enforced realtime, reference values in every interval; a context manager.
 
-    def __init__(self, build, domain, bus):
-        self.build, self.domain, self.bus = build, domain, bus
+    `program` is cansyncd with its simulated line, or gateway_bench: the same on a bus whose slaves answer at once.
+    """
+
+    def __init__(self, build, domain, bus, program="daemon/cansyncd"):
+        self.build, self.domain, self.bus, self.program = build, domain, bus, f"{build}/{program}"
         self.folder = tempfile.TemporaryDirectory(prefix="cansync_bench_")
         self.config = os.path.join(self.folder.name, "line.toml")
         with open(self.config, "w", encoding="utf-8") as file:
@@ -89,7 +92,7 @@ class Daemon:
             file.writelines(f"[[slave]]\nnumber = {n}\n" for n in range(SLAVES))
 
     def __enter__(self):
-        self.process = subprocess.Popen([f"{self.build}/daemon/cansyncd", self.config], stdout=subprocess.DEVNULL,
+        self.process = subprocess.Popen([self.program, self.config], stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + 30
         while self.cansync("status", "--json").get("option_status") != 0x80:
@@ -138,33 +141,44 @@ def delays(command):
     return [int(line) / 1000 for line in shown.split()]
 
 
+def running(build, domain, bus, program, seconds):
+    """What a listener sees of a daemon in `seconds`, and the processor time the daemon used in %."""
+    with Daemon(build, domain, bus, program) as daemon:
+        before = cpu_time(daemon.process.pid)
+        seen = delays([f"{build}/bench/dds_latency", "listen", str(domain), bus, str(seconds)])
+        return seen, 100 * (cpu_time(daemon.process.pid) - before) / seconds
+
+
+def bare(build, domain, bus, per_second, seconds):
+    """The same of a program that only writes samples and one that only sends frames, together."""
+    writer = subprocess.Popen([f"{build}/bench/dds_latency", "write", str(domain), bus, "3600", str(per_second)])
+    sender = subprocess.Popen([f"{build}/bench/reference_sender", "-", "1000", "3600", str(PRIORITY), str(CPU)],
+                              stdout=subprocess.DEVNULL)
+    try:
+        before = cpu_time(writer.pid) + cpu_time(sender.pid)
+        seen = delays([f"{build}/bench/dds_latency", "listen", str(domain), bus, str(seconds)])
+        return seen, 100 * (cpu_time(writer.pid) + cpu_time(sender.pid) - before) / seconds
+    finally:
+        for process in (writer, sender):
+            process.kill()
+            process.wait()
+
+
 def dds_and_cpu(figures, build, rounds, seconds, domain):
-    """G8 and G9, in one run: a listener takes what the daemon publishes, then what a bare writer writes."""
-    latency, processor = [], []
+    """G8 and G9: a listener takes what a daemon publishes, then what a bare writer writes."""
+    latency, with_line, processor = [], [], []
     for n in range(rounds):
-        listen = [f"{build}/bench/dds_latency", "listen", str(domain), f"bench{n}", str(seconds)]
-        with Daemon(build, domain, f"bench{n}") as daemon:
-            before = cpu_time(daemon.process.pid)
-            ours = delays(listen)
-            own_cpu = (cpu_time(daemon.process.pid) - before) / seconds
-        per_second = max(round(len(ours) / seconds), 1)
-        writer = subprocess.Popen([f"{build}/bench/dds_latency", "write", str(domain), f"bench{n}", "3600", str(per_second)])
-        sender = subprocess.Popen([f"{build}/bench/reference_sender", "-", "1000", "3600", str(PRIORITY), str(CPU)],
-                                  stdout=subprocess.DEVNULL)
-        try:
-            before = cpu_time(writer.pid) + cpu_time(sender.pid)
-            bare = delays(listen)
-            bare_cpu = (cpu_time(writer.pid) + cpu_time(sender.pid) - before) / seconds
-        finally:
-            for process in (writer, sender):
-                process.kill()
-                process.wait()
-        latency.append((quantile(ours, 0.5), quantile(bare, 0.5)))
-        processor.append((100 * own_cpu, 100 * bare_cpu))
-    figures.ratio("G8", "actual value on the bus to a client's listener p50, yardstick bare writer to listener", "us",
-                  latency, 1.5)
-    figures.ratio("G9", f"processor time of the daemon, {SLAVES} slaves at 1 kHz with their simulation, yardstick sender and "
-                  "bare writer of as many samples", "%", processor, 1.5)
+        ours, own_cpu = running(build, domain, f"bench{n}", "bench/gateway_bench", seconds)
+        simulated, _ = running(build, domain, f"line{n}", "daemon/cansyncd", seconds)
+        plain, bare_cpu = bare(build, domain, f"bare{n}", max(round(len(ours) / seconds), 1), seconds)
+        latency.append((quantile(ours, 0.5), quantile(plain, 0.5)))
+        with_line.append((quantile(simulated, 0.5), quantile(plain, 0.5)))
+        processor.append((own_cpu, bare_cpu))
+    figures.ratio("G8", "actual value taken from the bus to a client's listener, p50; yardstick bare writer to listener",
+                  "us", latency, 1.5)
+    figures.ratio("G8", "the same from the frame's last bit on the simulated line", "us", with_line, 1.5)
+    figures.ratio("G9", f"processor time of the daemon, {SLAVES} slaves at 1 kHz; yardstick sender and bare writer of as "
+                  "many samples", "%", processor, 1.5)
 
 
 def exact_counts(figures, build, seconds, domain):
@@ -180,7 +194,7 @@ def exact_counts(figures, build, seconds, domain):
             return int(fields[7]), int(fields[9]), int(switches)
 
         time.sleep(2)  # warm-up
-        before, since = read(), daemon.cansync("status", "--json")["interval"]
+        before = read()
         time.sleep(seconds)
         faults = [now - then for now, then in zip(read(), before)]
         figures.limit("G11", "minor page faults of the realtime thread", "", faults[0:1], 0)
@@ -190,7 +204,6 @@ def exact_counts(figures, build, seconds, domain):
             resident = int(re.search(r"VmRSS:\s+(\d+)", file.read())[1]) / 1024
         figures.limit("memory", f"resident, all memory locked, {SLAVES} simulated slaves", "MiB", [resident], 40)
         system_calls(figures, daemon, seconds)
-        del since
 
 
 def system_calls(figures, daemon, seconds):

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""Runs inside the kernel under test: the daemon and the reference sender in turn on a vcan interface, and what a
+listener saw of each. Usage: inside_kernel.py BUILD INTERFACE INTERVAL_US ROUNDS SECONDS OUTPUT"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+BIT_RATES = {1000: 1000000, 2000: 500000, 4000: 250000, 8000: 125000}
+PRIORITY, CPU = 80, 0
+SYNC = 0x080
+
+
+def listen(build, interface, seconds):
+    return subprocess.Popen([f"{build}/bench/reference_listener", interface, str(seconds)], stdout=subprocess.PIPE,
+                            text=True)
+
+
+def frames(listener):
+    """Times in ns of each identifier."""
+    seen = {}
+    for line in listener.communicate()[0].splitlines():
+        identifier, at = line.split()
+        seen.setdefault(int(identifier, 16), []).append(int(at))
+    return seen
+
+
+def daemon(build, interface, interval, seconds):
+    """SYNC and WRC1 of the daemon's realtime loop, and how long it takes from waking up to handing over."""
+    with tempfile.NamedTemporaryFile("w", suffix=".toml", delete=False) as file:
+        file.write(f'[bus]\ninterface = "{interface}"\nbit_rate = {BIT_RATES[interval]}\n'
+                   f'[sync]\noutput = "can"\ncan_id = {SYNC}\n[startup]\nenable = "any"\n'
+                   f'[realtime]\nmode = "enforce"\npriority = {PRIORITY}\ncpu = {CPU}\n'
+                   "[process]\npoll_without_reference = true\n[[slave]]\nnumber = 0\n")
+    try:
+        process = subprocess.Popen([f"{build}/bench/loop_bench", file.name, str(seconds + 4)], stdout=subprocess.PIPE,
+                                   text=True)
+        time.sleep(2)  # start-up
+        seen = frames(listen(build, interface, seconds))
+        shown = process.communicate(timeout=60)[0]
+    finally:
+        os.unlink(file.name)
+    handed_over = json.loads(shown)["handed_over"]
+    return {"sync": seen.get(SYNC, []), "reference": seen.get(0x100, []),
+            "handed_over": [handed_over["p50"], handed_over["p99"]]}
+
+
+def sender(build, interface, interval, seconds):
+    process = subprocess.Popen([f"{build}/bench/reference_sender", interface, str(interval), str(seconds + 4),
+                                str(PRIORITY), str(CPU)], stdout=subprocess.PIPE, text=True)
+    time.sleep(2)
+    seen = frames(listen(build, interface, seconds))
+    sent = sorted(int(at) / 1000 for at in re.findall(r"sent (\d+)", process.communicate(timeout=60)[0]))
+    return {"sync": seen.get(SYNC, []), "reference": seen.get(0x100, []),
+            "handed_over": [sent[len(sent) // 2], sent[len(sent) * 99 // 100]]}
+
+
+def main():
+    build, interface, interval, rounds, seconds, output = sys.argv[1:]
+    interval, rounds, seconds = int(interval), int(rounds), int(seconds)
+    out = [{"daemon": daemon(build, interface, interval, seconds), "sender": sender(build, interface, interval, seconds)}
+           for _ in range(rounds)]
+    with open(output, "w", encoding="utf-8") as file:
+        json.dump(out, file)
+
+
+if __name__ == "__main__":
+    main()
