@@ -95,7 +95,7 @@ class Place:
 class Gateway(Place):
     """A daemon with a simulated line; a context manager."""
 
-    def __init__(self, slaves=4, bit_rate=1000000, extra=""):
+    def __init__(self, slaves=4, bit_rate=1000000, extra="", options=()):
         super().__init__()
         self.slaves = slaves
         self.folder = tempfile.TemporaryDirectory(prefix="cansync_test_")
@@ -103,6 +103,7 @@ class Gateway(Place):
         self.log = os.path.join(self.folder.name, "daemon.log")
         with open(self.config, "w", encoding="utf-8") as file:
             file.write(self._toml(bit_rate) + extra)
+        self.options = list(options)
         self.process = None
 
     def _toml(self, bit_rate):
@@ -129,7 +130,7 @@ factor = 0.001
 
     def __enter__(self):
         with open(self.log, "wb") as log:
-            self.process = subprocess.Popen([CANSYNCD, self.config], stdout=log, stderr=log)
+            self.process = subprocess.Popen([CANSYNCD, *self.options, self.config], stdout=log, stderr=log)
         try:
             self.wait_active()
         except BaseException:

@@ -518,6 +518,39 @@ class Line125k(Line, VerbTest):
     BIT_RATE = 125000
 
 
+class Trace(unittest.TestCase):
+    """`trace` on what the simulated line has written."""
+
+    def test_a_read_is_found_in_the_trace_of_the_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "line.log")
+            with Gateway(options=("--trace", path)) as gateway:
+                self.assertEqual(gateway.run("write", 2, WORD, 4711, "--format", "word").returncode, 0)
+                self.assertEqual(gateway.json("read", 2, WORD)[0]["value"], 4711)
+            found = gateway.json("trace", path, "--slave", 2)
+            texts = [telegram["text"] for telegram in found]
+            for text in (
+                f"write parameter {WORD} = 4711 (0x1267, word)",
+                f"parameter {WORD}: written",
+                f"read parameter {WORD}",
+                f"parameter {WORD} = 4711 (0x1267, word)",
+            ):
+                self.assertIn(text, texts)
+            self.assertEqual([telegram for telegram in found if "no CANsync telegram" in telegram["text"]], [])
+            write = found[texts.index(f"write parameter {WORD} = 4711 (0x1267, word)")]
+            self.assertEqual((write["channel"], write["slave"], write["identifier"]), ("CC", 2, 0x502))
+            # In active operation a command comes late in its interval; an edge may be produced half an interval late.
+            self.assertTrue(300 <= write["after_sync_us"] <= 1000, write)
+            with open(path, "rb") as file:
+                log = file.read()
+            again = gateway.run("trace", "-", "--candump", data=log)
+            self.assertEqual((again.returncode, again.stderr), (0, ""))
+            # The log's time stamps have leading zeros.
+            self.assertEqual(
+                re.sub(rb"(?m)^\(0*(?=\d)", b"(", again.stdout), re.sub(rb"(?m)^\(0*(?=\d)", b"(", log)
+            )
+
+
 class WithoutDaemon(unittest.TestCase):
     def test_it_says_where_it_looked(self):
         place = Place()

@@ -55,6 +55,7 @@ void add_verbs(CLI::App& app, Verb& chosen) {
   add_timing_verb(app, chosen);
   add_watch_verb(app, chosen);
   add_event_verb(app, chosen);
+  add_trace_verb(app, chosen);
   add_parameter_verbs(app, chosen);
   add_transfer_verbs(app, chosen);
   add_command_verbs(app, chosen);

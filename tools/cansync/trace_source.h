@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "can/candump.h"
+
+/// Where `cansync trace` takes its frames from.
+namespace cansync::cli {
+
+/// A line that is no frame, or a comment in the log.
+struct TraceProblem {
+  std::string text;  ///< "line 7, column 3: ..."
+};
+/// Something worth telling that is no error, e.g. a comment in the log.
+struct TraceRemark {
+  std::string text;
+};
+/// Nothing more comes.
+struct TraceEnd {};
+/// Nothing came for a moment; look whether a signal has come, and ask again.
+struct TraceNothing {};
+
+using TraceItem = std::variant<can::CandumpLine, TraceProblem, TraceRemark, TraceNothing, TraceEnd>;
+
+class TraceSource {
+ public:
+  virtual ~TraceSource() = default;
+  /// The next item; waits at most some 50 ms when there is none. Throws std::system_error when the source
+  /// cannot be read.
+  virtual TraceItem next() = 0;
+  /// Frames the kernel dropped because they were not taken in time.
+  virtual std::uint64_t dropped() const noexcept { return 0; }
+};
+
+/// Longest line of a log, in characters; what is longer is named as a problem and skipped.
+inline constexpr std::size_t kLongestTraceLine = 4096;
+
+/// Reads the candump text log in `path`, of standard input for "-". Throws std::system_error with the file's
+/// name when it cannot be opened.
+std::unique_ptr<TraceSource> open_log(const std::string& path);
+
+/// Listens to a SocketCAN interface, for CANsync telegrams, the software SYNC frame and error frames alone.
+/// It sends nothing. Throws std::runtime_error, with the remedy, when there is no such interface.
+std::unique_ptr<TraceSource> open_interface(const std::string& name, std::uint32_t sync);
+
+}  // namespace cansync::cli
