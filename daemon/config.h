@@ -3,11 +3,13 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "cansync/mapping.h"
 #include "cansync/numbers.h"
 #include "cansync/settings.h"
+#include "daemon/flight_triggers.h"
 
 /// The whole configuration of one daemon, one bus: plain values. `config_file.h` reads it from a TOML file;
 /// docs/configuration.md lists every option. Not for the realtime thread, except `Config::master`, which is
@@ -108,6 +110,15 @@ struct SimConfig {
   std::string trace;  ///< file for a candump text log of the bus; empty: none
 };
 
+/// The flight recorder: what is kept of the realtime thread's last moments, and when it is saved.
+struct RecorderConfig {
+  std::optional<std::string> folder;   ///< empty: off; nothing: the service's state folder, see docs
+  std::uint32_t files = 10;            ///< recordings kept
+  std::uint32_t entries = 16384;       ///< things kept in memory, about 12 an interval
+  std::uint32_t intervals_after = 50;  ///< recording goes on so long after a fault
+  FlightTriggers triggers;
+};
+
 /// Everything.
 struct Config {
   BusConfig bus;
@@ -121,6 +132,7 @@ struct Config {
   ValueConfigs references = {};  ///< reference values 0..7
   DdsConfig dds;
   SimConfig sim;
+  RecorderConfig recorder;
 };
 
 }  // namespace cansyncd

@@ -47,6 +47,37 @@ constexpr auto kRows = std::to_array<Option>({
     whole_number("realtime.report_queue", "1024", 16, 65536, "reports",
                  "Reports on their way from the realtime thread; more are lost and counted.",
                  [](Draft& d, const Value& v) { d.config.realtime.report_queue = whole<std::uint32_t>(v); }),
+    // --- [recorder]
+    string("recorder.folder", OptionType::text, "(the service's state folder, else /var/lib/cansync/NAME)", 0,
+           4096,
+           "Folder for flight recordings; \"\" = no recorder. Off, too, and said once, when it cannot be "
+           "written.",
+           [](Draft& d, const Value& v) { d.config.recorder.folder = words(v); }),
+    whole_number("recorder.files", "10", 1, 10'000, "recordings",
+                 "Recordings of this bus that are kept; the oldest are removed.",
+                 [](Draft& d, const Value& v) { d.config.recorder.files = whole<std::uint32_t>(v); }),
+    whole_number("recorder.entries", "16384", 256, 1'048'576, "entries",
+                 "Things kept in memory: wake-ups, frames, states; about 15 an interval in active operation, "
+                 "80 bytes each.",
+                 [](Draft& d, const Value& v) { d.config.recorder.entries = whole<std::uint32_t>(v); }),
+    whole_number(
+        "recorder.intervals_after", "50", 0, 10'000, "intervals",
+        "Recording goes on for so long after the fault.",
+        [](Draft& d, const Value& v) { d.config.recorder.intervals_after = whole<std::uint32_t>(v); }),
+    plain("recorder.bus_off", OptionType::boolean, "true", "Record when the controller goes bus-off.",
+          [](Draft& d, const Value& v) { d.config.recorder.triggers.bus_off = flag(v); }),
+    whole_number(
+        "recorder.syncs_missed", "10", 0, 100'000, "SYNC edges",
+        "Record when so many SYNC edges or more were skipped in a row; 0 = never.",
+        [](Draft& d, const Value& v) { d.config.recorder.triggers.syncs_missed = whole<std::uint32_t>(v); }),
+    plain("recorder.slave_lost", OptionType::boolean, "true", "Record when a slave no longer responds.",
+          [](Draft& d, const Value& v) { d.config.recorder.triggers.slave_lost = flag(v); }),
+    plain("recorder.second_master", OptionType::boolean, "true",
+          "Record when another master sends on the bus.",
+          [](Draft& d, const Value& v) { d.config.recorder.triggers.second_master = flag(v); }),
+    plain("recorder.sending_failed", OptionType::boolean, "true",
+          "Record when telegrams can no longer be handed to the bus.",
+          [](Draft& d, const Value& v) { d.config.recorder.triggers.sending_failed = flag(v); }),
     // --- [sync]
     choice("sync.output", "\"none\"", "none",
            "Where the SYNC edge goes beside the bus. The simulated bus has its own SYNC line.",

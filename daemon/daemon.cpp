@@ -11,6 +11,7 @@
 #include "cansync/timing.h"
 #include "daemon/config_reload.h"
 #include "daemon/exchange.h"
+#include "daemon/flight_desk.h"
 #include "daemon/gateway.h"
 #include "daemon/log.h"
 #include "daemon/realtime_loop.h"
@@ -33,7 +34,7 @@ class SignalSet {
  public:
   SignalSet() {
     ::sigemptyset(&set_);
-    for (const int number : {SIGTERM, SIGINT, SIGHUP}) ::sigaddset(&set_, number);
+    for (const int number : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) ::sigaddset(&set_, number);
     ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
   }
 
@@ -55,10 +56,11 @@ ExchangeSizes exchange_sizes(const Config& config) {
           config.realtime.report_queue};
 }
 
-LoopSettings loop_settings(const Config& config) {
+LoopSettings loop_settings(const Config& config, FlightTap* tap) {
   LoopSettings settings;
   settings.target = config.startup.target;
   settings.report_intervals = config.dds.interval_topic;
+  settings.tap = tap;
   return settings;
 }
 
@@ -91,7 +93,8 @@ class Daemon {
         participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
                       file_.config.dds.xml}),
         gateway_(file_.config, exchange_, participant_),
-        loop_(file_.config.master, loop_settings(file_.config), bus_.bus(), exchange_) {}
+        flight_(file_.config, bus_.bus(), [this](const EventText& event) { gateway_.post(event); }),
+        loop_(file_.config.master, loop_settings(file_.config, flight_.tap()), flight_.bus(), exchange_) {}
 
   ~Daemon() { stop(); }
   Daemon(const Daemon&) = delete;
@@ -118,8 +121,14 @@ class Daemon {
     if (!thread_) return;
     loop_.request_stop();
     thread_.reset();
+    flight_.stop();
     gateway_.stop();
     report_trace();
+  }
+
+  /// Saves what the flight recorder has.
+  void record() noexcept {
+    if (!flight_.request()) log(LogPriority::warning, "no flight recording: the flight recorder is off");
   }
 
   void reload(const std::vector<std::string>& overrides) {
@@ -166,6 +175,7 @@ class Daemon {
   Exchange exchange_;
   cansync::dds::Participant participant_;
   Gateway gateway_;
+  FlightDesk flight_;
   RealtimeLoop loop_;
   std::optional<rt::RealtimeThread> thread_;
   std::string status_;
@@ -177,6 +187,10 @@ void serve(Daemon& daemon, const SignalSet& signals, const std::vector<std::stri
     const int number = signals.wait();
     if (number == SIGHUP) {
       daemon.reload(overrides);
+      continue;
+    }
+    if (number == SIGUSR1) {
+      daemon.record();
       continue;
     }
     log(LogPriority::notice, "stopping: {}", number == SIGTERM ? "SIGTERM" : "SIGINT");

@@ -70,6 +70,23 @@ void Gateway::reload(const Config& config) {
   exchange_.gateway_wake.signal();
 }
 
+void Gateway::post(const EventText& event) {
+  {
+    const std::lock_guard lock(posted_mutex_);
+    if (posted_.size() < kPosted) posted_.push_back(event);
+  }
+  exchange_.gateway_wake.signal();
+}
+
+void Gateway::publish_posted(SteadyTime now) {
+  std::vector<EventText> taken;
+  {
+    const std::lock_guard lock(posted_mutex_);
+    taken.swap(posted_);
+  }
+  for (const EventText& event : taken) events_.publish(event, now);
+}
+
 void Gateway::run() {
   std::array<pollfd, 2> wake{{{exchange_.gateway_wake.descriptor(), POLLIN, 0}, {signal_.fd(), POLLIN, 0}}};
   bool samples_may_wait = true;
@@ -97,6 +114,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   events_.set_interval(state_.master().when.interval);
   const JobContext jobs = context(now);
   take_reports(jobs);
+  publish_posted(now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
     references_.take_samples(exchange_, now);
@@ -165,6 +183,7 @@ void Gateway::end_jobs() {
   const SteadyTime end = steady_clock::now() + kPatience;
   (void)state_.step(exchange_, steady_clock::now());
   take_reports(context(steady_clock::now()));
+  publish_posted(steady_clock::now());
   jobs_.stop(context(steady_clock::now()));
   while (jobs_.replies_waiting() && steady_clock::now() < end) {
     (void)signal_.wait(kLook);

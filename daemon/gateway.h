@@ -4,6 +4,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "daemon/config.h"
 #include "daemon/exchange.h"
@@ -49,6 +50,11 @@ class Gateway {
   /// still told. Further calls do nothing.
   void stop() noexcept;
 
+  /// Publishes an event of another thread. Any thread; returns at once. At most `kPosted` wait, more are
+  /// lost.
+  void post(const EventText& event);
+  static constexpr std::size_t kPosted = 16;
+
   /// Takes over what can change while running: names, units and scaling, mappings, polling, cursors, greatest
   /// age of reference values. Only what differs from the configuration before is changed on the line, so that
   /// what clients have set meanwhile stays. Everything else in `config` is ignored. Any thread; returns at
@@ -65,6 +71,7 @@ class Gateway {
   /// Tells when the row of skipped SYNC edges is over. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tell_syncs(SteadyTime now);
   void take_configuration(SteadyTime now);
+  void publish_posted(SteadyTime now);
   void end_jobs();
   JobContext context(SteadyTime now);
 
@@ -79,6 +86,8 @@ class Gateway {
 
   std::mutex configuration_mutex_;
   std::optional<Config> new_configuration_;
+  std::mutex posted_mutex_;
+  std::vector<EventText> posted_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

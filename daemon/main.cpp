@@ -46,7 +46,7 @@ void describe(CLI::App& app, Arguments& arguments) {
                "Print the documentation of all options");
   config->excludes(check);
   app.footer(
-      "Signals: SIGTERM and SIGINT stop, SIGHUP reads the file again.\n"
+      "Signals: SIGTERM and SIGINT stop, SIGHUP reads the file again, SIGUSR1 saves a flight recording.\n"
       "Exit codes: 0 stopped or file in order, 1 cannot start, 2 wrong command line, 78 wrong "
       "configuration.\n"
       "All options of the file: docs/configuration.md.");

@@ -51,7 +51,7 @@ RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSe
       loop_(loop),
       interval_(cansync::slot_times(settings.bit_rate).interval),
       clock_(loop.wall_clock, loop.epoch),
-      reporter_(exchange, clock_),
+      reporter_(exchange, clock_, loop.tap),
       master_(settings, reporter_),
       mode_(master_, bus, loop.target),
       requests_(exchange, master_, mode_, reporter_),
@@ -161,6 +161,7 @@ void RealtimeLoop::hand_over(Slot slot, const can::Frame& frame) noexcept {
   }
   ++left_out_[index(slot)];
   master_.left_out(slot);
+  reporter_.left_out(slot);
 }
 
 void RealtimeLoop::wait_until(can::Time deadline) noexcept {

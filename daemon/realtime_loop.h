@@ -25,6 +25,7 @@ struct LoopSettings {
   bool report_intervals = false;  ///< write `Exchange::interval` and wake the gateway right after each SYNC
   WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
   can::Time epoch{0};                                 ///< wall clock at bus time 0, when `wall_clock` is null
+  FlightTap* tap = nullptr;                           ///< flight recorder; null: none
 };
 
 /// The realtime thread's work: binds the master to a bus and to the gateway, interval by interval.

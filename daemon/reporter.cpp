@@ -6,6 +6,7 @@ namespace cansyncd {
 
 void Reporter::at(cansync::IntervalNumber interval, can::Time bus_time) noexcept {
   moment_ = {interval, bus_time, clock_.at(bus_time)};
+  if (tap_ != nullptr) tap_->at(moment_);
 }
 
 void Reporter::actual_values(cansync::SlaveNumber slave, const cansync::ActualValues& values) noexcept {
@@ -44,6 +45,7 @@ void Reporter::event(const cansync::MasterEvent& event) noexcept {
 }
 
 void Reporter::report(const Report& report) noexcept {
+  if (tap_ != nullptr) tap_->report(report);
   if (!exchange_.reports.try_push(report)) ++lost_reports_;
   pending_ = true;
 }

@@ -5,6 +5,7 @@
 
 #include "cansync/master.h"
 #include "daemon/exchange.h"
+#include "daemon/flight_tap.h"
 #include "daemon/wall_clock.h"
 
 namespace cansyncd {
@@ -12,8 +13,9 @@ namespace cansyncd {
 /// Carries what the master tells to the gateway. Realtime thread only; realtime safe.
 class Reporter final : public cansync::MasterListener {
  public:
-  /// Both must outlive the reporter.
-  Reporter(Exchange& exchange, const WallClock& clock) noexcept : exchange_(exchange), clock_(clock) {}
+  /// All must outlive the reporter; `tap` may be null: no flight recorder.
+  Reporter(Exchange& exchange, const WallClock& clock, FlightTap* tap) noexcept
+      : exchange_(exchange), clock_(clock), tap_(tap) {}
 
   // --- the master's listener
   void actual_values(cansync::SlaveNumber slave, const cansync::ActualValues& values) noexcept override;
@@ -38,6 +40,11 @@ class Reporter final : public cansync::MasterListener {
   /// A request with a JobId was not taken.
   void refused(cansync::JobId id, cansync::Refusal refusal) noexcept { answer(Refused{id, refusal}); }
 
+  /// Nothing was sent in a slot; for the flight recorder.
+  void left_out(cansync::Slot slot) noexcept {
+    if (tap_ != nullptr) tap_->left_out(slot);
+  }
+
   /// Notes that something was written for the gateway.
   void written() noexcept { pending_ = true; }
 
@@ -56,6 +63,7 @@ class Reporter final : public cansync::MasterListener {
 
   Exchange& exchange_;
   const WallClock& clock_;
+  FlightTap* const tap_;
   Moment moment_;
   std::size_t unanswered_ = 0;  ///< requests taken whose terminal was not pushed yet
   std::uint64_t lost_reports_ = 0;

@@ -130,6 +130,40 @@ TEST_F(CansyncdTest, RunsUntilSigtermOrSigint) {
   }
 }
 
+TEST_F(CansyncdTest, SigusrSavesAFlightRecordingThatCandumpToolsRead) {
+  const std::string folder = (folder_ / "flights").string();
+  Program program =
+      run({write("good.toml", std::string(kTwoSlaves) + "[recorder]\nfolder = \"" + folder + "\"\n")});
+  ASSERT_TRUE(program.says("active as master")) << program.text();
+  program.signal(SIGUSR1);
+  ASSERT_TRUE(program.says("flight_recording: " + folder + "/flight-two-")) << program.text();
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.exit_code(), 0) << program.text();
+  fs::path log;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".log") log = entry.path();
+  }
+  std::ifstream lines(log);
+  unsigned edges = 0;
+  unsigned frames = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const auto parsed = can::parse_candump_line(line);
+    ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(parsed)) << line;
+    ++(std::get<can::CandumpLine>(parsed).interface == "sync" ? edges : frames);
+  }
+  EXPECT_GT(edges, 20U);
+  EXPECT_GT(frames, 4U) << "activation and status words";
+  EXPECT_TRUE(fs::is_regular_file(log.replace_extension(".json")));
+}
+
+TEST_F(CansyncdTest, WithoutAFolderThatCanBeWrittenTheRecorderIsOffAndSaysSo) {
+  Program program = run({write("good.toml", kTwoSlaves), "--set", "recorder.folder=/no/such/folder"});
+  ASSERT_TRUE(program.says("the flight recorder is off: /no/such/folder")) << program.text();
+  ASSERT_TRUE(program.says("<5>running: ")) << program.text();
+  program.signal(SIGUSR1);
+  EXPECT_TRUE(program.says("no flight recording: the flight recorder is off")) << program.text();
+}
+
 TEST_F(CansyncdTest, SighupAppliesWhatItCanAndSaysWhatNeedsARestart) {
   const std::string file = write("line.toml", kTwoSlaves);
   Program program = run({file});
