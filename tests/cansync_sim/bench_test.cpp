@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "can/frame_length.h"
 #include "rig.h"
 
 namespace {
@@ -38,6 +39,11 @@ class BenchTest : public testing::Test {
 
 using Texts = std::vector<std::string>;
 
+// The SYNC edge is the frame's first bit; frames are given by the end of their last one. 2 us a bit.
+can::Time sync_frame() {
+  return (can::frame_bits(frame("080#")) - can::kInterframeBits) * can::Time(2us);
+}
+
 TEST_F(BenchTest, AnswersAParameterReadOfEachDrive) {
   use({3, 5});
   give("080#", 0ms);
@@ -51,10 +57,10 @@ TEST_F(BenchTest, SendsActualValuesWhenTheSyncFrameHasCome) {
   use({1});
   EXPECT_EQ(give("101#0000000000000000", 1ms), Texts{}) << "nothing is released before the first SYNC";
   give("080#", 2ms);
-  EXPECT_EQ(give("101#0000000000000000", 3ms).size(), 1u);
-  EXPECT_EQ(give("101#0000000000000000", 3ms), Texts{}) << "one release is good for one telegram";
+  EXPECT_EQ(give("101#0000000000000000", 2500us).size(), 1u);
+  EXPECT_EQ(give("101#0000000000000000", 2500us), Texts{}) << "one release is good for one telegram";
   give("080#", 4ms);
-  const Texts second = give("181#0000000000000000", 5ms);
+  const Texts second = give("181#0000000000000000", 4500us);
   ASSERT_EQ(second.size(), 1u);
   EXPECT_EQ(second[0].substr(0, 4), "381#");
   EXPECT_EQ(bench_->counters().syncs, 2u);
@@ -63,7 +69,10 @@ TEST_F(BenchTest, SendsActualValuesWhenTheSyncFrameHasCome) {
 TEST_F(BenchTest, LeavesOutActualValuesAfterTheirSlot) {
   use({1});
   give("080#", 0ms);
-  EXPECT_EQ(give("101#0000000000000000", 1061us), Texts{}) << "tRDC1 is 1060 us at 500 kbit/s";
+  // tRDC1 is 1060 us at 500 kbit/s.
+  EXPECT_EQ(give("101#0000000000000000", 1060us + 1ns - sync_frame()), Texts{});
+  give("080#", 2ms);
+  EXPECT_EQ(give("101#0000000000000000", 3060us - sync_frame()).size(), 1u);
 }
 
 TEST_F(BenchTest, TakesTheInstantOfTheFrameNotOfTheLook) {
@@ -84,8 +93,9 @@ TEST_F(BenchTest, OtherIdentifiersAreNoSync) {
   give("081#", 0ms);
   give("00000080#", 0ms);
   give("080#R", 0ms);
+  give("080#00", 0ms);
   EXPECT_EQ(bench_->counters().syncs, 0u);
-  EXPECT_EQ(bench_->counters().received, 3u);
+  EXPECT_EQ(bench_->counters().received, 4u);
 }
 
 TEST_F(BenchTest, LocksByActivationAndSync) {
@@ -188,8 +198,8 @@ TEST_F(BenchTest, InjectsForeignFramesAfterSync) {
   EXPECT_EQ(give("080#", 0ms), Texts{});
   EXPECT_EQ(due(1ms), Texts{});
   give("080#", 2ms);
-  EXPECT_EQ(due(2399us), Texts{});
-  EXPECT_EQ(due(2400us), Texts{"17F#AA"});
+  EXPECT_EQ(due(2400us - 1ns - sync_frame()), Texts{});
+  EXPECT_EQ(due(2400us - sync_frame()), Texts{"17F#AA"});
 }
 
 TEST_F(BenchTest, NothingWaitsAfterTheLinkWasLost) {

@@ -44,7 +44,7 @@ inline std::vector<std::unique_ptr<sim::Drive>> drives(const std::vector<unsigne
 inline cansync_sim::BenchSettings bench_settings(std::vector<sim::Fault> faults = {}) {
   cansync_sim::BenchSettings settings;
   settings.sync_identifier = 0x080;
-  settings.interval = std::chrono::milliseconds(2);
+  settings.bit_rate = cansync::BitRate::kbit500;
   settings.faults = std::move(faults);
   return settings;
 }

@@ -75,7 +75,7 @@ TEST(Setup, Defaults) {
   ASSERT_TRUE(setup.problems.empty()) << setup.problems[0];
   EXPECT_EQ(setup.interface, "vcan0");
   EXPECT_EQ(setup.bench.sync_identifier, 0x080u);
-  EXPECT_EQ(setup.bench.interval, 1ms);
+  EXPECT_EQ(setup.bench.bit_rate, cansync::BitRate::mbit1);
   ASSERT_EQ(setup.drives.size(), 1u);
   EXPECT_EQ(setup.drives[0].slave.number.value(), 0);
   EXPECT_EQ(setup.drives[0].status_parameter, 301);
@@ -105,7 +105,7 @@ TEST(Setup, EveryOptionArrives) {
   EXPECT_EQ(drive.slave.block_limit, 60);
   EXPECT_NE(drive.slave.reference_mapping, sim::DriveSettings{}.slave.reference_mapping);
   EXPECT_EQ(setup.bench.seed, 9u);
-  EXPECT_EQ(setup.bench.interval, 2ms);
+  EXPECT_EQ(setup.bench.bit_rate, cansync::BitRate::kbit500);
 }
 
 TEST(Setup, WrongArgumentsAreNamed) {
@@ -130,7 +130,7 @@ TEST(Setup, TakesTheLineFromTheDaemonsFile) {
   auto setup = make_setup(arguments);
   ASSERT_TRUE(setup.problems.empty()) << setup.problems[0];
   EXPECT_EQ(setup.interface, "can3");
-  EXPECT_EQ(setup.bench.interval, 4ms);
+  EXPECT_EQ(setup.bench.bit_rate, cansync::BitRate::kbit250);
   ASSERT_EQ(setup.drives.size(), 2u);
   EXPECT_EQ(setup.drives[0].status_parameter, 77);
   EXPECT_EQ(setup.drives[1].status_parameter, 78);

@@ -34,8 +34,9 @@ def documented_keys():
     return keys
 
 
-def wait_for(what, condition, seconds=LONG):
+def wait_for(what, condition, seconds=None):
     """The first result of `condition` that is true."""
+    seconds = LONG if seconds is None else seconds
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         result = condition()

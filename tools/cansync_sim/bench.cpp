@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "cansync/telegram.h"
+#include "sync/software_sync.h"
 
 namespace cansync_sim {
 namespace {
@@ -24,7 +25,8 @@ void for_each_bit(std::uint32_t mask, Action&& action) {
 Bench::Bench(const BenchSettings& settings, std::vector<std::unique_ptr<sim::Drive>> drives)
     : drives_(std::move(drives)),
       sync_identifier_(settings.sync_identifier),
-      interval_(settings.interval),
+      bits_per_second_(cansync::slot_times(settings.bit_rate).bits_per_second),
+      interval_(cansync::slot_times(settings.bit_rate).interval),
       faults_(settings.faults, settings.seed),
       acceptance_(kIdentifiers),
       waiting_(drives_.size() * kFramesPerDrive + kForeignFrames) {
@@ -41,8 +43,8 @@ void Bench::receive(const can::ReceivedFrame& received, can::Time now) noexcept 
     ++counters_.error_frames;
     return;
   }
-  if (frame.kind == can::FrameKind::standard && frame.id == sync_identifier_) {
-    sync(received.end);
+  if (sync_line::is_software_sync(frame, sync_identifier_)) {
+    sync(sync_line::edge_of(received, bits_per_second_));
     return;
   }
   ++counters_.received;

@@ -8,6 +8,7 @@
 #include "can/bus.h"
 #include "can/frame.h"
 #include "cansync/numbers.h"
+#include "cansync/timing.h"
 #include "sim/arbitration.h"
 #include "sim/drive.h"
 #include "sim/faults.h"
@@ -17,10 +18,10 @@ namespace cansync_sim {
 
 /// What a bench is, beside its drives.
 struct BenchSettings {
-  std::uint32_t sync_identifier = 0;  ///< identifier of the software SYNC frame, 0..0x7FF
-  cansync::Duration interval{0};      ///< from one SYNC to the next; answers older than that are not sent
-  std::vector<sim::Fault> faults;     ///< none of kind `corrupted`
-  std::uint64_t seed = 1;             ///< of the faults' chance
+  std::uint32_t sync_identifier = 0;                    ///< identifier of the software SYNC frame, 0..0x7FF
+  cansync::BitRate bit_rate = cansync::BitRate::mbit1;  ///< fixes interval and slot times
+  std::vector<sim::Fault> faults;                       ///< none of kind `corrupted`
+  std::uint64_t seed = 1;                               ///< of the faults' chance
 };
 
 /// What a bench has counted since its start.
@@ -35,8 +36,8 @@ struct BenchCounters {
 };
 
 /// Simulated drives on a bus that is not simulated, sans-IO: it is given the frames that were received and
-/// asked which frame is to be sent next. SYNC is a frame with an identifier of its own, which is no part of
-/// CANsync. One thread; nothing allocates or throws after construction.
+/// asked which frame is to be sent next. SYNC is a frame of its own (sync/software_sync.h), which is no part
+/// of CANsync. One thread; nothing allocates or throws after construction.
 class Bench {
  public:
   Bench(const BenchSettings& settings, std::vector<std::unique_ptr<sim::Drive>> drives);
@@ -73,7 +74,8 @@ class Bench {
 
   std::vector<std::unique_ptr<sim::Drive>> drives_;
   std::uint32_t sync_identifier_;
-  cansync::Duration interval_;
+  std::uint32_t bits_per_second_;
+  cansync::Duration interval_;  // answers older than that are not sent
   sim::FaultSchedule faults_;
   std::vector<DriveMask> acceptance_;  // by identifier
   sim::PendingFrames waiting_;

@@ -145,7 +145,7 @@ class SetupReader {
       }
     }
     setup_.interface = config.bus.interface;
-    setup_.bench.interval = cansync::slot_times(config.master.bit_rate).interval;
+    setup_.bench.bit_rate = config.master.bit_rate;
     setup_.bench.seed = config.sim.seed;
     for_each_slave(chosen, [&](cansync::SlaveNumber slave) {
       setup_.drives.push_back(cansyncd::drive_settings(config, slave));

@@ -1,0 +1,168 @@
+"""vcan0 and the programs on it, for tests inside user-mode-linux."""
+
+import os
+import signal
+import socket
+import struct
+import subprocess
+import tempfile
+import time
+
+import gateway
+from gateway import CANSYNCD, Place, wait_for
+
+LONG = 30  # seconds; all tests together have less than 300
+gateway.LONG = LONG
+CANSYNC_SIM = os.environ["CANSYNC_SIM"]
+INTERFACE = "vcan0"
+SYNC = "080"  # identifier of the software SYNC frame
+PROBE = "1FFFFFF0#"  # nobody takes it; it shows that candump listens
+
+
+def ip(*arguments):
+    subprocess.run(["ip", *arguments], check=True)
+
+
+def interface_exists():
+    return os.path.exists(f"/sys/class/net/{INTERFACE}")
+
+
+def create_interface():
+    ip("link", "add", "dev", INTERFACE, "type", "vcan")
+    ip("link", "set", INTERFACE, "up")
+
+
+def delete_interface():
+    ip("link", "delete", INTERFACE)
+
+
+class Wire:
+    """A raw socket on vcan0: somebody else on the bus. Frames are written as candump does, `identifier#data`."""
+
+    def __init__(self):
+        self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        self.socket.bind((INTERFACE,))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+    def send(self, text):
+        identifier, data = text.split("#")
+        number = int(identifier, 16) | (socket.CAN_EFF_FLAG if len(identifier) == 8 else 0)
+        payload = bytes.fromhex(data)
+        self.socket.send(struct.pack("=IB3x8s", number, len(payload), payload))
+
+    def receive(self, seconds=10):
+        """The next frame; None when none comes in that time."""
+        self.socket.settimeout(seconds)
+        try:
+            identifier, length, data = struct.unpack("=IB3x8s", self.socket.recv(16))
+        except TimeoutError:
+            return None
+        return f"{identifier:03X}#{data[:length].hex().upper()}"
+
+    def receive_from(self, identifier, seconds=10):
+        """The next frame with this identifier; None when none comes in that time."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            frame = self.receive(max(0.001, deadline - time.monotonic()))
+            if frame is not None and frame.startswith(identifier + "#"):
+                return frame
+        return None
+
+    def ask(self, command):
+        """Sends a command `5NN#...` until its slave answers, as a master does: on a loaded machine the drives leave out
+        answers that come too late. The answer's data."""
+        answer = f"{int(command[:3], 16) + 0x80:03X}"
+
+        def answered():
+            self.send(command)
+            return self.receive_from(answer, 0.5)
+
+        return wait_for(f"an answer to {command}", answered).split("#")[1]
+
+
+class Candump:
+    """`candump -L vcan0` into a file; a context manager."""
+
+    def __init__(self):
+        self.file = tempfile.NamedTemporaryFile(prefix="candump_", suffix=".log")
+        self.process = None
+
+    def __enter__(self):
+        self.process = subprocess.Popen(["candump", "-L", INTERFACE], stdout=self.file)
+        with Wire() as wire:
+            wait_for("candump listens", lambda: wire.send(PROBE) or PROBE in self._lines())
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(LONG)
+
+    def _lines(self):
+        with open(self.file.name, encoding="ascii") as file:
+            lines = file.read().split("\n")[:-1]
+        return [line.split()[2] for line in lines]
+
+    def frames(self):
+        """All frames so far, as `identifier#data`, in the order of the bus."""
+        return [frame for frame in self._lines() if frame != PROBE]
+
+    def wait_for_frame(self, frame):
+        wait_for(f"{frame} on the bus", lambda: frame in self.frames())
+
+
+class Process:
+    """A program with its output in a file; a context manager that ends it."""
+
+    def __init__(self, *command):
+        self.command = [str(part) for part in command]
+        self.log = tempfile.NamedTemporaryFile(prefix="program_", suffix=".log")
+        self.process = None
+
+    def start(self):
+        self.process = subprocess.Popen(self.command, stdout=self.log, stderr=subprocess.STDOUT)
+
+    def __enter__(self):
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.kill()
+
+    def text(self):
+        with open(self.log.name, encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def wait_text(self, text, count=1):
+        wait_for(f"{count} times '{text}' from {self.command[0]}", lambda: self.text().count(text) >= count or
+                 self._must_live())
+
+    def _must_live(self):
+        if self.process.poll() is not None:
+            raise AssertionError(f"{self.command} has ended:\n{self.text()}")
+
+    def stop(self):
+        """SIGTERM; the exit code."""
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(LONG)
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait(LONG)
+
+
+class Simulator(Process):
+    """`cansync-sim` on vcan0 at 500 kbit/s."""
+
+    def __init__(self, *options, slaves="0-3"):
+        super().__init__(CANSYNC_SIM, INTERFACE, "--slaves", slaves, "--bit-rate", 500000, "--lock-time", 50,
+                         "--sync-id", "0x" + SYNC, "--missing-references", 0, "--verbose", *options)
+
+    def start(self):
+        super().start()
+        self.wait_text("SYNC frame 0x")

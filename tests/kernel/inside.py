@@ -1,0 +1,48 @@
+"""Runs inside user-mode-linux as the first process: sets up vcan0, runs the tests, leaves their exit code, powers off."""
+
+import ctypes
+import faulthandler
+import os
+import shlex
+import subprocess
+import sys
+import traceback
+import unittest
+
+POWER_OFF = 0x4321FEDC
+STUCK = 60  # seconds after which to show, again and again, where the tests are
+
+
+def set_up():
+    for module in filter(None, os.environ["MODULE_FILES"].split(":")):
+        subprocess.run(["insmod", module], check=True)
+    subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+    subprocess.run(["ip", "route", "add", "224.0.0.0/4", "dev", "lo"], check=True)
+
+
+def run_tests():
+    here = os.path.dirname(os.path.abspath(__file__))
+    sys.path[:0] = [here, os.path.join(here, "..", "end_to_end")]
+    os.chdir(here)
+    arguments = ["kernel", "discover", "-s", here, "-p", "*_test.py", *shlex.split(os.environ["ARGUMENTS"])]
+    runner = unittest.TextTestRunner(stream=sys.stdout, verbosity=2)
+    program = unittest.main(module=None, argv=arguments, exit=False, testRunner=runner)
+    return 0 if program.result.wasSuccessful() and program.result.testsRun > 0 else 1
+
+
+def main():
+    code = 1
+    try:
+        faulthandler.dump_traceback_later(STUCK, repeat=True, file=sys.stdout)
+        set_up()
+        code = run_tests()
+    except BaseException:  # whatever it is, the kernel must end and tell
+        traceback.print_exc(file=sys.stdout)
+    sys.stdout.flush()
+    with open(os.path.join(sys.argv[1], "exit_code"), "w", encoding="ascii") as file:
+        file.write(str(code))
+    os.sync()
+    ctypes.CDLL(None).reboot(POWER_OFF)
+
+
+main()
