@@ -10,6 +10,7 @@
 #include "cansync/numbers.h"
 #include "cansync/settings.h"
 #include "daemon/flight_triggers.h"
+#include "sync/input.h"
 
 /// The whole configuration of one daemon, one bus: plain values. `config_file.h` reads it from a TOML file;
 /// docs/configuration.md lists every option. Not for the realtime thread, except `Config::master`, which is
@@ -46,7 +47,46 @@ struct RealtimeConfig {
 };
 
 /// Where the SYNC edge goes beside the bus itself. A simulated bus has its own SYNC line.
-enum class SyncOutput : std::uint8_t { none };
+enum class SyncOutput : std::uint8_t {
+  none,
+  gpio,  ///< a GPIO line
+  phc,   ///< a periodic output of a PTP hardware clock, which the timeline follows
+  can,   ///< the software SYNC frame
+};
+
+/// The external SYNC that the timeline follows.
+enum class SyncInput : std::uint8_t {
+  none,
+  gpio,  ///< edges of a GPIO line
+  pps,   ///< one pulse per second
+  can,   ///< the software SYNC frame of another node
+};
+
+using SyncEdge = sync_line::Edge;
+
+/// The SYNC line.
+struct SyncConfig {
+  SyncOutput output = SyncOutput::none;
+  SyncEdge edge = SyncEdge::falling;  ///< at the GPIO line or the clock's pin
+  std::string gpio_chip = "/dev/gpiochip0";
+  std::uint32_t gpio_line = 0;
+  std::string phc_device = "/dev/ptp0";
+  int phc_pin = 0;  ///< -1: the clock's pins are fixed
+  std::uint32_t phc_channel = 0;
+  std::uint32_t can_identifier = 0x080;  ///< of the software SYNC frame
+  SyncInput input = SyncInput::none;
+  std::string input_gpio_chip = "/dev/gpiochip0";
+  std::uint32_t input_gpio_line = 0;
+  SyncEdge input_edge = SyncEdge::falling;
+  std::string pps_device = "/dev/pps0";
+  SyncEdge pps_edge = SyncEdge::rising;       ///< rising: assert; falling: clear
+  std::chrono::nanoseconds input_offset{0};   ///< from the input's edge to the timeline's
+  std::chrono::milliseconds holdover{1000};   ///< without edges until the input counts as lost
+  std::chrono::nanoseconds greatest_step{0};  ///< per interval; 0: a thousandth of the interval
+
+  /// Does the bus carry software SYNC frames for or from this daemon?
+  bool uses_frame() const noexcept { return output == SyncOutput::can || input == SyncInput::can; }
+};
 
 /// How far the daemon goes by itself after its start.
 enum class StartTarget : std::uint8_t {
@@ -123,7 +163,7 @@ struct RecorderConfig {
 struct Config {
   BusConfig bus;
   RealtimeConfig realtime;
-  SyncOutput sync_output = SyncOutput::none;
+  SyncConfig sync;
   StartConfig startup;
   FailsafeConfig failsafe;
   cansync::MasterSettings master;  ///< bit rate, slots, slaves, mappings, polling, command channel, start-up

@@ -12,6 +12,7 @@
 #include "cansync/mapping.h"
 #include "cansync/settings_check.h"
 #include "daemon/bus_budget.h"
+#include "daemon/config_check_sync.h"
 
 namespace cansyncd {
 namespace {
@@ -52,6 +53,7 @@ class Checker {
     }
     slave_names();
     fault_script();
+    for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
     if (problems_.empty()) master();
     return std::move(problems_);
   }

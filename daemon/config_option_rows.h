@@ -160,9 +160,10 @@ inline constexpr std::string_view kSecondHelp = "As above, for the second telegr
 inline constexpr std::string_view kMappingOne = "(doubleword values 0 and 1, low word first)";
 inline constexpr std::string_view kMappingTwo = "(doubleword values 4 and 5, low word first)";
 
-// --- the two parts of the table
+// --- the parts of the table
 
-std::span<const Option> daemon_options();  ///< bus, realtime, sync, startup, failsafe, dds, sim
+std::span<const Option> daemon_options();  ///< bus, realtime, startup, failsafe, dds, sim
+std::span<const Option> sync_options();    ///< sync
 std::span<const Option> line_options();    ///< process, command channel, reference values, slaves
 
 }  // namespace cansyncd::rows

@@ -78,10 +78,6 @@ constexpr auto kRows = std::to_array<Option>({
     plain("recorder.sending_failed", OptionType::boolean, "true",
           "Record when telegrams can no longer be handed to the bus.",
           [](Draft& d, const Value& v) { d.config.recorder.triggers.sending_failed = flag(v); }),
-    // --- [sync]
-    choice("sync.output", "\"none\"", "none",
-           "Where the SYNC edge goes beside the bus. The simulated bus has its own SYNC line.",
-           [](Draft& d, const Value&) { d.config.sync_output = SyncOutput::none; }),
     // --- [startup]
     choice("startup.target", "\"active\"", "none|setup|active",
            "How far the daemon goes by itself: none = waits for mode commands; setup = SYNC and command "

@@ -107,6 +107,7 @@ std::string_view example(const Option& option) {
   if (option.key == "bus.name") return "\"sim\"";
   if (option.key == "bus.send_margin_us") return "50";
   if (option.key == "recorder.folder") return "\"/var/lib/cansync/sim\"";
+  if (option.key == "sync.greatest_step_ns") return "1000";
   if (option.key == "dds.partition") return "\"sim\"";
   if (option.key == "process.maximum_slave") return "0";
   if (option.key == "sim.drives") return "[0]";

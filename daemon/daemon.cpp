@@ -4,7 +4,9 @@
 
 #include <csignal>
 #include <exception>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +20,7 @@
 #include "daemon/realtime_text.h"
 #include "daemon/service.h"
 #include "daemon/sim_bus.h"
+#include "daemon/sync_line.h"
 #include "dds/participant.h"
 #include "rt/kernel_type.h"
 #include "rt/realtime_thread.h"
@@ -56,8 +59,24 @@ ExchangeSizes exchange_sizes(const Config& config) {
           config.realtime.report_queue};
 }
 
-LoopSettings loop_settings(const Config& config, FlightTap* tap) {
+/// Nothing when neither output nor input is configured.
+std::unique_ptr<SyncLine> make_sync_line(const ConfigFile& file) {
+  const SyncConfig& sync = file.config.sync;
+  if (sync.output == SyncOutput::none && sync.input == SyncInput::none) return nullptr;
+  try {
+    return std::make_unique<SyncLine>(file.config, sync_line::kernel());
+  } catch (const sync_line::SetupError& error) {
+    Problem problem{{file.path, 0, 0}, error.option(), error.text()};
+    for (const Setting& setting : file.settings) {
+      if (setting.option->key == error.option()) problem.where = setting.where;
+    }
+    throw std::runtime_error(to_string(problem));
+  }
+}
+
+LoopSettings loop_settings(const Config& config, FlightTap* tap, SyncLine* sync_line) {
   LoopSettings settings;
+  settings.sync_line = sync_line;
   settings.target = config.startup.target;
   settings.report_intervals = config.dds.interval_topic;
   settings.tap = tap;
@@ -85,16 +104,19 @@ void log_problems(const std::vector<Problem>& problems) {
 /// Everything that runs, in the order it is built; taken down the other way round.
 class Daemon {
  public:
-  /// Throws std::system_error or cansync::dds::SetupError for what cannot be had.
+  /// Throws std::runtime_error (of the SYNC line), std::system_error or cansync::dds::SetupError for what
+  /// cannot be had.
   explicit Daemon(ConfigFile file)
       : file_(std::move(file)),
         bus_(file_.config),
+        sync_line_(make_sync_line(file_)),
         exchange_(exchange_sizes(file_.config)),
         participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
                       file_.config.dds.xml}),
         gateway_(file_.config, exchange_, participant_),
         flight_(file_.config, bus_.bus(), [this](const EventText& event) { gateway_.post(event); }),
-        loop_(file_.config.master, loop_settings(file_.config, flight_.tap()), flight_.bus(), exchange_) {}
+        loop_(file_.config.master, loop_settings(file_.config, flight_.tap(), sync_line_.get()),
+              flight_.bus(), exchange_) {}
 
   ~Daemon() { stop(); }
   Daemon(const Daemon&) = delete;
@@ -103,6 +125,7 @@ class Daemon {
   /// Throws rt::RealtimeError when realtime is enforced and not granted, std::system_error without threads.
   void start() {
     const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
+    if (sync_line_) sync_line_->start();
     thread_.emplace(settings, [this] { loop_.run(); });
     log_line(LogPriority::notice, realtime_text(settings, thread_->grants(), rt::kernel_type()));
     for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
@@ -172,6 +195,7 @@ class Daemon {
 
   ConfigFile file_;
   SimBus bus_;
+  std::unique_ptr<SyncLine> sync_line_;
   Exchange exchange_;
   cansync::dds::Participant participant_;
   Gateway gateway_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/refusal_text.h"
+#include "daemon/sync_text.h"
 
 namespace cansyncd {
 namespace {
@@ -101,6 +102,12 @@ struct Describer {
     }
     return EventText{cansync_SEVERITY_ERROR, "sending_failed", -1,
                      fmt::format("telegrams cannot be sent: {}", remedy_of(report.result)), report.when};
+  }
+  std::optional<EventText> operator()(const SyncSourceChanged& report) const {
+    return sync_event(report, config);
+  }
+  std::optional<EventText> operator()(const SyncDeviceChanged& report) const {
+    return sync_event(report, config);
   }
   std::optional<EventText> operator()(const TransferProgress&) const { return std::nullopt; }
   std::optional<EventText> operator()(const ReferenceRefused&) const { return std::nullopt; }

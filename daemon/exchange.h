@@ -14,6 +14,7 @@
 #include "rt/latest_value.h"
 #include "rt/spsc_ring.h"
 #include "rt/wake_signal.h"
+#include "sync/phase_lock.h"
 
 /// Everything the realtime thread and the gateway thread share, and nothing else is shared between them.
 ///
@@ -169,8 +170,24 @@ struct SendingChanged {
   std::uint64_t failed = 0;                          ///< when it works again: telegrams that failed meanwhile
 };
 
+/// The timeline and what it follows: locked, holding over, lost, found again. Reported on the edge.
+struct SyncSourceChanged {
+  Moment when;
+  sync_line::LockState from = sync_line::LockState::searching;
+  sync_line::LockState to = sync_line::LockState::searching;
+  can::Time missing{0};  ///< for how long edges have been (to locked: had been) missing
+};
+
+/// A device of the SYNC line began to fail, or works again. Reported on the edge.
+struct SyncDeviceChanged {
+  Moment when;
+  bool output = false;         ///< false: the input
+  int error = 0;               ///< an errno; SyncLine::kNotSent: the bus took no frame; 0: works again
+  std::uint64_t failures = 0;  ///< edges that could not be made since the start
+};
+
 using Report = std::variant<StateChanged, TransferProgress, EventReport, ReferenceRefused, SyncsMissed,
-                            ControllerChanged, SendingChanged>;
+                            ControllerChanged, SendingChanged, SyncSourceChanged, SyncDeviceChanged>;
 
 // --- realtime thread -> gateway: newest value only
 
@@ -193,6 +210,16 @@ struct IntervalReport {
   cansync::Duration time_left{};  ///< from the edge until the reference values are taken
 };
 
+/// The SYNC line; all zero when nothing is followed and nothing failed.
+struct SyncSnapshot {
+  sync_line::LockState state = sync_line::LockState::searching;  ///< only with an input or a hardware clock
+  can::Time phase_error{0};                                      ///< input after timeline, filtered
+  can::Time holdover{0};                                         ///< for how long edges have been missing
+  std::uint64_t edges = 0;                                       ///< of the input, used
+  std::uint64_t rejected_edges = 0;                              ///< of the input, not used
+  std::uint64_t output_failures = 0;                             ///< edges that could not be made
+};
+
 /// State of the master; written every interval, without waking the gateway for it.
 struct MasterSnapshot {
   Moment when;
@@ -208,6 +235,7 @@ struct MasterSnapshot {
   std::uint32_t open_transfers = 0;
   std::uint64_t missed_syncs = 0;
   std::uint64_t lost_reports = 0;
+  SyncSnapshot sync;
 };
 
 /// Settings in force that can change while running; written at the start and after each change.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "daemon/sync_text.h"
 #include "dds/convert.h"
 
 namespace cansyncd {
@@ -41,7 +42,8 @@ auto essence(const MasterSnapshot& master) {
   // Overrun, warning and bus-off; "sending" and "receiving" change all the time.
   constexpr unsigned kLastingBits = 0x00C2;
   return std::tuple(master.state, master.cansync_status & kLastingBits, master.controller.state,
-                    master.configured.bits, master.responding.bits, master.synchronized.bits);
+                    master.sync.state, master.configured.bits, master.responding.bits,
+                    master.synchronized.bits);
 }
 
 /// Where the instants of a simulated line come from.
@@ -63,6 +65,19 @@ cansync::Duration planned_start(const TimingSnapshot& timing, TelegramClass slot
     default:
       return cansync::Duration(-1);
   }
+}
+
+void fill_sync(const SyncConfig& config, const SyncSnapshot& line, cansync_MasterStatus& sample) {
+  const bool follows = config.input != SyncInput::none || config.output == SyncOutput::phc;
+  dds::copy_text(name(config.output), sample.sync_output);
+  dds::copy_text(config.output == SyncOutput::phc ? name(config.output) : name(config.input),
+                 sample.sync_input);
+  if (follows) dds::copy_text(sync_line::name(line.state), sample.sync_state);
+  sample.sync_phase_error = line.phase_error.count();
+  sample.sync_holdover = static_cast<std::uint64_t>(line.holdover.count());
+  sample.sync_edges = line.edges;
+  sample.sync_rejected_edges = line.rejected_edges;
+  sample.sync_output_failures = line.output_failures;
 }
 
 cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& times) {
@@ -220,6 +235,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   dds::copy_text(config_.bus.interface, sample.bus_interface);
   if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
   fill_realtime(realtime_wanted_, realtime_granted_, sample);
+  fill_sync(config_.sync, master_.sync, sample);
   const auto names = names_of(config_.references);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
   (void)master_writer_.write(sample);

@@ -55,13 +55,14 @@ RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSe
       master_(settings, reporter_),
       mode_(master_, bus, loop.target),
       requests_(exchange, master_, mode_, reporter_),
+      timeline_(interval_, loop.sync_line != nullptr ? loop.sync_line->following() : std::nullopt),
       load_(cansync::slot_times(settings.bit_rate).bits_per_second),
       slots_(cansync::slot_times(settings.bit_rate)) {}
 
 void RealtimeLoop::run() noexcept {
   begin();
   while (!stopping()) {
-    wait_until(due(next_));
+    wait_until(timeline_.due());
     if (skip_missed_edges()) continue;
     begin_interval();
     mode_.pursue_target();
@@ -73,51 +74,55 @@ void RealtimeLoop::run() noexcept {
 
 void RealtimeLoop::begin() noexcept {
   clock_.adjust(bus_);
-  start_ = bus_.now() + interval_;
-  sync_ = start_ - interval_;
-  next_second_ = start_ + kSecond;
-  load_.take(start_);
+  const can::Time start = bus_.now() + interval_;
+  timeline_.begin(start);
+  if (loop_.sync_line != nullptr) loop_.sync_line->begin(bus_);
+  sync_ = start - interval_;
+  next_second_ = start + kSecond;
+  load_.take(start);
   controller_ = bus_.status();
-  reporter_.at(0, start_);
+  reporter_.at(0, start);
   requests_.publish_settings();
 }
 
 void RealtimeLoop::end() noexcept {
   reporter_.at(number_, bus_.now());
   mode_.shut_down();
+  if (loop_.sync_line != nullptr) {
+    loop_.sync_line->idle();
+    loop_.sync_line->run(false);
+  }
   requests_.refuse_all_as_stopped();
   publish();
   reporter_.written();
   reporter_.wake_gateway();
 }
 
-can::Time RealtimeLoop::due(cansync::IntervalNumber n) const noexcept {
-  return start_ + static_cast<can::Time::rep>(n) * interval_;
-}
-
-/// True when the edge that was waited for has gone by; `next_` is then the next one to wait for.
+/// True when the edge that was waited for has gone by; the timeline's next one is then the one to wait for.
 bool RealtimeLoop::skip_missed_edges() noexcept {
-  const can::Time late = bus_.now() - due(next_);
-  if (synchronous()) lateness_.add(late);
-  if (late <= interval_ / 2) return false;
-  const auto whole = static_cast<cansync::IntervalNumber>(late / interval_);
-  const bool nearer_to_next = late % interval_ > interval_ / 2;
-  const cansync::IntervalNumber skipped = whole + (nearer_to_next ? 1 : 0);
-  next_ += skipped;
+  const can::Time now = bus_.now();
+  if (synchronous()) lateness_.add(now - timeline_.due());
+  const Timeline::Missed missed = timeline_.skip_missed(now);
+  if (missed.count == 0) return false;
   if (synchronous()) {
-    missed_syncs_ += skipped;
-    reporter_.at(next_, due(next_));
-    reporter_.report(SyncsMissed{reporter_.moment(), skipped});
+    missed_syncs_ += missed.count;
+    reporter_.at(timeline_.next(), timeline_.due());
+    reporter_.report(SyncsMissed{reporter_.moment(), missed.count});
   }
-  return nearer_to_next;
+  return missed.wait;
 }
 
 void RealtimeLoop::begin_interval() noexcept {
-  const can::Time edge = due(next_);
+  const can::Time edge = timeline_.due();
   if (synchronous()) bus_.sync_edge(edge);
+  if (loop_.sync_line != nullptr) {
+    loop_.sync_line->run(synchronous());
+    if (synchronous()) loop_.sync_line->edge(bus_);
+  }
   receive_frames();
   sync_ = edge;
-  number_ = next_++;
+  number_ = timeline_.next();
+  timeline_.advance();
   heard_others_ = false;
   reporter_.at(number_, edge);
   begun_ = synchronous();
@@ -141,6 +146,7 @@ RealtimeLoop::Slots RealtimeLoop::slots_in_order() const noexcept {
 void RealtimeLoop::serve(Slot slot) noexcept {
   if (!stopping()) requests_.take(kRequestsBeforeSlot);
   wait_until(sync_ + master_.planned_start(slot));
+  if (loop_.sync_line != nullptr) loop_.sync_line->idle();
   reporter_.at(number_, bus_.now());
   if (!stopping()) requests_.take(kRequestsAtSlot);
   // Without an edge at its beginning, this interval carries no telegram.
@@ -177,6 +183,7 @@ void RealtimeLoop::receive_frames() noexcept {
   can::ReceivedFrame received;
   for (unsigned i = 0; i < kFramesAtOnce && bus_.receive(received); ++i) {
     load_.add(received.frame);
+    if (loop_.sync_line != nullptr && loop_.sync_line->take_frame(received, timeline_.lock())) continue;
     if (master_.state() == cansync::State::active_master) slots_.add(received.frame, received.end, sync_);
     const can::Time since_sync = received.end - sync_;
     if (received.own) {

@@ -14,6 +14,8 @@
 #include "daemon/reporter.h"
 #include "daemon/request_intake.h"
 #include "daemon/slot_statistics.h"
+#include "daemon/sync_line.h"
+#include "daemon/timeline.h"
 #include "daemon/wall_clock.h"
 #include "rt/timing_statistics.h"
 
@@ -26,14 +28,15 @@ struct LoopSettings {
   WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
   can::Time epoch{0};                                 ///< wall clock at bus time 0, when `wall_clock` is null
   FlightTap* tap = nullptr;                           ///< flight recorder; null: none
+  SyncLine* sync_line = nullptr;  ///< null: no SYNC line but the bus's own; must outlive the loop
 };
 
 /// The realtime thread's work: binds the master to a bus and to the gateway, interval by interval.
 ///
-/// Timeline: SYNC n is due at start + n * interval, for ever. Missed-tick rule: an edge for which the thread
-/// wakes more than half an interval late is not produced, nor any before it; they are skipped, counted and
-/// reported. Nothing is made up for, and the timeline neither drifts nor bunches up. A telegram whose latest
-/// start has passed is left out of its interval and counted.
+/// Timeline: SYNC n is due at start + n * interval, for ever, or follows what the SYNC line follows.
+/// Missed-tick rule: an edge for which the thread wakes more than half an interval late is not produced, nor
+/// any before it; they are skipped, counted and reported. Nothing is made up for, and the timeline neither
+/// drifts nor bunches up. A telegram whose latest start has passed is left out of its interval and counted.
 ///
 /// All time comes from the bus, so the same loop runs in virtual time. The constructor takes all memory;
 /// `run` neither allocates, locks, logs nor throws, and its only system calls are the bus's and the gateway's
@@ -72,7 +75,8 @@ class RealtimeLoop {
   std::uint16_t cansync_status() const noexcept;
   bool synchronous() const noexcept { return cansync::is_synchronous(master_.state()); }
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
-  can::Time due(cansync::IntervalNumber n) const noexcept;
+  void follow_sync() noexcept;
+  void watch_sync_device(bool output, int error, int& known) noexcept;
 
   can::Bus& bus_;
   Exchange& exchange_;
@@ -85,8 +89,10 @@ class RealtimeLoop {
   RequestIntake requests_;
   std::atomic<bool> stop_{false};
 
-  can::Time start_{};                   ///< SYNC 0
-  cansync::IntervalNumber next_ = 0;    ///< the interval that begins next
+  Timeline timeline_;
+  SyncSnapshot line_;  ///< the SYNC line
+  int sync_output_error_ = 0;
+  int sync_input_error_ = 0;
   cansync::IntervalNumber number_ = 0;  ///< the running interval
   bool begun_ = false;                  ///< the running interval began with an edge
   can::Time sync_{};                    ///< edge of the running interval, as due

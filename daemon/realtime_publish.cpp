@@ -30,6 +30,8 @@ void RealtimeLoop::publish() noexcept {
   snapshot.open_transfers = static_cast<std::uint32_t>(master_.open_transfers());
   snapshot.missed_syncs = missed_syncs_;
   snapshot.lost_reports = reporter_.lost_reports();
+  follow_sync();
+  snapshot.sync = line_;
   // Nobody is woken for it alone: what changed in it has been reported.
   exchange_.master.write(snapshot);
   refresh_slave_counters();
@@ -41,8 +43,8 @@ void RealtimeLoop::refresh_slave_counters() noexcept {
   constexpr can::Time kSecond = std::chrono::seconds(1);
   const auto turn = static_cast<cansync::IntervalNumber>(
       std::max<can::Time::rep>(kSecond / interval_ / cansync::kSlaves, 1));
-  if (next_ % turn != 0) return;
-  const SlaveNumber slave = *SlaveNumber::from((next_ / turn) % cansync::kSlaves);
+  if (timeline_.next() % turn != 0) return;
+  const SlaveNumber slave = *SlaveNumber::from((timeline_.next() / turn) % cansync::kSlaves);
   if (master_.slave(slave).configured) reporter_.slave_status(slave, master_.slave(slave));
 }
 

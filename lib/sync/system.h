@@ -48,11 +48,14 @@ class SetupError : public std::runtime_error {
  public:
   /// `option`: the configuration option at fault, e.g. "sync.gpio_chip".
   SetupError(const std::string& option, const std::string& text)
-      : std::runtime_error(option + ": " + text), option_(option) {}
+      : std::runtime_error(option + ": " + text), option_(option), text_(text) {}
   const std::string& option() const noexcept { return option_; }
+  /// `what()` without the option.
+  const std::string& text() const noexcept { return text_; }
 
  private:
   std::string option_;
+  std::string text_;
 };
 
 /// What an error number of a device means and what mends it. Allocates.

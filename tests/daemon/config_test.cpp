@@ -51,6 +51,53 @@ TEST(Config, AFileWithOneSlaveIsEnough) {
   EXPECT_TRUE(cansync::check(config.master).empty());
 }
 
+TEST(Config, TheSyncLine) {
+  const Config plain = good(kSmallest);
+  EXPECT_EQ(plain.sync.output, SyncOutput::none);
+  EXPECT_EQ(plain.sync.input, SyncInput::none);
+  EXPECT_FALSE(plain.sync.uses_frame()) << "the software SYNC frame is off by default";
+  const Config config = good(
+      "[sync]\noutput = \"gpio\"\nedge = \"rising\"\ngpio_line = 17\ninput = \"pps\"\npps_edge = \"clear\"\n"
+      "holdover_ms = 5000\ngreatest_step_ns = 200\ninput_offset_ns = -300\n[[slave]]\nnumber = 0\n");
+  EXPECT_EQ(config.sync.output, SyncOutput::gpio);
+  EXPECT_EQ(config.sync.edge, SyncEdge::rising);
+  EXPECT_EQ(config.sync.gpio_line, 17U);
+  EXPECT_EQ(config.sync.input, SyncInput::pps);
+  EXPECT_EQ(config.sync.pps_edge, SyncEdge::falling);
+  EXPECT_EQ(config.sync.holdover, std::chrono::seconds(5));
+  EXPECT_EQ(config.sync.greatest_step, std::chrono::nanoseconds(200));
+  EXPECT_EQ(config.sync.input_offset, std::chrono::nanoseconds(-300));
+}
+
+TEST(Config, SyncCombinationsThatMakeNoSenseAreRefused) {
+  const auto problems = [](const std::string& sync) {
+    return problems_text(from_text("[sync]\n" + sync + "[[slave]]\nnumber = 0\n").problems);
+  };
+  EXPECT_EQ(problems("output = \"gpio\"\ninput = \"gpio\"\ninput_gpio_line = 1\n"), "");
+  EXPECT_EQ(problems("output = \"can\"\ninput = \"pps\"\n"), "");
+  EXPECT_EQ(problems("output = \"none\"\ninput = \"can\"\n"), "");
+  EXPECT_NE(problems("output = \"phc\"\ninput = \"pps\"\n")
+                .find("test.toml:3:9: sync.input: found an input beside output = \"phc\"; allowed: \"none\""),
+            std::string::npos);
+  EXPECT_NE(problems("output = \"can\"\ninput = \"can\"\n").find("sync.input: found \"can\" beside"),
+            std::string::npos);
+  EXPECT_NE(problems("output = \"gpio\"\ninput = \"gpio\"\ngpio_line = 4\ninput_gpio_line = 4\n")
+                .find("test.toml:5:19: sync.input_gpio_line: found 4 of /dev/gpiochip0, which is the output"),
+            std::string::npos);
+  for (const char* identifier : {"0x010", "0x100", "0x1FF", "0x300", "0x3FF", "0x500", "0x5FF"}) {
+    const std::string line = std::string("can_identifier = ") + identifier + "\n";
+    EXPECT_NE(
+        problems("output = \"can\"\n" + line).find("sync.can_identifier: found " + std::string(identifier)),
+        std::string::npos)
+        << identifier;
+    EXPECT_EQ(problems(line), "") << "not used";
+  }
+  for (const char* identifier : {"1", "0x0FF", "0x200", "0x400", "0x600", "0x7FF"}) {
+    EXPECT_EQ(problems(std::string("input = \"can\"\ncan_identifier = ") + identifier + "\n"), "")
+        << identifier;
+  }
+}
+
 TEST(Config, SendMarginFollowsTheBitRateUnlessGiven) {
   using std::chrono::microseconds;
   const std::string slave = "\n[[slave]]\nnumber = 0\n";

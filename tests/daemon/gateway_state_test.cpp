@@ -63,6 +63,7 @@ TEST(GatewayState, MasterStatusComesEverySecond) {
   master.synchronized = {0x3};
   master.open_parameter_jobs = 5;
   master.missed_syncs = 2;
+  master.sync.output_failures = 4;
   rig.tell(master);
   const auto status =
       rig.client.wait_for<cansync_MasterStatus>([](const auto& s) { return s.option_status == 0x0080; });
@@ -82,6 +83,10 @@ TEST(GatewayState, MasterStatusComesEverySecond) {
   EXPECT_EQ(status->missed_syncs, 2u);
   EXPECT_EQ(text(status->reference_value[2].name), "draw");
   EXPECT_EQ(text(status->serving), "work_conserving");
+  EXPECT_EQ(text(status->sync_output), "none");
+  EXPECT_EQ(text(status->sync_input), "none");
+  EXPECT_EQ(text(status->sync_state), "") << "nothing is followed";
+  EXPECT_EQ(status->sync_output_failures, 4u);
 
   // Nothing changes and nothing wakes the gateway: the next two come by themselves, a second apart.
   const std::size_t before = rig.client.all<cansync_MasterStatus>().size();
@@ -89,6 +94,31 @@ TEST(GatewayState, MasterStatusComesEverySecond) {
   ASSERT_TRUE(eventually(rig.client.signal(),
                          [&] { return rig.client.all<cansync_MasterStatus>().size() >= before + 2; }));
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(900));
+}
+
+TEST(GatewayState, MasterStatusTellsHowTheTimelineFollows) {
+  Config config = gateway_config();
+  config.sync.output = SyncOutput::gpio;
+  config.sync.input = SyncInput::pps;
+  GatewayRig rig(config);
+  MasterSnapshot master;
+  master.when = moment(7);
+  master.sync = {sync_line::LockState::holdover,
+                 std::chrono::nanoseconds(-250),
+                 std::chrono::milliseconds(40),
+                 11,
+                 3,
+                 0};
+  rig.tell(master);
+  const auto status = rig.client.wait_for<cansync_MasterStatus>(
+      [](const auto& s) { return text(s.sync_state) == "holdover"; });
+  ASSERT_TRUE(status);
+  EXPECT_EQ(text(status->sync_output), "gpio");
+  EXPECT_EQ(text(status->sync_input), "pps");
+  EXPECT_EQ(status->sync_phase_error, -250);
+  EXPECT_EQ(status->sync_holdover, 40'000'000u);
+  EXPECT_EQ(status->sync_edges, 11u);
+  EXPECT_EQ(status->sync_rejected_edges, 3u);
 }
 
 TEST(GatewayState, MasterStatusTellsWhatTheRealtimeThreadWasGranted) {

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cerrno>
+
 #include "daemon/event_text.h"
 #include "daemon/gateway_events.h"
 #include "daemon/gateway_requests.h"
@@ -93,6 +95,40 @@ TEST(EventText, ReportsBecomeEventsWithNames) {
             "telegrams are sent again; 17 were left out");
   EXPECT_FALSE(describe(TransferProgress{1, 2}, config));
   EXPECT_FALSE(describe(ReferenceRefused{}, config));
+}
+
+TEST(EventTexts, TheSyncLineIsToldWithItsRemedy) {
+  using sync_line::LockState;
+  Config config;
+  config.sync.output = SyncOutput::gpio;
+  config.sync.input = SyncInput::pps;
+  const auto told = [&](const Report& report) { return *describe(report, config); };
+  const auto change = [&](LockState from, LockState to, int milliseconds) {
+    return told(SyncSourceChanged{{}, from, to, std::chrono::milliseconds(milliseconds)});
+  };
+  EXPECT_EQ(change(LockState::searching, LockState::locked, 0).text,
+            "the timeline follows the external SYNC");
+  const EventText missing = change(LockState::locked, LockState::holdover, 3);
+  EXPECT_EQ(missing.code, "sync_holdover");
+  EXPECT_EQ(missing.severity, cansync_SEVERITY_WARNING);
+  EXPECT_EQ(
+      missing.text,
+      "edges of the external SYNC have been missing for 3.0 ms; the timeline holds over for up to 1000 ms");
+  const EventText back = change(LockState::holdover, LockState::locked, 120);
+  EXPECT_EQ(back.code, "sync_locked");
+  EXPECT_EQ(back.text, "the timeline follows the external SYNC again; its edges were missing for 120.0 ms");
+  EXPECT_EQ(change(LockState::holdover, LockState::lost, 1003).severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(change(LockState::holdover, LockState::lost, 1003).code, "sync_lost");
+  EXPECT_EQ(change(LockState::locked, LockState::searching, 0).text,
+            "the external SYNC has jumped; the timeline moves to its new phase");
+  EXPECT_EQ(change(LockState::lost, LockState::searching, 0).severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(
+      told(SyncDeviceChanged{{}, false, ENODEV, 0}).text,
+      "the SYNC input fails: /dev/pps0: No such device; plug the hardware in or load its driver, or name "
+      "another device");
+  EXPECT_EQ(told(SyncDeviceChanged{{}, true, 0, 7}).text,
+            "the SYNC output works again; 7 edges could not be made since the start");
+  EXPECT_EQ(told(SyncDeviceChanged{{}, true, EIO, 7}).code, "sync_output_failed");
 }
 
 TEST(FloodGuard, HoldsBackAndSumsUp) {

@@ -71,6 +71,27 @@ TEST_F(CansyncdTest, RefusesAWrongFileInBothWays) {
   }
 }
 
+TEST_F(CansyncdTest, RefusesToStartWithoutItsSyncLine) {
+  const std::string file =
+      write("sync.toml",
+            "[sync]\noutput = \"gpio\"\ngpio_chip = \"/nowhere/gpiochip0\"\n" + std::string(kTwoSlaves));
+  Program program = run({file});
+  EXPECT_NE(program.exit_code(), 0);
+  EXPECT_NE(program.text().find(
+                file + ":3:13: sync.gpio_chip: /nowhere/gpiochip0: No such file or directory; plug the "
+                       "hardware in or load its driver, or name another device"),
+            std::string::npos)
+      << program.text();
+  Program pulses =
+      run({file, "--set=sync.output=none", "--set=sync.input=pps", "--set=sync.pps_device=/dev/null"});
+  EXPECT_NE(pulses.exit_code(), 0);
+  EXPECT_NE(
+      pulses.text().find("sync.pps_device: /dev/null: Inappropriate ioctl for device; this is no device of "
+                         "that kind"),
+      std::string::npos)
+      << pulses.text();
+}
+
 TEST_F(CansyncdTest, RefusesACanInterfaceWithTheReason) {
   Program program = run({write("can.toml", "[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 0\n")});
   EXPECT_EQ(program.exit_code(), 78);

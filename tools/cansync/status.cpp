@@ -49,6 +49,14 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("missed_syncs", status.missed_syncs)
       .add("lost_reports", status.lost_reports)
       .add("serving", status.serving)
+      .add("sync_output", status.sync_output)
+      .add("sync_input", status.sync_input)
+      .add("sync_state", status.sync_state)
+      .add("sync_phase_error_ns", status.sync_phase_error)
+      .add("sync_holdover_ns", status.sync_holdover)
+      .add("sync_edges", status.sync_edges)
+      .add("sync_rejected_edges", status.sync_rejected_edges)
+      .add("sync_output_failures", status.sync_output_failures)
       .add("reference_values", names);
 }
 
@@ -56,6 +64,27 @@ JsonObject status_object(const client::MasterStatus& status) {
 std::string share(std::uint32_t mask, std::uint32_t of) {
   return fmt::format("{} ({} of {})", format_slave_set(mask), __builtin_popcount(mask),
                      __builtin_popcount(of));
+}
+
+/// "output gpio; follows pps: locked, 0.3 us off, 120 edges used, 1 rejected"; empty without a SYNC line.
+std::string sync_line(const client::MasterStatus& status) {
+  std::string text;
+  if (std::string_view(status.sync_output) != "none" && !std::string_view(status.sync_output).empty()) {
+    text = fmt::format("output {}", status.sync_output);
+    if (status.sync_output_failures > 0)
+      text += fmt::format(", {} edges failed", status.sync_output_failures);
+  }
+  if (std::string_view(status.sync_state).empty()) return text;
+  constexpr double kMicrosecond = 1e3;
+  constexpr double kMillisecond = 1e6;
+  text += fmt::format("{}follows {}: {}, {:.1f} us off, {} edges used, {} rejected", text.empty() ? "" : "; ",
+                      status.sync_input, status.sync_state,
+                      static_cast<double>(status.sync_phase_error) / kMicrosecond, status.sync_edges,
+                      status.sync_rejected_edges);
+  if (status.sync_holdover > 0) {
+    text += fmt::format(", none for {:.0f} ms", static_cast<double>(status.sync_holdover) / kMillisecond);
+  }
+  return text;
 }
 
 void print_status(Output& output, const client::MasterStatus& status) {
@@ -70,6 +99,7 @@ void print_status(Output& output, const client::MasterStatus& status) {
   row("controller",
       fmt::format("{}; errors: {} transmit, {} receive; CANsync status 0x{:04X}", status.controller_state,
                   status.transmit_errors, status.receive_errors, status.cansync_status));
+  if (const std::string line = sync_line(status); !line.empty()) row("SYNC line", line);
   row("slaves configured", format_slave_set(status.slaves_configured));
   row("slaves responding", share(status.slaves_responding, status.slaves_configured));
   row("slaves synchronized", share(status.slaves_synchronized, status.slaves_configured));

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "can/bus.h"
+#include "cansync/numbers.h"
+#include "sync/phase_lock.h"
+
+namespace cansyncd {
+
+/// When each SYNC edge is due, on the clock of the bus. By itself SYNC n is due at start + n * interval, for
+/// ever; with a phase lock the edges follow an input. Realtime thread; nothing allocates or throws.
+class Timeline {
+ public:
+  /// What became of edges that were missed.
+  struct Missed {
+    cansync::IntervalNumber count = 0;  ///< edges skipped
+    bool wait = false;                  ///< the next edge is still to be waited for
+  };
+
+  /// `follow`: settings of the phase lock; empty: the timeline stands by itself.
+  Timeline(can::Time interval, const std::optional<sync_line::PhaseLockSettings>& follow) noexcept
+      : interval_(interval), tolerance_(interval / 2) {
+    if (!follow) return;
+    lock_.emplace(*follow);
+    // An interval may be shorter by the greatest step; two edges stay half an interval apart all the same.
+    tolerance_ -= follow->greatest_step;
+  }
+
+  /// Sets edge 0.
+  void begin(can::Time first) noexcept {
+    due_ = first;
+    if (lock_) lock_->begin(first);
+  }
+
+  /// The next edge.
+  can::Time due() const noexcept { return due_; }
+  /// Number of the interval that the next edge begins.
+  cansync::IntervalNumber next() const noexcept { return next_; }
+
+  /// `n` edges have passed.
+  void advance(cansync::IntervalNumber n = 1) noexcept {
+    next_ += n;
+    if (lock_) {
+      lock_->advance(n);
+      due_ = lock_->next();
+    } else {
+      due_ += static_cast<can::Time::rep>(n) * interval_;
+    }
+  }
+
+  /// Skips edges for which `now` is more than half an interval late; none is made up for.
+  Missed skip_missed(can::Time now) noexcept {
+    const can::Time period = lock_ ? can::Time(std::llround(lock_->period())) : interval_;
+    Missed missed;
+    for (can::Time late = now - due_; late > tolerance_; late = now - due_) {
+      const auto n =
+          static_cast<cansync::IntervalNumber>((late - tolerance_ + period - can::Time(1)) / period);
+      missed.count += n;
+      advance(n);
+    }
+    missed.wait = due_ > now;
+    return missed;
+  }
+
+  /// The phase lock the edges follow; null when the timeline stands by itself.
+  sync_line::PhaseLock* lock() noexcept { return lock_ ? &*lock_ : nullptr; }
+
+ private:
+  const can::Time interval_;
+  can::Time tolerance_;
+  std::optional<sync_line::PhaseLock> lock_;
+  can::Time due_{0};
+  cansync::IntervalNumber next_ = 0;
+};
+
+}  // namespace cansyncd
