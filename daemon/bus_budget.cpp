@@ -223,7 +223,8 @@ void check_sync_frame(std::vector<cansync::SettingProblem>& problems, const Budg
 }  // namespace
 
 BudgetInput budget_input(const Config& config) noexcept {
-  return {config.master, std::nullopt};
+  if (!config.sync.uses_frame()) return {config.master, std::nullopt};
+  return {config.master, std::uint8_t{0}};
 }
 
 BusBudget bus_budget(const BudgetInput& input) {

@@ -23,6 +23,7 @@ using Problems = std::vector<Problem>;
 constexpr auto kOptionOfField = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"bit_rate", "bus.bit_rate"},
     {"send_margin", "bus.send_margin_us"},
+    {"sync", "sync.can_identifier"},
     {"startup.status_period", "startup.status_period_ms"},
     {"process.polling[0]", "process.polling_1"},
     {"process.polling[1]", "process.polling_2"},

@@ -31,7 +31,8 @@ void describe(CLI::App& app, Arguments& arguments) {
                  "Slave numbers, such as 0-31 or 0,3,5-7 (default 0; with --config its simulated drives)")
       ->type_name("LIST");
   app.add_option("--sync-id", arguments.sync_id,
-                 "Identifier of the software SYNC frame (default 0x080); not part of CANsync")
+                 "Identifier of the software SYNC frame (default: the configuration's sync.can_identifier, "
+                 "else 0x080); not part of CANsync")
       ->type_name("ID");
   app.add_option("--bit-rate", arguments.bit_rate,
                  "125000, 250000, 500000 or 1000000 bit/s (default 1000000); fixes the interval")

@@ -127,6 +127,7 @@ class SetupReader {
     cansyncd::ConfigFile file = arguments_.config.empty()
                                     ? plain_line(arguments_.interface, slaves, settings)
                                     : cansyncd::load_config(arguments_.config, settings);
+    if (arguments_.sync_id.empty()) setup_.bench.sync_identifier = file.config.sync.can_identifier;
     for (const cansyncd::Problem& found : file.problems) problem(to_string(found));
     if (!setup_.problems.empty()) return;
     cansyncd::Config& config = file.config;
