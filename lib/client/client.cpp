@@ -94,6 +94,10 @@ bool Client::daemon_present() const {
   return link_->daemon_present();
 }
 
+std::uint32_t Client::participants() const noexcept {
+  return link_->participant().others();
+}
+
 MasterStatus Client::master_status() const {
   return link_->open<MasterStatus>().known().front();
 }

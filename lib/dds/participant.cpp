@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <net/if.h>
 
+#include <array>
 #include <map>
 #include <mutex>
 #include <string_view>
@@ -164,6 +165,18 @@ dds_entity_t Participant::publisher() const noexcept {
 dds_entity_t Participant::subscriber() const noexcept {
   return impl_->subscriber.get();
 }
+std::uint32_t Participant::others() const noexcept {
+  const Entity reader(dds_create_reader(handle(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr));
+  if (!reader) return 0;
+  std::array<void*, 256> samples = {};  // a domain has room for fewer
+  std::array<dds_sample_info_t, samples.size()> infos;
+  const dds_return_t count = dds_read_mask(reader.get(), samples.data(), infos.data(), samples.size(),
+                                           samples.size(), DDS_ALIVE_INSTANCE_STATE);
+  if (count <= 0) return 0;
+  (void)dds_return_loan(reader.get(), samples.data(), count);
+  return static_cast<std::uint32_t>(count - 1);
+}
+
 std::string Participant::place() const {
   return place_of(impl_->options);
 }

@@ -44,6 +44,10 @@ class Participant {
   dds_entity_t publisher() const noexcept;
   dds_entity_t subscriber() const noexcept;
 
+  /// Other participants known in the domain now, of whatever program; discovery takes some 100 ms. 0 when
+  /// that cannot be asked.
+  std::uint32_t others() const noexcept;
+
   /// "DDS domain 3, partition can0, interface lo", for messages.
   std::string place() const;
 

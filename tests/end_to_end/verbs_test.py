@@ -94,6 +94,21 @@ class Looking(VerbTest):
         self.assertEqual([line.split()[:2] for line in lines[1:]], [["1", "winder"], ["3", "slave3"]])
         self.assertIn("9 not configured; configured are 0-3", self.fails("slaves", "9", code=2))
 
+    def test_doctor(self):
+        result = self.gateway.run("doctor", "--json")
+        findings = {finding["topic"]: finding for finding in map(json.loads, result.stdout.splitlines())}
+        levels = {finding["level"] for finding in findings.values()}
+        # What this machine grants decides between these; a simulated line has no error to find.
+        self.assertEqual(result.returncode, 1 if "warning" in levels else 0, result.stdout)
+        self.assertNotIn("error", levels)
+        for topic in ("daemon", "version", "data model", "interface", "controller", "second master", "DDS"):
+            self.assertEqual(findings[topic]["level"], "ok", findings[topic])
+        self.assertEqual(findings["time stamps"]["found"], "by simulation")
+        self.assertIn("simulated line", findings["interface"]["found"])
+        for topic in ("priority", "locked memory", "processor", "isolated", "idle states", "kernel"):
+            self.assertEqual(findings[topic]["remedy"] is None, findings[topic]["level"] == "ok", findings[topic])
+        self.assertRegex(self.gateway.run("doctor").stdout.decode(), r"(?m)^ok +daemon +serves bus ")
+
     def test_events(self):
         events = self.json("events")
         self.assertEqual([event["number"] for event in events], sorted(event["number"] for event in events))
@@ -559,6 +574,16 @@ class WithoutDaemon(unittest.TestCase):
             self.assertEqual((result.returncode, result.stdout), (6, b""))
             for part in (f"domain {place.domain}", place.bus, "interface lo", "cansyncd"):
                 self.assertIn(part, result.stderr)
+
+    def test_doctor_says_what_it_could_not_see(self):
+        place = Place()
+        result = place.run("doctor", "--json", "--timeout", 1)
+        self.assertEqual((result.returncode, result.stderr), (6, ""))
+        findings = {finding["topic"]: finding for finding in map(json.loads, result.stdout.splitlines())}
+        self.assertEqual(findings["daemon"]["level"], "error")
+        self.assertIn(f"cansyncd@{place.bus}", findings["daemon"]["remedy"])
+        self.assertIn("realtime rights", findings["not looked at"]["found"])
+        self.assertIn("kernel", findings)
 
     def test_another_bus_is_not_this_one(self):
         with Gateway() as gateway:

@@ -53,6 +53,7 @@ void take_global_texts(const GlobalTexts& texts, Globals& globals) {
 void add_verbs(CLI::App& app, Verb& chosen) {
   add_status_verbs(app, chosen);
   add_timing_verb(app, chosen);
+  add_doctor_verb(app, chosen);
   add_watch_verb(app, chosen);
   add_event_verb(app, chosen);
   add_trace_verb(app, chosen);

@@ -34,7 +34,8 @@ const char* exit_code_help() noexcept {
          "  4  the slave answered with an error, or the parameter has another format\n"
          "  5  timeout, or a write was not answered\n"
          "  6  the daemon is not running, not reachable, or went away\n"
-         "  7  cancelled by Ctrl-C, or because the master stopped";
+         "  7  cancelled by Ctrl-C, or because the master stopped\n"
+         "  8  `doctor` found an error (1: warnings alone)";
 }
 
 }  // namespace cansync::cli

@@ -39,6 +39,7 @@ class Session {
 
   Output& output() noexcept { return output_; }
   bool json() const noexcept { return globals_.json; }
+  const std::string& bus() const noexcept { return globals_.bus; }
 
   /// Connects when it is called first. Throws client::NoDaemon, dds::SetupError, Interrupted.
   client::Client& client();

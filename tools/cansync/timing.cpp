@@ -1,65 +1,25 @@
 #include <fmt/format.h>
 
-#include <deque>
 #include <memory>
-#include <mutex>
 #include <span>
 
 #include "cansync/files.h"
 #include "cansync/interrupt.h"
 #include "cansync/progress.h"
 #include "cansync/timing_report.h"
+#include "cansync/timing_samples.h"
 #include "cansync/timing_svg.h"
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
 namespace {
 
-constexpr auto kSampleWait = std::chrono::milliseconds(3000);  // the topic comes once a second
-constexpr auto kLook = std::chrono::milliseconds(20);
 constexpr std::int64_t kLongest = 3600;  // seconds that are gathered at most
 
 struct TimingTexts {
   std::string seconds;
   std::string svg;
   bool follow = false;
-};
-
-/// Samples on their way from the client's thread to this one.
-class SampleQueue {
- public:
-  explicit SampleQueue(client::Client& client)
-      : subscription_(client.on_timing([this](const client::Timing& timing) { put(timing); })) {}
-
-  /// The next sample; nothing when none comes in time or a signal came.
-  std::optional<client::Timing> next() {
-    const auto end = std::chrono::steady_clock::now() + kSampleWait;
-    while (std::chrono::steady_clock::now() < end) {
-      if (auto sample = take()) return sample;
-      if (wait_until(std::chrono::steady_clock::now() + kLook)) return std::nullopt;
-    }
-    return std::nullopt;
-  }
-
- private:
-  static constexpr std::size_t kMost = 16;  // nobody waits longer for older ones
-
-  void put(const client::Timing& timing) {
-    const std::lock_guard lock(mutex_);
-    if (samples_.size() == kMost) samples_.pop_front();
-    samples_.push_back(timing);
-  }
-  std::optional<client::Timing> take() {
-    const std::lock_guard lock(mutex_);
-    if (samples_.empty()) return std::nullopt;
-    const client::Timing first = samples_.front();
-    samples_.pop_front();
-    return first;
-  }
-
-  std::mutex mutex_;
-  std::deque<client::Timing> samples_;
-  client::Subscription subscription_;  // ends before what its callback needs
 };
 
 void write_svg(const std::string& path, const TimingReport& report) {

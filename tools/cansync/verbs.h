@@ -13,6 +13,7 @@ using Verb = std::function<ExitCode(Session&)>;
 
 void add_status_verbs(CLI::App& app, Verb& chosen);     ///< status, slaves
 void add_timing_verb(CLI::App& app, Verb& chosen);      ///< timing
+void add_doctor_verb(CLI::App& app, Verb& chosen);      ///< doctor
 void add_trace_verb(CLI::App& app, Verb& chosen);       ///< trace
 void add_watch_verb(CLI::App& app, Verb& chosen);       ///< watch
 void add_event_verb(CLI::App& app, Verb& chosen);       ///< events

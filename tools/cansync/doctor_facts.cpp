@@ -1,0 +1,105 @@
+#include "cansync/doctor_facts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <string_view>
+
+#include "can/candump.h"
+#include "rt/kernel_type.h"
+
+namespace cansync::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned kMostIdleStates = 16;
+constexpr std::size_t kMostCharacters = 4096;
+constexpr std::uint32_t kCanInterface = 280;  // ARPHRD_CAN
+constexpr std::uint32_t kInterfaceUp = 1;     // IFF_UP
+
+/// First line of a file; nothing when it cannot be read.
+std::optional<std::string> first_line(const fs::path& path) {
+  std::ifstream file(path);
+  std::string text(kMostCharacters, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  if (text.empty()) return std::nullopt;
+  return text.substr(0, text.find('\n'));
+}
+
+/// A whole number, decimal or 0x hexadecimal; nothing for everything else.
+std::optional<std::uint32_t> number(const std::optional<std::string>& text) {
+  if (!text) return std::nullopt;
+  std::string_view digits = *text;
+  const bool hexadecimal = digits.starts_with("0x");
+  if (hexadecimal) digits.remove_prefix(2);
+  std::uint32_t value = 0;
+  const auto [end, error] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), value, hexadecimal ? 16 : 10);
+  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return value;
+}
+
+std::vector<IdleState> read_idle_states(const fs::path& root, int cpu) {
+  const fs::path folder = root / fmt::format("sys/devices/system/cpu/cpu{}/cpuidle", std::max(cpu, 0));
+  std::vector<IdleState> states;
+  for (unsigned i = 0; i < kMostIdleStates; ++i) {
+    const fs::path state = folder / fmt::format("state{}", i);
+    const auto name = first_line(state / "name");
+    if (!name) break;
+    if (number(first_line(state / "disable")).value_or(0) != 0) continue;
+    states.push_back({*name, number(first_line(state / "latency")).value_or(0)});
+  }
+  return states;
+}
+
+}  // namespace
+
+MachineFacts read_machine(const fs::path& root, int cpu) {
+  MachineFacts facts;
+  facts.kernel = first_line(root / "proc/sys/kernel/osrelease").value_or("");
+  if (const auto version = first_line(root / "proc/sys/kernel/version"))
+    facts.preemption = rt::preemption_of(*version);
+  facts.isolated = first_line(root / "sys/devices/system/cpu/isolated").value_or("");
+  facts.idle_states = read_idle_states(root, cpu);
+  return facts;
+}
+
+bool in_processor_list(const std::string& list, int cpu) noexcept {
+  std::string_view rest = list;
+  while (!rest.empty()) {
+    const std::string_view part = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+    int first = 0;
+    const auto begin = std::from_chars(part.data(), part.data() + part.size(), first);
+    if (begin.ec != std::errc{}) return false;
+    int last = first;
+    if (begin.ptr != part.data() + part.size()) {
+      if (*begin.ptr != '-') return false;
+      const auto end = std::from_chars(begin.ptr + 1, part.data() + part.size(), last);
+      if (end.ec != std::errc{} || end.ptr != part.data() + part.size()) return false;
+    }
+    if (first <= cpu && cpu <= last) return true;
+  }
+  return false;
+}
+
+InterfaceFacts read_interface(const fs::path& root, const std::string& name) {
+  InterfaceFacts facts;
+  const bool possible =
+      can::is_interface_name(name) && name.find('/') == std::string::npos && name.front() != '.';
+  if (!possible) return facts;
+  const fs::path folder = root / "sys/class/net" / name;
+  const auto flags = number(first_line(folder / "flags"));
+  if (!flags) return facts;
+  facts.present = true;
+  facts.up = (*flags & kInterfaceUp) != 0;
+  facts.is_can = number(first_line(folder / "type")) == kCanInterface;
+  facts.queue_length = number(first_line(folder / "tx_queue_len"));
+  return facts;
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What this computer says of itself in /proc and /sys. `root` stands before both, so that a made-up tree can
+/// be read; "/" is the computer. What cannot be read is left unknown; nothing throws for it.
+namespace cansync::cli {
+
+/// An idle state of a processor that is switched on.
+struct IdleState {
+  std::string name;
+  std::uint32_t exit_latency = 0;  ///< us
+};
+
+/// Kernel and processors.
+struct MachineFacts {
+  std::string kernel;                  ///< release; empty: unknown
+  std::string preemption;              ///< PREEMPT_RT, PREEMPT_DYNAMIC, PREEMPT, no preemption
+  std::string isolated;                ///< isolated processors as the kernel lists them, "2-3"; empty: none
+  std::vector<IdleState> idle_states;  ///< of the realtime thread's processor, deepest last; empty: none
+};
+
+/// `cpu`: the processor the realtime thread is bound to; below 0: processor 0 stands for all.
+MachineFacts read_machine(const std::filesystem::path& root, int cpu);
+
+/// Is processor `cpu` in a kernel list such as "1,4-7"? What is no such list names none.
+bool in_processor_list(const std::string& list, int cpu) noexcept;
+
+/// A network interface as sysfs shows it.
+struct InterfaceFacts {
+  bool present = false;
+  bool is_can = false;
+  bool up = false;
+  std::optional<std::uint32_t> queue_length;  ///< txqueuelen, in frames
+};
+
+/// Facts of interface `name`; not present when there is none, or the name cannot be one.
+InterfaceFacts read_interface(const std::filesystem::path& root, const std::string& name);
+
+}  // namespace cansync::cli
