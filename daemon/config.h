@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "can/bit_timing.h"
 #include "cansync/mapping.h"
 #include "cansync/numbers.h"
 #include "cansync/settings.h"
@@ -27,7 +28,11 @@ enum class BusKind : std::uint8_t {
 struct BusConfig {
   std::string name = "sim";  ///< name for people, log lines and the default DDS partition; 1..63 characters
   BusKind kind = BusKind::simulated;
-  std::string interface = "sim";  ///< "sim", or the network interface's name
+  std::string interface = "sim";     ///< "sim", or the network interface's name
+  bool wake_on_frame = false;        ///< CAN interface: wake for each frame instead of at the slots
+  std::optional<std::uint8_t> btr0;  ///< bit timing registers of the controller the line was set up with;
+  std::optional<std::uint8_t> btr1;  ///< both or none
+  can::Controller registers_of = can::Controller::plc;  ///< whose clock the registers count in
 };
 
 /// What to do when the realtime thread cannot get what it asks for.

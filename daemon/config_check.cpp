@@ -11,6 +11,7 @@
 
 #include "cansync/mapping.h"
 #include "cansync/settings_check.h"
+#include "daemon/bit_timing_check.h"
 #include "daemon/bus_budget.h"
 #include "daemon/config_check_sync.h"
 
@@ -55,6 +56,7 @@ class Checker {
     slave_names();
     fault_script();
     for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
+    if (const auto wrong = check_bit_timing(draft_.config)) problem(wrong->option, wrong->text);
     if (problems_.empty()) master();
     return std::move(problems_);
   }

@@ -26,6 +26,23 @@ constexpr auto kRows = std::to_array<Option>({
                  [](Draft& d, const Value& v) {
                    d.config.master.send_margin = std::chrono::microseconds(whole<std::int64_t>(v));
                  }),
+    plain("bus.wake_on_frame", OptionType::boolean, "false",
+          "CAN interface: wake for every frame, for lower latency and more system calls; false = look for "
+          "frames at the SYNC edge and before WRC2.",
+          [](Draft& d, const Value& v) { d.config.bus.wake_on_frame = flag(v); }),
+    whole_number(
+        "bus.btr0", "(not given)", 0, 255, "",
+        "Bit timing register 0 the line was set up with; with btr1. They must give bit_rate, and fix "
+        "the sample point that is asked for.",
+        [](Draft& d, const Value& v) { d.config.bus.btr0 = whole<std::uint8_t>(v); }),
+    whole_number("bus.btr1", "(not given)", 0, 255, "", "Bit timing register 1; with btr0.",
+                 [](Draft& d, const Value& v) { d.config.bus.btr1 = whole<std::uint8_t>(v); }),
+    choice(
+        "bus.btr_controller", "\"plc\"", "plc|omega",
+        "Whose registers btr0 and btr1 are: plc = b maXX PLC (20 MHz), omega = Omega Drive-Line II (16 MHz).",
+        [](Draft& d, const Value& v) {
+          d.config.bus.registers_of = words(v) == "omega" ? can::Controller::omega : can::Controller::plc;
+        }),
     // --- [realtime]
     choice("realtime.mode", "\"ignore\"", "enforce|ignore",
            "enforce: refuse to start when priority, processor or locked memory cannot be had; ignore: say "

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cansync/timing.h"
+#include "daemon/bus_choice.h"
 #include "daemon/config_reload.h"
 #include "daemon/exchange.h"
 #include "daemon/flight_desk.h"
@@ -19,7 +20,6 @@
 #include "daemon/realtime_loop.h"
 #include "daemon/realtime_text.h"
 #include "daemon/service.h"
-#include "daemon/sim_bus.h"
 #include "daemon/sync_line.h"
 #include "dds/participant.h"
 #include "rt/kernel_type.h"
@@ -80,6 +80,8 @@ LoopSettings loop_settings(const Config& config, FlightTap* tap, SyncLine* sync_
   settings.target = config.startup.target;
   settings.report_intervals = config.dds.interval_topic;
   settings.tap = tap;
+  // The simulated line costs no system call to look at.
+  settings.look_at_every_slot = config.bus.kind == BusKind::simulated || config.bus.wake_on_frame;
   return settings;
 }
 
@@ -130,6 +132,7 @@ class Daemon {
     log_line(LogPriority::notice, realtime_text(settings, thread_->grants(), rt::kernel_type()));
     for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
     gateway_.set_realtime(settings, thread_->grants());
+    bus_.start(exchange_);
     gateway_.start();
     const auto& times = cansync::slot_times(file_.config.master.bit_rate);
     status_ = fmt::format("bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
@@ -145,6 +148,7 @@ class Daemon {
     loop_.request_stop();
     thread_.reset();
     flight_.stop();
+    bus_.stop();
     gateway_.stop();
     report_trace();
   }
@@ -194,7 +198,7 @@ class Daemon {
   }
 
   ConfigFile file_;
-  SimBus bus_;
+  BusChoice bus_;
   std::unique_ptr<SyncLine> sync_line_;
   Exchange exchange_;
   cansync::dds::Participant participant_;
@@ -228,15 +232,15 @@ void serve(Daemon& daemon, const SignalSet& signals, const std::vector<std::stri
 ConfigFile load_checked(const std::string& path, const std::vector<std::string>& overrides) {
   ConfigFile file = load_config(path, overrides);
   if (!file.problems.empty()) return file;
-  if (file.config.bus.kind != BusKind::simulated) {
+  if (file.config.bus.kind != BusKind::simulated && !file.config.sim.trace.empty()) {
     Position where{path, 0, 0};
     for (const Setting& setting : file.settings) {
-      if (setting.option->key == "bus.interface") where = setting.where;
+      if (setting.option->key == "sim.trace") where = setting.where;
     }
     file.problems.push_back(
-        {where, "bus.interface",
-         fmt::format("found \"{}\"; allowed: \"sim\", because this version drives simulated "
-                     "buses only",
+        {where, "sim.trace",
+         fmt::format("found with bus.interface = \"{0}\"; allowed: with the simulated bus "
+                     "alone. A CAN interface is logged with: candump -L {0}",
                      file.config.bus.interface)});
     return file;
   }

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "daemon/bus_text.h"
 #include "daemon/refusal_text.h"
 #include "daemon/sync_text.h"
 
@@ -15,7 +16,7 @@ using Code = cansync::MasterEvent::Code;
 cansync_EventSeverity severity_of(Code code) noexcept {
   switch (code) {
     case Code::slave_lost:
-    case Code::foreign_master:
+    case Code::second_master:
       return cansync_SEVERITY_ERROR;
     case Code::slave_not_synchronized:
     case Code::references_stopped:
@@ -24,6 +25,7 @@ cansync_EventSeverity severity_of(Code code) noexcept {
     case Code::slave_synchronized:
     case Code::all_synchronized:
     case Code::references_released:
+    case Code::second_master_gone:
       break;
   }
   return cansync_SEVERITY_INFO;
@@ -46,9 +48,11 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
       return fmt::format("reference values of telegram {} are no longer released", event.detail);
     case Code::references_released:
       return fmt::format("reference values of telegram {} are released", event.detail);
-    case Code::foreign_master:
+    case Code::second_master:
       return fmt::format("another master sends on this bus (identifier 0x{:03X}); switch one of them off",
                          event.detail);
+    case Code::second_master_gone:
+      return fmt::format("the other master is silent; {} of its frames were seen", event.detail);
   }
   return "unknown event";
 }
@@ -109,6 +113,10 @@ struct Describer {
   std::optional<EventText> operator()(const SyncDeviceChanged& report) const {
     return sync_event(report, config);
   }
+  std::optional<EventText> operator()(const LinkChanged& report) const {
+    return describe_link(report, config);
+  }
+  std::optional<EventText> operator()(const BusFault& report) const { return describe_fault(report); }
   std::optional<EventText> operator()(const TransferProgress&) const { return std::nullopt; }
   std::optional<EventText> operator()(const ReferenceRefused&) const { return std::nullopt; }
 };
@@ -117,22 +125,6 @@ struct Describer {
 
 std::optional<EventText> describe(const Report& report, const Config& config) {
   return std::visit(Describer{config}, report);
-}
-
-std::string_view name(can::ControllerState state) noexcept {
-  switch (state) {
-    case can::ControllerState::error_active:
-      return "error-active";
-    case can::ControllerState::error_warning:
-      return "error-warning";
-    case can::ControllerState::error_passive:
-      return "error-passive";
-    case can::ControllerState::bus_off:
-      return "bus-off";
-    case can::ControllerState::stopped:
-      return "stopped";
-  }
-  return "unknown";
 }
 
 }  // namespace cansyncd

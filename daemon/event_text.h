@@ -24,7 +24,4 @@ struct EventText {
 /// that are counted before they become one (refused reference values).
 std::optional<EventText> describe(const Report& report, const Config& config);
 
-/// Name of a controller state as MasterStatus tells it, e.g. "bus-off".
-std::string_view name(can::ControllerState state) noexcept;
-
 }  // namespace cansyncd

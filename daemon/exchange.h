@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "can/bus.h"
+#include "can/link_facts.h"
 #include "cansync/jobs.h"
 #include "cansync/master.h"
 #include "cansync/mode.h"
@@ -16,7 +17,8 @@
 #include "rt/wake_signal.h"
 #include "sync/phase_lock.h"
 
-/// Everything the realtime thread and the gateway thread share, and nothing else is shared between them.
+/// Everything the realtime thread and the gateway thread share, and nothing else is shared between them. One
+/// value comes from the thread that watches the bus's interface.
 ///
 /// The gateway writes `requests` and reads the rest; the realtime thread the other way round. All of it is
 /// bounded, allocated at the start and wait-free on both sides.
@@ -186,8 +188,35 @@ struct SyncDeviceChanged {
   std::uint64_t failures = 0;  ///< edges that could not be made since the start
 };
 
+/// The interface of the bus came, went, or was set up differently. Reported on the edge.
+struct LinkChanged {
+  Moment when;
+  can::LinkState from = can::LinkState::up;
+  can::LinkState to = can::LinkState::up;
+  std::uint32_t bits_per_second = 0;  ///< bit rate it is set to; 0: not known
+  std::uint64_t left_out = 0;         ///< up again: telegrams that could not be sent meanwhile
+};
+
+/// What can go wrong on a bus again and again.
+enum class BusFaultKind : std::uint8_t {
+  not_acknowledged,  ///< a telegram was acknowledged by nobody
+  error_frames,      ///< error frames of any kind
+  overrun,           ///< the controller lost received frames
+  dropped,           ///< received frames were not taken from the kernel in time
+};
+inline constexpr unsigned kBusFaultKinds = 4;
+
+/// A fault of the bus began, or stayed away for a while. Counted in between.
+struct BusFault {
+  Moment when;
+  BusFaultKind kind = BusFaultKind::not_acknowledged;
+  bool over = false;
+  std::uint64_t count = 0;  ///< how often: so far, or when over, altogether
+};
+
 using Report = std::variant<StateChanged, TransferProgress, EventReport, ReferenceRefused, SyncsMissed,
-                            ControllerChanged, SendingChanged, SyncSourceChanged, SyncDeviceChanged>;
+                            ControllerChanged, SendingChanged, SyncSourceChanged, SyncDeviceChanged,
+                            LinkChanged, BusFault>;
 
 // --- realtime thread -> gateway: newest value only
 
@@ -236,6 +265,8 @@ struct MasterSnapshot {
   std::uint64_t missed_syncs = 0;
   std::uint64_t lost_reports = 0;
   SyncSnapshot sync;
+  bool second_master = false;  ///< another master has sent within the last seconds
+  can::TimestampSource timestamps = can::TimestampSource::thread;
 };
 
 /// Settings in force that can change while running; written at the start and after each change.
@@ -302,6 +333,7 @@ struct Exchange {
   rt::LatestValue<MasterSnapshot> master;
   rt::LatestValue<SettingsSnapshot> settings;
   rt::LatestValue<TimingSnapshot> timing;
+  rt::LatestValue<can::LinkFacts> link;  ///< written by the thread that watches the interface
 
   rt::WakeSignal gateway_wake;  ///< signalled when anything above was written for the gateway
 };

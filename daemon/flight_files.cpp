@@ -17,7 +17,7 @@
 
 #include "can/candump.h"
 #include "cansync/mode.h"
-#include "daemon/event_text.h"
+#include "daemon/bus_text.h"
 #include "daemon/flight_tap.h"
 
 namespace cansyncd {

@@ -59,11 +59,14 @@ void FlightTap::report(const Report& report) noexcept {
   } else if (const auto* sending = std::get_if<SendingChanged>(&report)) {
     fault(triggers_.sending_failed && sending->result != can::SendResult::queued,
           FlightReason::sending_failed, static_cast<std::uint64_t>(sending->result), sending->when);
+  } else if (const auto* link = std::get_if<LinkChanged>(&report)) {
+    fault(triggers_.sending_failed && link->to != can::LinkState::up, FlightReason::sending_failed,
+          static_cast<std::uint64_t>(can::SendResult::interface_down), link->when);
   } else if (const auto* event = std::get_if<EventReport>(&report)) {
     using Code = cansync::MasterEvent::Code;
     fault(triggers_.slave_lost && event->event.code == Code::slave_lost, FlightReason::slave_lost,
           event->event.slave ? event->event.slave->value() : 0U, event->when);
-    fault(triggers_.second_master && event->event.code == Code::foreign_master, FlightReason::second_master,
+    fault(triggers_.second_master && event->event.code == Code::second_master, FlightReason::second_master,
           event->event.detail, event->when);
   }
 }

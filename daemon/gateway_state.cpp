@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "daemon/bus_text.h"
 #include "daemon/sync_text.h"
 #include "dds/convert.h"
 
@@ -42,12 +43,9 @@ auto essence(const MasterSnapshot& master) {
   // Overrun, warning and bus-off; "sending" and "receiving" change all the time.
   constexpr unsigned kLastingBits = 0x00C2;
   return std::tuple(master.state, master.cansync_status & kLastingBits, master.controller.state,
-                    master.sync.state, master.configured.bits, master.responding.bits,
-                    master.synchronized.bits);
+                    master.sync.state, master.controller.link, master.second_master, master.timestamps,
+                    master.configured.bits, master.responding.bits, master.synchronized.bits);
 }
-
-/// Where the instants of a simulated line come from.
-constexpr std::string_view kSimulationTimestamps = "simulation";
 
 constexpr TelegramClass kSlotOrder[kTelegramClasses] = {
     TelegramClass::response,      TelegramClass::reference_one, TelegramClass::actual_one,
@@ -80,7 +78,8 @@ void fill_sync(const SyncConfig& config, const SyncSnapshot& line, cansync_Maste
   sample.sync_output_failures = line.output_failures;
 }
 
-cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& times) {
+cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& times,
+                      can::TimestampSource source) {
   cansync_Timing sample = {};
   sample.intervals = timing.intervals;
   sample.lateness_minimum = timing.lateness_minimum.count();
@@ -101,7 +100,7 @@ cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& ti
                       latest_start(times, slot).count(),
                       seen.late};
   }
-  dds::copy_text(kSimulationTimestamps, sample.timestamp_source);
+  dds::copy_text(name(source), sample.timestamp_source);
   return sample;
 }
 
@@ -159,7 +158,8 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
   }
   TimingSnapshot timing;
   if (exchange.timing.read(timing)) {
-    (void)timing_writer_.write(to_dds(timing, cansync::slot_times(config_.master.bit_rate)));
+    (void)timing_writer_.write(
+        to_dds(timing, cansync::slot_times(config_.master.bit_rate), master_.timestamps));
   }
 
   if (master_dirty_ || now - master_published_ >= kMasterPeriod) publish_master(now);
@@ -185,6 +185,7 @@ void StatePublisher::take_settings(Exchange& exchange) {
 
 void StatePublisher::take_master(Exchange& exchange) {
   const auto before = essence(master_);
+  if (exchange.link.read(link_)) master_dirty_ = true;
   if (exchange.master.read(master_) && essence(master_) != before) master_dirty_ = true;
 }
 
@@ -221,9 +222,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   dds::copy_text(CANSYNC_VERSION, sample.version);
   sample.cansync_status = master_.cansync_status;
   sample.interval = master_.when.interval;
-  dds::copy_text(name(master_.controller.state), sample.controller_state);
-  sample.transmit_errors = master_.controller.transmit_errors;
-  sample.receive_errors = master_.controller.receive_errors;
+  fill_bus(master_, link_, sample);
   sample.slaves_configured = master_.configured.bits;
   sample.slaves_responding = master_.responding.bits;
   sample.slaves_synchronized = master_.synchronized.bits;

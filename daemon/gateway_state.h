@@ -63,6 +63,7 @@ class StatePublisher {
 
   std::array<Slave, cansync::kSlaves> slaves_;
   MasterSnapshot master_;
+  can::LinkFacts link_;
   SettingsSnapshot settings_;
   rt::RealtimeSettings realtime_wanted_;
   rt::Grants realtime_granted_;

@@ -55,13 +55,33 @@ Refusal ModeControl::request(Mode mode, bool force) noexcept {
       initialise();
       return Refusal::none;
     case Mode::reset_can:
-      if (bus_.reset() != can::ResetResult::done) return Refusal::wrong_state;
-      return master_.control(ControlCommand::reset_can);
+      if (reset_pending_) return Refusal::queue_full;
+      return end_reset(bus_.reset());
     case Mode::restart:
       target_ = configured_;
       return master_.control(ControlCommand::cold_restart);
   }
   return Refusal::wrong_state;
+}
+
+Refusal ModeControl::end_reset(can::ResetResult result) noexcept {
+  reset_pending_ = result == can::ResetResult::pending;
+  switch (result) {
+    case can::ResetResult::done:
+      return master_.control(ControlCommand::reset_can);
+    case can::ResetResult::not_permitted:
+      return Refusal::not_permitted;
+    case can::ResetResult::unavailable:
+      return Refusal::bus_unavailable;
+    case can::ResetResult::pending:
+      break;
+  }
+  return Refusal::none;
+}
+
+std::optional<Refusal> ModeControl::finish_reset() noexcept {
+  const Refusal refusal = end_reset(bus_.reset_result());
+  return reset_pending_ ? std::nullopt : std::optional(refusal);
 }
 
 void ModeControl::shut_down() noexcept {

@@ -8,7 +8,7 @@
 //  the
 //     master for the telegram, and hand it to the bus or leave it out when its latest start has passed.
 //  7. Publish the state; once a second the timing.
-// The gateway is woken before each sleep, if there is something for it.
+// The gateway is woken before each sleep that follows a look for frames, if there is something for it.
 #include "daemon/realtime_loop.h"
 
 #include <algorithm>
@@ -57,15 +57,17 @@ RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSe
       requests_(exchange, master_, mode_, reporter_),
       timeline_(interval_, loop.sync_line != nullptr ? loop.sync_line->following() : std::nullopt),
       load_(cansync::slot_times(settings.bit_rate).bits_per_second),
-      slots_(cansync::slot_times(settings.bit_rate)) {}
+      slots_(cansync::slot_times(settings.bit_rate)),
+      watch_(bus, reporter_) {}
 
 void RealtimeLoop::run() noexcept {
   begin();
   while (!stopping()) {
-    wait_until(timeline_.due());
+    sleep_until(timeline_.due());
     if (skip_missed_edges()) continue;
     begin_interval();
     mode_.pursue_target();
+    requests_.finish_reset();
     for (const Slot slot : slots_in_order()) serve(slot);
     publish();
   }
@@ -80,8 +82,8 @@ void RealtimeLoop::begin() noexcept {
   sync_ = start - interval_;
   next_second_ = start + kSecond;
   load_.take(start);
-  controller_ = bus_.status();
   reporter_.at(0, start);
+  watch_.begin();
   requests_.publish_settings();
 }
 
@@ -145,7 +147,8 @@ RealtimeLoop::Slots RealtimeLoop::slots_in_order() const noexcept {
 
 void RealtimeLoop::serve(Slot slot) noexcept {
   if (!stopping()) requests_.take(kRequestsBeforeSlot);
-  wait_until(sync_ + master_.planned_start(slot));
+  sleep_until(sync_ + master_.planned_start(slot));
+  if (looks_before(slot)) receive_frames();
   if (loop_.sync_line != nullptr) loop_.sync_line->idle();
   reporter_.at(number_, bus_.now());
   if (!stopping()) requests_.take(kRequestsAtSlot);
@@ -157,7 +160,7 @@ void RealtimeLoop::serve(Slot slot) noexcept {
 void RealtimeLoop::hand_over(Slot slot, const can::Frame& frame) noexcept {
   if (bus_.now() <= sync_ + master_.latest_start(slot)) {
     const can::SendResult result = bus_.send(frame);
-    watch_sending(result);
+    watch_.sent(result);
     if (result == can::SendResult::queued) {
       last_sent_ = frame;
       echo_due_ = true;
@@ -170,16 +173,25 @@ void RealtimeLoop::hand_over(Slot slot, const can::Frame& frame) noexcept {
   reporter_.left_out(slot);
 }
 
-void RealtimeLoop::wait_until(can::Time deadline) noexcept {
-  reporter_.wake_gateway();
+/// An actual value telegram of the first channel and the answer to the last command have come before WRC2;
+/// the others before the edge.
+bool RealtimeLoop::looks_before(Slot slot) const noexcept {
+  return loop_.look_at_every_slot || slot == Slot::reference_two;
+}
+
+/// What came up to the deadline is left to the caller: at the edge, the edge comes first. When looks are
+/// rare, the gateway is woken after each of them and not in between.
+void RealtimeLoop::sleep_until(can::Time deadline) noexcept {
+  if (loop_.look_at_every_slot || looked_) reporter_.wake_gateway();
+  looked_ = false;
   while (bus_.wait_until(deadline) != can::Wake::deadline) {
     receive_frames();
     reporter_.wake_gateway();
   }
-  receive_frames();
 }
 
 void RealtimeLoop::receive_frames() noexcept {
+  looked_ = true;
   can::ReceivedFrame received;
   for (unsigned i = 0; i < kFramesAtOnce && bus_.receive(received); ++i) {
     load_.add(received.frame);
@@ -195,23 +207,6 @@ void RealtimeLoop::receive_frames() noexcept {
       master_.receive(received.frame, since_sync);
     }
   }
-}
-
-/// Reports on the edge that telegrams cannot be handed to the bus, or can again.
-void RealtimeLoop::watch_sending(can::SendResult result) noexcept {
-  const can::SendResult before = last_send_;
-  last_send_ = result;
-  if (result != can::SendResult::queued) ++failed_sends_;
-  if (result == before) return;
-  reporter_.report(SendingChanged{reporter_.moment(), result, failed_sends_});
-  if (result == can::SendResult::queued) failed_sends_ = 0;
-}
-
-void RealtimeLoop::watch_controller() noexcept {
-  const can::ControllerState before = controller_.state;
-  controller_ = bus_.status();
-  if (controller_.state == before) return;
-  reporter_.report(ControllerChanged{reporter_.moment(), before, controller_.state});
 }
 
 }  // namespace cansyncd

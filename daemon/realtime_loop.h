@@ -8,6 +8,7 @@
 #include "cansync/master.h"
 #include "cansync/settings.h"
 #include "daemon/bus_load.h"
+#include "daemon/bus_watch.h"
 #include "daemon/config.h"
 #include "daemon/exchange.h"
 #include "daemon/mode_control.h"
@@ -26,8 +27,11 @@ struct LoopSettings {
   StartTarget target = StartTarget::active;
   bool report_intervals = false;  ///< write `Exchange::interval` and wake the gateway right after each SYNC
   WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
-  can::Time epoch{0};                                 ///< wall clock at bus time 0, when `wall_clock` is null
-  FlightTap* tap = nullptr;                           ///< flight recorder; null: none
+  /// Take frames at every wake-up. False: at the SYNC edge and before WRC2 alone, as a bus wants it for which
+  /// a look costs a system call; nothing that the master decides on can have come in between.
+  bool look_at_every_slot = true;
+  can::Time epoch{0};             ///< wall clock at bus time 0, when `wall_clock` is null
+  FlightTap* tap = nullptr;       ///< flight recorder; null: none
   SyncLine* sync_line = nullptr;  ///< null: no SYNC line but the bus's own; must outlive the loop
 };
 
@@ -65,10 +69,9 @@ class RealtimeLoop {
   Slots slots_in_order() const noexcept;
   void serve(cansync::Slot slot) noexcept;
   void hand_over(cansync::Slot slot, const can::Frame& frame) noexcept;
-  void wait_until(can::Time deadline) noexcept;
+  void sleep_until(can::Time deadline) noexcept;
   void receive_frames() noexcept;
-  void watch_sending(can::SendResult result) noexcept;
-  void watch_controller() noexcept;
+  bool looks_before(cansync::Slot slot) const noexcept;
   void publish() noexcept;
   void publish_timing(can::Time now) noexcept;
   void refresh_slave_counters() noexcept;
@@ -102,11 +105,10 @@ class RealtimeLoop {
   std::uint64_t missed_syncs_ = 0;
   std::array<std::uint64_t, cansync::kSlots> left_out_ = {};
   can::Time next_second_{};
-  can::ControllerStatus controller_;
+  BusWatch watch_;
   std::uint64_t overruns_before_ = 0;  ///< and drops, when the running second began
-  can::SendResult last_send_ = can::SendResult::queued;
-  std::uint64_t failed_sends_ = 0;  ///< in a row
   can::Frame last_sent_;
+  bool looked_ = false;        ///< for frames, since the last sleep
   bool echo_due_ = false;      ///< `last_sent_` was not seen on the bus yet
   bool heard_others_ = false;  ///< somebody else's frame came in this interval
 };

@@ -10,15 +10,17 @@ using cansync::SlaveNumber;
 using cansync::Slot;
 
 void RealtimeLoop::publish() noexcept {
-  watch_controller();
   const can::Time now = bus_.now();
   MasterSnapshot snapshot;
   reporter_.at(number_, now);
+  watch_.look(now);
   snapshot.when = reporter_.moment();
   snapshot.state = master_.state();
   snapshot.cansync_status = cansync_status();
   snapshot.counters = master_.counters();
-  snapshot.controller = controller_;
+  snapshot.controller = watch_.status();
+  snapshot.timestamps = bus_.timestamp_source();
+  snapshot.second_master = master_.second_master();
   snapshot.configured = master_.settings().configured();
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     const SlaveNumber slave = *SlaveNumber::from(i);
@@ -66,7 +68,7 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
   }
   exchange_.timing.write(timing);
   reporter_.written();
-  overruns_before_ = controller_.overruns + controller_.dropped;
+  overruns_before_ = watch_.status().overruns + watch_.status().dropped;
   next_second_ = std::max(next_second_ + kSecond, now);
   clock_.adjust(bus_);
 }
@@ -75,12 +77,14 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
 /// came in this interval.
 std::uint16_t RealtimeLoop::cansync_status() const noexcept {
   using can::ControllerState;
-  const ControllerState state = controller_.state;
+  const can::ControllerStatus& controller = watch_.status();
+  const ControllerState state = controller.state;
+  const can::SendResult last_send = watch_.last_send();
   const bool warning = state == ControllerState::error_warning || state == ControllerState::error_passive;
   unsigned bits = 0;
-  if (controller_.overruns + controller_.dropped != overruns_before_) bits |= 1u << 1;
-  if (last_send_ != can::SendResult::queue_full) bits |= 1u << 2;
-  if (!echo_due_ && last_send_ == can::SendResult::queued) bits |= 1u << 3;
+  if (controller.overruns + controller.dropped != overruns_before_) bits |= 1u << 1;
+  if (last_send != can::SendResult::queue_full) bits |= 1u << 2;
+  if (!echo_due_ && last_send == can::SendResult::queued) bits |= 1u << 3;
   if (heard_others_) bits |= 1u << 4;
   if (echo_due_) bits |= 1u << 5;
   if (warning) bits |= 1u << 6;

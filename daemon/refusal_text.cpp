@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cansync/mode.h"
+#include "daemon/bus_text.h"
 #include "dds/validate.h"
 
 namespace cansyncd {
@@ -120,6 +121,10 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
       return slaves_missing(config, context);
     case Refusal::queue_full:
       return queue_full(request, config);
+    case Refusal::not_permitted:
+      return reset_not_permitted(config);
+    case Refusal::bus_unavailable:
+      return reset_unavailable(config);
     case Refusal::interval_passed:
       return interval_passed(request, config, context);
     case Refusal::block_size:

@@ -1,5 +1,6 @@
 #include "daemon/request_intake.h"
 
+#include <chrono>
 #include <cstddef>
 #include <type_traits>
 #include <utility>
@@ -11,6 +12,9 @@ using cansync::Channel;
 using cansync::Refusal;
 
 namespace {
+
+/// A reset that takes longer has got stuck.
+constexpr can::Time kResetPatience = std::chrono::seconds(5);
 
 /// True for the requests that get a terminal answer.
 template <class T>
@@ -40,6 +44,10 @@ void RequestIntake::take(unsigned most) noexcept {
 
 void RequestIntake::refuse_all_as_stopped() noexcept {
   constexpr auto kStopped = cansync::Outcome::master_stopped;
+  if (mode_.reset_pending()) {
+    mode_.forget_reset();
+    reporter_.command_done(reset_, kStopped);
+  }
   Request request;
   while (reporter_.can_take() && exchange_.requests.try_pop(request)) {
     dispatch(request, [this](const auto& typed) noexcept {
@@ -80,7 +88,24 @@ void RequestIntake::handle(const StopRelease& stop) noexcept {
 }
 
 void RequestIntake::handle(const ModeRequest& request) noexcept {
-  answer(request.id, mode_.request(request.mode, request.force));
+  const bool reset_before = mode_.reset_pending();
+  const Refusal refusal = mode_.request(request.mode, request.force);
+  if (mode_.reset_pending() && !reset_before) {
+    reset_ = request.id;
+    reset_begun_ = reporter_.moment().bus;
+  } else {
+    answer(request.id, refusal);
+  }
+}
+
+void RequestIntake::finish_reset() noexcept {
+  if (!mode_.reset_pending()) return;
+  if (const auto refusal = mode_.finish_reset()) {
+    answer(reset_, *refusal);
+  } else if (reporter_.moment().bus - reset_begun_ > kResetPatience) {
+    mode_.forget_reset();
+    answer(reset_, Refusal::bus_unavailable);
+  }
 }
 
 void RequestIntake::handle(const SetPolling& request) noexcept {

@@ -17,7 +17,11 @@ class RequestIntake {
   /// Takes at most `most` waiting requests, and only while the answer of each has room.
   void take(unsigned most) noexcept;
 
-  /// Answers every waiting request as `master_stopped`, as far as there is room.
+  /// Answers a reset of the controller that has ended, or has taken longer than 5 s; once an interval.
+  void finish_reset() noexcept;
+
+  /// Answers every waiting request, and a reset that is under way, as `master_stopped`, as far as there is
+  /// room.
   void refuse_all_as_stopped() noexcept;
 
   /// Publishes the settings in force.
@@ -42,6 +46,8 @@ class RequestIntake {
   cansync::Master& master_;
   ModeControl& mode_;
   Reporter& reporter_;
+  cansync::JobId reset_ = 0;  ///< request of the reset that is under way
+  can::Time reset_begun_{};
 };
 
 }  // namespace cansyncd

@@ -109,6 +109,8 @@ enum class Refusal : std::uint8_t {
   slaves_missing,    ///< active operation needs slaves that have not reported
   unknown_job,       ///< cancel of a job that is not open
   mapping,           ///< a word names a value of the other telegram
+  not_permitted,     ///< the controller cannot be reset without a right the program has not got
+  bus_unavailable,   ///< the interface is missing or down, or its driver does not do it
 };
 
 std::string_view name(Outcome outcome) noexcept;

@@ -1,5 +1,7 @@
 #include "cansync/master.h"
 
+#include <algorithm>
+
 #include "cansync/command_channel.h"
 #include "cansync/process_data.h"
 #include "cansync/supervision.h"
@@ -9,17 +11,20 @@
 namespace cansync {
 namespace {
 
-/// A foreign master is reported again after so many intervals without its telegrams.
-constexpr IntervalNumber kForeignMasterQuiet = 1000;
+/// The lower bits of an identifier, which carry a slave number.
+constexpr std::uint32_t kNumberBits = 0x7F;
+/// A second master counts as gone after so long without its telegrams.
+constexpr Duration kSecondMasterQuiet = std::chrono::seconds(3);
 
 Channel channel_of(Slot slot) noexcept {
   return slot == Slot::reference_one ? Channel::one : Channel::two;
 }
 
-bool is_from_master(const Telegram& telegram) noexcept {
-  return std::get_if<ActualTelegram>(&telegram) == nullptr &&
-         std::get_if<ParameterReply>(&telegram) == nullptr &&
-         std::get_if<TransferReply>(&telegram) == nullptr;
+bool is_from_master(const can::Frame& frame) noexcept {
+  if (frame.kind != can::FrameKind::standard) return false;
+  const std::uint32_t channel = frame.id & ~kNumberBits;
+  return frame.id == identifier::action || channel == identifier::reference_one ||
+         channel == identifier::reference_two || channel == identifier::command;
 }
 
 }  // namespace
@@ -42,19 +47,28 @@ struct Master::Impl {
   State state = State::start_up;
   IntervalNumber now = 0;
   MasterCounters counters;
-  IntervalNumber foreign_seen = 0;
-  bool foreign_told = false;
+  IntervalNumber second_master_seen = 0;
+  std::uint64_t second_master_row = 0;  ///< its telegrams since it was reported; 0: there is none
 
   Duration on_timeline(Duration since_sync) const noexcept {
     return static_cast<Duration::rep>(now) * times.interval + since_sync;
   }
 
-  void foreign_master(std::uint32_t identifier) noexcept {
-    ++counters.foreign_master;
-    const bool tell = !foreign_told || now - foreign_seen > kForeignMasterQuiet;
-    foreign_told = true;
-    foreign_seen = now;
-    if (tell) listener.event({MasterEvent::Code::foreign_master, std::nullopt, identifier});
+  void second_master(std::uint32_t identifier) noexcept {
+    ++counters.second_master;
+    second_master_seen = now;
+    if (++second_master_row == 1) {
+      listener.event({MasterEvent::Code::second_master, std::nullopt, identifier});
+    }
+  }
+
+  void watch_second_master() noexcept {
+    if (second_master_row == 0) return;
+    const auto quiet = static_cast<Duration::rep>(now - second_master_seen) * times.interval;
+    if (quiet <= kSecondMasterQuiet) return;
+    const auto telegrams = static_cast<std::uint32_t>(std::min<std::uint64_t>(second_master_row, UINT32_MAX));
+    second_master_row = 0;
+    listener.event({MasterEvent::Code::second_master_gone, std::nullopt, telegrams});
   }
 
   bool deliver(const Telegram& telegram, Duration since_sync) noexcept {
@@ -95,6 +109,7 @@ void Master::begin_interval(IntervalNumber n) noexcept {
     if (missed) impl_->supervision.missed_actual(*missed);
   }
   impl_->command_channel.begin_interval(n);
+  impl_->watch_second_master();
 }
 
 Duration Master::latest_start(Slot slot) const noexcept {
@@ -149,17 +164,19 @@ void Master::transmitted(const can::Frame& frame, Duration since_sync) noexcept 
 }
 
 void Master::receive(const can::Frame& frame, Duration since_sync) noexcept {
+  // Its identifier tells a master, whatever stands in the frame.
+  if (is_from_master(frame)) impl_->second_master(frame.id);
   const Decoded decoded = decode(frame);
   if (const auto* error = std::get_if<DecodeError>(&decoded)) {
     ++impl_->counters.rejected[static_cast<unsigned>(*error)];
     return;
   }
-  const Telegram& telegram = *std::get_if<Telegram>(&decoded);
-  if (is_from_master(telegram)) {
-    impl_->foreign_master(frame.id);
-  } else if (!impl_->deliver(telegram, since_sync)) {
-    ++impl_->counters.unexpected;
-  }
+  if (is_from_master(frame)) return;
+  if (!impl_->deliver(*std::get_if<Telegram>(&decoded), since_sync)) ++impl_->counters.unexpected;
+}
+
+bool Master::second_master() const noexcept {
+  return impl_->second_master_row != 0;
 }
 
 // --- requests

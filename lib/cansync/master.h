@@ -57,7 +57,7 @@ struct MasterCounters {
       0;  ///< active intervals x channels without released reference values
   std::array<std::uint64_t, kDecodeErrors> rejected = {};  ///< received frames by DecodeError
   std::uint64_t unexpected = 0;                            ///< well-formed telegrams nobody asked for
-  std::uint64_t foreign_master = 0;  ///< telegrams only a master sends, received from the bus
+  std::uint64_t second_master = 0;  ///< frames with a master's identifier that somebody else has sent
 };
 
 /// Something worth a line in the journal. `code` says what the numbers mean.
@@ -70,7 +70,8 @@ struct MasterEvent {
     all_synchronized,
     references_stopped,   ///< detail: channel 1 or 2
     references_released,  ///< detail: channel 1 or 2
-    foreign_master,       ///< detail: identifier of the first such telegram
+    second_master,        ///< detail: identifier of its first frame
+    second_master_gone,   ///< nothing of it for 3 s; detail: how many frames there were
   };
   Code code;
   std::optional<SlaveNumber> slave;
@@ -176,6 +177,8 @@ class Master {
   const SlaveStatus& slave(SlaveNumber slave) const noexcept;
   const ActualValues& actual(SlaveNumber slave) const noexcept;
   const MasterCounters& counters() const noexcept;
+  /// Another master has sent within the last 3 s.
+  bool second_master() const noexcept;
   std::size_t open_parameter_jobs() const noexcept;
   std::size_t open_transfers() const noexcept;
 

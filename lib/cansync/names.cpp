@@ -137,6 +137,10 @@ std::string_view name(Refusal refusal) noexcept {
       return "unknown job";
     case Refusal::mapping:
       return "mapping names a value of the other telegram";
+    case Refusal::not_permitted:
+      return "not permitted";
+    case Refusal::bus_unavailable:
+      return "bus unavailable";
   }
   return "unknown refusal";
 }
@@ -195,8 +199,10 @@ std::string_view name(MasterEvent::Code code) noexcept {
       return "references_stopped";
     case MasterEvent::Code::references_released:
       return "references_released";
-    case MasterEvent::Code::foreign_master:
-      return "foreign_master";
+    case MasterEvent::Code::second_master:
+      return "second_master";
+    case MasterEvent::Code::second_master_gone:
+      return "second_master_gone";
   }
   return "unknown_event";
 }

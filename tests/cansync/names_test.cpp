@@ -38,10 +38,10 @@ TEST(Names, Outcomes) {
   expect_names(Outcome::master_stopped);
 }
 TEST(Names, Refusals) {
-  expect_names(Refusal::mapping);
+  expect_names(Refusal::bus_unavailable);
 }
 TEST(Names, Events) {
-  expect_names(MasterEvent::Code::foreign_master);
+  expect_names(MasterEvent::Code::second_master_gone);
 }
 
 TEST(Names, StatesByTheirRegisterValue) {

@@ -168,8 +168,34 @@ TEST(StartUp, ASecondMasterIsReportedOnTheEdge) {
     rig.step();
     rig.master.receive(encode(ReferenceTelegram{}), std::chrono::microseconds(400));
   }
-  EXPECT_EQ(rig.told.count(MasterEvent::Code::foreign_master), 1u);
-  EXPECT_EQ(rig.master.counters().foreign_master, 20u);
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::second_master), 1u);
+  EXPECT_EQ(rig.master.counters().second_master, 20u);
+  EXPECT_TRUE(rig.master.second_master());
+  rig.run(3000);
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::second_master_gone), 0u) << "3 s are not over";
+  rig.run(2);
+  ASSERT_EQ(rig.told.count(MasterEvent::Code::second_master_gone), 1u);
+  EXPECT_EQ(rig.told.events.back().detail, 20u);
+  EXPECT_FALSE(rig.master.second_master());
+  rig.master.receive(encode(ReferenceTelegram{}), std::chrono::microseconds(400));
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::second_master), 2u);
+}
+
+TEST(StartUp, AMasterIsKnownByItsIdentifierAlone) {
+  MasterRig rig(settings_for(1));
+  rig.activate();
+  can::Frame frame;
+  frame.dlc = 1;  // no telegram has this length
+  for (const std::uint32_t id : {0x010u, 0x100u, 0x17Fu, 0x180u, 0x1FFu, 0x500u, 0x57Fu}) {
+    frame.id = id;
+    rig.master.receive(frame, std::chrono::microseconds(400));
+  }
+  EXPECT_EQ(rig.master.counters().second_master, 7u);
+  for (const std::uint32_t id : {0x011u, 0x080u, 0x200u, 0x301u, 0x381u, 0x581u}) {
+    frame.id = id;
+    rig.master.receive(frame, std::chrono::microseconds(400));
+  }
+  EXPECT_EQ(rig.master.counters().second_master, 7u);
 }
 
 }  // namespace

@@ -373,7 +373,7 @@ TEST(ConfigDocuments, EveryCommentedExampleIsValidToo) {
   std::istringstream lines(default_config());
   std::string text;
   // Lines "# key = value" are examples; the array form of mappings stands beside the registers and stays out.
-  const std::regex assignment(R"(# [a-z_12]+ = ["\[0-9].*)");
+  const std::regex assignment(R"(# [a-z_012]+ = ["\[0-9].*)");
   for (std::string line; std::getline(lines, line);) {
     const bool example = std::regex_match(line, assignment) && line.find("_values_") == std::string::npos &&
                          line.find("_high_") == std::string::npos;

@@ -204,6 +204,9 @@ TEST(GatewayState, TimingIsPublished) {
       7, std::chrono::microseconds(400), std::chrono::microseconds(410), std::chrono::microseconds(430), 9};
   timing.planned = {std::chrono::microseconds(300), std::chrono::microseconds(600),
                     std::chrono::microseconds(900)};
+  MasterSnapshot master;
+  master.timestamps = can::TimestampSource::kernel;
+  rig.tell(master);
   const auto publish = [&] {
     rig.exchange.timing.write(timing);
     rig.exchange.gateway_wake.signal();
@@ -226,7 +229,7 @@ TEST(GatewayState, TimingIsPublished) {
     EXPECT_EQ(sample->slot[i].latest_start, latest[i]) << i;
     EXPECT_EQ(sample->slot[i].planned_start, planned[i]) << i;
   }
-  EXPECT_EQ(text(sample->timestamp_source), "simulation");
+  EXPECT_EQ(text(sample->timestamp_source), "kernel");
   EXPECT_EQ(sample->bus_load, 456u);
 }
 

@@ -75,7 +75,7 @@ TEST(EventText, ReportsBecomeEventsWithNames) {
   EXPECT_EQ(lost.severity, cansync_SEVERITY_ERROR);
   EXPECT_EQ(lost.text, "slave 1 'feeder' no longer responds; check its power and the bus cable");
   EXPECT_EQ(lost.when->interval, 7u);
-  EXPECT_EQ(told(EventReport{{}, {Code::foreign_master, std::nullopt, 0x105}}).text,
+  EXPECT_EQ(told(EventReport{{}, {Code::second_master, std::nullopt, 0x105}}).text,
             "another master sends on this bus (identifier 0x105); switch one of them off");
   EXPECT_EQ(told(EventReport{{}, {Code::references_stopped, std::nullopt, 2}}).text,
             "reference values of telegram 2 are no longer released");

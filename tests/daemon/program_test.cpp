@@ -92,14 +92,20 @@ TEST_F(CansyncdTest, RefusesToStartWithoutItsSyncLine) {
       << pulses.text();
 }
 
-TEST_F(CansyncdTest, RefusesACanInterfaceWithTheReason) {
-  Program program = run({write("can.toml", "[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 0\n")});
-  EXPECT_EQ(program.exit_code(), 78);
-  EXPECT_NE(program.text().find(
-                "can.toml:2:13: bus.interface: found \"can0\"; allowed: \"sim\", because this version "
-                "drives simulated buses only"),
+TEST_F(CansyncdTest, TakesACanInterfaceButNoTraceOfIt) {
+  const std::string text = "[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 0\n";
+  EXPECT_EQ(run({"--check", write("can.toml", text)}).exit_code(), 0);
+  Program traced = run({"--check", write("traced.toml", text + "[sim]\ntrace = \"x.log\"\n")});
+  EXPECT_EQ(traced.exit_code(), 78);
+  EXPECT_NE(traced.text().find("traced.toml:6:9: sim.trace: found with bus.interface = \"can0\""),
             std::string::npos)
-      << program.text();
+      << traced.text();
+}
+
+TEST_F(CansyncdTest, RefusesAnInterfaceThatIsNotForCan) {
+  Program program = run({write("lo.toml", "[bus]\ninterface = \"lo\"\n[[slave]]\nnumber = 0\n")});
+  EXPECT_EQ(program.exit_code(), 1);
+  EXPECT_NE(program.text().find("lo is no CAN interface"), std::string::npos) << program.text();
 }
 
 TEST_F(CansyncdTest, NamesThePlaceInAWrongFaultScript) {

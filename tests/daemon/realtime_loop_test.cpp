@@ -267,7 +267,7 @@ TEST(RealtimeLoop, ABusThatCannotBeResetRefuses) {
   rig.bus.reset_answer = can::ResetResult::unavailable;
   rig.push_at(50, ModeRequest{1, Mode::reset_can, false});
   rig.run_until(60);
-  EXPECT_EQ(rig.answer_to<Refused>(1).refusal, Refusal::wrong_state);
+  EXPECT_EQ(rig.answer_to<Refused>(1).refusal, Refusal::bus_unavailable);
 }
 
 TEST(RealtimeLoop, ActualValuesReachTheGatewayWithTheirTimes) {

@@ -57,6 +57,20 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("sync_edges", status.sync_edges)
       .add("sync_rejected_edges", status.sync_rejected_edges)
       .add("sync_output_failures", status.sync_output_failures)
+      .add("link_state", status.link_state)
+      .add("timestamp_source", status.timestamp_source)
+      .add("interface_bit_rate", status.interface_bit_rate)
+      .add("sample_point_permille", status.sample_point)
+      .add("restart_ms", status.restart_time)
+      .add("queue_length", status.queue_length)
+      .add("error_frames", status.error_frames)
+      .add("acknowledge_errors", status.acknowledge_errors)
+      .add("restarts", status.restarts)
+      .add("queue_full", status.queue_full)
+      .add("overruns", status.overruns)
+      .add("dropped_frames", status.dropped_frames)
+      .add("second_master", status.second_master)
+      .add("second_master_frames", status.second_master_frames)
       .add("reference_values", names);
 }
 
@@ -87,6 +101,16 @@ std::string sync_line(const client::MasterStatus& status) {
   return text;
 }
 
+/// "can0 is up, 500000 bit/s, sample point 0.600, restart-ms 100, txqueuelen 10; times by the kernel".
+std::string interface_text(const client::MasterStatus& status) {
+  std::string text = fmt::format("{} is {}", status.bus_interface, status.link_state);
+  if (status.interface_bit_rate != 0) text += fmt::format(", {} bit/s", status.interface_bit_rate);
+  if (status.sample_point != 0) text += fmt::format(", sample point 0.{:03}", status.sample_point);
+  if (status.restart_time >= 0) text += fmt::format(", restart-ms {}", status.restart_time);
+  if (status.queue_length != 0) text += fmt::format(", txqueuelen {}", status.queue_length);
+  return text + fmt::format("; times by: {}", status.timestamp_source);
+}
+
 void print_status(Output& output, const client::MasterStatus& status) {
   const auto row = [&output](std::string_view label, const std::string& text) {
     output.line(fmt::format("{:<22}{}", label, text));
@@ -100,6 +124,16 @@ void print_status(Output& output, const client::MasterStatus& status) {
       fmt::format("{}; errors: {} transmit, {} receive; CANsync status 0x{:04X}", status.controller_state,
                   status.transmit_errors, status.receive_errors, status.cansync_status));
   if (const std::string line = sync_line(status); !line.empty()) row("SYNC line", line);
+  row("interface", interface_text(status));
+  row("bus faults", fmt::format("{} error frames, {} not acknowledged, {} restarts; lost: {} for a full send "
+                                "queue, {} in the controller, {} in the kernel",
+                                status.error_frames, status.acknowledge_errors, status.restarts,
+                                status.queue_full, status.overruns, status.dropped_frames));
+  if (status.second_master || status.second_master_frames != 0) {
+    row("second master",
+        fmt::format("{}, {} of its frames seen", status.second_master ? "on the bus" : "gone",
+                    status.second_master_frames));
+  }
   row("slaves configured", format_slave_set(status.slaves_configured));
   row("slaves responding", share(status.slaves_responding, status.slaves_configured));
   row("slaves synchronized", share(status.slaves_synchronized, status.slaves_configured));
@@ -195,6 +229,10 @@ void add_status_verbs(CLI::App& app, Verb& chosen) {
       "Lines:\n"
       "  state                operating state, with w_OPTION_STATUS\n"
       "  controller           state and error counters of the CAN controller, with w_CANsync_STATUS\n"
+      "  interface            state and settings of the CAN interface, and where the times of frames come "
+      "from\n"
+      "  bus faults           since the start; a full send queue and what is lost cost telegrams\n"
+      "  second master        somebody else sends what only a master may send\n"
       "  slaves ...           which slaves are configured, answer, and have locked to SYNC\n"
       "  telegrams left out   not sent because their slot had passed\n"
       "  no reference values  active intervals in which a reference value telegram had nothing to send\n"

@@ -1,0 +1,88 @@
+#include "can/frame_clock.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace can {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+/// Reading three clocks takes longer than this only when the thread was interrupted meanwhile.
+constexpr Time kUndisturbed = microseconds(5);
+constexpr unsigned kTries = 3;
+/// A frame is stamped before it can be taken; by more than this only on an overloaded machine.
+constexpr Time kOnItsWay = milliseconds(2);
+/// Clocks differ by this much although nothing is wrong.
+constexpr Time kClockNoise = microseconds(50);
+constexpr unsigned kWindow = 64;
+/// Kernel stamp and hardware stamp of one frame can lie this far apart before the hardware's clock must
+/// have jumped.
+constexpr Time kHardwareJump = milliseconds(20);
+
+}  // namespace
+
+/// The reading between the two closest others.
+Time FrameClock::measure_offset() noexcept {
+  Time best{};
+  Time best_span = Time::max();
+  for (unsigned i = 0; i < kTries && best_span > kUndisturbed; ++i) {
+    const Time before = kernel_.monotonic();
+    const Time wall = kernel_.realtime();
+    const Time after = kernel_.monotonic();
+    if (after - before >= best_span) continue;
+    best_span = after - before;
+    best = before + best_span / 2 - wall;
+  }
+  return best;
+}
+
+void FrameClock::begin_batch() noexcept {
+  offset_before_ = offset_;
+  offset_ = measure_offset();
+  if (!measured_) offset_before_ = offset_;
+  measured_ = true;
+  look_ = kernel_.monotonic();
+}
+
+void FrameClock::end_batch(bool complete) noexcept {
+  if (complete) taken_up_to_ = look_;
+}
+
+bool FrameClock::plausible(Time at) const noexcept {
+  return at <= look_ + kClockNoise && at >= taken_up_to_ - kOnItsWay;
+}
+
+std::optional<Time> FrameClock::from_software(Time stamp) const noexcept {
+  for (const Time offset : {offset_, offset_before_}) {
+    if (plausible(stamp + offset)) return std::min(stamp + offset, look_);
+  }
+  return std::nullopt;
+}
+
+std::optional<Time> FrameClock::from_hardware(Time stamp, Time software) noexcept {
+  const Time difference = software - stamp;
+  const Time known = std::min(hardware_.before.value_or(difference), hardware_.least.value_or(difference));
+  // Less than the least is normal for a frame that came through faster; a jump of the clock is not.
+  if (difference > known + kHardwareJump || difference < known - kHardwareJump) hardware_ = {};
+  hardware_.least = std::min(hardware_.least.value_or(difference), difference);
+  const Time offset = std::min(*hardware_.least, hardware_.before.value_or(*hardware_.least));
+  if (++hardware_.frames == kWindow) hardware_ = {hardware_.least, std::nullopt, 0};
+  const Time at = stamp + offset;
+  if (!plausible(at)) return std::nullopt;
+  return std::min(at, look_);
+}
+
+StampedTime FrameClock::translate(const FrameStamps& stamps) noexcept {
+  const auto software = stamps.software ? from_software(*stamps.software) : std::nullopt;
+  if (stamps.hardware) {
+    if (const auto at = from_hardware(*stamps.hardware, software.value_or(look_))) {
+      return {*at, TimestampSource::hardware};
+    }
+  }
+  if (software) return {*software, TimestampSource::kernel};
+  return {look_, TimestampSource::thread};
+}
+
+}  // namespace can

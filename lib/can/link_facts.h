@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "can/bus.h"
+
+namespace can {
+
+/// Bit timing an interface is set to.
+struct LinkTiming {
+  std::uint32_t bits_per_second = 0;
+  std::uint16_t sample_point = 0;  ///< in 1/1000 of a bit
+  friend bool operator==(const LinkTiming&, const LinkTiming&) = default;
+};
+
+/// What the kernel knows about a network interface. A virtual one has neither timing nor controller.
+struct LinkFacts {
+  bool present = false;
+  std::uint32_t index = 0;  ///< over 0 when present
+  bool is_can = false;
+  bool up = false;
+  std::uint32_t queue_length = 0;      ///< txqueuelen, in frames
+  std::array<char, 16> driver_kind{};  ///< "can", "vcan", ..., as text with a zero at its end
+  std::optional<LinkTiming> timing;
+  std::optional<ControllerState> state;
+  std::optional<std::uint32_t> restart_ms;  ///< time until the kernel restarts a bus-off controller; 0: never
+  bool has_counters = false;                ///< the two error counters are known
+  std::uint16_t transmit_errors = 0;
+  std::uint16_t receive_errors = 0;
+  friend bool operator==(const LinkFacts&, const LinkFacts&) = default;
+};
+
+/// Reads the kernel's answer to a RTM_GETLINK request: one netlink message, or several. Nothing when it tells
+/// nothing of an interface `name`: an error, another interface, or cut off. Pure; never reads beyond the
+/// bytes.
+std::optional<LinkFacts> read_link_message(std::span<const std::byte> bytes, std::string_view name) noexcept;
+
+}  // namespace can

@@ -1,0 +1,81 @@
+#include "can/link_watch.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+
+namespace can {
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{1000};
+
+std::uint8_t counter(std::uint16_t errors) noexcept {
+  return static_cast<std::uint8_t>(std::min<std::uint16_t>(errors, 255));
+}
+
+ResetResult outcome_of(int error) noexcept {
+  if (error == 0) return ResetResult::done;
+  return error == -EPERM || error == -EACCES ? ResetResult::not_permitted : ResetResult::unavailable;
+}
+
+}  // namespace
+
+LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second) noexcept {
+  if (!facts.present || !facts.is_can) return LinkState::missing;
+  if (!facts.up) return LinkState::down;
+  if (facts.timing && facts.timing->bits_per_second != bits_per_second) return LinkState::wrong_bit_rate;
+  return LinkState::up;
+}
+
+void LinkWatch::publish(const LinkFacts& facts, std::uint32_t era) {
+  board_.set_bit_rate(facts.timing ? facts.timing->bits_per_second : 0);
+  board_.set_link({facts.is_can ? facts.index : 0, link_state(facts, settings_.bits_per_second)});
+  LinkBoard::Controller controller;
+  controller.state = facts.state.value_or(ControllerState::error_active);
+  controller.transmit_errors = counter(facts.transmit_errors);
+  controller.receive_errors = counter(facts.receive_errors);
+  board_.set_controller(controller, era);
+}
+
+/// A bus-off controller that nobody restarts is restarted; in every other state it is stopped and started,
+/// which clears its error counters and its queue. A virtual interface has nothing to reset.
+ResetResult LinkWatch::reset(const LinkFacts& facts) {
+  if (link_state(facts, settings_.bits_per_second) == LinkState::missing || !facts.up) {
+    return ResetResult::unavailable;
+  }
+  if (!facts.state) return ResetResult::done;
+  if (*facts.state == ControllerState::bus_off && facts.restart_ms.value_or(0) == 0) {
+    return outcome_of(kernel_.restart(facts.index));
+  }
+  const int down = kernel_.set_up(facts.index, false);
+  return outcome_of(down != 0 ? down : kernel_.set_up(facts.index, true));
+}
+
+LinkFacts LinkWatch::look() {
+  std::uint32_t era = board_.era();
+  LinkFacts facts = kernel_.read(settings_.interface);
+  const std::uint32_t wanted = board_.reset_wanted();
+  if (wanted != board_.reset_answered()) {
+    const ResetResult result = reset(facts);
+    era = board_.era();
+    facts = kernel_.read(settings_.interface);
+    publish(facts, era);
+    board_.answer_reset(wanted, result);
+    return facts;
+  }
+  publish(facts, era);
+  return facts;
+}
+
+void LinkWatch::run(const std::stop_token& stop, const std::function<void(const LinkFacts&)>& told) {
+  const std::stop_callback wake(stop, [this] { kernel_.interrupt(); });
+  LinkFacts before;
+  for (bool first = true; !stop.stop_requested(); first = false) {
+    const LinkFacts facts = look();
+    if (first || facts != before) told(facts);
+    before = facts;
+    kernel_.wait(kPeriod);
+  }
+}
+
+}  // namespace can

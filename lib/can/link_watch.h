@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <string>
+
+#include "can/link_board.h"
+#include "can/link_facts.h"
+#include "can/link_kernel.h"
+
+namespace can {
+
+/// Watches the interface of a bus and carries out resets, on a thread of normal priority; the realtime thread
+/// learns of it through the board alone.
+class LinkWatch {
+ public:
+  struct Settings {
+    std::string interface;              ///< its name; it may come, go, and come back as another one
+    std::uint32_t bits_per_second = 0;  ///< the bit rate it must have
+  };
+
+  /// Both must outlive the watch.
+  LinkWatch(LinkKernel& kernel, LinkBoard& board, Settings settings)
+      : kernel_(kernel), board_(board), settings_(std::move(settings)) {}
+
+  /// Reads the interface once and tells the board; then carries out a reset that is wanted. Returns what it
+  /// has read.
+  LinkFacts look();
+
+  /// Looks whenever something has changed, and once a second, until `stop`; `told` is called with every
+  /// reading that differs from the one before, on this thread.
+  void run(const std::stop_token& stop, const std::function<void(const LinkFacts&)>& told);
+
+ private:
+  void publish(const LinkFacts& facts, std::uint32_t era);
+  ResetResult reset(const LinkFacts& facts);
+
+  LinkKernel& kernel_;
+  LinkBoard& board_;
+  Settings settings_;
+};
+
+/// What stands in the way of a bus of `bits_per_second` on an interface.
+LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second) noexcept;
+
+}  // namespace can

@@ -1,0 +1,237 @@
+#include "can/socketcan_bus.h"
+
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <linux/net_tstamp.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "can/error_frame.h"
+
+namespace can {
+namespace {
+
+int opened(Kernel& kernel) {
+  const int socket = kernel.open_socket();
+  if (socket >= 0) return socket;
+  const char* what = socket == -EAFNOSUPPORT || socket == -EPROTONOSUPPORT
+                         ? "SocketCAN: the kernel has none; load it with: modprobe can-raw"
+                         : "SocketCAN: opening a socket";
+  throw std::system_error(-socket, std::generic_category(), what);
+}
+
+std::vector<can_filter> to_kernel(const std::vector<IdentifierFilter>& filters) {
+  std::vector<can_filter> out;
+  out.reserve(filters.size());
+  // Both flags in the mask: neither extended nor remote frames.
+  for (const IdentifierFilter& filter : filters) {
+    out.push_back({filter.identifier, filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
+  }
+  return out;
+}
+
+can_frame to_kernel(const Frame& frame) noexcept {
+  can_frame out{};
+  out.can_id = frame.id & CAN_SFF_MASK;
+  out.len = std::min<std::uint8_t>(frame.dlc, CAN_MAX_DLEN);
+  std::copy_n(frame.data.begin(), out.len, out.data);
+  return out;
+}
+
+Frame from_kernel(const can_frame& frame) noexcept {
+  Frame out;
+  out.kind = FrameKind::standard;
+  if ((frame.can_id & CAN_RTR_FLAG) != 0) out.kind = FrameKind::remote;
+  if ((frame.can_id & CAN_EFF_FLAG) != 0) out.kind = FrameKind::extended;
+  out.id = frame.can_id & CAN_EFF_MASK;
+  out.dlc = std::min<std::uint8_t>(frame.len, CAN_MAX_DLEN);
+  if (out.kind != FrameKind::remote) std::copy_n(frame.data, out.dlc, out.data.begin());
+  return out;
+}
+
+}  // namespace
+
+SocketcanBus::SocketcanBus(const SocketcanSettings& settings, LinkBoard& board, LinkKernel& links,
+                           Kernel& kernel)
+    : kernel_(kernel),
+      board_(board),
+      links_(links),
+      wake_on_frame_(settings.wake_on_frame),
+      filters_(to_kernel(settings.filters)),
+      socket_(opened(kernel)),
+      clock_(kernel) {
+  try {
+    set_options();
+  } catch (...) {
+    kernel_.close_socket(socket_);
+    throw;
+  }
+  status_.link = LinkState::missing;
+  take_up_link();
+}
+
+SocketcanBus::~SocketcanBus() {
+  kernel_.close_socket(socket_);
+}
+
+void SocketcanBus::set_options() {
+  const auto must = [](int result, const char* what) {
+    if (result < 0) throw std::system_error(-result, std::generic_category(), what);
+  };
+  const auto set = [this](int level, int name, int value) {
+    return kernel_.set_option(socket_, level, name, &value, sizeof(value));
+  };
+  must(set_filters(), "SocketCAN: setting the identifier filter");
+  const can_err_mask_t errors = CAN_ERR_MASK;
+  must(kernel_.set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof(errors)),
+       "SocketCAN: switching error frames on");
+  must(set(SOL_CAN_RAW, CAN_RAW_LOOPBACK, 1), "SocketCAN: switching the loopback on");
+  must(set(SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, 1), "SocketCAN: reading own frames back");
+  must(set(SOL_SOCKET, SO_RXQ_OVFL, 1), "SocketCAN: counting drops");
+  must(set(SOL_SOCKET, SO_TIMESTAMPING,
+           SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
+               SOF_TIMESTAMPING_RAW_HARDWARE),
+       "SocketCAN: switching time stamps on");
+  // The kernel's least: a handful of frames. What does not leave in time is to be seen, not queued.
+  must(set(SOL_SOCKET, SO_SNDBUF, 0), "SocketCAN: setting the send buffer");
+}
+
+int SocketcanBus::set_filters() noexcept {
+  return kernel_.set_option(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, filters_.data(),
+                            filters_.size() * sizeof(can_filter));
+}
+
+Wake SocketcanBus::wait_until(Time deadline) noexcept {
+  if (batch_next_ < batch_size_) return Wake::frame;
+  looked_ = false;
+  const Time left = deadline - kernel_.monotonic();
+  if (left <= Time{0}) return Wake::deadline;
+  if (wake_on_frame_ && bound_ != 0) {
+    const int ready = kernel_.wait_readable(socket_, left);
+    if (ready > 0) return Wake::frame;
+    if (ready < 0) return Wake::interrupted;
+    if (kernel_.monotonic() >= deadline) return Wake::deadline;
+  }
+  return kernel_.sleep_until(deadline) == 0 ? Wake::deadline : Wake::interrupted;
+}
+
+bool SocketcanBus::receive(ReceivedFrame& out) noexcept {
+  while (true) {
+    while (batch_next_ < batch_size_) {
+      const bool last = batch_next_ + 1 == batch_size_;
+      const bool taken = take(batch_.message(batch_next_++), out);
+      if (last) clock_.end_batch(batch_size_ < ReceiveBatch::kFrames);
+      if (taken) return true;
+    }
+    if (looked_ || bound_ == 0) return false;
+    look();
+  }
+}
+
+/// The one look at the kernel that each sleep allows. What a full batch leaves behind is taken after the
+/// next.
+void SocketcanBus::look() noexcept {
+  looked_ = true;
+  batch_size_ = batch_next_ = 0;
+  clock_.begin_batch();
+  const int count = batch_.receive(kernel_, socket_);
+  if (count > 0) {
+    batch_size_ = static_cast<unsigned>(count);
+  } else if (count == -EAGAIN) {
+    clock_.end_batch(true);
+  }
+}
+
+bool SocketcanBus::take(const RawMessage& message, ReceivedFrame& out) noexcept {
+  if (message.drops) count_drops(*message.drops);
+  if (!message.whole) return false;
+  if ((message.frame.can_id & CAN_ERR_FLAG) != 0) {
+    account(message.frame);
+    return false;
+  }
+  const StampedTime time = clock_.translate(message.stamps);
+  source_ = time.source;
+  out = {from_kernel(message.frame), time.at, message.own};
+  return true;
+}
+
+void SocketcanBus::count_drops(std::uint32_t total) noexcept {
+  status_.dropped += static_cast<std::uint32_t>(total - drops_seen_);
+  drops_seen_ = total;
+}
+
+void SocketcanBus::account(const can_frame& frame) noexcept {
+  const ErrorFrame error = read_error_frame(frame);
+  ++status_.error_frames;
+  if (error.not_acknowledged) ++status_.acknowledge_errors;
+  if (error.restarted) ++status_.restarts;
+  if (error.overrun) ++status_.overruns;
+  if (error.counters) {
+    status_.transmit_errors = error.counters->transmit;
+    status_.receive_errors = error.counters->receive;
+  }
+  if (error.state) {
+    status_.state = *error.state;
+    board_.begin_era();
+  }
+}
+
+SendResult SocketcanBus::send(const Frame& frame) noexcept {
+  if (bound_ == 0 || status_.link != LinkState::up) return SendResult::interface_down;
+  if (status_.state == ControllerState::bus_off) return SendResult::bus_off;
+  switch (kernel_.send_frame(socket_, to_kernel(frame))) {
+    case -ENETDOWN:
+    case -ENODEV:
+    case -ENXIO:
+      return SendResult::interface_down;
+    case static_cast<int>(sizeof(can_frame)):
+      return SendResult::queued;
+    default:  // no room, or a reason that does not last either
+      ++status_.queue_full;
+      return SendResult::queue_full;
+  }
+}
+
+ControllerStatus SocketcanBus::status() noexcept {
+  take_up_link();
+  if (const auto controller = board_.controller()) {
+    status_.state = controller->state;
+    status_.transmit_errors = controller->transmit_errors;
+    status_.receive_errors = controller->receive_errors;
+  }
+  return status_;
+}
+
+/// An interface that has gone takes the socket's filters along: both are set anew on the one that came back.
+void SocketcanBus::take_up_link() noexcept {
+  const LinkBoard::Link link = board_.link();
+  status_.bits_per_second = board_.bit_rate();
+  status_.link = link.state;
+  if (link.index == bound_) return;
+  bound_ = 0;
+  if (link.index == 0) return;
+  clock_.forget_hardware();
+  const bool bound = set_filters() >= 0 && kernel_.bind_to(socket_, static_cast<int>(link.index)) >= 0;
+  if (bound) {
+    bound_ = link.index;
+  } else {
+    status_.link = LinkState::missing;  // gone again; tried anew at the next call
+  }
+}
+
+ResetResult SocketcanBus::reset() noexcept {
+  if (reset_result() == ResetResult::pending) return ResetResult::pending;
+  board_.want_reset(++resets_);
+  links_.interrupt();
+  return ResetResult::pending;
+}
+
+ResetResult SocketcanBus::reset_result() noexcept {
+  if (resets_ == 0) return ResetResult::done;
+  return board_.reset_result(resets_).value_or(ResetResult::pending);
+}
+
+}  // namespace can

@@ -1,0 +1,449 @@
+// The realtime loop on the SocketCAN bus, with a kernel that is made of a simulated line in virtual time.
+#include <gtest/gtest.h>
+#include <linux/can/error.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "can/fake_kernel.h"
+#include "can/link_watch.h"
+#include "can/socketcan_bus.h"
+#include "cansync/telegram.h"
+#include "daemon/realtime_loop.h"
+#include "daemon/socketcan_line.h"
+#include "support/virtual_line.h"
+
+namespace cansyncd::test {
+namespace {
+
+using support::drives_for;
+using support::line_settings;
+
+/// The kernel's side of SocketCAN, with drives behind it.
+class LineKernel final : public can::Kernel {
+ public:
+  explicit LineKernel(sim::Line& line) : line_(line) {}
+
+  std::map<std::string, unsigned> calls;
+  std::function<void()> on_sleep = [] {};
+  std::deque<can_frame> errors;  ///< error frames that come with the next look
+  std::vector<can_filter> filters;
+  int send_error = 0;
+
+  int open_socket() noexcept override { return 3; }
+  void close_socket(int) noexcept override {}
+  int set_option(int, int level, int name, const void* value, std::size_t size) noexcept override {
+    ++calls["setsockopt"];
+    if (level != SOL_CAN_RAW || name != CAN_RAW_FILTER) return 0;
+    const auto* first = static_cast<const can_filter*>(value);
+    filters.assign(first, first + size / sizeof(can_filter));
+    return 0;
+  }
+  int bind_to(int, int) noexcept override {
+    ++calls["bind"];
+    return 0;
+  }
+  int send_frame(int, const can_frame& frame) noexcept override {
+    ++calls["send"];
+    if (send_error != 0) return send_error;
+    can::Frame out;
+    out.id = frame.can_id;
+    out.dlc = frame.len;
+    std::copy_n(frame.data, frame.len, out.data.begin());
+    return line_.send(out) == can::SendResult::queued ? static_cast<int>(sizeof(frame)) : -ENOBUFS;
+  }
+  int receive(int, mmsghdr* messages, unsigned count) noexcept override {
+    ++calls["recvmmsg"];
+    while (!errors.empty()) {
+      can::test::Arriving error;
+      error.frame = errors.front();
+      fake_.arriving.push_back(error);
+      errors.pop_front();
+    }
+    drain();
+    return fake_.receive(3, messages, count);
+  }
+  int sleep_until(can::Time deadline) noexcept override {
+    ++calls["clock_nanosleep"];
+    on_sleep();
+    while (line_.wait_until(deadline) != can::Wake::deadline) {
+      drain();
+    }
+    return 0;
+  }
+  int wait_readable(int, can::Time) noexcept override { return 0; }
+  can::Time monotonic() noexcept override { return line_.now(); }
+  can::Time realtime() noexcept override { return line_.now() + fake_.wall_offset; }
+
+ private:
+  bool passes(const can::Frame& frame) const {
+    return std::any_of(filters.begin(), filters.end(), [&frame](const can_filter& filter) {
+      return (frame.id & filter.can_mask) == (filter.can_id & filter.can_mask);
+    });
+  }
+  /// The line wakes for each frame that waits; the kernel keeps them.
+  void drain() {
+    can::ReceivedFrame received;
+    while (line_.receive(received)) {
+      if (!passes(received.frame)) continue;
+      can::test::Arriving arriving;
+      arriving.frame.can_id = received.frame.id;
+      arriving.frame.len = received.frame.dlc;
+      std::copy_n(received.frame.data.begin(), received.frame.dlc, arriving.frame.data);
+      arriving.own = received.own;
+      arriving.software = received.end + fake_.wall_offset;
+      fake_.arriving.push_back(arriving);
+    }
+  }
+
+  sim::Line& line_;
+  can::test::FakeKernel fake_;
+};
+
+/// The SYNC wire, which is no part of the CAN interface.
+class WiredBus final : public can::Bus {
+ public:
+  WiredBus(can::SocketcanBus& bus, sim::Line& line) : bus_(bus), line_(line) {}
+  std::function<void(std::uint64_t)> on_edge = [](std::uint64_t) {};
+  std::uint64_t edges = 0;
+
+  can::Time now() noexcept override { return bus_.now(); }
+  can::Wake wait_until(can::Time deadline) noexcept override { return bus_.wait_until(deadline); }
+  bool receive(can::ReceivedFrame& out) noexcept override { return bus_.receive(out); }
+  can::SendResult send(const can::Frame& frame) noexcept override { return bus_.send(frame); }
+  void sync_edge(can::Time due) noexcept override {
+    line_.sync_edge(due);
+    on_edge(edges++);
+  }
+  can::ControllerStatus status() noexcept override { return bus_.status(); }
+  can::ResetResult reset() noexcept override { return bus_.reset(); }
+  can::ResetResult reset_result() noexcept override { return bus_.reset_result(); }
+  can::TimestampSource timestamp_source() noexcept override { return bus_.timestamp_source(); }
+
+ private:
+  can::SocketcanBus& bus_;
+  sim::Line& line_;
+};
+
+Config config_for(const cansync::MasterSettings& settings) {
+  Config config;
+  config.bus.kind = BusKind::socketcan;
+  config.bus.interface = "can0";
+  config.master = settings;
+  return config;
+}
+
+/// Four drives at 1 Mbit/s; the interface is watched by hand.
+struct Rig {
+  explicit Rig(const can::LinkFacts& facts = can::test::can0())
+      : bus((links.facts = facts, watch.look(), socketcan_settings(config)), board, links, kernel) {
+    wired.on_edge = [this](std::uint64_t edge) {
+      static_cast<void>(exchange.master.read(latest));
+      on_edge(edge);
+      if (edge >= last) loop.request_stop();
+    };
+  }
+
+  cansync::MasterSettings settings = line_settings(cansync::BitRate::mbit1, 4);
+  Config config = config_for(settings);
+  sim::Line line{sim::LineSettings{}, drives_for(settings)};
+  LineKernel kernel{line};
+  can::test::FakeLinks links;
+  can::LinkBoard board;
+  can::LinkWatch watch{links, board, {"can0", 1'000'000}};
+  can::SocketcanBus bus;
+  WiredBus wired{bus, line};
+  Exchange exchange{ExchangeSizes{}};
+  RealtimeLoop loop{settings, loop_settings(), wired, exchange};
+  std::function<void(std::uint64_t)> on_edge = [](std::uint64_t) {};
+  std::uint64_t last = 0;
+  MasterSnapshot latest;
+  std::vector<Report> reports;
+  std::multimap<cansync::JobId, Terminal> terminals;
+
+  static LoopSettings loop_settings() {
+    LoopSettings loop;
+    loop.wall_clock = nullptr;
+    loop.look_at_every_slot = false;
+    return loop;
+  }
+  void run(std::uint64_t edges) {
+    last = edges;
+    loop.run();
+    Report report;
+    while (exchange.reports.try_pop(report)) reports.push_back(report);
+    Terminal terminal;
+    while (exchange.terminals.try_pop(terminal)) {
+      terminals.emplace(std::visit([](const auto& t) { return t.id; }, terminal), terminal);
+    }
+  }
+  /// The master's state at the last edge, before it was stopped.
+  const MasterSnapshot& snapshot() const { return latest; }
+  void link(const can::LinkFacts& facts) {
+    links.facts = facts;
+    watch.look();
+  }
+  void give_references() {
+    for (const auto channel : {cansync::Channel::one, cansync::Channel::two}) {
+      cansync::ReferenceUpdate update;
+      update.channel = channel;
+      update.value = {1, 2, 3, 4};
+      update.valid_mask = 0x0F;
+      EXPECT_TRUE(exchange.requests.try_push(update));
+    }
+  }
+  template <class T>
+  std::vector<T> reported() const {
+    std::vector<T> found;
+    for (const Report& report : reports) {
+      if (const T* typed = std::get_if<T>(&report)) found.push_back(*typed);
+    }
+    return found;
+  }
+};
+
+TEST(SocketcanLoop, ReceivesExactlyWhatTheMasterNeeds) {
+  cansync::MasterSettings settings;
+  settings.slaves[2].configured = true;
+  settings.slaves[31].configured = true;
+  Config config = config_for(settings);
+  EXPECT_EQ(socketcan_settings(config).filters.size(), 10u);
+  config.sync.input = SyncInput::can;
+  config.sync.can_identifier = 0x080;
+  const auto filters = socketcan_settings(config).filters;
+  std::vector<std::uint32_t> passed;
+  for (std::uint32_t id = 0; id <= 0x7FF; ++id) {
+    if (std::any_of(filters.begin(), filters.end(),
+                    [id](const auto& filter) { return (id & filter.mask) == filter.identifier; })) {
+      passed.push_back(id);
+    }
+  }
+  std::vector<std::uint32_t> expected = {0x010, 0x080};
+  for (std::uint32_t id = 0x100; id < 0x200; ++id) expected.push_back(id);
+  expected.insert(expected.end(), {0x302, 0x31F, 0x382, 0x39F});
+  for (std::uint32_t id = 0x500; id < 0x580; ++id) expected.push_back(id);
+  expected.insert(expected.end(), {0x582, 0x59F});
+  EXPECT_EQ(passed, expected);
+}
+
+TEST(SocketcanLoop, SystemCallsOfAnIntervalAreCounted) {
+  constexpr std::uint64_t kFrom = 400;
+  constexpr std::uint64_t kIntervals = 1000;
+  Rig rig;
+  unsigned wakes = 0;
+  unsigned wakes_after = 0;
+  // A gateway that takes every signal at once makes the thread signal as often as it can.
+  rig.kernel.on_sleep = [&] {
+    wakes += rig.exchange.gateway_wake.wait(std::chrono::milliseconds(0)) ? 1 : 0;
+  };
+  std::map<std::string, unsigned> before;
+  std::map<std::string, unsigned> after;
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge > 200) rig.give_references();
+    // A command in every interval.
+    if (edge > 200) {
+      EXPECT_TRUE(rig.exchange.requests.try_push(cansync::ControlWordRequest{
+          .id = edge, .slave = *cansync::SlaveNumber::from(edge % 4), .control_word = 7}));
+      Terminal terminal;
+      while (rig.exchange.terminals.try_pop(terminal)) {
+      }
+    }
+    if (edge == kFrom) {
+      before = rig.kernel.calls;
+      wakes = 0;
+    }
+    if (edge == kFrom + kIntervals) {
+      after = rig.kernel.calls;
+      wakes_after = wakes;
+    }
+  };
+  rig.run(kFrom + kIntervals);
+  const auto calls = [&](const char* name) { return after[name] - before[name]; };
+  EXPECT_EQ(calls("clock_nanosleep"), 4 * kIntervals);
+  EXPECT_EQ(calls("recvmmsg"), 2 * kIntervals);
+  EXPECT_EQ(calls("send"), 3 * kIntervals);
+  EXPECT_GT(wakes_after, kIntervals);
+  EXPECT_LE(wakes_after, 2 * kIntervals);  // with these 11, and one is left for a SYNC frame
+  EXPECT_EQ(calls("bind"), 0u);
+  EXPECT_EQ(calls("setsockopt"), 0u);
+  const MasterSnapshot snapshot = rig.snapshot();
+  EXPECT_EQ(snapshot.counters.left_out, 0u);
+  EXPECT_EQ(snapshot.missed_syncs, 0u);
+}
+
+TEST(SocketcanLoop, NothingIsLostByLookingTwiceAnInterval) {
+  Rig rig;
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge > 200) rig.give_references();
+  };
+  rig.run(1200);
+  const MasterSnapshot snapshot = rig.snapshot();
+  EXPECT_EQ(snapshot.responding.bits, 0xFu);
+  EXPECT_EQ(snapshot.synchronized.bits, 0xFu);
+  EXPECT_EQ(snapshot.counters.unexpected, 0u);
+  EXPECT_EQ(snapshot.counters.second_master, 0u) << "the own echoes";
+  EXPECT_EQ(snapshot.timestamps, can::TimestampSource::kernel);
+  for (unsigned slave = 0; slave < 4; ++slave) {
+    SlaveReport report;
+    ASSERT_TRUE(rig.exchange.slave[slave].read(report));
+    EXPECT_EQ(report.status.missed_actual, 0u) << "slave " << slave;
+    EXPECT_EQ(report.status.unanswered, 0u) << "slave " << slave;
+    EXPECT_GT(report.status.answers, 0u);
+    ActualReport actual;
+    ASSERT_TRUE(rig.exchange.actual[slave].read(actual));
+    // Automatic polling: each of four slaves in every fourth interval.
+    EXPECT_GE(actual.values.count[0], 240u);
+    EXPECT_GE(actual.values.count[1], 240u);
+  }
+}
+
+TEST(SocketcanLoop, AnInterfaceThatGoesAndReturnsIsReportedOnceEach) {
+  Rig rig;
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge > 200) rig.give_references();
+    if (edge == 500) rig.link({});
+    if (edge == 1500) {
+      auto other = can::test::can0();
+      other.index = 8;
+      rig.link(other);
+    }
+  };
+  rig.run(4000);
+  const auto changes = rig.reported<LinkChanged>();
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].to, can::LinkState::missing);
+  EXPECT_EQ(changes[0].when.interval, 501u);
+  EXPECT_EQ(changes[1].to, can::LinkState::up);
+  EXPECT_GT(changes[1].left_out, 1000u);
+  EXPECT_TRUE(rig.reported<SendingChanged>().empty()) << "the interface has told it already";
+  EXPECT_EQ(rig.snapshot().state, cansync::State::active_master);
+  EXPECT_EQ(rig.snapshot().responding.bits, 0xFu) << "the slaves are back without a restart";
+  EXPECT_EQ(rig.snapshot().synchronized.bits, 0xFu);
+}
+
+TEST(SocketcanLoop, WithoutAnInterfaceAtTheStartItWaits) {
+  Rig rig{can::LinkFacts{}};
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge == 300) rig.link(can::test::can0());
+  };
+  rig.run(2500);
+  const auto changes = rig.reported<LinkChanged>();
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].to, can::LinkState::missing);
+  EXPECT_EQ(changes[0].when.interval, 0u);
+  EXPECT_EQ(changes[1].when.interval, 301u);
+  EXPECT_EQ(rig.snapshot().state, cansync::State::active_master);
+}
+
+TEST(SocketcanLoop, AWrongBitRateStopsSendingAndSaysWhich) {
+  Rig rig;
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge == 300) rig.link(can::test::can0(500'000));
+    if (edge == 301) rig.kernel.calls.clear();
+  };
+  rig.run(400);
+  EXPECT_EQ(rig.kernel.calls["send"], 0u);
+  const auto changes = rig.reported<LinkChanged>();
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].to, can::LinkState::wrong_bit_rate);
+  EXPECT_EQ(changes[0].bits_per_second, 500'000u);
+}
+
+TEST(SocketcanLoop, FaultsOfTheBusAreToldOnTheEdgeAndCounted) {
+  Rig rig;
+  can_frame unacknowledged{};
+  unacknowledged.can_id = CAN_ERR_FLAG | CAN_ERR_ACK;
+  unacknowledged.len = 8;
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge >= 300 && edge < 350) rig.kernel.errors.push_back(unacknowledged);
+  };
+  rig.run(4000);
+  std::vector<BusFault> faults;
+  for (const BusFault& fault : rig.reported<BusFault>()) {
+    if (fault.kind == BusFaultKind::not_acknowledged) faults.push_back(fault);
+  }
+  ASSERT_EQ(faults.size(), 2u);
+  EXPECT_FALSE(faults[0].over);
+  EXPECT_EQ(faults[0].when.interval, 301u);
+  EXPECT_TRUE(faults[1].over);
+  EXPECT_EQ(faults[1].count, 50u);
+  EXPECT_NEAR(static_cast<double>(faults[1].when.interval), 3351.0, 2.0);
+  EXPECT_EQ(rig.snapshot().controller.acknowledge_errors, 50u);
+}
+
+TEST(SocketcanLoop, AResetIsAnsweredOnceWhenTheWatchHasDoneIt) {
+  Rig rig;
+  rig.links.facts.state = can::ControllerState::bus_off;
+  const ModeRequest first{1, Mode::reset_can, false};
+  const ModeRequest second{2, Mode::reset_can, false};
+  const ModeRequest third{3, Mode::reset_can, false};
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge == 300) {
+      EXPECT_TRUE(rig.exchange.requests.try_push(first));
+    }
+    if (edge == 310) {
+      EXPECT_TRUE(rig.exchange.requests.try_push(second));
+    }
+    if (edge == 320) {
+      EXPECT_TRUE(rig.terminals.empty());
+    }
+    if (edge == 350) rig.watch.look();
+    if (edge == 400) {
+      rig.links.facts.state = can::ControllerState::bus_off;
+      rig.links.restart_result = -EPERM;
+      EXPECT_TRUE(rig.exchange.requests.try_push(third));
+    }
+    if (edge == 410) rig.watch.look();
+  };
+  rig.run(500);
+  ASSERT_EQ(rig.terminals.size(), 3u);
+  EXPECT_TRUE(std::holds_alternative<CommandDone>(rig.terminals.find(1)->second));
+  EXPECT_EQ(std::get<Refused>(rig.terminals.find(2)->second).refusal, cansync::Refusal::queue_full);
+  EXPECT_EQ(std::get<Refused>(rig.terminals.find(3)->second).refusal, cansync::Refusal::not_permitted);
+}
+
+TEST(SocketcanLoop, AResetThatNobodyDoesEnds) {
+  Rig rig;
+  const ModeRequest stuck{1, Mode::reset_can, false};
+  const ModeRequest open{2, Mode::reset_can, false};
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge == 300) {
+      EXPECT_TRUE(rig.exchange.requests.try_push(stuck));
+    }
+    if (edge == 5900) {
+      EXPECT_TRUE(rig.exchange.requests.try_push(open));
+    }
+  };
+  rig.run(6000);
+  ASSERT_EQ(rig.terminals.size(), 2u);
+  EXPECT_EQ(std::get<Refused>(rig.terminals.find(1)->second).refusal, cansync::Refusal::bus_unavailable);
+  EXPECT_EQ(std::get<CommandDone>(rig.terminals.find(2)->second).outcome, cansync::Outcome::master_stopped);
+}
+
+TEST(SocketcanLoop, AFullQueueLeavesTheTelegramOut) {
+  Rig rig;
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge > 200) rig.give_references();
+    rig.kernel.send_error = edge >= 400 && edge < 410 ? -ENOBUFS : 0;
+    if (edge == 400 || edge == 410) rig.kernel.calls.clear();
+    if (edge == 409) {
+      EXPECT_LE(rig.kernel.calls["send"], 27u) << "each telegram once";
+    }
+  };
+  rig.run(600);
+  const auto changes = rig.reported<SendingChanged>();
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].result, can::SendResult::queue_full);
+  EXPECT_EQ(changes[1].result, can::SendResult::queued);
+  EXPECT_EQ(changes[1].failed, rig.snapshot().controller.queue_full);
+  EXPECT_GE(rig.snapshot().controller.queue_full, 20u);
+}
+
+}  // namespace
+}  // namespace cansyncd::test
