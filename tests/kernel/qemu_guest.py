@@ -1,6 +1,6 @@
-"""Tests on emulated CAN controllers; runs inside the machine of qemu_machine.py.
+"""Tests of the daemon on emulated CAN controllers; runs inside the machine of qemu_machine.py.
 
-The master is on can0, the simulated drives are on can1; both controllers (SJA1000, driver kvaser_pci) are on one bus. The
+The daemon is on can0, the simulated drives are on can1; both controllers (SJA1000, driver kvaser_pci) are on one bus. The
 emulation acknowledges every frame and makes no errors of its own: error states cannot be brought about here.
 """
 
@@ -9,18 +9,22 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import unittest
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "end_to_end"))
 
-from gateway import wait_for  # noqa: E402: found on the path that was set above
+import gateway  # noqa: E402: found on the path that was set above
+from gateway import CANSYNCD, Place, wait_for  # noqa: E402
 
 CANSYNC_SIM = os.environ["CANSYNC_SIM"]
-LONG = 20
+gateway.LONG = LONG = 20
 BIT_RATE = 125000  # intervals of 8 ms: an emulated processor is slow
+OTHER_RATE = 250000
 SLAVES = 2
+EVERY = (1 << SLAVES) - 1
 
 
 def shell(command):
@@ -34,7 +38,7 @@ def bring_up(interface, bit_rate=BIT_RATE):
 
 
 class SyncFrames:
-    """Software SYNC frames for the simulated drives, in place of the wire that this bus has not got."""
+    """Software SYNC frames, in place of the wire that this bus has not got."""
 
     def __init__(self, interface):
         self.interface = interface
@@ -57,6 +61,52 @@ class SyncFrames:
     def __exit__(self, *_):
         self.end.set()
         self.thread.join()
+
+
+class Daemon(Place):
+    """`cansyncd` on can0; a context manager."""
+
+    def __init__(self, bit_rate=BIT_RATE):
+        super().__init__()
+        self.folder = tempfile.TemporaryDirectory()
+        self.config = os.path.join(self.folder.name, "line.toml")
+        self.log = os.path.join(self.folder.name, "log")
+        with open(self.config, "w", encoding="utf-8") as file:
+            file.write(f'[bus]\nname = "{self.bus}"\ninterface = "can0"\nbit_rate = {bit_rate}\n')
+            file.write(f'[sync]\noutput = "can"\n[dds]\ndomain = {self.domain}\n')
+            file.write("".join(f"[[slave]]\nnumber = {n}\n" for n in range(SLAVES)))
+        self.process = None
+
+    def __enter__(self):
+        with open(self.log, "wb") as log:
+            self.process = subprocess.Popen([CANSYNCD, self.config], stdout=log, stderr=log)
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(LONG)
+        self.folder.cleanup()
+
+    def text(self):
+        with open(self.log, encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def status(self):
+        if self.process.poll() is not None:
+            raise AssertionError("the daemon has ended:\n" + self.text())
+        result = self.run("status", "--json")
+        return gateway.json.loads(result.stdout) if result.returncode == 0 else None
+
+    def wait_status(self, what, condition):
+        def look():
+            status = self.status()
+            return status if status and condition(status) else None
+
+        try:
+            return wait_for(what, look, LONG)
+        except AssertionError as error:
+            status = self.run("status", "--json").stdout.decode()
+            raise AssertionError(f"{error}\n{status}\n{self.text()}") from None
 
 
 def drives():
@@ -90,6 +140,95 @@ class Drives(unittest.TestCase):
             identifier, length, data = wait_for("an answer of slave 1", answer, LONG)
         self.assertEqual((identifier, length), (0x581, 6))
         self.assertEqual((data[0] & 0x0F, data[1]), (1, 0x2D), data.hex())
+
+
+class WrongBitRate(unittest.TestCase):
+    def test_it_is_refused_with_the_command_that_sets_it(self):
+        bring_up("can0", OTHER_RATE)
+        with Daemon() as daemon:
+            self.assertEqual(daemon.process.wait(LONG), 1, daemon.text())
+            refusal = f"can0 is set to {OTHER_RATE} bit/s, bus.bit_rate is {BIT_RATE}; set it with: "
+            self.assertIn(refusal, daemon.text())
+            command = daemon.text().split(refusal)[1].splitlines()[0]
+        print("the daemon's command:", command, flush=True)
+        shell(command)
+        with Daemon() as daemon:
+            daemon.wait_status(
+                "the bit rate is right", lambda s: s["link_state"] == "up" and s["interface_bit_rate"] == BIT_RATE
+            )
+
+
+class OneBus(unittest.TestCase):
+    """One daemon and one set of drives for all tests."""
+
+    @classmethod
+    def setUpClass(cls):
+        for interface in ("can0", "can1"):
+            bring_up(interface)
+        cls.drives = drives()
+        cls.addClassCleanup(cls.drives.wait)
+        cls.addClassCleanup(cls.drives.terminate)
+        cls.daemon = cls.enterClassContext(Daemon())
+
+    def all_respond(self):
+        return self.daemon.wait_status("every slave responds", lambda s: s["slaves_responding"] == EVERY)
+
+    def test_bit_rate_state_and_counters_are_read_from_the_kernel_and_shown(self):
+        status = self.all_respond()
+        self.assertEqual(status["link_state"], "up")
+        self.assertEqual(status["interface_bit_rate"], BIT_RATE)
+        self.assertEqual(status["sample_point_permille"], 875)
+        self.assertEqual(status["controller_state"], "error-active")
+        self.assertEqual(status["restart_ms"], 0)
+        self.assertEqual(status["queue_length"], 10)
+        for counter in ("transmit_errors", "receive_errors", "error_frames", "acknowledge_errors", "overruns"):
+            self.assertEqual(status[counter], 0, counter)
+        self.assertFalse(status["second_master"])
+        shown = self.daemon.run("status").stdout.decode()
+        for words in (f"{BIT_RATE} bit/s", "error-active", "can0 is up"):
+            self.assertIn(words, shown)
+
+    def test_the_doctor_sees_the_controller(self):
+        self.all_respond()
+        found = [gateway.json.loads(line) for line in self.daemon.run("doctor", "--json").stdout.splitlines()]
+        by_topic = {finding["topic"]: finding["found"] for finding in found}
+        self.assertEqual(by_topic["interface"], "can0 is up")
+        self.assertEqual(by_topic["controller"], "error-active")
+        self.assertEqual(by_topic["error counters"], "0 transmit, 0 receive")
+
+    def test_a_slave_on_the_other_controller_is_read(self):
+        self.all_respond()
+        result = self.daemon.run("read", "1", "301", "--json")
+        self.assertEqual(result.returncode, 0, f"{result.stdout}\n{result.stderr}\n{self.daemon.text()}")
+
+    def test_the_interface_goes_down_and_comes_back(self):
+        self.all_respond()
+        shell("ip link set can0 down")
+        self.daemon.wait_status("the interface is down", lambda s: s["link_state"] == "down")
+        shell("ip link set can0 up")
+        status = self.daemon.wait_status("the interface is up", lambda s: s["link_state"] == "up")
+        sent = status["telegrams_sent"]
+        self.daemon.wait_status("telegrams are sent again", lambda s: s["telegrams_sent"] > sent)
+        self.all_respond()
+        events = self.daemon.run("events", "--json").stdout.decode()
+        for code in ("interface_down", "interface_up"):
+            self.assertIn(f'"{code}"', events)
+
+    def test_another_bit_rate_while_running_stops_the_telegrams_until_it_is_right_again(self):
+        self.all_respond()
+        bring_up("can0", OTHER_RATE)
+        status = self.daemon.wait_status("the wrong bit rate", lambda s: s["link_state"] == "wrong-bit-rate")
+        self.assertEqual(status["interface_bit_rate"], OTHER_RATE)
+        bring_up("can0")
+        self.daemon.wait_status("the interface is up", lambda s: s["link_state"] == "up")
+        self.all_respond()
+
+    def test_the_controller_is_reset_by_command(self):
+        self.all_respond()
+        result = self.daemon.run("mode", "reset-can")
+        self.assertEqual(result.returncode, 0, f"{result.stdout}\n{result.stderr}\n{self.daemon.text()}")
+        self.all_respond()
+        self.assertEqual(self.daemon.status()["controller_state"], "error-active")
 
 
 if __name__ == "__main__":
