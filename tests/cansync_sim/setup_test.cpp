@@ -124,12 +124,14 @@ TEST(Setup, WrongArgumentsAreNamed) {
 TEST(Setup, TakesTheLineFromTheDaemonsFile) {
   const ScratchFile file(
       "[bus]\ninterface = \"can3\"\nbit_rate = 250000\n[startup]\nstatus_parameter = 77\n"
+      "[sync]\noutput = \"can\"\ncan_identifier = 0x090\n"
       "[[slave]]\nnumber = 2\n[[slave]]\nnumber = 4\nstatus_parameter = 78\n");
   Arguments arguments;
   arguments.config = file.path();
   auto setup = make_setup(arguments);
   ASSERT_TRUE(setup.problems.empty()) << setup.problems[0];
   EXPECT_EQ(setup.interface, "can3");
+  EXPECT_EQ(setup.bench.sync_identifier, 0x090u);
   EXPECT_EQ(setup.bench.bit_rate, cansync::BitRate::kbit250);
   ASSERT_EQ(setup.drives.size(), 2u);
   EXPECT_EQ(setup.drives[0].status_parameter, 77);

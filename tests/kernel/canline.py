@@ -1,5 +1,6 @@
 """vcan0 and the programs on it, for tests inside user-mode-linux."""
 
+import json
 import os
 import signal
 import socket
@@ -9,13 +10,14 @@ import tempfile
 import time
 
 import gateway
-from gateway import CANSYNCD, Place, wait_for
+from gateway import ACTIVE, CANSYNCD, Place, wait_for
 
-LONG = 30  # seconds; all tests together have less than 300
+LONG = 30  # seconds; one wait; run_uml.py has the limit for all together
 gateway.LONG = LONG
 CANSYNC_SIM = os.environ["CANSYNC_SIM"]
 INTERFACE = "vcan0"
 SYNC = "080"  # identifier of the software SYNC frame
+BIT_RATE = 125000  # an interval of 8 ms: system calls are slow in this kernel
 PROBE = "1FFFFFF0#"  # nobody takes it; it shows that candump listens
 
 
@@ -90,29 +92,34 @@ class Candump:
 
     def __init__(self):
         self.file = tempfile.NamedTemporaryFile(prefix="candump_", suffix=".log")
+        self.reader = open(self.file.name, encoding="ascii")
+        self.lines, self.pending = [], ""
         self.process = None
 
     def __enter__(self):
         self.process = subprocess.Popen(["candump", "-L", INTERFACE], stdout=self.file)
         with Wire() as wire:
-            wait_for("candump listens", lambda: wire.send(PROBE) or PROBE in self._lines())
+            wait_for("candump listens", lambda: wire.send(PROBE) or PROBE in self._read())
         return self
 
     def __exit__(self, *_):
         self.process.terminate()
         self.process.wait(LONG)
+        self.reader.close()
 
-    def _lines(self):
-        with open(self.file.name, encoding="ascii") as file:
-            lines = file.read().split("\n")[:-1]
-        return [line.split()[2] for line in lines]
+    def _read(self):
+        """All lines so far; those read before are not read again."""
+        self.pending += self.reader.read()
+        *lines, self.pending = self.pending.split("\n")
+        self.lines += [line.split()[2] for line in lines]
+        return self.lines
 
     def frames(self):
         """All frames so far, as `identifier#data`, in the order of the bus."""
-        return [frame for frame in self._lines() if frame != PROBE]
+        return [frame for frame in self._read() if frame != PROBE]
 
     def wait_for_frame(self, frame):
-        wait_for(f"{frame} on the bus", lambda: frame in self.frames())
+        wait_for(f"{frame} on the bus", lambda: frame in self._read())
 
 
 class Process:
@@ -157,12 +164,83 @@ class Process:
 
 
 class Simulator(Process):
-    """`cansync-sim` on vcan0 at 500 kbit/s."""
+    """`cansync-sim` on vcan0 at 125 kbit/s."""
 
     def __init__(self, *options, slaves="0-3"):
-        super().__init__(CANSYNC_SIM, INTERFACE, "--slaves", slaves, "--bit-rate", 500000, "--lock-time", 50,
+        super().__init__(CANSYNC_SIM, INTERFACE, "--slaves", slaves, "--bit-rate", BIT_RATE, "--lock-time", 50,
                          "--sync-id", "0x" + SYNC, "--missing-references", 0, "--verbose", *options)
 
     def start(self):
         super().start()
         self.wait_text("SYNC frame 0x")
+
+
+class Daemon(Place):
+    """cansyncd on vcan0 at 125 kbit/s with the software SYNC frame; a context manager."""
+
+    def __init__(self, slaves=4):
+        super().__init__()
+        self.slaves = slaves
+        self.config = tempfile.NamedTemporaryFile("w", prefix="line_", suffix=".toml", encoding="utf-8")
+        self.config.write(f'[bus]\nname = "{self.bus}"\ninterface = "{INTERFACE}"\nbit_rate = {BIT_RATE}\n'
+                          f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n[dds]\ndomain = {self.domain}\n')
+        self.config.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(slaves))
+        self.config.flush()
+        self.program = Process(CANSYNCD, self.config.name)
+
+    def __enter__(self):
+        self.program.start()
+        return self
+
+    def __exit__(self, *_):
+        self.program.__exit__()
+
+    def log_text(self):
+        return self.program.text()
+
+    def restart(self):
+        """As after a crash: SIGKILL, then started anew."""
+        self.program.kill()
+        self.program.start()
+
+    def verb(self, *arguments):
+        """A verb that must end well; what it printed."""
+        result = self.run(*arguments)
+        if result.returncode != 0:
+            raise AssertionError(f"{arguments}: {result.returncode}\n{result.stderr}\nthe daemon:\n{self.log_text()}")
+        return result.stdout.decode()
+
+    def objects(self, *arguments):
+        return [json.loads(line) for line in self.verb(*arguments, "--json").splitlines()]
+
+    def status(self):
+        """The daemon's status, or None while it cannot be had."""
+        if self.program.process.poll() is not None:
+            raise AssertionError("the daemon has ended:\n" + self.log_text())
+        result = self.run("status", "--json")
+        return json.loads(result.stdout) if result.returncode == 0 else None
+
+    def wait_status(self, what, condition):
+        last = None
+
+        def look():
+            nonlocal last
+            last = self.status()
+            return last if last and condition(last) else None
+
+        try:
+            return wait_for(what, look)
+        except AssertionError as error:
+            raise AssertionError(f"{error}\nstatus: {last}\nthe daemon:\n{self.log_text()}") from None
+
+    def wait_active(self):
+        every = (1 << self.slaves) - 1
+        return self.wait_status("every slave synchronized in active operation",
+                                lambda s: s["option_status"] == ACTIVE and s["slaves_synchronized"] == every)
+
+    def events(self, code):
+        """The events with this code, since the daemon started."""
+        return [event for event in self.objects("events") if event["code"] == code]
+
+    def wait_event(self, code):
+        return wait_for(f"event {code}", lambda: self.events(code))

@@ -10,7 +10,7 @@ import traceback
 import unittest
 
 POWER_OFF = 0x4321FEDC
-STUCK = 60  # seconds after which to show, again and again, where the tests are
+STUCK = 120  # seconds after which to show, again and again, where the tests are
 
 
 def set_up():

@@ -106,7 +106,6 @@ class SetupReader {
   }
 
   void read_sync_identifier() {
-    setup_.bench.sync_identifier = kDefaultSyncIdentifier;
     if (arguments_.sync_id.empty()) return;
     const auto identifier = parse_number(arguments_.sync_id);
     if (!identifier || *identifier >= kStandardIdentifiers) {
@@ -146,6 +145,7 @@ class SetupReader {
       }
     }
     setup_.interface = config.bus.interface;
+    if (arguments_.sync_id.empty()) setup_.bench.sync_identifier = config.sync.can_identifier;
     setup_.bench.bit_rate = config.master.bit_rate;
     setup_.bench.seed = config.sim.seed;
     for_each_slave(chosen, [&](cansync::SlaveNumber slave) {

@@ -9,9 +9,6 @@
 
 namespace cansync_sim {
 
-/// Identifier of the software SYNC frame, when no other is given.
-inline constexpr std::uint32_t kDefaultSyncIdentifier = 0x080;
-
 /// What stands on the command line, as text; empty: not given.
 struct Arguments {
   std::string interface;

@@ -1,0 +1,179 @@
+"""What happens to cansyncd when bus, interface or drives do what they should not. Nothing here may need a restart."""
+
+import subprocess
+import unittest
+
+from canline import (INTERFACE, LONG, Daemon, Simulator, Wire, create_interface, delete_interface,
+                     interface_exists, ip)
+from gateway import wait_for
+
+
+class DisturbanceTest(unittest.TestCase):
+    """One line for all tests of a class: each has to leave it healthy."""
+
+    @classmethod
+    def setUpClass(cls):
+        if interface_exists():
+            delete_interface()
+        create_interface()
+        cls.simulator = cls.enterClassContext(Simulator())
+        cls.daemon = cls.enterClassContext(Daemon())
+        cls.daemon.wait_active()
+        cls.process = cls.daemon.program.process.pid
+
+    def tearDown(self):
+        self.assertIsNone(self.daemon.program.process.poll(), self.daemon.log_text())
+
+    def assert_healthy(self):
+        """Active, every slave synchronized, jobs are served, and it is still the same process."""
+        self.daemon.wait_active()
+        wait_for("a parameter is read", lambda: self.daemon.run("read", 1, 100).returncode == 0)
+        self.assertEqual(self.daemon.program.process.pid, self.process)
+
+    def count(self, name):
+        return self.daemon.wait_status("a status", lambda status: True)[name]
+
+    def events_since(self, before, code):
+        return len(self.daemon.events(code)) - before
+
+
+class Interface(DisturbanceTest):
+    def setUp(self):
+        self.addCleanup(self.bring_up)
+
+    @staticmethod
+    def bring_up():
+        """Whatever a test left behind: the next one finds the interface up."""
+        if not interface_exists():
+            create_interface()
+        ip("link", "set", INTERFACE, "up")
+
+    def test_cable_pulled(self):
+        down, up = len(self.daemon.events("interface_down")), len(self.daemon.events("interface_up"))
+        ip("link", "set", INTERFACE, "down")
+        self.daemon.wait_status("the interface is down", lambda s: s["link_state"] == "down")
+        self.daemon.wait_event("interface_down")
+        self.assertEqual(self.events_since(down, "interface_down"), 1)
+        ip("link", "set", INTERFACE, "up")
+        self.assert_healthy()
+        self.assertEqual(self.events_since(down, "interface_down"), 1, "told once")
+        self.assertEqual(self.events_since(up, "interface_up"), 1, "told once")
+
+    def test_interface_deleted_and_created_again(self):
+        missing = len(self.daemon.events("interface_missing"))
+        delete_interface()
+        self.daemon.wait_status("the interface is missing", lambda s: s["link_state"] == "missing")
+        self.daemon.wait_event("interface_missing")
+        self.assertEqual(self.events_since(missing, "interface_missing"), 1)
+        create_interface()
+        self.daemon.wait_status("the interface is up", lambda s: s["link_state"] == "up")
+        self.assert_healthy()
+        self.assertEqual(self.events_since(missing, "interface_missing"), 1, "told once")
+
+    def test_full_queue(self):
+        # vcan takes every frame at once; a queueing discipline that lets eight frames a second through does not.
+        before, events = self.count("queue_full"), len(self.daemon.events("sending_failed"))
+        self.tc("add", "tbf", "rate", "1kbit", "burst", "32", "limit", "64")
+        try:
+            self.daemon.wait_status("telegrams do not fit", lambda s: s["queue_full"] > before + 100)
+        finally:
+            self.tc("del")
+        self.assert_healthy()
+        self.assertGreaterEqual(self.events_since(events, "sending_failed"), 1)
+
+    @staticmethod
+    def tc(what, *discipline):
+        subprocess.run(["tc", "qdisc", what, "dev", INTERFACE, "root", *discipline], check=True)
+
+
+class InterfaceMissingAtStart(unittest.TestCase):
+    def test_it_starts_and_goes_on_when_the_interface_comes(self):
+        if interface_exists():
+            delete_interface()
+        with Daemon() as daemon, Simulator("--wait") as simulator:
+            daemon.wait_status("the interface is missing", lambda s: s["link_state"] == "missing")
+            daemon.wait_event("interface_missing")
+            self.assertEqual(len(daemon.events("interface_missing")), 1)
+            create_interface()
+            daemon.wait_active()
+            self.assertEqual(len(daemon.events("interface_missing")), 1, "told once")
+            self.assertIn("vcan0 does not exist; waiting for it", simulator.text())
+
+
+class Strangers(DisturbanceTest):
+    def setUp(self):
+        self.wire = self.enterContext(Wire())
+
+    def test_foreign_frames_do_not_matter(self):
+        rejected = self.count("rejected_frames")
+        for frame in ("7FF#0102030405060708", "200#", "011#00", "00000501#70670000", "1FFFFFFF#AA"):
+            self.wire.send(frame)
+        self.assert_healthy()
+        self.assertEqual(self.count("rejected_frames"), rejected, "no frame of CANsync was among them")
+
+    def test_malformed_and_unasked_answers_are_counted(self):
+        rejected, unexpected = self.count("rejected_frames"), self.count("unexpected_frames")
+        for _ in range(3):
+            self.wire.send("581#03")  # a response has two bytes or more
+            self.wire.send("583#006703000000")  # nobody has asked for parameter 103
+        self.daemon.wait_status("malformed ones are counted", lambda s: s["rejected_frames"] >= rejected + 3)
+        self.daemon.wait_status("unasked ones are counted", lambda s: s["unexpected_frames"] >= unexpected + 3)
+        self.assert_healthy()
+
+    def test_second_master(self):
+        before = self.count("second_master_frames")
+        events = len(self.daemon.events("second_master"))
+        for _ in range(5):
+            subprocess.run(["cansend", INTERFACE, "502#70670000"], check=True)
+        self.daemon.wait_status("it is seen", lambda s: s["second_master_frames"] >= before + 5)
+        self.assertEqual(self.events_since(events, "second_master"), 1, "told once")
+        self.daemon.wait_status("it is gone", lambda s: not s["second_master"])
+        self.assert_healthy()
+
+    def test_garbage(self):
+        # Random standard identifiers, lengths and contents, remote frames too: many look like CANsync.
+        subprocess.run(["cangen", INTERFACE, "-n", "2000", "-g", "0", "-R", "-i"], check=True, timeout=LONG)
+        self.assert_healthy()
+
+
+class WrongDrives(unittest.TestCase):
+    def setUp(self):
+        if interface_exists():
+            delete_interface()
+        create_interface()
+
+    def script(self, text):
+        with open("/dev/shm/drives.toml", "w", encoding="utf-8") as file:
+            file.write(text)
+        return file.name
+
+    def test_wrong_answers(self):
+        script = self.script('[[fault]]\nkind = "wrong_answer"\nslave = 1\nprobability = 0.5\n')
+        with Simulator("--faults", script), Daemon() as daemon:
+            daemon.wait_active()
+            for _ in range(10):
+                result = daemon.run("read", 1, 103, "--timeout", 1)
+                # Never the value of another parameter.
+                self.assertIn(result.stdout, (b"", b"1 (0x0001, word)\n"), result)
+            self.assertGreater(daemon.wait_status("a status", lambda status: True)["unexpected_frames"], 0)
+            wait_for("a right answer", lambda: daemon.run("read", 1, 103).returncode == 0)
+
+    def test_a_silent_slave_is_lost_and_comes_back(self):
+        # From the 1000th SYNC frame, when the line is up, for 8 s.
+        script = self.script('[[fault]]\nkind = "silent"\nslave = 2\nfrom = 1000\nto = 2000\n')
+        with Simulator("--faults", script), Daemon() as daemon:
+            daemon.wait_active()
+            daemon.wait_status("slave 2 is lost", lambda s: s["slaves_responding"] == 0b1011)
+            daemon.wait_active()
+            self.assertTrue([event for event in daemon.events("slave_lost") if event["slave"] == 2])
+
+    def test_killed_simulator_and_killed_daemon(self):
+        with Simulator() as simulator, Daemon() as daemon:
+            daemon.wait_active()
+            simulator.kill()
+            daemon.wait_status("no slave responds", lambda s: s["slaves_responding"] == 0)
+            simulator.start()
+            daemon.wait_active()
+            daemon.restart()
+            daemon.wait_active()
+            self.assertEqual(daemon.verb("read", 3, 103), "3 (0x0003, word)\n")

@@ -1,0 +1,115 @@
+"""Every verb of `cansync` once, with cansyncd and cansync-sim on a real CAN socket."""
+
+import json
+import os
+import re
+import signal
+import tempfile
+import unittest
+
+from canline import LONG, Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
+from gateway import wait_for
+
+
+class Verbs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if interface_exists():
+            delete_interface()
+        create_interface()
+        cls.log = cls.enterClassContext(Candump())
+        cls.simulator = cls.enterClassContext(Simulator())
+        cls.daemon = cls.enterClassContext(Daemon())
+        cls.daemon.wait_active()
+        cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+
+    def one(self, *arguments):
+        """The only object of a verb. A job that a late answer ended is done again."""
+
+        def attempt():
+            result = self.daemon.run(*arguments, "--json")
+            return result.stdout if result.returncode == 0 else None
+
+        objects = wait_for(f"{arguments} is done", attempt).splitlines()
+        self.assertEqual(len(objects), 1, objects)
+        return json.loads(objects[0])
+
+    def test_status(self):
+        status = self.one("status")
+        self.assertEqual((status["bus"], status["bit_rate"]), (self.daemon.bus, 125000))
+        self.assertEqual((status["link_state"], status["timestamp_source"]), ("up", "kernel"))
+
+    def test_slaves(self):
+        self.assertEqual([slave["slave"] for slave in self.daemon.objects("slaves")], [0, 1, 2, 3])
+
+    def test_events(self):
+        codes = {event["code"] for event in self.daemon.objects("events")}
+        self.assertIn("all_synchronized", codes)
+
+    def test_timing(self):
+        self.assertEqual(self.one("timing")["bit_rate"], 125000)
+
+    def test_trace(self):
+        objects = [json.loads(line) for line in self.daemon.verb("trace", self.log.file.name, "--json").splitlines()]
+        self.assertIn("CC", {found["channel"] for found in objects})
+
+    def test_read_and_write(self):
+        self.assertEqual(self.one("write", 1, 1001, 4321)["result"], "done")
+        self.assertEqual(self.one("read", 1, 1001)["value"], 4321)
+
+    def test_download_and_upload(self):
+        data = os.urandom(1000)
+        path = os.path.join(self.folder, "data")
+        with open(path, "wb") as file:
+            file.write(data)
+        self.assertEqual(self.one("download", 3, "0x100", path)["bytes"], 1000)
+        self.assertEqual(self.one("upload", 3, "0x100", 1000, path + ".back")["bytes"], 1000)
+        with open(path + ".back", "rb") as file:
+            self.assertEqual(file.read(), data)
+
+    def test_control_and_broadcast(self):
+        self.assertEqual(self.one("control", 1, 7)["result"], "done")
+        self.assertEqual(self.one("broadcast", "--slaves", "all", "--command", 210)["slave_mask"], 0xF)
+
+    def test_mode(self):
+        self.assertEqual(self.one("mode", "setup")["result"], "done")
+        self.daemon.wait_status("setting up", lambda status: status["option_status"] == 0x43)
+        self.assertEqual(self.one("mode", "run")["result"], "done")
+        self.daemon.wait_active()
+
+    def test_set_and_watch(self):
+        values = self.daemon.start("set", "0=500", "4=1", "--rate", 20, "--json")
+        try:
+
+            def position():
+                self.daemon.verb("control", 1, "0x87")
+                found = self.one("watch", 1, "--count", 1)["values"]
+                return next((value["raw"] for value in found if value["value"] == 0), None)
+
+            wait_for("slave 1 stands at 500", lambda: position() == 500)
+        finally:
+            values.send_signal(signal.SIGINT)
+            out, _ = values.communicate(timeout=LONG)
+        self.assertEqual(json.loads(out)["result"], "done")
+
+    def test_poll(self):
+        self.assertEqual(self.one("poll", 1, 2)["result"], "done")
+        wait_for("slave 2 is asked", lambda: self.one("poll")["channel_1"] == 2)
+        self.assertEqual(self.one("poll", 1, "auto")["result"], "done")
+
+    def test_doctor(self):
+        result = self.daemon.run("doctor", "--json")
+        # In order, warnings, or errors: this kernel has no realtime scheduling to speak of.
+        self.assertIn(result.returncode, (0, 1, 8), result.stderr)
+        self.assertTrue([json.loads(line) for line in result.stdout.splitlines()])
+
+    def test_map(self):
+        self.assertEqual(self.one("map", 1, 2, "0x11", "0x13")["result"], "done")
+        wait_for("it is in effect", lambda: self.daemon.objects("map", 1)[1]["registers"] == [0x11, 0x13, 0, 0])
+        self.assertEqual(self.one("map", 1, 2, "0x11", "0x13", "0x15", "0x17")["result"], "done")
+
+    def test_no_verb_is_left_out(self):
+        verbs = re.findall(r"[a-z]+", self.daemon.run().stderr.split("allowed: ")[1])
+        with open(__file__, encoding="utf-8") as file:
+            text = file.read()
+        self.assertEqual([verb for verb in verbs if f'("{verb}"' not in text], [])
