@@ -34,3 +34,11 @@ def phase_growth(times, interval):
         phases.append(at - times[0] - slot * interval)
     tenth = max(len(phases) // 10, 1)
     return statistics.median(phases[-tenth:]) - statistics.median(phases[:tenth])
+
+
+def doubles(times, interval):
+    """Slots that have more than one instant. A slot begins a tenth of an interval before its ideal instant."""
+    half = interval // 2
+    earliest = min((at - times[0] + half) % interval - half for at in times)
+    slots = [(at - times[0] - earliest + interval // 10) // interval for at in times]
+    return len(slots) - len(set(slots))

@@ -2,6 +2,9 @@
 
     run_uml.py [-k PATTERN] ...      arguments go to unittest inside
 
+With CANSYNC_UML_SCRIPT in the environment that Python program runs inside instead, on an interface vcan0, with our
+arguments and the name of a file behind them; what it writes there is copied to CANSYNC_UML_RESULT.
+
 Needs Debian's package user-mode-linux, no KVM, no rights. Exit code: that of the tests, 77 when this machine cannot
 run them (with the reason), 1 when the kernel did not end in order or in time. With CANSYNC_KERNEL_TESTS in the
 environment a machine that cannot run them is an error: CI must not skip.
@@ -67,6 +70,7 @@ def write_environment(work, modules):
         "INSIDE": os.path.join(os.path.dirname(os.path.abspath(__file__)), "inside.py"),
         "ARGUMENTS": shlex.join(sys.argv[1:]),
         "MODULE_FILES": ":".join(modules),
+        "SCRIPT": os.environ.get("CANSYNC_UML_SCRIPT", ""),
         "TMPDIR": os.path.join(work, "tmp"),
         "HOME": os.path.join(work, "tmp"),
     }
@@ -118,6 +122,9 @@ def main():
         except (OSError, ValueError):
             print(f"run_uml.py: {'the kernel ended without a result' if ended else f'not done after {LIMIT} s, killed'}")
             code = 1
+        result = os.path.join(work, "out", "result")
+        if "CANSYNC_UML_RESULT" in os.environ and os.path.exists(result):
+            shutil.copy(result, os.environ["CANSYNC_UML_RESULT"])
     sys.exit(code)
 
 

@@ -1,0 +1,76 @@
+"""Figures that need a kernel with CAN: G3 to G7, on vcan in a user-mode-linux that has a processor for itself."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+
+import sync_analysis
+from figures import quantile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+INTERVAL = 1_000_000  # ns
+CPU = 1
+
+
+@contextlib.contextmanager
+def processor_kept_awake():
+    """A loop at idle priority, so that the host's processor is never asleep when the kernel inside is due."""
+    loop = subprocess.Popen(["taskset", "-c", str(CPU), "chrt", "--idle", "0", sys.executable, "-c", "while True: pass"])
+    try:
+        yield
+    finally:
+        loop.send_signal(signal.SIGKILL)
+        loop.wait()
+
+
+def measure(build, rounds, seconds):
+    """What the script inside found, see inside_kernel.py; None when this machine cannot boot that kernel."""
+    with tempfile.TemporaryDirectory(prefix="cansync_bench_") as folder, processor_kept_awake():
+        found = os.path.join(folder, "found.json")
+        limit = int(60 + rounds * 2 * (seconds + 15))
+        command = ["chrt", "-f", "20", "taskset", "-c", str(CPU), sys.executable, "-B",
+                   os.path.join(ROOT, "tests", "kernel", "run_uml.py"), build, "vcan0", str(INTERVAL // 1000),
+                   str(rounds), str(seconds)]
+        environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found,
+                           CANSYNC_UML_SCRIPT=os.path.join(ROOT, "bench", "inside_kernel.py"),
+                           CANSYNC=f"{build}/tools/cansync/cansync", CANSYNCD=f"{build}/daemon/cansyncd",
+                           CANSYNC_SIM=f"{build}/tools/cansync_sim/cansync-sim")
+        done = subprocess.run(command, env=environment, check=False)
+        if done.returncode == 77:
+            return None
+        if done.returncode != 0:
+            raise RuntimeError(f"the measurement inside the kernel ended with {done.returncode}")
+        with open(found, encoding="utf-8") as file:
+            return json.load(file)
+
+
+def figures_on_vcan(figures, build, rounds, seconds):
+    """G3 to G7."""
+    found = measure(build, rounds, seconds)
+    if found is None:
+        return
+    pairs = [(one["daemon"], one["sender"]) for one in found]
+
+    def microseconds(of, name, share):
+        return quantile(sync_analysis.deviations(of[name], INTERVAL), share) / 1000
+
+    for name, text in (("sync", "SYNC"), ("reference", "WRC1")):
+        for share in (0.5, 0.9):
+            figures.ratio("G3", f"{text} interval deviation p{share * 100:.0f} on vcan, yardstick sender", "us",
+                          [(microseconds(ours, name, share), microseconds(other, name, share)) for ours, other in pairs], 1.3)
+    growth = [abs(sync_analysis.phase_growth(ours["sync"], INTERVAL)) / 1000 for ours, _ in pairs]
+    figures.limit("G4", f"growth of the phase against the ideal grid over {seconds} s", "us", growth, 50,
+                  abs(sync_analysis.phase_growth(pairs[0][1]["sync"], INTERVAL)) / 1000)
+    doubles = [sync_analysis.doubles(ours["sync"], INTERVAL) for ours, _ in pairs]
+    figures.limit("G5", "SYNC beyond the first in a slot", "", doubles, 0, sync_analysis.doubles(pairs[0][1]["sync"], INTERVAL))
+    for ours, other in pairs:
+        mine, theirs = (sync_analysis.skipped(of["sync"], INTERVAL) for of in (ours, other))
+        figures.limit("G6", f"skipped slots in {seconds} s, at most 1.5 times the sender's and 5", "", [mine],
+                      1.5 * theirs + 5, theirs)
+    for index, (name, target) in enumerate((("p50", 1.3), ("p99", 2.0))):
+        figures.ratio("G7", f"waking up to the last frame handed over, {name}, yardstick sender", "us",
+                      [(ours["handed_over"][index], other["handed_over"][index]) for ours, other in pairs], target)
