@@ -33,10 +33,20 @@ def cyclictest(seconds):
     return out
 
 
+def configuration(domain, bus):
+    """A line of 32 simulated slaves at 1 Mbit/s with realtime enforced."""
+    return (f'[bus]\nname = "{bus}"\n[realtime]\nmode = "enforce"\npriority = {PRIORITY}\ncpu = {CPU}\n'
+            f"[dds]\ndomain = {domain}\n"
+            + "".join(f"[[slave]]\nnumber = {n}\n" for n in range(SLAVES)))
+
+
 def own_loop(build, seconds):
     """The same quantiles of the daemon's realtime loop at the SYNC edge."""
-    shown = subprocess.run([f"{build}/bench/loop_bench", str(seconds), str(PRIORITY), str(CPU)], check=True,
-                           capture_output=True, text=True).stdout
+    with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+        file.write(configuration(0, "loop"))
+        file.flush()
+        shown = subprocess.run([f"{build}/bench/loop_bench", file.name, str(seconds)], check=True, capture_output=True,
+                               text=True).stdout
     return json.loads(shown)["late"]
 
 
@@ -87,9 +97,7 @@ class Daemon:
         self.folder = tempfile.TemporaryDirectory(prefix="cansync_bench_")
         self.config = os.path.join(self.folder.name, "line.toml")
         with open(self.config, "w", encoding="utf-8") as file:
-            file.write(f'[bus]\nname = "{bus}"\n[realtime]\nmode = "enforce"\npriority = {PRIORITY}\ncpu = {CPU}\n'
-                       f"[dds]\ndomain = {domain}\n")
-            file.writelines(f"[[slave]]\nnumber = {n}\n" for n in range(SLAVES))
+            file.write(configuration(domain, bus))
 
     def __enter__(self):
         self.process = subprocess.Popen([self.program, self.config], stdout=subprocess.DEVNULL,

@@ -33,7 +33,7 @@ def daemon(build, interface, interval, seconds):
     """SYNC and WRC1 of the daemon's realtime loop, and how long it takes from waking up to handing over."""
     with tempfile.NamedTemporaryFile("w", suffix=".toml", delete=False) as file:
         file.write(f'[bus]\ninterface = "{interface}"\nbit_rate = {BIT_RATES[interval]}\n'
-                   f'[sync]\noutput = "can"\ncan_id = {SYNC}\n[startup]\nenable = "any"\n'
+                   f'[sync]\noutput = "can"\ncan_identifier = {SYNC}\n[startup]\nenable = "any"\n'
                    f'[realtime]\nmode = "enforce"\npriority = {PRIORITY}\ncpu = {CPU}\n'
                    "[process]\npoll_without_reference = true\n[[slave]]\nnumber = 0\n")
     try:

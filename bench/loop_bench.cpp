@@ -1,6 +1,6 @@
-// The daemon's realtime loop in real time on a simulated line of 32 drives at 1 ms, on a realtime thread: how
-// late it is at the SYNC edge, and how long from waking up until the interval's telegrams are handed over.
-//   loop_bench SECONDS PRIORITY CPU      prints one JSON object; times in us
+// The daemon's realtime loop in real time on the bus that a configuration names: how late it is at the SYNC
+// edge, and how long from waking up until the interval's telegrams are handed over.
+//   loop_bench CONFIGURATION SECONDS      prints one JSON object; times in us
 #include <fmt/format.h>
 
 #include <chrono>
@@ -10,17 +10,17 @@
 #include <thread>
 
 #include "bench/measured_bus.h"
+#include "daemon/bus_choice.h"
+#include "daemon/config_file.h"
 #include "daemon/exchange.h"
 #include "daemon/realtime_loop.h"
+#include "daemon/sync_line.h"
 #include "rt/realtime_thread.h"
-#include "sim/line.h"
-#include "support/virtual_line.h"
+#include "sync/system.h"
 
 namespace {
 
 using namespace std::chrono_literals;
-using cansyncd::support::drives_for;
-using cansyncd::support::line_settings;
 
 /// Stands for the gateway: takes what comes, and gives both reference telegrams for the next intervals.
 void play_gateway(cansyncd::Exchange& exchange, std::chrono::steady_clock::time_point end) {
@@ -59,25 +59,31 @@ std::string quantiles(const bench::TimingHistogram& histogram) {
                      histogram.quantile(0.999));
 }
 
-int run(double seconds, int priority, int cpu) {
-  const cansync::MasterSettings settings = line_settings(cansync::BitRate::mbit1);
-  sim::LineSettings line_options;
-  line_options.bits_per_second = 1'000'000;
-  line_options.clock = sim::ClockKind::real_time;
-  sim::Line line(line_options, drives_for(settings));
-  bench::MeasuredBus bus(line);
+int run(const char* path, double seconds) {
+  const cansyncd::ConfigFile file = cansyncd::load_config(path, {});
+  if (!file.problems.empty()) {
+    return std::fprintf(stderr, "%s", cansyncd::problems_text(file.problems).c_str()), 1;
+  }
+  const cansyncd::Config& config = file.config;
+  cansyncd::BusChoice choice(config);
+  cansyncd::SyncLine sync_line(config, sync_line::kernel());
+  bench::MeasuredBus bus(choice.bus());
   cansyncd::Exchange exchange(cansyncd::ExchangeSizes{});
-  cansyncd::RealtimeLoop loop(settings, cansyncd::LoopSettings{}, bus, exchange);
+  cansyncd::LoopSettings settings;
+  settings.sync_line = &sync_line;
+  cansyncd::RealtimeLoop loop(config.master, settings, bus, exchange);
   rt::RealtimeSettings realtime;
-  realtime.priority = priority;
-  realtime.cpu = cpu;
+  realtime.priority = config.realtime.priority;
+  realtime.cpu = config.realtime.cpu;
   {
     rt::RealtimeThread thread(realtime, [&] { loop.run(); });
+    choice.start(exchange);
     play_gateway(exchange,
                  std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                         std::chrono::duration<double>(seconds)));
     loop.request_stop();
   }
+  choice.stop();
   cansyncd::MasterSnapshot last;
   static_cast<void>(exchange.master.read(last));
   fmt::print(R"({{"late":{},"handed_over":{},"missed_syncs":{},"left_out":{}}})"
@@ -90,8 +96,8 @@ int run(double seconds, int priority, int cpu) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (argc != 4) return std::fprintf(stderr, "usage: %s SECONDS PRIORITY CPU\n", argv[0]), 2;
-  return run(std::atof(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]));
+  if (argc != 3) return std::fprintf(stderr, "usage: %s CONFIGURATION SECONDS\n", argv[0]), 2;
+  return run(argv[1], std::atof(argv[2]));
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;
 }

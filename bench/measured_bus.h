@@ -30,7 +30,7 @@ class MeasuredBus final : public can::Bus {
   }
   void sync_edge(can::Time due) noexcept override {
     lateness_.add(bus_.now() - due);
-    if (telegrams_ == 3) to_handed_over_.add(handing_over_);
+    if (telegrams_ >= 3) to_handed_over_.add(handing_over_);
     handing_over_ = {};
     telegrams_ = 0;
     bus_.sync_edge(due);
