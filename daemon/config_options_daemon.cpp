@@ -28,7 +28,7 @@ constexpr auto kRows = std::to_array<Option>({
                  }),
     plain("bus.wake_on_frame", OptionType::boolean, "false",
           "CAN interface: wake for every frame, for lower latency and more system calls; false = look for "
-          "frames at the SYNC edge and before WRC2.",
+          "frames at the SYNC edge and after WRC2.",
           [](Draft& d, const Value& v) { d.config.bus.wake_on_frame = flag(v); }),
     whole_number(
         "bus.btr0", "(not given)", 0, 255, "",

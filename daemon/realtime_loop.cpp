@@ -4,9 +4,10 @@
 //  3. Produce the SYNC edge, account how late it was.
 //  4. Take frames that came up to now, begin the interval in the master, tell the gateway.
 //  5. Lead the master towards its target state.
-//  6. For each slot in the order of their planned starts: take requests, wait, take what came meanwhile, ask
-//  the
-//     master for the telegram, and hand it to the bus or leave it out when its latest start has passed.
+//  6. For each slot in the order of their planned starts: take requests, wait, take what came meanwhile (a
+//  bus
+//     that is looked at rarely: after WRC2 was handed over), ask the master for the telegram, and hand it to
+//     the bus or leave it out when its latest start has passed.
 //  7. Publish the state; once a second the timing.
 // The gateway is woken before each sleep that follows a look for frames, if there is something for it.
 #include "daemon/realtime_loop.h"
@@ -147,14 +148,19 @@ RealtimeLoop::Slots RealtimeLoop::slots_in_order() const noexcept {
 
 void RealtimeLoop::serve(Slot slot) noexcept {
   if (!stopping()) requests_.take(kRequestsBeforeSlot);
-  sleep_until(sync_ + master_.planned_start(slot));
-  if (looks_before(slot)) receive_frames();
+  const can::Time planned = sync_ + master_.planned_start(slot);
+  sleep_until(planned);
+  if (loop_.look_at_every_slot) receive_frames();
   if (loop_.sync_line != nullptr) loop_.sync_line->idle();
-  reporter_.at(number_, bus_.now());
+  reporter_.at(number_, planned);
   if (!stopping()) requests_.take(kRequestsAtSlot);
   // Without an edge at its beginning, this interval carries no telegram.
-  if (!begun_) return;
-  if (const auto frame = master_.take(slot)) hand_over(slot, *frame);
+  if (begun_) {
+    if (const auto frame = master_.take(slot)) hand_over(slot, *frame);
+  }
+  // An actual value telegram of the first channel and the answer to the last command have come by now; the
+  // others have at the edge. A look costs a system call, so the telegram goes first.
+  if (!loop_.look_at_every_slot && slot == Slot::reference_two) receive_frames();
 }
 
 void RealtimeLoop::hand_over(Slot slot, const can::Frame& frame) noexcept {
@@ -171,12 +177,6 @@ void RealtimeLoop::hand_over(Slot slot, const can::Frame& frame) noexcept {
   ++left_out_[index(slot)];
   master_.left_out(slot);
   reporter_.left_out(slot);
-}
-
-/// An actual value telegram of the first channel and the answer to the last command have come before WRC2;
-/// the others before the edge.
-bool RealtimeLoop::looks_before(Slot slot) const noexcept {
-  return loop_.look_at_every_slot || slot == Slot::reference_two;
 }
 
 /// What came up to the deadline is left to the caller: at the edge, the edge comes first. When looks are

@@ -27,7 +27,7 @@ struct LoopSettings {
   StartTarget target = StartTarget::active;
   bool report_intervals = false;  ///< write `Exchange::interval` and wake the gateway right after each SYNC
   WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
-  /// Take frames at every wake-up. False: at the SYNC edge and before WRC2 alone, as a bus wants it for which
+  /// Take frames at every wake-up. False: at the SYNC edge and after WRC2 alone, as a bus wants it for which
   /// a look costs a system call; nothing that the master decides on can have come in between.
   bool look_at_every_slot = true;
   can::Time epoch{0};             ///< wall clock at bus time 0, when `wall_clock` is null
@@ -71,7 +71,6 @@ class RealtimeLoop {
   void hand_over(cansync::Slot slot, const can::Frame& frame) noexcept;
   void sleep_until(can::Time deadline) noexcept;
   void receive_frames() noexcept;
-  bool looks_before(cansync::Slot slot) const noexcept;
   void publish() noexcept;
   void publish_timing(can::Time now) noexcept;
   void refresh_slave_counters() noexcept;
