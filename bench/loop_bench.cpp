@@ -71,6 +71,7 @@ int run(const char* path, double seconds) {
   cansyncd::Exchange exchange(cansyncd::ExchangeSizes{});
   cansyncd::LoopSettings settings;
   settings.sync_line = &sync_line;
+  settings.look_at_every_slot = config.bus.kind == cansyncd::BusKind::simulated;
   cansyncd::RealtimeLoop loop(config.master, settings, bus, exchange);
   rt::RealtimeSettings realtime;
   realtime.priority = config.realtime.priority;
