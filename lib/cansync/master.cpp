@@ -181,6 +181,10 @@ bool Master::second_master() const noexcept {
 
 // --- requests
 
+void Master::bus_lost() noexcept {
+  impl_->supervision.bus_lost();
+}
+
 Refusal Master::submit(const ParameterRequest& request) noexcept {
   return is_synchronous(impl_->state) ? impl_->command_channel.submit(request) : Refusal::wrong_state;
 }

@@ -142,6 +142,10 @@ class Master {
   /// A frame of somebody else arrived at `since_sync` (after the running interval's edge).
   void receive(const can::Frame& frame, Duration since_sync) noexcept;
 
+  /// The interface is gone or down: no slave responds until it has answered again, and then it is activated
+  /// anew. The state stays, and so do open jobs.
+  void bus_lost() noexcept;
+
   // --- requests: a refusal means nothing was done
 
   Refusal submit(const ParameterRequest& request) noexcept;

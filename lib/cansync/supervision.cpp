@@ -127,7 +127,8 @@ void Supervision::responded(SlaveNumber slave, std::optional<Duration> response,
   status.responds = true;
   responding_.set(slave);
   // A slave that comes back was not there for the first activation, and its status word is not known.
-  if (first_round_.empty() && status.unanswered > 0) to_activate_.set(slave);
+  if (first_round_.empty() && (status.unanswered > 0 || cut_off_.has(slave))) to_activate_.set(slave);
+  cut_off_.set(slave, false);
   next_read_[slave.value()] = now_;
   listener_.slave_status(slave, status);
   tell(MasterEvent::Code::slave_responds, slave);
@@ -149,6 +150,23 @@ void Supervision::silent(SlaveNumber slave) noexcept {
   listener_.slave_status(slave, status);
   tell(MasterEvent::Code::slave_lost, slave);
   if (was_synchronized) tell(MasterEvent::Code::slave_not_synchronized, slave);
+}
+
+void Supervision::bus_lost() noexcept {
+  for (unsigned i = 0; i < kSlaves; ++i) {
+    const SlaveNumber slave = *SlaveNumber::from(i);
+    SlaveStatus& status = at(slave);
+    next_read_[i] = now_;
+    if (!status.responds) continue;
+    status.responds = false;
+    status.synchronized = false;
+    status.status_known = false;
+    cut_off_.set(slave);
+    listener_.slave_status(slave, status);
+  }
+  responding_ = {};
+  synchronized_ = {};
+  suspect_ = {};
 }
 
 void Supervision::missed_actual(SlaveNumber slave) noexcept {

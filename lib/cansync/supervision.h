@@ -51,6 +51,10 @@ class Supervision {
   /// A slave that was asked for actual values sent none.
   void missed_actual(SlaveNumber slave) noexcept;
 
+  /// Nothing can be sent or received: nothing is known of any slave, and each that answers again is
+  /// activated. No event for each slave; whoever tells that the bus is gone has said it all.
+  void bus_lost() noexcept;
+
   /// The mask of configured slaves that do not yet meet the enable rule.
   SlaveMask missing(EnableRule rule) const noexcept;
 
@@ -75,6 +79,7 @@ class Supervision {
   SlaveMask responding_;
   SlaveMask synchronized_;
   SlaveMask suspect_;  ///< sent no actual values when asked, and nothing since
+  SlaveMask cut_off_;  ///< responded until the bus was lost
   std::uint8_t last_read_ = kSlaves - 1;
   IntervalNumber now_ = 0;
   bool active_ = false;

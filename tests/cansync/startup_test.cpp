@@ -144,6 +144,29 @@ TEST(StartUp, ASlaveThatFallsSilentIsLostOnceAndActivatedAgainWhenItReturns) {
   EXPECT_EQ(rig.master.slave(slave(1)).slave_register(), 3);
 }
 
+TEST(StartUp, WithoutABusNoSlaveRespondsAndEachIsActivatedAgainWhenItAnswers) {
+  MasterRig rig(settings_for(4));
+  rig.activate();
+  rig.master.bus_lost();
+  for (unsigned i = 0; i < 4; ++i) {
+    EXPECT_FALSE(rig.master.slave(slave(i)).responds);
+    EXPECT_FALSE(rig.master.slave(slave(i)).synchronized);
+  }
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::slave_lost), 0u);
+  SlaveMask activated;
+  for (int i = 0; i < 50; ++i) {
+    rig.step();
+    const auto* action = rig.command() != nullptr ? std::get_if<ActionCommand>(rig.command()) : nullptr;
+    if (action != nullptr && action->command == 2) activated.bits |= action->slaves.bits;
+  }
+  EXPECT_EQ(activated.bits, 0xFu);
+  for (unsigned i = 0; i < 4; ++i) {
+    EXPECT_TRUE(rig.master.slave(slave(i)).responds);
+    EXPECT_TRUE(rig.master.slave(slave(i)).synchronized);
+  }
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::slave_responds), 8u);
+}
+
 TEST(StartUp, ModeCanBeChangedAgainAfterAStart) {
   MasterRig rig(settings_for(2));
   rig.activate();
