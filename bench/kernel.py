@@ -65,8 +65,8 @@ def figures_on_vcan(figures, build, rounds, seconds):
     growth = [abs(sync_analysis.phase_growth(ours["sync"], INTERVAL)) / 1000 for ours, _ in pairs]
     figures.limit("G4", f"growth of the phase against the ideal grid over {seconds} s", "us", growth, 250,
                   abs(sync_analysis.phase_growth(pairs[0][1]["sync"], INTERVAL)) / 1000)
-    doubles = [sync_analysis.doubles(ours["sync"], INTERVAL) for ours, _ in pairs]
-    figures.limit("G5", "SYNC beyond the first in a slot", "", doubles, 0, sync_analysis.doubles(pairs[0][1]["sync"], INTERVAL))
+    doubles = [sync_analysis.bunched(ours["sync"], INTERVAL) for ours, _ in pairs]
+    figures.limit("G5", "SYNC within half an interval of another", "", doubles, 0, sync_analysis.bunched(pairs[0][1]["sync"], INTERVAL))
     for ours, other in pairs:
         mine, theirs = (sync_analysis.skipped(of["sync"], INTERVAL) for of in (ours, other))
         figures.limit("G6", f"skipped slots in {seconds} s, at most 1.5 times the sender's and 5", "", [mine],

@@ -36,9 +36,6 @@ def phase_growth(times, interval):
     return statistics.median(phases[-tenth:]) - statistics.median(phases[:tenth])
 
 
-def doubles(times, interval):
-    """Slots that have more than one instant. A slot begins a tenth of an interval before its ideal instant."""
-    half = interval // 2
-    earliest = min((at - times[0] + half) % interval - half for at in times)
-    slots = [(at - times[0] - earliest + interval // 10) // interval for at in times]
-    return len(slots) - len(set(slots))
+def bunched(times, interval):
+    """Instants that follow on another one within half an interval: two SYNC in one slot."""
+    return sum(length < interval / 2 for length, _ in steps(times, interval))

@@ -122,6 +122,7 @@ void RealtimeLoop::begin_interval() noexcept {
     loop_.sync_line->run(synchronous());
     if (synchronous()) loop_.sync_line->edge(bus_);
   }
+  if (synchronous()) timeline_.made(bus_.now());
   receive_frames();
   sync_ = edge;
   number_ = timeline_.next();

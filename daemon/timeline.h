@@ -51,7 +51,11 @@ class Timeline {
     }
   }
 
-  /// Skips edges for which `now` is more than half an interval late; none is made up for.
+  /// The edge has just been made, at `at`: no other one comes within half an interval of it.
+  void made(can::Time at) noexcept { made_ = at; }
+
+  /// Skips edges for which `now` is more than half an interval late, and one that would follow
+  /// within half an interval on an edge that was held up; none is made up for.
   Missed skip_missed(can::Time now) noexcept {
     const can::Time period = lock_ ? can::Time(std::llround(lock_->period())) : interval_;
     Missed missed;
@@ -60,6 +64,10 @@ class Timeline {
           static_cast<cansync::IntervalNumber>((late - tolerance_ + period - can::Time(1)) / period);
       missed.count += n;
       advance(n);
+    }
+    if (made_ && std::max(due_, now) - *made_ < tolerance_) {
+      ++missed.count;
+      advance();
     }
     missed.wait = due_ > now;
     return missed;
@@ -72,6 +80,7 @@ class Timeline {
   const can::Time interval_;
   can::Time tolerance_;
   std::optional<sync_line::PhaseLock> lock_;
+  std::optional<can::Time> made_;  ///< the last edge, as it was made
   can::Time due_{0};
   cansync::IntervalNumber next_ = 0;
 };

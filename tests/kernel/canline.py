@@ -10,7 +10,7 @@ import tempfile
 import time
 
 import gateway
-from gateway import ACTIVE, CANSYNCD, Place, wait_for
+from gateway import CANSYNC, ACTIVE, CANSYNCD, Place, wait_for
 
 LONG = 30  # seconds; one wait; run_uml.py has the limit for all together
 gateway.LONG = LONG
@@ -117,6 +117,12 @@ class Candump:
     def frames(self):
         """All frames so far, as `identifier#data`, in the order of the bus."""
         return [frame for frame in self._read() if frame != PROBE]
+
+    def times_of(self, identifier):
+        """When the frames with this identifier came, in ns."""
+        with open(self.file.name, encoding="ascii") as file:
+            lines = [line.split() for line in file.read().split("\n")[:-1]]
+        return [int(line[0].strip("()").replace(".", "")) * 1000 for line in lines if line[2].startswith(identifier + "#")]
 
     def wait_for_frame(self, frame):
         wait_for(f"{frame} on the bus", lambda: frame in self._read())
@@ -237,6 +243,10 @@ class Daemon(Place):
         every = (1 << self.slaves) - 1
         return self.wait_status("every slave synchronized in active operation",
                                 lambda s: s["option_status"] == ACTIVE and s["slaves_synchronized"] == every)
+
+    def writer(self, *values):
+        """Keeps writing these reference values; a context manager."""
+        return Process(CANSYNC, "--domain", self.domain, "--bus", self.bus, "set", *values)
 
     def events(self, code):
         """The events with this code, since the daemon started."""
