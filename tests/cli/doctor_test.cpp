@@ -117,6 +117,9 @@ DoctorInput healthy() {
   put(status.controller_state, "error-active");
   put(status.bus_interface, "can0");
   put(status.dds_interface, "lo");
+  put(status.sync_output, "gpio");
+  put(status.sync_input, "pps");
+  put(status.sync_state, "locked");
   status.data_model = 4;
   status.bit_rate = 500'000;
   status.realtime_priority = status.realtime_priority_wanted = 60;
@@ -134,7 +137,7 @@ TEST(Doctor, AllWell) {
     EXPECT_EQ(finding.remedy, "") << finding.topic;
     EXPECT_TRUE(topics.insert(finding.topic).second) << finding.topic << " twice";
   }
-  EXPECT_EQ(topics.size(), 16u);
+  EXPECT_EQ(topics.size(), 17u);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
 }
 
@@ -193,6 +196,16 @@ INSTANTIATE_TEST_SUITE_P(
                           "8 transmit", "ip -details -statistics link show can0"},
                     Fault{"time stamps", Level::warning, [](In& in) { in.timestamp_source = "thread"; },
                           "realtime thread", "ethtool -T can0"},
+                    Fault{"SYNC", Level::warning, [](In& in) { put(in.status->sync_state, "holdover"); },
+                          "edges of the input pps are missing", "cansync events"},
+                    Fault{"SYNC", Level::error, [](In& in) { put(in.status->sync_state, "lost"); },
+                          "input pps: lost", "cansync events"},
+                    Fault{"SYNC", Level::warning,
+                          [](In& in) {
+                            put(in.status->sync_output, "none");
+                            put(in.status->sync_state, "");
+                          },
+                          "put out nowhere", "sync.output"},
                     Fault{"second master", Level::error, [](In& in) { in.foreign_master = true; },
                           "another master", "switch the other master off"}),
     [](const auto& test) { return "Bus" + std::to_string(test.index); });

@@ -238,6 +238,24 @@ void look_at_second_master(const DoctorInput& in, Findings& out) {
     out.ok("second master", "none was heard");
 }
 
+void look_at_sync(const DoctorInput& in, const Status& status, Findings& out) {
+  const std::string_view input = status.sync_input;
+  const std::string_view output = status.sync_output;
+  const std::string_view state = status.sync_state;
+  if (state == "holdover") {
+    out.warning("SYNC", fmt::format("edges of the input {} are missing; the daemon goes on by itself", input),
+                "check the device that makes SYNC and its line; cansync events");
+  } else if (!state.empty() && state != "locked") {
+    out.error("SYNC", fmt::format("follows the input {}: {}", input, state),
+              "check the device that makes SYNC and its line; cansync events");
+  } else if (in.interface_name != kSimulated && output == "none" && state.empty()) {
+    out.warning("SYNC", "is put out nowhere: no slave can lock to it", "set sync.output to gpio, phc or can");
+  } else {
+    out.ok("SYNC", state.empty() ? fmt::format("made by the daemon, output {}", output)
+                                 : fmt::format("locked to the input {}, output {}", input, output));
+  }
+}
+
 }  // namespace
 
 std::string_view name(Level level) noexcept {
@@ -260,6 +278,7 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   if (in.status) {
     look_at_controller(in, *in.status, out);
     look_at_timestamps(in, out);
+    look_at_sync(in, *in.status, out);
     look_at_second_master(in, out);
     look_at_rights(in, *in.status, out);
     look_at_processor(in, *in.status, out);
