@@ -144,7 +144,8 @@ EventText describe_fault(const BusFault& report) {
 std::string reset_not_permitted(const Config& config) {
   return fmt::format(
       "mode: the daemon may not reset {0} (it has not got CAP_NET_ADMIN); out of bus-off, give as root: ip "
-      "link set {0} type can restart; or let the kernel do it: ip link set {0} type can restart-ms 100",
+      "link set {0} type can restart; or let the kernel do it: while it is down, ip link set {0} type can "
+      "restart-ms 100",
       config.bus.interface);
 }
 

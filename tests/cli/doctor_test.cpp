@@ -5,6 +5,8 @@
 #include <fstream>
 #include <set>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "cansync/doctor_facts.h"
 #include "cansync/doctor_findings.h"
@@ -64,25 +66,6 @@ TEST(DoctorFacts, OfAnEmptyTreeAreUnknown) {
   const MachineFacts facts = read_machine(tree.root(), -1);
   EXPECT_EQ(facts.kernel + facts.preemption + facts.isolated, "");
   EXPECT_TRUE(facts.idle_states.empty());
-  EXPECT_FALSE(read_interface(tree.root(), "can0").present);
-}
-
-TEST(DoctorFacts, OfAnInterface) {
-  const Tree tree;
-  tree.write("sys/class/net/can0/flags", "0x40081\n");
-  tree.write("sys/class/net/can0/type", "280\n");
-  tree.write("sys/class/net/can0/tx_queue_len", "10\n");
-  tree.write("sys/class/net/eth0/flags", "0x1002\n");
-  tree.write("sys/class/net/eth0/type", "1\n");
-  tree.write("sys/class/net/eth0/tx_queue_len", "garbage\n");
-  const InterfaceFacts can0 = read_interface(tree.root(), "can0");
-  EXPECT_TRUE(can0.present && can0.is_can && can0.up);
-  EXPECT_EQ(can0.queue_length, 10u);
-  const InterfaceFacts eth0 = read_interface(tree.root(), "eth0");
-  EXPECT_TRUE(eth0.present && !eth0.is_can && !eth0.up);
-  EXPECT_EQ(eth0.queue_length, std::nullopt);
-  for (const char* name : {"", "..", "../net/can0", "no such", "sixteencharacters"})
-    EXPECT_FALSE(read_interface(tree.root(), name).present) << name;
 }
 
 TEST(DoctorFacts, ProcessorLists) {
@@ -99,17 +82,30 @@ void put(char (&out)[N], const char* text) {
   std::snprintf(out, N, "%s", text);
 }
 
+/// An interface that is up, of drivers of this kind.
+can::LinkFacts can_link(std::string_view kind) {
+  can::LinkFacts link;
+  link.present = link.is_can = link.up = true;
+  link.index = 3;
+  link.queue_length = 10;
+  std::copy(kind.begin(), kind.end(), link.driver_kind.begin());
+  return link;
+}
+
 /// Everything well: a real bus with all rights.
 DoctorInput healthy() {
   DoctorInput in;
   in.bus = "can0";
   in.cli_version = "1.2.3";
   in.data_model = 4;
-  in.timestamp_source = "hardware";
   in.participants = 2;
   in.machine = {"6.1.0-rt", "PREEMPT_RT", "2-3", {{"C6", 133}}};
   in.interface_name = "can0";
-  in.interface = {true, true, true, 10};
+  in.link = can_link("can");
+  in.link.timing = can::LinkTiming{500'000, 600};
+  in.link.state = can::ControllerState::error_active;
+  in.link.restart_ms = 100;
+  in.link.has_counters = true;
   client::MasterStatus status = {};
   put(status.bus, "can0");
   put(status.state, "active");
@@ -117,11 +113,14 @@ DoctorInput healthy() {
   put(status.controller_state, "error-active");
   put(status.bus_interface, "can0");
   put(status.dds_interface, "lo");
+  put(status.link_state, "up");
+  put(status.timestamp_source, "hardware");
   put(status.sync_output, "gpio");
   put(status.sync_input, "pps");
   put(status.sync_state, "locked");
   status.data_model = 4;
   status.bit_rate = 500'000;
+  status.sample_point_wanted = 600;
   status.realtime_priority = status.realtime_priority_wanted = 60;
   status.realtime_cpu = status.realtime_cpu_wanted = 2;
   status.memory_locked = status.memory_lock_wanted = status.cpu_held_awake = true;
@@ -137,7 +136,7 @@ TEST(Doctor, AllWell) {
     EXPECT_EQ(finding.remedy, "") << finding.topic;
     EXPECT_TRUE(topics.insert(finding.topic).second) << finding.topic << " twice";
   }
-  EXPECT_EQ(topics.size(), 17u);
+  EXPECT_EQ(topics.size(), 20u);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
 }
 
@@ -170,44 +169,72 @@ TEST_P(OneFault, IsFoundAloneWithItsRemedy) {
 using In = DoctorInput;
 INSTANTIATE_TEST_SUITE_P(
     All, OneFault,
-    testing::Values(Fault{"version", Level::warning, [](In& in) { put(in.status->version, "1.2.2"); },
-                          "cansyncd 1.2.2, but cansync 1.2.3", "systemctl restart"},
-                    Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 3; },
-                          "the daemon has number 3", "update cansyncd"},
-                    Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 5; },
-                          "this program 4", "update cansync"},
-                    Fault{"interface", Level::error, [](In& in) { in.interface = {}; }, "no such interface",
-                          "ip -br link show type can"},
-                    Fault{"interface", Level::error, [](In& in) { in.interface.is_can = false; },
-                          "no CAN interface", "bus.interface"},
-                    Fault{"interface", Level::error, [](In& in) { in.interface.up = false; }, "can0 is down",
-                          "ip link set can0 type can bitrate 500000 && ip link set can0 up"},
-                    Fault{"txqueuelen", Level::warning, [](In& in) { in.interface.queue_length = 1000; },
-                          "1000 frames", "ip link set can0 txqueuelen 10"},
-                    Fault{"txqueuelen", Level::warning, [](In& in) { in.interface.queue_length = 1; },
-                          "do not fit", "txqueuelen 10"},
-                    Fault{"controller", Level::error,
-                          [](In& in) { put(in.status->controller_state, "bus-off"); }, "bus-off",
-                          "cansync mode reset-can"},
-                    Fault{"controller", Level::warning,
-                          [](In& in) { put(in.status->controller_state, "error-passive"); }, "error-passive",
-                          "120 ohm"},
-                    Fault{"error counters", Level::warning, [](In& in) { in.status->transmit_errors = 8; },
-                          "8 transmit", "ip -details -statistics link show can0"},
-                    Fault{"time stamps", Level::warning, [](In& in) { in.timestamp_source = "thread"; },
-                          "realtime thread", "ethtool -T can0"},
-                    Fault{"SYNC", Level::warning, [](In& in) { put(in.status->sync_state, "holdover"); },
-                          "edges of the input pps are missing", "cansync events"},
-                    Fault{"SYNC", Level::error, [](In& in) { put(in.status->sync_state, "lost"); },
-                          "input pps: lost", "cansync events"},
-                    Fault{"SYNC", Level::warning,
-                          [](In& in) {
-                            put(in.status->sync_output, "none");
-                            put(in.status->sync_state, "");
-                          },
-                          "put out nowhere", "sync.output"},
-                    Fault{"second master", Level::error, [](In& in) { in.foreign_master = true; },
-                          "another master", "switch the other master off"}),
+    testing::Values(
+        Fault{"version", Level::warning, [](In& in) { put(in.status->version, "1.2.2"); },
+              "cansyncd 1.2.2, but cansync 1.2.3", "systemctl restart"},
+        Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 3; },
+              "the daemon has number 3", "update cansyncd"},
+        Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 5; }, "this program 4",
+              "update cansync"},
+        Fault{"interface", Level::error, [](In& in) { in.link = {}; }, "no such interface",
+              "ip -br link show type can"},
+        Fault{"interface", Level::error, [](In& in) { in.link.is_can = false; }, "no CAN interface",
+              "bus.interface"},
+        Fault{"interface", Level::error, [](In& in) { in.link.up = false; }, "can0 is down",
+              "ip link set can0 up"},
+        Fault{"interface", Level::error,
+              [](In& in) {
+                in.link.up = false;
+                in.link.timing.reset();
+              },
+              "can0 is down",
+              "ip link set can0 type can bitrate 500000 sample-point 0.600 && ip link set can0 up"},
+        Fault{"interface", Level::warning, [](In& in) { in.kernel_silent = "no descriptor left"; },
+              "no descriptor left", "ip -details link show can0"},
+        Fault{"bit rate", Level::error, [](In& in) { in.link.timing->bits_per_second = 250'000; },
+              "250000 bit/s, but the bus has 500000", "type can bitrate 500000 sample-point 0.600"},
+        Fault{"bit rate", Level::warning, [](In& in) { in.link.timing.reset(); }, "does not tell",
+              "ip -details link show can0"},
+        Fault{"sample point", Level::warning, [](In& in) { in.link.timing->sample_point = 875; },
+              "0.875 instead of 0.600", "ip link set can0 type can bitrate 500000 sample-point 0.600"},
+        Fault{"sample point", Level::warning, [](In& in) { in.status->sample_point_wanted = 875; },
+              "0.600 instead of 0.875", "sample-point 0.875"},
+        Fault{"restart-ms", Level::warning, [](In& in) { in.link.restart_ms = 0; }, "stays silent",
+              "down && ip link set can0 type can restart-ms 100 && ip link set can0 up"},
+        Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1000; }, "1000 frames",
+              "ip link set can0 txqueuelen 10"},
+        Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1; }, "do not fit",
+              "txqueuelen 10"},
+        Fault{"controller", Level::error, [](In& in) { put(in.status->controller_state, "bus-off"); },
+              "bus-off", "cansync mode reset-can"},
+        Fault{"controller", Level::warning, [](In& in) { put(in.status->controller_state, "error-passive"); },
+              "error-passive", "120 ohm"},
+        Fault{"error counters", Level::warning, [](In& in) { in.status->transmit_errors = 8; }, "8 transmit",
+              "ip -details -statistics link show can0"},
+        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->timestamp_source, "thread"); },
+              "realtime thread", "ethtool -T can0"},
+        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->timestamp_source, ""); }, "not told",
+              "update cansyncd"},
+        Fault{"SYNC", Level::warning, [](In& in) { put(in.status->sync_state, "holdover"); },
+              "edges of the input pps are missing", "cansync events"},
+        Fault{"SYNC", Level::error, [](In& in) { put(in.status->sync_state, "lost"); }, "input pps: lost",
+              "cansync events"},
+        Fault{"SYNC", Level::warning,
+              [](In& in) {
+                put(in.status->sync_output, "none");
+                put(in.status->sync_state, "");
+              },
+              "put out nowhere", "sync.output"},
+        Fault{"controller", Level::error, [](In& in) { put(in.status->controller_state, "stopped"); },
+              "stopped", "ip link set can0 up"},
+        Fault{"second master", Level::error,
+              [](In& in) {
+                in.status->second_master = true;
+                in.status->second_master_frames = 12;
+              },
+              "sends on this bus: 12 frames", "switch the other master off"},
+        Fault{"second master", Level::warning, [](In& in) { in.status->second_master_frames = 12; },
+              "has sent 12 frames", "switch the other master off"}),
     [](const auto& test) { return "Bus" + std::to_string(test.index); });
 
 INSTANTIATE_TEST_SUITE_P(
@@ -231,14 +258,79 @@ INSTANTIATE_TEST_SUITE_P(
                           "eth0", "dds.interface"}),
     [](const auto& test) { return "Machine" + std::to_string(test.index); });
 
+/// What is found of `topic`; nothing when it is not looked at.
+const Finding* find(const std::vector<Finding>& findings, std::string_view topic) {
+  const auto found =
+      std::find_if(findings.begin(), findings.end(), [topic](const Finding& f) { return f.topic == topic; });
+  return found == findings.end() ? nullptr : &*found;
+}
+
 TEST(Doctor, ASimulatedLineHasNoInterface) {
   DoctorInput in = healthy();
   in.interface_name = "sim";
-  in.interface = {};
+  in.link = {};
   const auto findings = diagnose(in);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
-  EXPECT_TRUE(std::none_of(findings.begin(), findings.end(),
-                           [](const Finding& f) { return f.topic == "txqueuelen"; }));
+  for (const char* topic : {"bit rate", "sample point", "restart-ms", "txqueuelen"})
+    EXPECT_EQ(find(findings, topic), nullptr) << topic;
+}
+
+TEST(Doctor, AVirtualInterfaceHasNothingToSet) {
+  DoctorInput in = healthy();
+  in.link = can_link("vcan");
+  in.link.queue_length = 0;
+  const auto findings = diagnose(in);
+  EXPECT_EQ(exit_code(findings, true), ExitCode::done);
+  ASSERT_NE(find(findings, "interface"), nullptr);
+  EXPECT_EQ(find(findings, "interface")->found, "can0 is up, virtual (vcan): nothing to set");
+  for (const char* topic : {"bit rate", "sample point", "restart-ms", "txqueuelen"})
+    EXPECT_EQ(find(findings, topic), nullptr) << topic;
+  in.link.up = false;
+  EXPECT_EQ(find(diagnose(in), "interface")->remedy, "ip link set can0 up");
+}
+
+TEST(Doctor, ASamplePointAsNearAsAControllerComesIsWell) {
+  DoctorInput in = healthy();
+  in.link.timing->sample_point = 625;  // 10 of 16 quanta
+  EXPECT_EQ(exit_code(diagnose(in), true), ExitCode::done);
+  in.link.timing->sample_point = 633;
+  EXPECT_EQ(exit_code(diagnose(in), true), ExitCode::failed);
+}
+
+TEST(Doctor, AnOlderDaemonLeavesTheSamplePointsOfBothFamilies) {
+  DoctorInput in = healthy();
+  in.status->sample_point_wanted = 0;
+  for (const std::uint16_t point : {std::uint16_t{600}, std::uint16_t{875}}) {
+    in.link.timing->sample_point = point;
+    EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::ok) << point;
+  }
+  in.link.timing->sample_point = 750;
+  EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::warning);
+  // The Omega Drive-Line II has no 1 Mbit/s.
+  in.status->bit_rate = in.link.timing->bits_per_second = 1'000'000;
+  in.link.timing->sample_point = 875;
+  EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::warning);
+}
+
+TEST(Doctor, WithoutADaemonLooksAtTheInterfaceItself) {
+  DoctorInput in = healthy();
+  in.status.reset();
+  in.no_daemon = "no daemon found";
+  in.link.state = can::ControllerState::bus_off;
+  in.link.transmit_errors = 248;
+  auto findings = diagnose(in);
+  EXPECT_EQ(find(findings, "bit rate")->found, "500000 bit/s");
+  EXPECT_EQ(find(findings, "bit rate")->level, Level::ok);
+  EXPECT_EQ(find(findings, "controller")->level, Level::error);
+  EXPECT_EQ(find(findings, "controller")->remedy, "ip link set can0 down && ip link set can0 up");
+  EXPECT_EQ(find(findings, "error counters")->found, "248 transmit, 0 receive");
+  in.link.timing->bits_per_second = 800'000;
+  in.link.up = in.link.has_counters = false;
+  findings = diagnose(in);
+  EXPECT_EQ(find(findings, "bit rate")->level, Level::error);
+  EXPECT_NE(find(findings, "bit rate")->remedy.find("bitrate 1000000 sample-point 0.600"), std::string::npos);
+  EXPECT_EQ(find(findings, "controller"), nullptr) << "it is down";
+  EXPECT_EQ(find(findings, "error counters"), nullptr);
 }
 
 TEST(Doctor, WithoutADaemonSaysWhatItCouldNotSee) {

@@ -135,6 +135,7 @@ TEST(GatewayState, MasterStatusTellsWhatTheRealtimeThreadWasGranted) {
   ASSERT_TRUE(status);
   EXPECT_EQ(status->data_model, static_cast<unsigned>(cansync_DATA_MODEL));
   EXPECT_EQ(text(status->bus_interface), "sim");
+  EXPECT_EQ(status->sample_point_wanted, 600u) << "the PLC's preset";
   EXPECT_FALSE(status->realtime_enforced);
   EXPECT_EQ(status->realtime_priority, 0) << "not granted";
   EXPECT_EQ(status->realtime_priority_wanted, 70);

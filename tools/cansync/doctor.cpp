@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
+#include <system_error>
 
+#include "can/link_kernel.h"
 #include "cansync/doctor_findings.h"
-#include "cansync/timing_samples.h"
+#include "cansync/doctor_link.h"
 #include "cansync/verbs.h"
 #include "dds/entity.h"
 
@@ -16,15 +17,21 @@ void ask_daemon(Session& session, DoctorInput& in) {
   try {
     client::Client& client = session.client();
     in.status = client.master_status();
-    for (const client::Event& event : client.recent_events())
-      in.foreign_master = in.foreign_master || std::string_view(event.code) == "foreign_master";
     in.participants = client.participants();
-    SampleQueue samples(client);
-    if (const auto timing = samples.next()) in.timestamp_source = timing->timestamp_source;
   } catch (const client::NoDaemon& error) {
     in.no_daemon = error.what();
   } catch (const dds::SetupError& error) {
     in.no_daemon = error.what();
+  }
+}
+
+/// What this computer's kernel knows of the interface.
+void ask_kernel(DoctorInput& in) {
+  if (in.interface_name == kSimulated) return;
+  try {
+    in.link = can::make_link_kernel()->read(in.interface_name);
+  } catch (const std::system_error& error) {
+    in.kernel_silent = error.what();
   }
 }
 
@@ -52,7 +59,7 @@ ExitCode doctor_verb(Session& session) {
   // A bus without a name of its own is named like its interface.
   in.interface_name = in.status ? std::string(in.status->bus_interface) : in.bus;
   in.machine = read_machine("/", in.status ? in.status->realtime_cpu : -1);
-  in.interface = read_interface("/", in.interface_name);
+  ask_kernel(in);
   const std::vector<Finding> findings = diagnose(in);
   for (const Finding& finding : findings) show(session.output(), finding);
   return exit_code(findings, in.status.has_value());

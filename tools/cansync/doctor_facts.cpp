@@ -7,7 +7,6 @@
 #include <fstream>
 #include <string_view>
 
-#include "can/candump.h"
 #include "rt/kernel_type.h"
 
 namespace cansync::cli {
@@ -17,8 +16,6 @@ namespace fs = std::filesystem;
 
 constexpr unsigned kMostIdleStates = 16;
 constexpr std::size_t kMostCharacters = 4096;
-constexpr std::uint32_t kCanInterface = 280;  // ARPHRD_CAN
-constexpr std::uint32_t kInterfaceUp = 1;     // IFF_UP
 
 /// First line of a file; nothing when it cannot be read.
 std::optional<std::string> first_line(const fs::path& path) {
@@ -30,16 +27,12 @@ std::optional<std::string> first_line(const fs::path& path) {
   return text.substr(0, text.find('\n'));
 }
 
-/// A whole number, decimal or 0x hexadecimal; nothing for everything else.
+/// A whole decimal number; nothing for everything else.
 std::optional<std::uint32_t> number(const std::optional<std::string>& text) {
   if (!text) return std::nullopt;
-  std::string_view digits = *text;
-  const bool hexadecimal = digits.starts_with("0x");
-  if (hexadecimal) digits.remove_prefix(2);
   std::uint32_t value = 0;
-  const auto [end, error] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), value, hexadecimal ? 16 : 10);
-  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
+  if (error != std::errc{} || end != text->data() + text->size()) return std::nullopt;
   return value;
 }
 
@@ -85,21 +78,6 @@ bool in_processor_list(const std::string& list, int cpu) noexcept {
     if (first <= cpu && cpu <= last) return true;
   }
   return false;
-}
-
-InterfaceFacts read_interface(const fs::path& root, const std::string& name) {
-  InterfaceFacts facts;
-  const bool possible =
-      can::is_interface_name(name) && name.find('/') == std::string::npos && name.front() != '.';
-  if (!possible) return facts;
-  const fs::path folder = root / "sys/class/net" / name;
-  const auto flags = number(first_line(folder / "flags"));
-  if (!flags) return facts;
-  facts.present = true;
-  facts.up = (*flags & kInterfaceUp) != 0;
-  facts.is_can = number(first_line(folder / "type")) == kCanInterface;
-  facts.queue_length = number(first_line(folder / "tx_queue_len"));
-  return facts;
 }
 
 }  // namespace cansync::cli

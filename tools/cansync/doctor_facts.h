@@ -30,15 +30,4 @@ MachineFacts read_machine(const std::filesystem::path& root, int cpu);
 /// Is processor `cpu` in a kernel list such as "1,4-7"? What is no such list names none.
 bool in_processor_list(const std::string& list, int cpu) noexcept;
 
-/// A network interface as sysfs shows it.
-struct InterfaceFacts {
-  bool present = false;
-  bool is_can = false;
-  bool up = false;
-  std::optional<std::uint32_t> queue_length;  ///< txqueuelen, in frames
-};
-
-/// Facts of interface `name`; not present when there is none, or the name cannot be one.
-InterfaceFacts read_interface(const std::filesystem::path& root, const std::string& name);
-
 }  // namespace cansync::cli

@@ -4,50 +4,30 @@
 
 #include <algorithm>
 
+#include "cansync/doctor_link.h"
+#include "cansync/finding_list.h"
+
 namespace cansync::cli {
 namespace {
 
 using Status = client::MasterStatus;
 
-constexpr std::string_view kSimulated = "sim";
-/// A queue shorter than an interval's telegrams refuses them; in a long one telegrams of past intervals wait.
-constexpr std::uint32_t kShortestQueue = 4;
-constexpr std::uint32_t kLongestQueue = 100;
 /// Idle states that take longer to leave are felt in a 1 ms interval.
 constexpr std::uint32_t kLongestIdleLatency = 20;  // us
 
-class Findings {
- public:
-  void ok(std::string topic, std::string found) { add(Level::ok, std::move(topic), std::move(found), ""); }
-  void warning(std::string topic, std::string found, std::string remedy) {
-    add(Level::warning, std::move(topic), std::move(found), std::move(remedy));
-  }
-  void error(std::string topic, std::string found, std::string remedy) {
-    add(Level::error, std::move(topic), std::move(found), std::move(remedy));
-  }
-  std::vector<Finding> take() && { return std::move(findings_); }
-
- private:
-  void add(Level level, std::string topic, std::string found, std::string remedy) {
-    findings_.push_back({level, std::move(topic), std::move(found), std::move(remedy)});
-  }
-  std::vector<Finding> findings_;
-};
-
-void look_at_daemon(const DoctorInput& in, Findings& out) {
+void look_at_daemon(const DoctorInput& in, FindingList& out) {
   if (!in.status) {
     out.error("daemon", in.no_daemon,
               fmt::format("systemctl start cansyncd@{0}   (or: cansyncd /etc/cansync/{0}.toml)", in.bus));
-    out.warning(
-        "not looked at",
-        "without the daemon: versions, controller, time stamps, realtime rights, DDS, SYNC, second master",
-        "start the daemon, then `cansync doctor` again");
+    out.warning("not looked at",
+                "without the daemon: versions, time stamps, realtime rights, DDS, SYNC, second master",
+                "start the daemon, then `cansync doctor` again");
     return;
   }
   out.ok("daemon", fmt::format("serves bus {}: {}", in.status->bus, in.status->state));
 }
 
-void look_at_versions(const DoctorInput& in, const Status& status, Findings& out) {
+void look_at_versions(const DoctorInput& in, const Status& status, FindingList& out) {
   if (in.cli_version == status.version)
     out.ok("version", fmt::format("cansyncd and cansync {}", in.cli_version));
   else
@@ -65,83 +45,18 @@ void look_at_versions(const DoctorInput& in, const Status& status, Findings& out
       older ? "update cansyncd, then: systemctl restart cansyncd@" + in.bus : "update cansync");
 }
 
-/// `ip` commands for an interface that must be down while it is set.
-std::string set_link(const std::string& name, std::string_view setting) {
-  return fmt::format("ip link set {0} down && ip link set {0} type can {1} && ip link set {0} up", name,
-                     setting);
-}
-
-/// False when there is nothing more to say of it.
-bool look_at_presence(const DoctorInput& in, Findings& out) {
-  const std::string& name = in.interface_name;
-  if (name == kSimulated) {
-    out.ok("interface", "simulated line: no CAN interface");
-    return false;
-  }
-  if (!in.interface.present) {
-    out.error("interface", fmt::format("{}: there is no such interface", name),
-              "ip -br link show type can   (lists those there are; plug the adapter in or load its driver)");
-    return false;
-  }
-  if (!in.interface.is_can) {
-    out.error("interface", fmt::format("{} is no CAN interface", name),
-              "ip -br link show type can   (then set bus.interface)");
-    return false;
-  }
-  if (!in.interface.up)
-    out.error("interface", fmt::format("{} is down", name),
-              set_link(name, fmt::format("bitrate {}", in.status ? in.status->bit_rate : 1'000'000u)));
-  else
-    out.ok("interface", fmt::format("{} is up", name));
-  return true;
-}
-
-void look_at_queue(const DoctorInput& in, Findings& out) {
-  const auto length = in.interface.queue_length;
-  if (!length) return;
-  const std::string found = fmt::format("{} frames", *length);
-  const std::string remedy = fmt::format("ip link set {} txqueuelen 10", in.interface_name);
-  if (*length < kShortestQueue)
-    out.warning("txqueuelen", found + ": an interval's telegrams do not fit", remedy);
-  else if (*length > kLongestQueue)
-    out.warning("txqueuelen", found + ": telegrams of past intervals can wait in it", remedy);
-  else
-    out.ok("txqueuelen", found);
-}
-
-void look_at_controller(const DoctorInput& in, const Status& status, Findings& out) {
-  const std::string_view state = status.controller_state;
-  const std::string wiring =
-      "check wiring, the two terminators of 120 ohm and every slave's bit rate; ip -details -statistics link "
-      "show " +
-      in.interface_name;
-  if (state == "error-active")
-    out.ok("controller", std::string(state));
-  else if (state == "bus-off")
-    out.error("controller", "bus-off: takes no part in the bus", "cansync mode reset-can");
-  else if (state == "stopped")
-    out.error("controller", "stopped", fmt::format("ip link set {} up", in.interface_name));
-  else
-    out.warning("controller", std::string(state), wiring);
-  const std::string counters =
-      fmt::format("{} transmit, {} receive", status.transmit_errors, status.receive_errors);
-  if (status.transmit_errors == 0 && status.receive_errors == 0)
-    out.ok("error counters", counters);
-  else
-    out.warning("error counters", counters, wiring);
-}
-
-void look_at_timestamps(const DoctorInput& in, Findings& out) {
-  if (in.timestamp_source.empty())
-    out.warning("time stamps", "their source was not told", "cansync timing");
-  else if (in.timestamp_source == "thread")
+void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList& out) {
+  const std::string_view source = status.timestamp_source;
+  if (source.empty())
+    out.warning("time stamps", "their source was not told", "update cansyncd");
+  else if (source == "thread")
     out.warning("time stamps", "by the realtime thread: no better than its wake-ups",
                 "use an adapter whose driver stamps frames: ethtool -T " + in.interface_name);
   else
-    out.ok("time stamps", "by " + in.timestamp_source);
+    out.ok("time stamps", fmt::format("by {}", source));
 }
 
-void look_at_rights(const DoctorInput& in, const Status& status, Findings& out) {
+void look_at_rights(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string unit = "systemctl edit cansyncd@" + in.bus;
   const std::int32_t wanted = status.realtime_priority_wanted;
   if (status.realtime_priority > 0)
@@ -160,7 +75,7 @@ void look_at_rights(const DoctorInput& in, const Status& status, Findings& out) 
     out.warning("locked memory", "switched off in the configuration", "set realtime.lock_memory = true");
 }
 
-void look_at_processor(const DoctorInput& in, const Status& status, Findings& out) {
+void look_at_processor(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::int32_t wanted = status.realtime_cpu_wanted;
   const std::string& isolated = in.machine.isolated;
   if (wanted >= 0 && status.realtime_cpu != wanted)
@@ -182,7 +97,7 @@ void look_at_processor(const DoctorInput& in, const Status& status, Findings& ou
                             wanted));
 }
 
-void look_at_idle_states(const DoctorInput& in, Findings& out) {
+void look_at_idle_states(const DoctorInput& in, FindingList& out) {
   if (in.status && in.status->cpu_held_awake) {
     out.ok("idle states", "the daemon holds /dev/cpu_dma_latency at 0 us");
     return;
@@ -206,7 +121,7 @@ void look_at_idle_states(const DoctorInput& in, Findings& out) {
   }
 }
 
-void look_at_kernel(const DoctorInput& in, Findings& out) {
+void look_at_kernel(const DoctorInput& in, FindingList& out) {
   const MachineFacts& machine = in.machine;
   const std::string found =
       fmt::format("{} ({})", machine.kernel.empty() ? "unknown" : machine.kernel,
@@ -217,7 +132,7 @@ void look_at_kernel(const DoctorInput& in, Findings& out) {
     out.warning("kernel", found + ": not a realtime kernel", "apt install linux-image-rt-amd64; reboot");
 }
 
-void look_at_dds(const DoctorInput& in, const Status& status, Findings& out) {
+void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string peers = fmt::format("other participants in the domain: {}", in.participants);
   const std::string_view interface = status.dds_interface;
   if (interface == "lo")
@@ -230,15 +145,21 @@ void look_at_dds(const DoctorInput& in, const Status& status, Findings& out) {
                 "set dds.interface = \"lo\", or use DDS Security (docs/dds-api.md)");
 }
 
-void look_at_second_master(const DoctorInput& in, Findings& out) {
-  if (in.foreign_master)
-    out.error("second master", "another master has sent on this bus",
-              "switch the other master off; `cansync events` says when, `cansync trace` shows its telegrams");
+void look_at_second_master(const Status& status, FindingList& out) {
+  const std::string remedy =
+      "switch the other master off; `cansync events` says when, `cansync trace` shows its telegrams";
+  const std::uint64_t frames = status.second_master_frames;
+  if (status.second_master)
+    out.error("second master", fmt::format("another master sends on this bus: {} frames so far", frames),
+              remedy);
+  else if (frames != 0)
+    out.warning("second master",
+                fmt::format("another master has sent {} frames; none in the last 3 s", frames), remedy);
   else
     out.ok("second master", "none was heard");
 }
 
-void look_at_sync(const DoctorInput& in, const Status& status, Findings& out) {
+void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string_view input = status.sync_input;
   const std::string_view output = status.sync_output;
   const std::string_view state = status.sync_state;
@@ -271,15 +192,15 @@ std::string_view name(Level level) noexcept {
 }
 
 std::vector<Finding> diagnose(const DoctorInput& in) {
-  Findings out;
+  FindingList out;
   look_at_daemon(in, out);
   if (in.status) look_at_versions(in, *in.status, out);
-  if (look_at_presence(in, out)) look_at_queue(in, out);
+  look_at_link(in, out);
+  look_at_controller(in, out);
   if (in.status) {
-    look_at_controller(in, *in.status, out);
-    look_at_timestamps(in, out);
+    look_at_timestamps(in, *in.status, out);
     look_at_sync(in, *in.status, out);
-    look_at_second_master(in, out);
+    look_at_second_master(*in.status, out);
     look_at_rights(in, *in.status, out);
     look_at_processor(in, *in.status, out);
   }

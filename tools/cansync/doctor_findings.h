@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "can/link_facts.h"
 #include "cansync/doctor_facts.h"
 #include "cansync/exit_codes.h"
 #include "client/types.h"
@@ -33,12 +34,11 @@ struct DoctorInput {
   std::uint32_t data_model = 0;                ///< of this program
   std::optional<client::MasterStatus> status;  ///< nothing: no daemon was found
   std::string no_daemon;                       ///< why not
-  std::string timestamp_source;                ///< empty: not told
-  bool foreign_master = false;                 ///< one of the last events says so
   std::uint32_t participants = 0;              ///< other DDS participants in the domain
   MachineFacts machine;
   std::string interface_name;  ///< the bus's CAN interface; "sim" for a simulated line
-  InterfaceFacts interface;
+  can::LinkFacts link;         ///< what the kernel of this computer knows of it
+  std::string kernel_silent;   ///< why it could not be asked; empty: it was, or there was nothing to ask
 };
 
 /// Findings in a fixed order. Without a daemon those that need it are missing, and one says so.
