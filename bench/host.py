@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import time
 
+import realtime_calls
 from figures import quantile
 
 PRIORITY, CPU = 80, 1
@@ -33,9 +34,9 @@ def cyclictest(seconds):
     return out
 
 
-def configuration(domain, bus):
-    """A line of 32 simulated slaves at 1 Mbit/s with realtime enforced."""
-    return (f'[bus]\nname = "{bus}"\n[realtime]\nmode = "enforce"\npriority = {PRIORITY}\ncpu = {CPU}\n'
+def configuration(domain, bus, bit_rate=1000000):
+    """A line of 32 simulated slaves with realtime enforced."""
+    return (f'[bus]\nname = "{bus}"\nbit_rate = {bit_rate}\n[realtime]\nmode = "enforce"\npriority = {PRIORITY}\ncpu = {CPU}\n'
             f"[dds]\ndomain = {domain}\n"
             + "".join(f"[[slave]]\nnumber = {n}\n" for n in range(SLAVES)))
 
@@ -87,17 +88,17 @@ def under_load(figures, build, rounds, seconds):
 
 
 class Daemon:
-    """A daemon with 32 slaves at 1 Mbit/s and enforced realtime, reference values in every interval; a context manager.
+    """A daemon with 32 slaves and enforced realtime, reference values in every interval; a context manager.
 
     `program` is cansyncd with its simulated line, or gateway_bench: the same on a bus whose slaves answer at once.
     """
 
-    def __init__(self, build, domain, bus, program="daemon/cansyncd"):
+    def __init__(self, build, domain, bus, program="daemon/cansyncd", bit_rate=1000000):
         self.build, self.domain, self.bus, self.program = build, domain, bus, f"{build}/{program}"
         self.folder = tempfile.TemporaryDirectory(prefix="cansync_bench_")
         self.config = os.path.join(self.folder.name, "line.toml")
         with open(self.config, "w", encoding="utf-8") as file:
-            file.write(configuration(domain, bus))
+            file.write(configuration(domain, bus, bit_rate))
 
     def __enter__(self):
         self.process = subprocess.Popen([self.program, self.config], stdout=subprocess.DEVNULL,
@@ -211,14 +212,12 @@ def exact_counts(figures, build, seconds, domain):
         with open(f"/proc/{daemon.process.pid}/status", encoding="utf-8") as file:
             resident = int(re.search(r"VmRSS:\s+(\d+)", file.read())[1]) / 1024
         figures.limit("memory", f"resident, all memory locked, {SLAVES} simulated slaves", "MiB", [resident], 40)
-        system_calls(figures, daemon, seconds)
+    system_calls(figures, build, domain)
 
 
-def system_calls(figures, daemon, seconds):
-    """System calls of the realtime thread on the simulated line, by kind, from strace."""
-    shown = subprocess.run(
-        ["timeout", "--signal=INT", str(seconds), "strace", "-qq", "-p", str(daemon.thread()), "-e", "trace=all", "-o",
-         "/dev/stdout"], capture_output=True, text=True, check=False).stdout
-    names = re.findall(r"(?m)^(\w+)\(", shown)
-    futex = sum(name == "futex" for name in names)
-    figures.limit("G11", "futex calls of the realtime thread", "", [futex], 0)
+def system_calls(figures, build, domain):
+    """System calls of the realtime thread in an interval: at 4 ms, for tracing takes its time for each."""
+    with Daemon(build, domain, "calls", bit_rate=250000) as daemon:
+        counts = realtime_calls.count_calls(daemon.process.pid, 0.004)
+    figures.limit("G11", "system calls of the realtime thread in an interval, simulated line, median", "", [counts.median], 12)
+    figures.limit("G11", "futex calls of the realtime thread", "", [counts.by_name["futex"]], 0)
