@@ -174,7 +174,9 @@ void draw_sync(Drawing& drawing, const Axis& axis, const TimingReport& report) {
 }
 
 void draw_axis(Drawing& drawing, const Axis& axis) {
-  for (double time = axis.from(); time <= axis.to() + axis.step() / 2; time += axis.step()) {
+  const auto steps = std::lround((axis.to() - axis.from()) / axis.step());
+  for (long step = 0; step <= steps; ++step) {
+    const double time = axis.from() + static_cast<double>(step) * axis.step();
     const double x = axis.x(time);
     drawing.line(x, kLanesTop, x, kLanesBottom, "grid");
     drawing.words(x, kLanesBottom + 18, "tick", fmt::format("{:.0f}", time));
