@@ -64,9 +64,9 @@ def figures_on_vcan(figures, build, rounds, seconds):
                           [(microseconds(ours, name, share), microseconds(other, name, share)) for ours, other in pairs], 1.3)
     growth = [abs(sync_analysis.phase_growth(ours["sync"], INTERVAL)) / 1000 for ours, _ in pairs]
     figures.limit("G4", f"growth of the phase against the ideal grid over {seconds} s", "us", growth, 250,
-                  abs(sync_analysis.phase_growth(pairs[0][1]["sync"], INTERVAL)) / 1000)
-    doubles = [sync_analysis.bunched(ours["sync"], INTERVAL) for ours, _ in pairs]
-    figures.limit("G5", "SYNC within half an interval of another", "", doubles, 0, sync_analysis.bunched(pairs[0][1]["sync"], INTERVAL))
+                  max(abs(sync_analysis.phase_growth(other["sync"], INTERVAL)) / 1000 for _, other in pairs))
+    bunched, other_bunched = ([sync_analysis.bunched(of["sync"], INTERVAL) for of in side] for side in zip(*pairs))
+    figures.limit("G5", "SYNC within half an interval of another", "", bunched, 0, max(other_bunched))
     for ours, other in pairs:
         mine, theirs = (sync_analysis.skipped(of["sync"], INTERVAL) for of in (ours, other))
         figures.limit("G6", f"skipped slots in {seconds} s, at most 1.5 times the sender's and 5", "", [mine],
