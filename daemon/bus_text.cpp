@@ -36,50 +36,6 @@ FaultWords words_of(BusFaultKind kind) noexcept {
 
 }  // namespace
 
-std::string_view name(can::ControllerState state) noexcept {
-  switch (state) {
-    case can::ControllerState::error_active:
-      return "error-active";
-    case can::ControllerState::error_warning:
-      return "error-warning";
-    case can::ControllerState::error_passive:
-      return "error-passive";
-    case can::ControllerState::bus_off:
-      return "bus-off";
-    case can::ControllerState::stopped:
-      return "stopped";
-  }
-  return "unknown";
-}
-
-std::string_view name(can::LinkState state) noexcept {
-  switch (state) {
-    case can::LinkState::up:
-      return "up";
-    case can::LinkState::down:
-      return "down";
-    case can::LinkState::missing:
-      return "missing";
-    case can::LinkState::wrong_bit_rate:
-      return "wrong-bit-rate";
-  }
-  return "unknown";
-}
-
-std::string_view name(can::TimestampSource source) noexcept {
-  switch (source) {
-    case can::TimestampSource::simulation:
-      return "simulation";
-    case can::TimestampSource::hardware:
-      return "hardware";
-    case can::TimestampSource::kernel:
-      return "kernel";
-    case can::TimestampSource::thread:
-      return "thread";
-  }
-  return "unknown";
-}
-
 void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_MasterStatus& out) {
   const can::ControllerStatus& bus = master.controller;
   cansync::dds::copy_text(name(bus.state), out.controller_state);

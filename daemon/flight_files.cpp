@@ -15,9 +15,9 @@
 #include <string_view>
 #include <system_error>
 
+#include "can/bus_names.h"
 #include "can/candump.h"
 #include "cansync/mode.h"
-#include "daemon/bus_text.h"
 #include "daemon/flight_tap.h"
 
 namespace cansyncd {

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "can/error_frame.h"
+#include "can/kernel_frame.h"
 
 namespace can {
 namespace {
@@ -23,32 +24,13 @@ int opened(Kernel& kernel) {
   throw std::system_error(-socket, std::generic_category(), what);
 }
 
-std::vector<can_filter> to_kernel(const std::vector<IdentifierFilter>& filters) {
+std::vector<can_filter> to_filters(const std::vector<IdentifierFilter>& filters) {
   std::vector<can_filter> out;
   out.reserve(filters.size());
   // Both flags in the mask: neither extended nor remote frames.
   for (const IdentifierFilter& filter : filters) {
     out.push_back({filter.identifier, filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
   }
-  return out;
-}
-
-can_frame to_kernel(const Frame& frame) noexcept {
-  can_frame out{};
-  out.can_id = frame.id & CAN_SFF_MASK;
-  out.len = std::min<std::uint8_t>(frame.dlc, CAN_MAX_DLEN);
-  std::copy_n(frame.data.begin(), out.len, out.data);
-  return out;
-}
-
-Frame from_kernel(const can_frame& frame) noexcept {
-  Frame out;
-  out.kind = FrameKind::standard;
-  if ((frame.can_id & CAN_RTR_FLAG) != 0) out.kind = FrameKind::remote;
-  if ((frame.can_id & CAN_EFF_FLAG) != 0) out.kind = FrameKind::extended;
-  out.id = frame.can_id & CAN_EFF_MASK;
-  out.dlc = std::min<std::uint8_t>(frame.len, CAN_MAX_DLEN);
-  if (out.kind != FrameKind::remote) std::copy_n(frame.data, out.dlc, out.data.begin());
   return out;
 }
 
@@ -60,7 +42,7 @@ SocketcanBus::SocketcanBus(const SocketcanSettings& settings, LinkBoard& board, 
       board_(board),
       links_(links),
       wake_on_frame_(settings.wake_on_frame),
-      filters_(to_kernel(settings.filters)),
+      filters_(to_filters(settings.filters)),
       socket_(opened(kernel)),
       clock_(kernel) {
   try {

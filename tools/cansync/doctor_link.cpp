@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "can/bit_timing.h"
+#include "can/bus_names.h"
 
 namespace cansync::cli {
 namespace {
@@ -21,22 +22,6 @@ constexpr std::uint32_t kLongestQueue = 100;
 constexpr int kSamplePointTolerance = 32;  // permille
 /// What a configuration without bus.bit_rate means.
 constexpr std::uint32_t kUsualBitRate = 1'000'000;
-
-std::string_view state_name(can::ControllerState state) noexcept {
-  switch (state) {
-    case can::ControllerState::error_active:
-      return "error-active";
-    case can::ControllerState::error_warning:
-      return "error-warning";
-    case can::ControllerState::error_passive:
-      return "error-passive";
-    case can::ControllerState::bus_off:
-      return "bus-off";
-    case can::ControllerState::stopped:
-      return "stopped";
-  }
-  return "unknown";
-}
 
 std::string_view driver_kind(const can::LinkFacts& link) noexcept {
   const auto end = std::find(link.driver_kind.begin(), link.driver_kind.end(), '\0');
@@ -215,7 +200,7 @@ void look_at_controller(const DoctorInput& in, FindingList& out) {
     receive = in.status->receive_errors;
   } else {
     // One that is down is stopped, which has been said.
-    if (in.link.up && in.link.state) look_at_state(in, state_name(*in.link.state), wiring, out);
+    if (in.link.up && in.link.state) look_at_state(in, can::name(*in.link.state), wiring, out);
     if (!in.link.has_counters) return;
   }
   const std::string counters = fmt::format("{} transmit, {} receive", transmit, receive);
