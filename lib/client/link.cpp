@@ -105,7 +105,8 @@ void Link::receive() {
     take_replies();
     dispatch_feeds();
     end_lost_jobs(alive);
-    const bool ready = everything_matched();
+    // The list the next job is tied to must already have the daemon, not only what is matched by now.
+    const bool ready = !alive.empty() && everything_matched();
     const std::lock_guard lock(mutex_);
     daemons_ = alive;
     if (ready && !ready_) {
