@@ -28,6 +28,14 @@ static const void* next(dds_entity_t reader, const uint8_t* key, size_t size) {
   exit(1);
 }
 
+/* A request goes to the readers that are known when it is written. */
+static void wait_for_daemon(dds_entity_t requests) {
+  dds_publication_matched_status_t matched = {0};
+  for (int tries = 0; tries < 1000; dds_sleepfor(DDS_MSECS(10)), tries++) {
+    if (dds_get_publication_matched_status(requests, &matched) == 0 && matched.current_count > 0) return;
+  }
+}
+
 int main(int argc, char** argv) {
   if (argc != 5) return fprintf(stderr, "usage: %s DOMAIN BUS SLAVE NUMBER\n", argv[0]), 1;
   const uint32_t domain = (uint32_t)atoi(argv[1]);
@@ -41,7 +49,8 @@ int main(int argc, char** argv) {
 #define TOPIC(type) dds_create_topic(participant, &cansync_##type##_desc, #type, NULL, NULL)
   const dds_entity_t requests = dds_create_writer(participant, TOPIC(ParameterRequest), qos, NULL);
   const dds_entity_t replies = dds_create_reader(participant, TOPIC(ParameterReply), qos, NULL);
-  /* A reader of a transient local topic comes last: once it has data, the daemon knows the others too. */
+  /* A reader of a transient local topic comes last: once it has data, the daemon knows the reader of replies
+   * too. */
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
   const dds_entity_t values = dds_create_reader(participant, TOPIC(ActualValues), qos, NULL);
@@ -52,6 +61,7 @@ int main(int argc, char** argv) {
   request.number = (uint32_t)atoi(argv[4]);
   request.format = cansync_FORMAT_AS_SLAVE_SAYS;
   dds_get_guid(participant, (dds_guid_t*)request.client); /* 16 bytes that nobody else has */
+  wait_for_daemon(requests);
   if (dds_write(requests, &request) < 0) return fprintf(stderr, "the request was not written\n"), 1;
   const cansync_ParameterReply* reply = next(replies, request.client, sizeof request.client);
   if (reply->code == cansync_REPLY_DONE)
