@@ -105,16 +105,20 @@ struct StartConfig {
   StartTarget target = StartTarget::active;
 };
 
-/// What happens when the writer of reference values dies, leaves, or misses its deadline.
-enum class WriterLostAction : std::uint8_t {
-  stop_release,  ///< no reference value telegrams of that channel until a writer gives new values
+/// What happens when the writer of reference values dies, leaves, or gives nothing new in time. New values
+/// end each.
+enum class LossReaction : std::uint8_t {
+  stop_release,  ///< no reference value telegrams of that channel
+  hold,          ///< a running release goes on with its last values for a limited time, then stops
 };
 
-/// Failsafe behaviour of the reference values.
+/// Failsafe behaviour of the reference values. How old they may grow on the bus is
+/// `Config::master.process.too_old_after`.
 struct FailsafeConfig {
-  WriterLostAction on_writer_lost = WriterLostAction::stop_release;
-  /// A sample of reference values whose source time lies further back is not taken; 0: not looked at.
-  std::chrono::milliseconds reference_max_age{0};
+  LossReaction reaction = LossReaction::stop_release;
+  std::uint32_t hold_intervals = 50;  ///< 1..60'000
+  /// A sample of reference values whose source time lies further away is not taken; 0: not looked at.
+  std::chrono::milliseconds reference_max_age{500};
 };
 
 /// Name, unit and scaling of one value: scaled = raw (as signed 32 bits) * factor + offset, in `unit`.

@@ -55,6 +55,7 @@ class Checker {
     }
     slave_names();
     fault_script();
+    failsafe();
     for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
     if (const auto wrong = check_bit_timing(draft_.config)) problem(wrong->option, wrong->text);
     if (problems_.empty()) master();
@@ -150,6 +151,12 @@ class Checker {
       problem("sim.fault_script",
               fmt::format("found \"{}\", which cannot be read; allowed: a readable file", script));
     }
+  }
+
+  void failsafe() {
+    const FailsafeConfig& failsafe = draft_.config.failsafe;
+    const bool hold = failsafe.reaction == LossReaction::hold;
+    draft_.config.master.process.hold_too_old = hold ? failsafe.hold_intervals : 0;
   }
 
   /// The option a field of the master's settings came from.

@@ -157,6 +157,7 @@ bool takes(const Option& option, const Value& value, const Draft& draft) {
 std::span<const Option> options() {
   static const std::vector<Option> all = [] {
     std::vector<Option> out(rows::daemon_options().begin(), rows::daemon_options().end());
+    out.insert(out.end(), rows::failsafe_options().begin(), rows::failsafe_options().end());
     out.insert(out.end(), rows::sync_options().begin(), rows::sync_options().end());
     out.insert(out.end(), rows::line_options().begin(), rows::line_options().end());
     return out;

@@ -132,16 +132,6 @@ constexpr auto kRows = std::to_array<Option>({
         "startup.lost_after", "3", 1, 255, "telegrams",
         "Unanswered telegrams in a row until a slave counts as lost.",
         [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }),
-    // --- [failsafe]
-    choice("failsafe.on_writer_lost", "\"stop_release\"", "stop_release",
-           "When the writer of reference values is lost: stop_release = its telegram is no longer sent, so "
-           "that the slaves extrapolate and fault by themselves.",
-           [](Draft& d, const Value&) { d.config.failsafe.on_writer_lost = WriterLostAction::stop_release; }),
-    reloadable(whole_number(
-        "failsafe.reference_max_age_ms", "0", 0, 60'000, "ms",
-        "Reference values written longer ago than this are not taken; 0 = not looked at. Needs "
-        "synchronised clocks when writer and daemon run on different computers.",
-        [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); })),
     // --- [dds]
     whole_number("dds.domain", "0", 0, 230, "", "DDS domain.",
                  [](Draft& d, const Value& v) { d.config.dds.domain = whole<std::uint32_t>(v); }),

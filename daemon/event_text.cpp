@@ -20,6 +20,8 @@ cansync_EventSeverity severity_of(Code code) noexcept {
       return cansync_SEVERITY_ERROR;
     case Code::slave_not_synchronized:
     case Code::references_stopped:
+    case Code::references_too_old:
+    case Code::references_held:
       return cansync_SEVERITY_WARNING;
     case Code::slave_responds:
     case Code::slave_synchronized:
@@ -48,6 +50,15 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
       return fmt::format("reference values of telegram {} are no longer released", event.detail);
     case Code::references_released:
       return fmt::format("reference values of telegram {} are released", event.detail);
+    case Code::references_too_old:
+      return fmt::format(
+          "reference values of telegram {} are too old: no newer ones came within {} intervals "
+          "(failsafe.reference_max_intervals)",
+          event.detail, config.master.process.too_old_after);
+    case Code::references_held:
+      return fmt::format(
+          "the last reference values of telegram {} are still released, for {} intervals at most",
+          event.detail, config.failsafe.hold_intervals);
     case Code::second_master:
       return fmt::format("another master sends on this bus (identifier 0x{:03X}); switch one of them off",
                          event.detail);

@@ -10,6 +10,7 @@
 #include "cansync/jobs.h"
 #include "cansync/master.h"
 #include "cansync/mode.h"
+#include "cansync/release_status.h"
 #include "cansync/settings.h"
 #include "daemon/slot_statistics.h"
 #include "rt/latest_value.h"
@@ -31,9 +32,10 @@ struct Cancel {
   cansync::JobId id = 0;
 };
 
-/// Withdraws the reference values of a telegram (their writer is gone). No reply.
+/// Withdraws the reference values of a telegram (their writer is gone or silent). No reply.
 struct StopRelease {
   cansync::Channel channel = cansync::Channel::one;
+  std::uint32_t hold = 0;  ///< intervals for which the last values go on before the release stops
 };
 
 /// What an operator asks of the whole line.
@@ -265,6 +267,7 @@ struct MasterSnapshot {
   std::uint64_t missed_syncs = 0;
   std::uint64_t lost_reports = 0;
   SyncSnapshot sync;
+  std::array<cansync::ReleaseStatus, cansync::kChannels> release = {};  ///< of the reference values
   bool second_master = false;  ///< another master has sent within the last seconds
   can::TimestampSource timestamps = can::TimestampSource::thread;
 };

@@ -24,7 +24,8 @@ ReferenceInput::ReferenceInput(const dds::Participant& participant, dds::DataSig
     : reader_(participant, &signal),
       events_(events),
       limits_(dds::limits_of(config.master)),
-      maximum_age_(config.failsafe.reference_max_age) {}
+      maximum_age_(config.failsafe.reference_max_age),
+      hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0) {}
 
 void ReferenceInput::take_samples(Exchange& exchange, SteadyTime now) {
   take_with_info(reader_, [&](const cansync_ReferenceValues& sample, const dds_sample_info_t& info) {
@@ -50,7 +51,8 @@ void ReferenceInput::take(const cansync_ReferenceValues& sample, const dds_sampl
   }
   push_stops(exchange);
   Telegram& telegram = telegrams_[channel];
-  const cansync::ReferenceUpdate update = dds::to_core(sample);
+  cansync::ReferenceUpdate update = dds::to_core(sample);
+  update.takes_over = telegram.owner != 0 && telegram.owner != info.publication_handle;
   if (telegram.stop_wanted || !exchange.requests.try_push(update)) {
     count_refused(
         channel,
@@ -68,9 +70,15 @@ std::optional<std::string> ReferenceInput::problem(const cansync_ReferenceValues
   if (auto reason = dds::check(sample, limits_)) return reason;
   if (maximum_age_.count() == 0) return std::nullopt;
   const std::int64_t age = (wall_clock_now() - info.source_timestamp) / 1'000'000;
+  if (age < -maximum_age_.count()) {
+    return fmt::format(
+        "written {} ms in the future: at most {} ms are allowed (failsafe.reference_max_age_ms); set the "
+        "clocks of both computers",
+        -age, maximum_age_.count());
+  }
   if (age <= maximum_age_.count()) return std::nullopt;
   return fmt::format(
-      "age {} ms: at most {} ms are allowed (failsafe.reference_max_age); write fresh values, and "
+      "age {} ms: at most {} ms are allowed (failsafe.reference_max_age_ms); write fresh values, and "
       "set the clocks of both computers",
       age, maximum_age_.count());
 }
@@ -102,8 +110,8 @@ void ReferenceInput::writer_lost(unsigned channel, SteadyTime now) {
   events_.publish(
       {cansync_SEVERITY_WARNING, "reference_writer_lost", -1,
        fmt::format("the writer of the reference values of telegram {} has left or died; their release "
-                   "is stopped until new ones come",
-                   channel + 1),
+                   "is stopped{} until new ones come",
+                   channel + 1, hold_ == 0 ? "" : fmt::format(" after at most {} intervals", hold_)),
        std::nullopt},
       now);
 }
@@ -111,7 +119,7 @@ void ReferenceInput::writer_lost(unsigned channel, SteadyTime now) {
 void ReferenceInput::push_stops(Exchange& exchange) {
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     bool& wanted = telegrams_[channel].stop_wanted;
-    if (wanted && exchange.requests.try_push(StopRelease{channel_of(channel)})) wanted = false;
+    if (wanted && exchange.requests.try_push(StopRelease{channel_of(channel), hold_})) wanted = false;
   }
 }
 

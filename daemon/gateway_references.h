@@ -19,8 +19,9 @@ namespace cansyncd {
 /// Takes reference values from DDS to the realtime thread. Gateway thread only.
 ///
 /// DDS delivers those of the strongest living writer of each telegram. When that writer leaves or dies, the
-/// telegram's release is stopped until new values come. Values that cannot be taken have no reply: the first
-/// of a row is told as an event, the rest is counted, and a second event tells when it is over.
+/// telegram's release is stopped, or held first, until new values come. Values that cannot be taken have no
+/// reply: the first of a row is told as an event, the rest is counted, and a second event tells when it is
+/// over.
 class ReferenceInput {
  public:
   /// A row of refused values is over when none was refused for so long.
@@ -30,7 +31,7 @@ class ReferenceInput {
   ReferenceInput(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal,
                  EventPublisher& events, const Config& config);
 
-  /// Values whose source time lies further back are refused; 0: not looked at.
+  /// Values whose source time lies further away are refused; 0: not looked at.
   void set_maximum_age(std::chrono::milliseconds age) noexcept { maximum_age_ = age; }
 
   /// Takes what is new and hands it on; needed only after the signal was raised.
@@ -67,6 +68,7 @@ class ReferenceInput {
   EventPublisher& events_;
   cansync::dds::Limits limits_;
   std::chrono::milliseconds maximum_age_;
+  std::uint32_t hold_;  ///< intervals for which the values of a lost writer go on; 0: not at all
   std::array<Telegram, cansync::kChannels> telegrams_;
   std::uint32_t writers_ = 0;       ///< matched when last looked
   std::uint32_t writers_ever_ = 0;  ///< matched since the start when last looked

@@ -32,6 +32,9 @@ void RealtimeLoop::publish() noexcept {
   }
   snapshot.open_parameter_jobs = static_cast<std::uint32_t>(master_.open_parameter_jobs());
   snapshot.open_transfers = static_cast<std::uint32_t>(master_.open_transfers());
+  for (const auto channel : {cansync::Channel::one, cansync::Channel::two}) {
+    snapshot.release[cansync::index(channel)] = master_.release(channel);
+  }
   snapshot.missed_syncs = missed_syncs_;
   snapshot.lost_reports = reporter_.lost_reports();
   follow_sync();

@@ -84,7 +84,7 @@ void RequestIntake::handle(const Cancel& cancel) noexcept {
 }
 
 void RequestIntake::handle(const StopRelease& stop) noexcept {
-  master_.stop_release(stop.channel);
+  master_.stop_release(stop.channel, stop.hold);
 }
 
 void RequestIntake::handle(const ModeRequest& request) noexcept {

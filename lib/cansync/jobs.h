@@ -72,7 +72,8 @@ struct ReferenceUpdate {
   std::uint8_t valid_mask = 0;              ///< bit n: value[n] is new; the others keep their last value
   IntervalNumber from_interval = 0;         ///< first interval to release in; 0 = the next
   std::uint32_t release_intervals =
-      1;  ///< intervals in a row in which the telegram is released; 1 = exactly once
+      1;                    ///< intervals in a row in which the telegram is released; 1 = exactly once
+  bool takes_over = false;  ///< from another giver: what the one before gave for later intervals is forgotten
 };
 
 /// How a job ended.

@@ -205,8 +205,8 @@ Refusal Master::cancel(JobId id) noexcept {
   return impl_->command_channel.cancel(id);
 }
 
-void Master::stop_release(Channel channel) noexcept {
-  impl_->process.stop_release(channel);
+void Master::stop_release(Channel channel, std::uint32_t hold) noexcept {
+  impl_->process.stop_release(channel, hold);
 }
 
 Refusal Master::control(ControlCommand command, bool force) noexcept {
@@ -271,6 +271,9 @@ const SlaveStatus& Master::slave(SlaveNumber slave) const noexcept {
 }
 const ActualValues& Master::actual(SlaveNumber slave) const noexcept {
   return impl_->process.actual(slave);
+}
+const ReleaseStatus& Master::release(Channel channel) const noexcept {
+  return impl_->process.release(channel);
 }
 const MasterCounters& Master::counters() const noexcept {
   impl_->counters.references_not_released = impl_->process.not_released();

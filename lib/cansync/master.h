@@ -10,6 +10,7 @@
 #include "cansync/mapping.h"
 #include "cansync/mode.h"
 #include "cansync/numbers.h"
+#include "cansync/release_status.h"
 #include "cansync/settings.h"
 #include "cansync/telegram.h"
 
@@ -70,6 +71,8 @@ struct MasterEvent {
     all_synchronized,
     references_stopped,   ///< detail: channel 1 or 2
     references_released,  ///< detail: channel 1 or 2
+    references_too_old,   ///< no newer ones within `too_old_after`; detail: channel 1 or 2
+    references_held,      ///< still released for a limited time; detail: channel 1 or 2
     second_master,        ///< detail: identifier of its first frame
     second_master_gone,   ///< nothing of it for 3 s; detail: how many frames there were
   };
@@ -157,8 +160,10 @@ class Master {
   /// Ends an open job as `cancelled`; a running transfer is cancelled on the slave first.
   Refusal cancel(JobId id) noexcept;
 
-  /// Withdraws reference values not yet sent; the telegram is no longer released until new ones come.
-  void stop_release(Channel channel) noexcept;
+  /// Withdraws reference values not yet sent; the telegram is no longer released until new ones come. With
+  /// `hold`, a running release goes on with its last values for so many intervals before it stops; one that
+  /// has stopped is not taken up again.
+  void stop_release(Channel channel, std::uint32_t hold = 0) noexcept;
 
   /// Gives a command of the control register. `enable_active` obeys the enable rule unless `force`.
   /// Leaving synchronous operation ends every open job as `master_stopped`.
@@ -180,6 +185,7 @@ class Master {
   const MasterSettings& settings() const noexcept;
   const SlaveStatus& slave(SlaveNumber slave) const noexcept;
   const ActualValues& actual(SlaveNumber slave) const noexcept;
+  const ReleaseStatus& release(Channel channel) const noexcept;
   const MasterCounters& counters() const noexcept;
   /// Another master has sent within the last 3 s.
   bool second_master() const noexcept;

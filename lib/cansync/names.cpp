@@ -199,6 +199,10 @@ std::string_view name(MasterEvent::Code code) noexcept {
       return "references_stopped";
     case MasterEvent::Code::references_released:
       return "references_released";
+    case MasterEvent::Code::references_too_old:
+      return "references_too_old";
+    case MasterEvent::Code::references_held:
+      return "references_held";
     case MasterEvent::Code::second_master:
       return "second_master";
     case MasterEvent::Code::second_master_gone:

@@ -6,17 +6,18 @@
 namespace cansync {
 
 ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept
-    : settings_(settings.process), listener_(listener), configured_(settings.configured()) {
+    : settings_(settings.process),
+      listener_(listener),
+      configured_(settings.configured()),
+      output_{Output{ReferenceRelease(Channel::one, settings.process, listener), 0, std::nullopt},
+              Output{ReferenceRelease(Channel::two, settings.process, listener), 0, std::nullopt}} {
   for (unsigned i = 0; i < kSlaves; ++i) actual_mapping_[i] = settings.slaves[i].actual_mapping;
 }
 
 void ProcessData::stop() noexcept {
   for (Output& output : output_) {
-    output.pending_count = 0;
-    output.remaining = 0;
+    output.release.stop();
     output.asked.reset();
-    output.told_released = false;
-    output.quiet_until = 0;
   }
 }
 
@@ -46,31 +47,11 @@ Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
   if (!next && (update.from_interval < now_ || update.from_interval > now_ + settings_.ahead_limit)) {
     return Refusal::interval_passed;
   }
-  Output& output = output_[index(update.channel)];
-  if (output.pending_count == kPendingUpdates) return Refusal::queue_full;
-  output.pending[output.pending_count++] = update;
-  return Refusal::none;
+  return output_[index(update.channel)].release.add(update) ? Refusal::none : Refusal::queue_full;
 }
 
-void ProcessData::stop_release(Channel channel) noexcept {
-  output_[index(channel)].pending_count = 0;
-  output_[index(channel)].remaining = 0;
-}
-
-void ProcessData::apply_due(Output& output, unsigned first_value) noexcept {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < output.pending_count; ++i) {
-    const ReferenceUpdate& update = output.pending[i];
-    if (update.from_interval > now_) {
-      output.pending[kept++] = update;
-      continue;
-    }
-    for (unsigned v = 0; v < 4; ++v) {
-      if (((update.valid_mask >> v) & 1u) != 0) references_[first_value + v] = update.value[v];
-    }
-    output.remaining = update.release_intervals;
-  }
-  output.pending_count = kept;
+void ProcessData::stop_release(Channel channel, std::uint32_t hold) noexcept {
+  output_[index(channel)].release.withdraw(hold);
 }
 
 std::uint8_t ProcessData::polled(const Output& output, Channel channel) const noexcept {
@@ -86,28 +67,23 @@ std::uint8_t ProcessData::polled(const Output& output, Channel channel) const no
   return settings_.poll_nobody;
 }
 
-void ProcessData::tell_release(Output& output, Channel channel, bool released) noexcept {
-  if (output.told_released == released || (!released && now_ < output.quiet_until)) return;
-  if (!released) output.quiet_until = now_ + kQuietIntervals;
-  output.told_released = released;
-  listener_.event({released ? MasterEvent::Code::references_released : MasterEvent::Code::references_stopped,
-                   std::nullopt, index(channel) + 1});
-}
-
 std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept {
   Output& output = output_[index(channel)];
-  apply_due(output, index(channel) * 4);
+  const unsigned first_value = index(channel) * 4;
+  while (const auto update = output.release.next_due(now_)) {
+    for (unsigned v = 0; v < 4; ++v) {
+      if (((update->valid_mask >> v) & 1u) != 0) references_[first_value + v] = update->value[v];
+    }
+  }
   ReferenceTelegram telegram;
   telegram.channel = channel;
   telegram.polled = polled(output, channel);
-  if (output.remaining == 0) {
+  if (!output.release.decide(now_)) {
     ++not_released_;
-    tell_release(output, channel, false);
     if (!settings_.poll_without_reference) return std::nullopt;
     telegram.words = 0;
     return telegram;
   }
-  tell_release(output, channel, true);
   const TelegramMapping& mapping = settings_.reference_mapping[index(channel)];
   telegram.word = pack(mapping, references_);
   telegram.words = settings_.full_length ? kWords : mapping.used_words();
@@ -116,14 +92,13 @@ std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept
 
 void ProcessData::sent(Channel channel) noexcept {
   Output& output = output_[index(channel)];
-  if (output.remaining > 0) --output.remaining;
+  output.release.used();
   const auto slave = SlaveNumber::from(polled(output, channel));
   if (slave && configured_.has(*slave)) output.asked = slave;
 }
 
 void ProcessData::left_out(Channel channel) noexcept {
-  Output& output = output_[index(channel)];
-  if (output.remaining > 0) --output.remaining;
+  output_[index(channel)].release.used();
 }
 
 bool ProcessData::receive(const ActualTelegram& telegram) noexcept {

@@ -8,6 +8,8 @@
 #include "cansync/mapping.h"
 #include "cansync/master.h"
 #include "cansync/numbers.h"
+#include "cansync/reference_release.h"
+#include "cansync/release_status.h"
 #include "cansync/settings.h"
 #include "cansync/telegram.h"
 
@@ -27,7 +29,7 @@ class ProcessData {
   std::array<std::optional<SlaveNumber>, kChannels> begin_interval(IntervalNumber now) noexcept;
 
   Refusal update(const ReferenceUpdate& update) noexcept;
-  void stop_release(Channel channel) noexcept;
+  void stop_release(Channel channel, std::uint32_t hold) noexcept;
 
   /// The channel's reference telegram for this interval; nothing when no values are released.
   std::optional<ReferenceTelegram> telegram(Channel channel) noexcept;
@@ -46,6 +48,9 @@ class ProcessData {
   Refusal set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept;
 
   const ProcessSettings& settings() const noexcept { return settings_; }
+  const ReleaseStatus& release(Channel channel) const noexcept {
+    return output_[index(channel)].release.status();
+  }
   const ProcessMapping& actual_mapping(SlaveNumber slave) const noexcept {
     return actual_mapping_[slave.value()];
   }
@@ -53,23 +58,13 @@ class ProcessData {
   std::uint64_t not_released() const noexcept { return not_released_; }
 
  private:
-  static constexpr std::size_t kPendingUpdates = 16;
-  static constexpr IntervalNumber kQuietIntervals = 1000;
-
   struct Output {
-    std::array<ReferenceUpdate, kPendingUpdates> pending = {};
-    std::size_t pending_count = 0;
-    std::uint32_t remaining = 0;     ///< intervals for which the values are still released
-    bool told_released = false;      ///< as last told to the listener
-    IntervalNumber quiet_until = 0;  ///< no further "stopped" is told before
-    std::uint8_t automatic = 0;      ///< the rising slave number
+    ReferenceRelease release;
+    std::uint8_t automatic = 0;  ///< the rising slave number
     std::optional<SlaveNumber> asked;
   };
 
-  void apply_due(Output& output, unsigned first_value) noexcept;
   std::uint8_t polled(const Output& output, Channel channel) const noexcept;
-  /// Tells the first change at once; a release that keeps stopping is told once in `kQuietIntervals`.
-  void tell_release(Output& output, Channel channel, bool released) noexcept;
 
   ProcessSettings settings_;
   MasterListener& listener_;
@@ -77,7 +72,7 @@ class ProcessData {
   std::array<ProcessMapping, kSlaves> actual_mapping_;
   std::array<ActualValues, kSlaves> actual_ = {};
   Values references_ = {};
-  std::array<Output, kChannels> output_ = {};
+  std::array<Output, kChannels> output_;
   IntervalNumber now_ = 0;
   bool first_ = true;
   std::uint64_t not_released_ = 0;

@@ -87,6 +87,11 @@ struct ProcessSettings {
   bool poll_without_reference = false;
   std::uint32_t release_limit = 1000;  ///< most release_intervals of one update
   std::uint32_t ahead_limit = 1000;    ///< most intervals an update may lie ahead
+  /// Values without newer ones are too old after so many intervals, from the one in which they were taken
+  /// into use on, and no longer released; 0 = never.
+  std::uint32_t too_old_after = 0;
+  /// Values that grew too old while they were released are held for so many intervals more; 0 = not at all.
+  std::uint32_t hold_too_old = 0;
 };
 
 /// The send margin that takes up as much lateness of the sender as the slots of a bit rate allow: 50 bit

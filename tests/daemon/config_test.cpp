@@ -125,6 +125,8 @@ TEST(Config, DefaultsOfTheTableAreThoseOfTheStructs) {
   EXPECT_EQ(config.master.process.poll_without_reference, plain.process.poll_without_reference);
   EXPECT_EQ(config.master.process.release_limit, plain.process.release_limit);
   EXPECT_EQ(config.master.process.ahead_limit, plain.process.ahead_limit);
+  EXPECT_EQ(config.master.process.too_old_after, plain.process.too_old_after);
+  EXPECT_EQ(config.master.process.hold_too_old, plain.process.hold_too_old);
   EXPECT_EQ(config.master.startup.enable, plain.startup.enable);
   EXPECT_EQ(config.master.startup.activate_command, plain.startup.activate_command);
   EXPECT_EQ(config.master.startup.activate_data, plain.startup.activate_data);
@@ -163,6 +165,8 @@ TEST(Config, DefaultsOfTheDaemonAreThoseOfTheStructs) {
   EXPECT_EQ(config.realtime.request_queue, plain.realtime.request_queue);
   EXPECT_EQ(config.realtime.report_queue, plain.realtime.report_queue);
   EXPECT_EQ(config.startup.target, plain.startup.target);
+  EXPECT_EQ(config.failsafe.reaction, plain.failsafe.reaction);
+  EXPECT_EQ(config.failsafe.hold_intervals, plain.failsafe.hold_intervals);
   EXPECT_EQ(config.failsafe.reference_max_age, plain.failsafe.reference_max_age);
   EXPECT_EQ(config.dds.domain, plain.dds.domain);
   EXPECT_EQ(config.dds.interval_topic, plain.dds.interval_topic);
@@ -189,6 +193,14 @@ TEST(Config, BothFormsOfAMappingMeanTheSame) {
   EXPECT_EQ(arrays.master.slaves[5].actual_mapping, registers.master.slaves[5].actual_mapping);
   EXPECT_EQ(arrays.master.slaves[5].actual_mapping[0].word[3], (cansync::WordMapping{true, false, 3}));
   EXPECT_EQ(arrays.master.slaves[5].actual_mapping[1], cansync::default_mapping(cansync::Channel::two));
+}
+
+TEST(Config, ValuesThatGrewTooOldAreHeldOnlyWithThatReaction) {
+  const std::string rest = "reference_max_intervals = 20\nhold_intervals = 30\n[[slave]]\nnumber = 0\n";
+  EXPECT_EQ(good("[failsafe]\n" + rest).master.process.hold_too_old, 0u);
+  const Config config = good("[failsafe]\nreaction = \"hold\"\n" + rest);
+  EXPECT_EQ(config.master.process.too_old_after, 20u);
+  EXPECT_EQ(config.master.process.hold_too_old, 30u);
 }
 
 TEST(Config, NamesUnitsAndScaling) {

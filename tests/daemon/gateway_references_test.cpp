@@ -153,9 +153,34 @@ TEST(GatewayReferences, ThoseTheMasterRefusesAreToldOnceAndCounted) {
   EXPECT_NE(text.find("mode run"), std::string_view::npos) << text;
 }
 
-TEST(GatewayReferences, StaleOnesAreRefused) {
+TEST(GatewayReferences, AHoldIsAskedForWhenTheWriterLeaves) {
   Config config = gateway_config();
-  config.failsafe.reference_max_age = std::chrono::milliseconds(200);
+  config.failsafe.reaction = LossReaction::hold;
+  config.failsafe.hold_intervals = 70;
+  GatewayRig rig(config);
+  {
+    ReferenceWriter writer(rig, 0);
+    writer.write(values(1, 1));
+    rig.expect_request<cansync::ReferenceUpdate>();
+  }
+  EXPECT_EQ(rig.expect_request<StopRelease>().hold, 70u);
+}
+
+TEST(GatewayReferences, AStrongerWriterReplacesWhatTheWeakerGaveForLater) {
+  GatewayRig rig;
+  ReferenceWriter weak(rig, 1);
+  weak.write(values(1, 1));
+  EXPECT_FALSE(rig.expect_request<cansync::ReferenceUpdate>().takes_over);
+  weak.write(values(1, 2));
+  EXPECT_FALSE(rig.expect_request<cansync::ReferenceUpdate>().takes_over);
+  ReferenceWriter strong(rig, 2);
+  strong.write(values(1, 3));
+  EXPECT_TRUE(rig.expect_request<cansync::ReferenceUpdate>().takes_over);
+}
+
+TEST(GatewayReferences, StaleOnesAreRefusedByDefault) {
+  Config config = gateway_config();
+  config.failsafe = {};
   GatewayRig rig(config);
   cansync::dds::Participant participant(rig.places().there);
   cansync::dds::DataSignal signal;
@@ -165,8 +190,25 @@ TEST(GatewayReferences, StaleOnesAreRefused) {
   ASSERT_EQ(dds_write_ts(writer.handle(), &sample, dds_time() - DDS_SECS(5)), DDS_RETCODE_OK);
   const auto refused = event(rig, "reference_refused");
   ASSERT_TRUE(refused);
-  EXPECT_NE(cansync::dds::text(refused->text).find("at most 200 ms"), std::string_view::npos)
+  EXPECT_NE(cansync::dds::text(refused->text).find("at most 500 ms"), std::string_view::npos)
       << refused->text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+TEST(GatewayReferences, ThoseOfAClockThatIsAheadAreRefused) {
+  Config config = gateway_config();
+  config.failsafe = {};
+  GatewayRig rig(config);
+  cansync::dds::Participant participant(rig.places().there);
+  cansync::dds::DataSignal signal;
+  cansync::dds::Writer<cansync_ReferenceValues> writer(participant, 0, &signal);
+  ASSERT_TRUE(eventually(signal, [&] { return writer.matched() > 0; }));
+  const auto sample = values(1, 1);
+  ASSERT_EQ(dds_write_ts(writer.handle(), &sample, dds_time() + DDS_SECS(3600)), DDS_RETCODE_OK);
+  const auto refused = event(rig, "reference_refused");
+  ASSERT_TRUE(refused);
+  EXPECT_NE(cansync::dds::text(refused->text).find("in the future"), std::string_view::npos) << refused->text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
 
 }  // namespace

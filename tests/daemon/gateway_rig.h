@@ -39,6 +39,8 @@ inline Config gateway_config() {
   }
   config.slaves[1].actual[0] = {"speed", "1/min", 0.5, 10.0};
   config.references[2] = {"draw", "%", 0.01, 0.0};
+  // On a loaded machine samples may take long; tests of stale ones switch this on.
+  config.failsafe.reference_max_age = std::chrono::milliseconds(0);
   return config;
 }
 

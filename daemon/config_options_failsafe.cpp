@@ -1,0 +1,42 @@
+#include "daemon/config_option_rows.h"
+
+namespace cansyncd {
+namespace {
+
+using namespace rows;  // the table reads better without the prefix in every line
+
+constexpr auto kRows = std::to_array<Option>({
+    // --- [failsafe]
+    choice("failsafe.reaction", "\"stop_release\"", "stop_release|hold",
+           "When the writer of reference values dies, leaves, or its values grow too old: stop_release = its "
+           "telegram is no longer sent, so that the slaves extrapolate and fault by themselves; hold = a "
+           "running "
+           "release goes on with the last values for hold_intervals, then stops. New values end each.",
+           [](Draft& d, const Value& v) {
+             d.config.failsafe.reaction =
+                 words(v) == "hold" ? LossReaction::hold : LossReaction::stop_release;
+           }),
+    whole_number(
+        "failsafe.hold_intervals", "50", 1, 60'000, "intervals",
+        "With reaction \"hold\": intervals for which the last values go on.",
+        [](Draft& d, const Value& v) { d.config.failsafe.hold_intervals = whole<std::uint32_t>(v); }),
+    whole_number(
+        "failsafe.reference_max_intervals", "0", 0, 1'000'000, "intervals",
+        "Values without newer ones are too old after so many intervals, exact to the interval, whatever "
+        "their release_intervals say; 0 = not looked at.",
+        [](Draft& d, const Value& v) { d.config.master.process.too_old_after = whole<std::uint32_t>(v); }),
+    reloadable(whole_number(
+        "failsafe.reference_max_age_ms", "500", 0, 60'000, "ms",
+        "Reference values written longer ago than this are stale and not taken, nor those from as far in the "
+        "future; 0 = not looked at. Needs synchronised clocks when writer and daemon run on different "
+        "computers.",
+        [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); })),
+});
+
+}  // namespace
+
+std::span<const Option> rows::failsafe_options() {
+  return kRows;
+}
+
+}  // namespace cansyncd

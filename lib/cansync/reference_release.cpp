@@ -1,0 +1,108 @@
+#include "cansync/reference_release.h"
+
+namespace cansync {
+
+void ReferenceRelease::stop() noexcept {
+  pending_count_ = 0;
+  remaining_ = 0;
+  watched_ = false;
+  hold_wanted_ = 0;
+  status_.state = State::stopped;
+  status_.cause = Cause::none;
+  told_released_ = false;
+  quiet_until_ = 0;
+}
+
+bool ReferenceRelease::add(const ReferenceUpdate& update) noexcept {
+  const std::size_t kept = update.takes_over ? 0 : pending_count_;
+  if (kept == kPendingUpdates) return false;
+  pending_count_ = kept;
+  pending_[pending_count_++] = update;
+  return true;
+}
+
+void ReferenceRelease::withdraw(std::uint32_t hold) noexcept {
+  pending_count_ = 0;
+  watched_ = false;
+  if (hold != 0 && status_.state == State::held) return;
+  hold_wanted_ = status_.state == State::released ? hold : 0;
+  if (hold_wanted_ != 0) return;
+  remaining_ = 0;
+  end_cause_ = Cause::withdrawn;
+  hold_until_ = 0;
+}
+
+std::optional<ReferenceUpdate> ReferenceRelease::next_due(IntervalNumber now) noexcept {
+  for (std::size_t i = 0; i < pending_count_; ++i) {
+    if (pending_[i].from_interval > now) continue;
+    const ReferenceUpdate due = pending_[i];
+    --pending_count_;
+    for (std::size_t later = i; later < pending_count_; ++later) pending_[later] = pending_[later + 1];
+    if (status_.state == State::held) tell(MasterEvent::Code::references_released);
+    remaining_ = due.release_intervals;
+    end_cause_ = Cause::used_up;
+    hold_wanted_ = 0;
+    watched_ = too_old_after_ != 0;
+    status_.state = State::released;
+    status_.cause = Cause::none;
+    status_.given = now;
+    ++status_.updates;
+    return due;
+  }
+  return std::nullopt;
+}
+
+bool ReferenceRelease::decide(IntervalNumber now) noexcept {
+  if (watched_ && now - status_.given >= too_old_after_) grow_old(now);
+  if (hold_wanted_ != 0) hold(now + hold_wanted_, Cause::withdrawn);
+  if (status_.state == State::held && now >= hold_until_) {
+    remaining_ = 0;
+    status_.state = State::stopped;
+    quiet_until_ = 0;  // the end of a hold is always told
+  } else if (status_.state == State::released && remaining_ == 0) {
+    status_.state = State::stopped;
+    status_.cause = end_cause_;
+  }
+  tell_release(now);
+  return status_.state != State::stopped;
+}
+
+void ReferenceRelease::grow_old(IntervalNumber now) noexcept {
+  watched_ = false;
+  ++status_.too_old;
+  tell(MasterEvent::Code::references_too_old);
+  if (status_.state != State::released || hold_wanted_ != 0) return;
+  if (hold_too_old_ != 0) {
+    hold(now + hold_too_old_, Cause::too_old);
+  } else {
+    remaining_ = 0;
+    end_cause_ = Cause::too_old;
+  }
+}
+
+void ReferenceRelease::hold(IntervalNumber until, Cause cause) noexcept {
+  hold_wanted_ = 0;
+  hold_until_ = until;
+  status_.state = State::held;
+  status_.cause = cause;
+  tell(MasterEvent::Code::references_held);
+}
+
+void ReferenceRelease::used() noexcept {
+  if (remaining_ > 0) --remaining_;
+}
+
+void ReferenceRelease::tell(MasterEvent::Code code) noexcept {
+  listener_.event({code, std::nullopt, index(channel_) + 1});
+}
+
+/// Tells the first change at once; a release that keeps stopping is told once in `kQuietIntervals`.
+void ReferenceRelease::tell_release(IntervalNumber now) noexcept {
+  const bool released = status_.state != State::stopped;
+  if (told_released_ == released || (!released && now < quiet_until_)) return;
+  if (!released) quiet_until_ = now + kQuietIntervals;
+  told_released_ = released;
+  tell(released ? MasterEvent::Code::references_released : MasterEvent::Code::references_stopped);
+}
+
+}  // namespace cansync

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "cansync/jobs.h"
+#include "cansync/master.h"
+#include "cansync/numbers.h"
+#include "cansync/release_status.h"
+#include "cansync/settings.h"
+
+namespace cansync {
+
+/// How long the reference values of one telegram are released: as often as each update says, no longer than
+/// they are young enough, and a little longer when they are to be held. A release that has ended is never
+/// taken up again without new values. Counts interval numbers alone. Realtime safe; not thread safe.
+class ReferenceRelease {
+ public:
+  /// `listener` must outlive this object.
+  ReferenceRelease(Channel channel, const ProcessSettings& settings, MasterListener& listener) noexcept
+      : channel_(channel),
+        too_old_after_(settings.too_old_after),
+        hold_too_old_(settings.hold_too_old),
+        listener_(listener) {}
+
+  /// Active operation ends: forgets what was given.
+  void stop() noexcept;
+
+  /// Keeps an update until its interval; false: no room.
+  bool add(const ReferenceUpdate& update) noexcept;
+
+  /// Forgets what waits, and stops the release: at once, or after `hold` more intervals when it runs. A hold
+  /// that runs already is not made longer.
+  void withdraw(std::uint32_t hold) noexcept;
+
+  /// Once an interval, before the telegram is built: the next update that is due, to be taken into use.
+  std::optional<ReferenceUpdate> next_due(IntervalNumber now) noexcept;
+  /// Once an interval, after all that is due: is the telegram sent in this interval?
+  bool decide(IntervalNumber now) noexcept;
+  /// The telegram was handed to the bus or left out: its values are used once.
+  void used() noexcept;
+
+  const ReleaseStatus& status() const noexcept { return status_; }
+
+ private:
+  using State = ReleaseStatus::State;
+  using Cause = ReleaseStatus::Cause;
+  static constexpr std::size_t kPendingUpdates = 16;
+  static constexpr IntervalNumber kQuietIntervals = 1000;
+
+  void grow_old(IntervalNumber now) noexcept;
+  void hold(IntervalNumber until, Cause cause) noexcept;
+  void tell(MasterEvent::Code code) noexcept;
+  void tell_release(IntervalNumber now) noexcept;
+
+  Channel channel_;
+  std::uint32_t too_old_after_;
+  std::uint32_t hold_too_old_;
+  MasterListener& listener_;
+  std::array<ReferenceUpdate, kPendingUpdates> pending_ = {};
+  std::size_t pending_count_ = 0;
+  ReleaseStatus status_;
+  Cause end_cause_ = Cause::used_up;  ///< why `remaining_` came to 0
+  std::uint32_t remaining_ = 0;       ///< intervals for which the values are still released
+  bool watched_ = false;              ///< the values' age is looked at
+  std::uint32_t hold_wanted_ = 0;     ///< intervals to hold, from the next telegram on
+  IntervalNumber hold_until_ = 0;     ///< first interval no longer held
+  bool told_released_ = false;        ///< as last told to the listener
+  IntervalNumber quiet_until_ = 0;    ///< no further "stopped" is told before
+};
+
+}  // namespace cansync

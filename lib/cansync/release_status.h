@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cansync/numbers.h"
+
+namespace cansync {
+
+/// Whether the reference values of one telegram are released, and if not, why.
+struct ReleaseStatus {
+  enum class State : std::uint8_t {
+    stopped,   ///< the telegram is left out
+    released,  ///< as the values' giver wants it
+    held,      ///< released a little longer although the giver is lost or silent
+  };
+  enum class Cause : std::uint8_t {
+    none,       ///< released, or nothing was given since active operation began
+    used_up,    ///< released as often as the update said
+    too_old,    ///< no newer values within `ProcessSettings::too_old_after`
+    withdrawn,  ///< by `Master::stop_release`
+  };
+  State state = State::stopped;
+  Cause cause = Cause::none;  ///< of being held or stopped
+  IntervalNumber given = 0;   ///< interval in which the newest values were taken into use
+  std::uint64_t updates = 0;  ///< taken into use since the start
+  std::uint64_t too_old = 0;  ///< times since the start that values grew too old
+};
+
+}  // namespace cansync
