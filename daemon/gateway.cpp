@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <array>
@@ -52,7 +53,10 @@ Gateway::~Gateway() {
 }
 
 void Gateway::start() {
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "cansync-gateway");  // for `top -H` and whoever measures
+    run();
+  });
 }
 
 void Gateway::stop() noexcept {
