@@ -104,6 +104,8 @@ bool Supervision::answered(SlaveNumber slave, const ParameterReply& reply) noexc
 void Supervision::set_synchronized(SlaveNumber slave, bool synchronized) noexcept {
   at(slave).synchronized = synchronized;
   synchronized_.set(slave, synchronized);
+  // It may have started anew between two commands, and then waits to be activated.
+  if (!synchronized) to_activate_.set(slave);
   listener_.slave_status(slave, at(slave));
   tell(synchronized ? MasterEvent::Code::slave_synchronized : MasterEvent::Code::slave_not_synchronized,
        slave);

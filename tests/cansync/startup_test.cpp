@@ -144,6 +144,33 @@ TEST(StartUp, ASlaveThatFallsSilentIsLostOnceAndActivatedAgainWhenItReturns) {
   EXPECT_EQ(rig.master.slave(slave(1)).slave_register(), 3);
 }
 
+TEST(StartUp, ASlaveThatStartsAnewBetweenTwoCommandsIsActivatedAgain) {
+  auto line = std::make_shared<Line>();
+  MasterSettings settings = settings_for(2);
+  settings.startup.status_period = std::chrono::milliseconds(10);
+  MasterRig rig(settings);
+  unsigned activations = 0;
+  rig.answer = [&, line](const Telegram& t) {
+    if (const auto* action = std::get_if<ActionCommand>(&t)) {
+      ++activations;
+      // Nobody but the slave that needs it: the others go on undisturbed.
+      if (activations == 2) {
+        EXPECT_EQ(*action, (ActionCommand{SlaveMask::of(slave(1)), 2, 1, 0}));
+      }
+      line->unsynchronized = {};
+    }
+    return (*line)(t);
+  };
+  rig.activate();
+  ASSERT_EQ(activations, 1u);
+  line->unsynchronized.set(slave(1));
+  rig.run(50);
+  EXPECT_EQ(activations, 2u);
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::slave_lost), 0u);
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::slave_not_synchronized), 1u);
+  EXPECT_EQ(rig.master.slave(slave(1)).slave_register(), 3);
+}
+
 TEST(StartUp, WithoutABusNoSlaveRespondsAndEachIsActivatedAgainWhenItAnswers) {
   MasterRig rig(settings_for(4));
   rig.activate();
