@@ -144,6 +144,7 @@ struct DdsConfig {
   std::string interface = "lo";  ///< network interface DDS is bound to
   std::string partition;         ///< of all topics; never empty after parsing (default: the bus's name)
   bool interval_topic = false;   ///< publish the topic Interval
+  std::chrono::milliseconds request_max_age{5000};  ///< of a request when it arrives; 0: any
   std::string xml;  ///< Cyclone DDS configuration used instead of the generated one; empty: generated
 };
 

@@ -144,6 +144,12 @@ constexpr auto kRows = std::to_array<Option>({
     plain("dds.interval_topic", OptionType::boolean, "false",
           "Publish the topic Interval: one sample per interval, right after SYNC.",
           [](Draft& d, const Value& v) { d.config.dds.interval_topic = flag(v); }),
+    reloadable(whole_number(
+        "dds.request_max_age_ms", "5000", 0, 3'600'000, "ms",
+        "Requests written longer ago than this when they arrive, or further in the future, are refused; 0 = "
+        "not "
+        "looked at. Needs synchronised clocks when client and daemon run on different computers.",
+        [](Draft& d, const Value& v) { d.config.dds.request_max_age = milliseconds(v); })),
     string("dds.xml", OptionType::text, "\"\"", 0, 65536,
            "Cyclone DDS configuration (XML) used instead of the generated one; interface is not looked at "
            "then.",

@@ -21,6 +21,7 @@ void take_changeable(const Config& to, Config& config) {
   config.references = to.references;
   config.slaves = to.slaves;
   config.failsafe.reference_max_age = to.failsafe.reference_max_age;
+  config.dds.request_max_age = to.dds.request_max_age;
   config.master.process.reference_mapping = to.master.process.reference_mapping;
   config.master.process.polling = to.master.process.polling;
   config.master.process.maximum_slave = to.master.process.maximum_slave;
@@ -121,10 +122,13 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   publish_posted(now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
-    references_.take_samples(exchange_, now);
-    jobs_.take_requests(jobs);
+    // Both take a bounded number, so that no writer keeps this thread from the rest of its work.
+    const bool more_references = references_.take_samples(exchange_, now);
+    const bool more_requests = jobs_.take_requests(jobs);
+    if (more_references || more_requests) signal_.raise();
   }
   references_.push_stops(exchange_);
+  state_.set_clients(jobs_.clients(), jobs_.rejections());
   for (const auto next : {jobs_.retry(jobs), references_.tick(now), tell_syncs(now), events_.tick(now)}) {
     if (next) due = std::min(due, *next);
   }

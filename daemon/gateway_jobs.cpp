@@ -25,6 +25,23 @@ std::size_t bytes_of(const Sample& /*sample*/) noexcept {
   return 0;
 }
 
+/// The queue of the master a request waits in.
+Lane lane_of(const Request& request) noexcept {
+  if (const auto* job = std::get_if<cansync::ParameterRequest>(&request)) {
+    return {LaneKind::parameter, job->slave.value()};
+  }
+  if (const auto* job = std::get_if<cansync::TransferRequest>(&request)) {
+    return {LaneKind::transfer, job->slave.value()};
+  }
+  if (const auto* job = std::get_if<cansync::ControlWordRequest>(&request)) {
+    return {LaneKind::control_word, job->slave.value()};
+  }
+  if (const auto* job = std::get_if<cansync::BroadcastRequest>(&request)) {
+    return {LaneKind::broadcast, job->priority};
+  }
+  return {};
+}
+
 std::string who_of(std::string_view name, const std::array<std::uint8_t, 16>& client) {
   return fmt::format("'{}' ({:02x}{:02x}{:02x}{:02x})", name, client[0], client[1], client[2], client[3]);
 }
@@ -42,24 +59,31 @@ JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, E
       command_replies_(participant, signal),
       progress_(participant),
       events_(events),
-      limits_(dds::limits_of(config.master)) {}
+      limits_(dds::limits_of(config.master)),
+      rejections_(events),
+      lanes_(lane_limits(config.master.command_channel)) {}
 
-void JobDesk::take_requests(const JobContext& context) {
-  accept(commands_, context);
-  accept(parameters_, context);
-  accept(transfers_, context);
-  take_cancels(context);
+bool JobDesk::take_requests(const JobContext& context) {
+  bool more = accept(commands_, context);
+  more = accept(parameters_, context) || more;
+  more = accept(transfers_, context) || more;
+  more = take_cancels(context) || more;
+  // After the samples: what a client left behind is cancelled before it is handed on.
+  look_for_clients(context);
+  return more;
 }
 
 template <class Sample>
-void JobDesk::accept(dds::Reader<Sample>& reader, const JobContext& context) {
-  take_with_info(reader, [&](const Sample& sample, const dds_sample_info_t& info) {
-    if (info.valid_data) accept(sample, places_.find(reader.handle(), info.publication_handle), context);
+bool JobDesk::accept(dds::Reader<Sample>& reader, const JobContext& context) {
+  return take_with_info(reader, [&](const Sample& sample, const dds_sample_info_t& info) {
+    if (!info.valid_data) return;
+    accept(sample, places_.find(reader.handle(), info.publication_handle), info.source_timestamp, context);
   });
 }
 
 template <class Sample>
-void JobDesk::accept(const Sample& sample, const Place& place, const JobContext& context) {
+void JobDesk::accept(const Sample& sample, const Place& place, std::int64_t written,
+                     const JobContext& context) {
   Job job;
   job.key = dds::key_of(sample);
   job.place = place;
@@ -68,25 +92,80 @@ void JobDesk::accept(const Sample& sample, const Place& place, const JobContext&
   if constexpr (std::is_same_v<Sample, cansync_TransferRequest>) job.kind = Kind::transfer;
   if constexpr (std::is_same_v<Sample, cansync_Command>) job.kind = Kind::command;
 
-  if (stopping_) return end(job, cansync::Outcome::master_stopped, context);
-  if (const auto problem = dds::check(sample, limits_)) return refuse(job, *problem, context);
-  if (const auto problem = no_room(job, bytes_of(sample), context)) return refuse(job, *problem, context);
-  const JobId id = next_id_++;
-  if (!fill(sample, id, job)) return refuse(job, "kind: not known to this daemon", context);
-  const Key key{job.key.client, job.key.request};
-  if (take_early_cancel(key, context.now)) return end(job, cansync::Outcome::cancelled, context);
-  if (!context.exchange.requests.try_push(job.request)) {
-    return refuse(
-        job,
-        fmt::format("request queue full: {} requests wait for the realtime thread, at most {} are allowed; "
-                    "try again later",
-                    context.exchange.requests.size(), context.exchange.requests.capacity()),
-        context);
+  ClientEntry* client = admit(job, written, context);
+  if (client == nullptr) return;
+  if (const auto problem = dds::check(sample, limits_)) {
+    return refuse(job, Rejection::value, *problem, context);
   }
-  ++per_client_[job.key.client];
-  open_.emplace(key, id);
+  if (const auto problem = no_room(*client, bytes_of(sample))) {
+    return refuse(job, Rejection::full, *problem, context);
+  }
+  const JobId id = next_id_++;
+  if (!fill(sample, id, job)) {
+    return refuse(job, Rejection::value, "kind: not known to this daemon", context);
+  }
+  if (take_early_cancel(*client, job.key.request, context.now)) {
+    return end(job, cansync::Outcome::cancelled, context);
+  }
+  ++client->open;
+  client->transfer_bytes += job.data.size();
   transfer_bytes_ += job.data.size();
+  open_.emplace(Key{job.key.client, job.key.request}, id);
+  lanes_.add(id, job.key.client, lane_of(job.request));
   jobs_.emplace(id, std::move(job));
+}
+
+ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& context) {
+  const auto [client, admission] = clients_.enter(job.key.client, job.place, job.who);
+  const auto refused = [&](Rejection kind, const std::string& reason) {
+    refuse(job, kind, reason, context);
+    return nullptr;
+  };
+  if (admission == ClientTable::Admission::foreign) {
+    rejections_.add(
+        Rejection::identity,
+        fmt::format("request {} of {} has the identity of another program that is running; it gets no "
+                    "reply: every program chooses an identity of its own, at random, when it starts",
+                    job.key.request, job.who),
+        context.now);
+    return nullptr;
+  }
+  if (stopping_) {
+    end(job, cansync::Outcome::master_stopped, context);
+    return nullptr;
+  }
+  if (admission == ClientTable::Admission::leaving) {
+    return refused(
+        Rejection::identity,
+        "client: the program that had this identity is gone, and its requests are not all cancelled "
+        "yet; choose an identity at random at every start");
+  }
+  if (admission == ClientTable::Admission::full) {
+    refuse(job, Rejection::full,
+           fmt::format("too many clients: {}, at most {} are allowed; try again when another has ended",
+                       clients_.size(), ClientTable::kClients),
+           context);
+    forget(job.key.client, context.now);
+    return nullptr;
+  }
+  const std::uint64_t number = job.key.request;
+  if (!client->numbers.use(number)) {
+    if (open_.contains({job.key.client, number})) {
+      return refused(Rejection::number,
+                     fmt::format("request {}: this number is open already and is answered by itself; every "
+                                 "request needs a number of its own, rising by one",
+                                 number));
+    }
+    return refused(
+        Rejection::number,
+        fmt::format("request {}: this number was used already, or is too far behind the highest, {}; "
+                    "every request needs a number of its own, rising by one",
+                    number, client->numbers.highest()));
+  }
+  if (const auto problem = stale(written, wall_clock_now(), context.config.dds.request_max_age)) {
+    return refused(Rejection::stale, *problem);
+  }
+  return client;
 }
 
 bool JobDesk::fill(const cansync_ParameterRequest& sample, JobId id, Job& job) {
@@ -111,26 +190,17 @@ bool JobDesk::fill(const cansync_Command& sample, JobId id, Job& job) {
   return true;
 }
 
-std::optional<std::string> JobDesk::no_room(const Job& job, std::size_t bytes,
-                                            const JobContext& context) const {
-  if (open_.contains({job.key.client, job.key.request})) {
-    return fmt::format(
-        "request {}: this number is open already and is answered by itself; every request needs a "
-        "number of its own, rising by one",
-        job.key.request);
-  }
-  const auto client = per_client_.find(job.key.client);
-  if (client != per_client_.end() && client->second >= kPerClient) {
+std::optional<std::string> JobDesk::no_room(const ClientEntry& client, std::size_t bytes) const {
+  if (client.open >= kPerClient) {
     return fmt::format(
         "queue full: this client has {} requests open, at most {} are allowed; wait for a reply first",
-        client->second, kPerClient);
+        client.open, kPerClient);
   }
-  // Room for every answer the realtime thread can owe, so that it never has to wait for this thread.
-  const std::size_t limit = context.exchange.requests.capacity() + context.exchange.terminals.capacity();
-  if (jobs_.size() >= limit) {
+  if (client.transfer_bytes + bytes > kClientTransferMemory) {
     return fmt::format(
-        "queue full: {} requests of all clients are open, at most {} are allowed; try again later",
-        jobs_.size(), limit);
+        "length {}: open transfers of this client have {} bytes, at most {} are allowed; wait for a reply "
+        "first",
+        bytes, client.transfer_bytes, kClientTransferMemory);
   }
   if (transfer_bytes_ + bytes > kTransferMemory) {
     return fmt::format(
@@ -140,7 +210,7 @@ std::optional<std::string> JobDesk::no_room(const Job& job, std::size_t bytes,
   return std::nullopt;
 }
 
-void JobDesk::refuse(const Job& job, const std::string& reason, const JobContext& context) {
+void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, const JobContext& context) {
   switch (job.kind) {
     case Kind::parameter:
       parameter_replies_.send(dds::parameter_refused(job.key, reason), job.place, context.now);
@@ -155,34 +225,46 @@ void JobDesk::refuse(const Job& job, const std::string& reason, const JobContext
       events_.publish({cansync_SEVERITY_ERROR, "configuration_refused", -1,
                        fmt::format("a changed setting was not taken: {}", reason), std::nullopt},
                       context.now);
-      break;
+      return log(LogPriority::notice, "request of {} refused: {}", job.who, reason);
   }
-  log(LogPriority::notice, "request {} of {} refused: {}", job.key.request, job.who, reason);
+  rejections_.add(kind, fmt::format("request {} of {} refused: {}", job.key.request, job.who, reason),
+                  context.now);
 }
 
-void JobDesk::take_cancels(const JobContext& context) {
-  cancels_.take([&](const cansync_JobCancel& sample) {
-    const auto key = dds::key_of(sample);
-    const Key open{key.client, key.request};
-    if (const auto found = open_.find(open); found != open_.end()) {
-      jobs_.at(found->second).cancel_wanted = true;
-      cancels_waiting_ = true;
-      return;
-    }
-    // Either the job has ended, and nothing is left to do, or its request is still on its way.
-    constexpr std::size_t kRemembered = 256;
-    if (early_cancels_.size() == kRemembered) early_cancels_.pop_front();
-    early_cancels_.emplace_back(open, context.now);
+bool JobDesk::take_cancels(const JobContext& context) {
+  return take_with_info(cancels_, [&](const cansync_JobCancel& sample, const dds_sample_info_t& info) {
+    if (!info.valid_data) return;
+    take_cancel(dds::key_of(sample), places_.find(cancels_.handle(), info.publication_handle), context);
   });
 }
 
-bool JobDesk::take_early_cancel(const Key& key, SteadyTime now) {
-  while (!early_cancels_.empty() && now - early_cancels_.front().second > kEarlyCancel)
-    early_cancels_.pop_front();
-  const auto found = std::find_if(early_cancels_.begin(), early_cancels_.end(),
-                                  [&](const auto& item) { return item.first == key; });
-  if (found == early_cancels_.end()) return false;
-  early_cancels_.erase(found);
+void JobDesk::take_cancel(const dds::RequestKey& key, const Place& place, const JobContext& context) {
+  const std::string who = who_of("", key.client);
+  const auto [client, admission] = clients_.enter(key.client, place, who);
+  if (admission == ClientTable::Admission::foreign) {
+    return rejections_.add(
+        Rejection::identity,
+        fmt::format("cancel of request {} of {} comes from another program than the request", key.request,
+                    who),
+        context.now);
+  }
+  if (client == nullptr) return;
+  if (const auto found = open_.find({key.client, key.request}); found != open_.end()) {
+    return cancel(jobs_.find(found->second), context);
+  }
+  // Either the job has ended, and nothing is left to do, or its request is still on its way.
+  auto& early = client->early_cancels;
+  if (early.size() == kEarlyCancels) early.pop_front();
+  early.emplace_back(key.request, context.now);
+}
+
+bool JobDesk::take_early_cancel(ClientEntry& client, std::uint64_t request, SteadyTime now) {
+  auto& early = client.early_cancels;
+  while (!early.empty() && now - early.front().second > kEarlyCancel) early.pop_front();
+  const auto found =
+      std::find_if(early.begin(), early.end(), [&](const auto& item) { return item.first == request; });
+  if (found == early.end()) return false;
+  early.erase(found);
   return true;
 }
 
@@ -214,6 +296,7 @@ std::optional<SteadyTime> JobDesk::retry(const JobContext& context) {
     job.who = "the configuration file";
     own_.pop_front();
   }
+  lanes_blocked_ = !lanes_.hand_over([&](JobId id) { return requests.try_push(jobs_.at(id).request); });
   parameter_replies_.retry(context.now);
   transfer_replies_.retry(context.now);
   command_replies_.retry(context.now);
@@ -226,9 +309,10 @@ std::optional<SteadyTime> JobDesk::retry(const JobContext& context) {
   earlier(parameter_replies_.next(context.now));
   earlier(transfer_replies_.next(context.now));
   earlier(command_replies_.next(context.now));
+  earlier(rejections_.tick(context.now));
   // The realtime thread wakes nobody when it has made room.
   constexpr std::chrono::milliseconds kLookForRoom{10};
-  if (cancels_waiting_ || !own_.empty()) earlier(context.now + kLookForRoom);
+  if (cancels_waiting_ || lanes_blocked_ || !own_.empty()) earlier(context.now + kLookForRoom);
   return next;
 }
 

@@ -9,11 +9,14 @@
 #include <vector>
 
 #include "cansync.h"
+#include "daemon/client_table.h"
 #include "daemon/config.h"
 #include "daemon/exchange.h"
+#include "daemon/fair_lanes.h"
 #include "daemon/gateway_events.h"
 #include "daemon/gateway_replies.h"
 #include "daemon/refusal_text.h"
+#include "daemon/rejections.h"
 #include "dds/convert.h"
 #include "dds/endpoint.h"
 #include "dds/signal.h"
@@ -32,16 +35,22 @@ struct JobContext {
 /// Takes the requests of clients, hands them to the realtime thread, and answers each exactly once. Gateway
 /// thread only.
 ///
-/// A request is refused at once, and its reply says why, when a field is out of range, when its number is
-/// open already (nothing is executed twice; the open request is answered by itself), when its client has
-/// `kPerClient` requests open, when the transfers in work need too much memory, or when there is no room on
-/// the way to the realtime thread.
+/// A request is refused at once, and its reply says why, when a field is out of range, when its number was
+/// used before (nothing is executed twice; an open request is answered by itself), when it is stale, when its
+/// client has `kPerClient` requests open, or when open transfers need too much memory. Otherwise it waits its
+/// turn
+/// (`FairLanes`). The requests of a client that is gone are cancelled.
+///
+/// No reply is given to who uses another program's identity: that program would take it for its own.
 class JobDesk {
  public:
   /// Most open requests of one client: no client can take the queues from the others.
   static constexpr unsigned kPerClient = 64;
-  /// Most bytes of all open transfers together.
-  static constexpr std::size_t kTransferMemory = 64u << 20;
+  /// Most bytes of all open transfers together, and of those of one client.
+  static constexpr std::size_t kTransferMemory = 128u << 20;
+  static constexpr std::size_t kClientTransferMemory = 32u << 20;
+  /// Most cancels of one client that are remembered until their request comes.
+  static constexpr std::size_t kEarlyCancels = 64;
   /// Least time between two samples of TransferProgress of one transfer.
   static constexpr std::chrono::milliseconds kProgressPeriod{50};
   /// A cancel may overtake its request on the way; it is remembered so long.
@@ -51,8 +60,9 @@ class JobDesk {
   JobDesk(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal,
           EventPublisher& events, const Config& config);
 
-  /// Takes new requests and cancels.
-  void take_requests(const JobContext& context);
+  /// Takes new requests and cancels, a bounded number, and looks which clients are gone. True: there may be
+  /// more.
+  bool take_requests(const JobContext& context);
 
   /// A job ended, or was refused by the master.
   void finish(const Terminal& terminal, const JobContext& context);
@@ -75,11 +85,15 @@ class JobDesk {
     return !parameter_replies_.empty() || !transfer_replies_.empty() || !command_replies_.empty();
   }
 
+  /// Clients that live or have open requests.
+  std::size_t clients() const noexcept { return clients_.size(); }
+  const RejectionCounts& rejections() const noexcept { return rejections_.counts(); }
+
   /// Waits at most `time` on each reply topic until the clients have what was written.
   void wait_for_readers(dds_duration_t time) const noexcept;
 
  private:
-  using Key = std::pair<std::array<std::uint8_t, 16>, std::uint64_t>;
+  using Key = std::pair<ClientIdentity, std::uint64_t>;
   enum class Kind : std::uint8_t { parameter, transfer, command, internal };
 
   struct Job {
@@ -96,20 +110,30 @@ class JobDesk {
 
   /// Takes a sample of a request topic.
   template <class Sample>
-  void accept(cansync::dds::Reader<Sample>& reader, const JobContext& context);
+  bool accept(cansync::dds::Reader<Sample>& reader, const JobContext& context);
   template <class Sample>
-  void accept(const Sample& sample, const Place& place, const JobContext& context);
+  void accept(const Sample& sample, const Place& place, std::int64_t written, const JobContext& context);
+  /// The client of a request that may be taken; null: it was answered, or must not be.
+  ClientEntry* admit(Job& job, std::int64_t written, const JobContext& context);
   /// Completes `job` from a sample that passed its checks; false: it is no request.
   static bool fill(const cansync_ParameterRequest& sample, cansync::JobId id, Job& job);
   static bool fill(const cansync_TransferRequest& sample, cansync::JobId id, Job& job);
   static bool fill(const cansync_Command& sample, cansync::JobId id, Job& job);
-  std::optional<std::string> no_room(const Job& job, std::size_t bytes, const JobContext& context) const;
-  void refuse(const Job& job, const std::string& reason, const JobContext& context);
+  std::optional<std::string> no_room(const ClientEntry& client, std::size_t bytes) const;
+  void refuse(const Job& job, Rejection kind, const std::string& reason, const JobContext& context);
   /// Replies to a job that ended without a result of its own: cancelled before it began, or master stopped.
   void end(Job& job, cansync::Outcome outcome, const JobContext& context);
-  void take_cancels(const JobContext& context);
-  bool take_early_cancel(const Key& key, SteadyTime now);
-  void erase(Jobs::iterator job);
+  bool take_cancels(const JobContext& context);
+  void take_cancel(const cansync::dds::RequestKey& key, const Place& place, const JobContext& context);
+  static bool take_early_cancel(ClientEntry& client, std::uint64_t request, SteadyTime now);
+  /// Ends a job that waits; one that the master has ends by itself, soon.
+  void cancel(Jobs::iterator job, const JobContext& context);
+  void look_for_clients(const JobContext& context);
+  /// Nothing is kept of a client that is gone and has every answer.
+  void forget(const ClientIdentity& identity, SteadyTime now);
+  void erase(Jobs::iterator job, SteadyTime now);
+  /// `ended` bytes of a job's data are no longer counted.
+  void count_data(const Job& job, std::size_t ended);
   void log_end(const Job& job, std::string_view outcome, const Config& config) const;
   void tell_dropped(SteadyTime now);
 
@@ -129,16 +153,19 @@ class JobDesk {
   EventPublisher& events_;
   cansync::dds::Limits limits_;
   PlaceFinder places_;
+  LivingPlaces living_;
+  ClientTable clients_;
+  Rejections rejections_;
 
   Jobs jobs_;
-  std::map<Key, cansync::JobId> open_;  ///< requests of clients that are not answered
-  std::map<std::array<std::uint8_t, 16>, unsigned> per_client_;  ///< open requests of each client
-  std::deque<std::pair<Key, SteadyTime>> early_cancels_;
+  FairLanes lanes_;
+  std::map<Key, cansync::JobId> open_;                ///< requests of clients that are not answered
   std::deque<Request> own_;                           ///< requests of the daemon itself that wait for room
   std::vector<std::vector<std::uint8_t>> abandoned_;  ///< data the realtime thread may still have
   std::size_t transfer_bytes_ = 0;
   cansync::JobId next_id_ = 1;
   bool cancels_waiting_ = false;
+  bool lanes_blocked_ = false;  ///< a request has its turn, but there is no room on the way
   bool stopping_ = false;
 };
 

@@ -27,11 +27,13 @@ ReferenceInput::ReferenceInput(const dds::Participant& participant, dds::DataSig
       maximum_age_(config.failsafe.reference_max_age),
       hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0) {}
 
-void ReferenceInput::take_samples(Exchange& exchange, SteadyTime now) {
-  take_with_info(reader_, [&](const cansync_ReferenceValues& sample, const dds_sample_info_t& info) {
-    take(sample, info, exchange, now);
-  });
+bool ReferenceInput::take_samples(Exchange& exchange, SteadyTime now) {
+  const bool more =
+      take_with_info(reader_, [&](const cansync_ReferenceValues& sample, const dds_sample_info_t& info) {
+        take(sample, info, exchange, now);
+      });
   look_for_owners(now);
+  return more;
 }
 
 void ReferenceInput::take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info,

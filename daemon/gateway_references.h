@@ -34,8 +34,8 @@ class ReferenceInput {
   /// Values whose source time lies further away are refused; 0: not looked at.
   void set_maximum_age(std::chrono::milliseconds age) noexcept { maximum_age_ = age; }
 
-  /// Takes what is new and hands it on; needed only after the signal was raised.
-  void take_samples(Exchange& exchange, SteadyTime now);
+  /// Takes what is new and hands it on; needed only after the signal was raised. True: there may be more.
+  bool take_samples(Exchange& exchange, SteadyTime now);
 
   /// Hands on the withdrawals for which there was no room yet.
   void push_stops(Exchange& exchange);

@@ -57,6 +57,8 @@ class ReplyOutbox {
   static constexpr std::chrono::seconds kMatchTime{2};
   /// Most replies that wait; then the oldest is dropped.
   static constexpr std::size_t kWaiting = 16384;
+  /// Most of them for one participant, so that none takes the room of the others; more are dropped.
+  static constexpr unsigned kWaitingPerPlace = 256;
 
   /// Throws cansync::dds::SetupError. `signal` is raised when a reader comes or goes.
   ReplyOutbox(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal)
@@ -67,11 +69,25 @@ class ReplyOutbox {
 
   /// Writes `reply`, now or later. `data` is what the reply borrows.
   void send(const Reply& reply, const Place& place, SteadyTime now, std::vector<std::uint8_t> data = {}) {
-    if (waiting_.size() == kWaiting) {
-      waiting_.pop_front();
+    const auto place_waits = per_place_.find(place);
+    if (place_waits != per_place_.end() && place_waits->second >= kWaitingPerPlace) {
       ++dropped_;
+      return;
     }
-    waiting_.push_back({reply, place, now + kMatchTime, std::move(data)});
+    if (waiting_.size() == kWaiting) {
+      ++dropped_;
+      erase(waiting_.begin());
+    }
+    ++per_place_[place];
+    waiting_.push_back({reply, place, now + kMatchTime, std::move(data), false});
+    retry(now);
+  }
+
+  /// The client `key` names is gone: after the replies that still wait, nothing of it is kept here or, by
+  /// DDS, in the readers.
+  void forget(const Reply& key, SteadyTime now) {
+    ++per_place_[Place{}];
+    waiting_.push_back({key, Place{}, now, {}, true});
     retry(now);
   }
 
@@ -83,14 +99,15 @@ class ReplyOutbox {
         ++item;
         continue;
       }
-      const dds_return_t written = writer_.write(item->reply);
+      const dds_return_t written =
+          item->forget ? writer_.unregister(item->reply) : writer_.write(item->reply);
       if (written == DDS_RETCODE_TIMEOUT) {
         // The write has blocked this thread; the other topics get their turn before the next.
         blocked_until_ = std::chrono::steady_clock::now() + kPause;
         return;
       }
-      if (written != DDS_RETCODE_OK) ++dropped_;
-      item = waiting_.erase(item);
+      if (written != DDS_RETCODE_OK && !item->forget) ++dropped_;
+      item = erase(item);
     }
   }
 
@@ -116,11 +133,19 @@ class ReplyOutbox {
     Place place;
     SteadyTime give_up;
     std::vector<std::uint8_t> data;
+    bool forget;  ///< no reply: the client is gone
   };
+
+  auto erase(typename std::deque<Item>::iterator item) {
+    const auto place_waits = per_place_.find(item->place);
+    if (--place_waits->second == 0) per_place_.erase(place_waits);
+    return waiting_.erase(item);
+  }
 
   cansync::dds::Writer<Reply> writer_;
   MatchedPlaces matched_;
   std::deque<Item> waiting_;
+  std::map<Place, unsigned> per_place_;  ///< how many of `waiting_`
   std::uint64_t dropped_ = 0;
   SteadyTime blocked_until_;
 };

@@ -21,7 +21,7 @@ void JobDesk::finish(const Terminal& terminal, const JobContext& context) {
   const auto found = jobs_.find(id);
   if (found == jobs_.end()) return;
   std::visit([&](const auto& done) { reply(found->second, done, context); }, terminal);
-  erase(found);
+  erase(found, context.now);
 }
 
 void JobDesk::reply(Job& job, const ParameterDone& done, const JobContext& context) {
@@ -38,7 +38,7 @@ void JobDesk::reply(Job& job, const TransferDone& done, const JobContext& contex
   }
   // The reply borrows the data, so both go together.
   const auto reply = dds::transfer_reply(job.key, done.result, data);
-  transfer_bytes_ -= job.data.size();
+  count_data(job, job.data.size());
   transfer_replies_.send(reply, job.place, context.now, std::move(job.data));
   job.data = {};
 }
@@ -50,7 +50,8 @@ void JobDesk::reply(Job& job, const CommandDone& done, const JobContext& context
 }
 
 void JobDesk::reply(Job& job, const Refused& refused, const JobContext& context) {
-  refuse(job, refusal_text(refused.refusal, job.request, context.config, context.line), context);
+  refuse(job, Rejection::state, refusal_text(refused.refusal, job.request, context.config, context.line),
+         context);
 }
 
 void JobDesk::end(Job& job, cansync::Outcome outcome, const JobContext& context) {
@@ -86,15 +87,65 @@ void JobDesk::progress(const TransferProgress& report, SteadyTime now) {
   (void)progress_.write(dds::transfer_progress(job.key, report.bytes, total));
 }
 
-void JobDesk::erase(Jobs::iterator job) {
-  const auto& key = job->second.key;
-  if (job->second.kind != Kind::internal) {
-    open_.erase({key.client, key.request});
-    const auto client = per_client_.find(key.client);
-    if (--client->second == 0) per_client_.erase(client);
-  }
-  transfer_bytes_ -= job->second.data.size();
+void JobDesk::count_data(const Job& job, std::size_t ended) {
+  transfer_bytes_ -= ended;
+  if (ClientEntry* client = clients_.find(job.key.client)) client->transfer_bytes -= ended;
+}
+
+void JobDesk::erase(Jobs::iterator job, SteadyTime now) {
+  lanes_.remove(job->first);
+  const auto key = job->second.key;
+  const bool internal = job->second.kind == Kind::internal;
+  if (!internal) count_data(job->second, job->second.data.size());
   jobs_.erase(job);
+  if (internal) return;
+  open_.erase({key.client, key.request});
+  ClientEntry* client = clients_.find(key.client);
+  if (--client->open == 0 && client->gone) forget(key.client, now);
+}
+
+void JobDesk::cancel(Jobs::iterator job, const JobContext& context) {
+  if (lanes_.waits(job->first)) {
+    end(job->second, cansync::Outcome::cancelled, context);
+    return erase(job, context.now);
+  }
+  job->second.cancel_wanted = true;
+  cancels_waiting_ = true;
+}
+
+void JobDesk::look_for_clients(const JobContext& context) {
+  const std::array readers = {parameters_.handle(), transfers_.handle(), commands_.handle(),
+                              cancels_.handle()};
+  (void)living_.look(readers, places_);
+  for (const ClientIdentity& identity : clients_.mark_gone(living_)) {
+    const ClientEntry client = *clients_.find(identity);
+    if (client.open == 0) {
+      forget(identity, context.now);
+      continue;
+    }
+    events_.publish({cansync_SEVERITY_WARNING, "client_gone", -1,
+                     fmt::format("{} is gone; its {} open requests are cancelled", client.who, client.open),
+                     std::nullopt},
+                    context.now);
+    for (auto job = jobs_.begin(); job != jobs_.end();) {
+      const auto here = job++;
+      if (here->second.kind != Kind::internal && here->second.key.client == identity) cancel(here, context);
+    }
+  }
+}
+
+void JobDesk::forget(const ClientIdentity& identity, SteadyTime now) {
+  clients_.erase(identity);
+  const auto forget_in = [&](auto& outbox, auto key) {
+    std::copy(identity.begin(), identity.end(), std::begin(key.client));
+    outbox.forget(key, now);
+  };
+  forget_in(parameter_replies_, cansync_ParameterReply{});
+  forget_in(transfer_replies_, cansync_TransferReply{});
+  forget_in(command_replies_, cansync_CommandReply{});
+  cansync_TransferProgress progress = {};
+  std::copy(identity.begin(), identity.end(), std::begin(progress.client));
+  (void)progress_.unregister(progress);
 }
 
 void JobDesk::log_end(const Job& job, std::string_view outcome, const Config& config) const {
@@ -105,14 +156,17 @@ void JobDesk::log_end(const Job& job, std::string_view outcome, const Config& co
 
 void JobDesk::stop(const JobContext& context) {
   stopping_ = true;
-  take_requests(context);
+  // Clients that write without a rest must not keep the daemon from stopping.
+  constexpr int kLooks = 64;
+  for (int look = 0; look < kLooks && take_requests(context); ++look) {
+  }
   for (auto& [id, job] : jobs_) {
     end(job, cansync::Outcome::master_stopped, context);
     if (!job.data.empty()) abandoned_.push_back(std::move(job.data));
   }
   jobs_.clear();
+  lanes_ = FairLanes(lane_limits(context.config.master.command_channel));
   open_.clear();
-  per_client_.clear();
   transfer_bytes_ = 0;
 }
 

@@ -237,6 +237,8 @@ void StatePublisher::publish_master(SteadyTime now) {
   if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
   fill_realtime(realtime_wanted_, realtime_granted_, sample);
   fill_sync(config_.sync, master_.sync, sample);
+  sample.clients = clients_;
+  fill_rejections(rejections_, sample);
   const auto names = names_of(config_.references);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
   (void)master_writer_.write(sample);

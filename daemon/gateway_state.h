@@ -7,6 +7,7 @@
 #include "daemon/config.h"
 #include "daemon/exchange.h"
 #include "daemon/gateway_events.h"
+#include "daemon/rejections.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "rt/realtime_thread.h"
@@ -30,6 +31,12 @@ class StatePublisher {
 
   /// What the realtime thread asked for and was granted; published with the next `step`.
   void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted);
+
+  /// How many clients there are, and what of them was rejected; told with the next MasterStatus.
+  void set_clients(std::size_t clients, const RejectionCounts& rejections) noexcept {
+    clients_ = static_cast<std::uint32_t>(clients);
+    rejections_ = rejections;
+  }
 
   /// Takes what is new from `exchange` and publishes what is due. Returns when to call again at the latest.
   SteadyTime step(Exchange& exchange, SteadyTime now);
@@ -67,6 +74,8 @@ class StatePublisher {
   SettingsSnapshot settings_;
   rt::RealtimeSettings realtime_wanted_;
   rt::Grants realtime_granted_;
+  std::uint32_t clients_ = 0;
+  RejectionCounts rejections_ = {};
   bool master_dirty_ = true;
   SteadyTime master_published_;
 };

@@ -159,6 +159,8 @@ Qos writer_qos(const TopicInfo& topic, std::int32_t strength) {
     // A writer that leaves gives its keys up; disposing of them would take them from the others too.
     dds_qset_writer_data_lifecycle(qos.get(), false);
   }
+  // Giving up a key leaves nothing behind; disposing of it would make it anew in readers that never had it.
+  if (topic.from_daemon && !topic.qos.transient_local) dds_qset_writer_data_lifecycle(qos.get(), false);
   if (topic.qos.transient_local) {
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, topic.qos.depth, DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);

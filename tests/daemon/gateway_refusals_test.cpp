@@ -169,62 +169,74 @@ TEST(GatewayRefusals, ANumberThatIsOpenIsNotExecutedTwice) {
   ASSERT_TRUE(done);
   EXPECT_EQ(done->code, cansync_REPLY_DONE);
   EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(5), 0u);
-  // Answered: the number may be used again.
+  // Also when it is answered.
   rig.client.write(good_read(5));
-  rig.expect_request<cansync::ParameterRequest>();
+  const auto again = rig.client.reply<cansync_ParameterReply>(5);
+  ASSERT_TRUE(again);
+  expect_refused(again->code, again->reason, {"request 5", "used already", "highest, 5"});
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
 
 TEST(GatewayRefusals, AClientHasALimitThatLeavesRoomForOthers) {
   GatewayRig rig;
   for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) rig.client.write(good_read(number));
-  std::vector<cansync::JobId> jobs;
-  for (unsigned i = 0; i < JobDesk::kPerClient; ++i) {
-    jobs.push_back(rig.expect_request<cansync::ParameterRequest>().id);
-  }
   rig.client.write(good_read(100));
   const auto refused = rig.client.reply<cansync_ParameterReply>(100);
   ASSERT_TRUE(refused);
   expect_refused(refused->code, refused->reason, {"queue full", "64 requests", "at most 64"});
-  // Another client has its own.
-  rig.client.write(good_read(1, 2));
-  rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+  // Another client has its own, and its turn: behind the four the slave has, not behind all 64.
+  rig.client.deliver(good_read(1, 2));
+  std::vector<cansync::JobId> jobs;
+  for (unsigned i = 0; i < 4; ++i) jobs.push_back(rig.expect_request<cansync::ParameterRequest>().id);
+  cansync::JobId other = 0;
+  for (unsigned i = 0; i < 2; ++i) {
+    rig.answer(ParameterDone{jobs[i], {}});
+    other = rig.expect_request<cansync::ParameterRequest>().id;
+    rig.answer(ParameterDone{other, {}});
+    if (rig.client.replies<cansync_ParameterReply>(1, TestClient::identity(2)) > 0) break;
+  }
   EXPECT_TRUE(rig.client.reply<cansync_ParameterReply>(1, TestClient::identity(2)));
-  // One reply makes room for one request.
-  rig.answer(ParameterDone{jobs[0], {}});
+  // A reply makes room for one request.
   ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
-  rig.client.write(good_read(101));
-  rig.expect_request<cansync::ParameterRequest>();
+  rig.client.deliver(good_read(101));
+  rig.client.write(TestClient::request<cansync_JobCancel>(101));
+  const auto cancelled = rig.client.reply<cansync_ParameterReply>(101);
+  ASSERT_TRUE(cancelled);
+  EXPECT_EQ(cancelled->code, cansync_REPLY_CANCELLED) << cancelled->reason;
 }
 
-TEST(GatewayRefusals, AFullRequestQueueAndAFullTable) {
+TEST(GatewayRefusals, ARequestWaitsWhenTheWayToTheRealtimeThreadIsFull) {
   ExchangeSizes sizes;
-  sizes.requests = 3;
-  sizes.terminals = 2;
+  sizes.requests = 2;
   GatewayRig rig(gateway_config(), sizes);
   for (std::uint64_t number = 1; number <= 4; ++number) rig.client.write(good_read(number));
-  const auto ring_full = rig.client.reply<cansync_ParameterReply>(4);
-  ASSERT_TRUE(ring_full);
-  expect_refused(ring_full->code, ring_full->reason, {"request queue full", "3 requests", "at most 3"});
-
-  for (int i = 0; i < 3; ++i) rig.expect_request<cansync::ParameterRequest>();
-  for (std::uint64_t number = 5; number <= 7; ++number) rig.client.write(good_read(number));
-  const auto table_full = rig.client.reply<cansync_ParameterReply>(7);
-  ASSERT_TRUE(table_full);
-  expect_refused(table_full->code, table_full->reason,
-                 {"queue full", "5 requests of all clients", "at most 5"});
+  for (std::uint64_t number = 1; number <= 4; ++number) {
+    rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+    const auto reply = rig.client.reply<cansync_ParameterReply>(number);
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  }
 }
 
-TEST(GatewayRefusals, TransfersTogetherHaveALimit) {
+TEST(GatewayRefusals, TransfersHaveALimitOfAClientAndOneOfAll) {
   GatewayRig rig;
-  for (std::uint64_t number = 1; number <= 5; ++number) {
+  const auto ask = [&](std::uint64_t number, std::uint8_t client) {
     auto request = good_upload(number);
+    request.client[0] = client;
     request.length = 16u << 20;
     rig.client.write(request);
-  }
-  const auto answer = rig.transfer_reply(5);
-  ASSERT_TRUE(answer);
-  expect_refused(answer->reply.code, answer->reply.reason,
-                 {"length 16777216", "67108864 bytes, at most 67108864"});
+  };
+  for (std::uint64_t number = 1; number <= 3; ++number) ask(number, 1);
+  const auto own = rig.transfer_reply(3);
+  ASSERT_TRUE(own);
+  expect_refused(own->reply.code, own->reply.reason,
+                 {"length 16777216", "of this client have 33554432 bytes, at most 33554432"});
+  for (std::uint64_t number = 10; number < 16; ++number) ask(number, static_cast<std::uint8_t>(number / 2));
+  ask(20, 9);
+  const auto all = rig.transfer_reply(20);
+  ASSERT_TRUE(all);
+  expect_refused(all->reply.code, all->reply.reason,
+                 {"length 16777216", "134217728 bytes, at most 134217728"});
 }
 
 /// What only the master knows comes back as a number and leaves with field, value, range and remedy.

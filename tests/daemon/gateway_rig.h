@@ -56,6 +56,12 @@ class TestClient {
     ASSERT_EQ(writer<T>().write(sample), DDS_RETCODE_OK);
   }
 
+  /// Writes as if at another time.
+  template <class T>
+  void write_at(const T& sample, dds_time_t written) {
+    ASSERT_EQ(dds_write_ts(writer<T>().handle(), &sample, written), DDS_RETCODE_OK);
+  }
+
   /// Writes and waits until the gateway's reader has it.
   template <class T>
   void deliver(const T& sample) {
@@ -117,6 +123,19 @@ class TestClient {
     auto& samples = all<T>();
     return static_cast<std::size_t>(std::count_if(
         samples.begin(), samples.end(), [&](const T& sample) { return fits(sample, request, client); }));
+  }
+
+  /// True while DDS keeps the sample's key in our reader of its topic.
+  template <class T>
+  bool keeps_key(const T& sample) const {
+    const dds_entity_t reader = std::get<Inbox<T>>(inboxes_).reader.handle();
+    const dds_instance_handle_t key = dds_lookup_instance(reader, &sample);
+    if (key == DDS_HANDLE_NIL) return false;
+    void* lent = nullptr;
+    dds_sample_info_t info;
+    const dds_return_t count = dds_read_instance(reader, &lent, &info, 1, 1, key);
+    if (count > 0) (void)dds_return_loan(reader, &lent, count);
+    return count != DDS_RETCODE_PRECONDITION_NOT_MET;
   }
 
   /// Waits until the gateway's side is matched on every topic.

@@ -71,6 +71,14 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("dropped_frames", status.dropped_frames)
       .add("second_master", status.second_master)
       .add("second_master_frames", status.second_master_frames)
+      .add("clients", status.clients)
+      .add("rejected_values", status.rejected_values)
+      .add("rejected_full", status.rejected_full)
+      .add("rejected_stale", status.rejected_stale)
+      .add("rejected_numbers", status.rejected_numbers)
+      .add("rejected_identities", status.rejected_identities)
+      .add("rejected_malformed", status.rejected_malformed)
+      .add("rejected_state", status.rejected_state)
       .add("reference_values", names);
 }
 
@@ -144,6 +152,13 @@ void print_status(Output& output, const client::MasterStatus& status) {
   row("telegrams left out", fmt::format("{}", status.left_out));
   row("no reference values", fmt::format("{} telegrams", status.references_not_released));
   row("frames", fmt::format("{} rejected, {} unexpected", status.rejected_frames, status.unexpected_frames));
+  row("clients",
+      fmt::format(
+          "{}; requests rejected: {} values, {} limits, {} stale, {} numbers, {} identities, {} malformed, "
+          "{} by the master",
+          status.clients, status.rejected_values, status.rejected_full, status.rejected_stale,
+          status.rejected_numbers, status.rejected_identities, status.rejected_malformed,
+          status.rejected_state));
   row("missed", fmt::format("{} SYNC edges, {} reports", status.missed_syncs, status.lost_reports));
   for (std::size_t i = 0; i < std::size(status.reference_value); ++i) {
     const auto& value = status.reference_value[i];
