@@ -105,18 +105,22 @@ struct StartConfig {
   StartTarget target = StartTarget::active;
 };
 
-/// What happens when the writer of reference values dies, leaves, or gives nothing new in time. New values
-/// end each.
+/// What happens when the writer of reference values dies, leaves, or falls silent. New values end each.
 enum class LossReaction : std::uint8_t {
   stop_release,  ///< no reference value telegrams of that channel
   hold,          ///< a running release goes on with its last values for a limited time, then stops
+  control_word,  ///< the release stops, and a control word is sent to slaves
 };
 
 /// Failsafe behaviour of the reference values. How old they may grow on the bus is
 /// `Config::master.process.too_old_after`.
 struct FailsafeConfig {
   LossReaction reaction = LossReaction::stop_release;
-  std::uint32_t hold_intervals = 50;  ///< 1..60'000
+  std::uint32_t hold_intervals = 50;                      ///< 1..60'000
+  std::optional<std::uint16_t> control_word;              ///< given when it is the reaction
+  std::optional<cansync::SlaveMask> control_word_slaves;  ///< nothing: every configured slave
+  /// A writer that gives nothing new for so long has missed its deadline; 0: not looked at.
+  std::chrono::milliseconds reference_deadline{0};
   /// A sample of reference values whose source time lies further away is not taken; 0: not looked at.
   std::chrono::milliseconds reference_max_age{500};
 };

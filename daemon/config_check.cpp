@@ -155,6 +155,10 @@ class Checker {
 
   void failsafe() {
     const FailsafeConfig& failsafe = draft_.config.failsafe;
+    if (failsafe.reaction == LossReaction::control_word && !failsafe.control_word) {
+      problem("failsafe.reaction",
+              "found \"control_word\" without failsafe.control_word; allowed: both together");
+    }
     const bool hold = failsafe.reaction == LossReaction::hold;
     draft_.config.master.process.hold_too_old = hold ? failsafe.hold_intervals : 0;
   }

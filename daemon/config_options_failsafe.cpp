@@ -7,19 +7,31 @@ using namespace rows;  // the table reads better without the prefix in every lin
 
 constexpr auto kRows = std::to_array<Option>({
     // --- [failsafe]
-    choice("failsafe.reaction", "\"stop_release\"", "stop_release|hold",
-           "When the writer of reference values dies, leaves, or its values grow too old: stop_release = its "
-           "telegram is no longer sent, so that the slaves extrapolate and fault by themselves; hold = a "
-           "running "
-           "release goes on with the last values for hold_intervals, then stops. New values end each.",
-           [](Draft& d, const Value& v) {
-             d.config.failsafe.reaction =
-                 words(v) == "hold" ? LossReaction::hold : LossReaction::stop_release;
-           }),
+    choice(
+        "failsafe.reaction", "\"stop_release\"", "stop_release|hold|control_word",
+        "When the writer of reference values dies, leaves, misses its deadline, or its values grow too old: "
+        "stop_release = its telegram is no longer sent, so that the slaves extrapolate and fault by "
+        "themselves; hold = a running release goes on with the last values for hold_intervals, then stops; "
+        "control_word = the release stops, and control_word is sent to slaves. New values end each.",
+        [](Draft& d, const Value& v) {
+          d.config.failsafe.reaction = words(v) == "hold"           ? LossReaction::hold
+                                       : words(v) == "control_word" ? LossReaction::control_word
+                                                                    : LossReaction::stop_release;
+        }),
     whole_number(
         "failsafe.hold_intervals", "50", 1, 60'000, "intervals",
         "With reaction \"hold\": intervals for which the last values go on.",
         [](Draft& d, const Value& v) { d.config.failsafe.hold_intervals = whole<std::uint32_t>(v); }),
+    whole_number("failsafe.control_word", "(none)", 0, 65535, "",
+                 "The control word of reaction \"control_word\", which needs it.",
+                 [](Draft& d, const Value& v) { d.config.failsafe.control_word = whole<std::uint16_t>(v); }),
+    plain("failsafe.control_word_slaves", OptionType::slaves, "(every configured slave)",
+          "Slaves that get that control word.",
+          [](Draft& d, const Value& v) { d.config.failsafe.control_word_slaves = slave_mask(d.config, v); }),
+    whole_number("failsafe.reference_deadline_ms", "0", 0, 60'000, "ms",
+                 "A writer that is alive but gives nothing new for so long has missed its deadline; 0 = not "
+                 "looked at.",
+                 [](Draft& d, const Value& v) { d.config.failsafe.reference_deadline = milliseconds(v); }),
     whole_number(
         "failsafe.reference_max_intervals", "0", 0, 1'000'000, "intervals",
         "Values without newer ones are too old after so many intervals, exact to the interval, whatever "

@@ -46,8 +46,11 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::P
       exchange_(exchange),
       events_(participant),
       state_(participant, config),
+      failsafe_(events_, config),
       references_(participant, signal_, events_, config),
-      jobs_(participant, signal_, events_, config) {}
+      jobs_(participant, signal_, events_, config) {
+  state_.set_givers(references_.givers());
+}
 
 Gateway::~Gateway() {
   stop();
@@ -119,6 +122,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   events_.set_interval(state_.master().when.interval);
   const JobContext jobs = context(now);
   take_reports(jobs);
+  references_.watch(state_.master().release);
   publish_posted(now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
@@ -127,9 +131,15 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
     const bool more_requests = jobs_.take_requests(jobs);
     if (more_references || more_requests) signal_.raise();
   }
+  const auto references_due = references_.tick(now);
   references_.push_stops(exchange_);
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    if (references_.take_reaction(channel)) failsafe_.start(channel, config_, now);
+  }
+  const auto failsafe_due = failsafe_.push(exchange_, now);
   state_.set_clients(jobs_.clients(), jobs_.rejections());
-  for (const auto next : {jobs_.retry(jobs), references_.tick(now), tell_syncs(now), events_.tick(now)}) {
+  for (const auto next :
+       {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now)}) {
     if (next) due = std::min(due, *next);
   }
   return due;
@@ -137,7 +147,9 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
 
 void Gateway::take_reports(const JobContext& context) {
   Terminal terminal;
-  while (exchange_.terminals.try_pop(terminal)) jobs_.finish(terminal, context);
+  while (exchange_.terminals.try_pop(terminal)) {
+    if (!failsafe_.finish(terminal, config_, context.line, context.now)) jobs_.finish(terminal, context);
+  }
   Report report;
   while (exchange_.reports.try_pop(report)) {
     if (const auto* progress = std::get_if<TransferProgress>(&report)) {

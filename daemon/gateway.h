@@ -8,6 +8,7 @@
 
 #include "daemon/config.h"
 #include "daemon/exchange.h"
+#include "daemon/failsafe_commands.h"
 #include "daemon/gateway_events.h"
 #include "daemon/gateway_jobs.h"
 #include "daemon/gateway_references.h"
@@ -80,6 +81,7 @@ class Gateway {
   cansync::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
   StatePublisher state_;
+  FailsafeCommands failsafe_;
   ReferenceInput references_;
   JobDesk jobs_;
   FaultRow missed_syncs_{kSyncQuiet};

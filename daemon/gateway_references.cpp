@@ -25,7 +25,22 @@ ReferenceInput::ReferenceInput(const dds::Participant& participant, dds::DataSig
       events_(events),
       limits_(dds::limits_of(config.master)),
       maximum_age_(config.failsafe.reference_max_age),
-      hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0) {}
+      hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0),
+      deadline_(config.failsafe.reference_deadline),
+      writers_(participant, reader_.handle()) {}
+
+void ReferenceInput::watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release) {
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    Telegram& telegram = telegrams_[channel];
+    if (release[channel].too_old == telegram.too_old) continue;
+    telegram.too_old = release[channel].too_old;
+    lose(channel, Loss::too_old);  // the realtime thread has told and stopped it already
+  }
+}
+
+bool ReferenceInput::take_reaction(unsigned channel) noexcept {
+  return std::exchange(telegrams_[channel].reaction_due, false);
+}
 
 bool ReferenceInput::take_samples(Exchange& exchange, SteadyTime now) {
   const bool more =
@@ -64,7 +79,41 @@ void ReferenceInput::take(const cansync_ReferenceValues& sample, const dds_sampl
     return;
   }
   telegram.newest = update;
-  telegram.owner = info.publication_handle;
+  accepted(channel, info.publication_handle, now);
+}
+
+void ReferenceInput::accepted(unsigned channel, dds_instance_handle_t writer, SteadyTime now) {
+  Telegram& telegram = telegrams_[channel];
+  if (telegram.owner != writer) announce(channel, writer, now);
+  telegram.owner = writer;
+  telegram.given = now;
+  telegram.deadline_missed = false;
+  telegram.reacted = false;
+  givers_[channel].loss = Loss::none;
+}
+
+void ReferenceInput::announce(unsigned channel, dds_instance_handle_t writer, SteadyTime now) {
+  const dds::WriterIdentity identity = writers_.identify(writer);
+  ReferenceGiver& giver = givers_[channel];
+  const dds_instance_handle_t before = telegrams_[channel].owner;
+  if (before != 0) {
+    events_.publish(
+        {cansync_SEVERITY_WARNING, "reference_writer_taken_over", -1,
+         fmt::format("{} (strength {}) has taken over the reference values of telegram {} from {} (strength "
+                     "{}){}",
+                     identity.who, identity.strength, channel + 1, giver.who, giver.strength,
+                     writers_.left(before) ? ", which has left" : ""),
+         std::nullopt},
+        now);
+  } else {
+    events_.publish({cansync_SEVERITY_INFO, "reference_writer_began", -1,
+                     fmt::format("{} (strength {}) gives the reference values of telegram {}", identity.who,
+                                 identity.strength, channel + 1),
+                     std::nullopt},
+                    now);
+  }
+  giver.who = identity.who;
+  giver.strength = identity.strength;
 }
 
 std::optional<std::string> ReferenceInput::problem(const cansync_ReferenceValues& sample,
@@ -86,21 +135,10 @@ std::optional<std::string> ReferenceInput::problem(const cansync_ReferenceValues
 }
 
 void ReferenceInput::look_for_owners(SteadyTime now) {
-  dds_subscription_matched_status_t status = {};
-  if (dds_get_subscription_matched_status(reader_.handle(), &status) != DDS_RETCODE_OK) return;
-  if (status.current_count == writers_ && status.total_count == writers_ever_) return;
-  writers_ = status.current_count;
-  writers_ever_ = status.total_count;
+  if (!writers_.look()) return;
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
-    if (telegrams_[channel].owner == 0) continue;
-    dds_builtintopic_endpoint_t* const writer =
-        dds_get_matched_publication_data(reader_.handle(), telegrams_[channel].owner);
-    if (writer != nullptr) {
-      dds_builtintopic_free_endpoint(writer);
-    } else {
-      // A weaker writer keeps the key alive, so DDS itself does not tell.
-      writer_lost(channel, now);
-    }
+    const dds_instance_handle_t owner = telegrams_[channel].owner;
+    if (owner != 0 && writers_.gone(owner)) writer_lost(channel, now);
   }
 }
 
@@ -109,13 +147,42 @@ void ReferenceInput::writer_lost(unsigned channel, SteadyTime now) {
   if (telegram.owner == 0) return;
   telegram.owner = 0;
   telegram.stop_wanted = true;
-  events_.publish(
-      {cansync_SEVERITY_WARNING, "reference_writer_lost", -1,
-       fmt::format("the writer of the reference values of telegram {} has left or died; their release "
-                   "is stopped{} until new ones come",
-                   channel + 1, hold_ == 0 ? "" : fmt::format(" after at most {} intervals", hold_)),
-       std::nullopt},
-      now);
+  events_.publish({cansync_SEVERITY_WARNING, "reference_writer_lost", -1,
+                   fmt::format("{}, which gave the reference values of telegram {}, has left or died; {}",
+                               givers_[channel].who, channel + 1, reaction_text()),
+                   std::nullopt},
+                  now);
+  givers_[channel] = {};
+  lose(channel, Loss::writer_lost);
+}
+
+void ReferenceInput::lose(unsigned channel, Loss loss) {
+  Telegram& telegram = telegrams_[channel];
+  givers_[channel].loss = loss;
+  telegram.reaction_due = telegram.reaction_due || !telegram.reacted;
+  telegram.reacted = true;
+}
+
+std::string ReferenceInput::reaction_text() const {
+  if (hold_ == 0) return "their release is stopped until new ones come";
+  return fmt::format("their release is stopped after at most {} intervals until new ones come", hold_);
+}
+
+std::optional<SteadyTime> ReferenceInput::look_at_deadline(unsigned channel, SteadyTime now) {
+  Telegram& telegram = telegrams_[channel];
+  if (deadline_.count() == 0 || telegram.owner == 0) return std::nullopt;
+  if (telegram.deadline_missed) return std::nullopt;
+  if (now < telegram.given + deadline_) return telegram.given + deadline_;
+  telegram.deadline_missed = true;
+  telegram.stop_wanted = true;
+  events_.publish({cansync_SEVERITY_WARNING, "reference_deadline_missed", -1,
+                   fmt::format("{} lives, but has given no new reference values of telegram {} for {} ms "
+                               "(failsafe.reference_deadline_ms); {}",
+                               givers_[channel].who, channel + 1, deadline_.count(), reaction_text()),
+                   std::nullopt},
+                  now);
+  lose(channel, Loss::deadline_missed);
+  return std::nullopt;
 }
 
 void ReferenceInput::push_stops(Exchange& exchange) {
@@ -148,7 +215,9 @@ std::optional<SteadyTime> ReferenceInput::tick(SteadyTime now) {
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     Telegram& telegram = telegrams_[channel];
     const std::uint64_t refused = telegram.refused.take_over(now);
-    if (const auto over = telegram.refused.next()) next = next ? std::min(*next, *over) : *over;
+    for (const auto due : {telegram.refused.next(), look_at_deadline(channel, now)}) {
+      if (due) next = next ? std::min(*next, *due) : *due;
+    }
     if (refused == 0) continue;
     events_.publish(
         {cansync_SEVERITY_INFO, "reference_refusals_over", -1,

@@ -239,6 +239,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   fill_sync(config_.sync, master_.sync, sample);
   sample.clients = clients_;
   fill_rejections(rejections_, sample);
+  if (givers_ != nullptr) fill_references(master_.release, *givers_, sample);
   const auto names = names_of(config_.references);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
   (void)master_writer_.write(sample);

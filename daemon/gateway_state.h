@@ -7,6 +7,7 @@
 #include "daemon/config.h"
 #include "daemon/exchange.h"
 #include "daemon/gateway_events.h"
+#include "daemon/reference_status.h"
 #include "daemon/rejections.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
@@ -36,6 +37,11 @@ class StatePublisher {
   void set_clients(std::size_t clients, const RejectionCounts& rejections) noexcept {
     clients_ = static_cast<std::uint32_t>(clients);
     rejections_ = rejections;
+  }
+
+  /// Who gives the reference values, for MasterStatus; must outlive this object. Before `start`.
+  void set_givers(const std::array<ReferenceGiver, cansync::kChannels>& givers) noexcept {
+    givers_ = &givers;
   }
 
   /// Takes what is new from `exchange` and publishes what is due. Returns when to call again at the latest.
@@ -70,6 +76,7 @@ class StatePublisher {
 
   std::array<Slave, cansync::kSlaves> slaves_;
   MasterSnapshot master_;
+  const std::array<ReferenceGiver, cansync::kChannels>* givers_ = nullptr;
   can::LinkFacts link_;
   SettingsSnapshot settings_;
   rt::RealtimeSettings realtime_wanted_;

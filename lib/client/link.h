@@ -41,6 +41,8 @@ class Link : public std::enable_shared_from_this<Link> {
 
   bool daemon_present() const;
   const dds::Participant& participant() const noexcept { return participant_; }
+  /// The client's name for the daemon's journal.
+  const std::string& name() const noexcept { return options_.client_name; }
 
   std::shared_ptr<JobState<ParameterReply>> submit(const ParameterRequest& request);
   std::shared_ptr<JobState<TransferReply>> submit(const TransferRequest& request);

@@ -9,7 +9,7 @@ namespace cansync::client {
 
 struct ReferenceWriter::Impl {
   Impl(std::shared_ptr<detail::Link> to, std::int32_t strength)
-      : link(std::move(to)), writer(link->participant(), strength, &matched) {}
+      : link(std::move(to)), writer(link->participant(), strength, &matched, link->name()) {}
 
   std::shared_ptr<detail::Link> link;  // keeps the participant
   dds::DataSignal matched;

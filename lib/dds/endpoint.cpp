@@ -20,6 +20,11 @@ void raise_on_reader_match(dds_entity_t /*reader*/, const dds_subscription_match
   static_cast<DataSignal*>(signal)->raise();
 }
 
+void raise_on_liveliness(dds_entity_t /*reader*/, const dds_liveliness_changed_status_t /*status*/,
+                         void* signal) {
+  static_cast<DataSignal*>(signal)->raise();
+}
+
 void raise_on_writer_match(dds_entity_t /*writer*/, const dds_publication_matched_status_t /*status*/,
                            void* signal) {
   static_cast<DataSignal*>(signal)->raise();
@@ -47,6 +52,7 @@ ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, Da
     listener.reset(dds_create_listener(signal));
     dds_lset_data_available(listener.get(), raise_on_data);
     dds_lset_subscription_matched(listener.get(), raise_on_reader_match);
+    dds_lset_liveliness_changed(listener.get(), raise_on_liveliness);
   }
   const dds_entity_t reader =
       dds_create_reader(participant.subscriber(), topic(), reader_qos(info).get(), listener.get());
@@ -59,15 +65,16 @@ std::uint32_t ReaderBase::matched() const noexcept {
 }
 
 WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength,
-                       DataSignal* signal)
+                       DataSignal* signal, std::string_view name)
     : EndpointBase(make_topic(participant, info)) {
   Listener listener(nullptr);
   if (signal != nullptr) {
     listener.reset(dds_create_listener(signal));
     dds_lset_publication_matched(listener.get(), raise_on_writer_match);
   }
-  const dds_entity_t writer =
-      dds_create_writer(participant.publisher(), topic(), writer_qos(info, strength).get(), listener.get());
+  const Qos qos = writer_qos(info, strength);
+  if (!name.empty()) dds_qset_userdata(qos.get(), name.data(), name.size());
+  const dds_entity_t writer = dds_create_writer(participant.publisher(), topic(), qos.get(), listener.get());
   if (writer < 0) participant.fail("writer of topic " + std::string(info.name), writer, kRemedy);
   set_endpoint(Entity(writer));
 }

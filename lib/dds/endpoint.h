@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include "dds/entity.h"
@@ -36,7 +37,7 @@ class ReaderBase : public EndpointBase {
 
  protected:
   static constexpr std::uint32_t kBatch = 64;
-  /// Throws SetupError. `signal` is raised when data arrives or a writer comes or goes.
+  /// Throws SetupError. `signal` is raised when data arrives or a writer comes, goes or dies.
   ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal);
 };
 
@@ -97,8 +98,8 @@ class WriterBase : public EndpointBase {
 
  protected:
   /// Throws SetupError. `signal` is raised when a reader comes or goes.
-  WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength,
-             DataSignal* signal);
+  WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength, DataSignal* signal,
+             std::string_view name);
 };
 
 /// Writes one topic. Any thread may write.
@@ -106,10 +107,11 @@ template <class T>
 class Writer : public WriterBase {
  public:
   /// Creates the topic and a writer with the table's QoS. `strength`: with exclusive ownership the living
-  /// writer with the highest wins. `signal` (nullptr: none) is raised when a reader comes or goes. Throws
-  /// SetupError.
-  explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr)
-      : WriterBase(participant, topic_info<T>(), strength, signal) {}
+  /// writer with the highest wins. `signal` (nullptr: none) is raised when a reader comes or goes. `name`:
+  /// what readers are told of who writes; may be empty. Throws SetupError.
+  explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr,
+                  std::string_view name = {})
+      : WriterBase(participant, topic_info<T>(), strength, signal, name) {}
 
   /// Writes one sample. DDS_RETCODE_OK, or DDS_RETCODE_TIMEOUT when a reliable reader did not take earlier
   /// samples within the topic's blocking time (nothing was written; try again), or another negative code. May

@@ -167,6 +167,9 @@ TEST(Config, DefaultsOfTheDaemonAreThoseOfTheStructs) {
   EXPECT_EQ(config.startup.target, plain.startup.target);
   EXPECT_EQ(config.failsafe.reaction, plain.failsafe.reaction);
   EXPECT_EQ(config.failsafe.hold_intervals, plain.failsafe.hold_intervals);
+  EXPECT_EQ(config.failsafe.control_word, plain.failsafe.control_word);
+  EXPECT_EQ(config.failsafe.control_word_slaves, plain.failsafe.control_word_slaves);
+  EXPECT_EQ(config.failsafe.reference_deadline, plain.failsafe.reference_deadline);
   EXPECT_EQ(config.failsafe.reference_max_age, plain.failsafe.reference_max_age);
   EXPECT_EQ(config.dds.domain, plain.dds.domain);
   EXPECT_EQ(config.dds.interval_topic, plain.dds.interval_topic);

@@ -1,49 +1,11 @@
 #include <gtest/gtest.h>
 
-#include "gateway_rig.h"
+#include "reference_writer.h"
 
 namespace cansyncd {
 namespace {
 
 using cansync::Channel;
-
-cansync_ReferenceValues values(std::uint8_t telegram, std::int32_t first) {
-  cansync_ReferenceValues sample = {};
-  sample.telegram = telegram;
-  sample.value[0] = first;
-  sample.value[3] = -4;
-  sample.valid = 0b1001;
-  sample.release_intervals = 20;
-  return sample;
-}
-
-/// A writer of reference values in a process of its own, as far as DDS can tell.
-class ReferenceWriter {
- public:
-  ReferenceWriter(GatewayRig& rig, std::int32_t strength)
-      : participant_(rig.places().there), writer_(participant_, strength, &signal_) {
-    EXPECT_TRUE(eventually(signal_, [this] { return writer_.matched() > 0; }));
-  }
-  void write(const cansync_ReferenceValues& sample) { ASSERT_EQ(writer_.write(sample), DDS_RETCODE_OK); }
-  /// Writes, and waits until the gateway's reader has it.
-  void deliver(const cansync_ReferenceValues& sample) {
-    write(sample);
-    ASSERT_EQ(dds_wait_for_acks(writer_.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
-  }
-  void unregister(const cansync_ReferenceValues& sample) {
-    ASSERT_EQ(writer_.unregister(sample), DDS_RETCODE_OK);
-  }
-
- private:
-  cansync::dds::Participant participant_;
-  cansync::dds::DataSignal signal_;
-  cansync::dds::Writer<cansync_ReferenceValues> writer_;
-};
-
-std::optional<cansync_Event> event(GatewayRig& rig, std::string_view code) {
-  return rig.client.wait_for<cansync_Event>(
-      [&](const auto& e) { return cansync::dds::text(e.code) == code; });
-}
 
 TEST(GatewayReferences, ReachTheRealtimeThread) {
   GatewayRig rig;
@@ -182,12 +144,8 @@ TEST(GatewayReferences, StaleOnesAreRefusedByDefault) {
   Config config = gateway_config();
   config.failsafe = {};
   GatewayRig rig(config);
-  cansync::dds::Participant participant(rig.places().there);
-  cansync::dds::DataSignal signal;
-  cansync::dds::Writer<cansync_ReferenceValues> writer(participant, 0, &signal);
-  ASSERT_TRUE(eventually(signal, [&] { return writer.matched() > 0; }));
-  const auto sample = values(1, 1);
-  ASSERT_EQ(dds_write_ts(writer.handle(), &sample, dds_time() - DDS_SECS(5)), DDS_RETCODE_OK);
+  ReferenceWriter writer(rig, 0);
+  writer.write_late(values(1, 1), DDS_SECS(5));
   const auto refused = event(rig, "reference_refused");
   ASSERT_TRUE(refused);
   EXPECT_NE(cansync::dds::text(refused->text).find("at most 500 ms"), std::string_view::npos)
@@ -199,12 +157,8 @@ TEST(GatewayReferences, ThoseOfAClockThatIsAheadAreRefused) {
   Config config = gateway_config();
   config.failsafe = {};
   GatewayRig rig(config);
-  cansync::dds::Participant participant(rig.places().there);
-  cansync::dds::DataSignal signal;
-  cansync::dds::Writer<cansync_ReferenceValues> writer(participant, 0, &signal);
-  ASSERT_TRUE(eventually(signal, [&] { return writer.matched() > 0; }));
-  const auto sample = values(1, 1);
-  ASSERT_EQ(dds_write_ts(writer.handle(), &sample, dds_time() + DDS_SECS(3600)), DDS_RETCODE_OK);
+  ReferenceWriter writer(rig, 0);
+  writer.write_late(values(1, 1), -DDS_SECS(3600));
   const auto refused = event(rig, "reference_refused");
   ASSERT_TRUE(refused);
   EXPECT_NE(cansync::dds::text(refused->text).find("in the future"), std::string_view::npos) << refused->text;

@@ -4,72 +4,13 @@ import json
 import os
 import re
 import signal
-import subprocess
 import tempfile
 import unittest
 from xml.etree import ElementTree
 
 from gateway import ACTIVE, LONG, Gateway, Place, wait_for
-
-# Parameters of a simulated drive.
-DEVICE_TYPE, CONTROL_WORD, LAST_ACTION = 100, 300, 330
-BUSY, BUSY_REPLIES, NOT_AVAILABLE = 410, 411, 420
-WORD, DOUBLEWORD = 1000, 1020
-ALWAYS_BUSY = 0xFFFF
-DATA = 0x100  # first start address of a drive's memory
-
-
-class VerbTest(unittest.TestCase):
-    SLAVES = 4
-    BIT_RATE = 1000000
-
-    @classmethod
-    def setUpClass(cls):
-        cls.gateway = cls.enterClassContext(Gateway(slaves=cls.SLAVES, bit_rate=cls.BIT_RATE))
-
-    def tearDown(self):
-        # What a test left open or changed must not reach the next one.
-        self.assertIsNone(self.gateway.process.poll(), self.gateway.log_text())
-
-    def run_verb(self, *arguments, code=0, data=None):
-        result = self.gateway.run(*arguments, data=data)
-        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout}\n{result.stderr}")
-        if code == 0 and result.stdout:
-            self.assertNotIn("cansync:", result.stdout.decode(errors="replace"))
-        return result
-
-    def text(self, *arguments):
-        return self.run_verb(*arguments).stdout.decode()
-
-    def fails(self, *arguments, code):
-        """What it says on stderr; there must be no data."""
-        result = self.run_verb(*arguments, code=code)
-        self.assertEqual(result.stdout, b"")
-        self.assertTrue(result.stderr.startswith("cansync: "), result.stderr)
-        return result.stderr
-
-    def json(self, *arguments, code=0):
-        return self.gateway.json(*arguments, code=code)
-
-    def one(self, *arguments, code=0):
-        objects = self.json(*arguments, code=code)
-        self.assertEqual(len(objects), 1, objects)
-        return objects[0]
-
-    def synchronized_slaves(self):
-        """The slaves' own status, which follows the master's within a moment."""
-
-        def look():
-            slaves = self.json("slaves")
-            return slaves if all(slave["responds"] and slave["synchronized"] for slave in slaves) else None
-
-        return wait_for("every slave's status says synchronized", look)
-
-    def interrupt(self, process, code):
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=LONG)
-        self.assertEqual(process.returncode, code, err.decode())
-        return out, err.decode()
+from verb_case import (ALWAYS_BUSY, BUSY, BUSY_REPLIES, CONTROL_WORD, DATA, DEVICE_TYPE, DOUBLEWORD, LAST_ACTION,
+                       NOT_AVAILABLE, WORD, VerbTest)
 
 
 class Looking(VerbTest):
@@ -483,54 +424,6 @@ class ReferenceValues(VerbTest):
         self.assertIn("allowed: -2.14748e+06..2.14748e+06", self.fails("set", "target=3e6", "--scaled", code=2))
         remark = self.run_verb("set", "2=1", "--seconds", 0.1).stderr
         self.assertIn("reference value 2 is in no telegram", remark)
-
-
-class Line:
-    """32 drives at one bit rate; the classes below name the rate."""
-
-    SLAVES = 32
-
-    def test_all_slaves_are_there(self):
-        self.assertEqual([slave["slave"] for slave in self.synchronized_slaves()], list(range(32)))
-        status = self.one("status")
-        self.assertEqual((status["bit_rate"], status["option_status"]), (self.BIT_RATE, ACTIVE))
-        self.assertEqual(status["bit_rate"] * status["interval_length_ns"], 10**12)
-        self.assertRegex(self.text("status"), r"(?m)^slaves responding +0-31 \(32 of 32\)$")
-
-    def test_the_highest_slave(self):
-        self.assertEqual(self.one("read", 31, DEVICE_TYPE)["value"], 4400)
-        self.run_verb("write", "slave31", DOUBLEWORD, 3100000)
-        self.assertEqual(self.one("read", 31, DOUBLEWORD)["value"], 3100000)
-
-    def test_every_slave_follows_its_reference_value(self):
-        def look():
-            self.run_verb("broadcast", "--slaves", "all", "--command", 1, "--word", "0x87")  # acknowledges faults
-            rows = self.json("watch", "--count", 1)
-            # On a loaded machine telegrams are left out, so a slave's turn may come only with the next round.
-            every = all(row["values"] and None not in row["intervals"] for row in rows)
-            return len(rows) == 32 and every and all(row["values"][0]["raw"] == 1234 for row in rows)
-
-        process = self.gateway.start("set", "0=1234", "4=1")
-        try:
-            wait_for("all stand at 1234, told by both telegrams", look)
-        finally:
-            self.interrupt(process, code=0)
-
-
-class Line1M(Line, VerbTest):
-    BIT_RATE = 1000000
-
-
-class Line500k(Line, VerbTest):
-    BIT_RATE = 500000
-
-
-class Line250k(Line, VerbTest):
-    BIT_RATE = 250000
-
-
-class Line125k(Line, VerbTest):
-    BIT_RATE = 125000
 
 
 class Trace(unittest.TestCase):

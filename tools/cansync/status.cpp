@@ -19,6 +19,30 @@ JsonObject value_names(const cansync_ValueName& value) {
       .add("offset", value.offset);
 }
 
+JsonArray release_objects(const client::MasterStatus& status) {
+  JsonArray out;
+  for (const auto& release : status.reference_release) {
+    out.add_json(JsonObject()
+                     .add("writer", release.writer)
+                     .add("strength", release.strength)
+                     .add("state", release.state)
+                     .add("cause", release.cause)
+                     .add("interval", release.interval)
+                     .add("updates", release.updates)
+                     .add("too_old", release.too_old)
+                     .text());
+  }
+  return out;
+}
+
+/// "released, given by 'lead axis' (lead_axis, process 1234 on host plc7), strength 5"
+std::string release_text(const cansync_ReferenceRelease& release) {
+  std::string text = release.state;
+  if (release.cause[0] != '\0') text += fmt::format(" ({})", release.cause);
+  if (release.writer[0] == '\0') return text + ", given by nobody";
+  return text + fmt::format(", given by {}, strength {}", release.writer, release.strength);
+}
+
 JsonObject status_object(const client::MasterStatus& status) {
   JsonArray names;
   for (const auto& value : status.reference_value) names.add_json(value_names(value).text());
@@ -79,7 +103,8 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("rejected_identities", status.rejected_identities)
       .add("rejected_malformed", status.rejected_malformed)
       .add("rejected_state", status.rejected_state)
-      .add("reference_values", names);
+      .add("reference_values", names)
+      .add("reference_release", release_objects(status));
 }
 
 /// "0-3 (4 of 4)".
@@ -150,6 +175,9 @@ void print_status(Output& output, const client::MasterStatus& status) {
                   status.parameter_queue, status.open_transfers, status.transfer_queue, status.serving));
   row("telegrams sent", fmt::format("{}", status.telegrams_sent));
   row("telegrams left out", fmt::format("{}", status.left_out));
+  for (std::size_t i = 0; i < std::size(status.reference_release); ++i) {
+    row(fmt::format("reference telegram {}", i + 1), release_text(status.reference_release[i]));
+  }
   row("no reference values", fmt::format("{} telegrams", status.references_not_released));
   row("frames", fmt::format("{} rejected, {} unexpected", status.rejected_frames, status.unexpected_frames));
   row("clients",

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "cansync.h"
+#include "cansync/numbers.h"
+#include "cansync/release_status.h"
+
+namespace cansyncd {
+
+/// What was lost of the reference values of a telegram, so that they are no longer released as their writer
+/// wants it.
+enum class Loss : std::uint8_t {
+  none,
+  writer_lost,      ///< it has left or died
+  deadline_missed,  ///< it lives and gives nothing new
+  too_old,          ///< nothing new came within failsafe.reference_max_intervals
+};
+
+/// Who gives the reference values of a telegram.
+struct ReferenceGiver {
+  std::string who;            ///< as far as known; empty: nobody
+  std::int32_t strength = 0;  ///< of its ownership
+  Loss loss = Loss::none;
+};
+
+/// Why values are held or stopped, as a stable word: writer_lost, deadline_missed, too_old, used_up,
+/// none_given, withdrawn; empty when they are released.
+std::string_view release_cause(const cansync::ReleaseStatus& release, Loss loss) noexcept;
+
+/// Fills the members `reference_release`.
+void fill_references(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release,
+                     const std::array<ReferenceGiver, cansync::kChannels>& givers,
+                     cansync_MasterStatus& sample);
+
+}  // namespace cansyncd

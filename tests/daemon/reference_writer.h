@@ -1,0 +1,62 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "cansync.h"
+#include "dds/endpoint.h"
+#include "dds/topics.h"
+#include "gateway_rig.h"
+#include "support/dds_places.h"
+
+namespace cansyncd {
+
+inline cansync_ReferenceValues values(std::uint8_t telegram, std::int32_t first) {
+  cansync_ReferenceValues sample = {};
+  sample.telegram = telegram;
+  sample.value[0] = first;
+  sample.value[3] = -4;
+  sample.valid = 0b1001;
+  sample.release_intervals = 20;
+  return sample;
+}
+
+/// A writer of reference values in a process of its own, as far as DDS can tell.
+class ReferenceWriter {
+ public:
+  ReferenceWriter(TwoPlaces& places, std::int32_t strength, std::string_view name = {})
+      : participant_(places.there), writer_(participant_, strength, &signal_, name) {
+    EXPECT_TRUE(eventually(signal_, [this] { return writer_.matched() > 0; }));
+  }
+  ReferenceWriter(GatewayRig& rig, std::int32_t strength) : ReferenceWriter(rig.places(), strength) {}
+
+  void write(const cansync_ReferenceValues& sample) { ASSERT_EQ(writer_.write(sample), DDS_RETCODE_OK); }
+  /// As if it had been on its way, or its reader suspended, for so long.
+  void write_late(const cansync_ReferenceValues& sample, dds_duration_t age) {
+    ASSERT_EQ(dds_write_ts(writer_.handle(), &sample, dds_time() - age), DDS_RETCODE_OK);
+  }
+  /// Writes, and waits until the gateway's reader has it.
+  void deliver(const cansync_ReferenceValues& sample) {
+    write(sample);
+    ASSERT_EQ(dds_wait_for_acks(writer_.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
+  }
+  void unregister(const cansync_ReferenceValues& sample) {
+    ASSERT_EQ(writer_.unregister(sample), DDS_RETCODE_OK);
+  }
+
+ private:
+  cansync::dds::Participant participant_;
+  cansync::dds::DataSignal signal_;
+  cansync::dds::Writer<cansync_ReferenceValues> writer_;
+};
+
+/// The first event with this code; nothing when none comes.
+inline std::optional<cansync_Event> event(GatewayRig& rig, std::string_view code) {
+  return rig.client.wait_for<cansync_Event>(
+      [&](const auto& e) { return cansync::dds::text(e.code) == code; });
+}
+
+}  // namespace cansyncd

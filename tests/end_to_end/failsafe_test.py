@@ -1,0 +1,123 @@
+"""What happens when the program that gives reference values dies, hangs or is taken over from."""
+
+import signal
+import unittest
+
+from gateway import LONG, wait_for
+from verb_case import CONTROL_WORD, VerbTest
+
+
+class FailsafeTest(VerbTest):
+    def start_set(self, *arguments):
+        process = self.gateway.start("set", *arguments)
+        self.addCleanup(self.end, process)
+        return process
+
+    @staticmethod
+    def end(process):
+        process.kill()
+        process.communicate(timeout=LONG)
+
+    def release(self, what, condition):
+        """The status of telegram 1, as soon as it fits."""
+        status = self.gateway.wait_status(what, lambda status: condition(status["reference_release"][0]))
+        return status["reference_release"][0]
+
+    def given_by(self, process):
+        return self.release("the status says who gives the values",
+                            lambda release: f"process {process.pid} " in release["writer"])
+
+    def events(self, code):
+        return [event for event in self.json("events") if event["code"] == code]
+
+    def wait_event(self, code, text):
+        """The events with this code and text, as soon as there is one."""
+        return wait_for(f"event {code} with '{text}'",
+                        lambda: [event for event in self.events(code) if text in event["text"]])
+
+
+class WriterLost(FailsafeTest):
+    EXTRA = "[failsafe]\nreference_deadline_ms = 700\n"
+
+    def test_a_killed_writer(self):
+        process = self.start_set("0=5000", "--strength", 3)
+        release = self.given_by(process)
+        self.assertEqual(release["strength"], 3)
+        self.assertIn("cansync", release["writer"])
+        self.assertRegex(self.text("status"), r"(?m)^reference telegram 1 .* given by .*strength 3$")
+        process.kill()
+        lost = self.wait_event("reference_writer_lost", f"process {process.pid} ")
+        self.assertEqual(len(lost), 1, "told once")
+        release = self.release("nobody gives them", lambda release: release["cause"] == "writer_lost")
+        self.assertEqual((release["state"], release["writer"]), ("stopped", ""))
+
+    def test_a_suspended_writer_is_lost_and_found_again(self):
+        process = self.start_set("0=5000")
+        self.given_by(process)
+        process.send_signal(signal.SIGSTOP)
+        self.wait_event("reference_writer_lost", f"process {process.pid} ")
+        self.release("nobody gives them", lambda release: release["cause"] == "writer_lost")
+        process.send_signal(signal.SIGCONT)
+        self.given_by(process)
+        self.release("they are released", lambda release: release["state"] == "released")
+        self.assertEqual(len(self.wait_event("reference_writer_began", f"process {process.pid} ")), 2)
+
+    def test_a_stronger_writer_takes_over_until_it_dies(self):
+        weak = self.start_set("0=700", "--strength", 2)
+        self.given_by(weak)
+        strong = self.start_set("0=900", "--strength", 9)
+        self.given_by(strong)
+        taken = self.wait_event("reference_writer_taken_over", f"process {strong.pid} ")
+        self.assertIn(f"process {weak.pid} ", taken[0]["text"])
+        strong.kill()
+        self.given_by(weak)
+        release = self.release("the weaker one's are released", lambda release: release["state"] == "released")
+        self.assertEqual(release["strength"], 2)
+
+    def test_a_writer_that_lives_but_gives_nothing_new(self):
+        process = self.start_set("0=5000", "--rate", 0.2, "--release", 100)
+        missed = self.wait_event("reference_deadline_missed", f"process {process.pid} ")
+        self.assertIn("for 700 ms", missed[0]["text"])
+
+
+class Hold(FailsafeTest):
+    EXTRA = '[failsafe]\nreaction = "hold"\nhold_intervals = 5000\nreference_max_intervals = 400\n'
+
+    def test_the_last_values_are_held_for_a_while(self):
+        process = self.start_set("0=5000", "--release", 1000)
+        self.given_by(process)
+        process.kill()
+        release = self.release("they are held", lambda release: release["state"] == "held")
+        self.assertIn(release["cause"], ("too_old", "writer_lost"))
+        self.release("they are stopped", lambda release: release["state"] == "stopped")
+        # On a loaded computer values may have been too old before; the last time counts. SYNC edges may be skipped, so
+        # the hold can end in a later interval than its last, but never in an earlier one.
+        self.wait_event("references_too_old", "telegram 1")
+        held = self.wait_event("references_held", "telegram 1")[-1]["interval"]
+        stopped = wait_for("the end of the hold is told", lambda: [
+            event["interval"] for event in self.events("references_stopped")
+            if "telegram 1" in event["text"] and event["interval"] >= held])
+        self.assertGreaterEqual(stopped[0], held + 5000)
+
+
+class ControlWord(FailsafeTest):
+    EXTRA = '[failsafe]\nreaction = "control_word"\ncontrol_word = 0x0104\ncontrol_word_slaves = ["winder", 3]\n'
+
+    def words(self):
+        return [self.one("read", slave, CONTROL_WORD)["value"] for slave in range(self.SLAVES)]
+
+    def test_the_named_slaves_get_it_when_the_writer_dies(self):
+        process = self.start_set("0=5000")
+        self.given_by(process)
+        before = self.words()
+        self.assertNotIn(0x0104, before)
+        process.kill()
+        wait_for("two drives have it", lambda: self.words() == [before[0], 0x0104, before[2], 0x0104])
+        self.assertIn("slave 1 'winder', slave 3", self.wait_event("failsafe_control_word", "0x0104")[0]["text"])
+        ended = self.wait_event("failsafe_control_word_ended", "0x0104")
+        self.assertEqual((len(ended), ended[0]["severity"]), (1, "info"))
+        self.assertIn("by the failsafe reaction: done", self.gateway.log_text())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,67 @@
+"""A test of verbs as processes, with one daemon and its simulated drives for all tests of a class."""
+
+import signal
+import unittest
+
+from gateway import LONG, Gateway, wait_for
+
+# Parameters of a simulated drive.
+DEVICE_TYPE, CONTROL_WORD, LAST_ACTION = 100, 300, 330
+BUSY, BUSY_REPLIES, NOT_AVAILABLE = 410, 411, 420
+WORD, DOUBLEWORD = 1000, 1020
+ALWAYS_BUSY = 0xFFFF
+DATA = 0x100  # first start address of a drive's memory
+
+
+class VerbTest(unittest.TestCase):
+    SLAVES = 4
+    BIT_RATE = 1000000
+    EXTRA = ""  # further configuration
+
+    @classmethod
+    def setUpClass(cls):
+        cls.gateway = cls.enterClassContext(Gateway(slaves=cls.SLAVES, bit_rate=cls.BIT_RATE, extra=cls.EXTRA))
+
+    def tearDown(self):
+        # What a test left open or changed must not reach the next one.
+        self.assertIsNone(self.gateway.process.poll(), self.gateway.log_text())
+
+    def run_verb(self, *arguments, code=0, data=None):
+        result = self.gateway.run(*arguments, data=data)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout}\n{result.stderr}")
+        if code == 0 and result.stdout:
+            self.assertNotIn("cansync:", result.stdout.decode(errors="replace"))
+        return result
+
+    def text(self, *arguments):
+        return self.run_verb(*arguments).stdout.decode()
+
+    def fails(self, *arguments, code):
+        """What it says on stderr; there must be no data."""
+        result = self.run_verb(*arguments, code=code)
+        self.assertEqual(result.stdout, b"")
+        self.assertTrue(result.stderr.startswith("cansync: "), result.stderr)
+        return result.stderr
+
+    def json(self, *arguments, code=0):
+        return self.gateway.json(*arguments, code=code)
+
+    def one(self, *arguments, code=0):
+        objects = self.json(*arguments, code=code)
+        self.assertEqual(len(objects), 1, objects)
+        return objects[0]
+
+    def synchronized_slaves(self):
+        """The slaves' own status, which follows the master's within a moment."""
+
+        def look():
+            slaves = self.json("slaves")
+            return slaves if all(slave["responds"] and slave["synchronized"] for slave in slaves) else None
+
+        return wait_for("every slave's status says synchronized", look)
+
+    def interrupt(self, process, code):
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=LONG)
+        self.assertEqual(process.returncode, code, err.decode())
+        return out, err.decode()

@@ -1,0 +1,37 @@
+"""The master dies: nothing is left that repeats its telegrams."""
+
+import time
+import unittest
+
+from canline import Candump, Daemon, Simulator, Wire, create_interface, delete_interface, interface_exists
+from gateway import wait_for
+
+MARK = "1FFFFFF1#"  # nobody takes it; it shows where in the log the daemon was dead
+OBSERVED = 2  # seconds: 250 intervals
+
+
+class DaemonKilled(unittest.TestCase):
+    def setUp(self):
+        if interface_exists():
+            delete_interface()
+        create_interface()
+
+    def test_no_telegram_follows(self):
+        with Simulator(), Daemon() as daemon, daemon.writer("0=5000", "4=7"), Candump() as log, Wire() as wire:
+            daemon.wait_active()
+            for identifier in ("080", "10", "18"):
+                wait_for(f"{identifier} on the bus", lambda prefix=identifier: any(
+                    frame.startswith(prefix) for frame in log.frames()))
+            daemon.program.kill()
+            wire.send(MARK)
+            log.wait_for_frame(MARK)
+            # The drives ask nobody and answer nobody; whatever came would be the master's.
+            deadline = time.monotonic() + OBSERVED
+            while time.monotonic() < deadline:
+                wire.receive(max(0.001, deadline - time.monotonic()))
+            frames = log.frames()
+            self.assertEqual(frames[frames.index(MARK) + 1:], [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
