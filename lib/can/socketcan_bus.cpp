@@ -27,9 +27,10 @@ int opened(Kernel& kernel) {
 std::vector<can_filter> to_filters(const std::vector<IdentifierFilter>& filters) {
   std::vector<can_filter> out;
   out.reserve(filters.size());
-  // Both flags in the mask: neither extended nor remote frames.
+  // Remote frames and extended frames with such a number come too, to be counted: they do not belong here. An
+  // extended identifier over 0x7FF does not match.
   for (const IdentifierFilter& filter : filters) {
-    out.push_back({filter.identifier, filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
+    out.push_back({filter.identifier, filter.mask | (CAN_EFF_MASK & ~CAN_SFF_MASK)});
   }
   return out;
 }

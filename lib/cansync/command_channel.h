@@ -92,6 +92,11 @@ class CommandChannel {
   bool receive(const ParameterReply& reply, Duration end) noexcept;
   bool receive(const TransferReply& reply, Duration end) noexcept;
 
+  /// The slave whose answer is waited for.
+  std::optional<SlaveNumber> asked() const noexcept {
+    return asked_.kind != Kind::none ? std::optional(asked_.slave) : std::nullopt;
+  }
+
   Refusal set_cursors(const Cursor& control_word, const Cursor& parameter, const Cursor& transfer) noexcept;
   void set_maximum_slave(SlaveNumber slave) noexcept { maximum_slave_ = slave; }
 

@@ -4,6 +4,7 @@
 
 #include "cansync/command_channel.h"
 #include "cansync/process_data.h"
+#include "cansync/strays.h"
 #include "cansync/supervision.h"
 #include "cansync/telegram.h"
 #include "cansync/timing.h"
@@ -44,6 +45,7 @@ struct Master::Impl {
   Supervision supervision;
   ProcessData process;
   CommandChannel command_channel;
+  Strays strays;
   State state = State::start_up;
   IntervalNumber now = 0;
   MasterCounters counters;
@@ -85,10 +87,22 @@ struct Master::Impl {
     return command_channel.receive(*reply, on_timeline(since_sync));
   }
 
+  /// A telegram of a slave: somebody takes it, or it is counted by what is wrong with it.
+  void take_or_count(const can::Frame& frame, const Telegram& telegram, Duration since_sync) noexcept {
+    const auto* actual = std::get_if<ActualTelegram>(&telegram);
+    const auto asked = actual != nullptr ? process.asked(actual->channel) : command_channel.asked();
+    if (deliver(telegram, since_sync)) return strays.taken(frame, telegram);
+    ++counters.unexpected;
+    ++counters.unexpected_by_kind[static_cast<unsigned>(strays.judge(frame, telegram, asked))];
+  }
+
   void enter(State to, ControlCommand command) noexcept {
     const State from = state;
     state = to;
-    if (!is_synchronous(to)) command_channel.end_all(Outcome::master_stopped);
+    if (!is_synchronous(to)) {
+      if (const auto asked = command_channel.asked()) strays.given_up(*asked);
+      command_channel.end_all(Outcome::master_stopped);
+    }
     if (!is_active(to)) process.stop();
     if (is_synchronous(to) && !is_synchronous(from)) supervision.begin(now);
     listener.state_changed(from, to, command);
@@ -105,8 +119,12 @@ void Master::begin_interval(IntervalNumber n) noexcept {
   impl_->now = n;
   ++impl_->counters.intervals;
   impl_->supervision.begin_interval(n, is_active(impl_->state));
-  for (const auto& missed : impl_->process.begin_interval(n)) {
-    if (missed) impl_->supervision.missed_actual(*missed);
+  const auto missed = impl_->process.begin_interval(n);
+  for (const Channel channel : {Channel::one, Channel::two}) {
+    const auto slave = missed[index(channel)];
+    if (!slave) continue;
+    impl_->supervision.missed_actual(*slave);
+    impl_->strays.missed(channel, *slave);
   }
   impl_->command_channel.begin_interval(n);
   impl_->watch_second_master();
@@ -132,6 +150,8 @@ Duration Master::planned_start(Slot slot) const noexcept {
 std::optional<can::Frame> Master::take(Slot slot) noexcept {
   if (slot == Slot::command) {
     if (!is_synchronous(impl_->state)) return std::nullopt;
+    // Taking the next command gives up the answer to the last one.
+    if (const auto unanswered = impl_->command_channel.asked()) impl_->strays.given_up(*unanswered);
     const auto telegram = impl_->command_channel.take();
     return telegram ? std::optional(encode(*telegram)) : std::nullopt;
   }
@@ -172,7 +192,7 @@ void Master::receive(const can::Frame& frame, Duration since_sync) noexcept {
     return;
   }
   if (is_from_master(frame)) return;
-  if (!impl_->deliver(*std::get_if<Telegram>(&decoded), since_sync)) ++impl_->counters.unexpected;
+  impl_->take_or_count(frame, *std::get_if<Telegram>(&decoded), since_sync);
 }
 
 bool Master::second_master() const noexcept {
@@ -202,7 +222,10 @@ Refusal Master::submit(const ReferenceUpdate& update) noexcept {
 }
 
 Refusal Master::cancel(JobId id) noexcept {
-  return impl_->command_channel.cancel(id);
+  const auto asked = impl_->command_channel.asked();
+  const Refusal refusal = impl_->command_channel.cancel(id);
+  if (asked && !impl_->command_channel.asked()) impl_->strays.given_up(*asked);
+  return refusal;
 }
 
 void Master::stop_release(Channel channel, std::uint32_t hold) noexcept {

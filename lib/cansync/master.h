@@ -12,6 +12,7 @@
 #include "cansync/numbers.h"
 #include "cansync/release_status.h"
 #include "cansync/settings.h"
+#include "cansync/strays.h"
 #include "cansync/telegram.h"
 
 namespace cansync {
@@ -57,7 +58,8 @@ struct MasterCounters {
   std::uint64_t references_not_released =
       0;  ///< active intervals x channels without released reference values
   std::array<std::uint64_t, kDecodeErrors> rejected = {};  ///< received frames by DecodeError
-  std::uint64_t unexpected = 0;                            ///< well-formed telegrams nobody asked for
+  std::uint64_t unexpected = 0;  ///< well-formed telegrams of slaves that were not taken, of every kind
+  std::array<std::uint64_t, kUnexpectedKinds> unexpected_by_kind = {};  ///< the same by Unexpected
   std::uint64_t second_master = 0;  ///< frames with a master's identifier that somebody else has sent
 };
 

@@ -2,6 +2,7 @@
 #include "cansync/jobs.h"
 #include "cansync/master.h"
 #include "cansync/mode.h"
+#include "cansync/strays.h"
 #include "cansync/telegram.h"
 
 // No `default` in these switches: the compiler then warns when an enumerator has no name.
@@ -11,8 +12,12 @@ std::string_view name(DecodeError error) noexcept {
   switch (error) {
     case DecodeError::not_for_us:
       return "not for us";
-    case DecodeError::not_standard:
-      return "not a standard data frame";
+    case DecodeError::extended:
+      return "extended frame";
+    case DecodeError::remote:
+      return "remote frame";
+    case DecodeError::error_frame:
+      return "error frame";
     case DecodeError::wrong_slave:
       return "wrong slave number";
     case DecodeError::wrong_length:
@@ -21,6 +26,22 @@ std::string_view name(DecodeError error) noexcept {
       return "reserved bits used";
   }
   return "unknown decode error";
+}
+
+std::string_view name(Unexpected kind) noexcept {
+  switch (kind) {
+    case Unexpected::wrong_slave:
+      return "other slave than asked";
+    case Unexpected::wrong_answer:
+      return "other answer than asked for";
+    case Unexpected::late:
+      return "late";
+    case Unexpected::duplicate:
+      return "duplicate";
+    case Unexpected::unasked:
+      return "nobody asked";
+  }
+  return "unknown kind";
 }
 
 std::string_view meaning(ParameterError error) noexcept {

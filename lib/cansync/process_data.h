@@ -42,6 +42,9 @@ class ProcessData {
   /// Takes an actual value telegram; false when nobody asked for it.
   bool receive(const ActualTelegram& telegram) noexcept;
 
+  /// The slave whose actual values of `channel` are waited for in this interval.
+  std::optional<SlaveNumber> asked(Channel channel) const noexcept { return output_[index(channel)].asked; }
+
   Refusal set_reference_mapping(const ProcessMapping& mapping) noexcept;
   Refusal set_polling(Channel channel, const Cursor& cursor) noexcept;
   void set_maximum_slave(SlaveNumber slave) noexcept { settings_.maximum_slave = slave; }

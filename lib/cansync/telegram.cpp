@@ -315,9 +315,14 @@ constexpr bool is_cansync(std::uint32_t id) noexcept {
   return id == identifier::action || block == 1 || block == 3 || block == 5;
 }
 
+DecodeError error_of(can::FrameKind kind) noexcept {
+  if (kind == can::FrameKind::extended) return DecodeError::extended;
+  return kind == can::FrameKind::remote ? DecodeError::remote : DecodeError::error_frame;
+}
+
 void decode_into(const can::Frame& frame, Decoded& result) noexcept {
   if (!is_cansync(frame.id)) return fail(result, DecodeError::not_for_us);
-  if (frame.kind != can::FrameKind::standard) return fail(result, DecodeError::not_standard);
+  if (frame.kind != can::FrameKind::standard) return fail(result, error_of(frame.kind));
   if (frame.dlc > 8) return fail(result, DecodeError::wrong_length);
   const std::uint32_t channel = frame.id & ~kSlaveNumberMask;
   switch (channel) {

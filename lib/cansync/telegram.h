@@ -131,12 +131,14 @@ using Telegram = std::variant<ActionCommand, ReferenceTelegram, ActualTelegram, 
 /// Why a frame is no CANsync telegram.
 enum class DecodeError : std::uint8_t {
   not_for_us,     ///< identifier outside the CANsync channels
-  not_standard,   ///< extended, remote or error frame on a CANsync identifier
+  extended,       ///< extended frame with the number of a CANsync identifier
+  remote,         ///< remote frame on a CANsync identifier
+  error_frame,    ///< error frame with the number of a CANsync identifier
   wrong_slave,    ///< N is over 31 where a slave number must stand
   wrong_length,   ///< DLC not allowed for this telegram
   reserved_bits,  ///< a reserved bit or code is used
 };
-inline constexpr unsigned kDecodeErrors = 5;
+inline constexpr unsigned kDecodeErrors = 7;
 
 /// One short English word group for a decode error, for logs and counters.
 std::string_view name(DecodeError error) noexcept;

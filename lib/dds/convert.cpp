@@ -183,6 +183,29 @@ cansync_SlaveStatus slave_status(SlaveNumber slave, std::string_view name, const
   return out;
 }
 
+namespace {
+
+void fill_frame_kinds(const MasterCounters& counters, cansync_MasterStatus& out) noexcept {
+  const auto rejected = [&](DecodeError error) { return counters.rejected[static_cast<unsigned>(error)]; };
+  out.frames_foreign = rejected(DecodeError::not_for_us);
+  out.frames_extended = rejected(DecodeError::extended);
+  out.frames_remote = rejected(DecodeError::remote);
+  out.frames_error = rejected(DecodeError::error_frame);
+  out.frames_slave_number = rejected(DecodeError::wrong_slave);
+  out.frames_length = rejected(DecodeError::wrong_length);
+  out.frames_reserved = rejected(DecodeError::reserved_bits);
+  const auto unexpected = [&](Unexpected kind) {
+    return counters.unexpected_by_kind[static_cast<unsigned>(kind)];
+  };
+  out.unexpected_slave = unexpected(Unexpected::wrong_slave);
+  out.unexpected_answer = unexpected(Unexpected::wrong_answer);
+  out.unexpected_late = unexpected(Unexpected::late);
+  out.unexpected_duplicate = unexpected(Unexpected::duplicate);
+  out.unexpected_unasked = unexpected(Unexpected::unasked);
+}
+
+}  // namespace
+
 void fill_master_status(const MasterSettings& settings, const MasterCounters& counters, State state,
                         cansync_MasterStatus& out) noexcept {
   const SlotTimes& times = slot_times(settings.bit_rate);
@@ -199,6 +222,7 @@ void fill_master_status(const MasterSettings& settings, const MasterCounters& co
   out.rejected_frames = 0;
   for (const std::uint64_t count : counters.rejected) out.rejected_frames += count;
   out.unexpected_frames = counters.unexpected;
+  fill_frame_kinds(counters, out);
   to_registers(settings.process.reference_mapping, out.reference_mapping);
   out.polling_one = to_code(settings.process.polling[0]);
   out.polling_two = to_code(settings.process.polling[1]);

@@ -84,8 +84,8 @@ TEST(SocketcanBus, SetsTheSocketUpAsNeeded) {
   ASSERT_EQ(rig.kernel.filters.size(), 3u);
   // Neither extended nor remote frames.
   EXPECT_EQ(rig.kernel.filters[1].can_id, 0x100u);
-  EXPECT_EQ(rig.kernel.filters[1].can_mask, 0x780u | CAN_EFF_FLAG | CAN_RTR_FLAG);
-  EXPECT_EQ(rig.kernel.filters[2].can_mask, 0x7FFu | CAN_EFF_FLAG | CAN_RTR_FLAG);
+  EXPECT_EQ(rig.kernel.filters[1].can_mask, 0x780u | 0x1FFFF800u);
+  EXPECT_EQ(rig.kernel.filters[2].can_mask, 0x7FFu | 0x1FFFF800u);
   EXPECT_EQ(rig.kernel.bound, std::vector<int>{5});
 }
 

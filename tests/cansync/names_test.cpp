@@ -34,6 +34,10 @@ TEST(Names, DecodeErrors) {
   expect_names(DecodeError::reserved_bits);
   EXPECT_EQ(static_cast<unsigned>(DecodeError::reserved_bits) + 1, kDecodeErrors);
 }
+TEST(Names, UnexpectedTelegrams) {
+  expect_names(Unexpected::unasked);
+  EXPECT_EQ(static_cast<unsigned>(Unexpected::unasked) + 1, kUnexpectedKinds);
+}
 TEST(Names, Outcomes) {
   expect_names(Outcome::master_stopped);
 }

@@ -147,8 +147,10 @@ TEST(Identifiers, EachOneIsToldApart) {
     EXPECT_EQ(error_of(frame), expected) << std::hex << id;
     for (const auto kind : {can::FrameKind::extended, can::FrameKind::remote, can::FrameKind::error}) {
       frame.kind = kind;
-      const auto refused =
-          expected == DecodeError::not_for_us ? DecodeError::not_for_us : DecodeError::not_standard;
+      const auto by_kind = kind == can::FrameKind::extended ? DecodeError::extended
+                           : kind == can::FrameKind::remote ? DecodeError::remote
+                                                            : DecodeError::error_frame;
+      const auto refused = expected == DecodeError::not_for_us ? DecodeError::not_for_us : by_kind;
       EXPECT_EQ(error_of(frame), refused) << std::hex << id;
     }
   }

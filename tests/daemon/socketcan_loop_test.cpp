@@ -3,6 +3,7 @@
 #include <linux/can/error.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <deque>
 #include <functional>
@@ -301,6 +302,72 @@ TEST(SocketcanLoop, NothingIsLostByLookingTwiceAnInterval) {
     EXPECT_GE(actual.values.count[0], 240u);
     EXPECT_GE(actual.values.count[1], 240u);
   }
+}
+
+can_frame kernel_frame(canid_t id, std::uint8_t length) {
+  can_frame frame{};
+  frame.can_id = id;
+  frame.len = length;
+  return frame;
+}
+
+/// Runs a line with `frames` wrong frames more on the bus in each interval from number 300 to 1300, and
+/// expects that it costs neither a look at the kernel nor a telegram. Returns how many of them were counted.
+std::uint64_t flood(Rig& rig, unsigned frames) {
+  std::map<std::string, unsigned> before;
+  std::map<std::string, unsigned> after;
+  std::uint64_t most = 0;
+  std::uint64_t last = 0;
+  const auto rejected = [&] {
+    std::uint64_t sum = rig.latest.counters.unexpected;
+    for (const std::uint64_t count : rig.latest.counters.rejected) sum += count;
+    return sum;
+  };
+  rig.on_edge = [&](std::uint64_t edge) {
+    if (edge > 200) rig.give_references();
+    if (edge == 300) before = rig.kernel.calls;
+    if (edge == 1300) after = rig.kernel.calls;
+    if (edge < 300 || edge >= 1300) return;
+    most = std::max(most, rejected() - last);
+    last = rejected();
+    rig.kernel.errors.clear();  // the kernel drops what its queue cannot hold
+    constexpr std::array<canid_t, 4> kIdentifiers = {0x581, 0x59F, 0x301 | CAN_EFF_FLAG,
+                                                     0x301 | CAN_RTR_FLAG};
+    for (unsigned i = 0; i < frames; ++i)
+      rig.kernel.errors.push_back(kernel_frame(kIdentifiers[i % kIdentifiers.size()], 1));
+    if (edge == 700) {
+      EXPECT_TRUE(rig.exchange.requests.try_push(cansync::ParameterRequest{
+          .id = 7, .slave = *cansync::SlaveNumber::from(2), .number = *cansync::ParameterNumber::from(301)}));
+    }
+  };
+  rig.run(1400);
+  EXPECT_EQ(after["recvmmsg"] - before["recvmmsg"], 2000u) << "two looks an interval, as ever";
+  EXPECT_EQ(after["clock_nanosleep"] - before["clock_nanosleep"], 4000u);
+  EXPECT_LE(most, 2 * can::ReceiveBatch::kFrames) << "the work of an interval is bounded";
+  EXPECT_EQ(rig.snapshot().counters.left_out, 0u);
+  EXPECT_EQ(rig.snapshot().missed_syncs, 0u);
+  return last;
+}
+
+TEST(SocketcanLoop, TwentyThousandWrongFramesASecondAreCountedByKindAndChangeNothing) {
+  Rig rig;
+  EXPECT_GT(flood(rig, 20), 19'000u);
+  const cansync::MasterCounters counters = rig.snapshot().counters;
+  const auto rejected = [&](cansync::DecodeError error) {
+    return counters.rejected[static_cast<unsigned>(error)];
+  };
+  EXPECT_EQ(rejected(cansync::DecodeError::wrong_length), 10'000u);
+  EXPECT_EQ(rejected(cansync::DecodeError::extended), 5'000u);
+  EXPECT_EQ(rejected(cansync::DecodeError::remote), 5'000u);
+  EXPECT_EQ(counters.unexpected, 0u);
+  EXPECT_EQ(rig.snapshot().synchronized.bits, 0xFu);
+  ASSERT_EQ(rig.terminals.count(7), 1u);
+  EXPECT_EQ(std::get<ParameterDone>(rig.terminals.find(7)->second).result.outcome, cansync::Outcome::done);
+}
+
+TEST(SocketcanLoop, AFloodOverTheBitRateOfAnyBusIsBoundedWorkToo) {
+  Rig rig;
+  EXPECT_GT(flood(rig, 1000), 100'000u);
 }
 
 TEST(SocketcanLoop, AnInterfaceThatGoesAndReturnsIsReportedOnceEach) {

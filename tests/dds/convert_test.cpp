@@ -255,7 +255,8 @@ TEST(State, MasterStatus) {
   settings.process.polling[1] = {Cursor::Kind::nobody, {}};
   settings.command_channel.serving = Serving::scan;
   MasterCounters counters;
-  counters.rejected = {1, 2, 3, 4, 5};
+  counters.rejected = {1, 2, 3, 4, 5, 6, 7};
+  counters.unexpected_by_kind = {11, 12, 13, 14, 15};
   counters.unexpected = 8;
   cansync_MasterStatus sample = {};
   sample.interval = 5;
@@ -266,8 +267,20 @@ TEST(State, MasterStatus) {
   EXPECT_EQ(sample.interval_length, 2'000'000u);
   EXPECT_EQ(sample.interval, 5u);  // not of the master's settings: stays
   EXPECT_EQ(sample.slaves_configured, 8u);
-  EXPECT_EQ(sample.rejected_frames, 15u);
+  EXPECT_EQ(sample.rejected_frames, 28u);
   EXPECT_EQ(sample.unexpected_frames, 8u);
+  EXPECT_EQ(sample.frames_foreign, 1u);
+  EXPECT_EQ(sample.frames_extended, 2u);
+  EXPECT_EQ(sample.frames_remote, 3u);
+  EXPECT_EQ(sample.frames_error, 4u);
+  EXPECT_EQ(sample.frames_slave_number, 5u);
+  EXPECT_EQ(sample.frames_length, 6u);
+  EXPECT_EQ(sample.frames_reserved, 7u);
+  EXPECT_EQ(sample.unexpected_slave, 11u);
+  EXPECT_EQ(sample.unexpected_answer, 12u);
+  EXPECT_EQ(sample.unexpected_late, 13u);
+  EXPECT_EQ(sample.unexpected_duplicate, 14u);
+  EXPECT_EQ(sample.unexpected_unasked, 15u);
   EXPECT_EQ(sample.polling_one, -128);
   EXPECT_EQ(sample.polling_two, -1);
   EXPECT_EQ(sample.maximum_slave, 3);

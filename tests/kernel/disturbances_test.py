@@ -106,10 +106,18 @@ class Strangers(DisturbanceTest):
 
     def test_foreign_frames_do_not_matter(self):
         rejected = self.count("rejected_frames")
-        for frame in ("7FF#0102030405060708", "200#", "011#00", "00000501#70670000", "1FFFFFFF#AA"):
+        for frame in ("7FF#0102030405060708", "200#", "011#00", "1FFFFFFF#AA"):
             self.wire.send(frame)
         self.assert_healthy()
-        self.assertEqual(self.count("rejected_frames"), rejected, "no frame of CANsync was among them")
+        self.assertEqual(self.count("rejected_frames"), rejected, "the kernel's filter keeps them away")
+
+    def test_extended_and_remote_frames_on_identifiers_of_cansync_are_counted(self):
+        extended, remote = self.count("frames_extended"), self.count("frames_remote")
+        for frame in ("00000501#70670000", "00000581#0000", "581#R"):
+            self.wire.send(frame)
+        self.daemon.wait_status("extended ones are counted", lambda s: s["frames_extended"] >= extended + 2)
+        self.daemon.wait_status("remote ones are counted", lambda s: s["frames_remote"] >= remote + 1)
+        self.assert_healthy()
 
     def test_malformed_and_unasked_answers_are_counted(self):
         rejected, unexpected = self.count("rejected_frames"), self.count("unexpected_frames")

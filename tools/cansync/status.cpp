@@ -1,6 +1,11 @@
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <initializer_list>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "cansync/verbs.h"
 
@@ -43,11 +48,39 @@ std::string release_text(const cansync_ReferenceRelease& release) {
   return text + fmt::format(", given by {}, strength {}", release.writer, release.strength);
 }
 
+/// The counts of received frames that were not taken, by kind.
+void add_frame_kinds(JsonObject& object, const client::MasterStatus& status) {
+  object.add("frames_foreign", status.frames_foreign)
+      .add("frames_extended", status.frames_extended)
+      .add("frames_remote", status.frames_remote)
+      .add("frames_error", status.frames_error)
+      .add("frames_slave_number", status.frames_slave_number)
+      .add("frames_length", status.frames_length)
+      .add("frames_reserved", status.frames_reserved)
+      .add("unexpected_slave", status.unexpected_slave)
+      .add("unexpected_answer", status.unexpected_answer)
+      .add("unexpected_late", status.unexpected_late)
+      .add("unexpected_duplicate", status.unexpected_duplicate)
+      .add("unexpected_unasked", status.unexpected_unasked);
+}
+
+/// Who asks, and the counts of requests that were not taken, by kind.
+void add_request_kinds(JsonObject& object, const client::MasterStatus& status) {
+  object.add("clients", status.clients)
+      .add("rejected_values", status.rejected_values)
+      .add("rejected_full", status.rejected_full)
+      .add("rejected_stale", status.rejected_stale)
+      .add("rejected_numbers", status.rejected_numbers)
+      .add("rejected_identities", status.rejected_identities)
+      .add("rejected_malformed", status.rejected_malformed)
+      .add("rejected_state", status.rejected_state);
+}
+
 JsonObject status_object(const client::MasterStatus& status) {
   JsonArray names;
   for (const auto& value : status.reference_value) names.add_json(value_names(value).text());
-  return JsonObject()
-      .add("bus", status.bus)
+  JsonObject object;
+  object.add("bus", status.bus)
       .add("version", status.version)
       .add("state", status.state)
       .add("option_status", status.option_status)
@@ -94,17 +127,10 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("overruns", status.overruns)
       .add("dropped_frames", status.dropped_frames)
       .add("second_master", status.second_master)
-      .add("second_master_frames", status.second_master_frames)
-      .add("clients", status.clients)
-      .add("rejected_values", status.rejected_values)
-      .add("rejected_full", status.rejected_full)
-      .add("rejected_stale", status.rejected_stale)
-      .add("rejected_numbers", status.rejected_numbers)
-      .add("rejected_identities", status.rejected_identities)
-      .add("rejected_malformed", status.rejected_malformed)
-      .add("rejected_state", status.rejected_state)
-      .add("reference_values", names)
-      .add("reference_release", release_objects(status));
+      .add("second_master_frames", status.second_master_frames);
+  add_request_kinds(object, status);
+  add_frame_kinds(object, status);
+  return object.add("reference_values", names).add("reference_release", release_objects(status));
 }
 
 /// "0-3 (4 of 4)".
@@ -144,6 +170,33 @@ std::string interface_text(const client::MasterStatus& status) {
   return text + fmt::format("; times by: {}", status.timestamp_source);
 }
 
+/// " (3 of wrong length, 9 remote)": the kinds that there are; empty without any.
+std::string kinds_text(std::initializer_list<std::pair<std::string_view, std::uint64_t>> kinds) {
+  std::string text;
+  for (const auto& [name, count] : kinds) {
+    if (count != 0) text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", count, name);
+  }
+  return text.empty() ? text : text + ")";
+}
+
+/// "12 rejected (3 of wrong length, 9 remote), 1 unexpected (1 late)".
+std::string frames_text(const client::MasterStatus& status) {
+  const std::string rejected = kinds_text({{"foreign", status.frames_foreign},
+                                           {"extended", status.frames_extended},
+                                           {"remote", status.frames_remote},
+                                           {"error frames", status.frames_error},
+                                           {"of a slave over 31", status.frames_slave_number},
+                                           {"of wrong length", status.frames_length},
+                                           {"with reserved bits", status.frames_reserved}});
+  const std::string unexpected = kinds_text({{"of another slave than asked", status.unexpected_slave},
+                                             {"with another answer than asked for", status.unexpected_answer},
+                                             {"late", status.unexpected_late},
+                                             {"twice", status.unexpected_duplicate},
+                                             {"unasked", status.unexpected_unasked}});
+  return fmt::format("{} rejected{}, {} unexpected{}", status.rejected_frames, rejected,
+                     status.unexpected_frames, unexpected);
+}
+
 void print_status(Output& output, const client::MasterStatus& status) {
   const auto row = [&output](std::string_view label, const std::string& text) {
     output.line(fmt::format("{:<22}{}", label, text));
@@ -179,7 +232,7 @@ void print_status(Output& output, const client::MasterStatus& status) {
     row(fmt::format("reference telegram {}", i + 1), release_text(status.reference_release[i]));
   }
   row("no reference values", fmt::format("{} telegrams", status.references_not_released));
-  row("frames", fmt::format("{} rejected, {} unexpected", status.rejected_frames, status.unexpected_frames));
+  row("frames", frames_text(status));
   row("clients",
       fmt::format(
           "{}; requests rejected: {} values, {} limits, {} stale, {} numbers, {} identities, {} malformed, "
@@ -279,7 +332,7 @@ void add_status_verbs(CLI::App& app, Verb& chosen) {
       "  slaves ...           which slaves are configured, answer, and have locked to SYNC\n"
       "  telegrams left out   not sent because their slot had passed\n"
       "  no reference values  active intervals in which a reference value telegram had nothing to send\n"
-      "  frames               received ones that were no valid telegram, and ones nobody asked for\n"
+      "  frames               received ones that were no valid telegram, and ones nobody asked for, by kind\n"
       "  missed               SYNC edges skipped, and reports of the realtime thread without room");
   status->callback([&chosen] { chosen = status_verb; });
 
