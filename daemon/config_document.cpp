@@ -2,12 +2,12 @@
 
 #include <toml++/toml.h>
 
-#include <cerrno>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
-#include <system_error>
 #include <utility>
+#include <variant>
+
+#include "text/text_file.h"
+#include "text/toml_guard.h"
 
 namespace cansyncd {
 namespace {
@@ -48,6 +48,12 @@ Value to_value(const toml::node& node) {
   return list_value(std::move(items));
 }
 
+Problem too_deep(const Position& where) {
+  return {where, "",
+          "found a key of more than " + std::to_string(text::kMostKeyParts) +
+              " parts; allowed: [section], [[section]], key = value, # comment"};
+}
+
 /// Turns toml++'s tree into the flat list.
 class Flattener {
  public:
@@ -64,6 +70,10 @@ class Flattener {
  private:
   void entry(const toml::node& node, Path path, const Position& key) {
     const Position where = position(node.source(), file_);
+    if (path.size() > text::kMostKeyParts) {
+      document_.problems.push_back(too_deep(key));
+      return;
+    }
     if (const toml::table* section = node.as_table()) {
       document_.nodes.push_back({Node::Kind::section, path, {}, key, where});
       table(*section, path);
@@ -91,11 +101,18 @@ class Flattener {
 
 }  // namespace
 
-Document parse_document(std::string_view text, const std::string& file) {
+Document parse_document(std::string_view toml, const std::string& file) {
   Document document;
+  if (const auto place = text::too_deep_key(toml)) {
+    const Position where{file, static_cast<std::uint32_t>(place->line),
+                         static_cast<std::uint32_t>(place->column)};
+    document.problems.push_back(too_deep(where));
+    return document;
+  }
   try {
-    const toml::table root = toml::parse(text, file);
+    const toml::table root = toml::parse(toml, file);
     Flattener(document, file).table(root, {});
+    if (!document.problems.empty()) document.nodes.clear();
   } catch (const toml::parse_error& error) {
     document.nodes.clear();
     document.problems.push_back({position(error.source(), file), "",
@@ -109,16 +126,9 @@ Document read_document(const std::string& file) {
   const auto failure = [&](const std::string& why) {
     return Document{{}, {{{file, 0, 0}, "", "cannot read this file: " + why}}};
   };
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) return failure("it is a folder");
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (stream) text << stream.rdbuf();
-  if (!stream.is_open() || text.bad()) {
-    return failure(errno != 0 ? std::generic_category().message(errno) : "input error");
-  }
-  return parse_document(text.str(), file);
+  const auto content = text::read_file(file);
+  if (const auto* problem = std::get_if<text::FileProblem>(&content)) return failure(problem->text);
+  return parse_document(std::get<std::string>(content), file);
 }
 
 std::optional<Value> parse_value(const std::string& text) {

@@ -34,11 +34,11 @@ struct Document {
   std::vector<Problem> problems;  ///< the file cannot be read or is not TOML; `nodes` is empty then
 };
 
-/// Reads `file`. Allocates; main thread.
+/// Reads `file`, a regular file of up to text::kFileLimit bytes. Allocates; main thread.
 Document read_document(const std::string& file);
 
 /// Reads TOML text; `file` is what positions name.
-Document parse_document(std::string_view text, const std::string& file);
+Document parse_document(std::string_view toml, const std::string& file);
 
 /// Reads one value in TOML's notation; nothing when it is none.
 std::optional<Value> parse_value(const std::string& text);

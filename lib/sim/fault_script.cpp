@@ -8,13 +8,14 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <utility>
 #include <variant>
 
 #include "can/candump.h"
 #include "cansync/telegram.h"
+#include "text/text_file.h"
+#include "text/toml_guard.h"
 
 namespace sim {
 namespace {
@@ -301,10 +302,15 @@ std::string FaultScriptError::text() const {
                    : fmt::format("{}:{}:{}: {}", file, line, column, message);
 }
 
-FaultScript parse_fault_script(std::string_view text, std::string_view file) {
+FaultScript parse_fault_script(std::string_view toml, std::string_view file) {
   FaultScript script;
+  if (const auto place = text::too_deep_key(toml)) {
+    script.errors.push_back({std::string(file), place->line, place->column,
+                             "found a key of more than 16 parts; allowed: tables [[fault]]"});
+    return script;
+  }
   try {
-    read_faults(toml::parse(text, file), file, script);
+    read_faults(toml::parse(toml, file), file, script);
   } catch (const toml::parse_error& error) {
     const toml::source_position place = error.source().begin;
     script.errors.push_back({std::string(file), place.line, place.column,
@@ -321,15 +327,10 @@ FaultScript parse_fault_script(std::string_view text, std::string_view file) {
 }
 
 FaultScript load_fault_script(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  std::array<char, 4096> part;
-  while (file.read(part.data(), part.size()) || file.gcount() > 0) {
-    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (!file.is_open() || file.bad())
-    return {{}, {}, {{path, 0, 0, "cannot be read; check that the file exists and may be read"}}};
-  return parse_fault_script(text, path);
+  const auto content = text::read_file(path);
+  if (const auto* problem = std::get_if<text::FileProblem>(&content))
+    return {{}, {}, {{path, 0, 0, "cannot be read: " + problem->text}}};
+  return parse_fault_script(std::get<std::string>(content), path);
 }
 
 }  // namespace sim

@@ -35,9 +35,9 @@ struct FaultScript {
 };
 
 /// Parses a script that is already in memory; `file` is named in errors.
-FaultScript parse_fault_script(std::string_view text, std::string_view file);
+FaultScript parse_fault_script(std::string_view toml, std::string_view file);
 
-/// Reads and parses the script at `path`.
+/// Reads and parses the script at `path`, a regular file of up to text::kFileLimit bytes.
 FaultScript load_fault_script(const std::string& path);
 
 }  // namespace sim

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -328,6 +329,47 @@ TEST(WrongConfig, AFolderIsNoFile) {
   const ConfigFile file = load_config("/", {});
   ASSERT_EQ(file.problems.size(), 1U);
   EXPECT_NE(to_string(file.problems[0]).find("/: cannot read this file: it is a folder"), std::string::npos);
+}
+
+TEST(WrongConfig, WhatIsNoTextFileIsRefusedUnread) {
+  const auto problem_of = [](const char* path) { return problems_text(load_config(path, {}).problems); };
+  EXPECT_EQ(problem_of("/dev/zero"),
+            "/dev/zero: cannot read this file: it is a device, pipe or socket; allowed: a text file\n");
+  const fs::path big = fs::temp_directory_path() / ("config_test_big_" + std::to_string(getpid()));
+  std::ofstream(big).put('x');
+  fs::resize_file(big, 100 * 1024 * 1024);
+  EXPECT_EQ(problem_of(big.c_str()),
+            big.string() +
+                ": cannot read this file: it has over 262144 bytes; allowed: a text file of up to "
+                "262144 bytes\n");
+  fs::remove(big);
+}
+
+TEST(WrongConfig, WhatIsNoTomlHasAPlace) {
+  const auto problem_of = [](const std::string& text) { return problems_text(from_text(text).problems); };
+  EXPECT_TRUE(problem_of(std::string("\0\1", 2)).starts_with("test.toml:1:1: this is not TOML: "))
+      << "binary";
+  EXPECT_TRUE(problem_of(std::string("[bus]\nname = \"a\0b\"\n", 18)).starts_with("test.toml:2:10: "));
+  EXPECT_TRUE(problem_of("[bus]\nname = \"a\xFF\"\n").starts_with("test.toml:2:9: ")) << "no UTF-8";
+  EXPECT_TRUE(problem_of("a = " + std::string(100'000, '[')).starts_with("test.toml:1:")) << "nested lists";
+  std::string inline_tables = "a = ";
+  for (int i = 0; i < 100'000; ++i) inline_tables += "{a = ";
+  EXPECT_TRUE(problem_of(inline_tables).starts_with("test.toml:1:")) << "nested tables";
+}
+
+TEST(WrongConfig, AKeyOfVeryManyPartsIsRefusedBeforeItTakesTheStack) {
+  constexpr const char* kDeep =
+      ": found a key of more than 16 parts; allowed: [section], [[section]], key = value, # comment\n";
+  std::string deep = "a";
+  for (int i = 0; i < 100'000; ++i) deep += ".a";
+  EXPECT_EQ(problems_text(from_text("\n" + deep + " = 1\n").problems), std::string("test.toml:2:2") + kDeep);
+  EXPECT_EQ(problems_text(from_text("[" + deep + "]\n").problems), std::string("test.toml:1:3") + kDeep);
+  EXPECT_EQ(problems_text(from_text(kSmallest, {deep + "=1"}).problems).find("--set"), 0U);
+  // Parts that each fit, in tables within each other.
+  std::string nested = "b";
+  for (int i = 0; i < 20; ++i) nested += " = {a.a";
+  EXPECT_NE(problems_text(from_text(nested + " = 1" + std::string(20, '}') + "\n").problems).find(kDeep),
+            std::string::npos);
 }
 
 TEST(WrongConfig, AtMostTwentyProblemsAreShown) {

@@ -183,12 +183,30 @@ TEST(FaultScript, IsReadFromAFile) {
 }
 
 TEST(FaultScript, FileThatCannotBeReadIsAnError) {
-  for (const char* path : {"/nonexistent/faults.toml", "/tmp"}) {
+  const auto error_of = [](const char* path) {
     const FaultScript script = sim::load_fault_script(path);
-    ASSERT_EQ(script.errors.size(), 1u);
-    EXPECT_EQ(script.errors[0].text(),
-              std::string(path) + ": cannot be read; check that the file exists and may be read");
-  }
+    return script.errors.size() == 1 ? script.errors[0].text() : "";
+  };
+  EXPECT_EQ(error_of("/nonexistent/faults.toml"),
+            "/nonexistent/faults.toml: cannot be read: No such file or directory");
+  EXPECT_EQ(error_of("/tmp"), "/tmp: cannot be read: it is a folder");
+  EXPECT_EQ(error_of("/dev/zero"),
+            "/dev/zero: cannot be read: it is a device, pipe or socket; allowed: a text file");
+}
+
+TEST(FaultScript, WhatIsNoTextHasAPlace) {
+  const auto error_of = [](const std::string& text) {
+    const FaultScript script = sim::parse_fault_script(text, "f.toml");
+    return script.errors.empty() ? "" : script.errors[0].text();
+  };
+  EXPECT_TRUE(error_of(std::string("\0", 1)).starts_with("f.toml:1:1: not valid TOML: ")) << "binary";
+  EXPECT_TRUE(error_of("[[fault]]\nkind = \"\xFF\"\n").starts_with("f.toml:2:")) << "no UTF-8";
+  EXPECT_TRUE(error_of("[[fault]]\nkind = \"lost\"\nkind = \"lost\"\n").starts_with("f.toml:3:")) << "twice";
+  EXPECT_TRUE(error_of("a = " + std::string(100'000, '[')).starts_with("f.toml:1:")) << "nested lists";
+  std::string deep = "a";
+  for (int i = 0; i < 100'000; ++i) deep += ".a";
+  EXPECT_EQ(error_of(deep + " = 1\n"),
+            "f.toml:1:2: found a key of more than 16 parts; allowed: tables [[fault]]");
 }
 
 // The examples of the documentation are scripts that load.
