@@ -34,6 +34,9 @@ using cansync::client::ReplyCode;
 using std::chrono::steady_clock;
 
 constexpr std::uint32_t kParameter = 430;  // a simulated drive's doubleword without limits
+constexpr char kReady = 'r';               // a client has connected
+constexpr char kFailed = 'f';              // it could not
+constexpr unsigned kAtOnce = 5;            // clients that look for the daemon at the same time
 constexpr auto kConnect = 60s;             // to find the daemon, also on a loaded computer
 constexpr auto kAnswer = 30s;              // a request without an answer for so long counts as lost
 
@@ -191,7 +194,7 @@ int be_client(const Settings& settings, unsigned own, int ready, int start, int 
   options.client_name = fmt::format("load {}", own);
   options.wait = kConnect;
   auto client = cansync::client::Client::connect(options);
-  if (::write(ready, "r", 1) != 1) return 1;
+  if (::write(ready, &kReady, 1) != 1) return 1;
   char byte = 0;
   // Nothing is ever written there: it ends when the first process closes it.
   if (::read(start, &byte, 1) != 0) return 1;
@@ -205,7 +208,7 @@ int be_client(const Settings& settings, unsigned own, int ready, int start, int 
   return ::write(result, &counts, sizeof counts) == sizeof counts ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "client %u: %s\n", own, error.what());
-  return 1;
+  return static_cast<int>(::write(ready, &kFailed, 1));
 }
 
 struct Pipe {
@@ -235,8 +238,18 @@ int run(const Settings& settings) {
   const Pipe result;
   const unsigned clients = settings.readers + settings.requesters;
   const auto begin = steady_clock::now();
-  // Each process begins before it has touched DDS: nothing of one client is shared with another.
+  // Each process begins before it has touched DDS: nothing of one client is shared with another. A few at a
+  // time: participants that all start at once and find each other are another load than the one meant here.
+  char byte = 0;
+  unsigned connected = 0;
+  const auto one_more = [&] {
+    if (::read(ready.read_end(), &byte, 1) != 1 || byte != kReady) {
+      throw std::runtime_error("a client could not connect");
+    }
+    ++connected;
+  };
   for (unsigned own = 0; own < clients; ++own) {
+    if (own - connected >= kAtOnce) one_more();
     const pid_t child = fork();
     if (child < 0) throw std::runtime_error("no process can be had");
     if (child > 0) continue;
@@ -246,9 +259,7 @@ int run(const Settings& settings) {
   }
   ready.close_write();
   result.close_write();
-  char byte = 0;
-  unsigned connected = 0;
-  while (connected < clients && ::read(ready.read_end(), &byte, 1) == 1) ++connected;
+  while (connected < clients) one_more();
   const double connecting = std::chrono::duration<double>(steady_clock::now() - begin).count();
   fmt::print("connected\n");
   (void)std::fflush(stdout);

@@ -110,6 +110,7 @@ class Daemon(Gateway):
             "at": time.monotonic(),
             "intervals": status["interval"],
             "missed_syncs": status["missed_syncs"],
+            "telegrams_sent": status["telegrams_sent"],
             "left_out": status["left_out"],
             "started_late": sum(slot["late"] for slot in timing["slots"]),
             "woken_256_us_late": sum(timing["lateness_histogram"][LATE + 1:]),
@@ -140,8 +141,8 @@ def phase(daemon, seconds, priority):
     time.sleep(seconds)
     after = daemon.counters()
     found = {name: after[name] - before[name] for name in before if name not in ("at", "processor")}
-    for name in ("missed_syncs", "left_out", "woken_256_us_late"):
-        found[f"{name} of 1000"] = round(1000 * found[name] / found["intervals"], 1)
+    for name, of in (("missed_syncs", "intervals"), ("left_out", "telegrams_sent"), ("woken_256_us_late", "intervals")):
+        found[f"{name} of 1000"] = round(1000 * found[name] / max(found[of], 1), 1)
     found["cyclictest of 1000"] = yardstick.late() if yardstick else "-"
     for name, used in after["processor"].items():
         found[f"processor % {name}"] = round(
