@@ -9,7 +9,7 @@ namespace text {
 
 /// Most bytes of a configuration or fault script; the longest one with every option of 32 slaves has a
 /// fourth.
-inline constexpr std::size_t kFileLimit = 256 * 1024;
+inline constexpr std::size_t kFileLimit = std::size_t{256} * 1024;
 
 /// Why a file was not read, in words: what was found, and what is allowed where that helps.
 struct FileProblem {
