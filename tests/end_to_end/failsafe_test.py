@@ -1,6 +1,7 @@
 """What happens when the program that gives reference values dies, hangs or is taken over from."""
 
 import signal
+import time
 import unittest
 
 from gateway import LONG, wait_for
@@ -73,6 +74,17 @@ class WriterLost(FailsafeTest):
         self.given_by(weak)
         release = self.release("the weaker one's are released", lambda release: release["state"] == "released")
         self.assertEqual(release["strength"], 2)
+
+    def test_a_suspended_daemon_does_not_take_what_has_grown_old_meanwhile(self):
+        # So slow that the oldest of the 16 samples DDS keeps is over 500 ms old when they are all taken together.
+        process = self.start_set("0=5000", "--rate", 20)
+        self.given_by(process)
+        self.gateway.process.send_signal(signal.SIGSTOP)
+        time.sleep(2)  # how long it is suspended
+        self.gateway.process.send_signal(signal.SIGCONT)
+        self.wait_event("reference_refused", "telegram 1 are refused: age ")
+        self.given_by(process)
+        self.release("fresh ones are released", lambda release: release["state"] == "released")
 
     def test_a_writer_that_lives_but_gives_nothing_new(self):
         process = self.start_set("0=5000", "--rate", 0.2, "--release", 100)

@@ -17,14 +17,16 @@ class DaemonKilled(unittest.TestCase):
         create_interface()
 
     def test_no_telegram_follows(self):
-        with Simulator(), Daemon() as daemon, daemon.writer("0=5000", "4=7"), Candump() as log, Wire() as wire:
+        with Simulator(slaves="0-0"), Daemon(slaves=1) as daemon, Wire() as wire, Candump() as log:
             daemon.wait_active()
+            writer = self.enterContext(daemon.writer("0=5000", "4=7", "--rate", 20))
             for identifier in ("080", "10", "18"):
                 wait_for(f"{identifier} on the bus", lambda prefix=identifier: any(
                     frame.startswith(prefix) for frame in log.frames()))
             daemon.program.kill()
             wire.send(MARK)
             log.wait_for_frame(MARK)
+            self.assertIsNone(writer.process.poll(), "values are still given: " + writer.text())
             # The drives ask nobody and answer nobody; whatever came would be the master's.
             deadline = time.monotonic() + OBSERVED
             while time.monotonic() < deadline:
