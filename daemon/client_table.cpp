@@ -14,12 +14,14 @@ bool LivingPlaces::look(std::span<const dds_entity_t> readers, PlaceFinder& find
   if (now == seen_) return false;
   seen_ = now;
   places_.clear();
+  writers_.clear();
   for (std::size_t i = 0; i < readers.size(); ++i) {
     // One that is matched only now is found by the next look: the counts have changed then.
     std::vector<dds_instance_handle_t> writers(now[i].current);
     const dds_return_t found = dds_get_matched_publications(readers[i], writers.data(), writers.size());
     writers.resize(std::min(writers.size(), static_cast<std::size_t>(std::max(found, 0))));
     for (const auto writer : writers) places_.insert(finder.find(readers[i], writer));
+    writers_.push_back(std::move(writers));
   }
   return true;
 }

@@ -37,6 +37,8 @@ class LivingPlaces {
   /// always). Returns whether it looked.
   bool look(std::span<const dds_entity_t> readers, PlaceFinder& finder);
   bool has(const Place& place) const { return places_.contains(place); }
+  /// The writers matched with reader `index` when it looked.
+  std::span<const dds_instance_handle_t> writers(std::size_t index) const { return writers_.at(index); }
 
  private:
   struct Seen {
@@ -45,6 +47,7 @@ class LivingPlaces {
     friend bool operator==(const Seen&, const Seen&) = default;
   };
   std::vector<Seen> seen_;
+  std::vector<std::vector<dds_instance_handle_t>> writers_;  ///< by reader
   std::set<Place> places_;
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "daemon/gateway_requests.h"
+#include "dds/malformed.h"
 
 namespace cansyncd {
 namespace {
@@ -57,6 +58,7 @@ Gateway::~Gateway() {
 }
 
 void Gateway::start() {
+  cansync::dds::count_malformed();
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "cansync-gateway");  // for `top -H` and whoever measures
     run();

@@ -8,6 +8,7 @@
 #include "daemon/gateway_requests.h"
 #include "daemon/gateway_take.h"
 #include "daemon/log.h"
+#include "dds/malformed.h"
 
 /// Requests on their way in; their answers are in gateway_results.cpp.
 namespace cansyncd {
@@ -50,10 +51,11 @@ std::string who_of(std::string_view name, const std::array<std::uint8_t, 16>& cl
 
 JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, EventPublisher& events,
                  const Config& config)
-    : parameters_(participant, &signal),
-      transfers_(participant, &signal),
-      commands_(participant, &signal),
-      cancels_(participant, &signal),
+    : guards_{dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal)},
+      parameters_(participant, &signal, &guards_[0]),
+      transfers_(participant, &signal, &guards_[1]),
+      commands_(participant, &signal, &guards_[2]),
+      cancels_(participant, &signal, &guards_[3]),
       parameter_replies_(participant, signal),
       transfer_replies_(participant, signal),
       command_replies_(participant, signal),
@@ -309,11 +311,35 @@ std::optional<SteadyTime> JobDesk::retry(const JobContext& context) {
   earlier(parameter_replies_.next(context.now));
   earlier(transfer_replies_.next(context.now));
   earlier(command_replies_.next(context.now));
+  count_dropped(context.now);
   earlier(rejections_.tick(context.now));
   // The realtime thread wakes nobody when it has made room.
   constexpr std::chrono::milliseconds kLookForRoom{10};
   if (cancels_waiting_ || lanes_blocked_ || !own_.empty()) earlier(context.now + kLookForRoom);
   return next;
+}
+
+void JobDesk::count_dropped(SteadyTime now) {
+  std::uint64_t keys = 0;
+  for (dds::KeyGuard& guard : guards_) keys += guard.take_dropped();
+  if (keys != 0) {
+    rejections_.add(
+        Rejection::identity,
+        fmt::format("{} samples were dropped unread: one program may use {} client identities at a time, "
+                    "all together {}",
+                    keys, dds::KeyGuard::kKeysPerWriter, dds::KeyGuard::kKeys),
+        now, keys);
+  }
+  const dds::Malformed malformed = dds::take_malformed();
+  if (malformed.count != 0) {
+    rejections_.add(
+        Rejection::malformed,
+        fmt::format(
+            "{} samples or packets were dropped because DDS could not read them (an unknown enumerator, a "
+            "sequence over its bound, another data model?); the newest: {}",
+            malformed.count, malformed.newest),
+        now, malformed.count);
+  }
 }
 
 void JobDesk::tell_dropped(SteadyTime now) {

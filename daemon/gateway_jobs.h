@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -19,6 +20,7 @@
 #include "daemon/rejections.h"
 #include "dds/convert.h"
 #include "dds/endpoint.h"
+#include "dds/key_guard.h"
 #include "dds/signal.h"
 #include "dds/validate.h"
 
@@ -142,6 +144,11 @@ class JobDesk {
   void reply(Job& job, const CommandDone& done, const JobContext& context);
   void reply(Job& job, const Refused& refused, const JobContext& context);
 
+  /// Counts what was dropped before it could be taken: keys too many, samples DDS could not read.
+  void count_dropped(SteadyTime now);
+
+  static constexpr std::size_t kReaders = 4;
+  std::array<cansync::dds::KeyGuard, kReaders> guards_;  ///< of parameters_, transfers_, commands_, cancels_
   cansync::dds::Reader<cansync_ParameterRequest> parameters_;
   cansync::dds::Reader<cansync_TransferRequest> transfers_;
   cansync::dds::Reader<cansync_Command> commands_;

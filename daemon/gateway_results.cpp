@@ -116,7 +116,9 @@ void JobDesk::cancel(Jobs::iterator job, const JobContext& context) {
 void JobDesk::look_for_clients(const JobContext& context) {
   const std::array readers = {parameters_.handle(), transfers_.handle(), commands_.handle(),
                               cancels_.handle()};
-  (void)living_.look(readers, places_);
+  if (living_.look(readers, places_)) {
+    for (std::size_t i = 0; i < kReaders; ++i) guards_[i].keep(living_.writers(i));
+  }
   for (const ClientIdentity& identity : clients_.mark_gone(living_)) {
     const ClientEntry client = *clients_.find(identity);
     if (client.open == 0) {

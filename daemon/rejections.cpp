@@ -40,11 +40,11 @@ bool Rejections::line_allowed(SteadyTime now) {
   return lines_++ < kLines;
 }
 
-void Rejections::add(Rejection kind, const std::string& text, SteadyTime now) {
+void Rejections::add(Rejection kind, const std::string& text, SteadyTime now, std::uint64_t count) {
   const auto index = static_cast<unsigned>(kind);
-  ++counts_[index];
+  counts_[index] += count;
   // Refusals for the state of the line are an everyday answer, and the reply tells.
-  if (kind != Rejection::state && rows_[index].add(1, now)) {
+  if (kind != Rejection::state && rows_[index].add(count, now)) {
     events_.publish({cansync_SEVERITY_WARNING, "requests_rejected", -1, text, std::nullopt}, now);
   } else if (line_allowed(now)) {
     log(LogPriority::notice, "{}", text);

@@ -45,8 +45,15 @@ Entity make_topic(const Participant& participant, const TopicInfo& info) {
 
 }  // namespace
 
-ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal)
+ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal,
+                       KeyGuard* guard)
     : EndpointBase(make_topic(participant, info)) {
+  if (guard != nullptr) {
+    const dds_return_t installed = guard->install(topic());
+    if (installed != DDS_RETCODE_OK) {
+      participant.fail("guard of topic " + std::string(info.name), installed, kRemedy);
+    }
+  }
   Listener listener(nullptr);
   if (signal != nullptr) {
     listener.reset(dds_create_listener(signal));

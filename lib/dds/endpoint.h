@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "dds/entity.h"
+#include "dds/key_guard.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 #include "dds/topics.h"
@@ -37,18 +38,19 @@ class ReaderBase : public EndpointBase {
 
  protected:
   static constexpr std::uint32_t kBatch = 64;
-  /// Throws SetupError. `signal` is raised when data arrives or a writer comes, goes or dies.
-  ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal);
+  /// Throws SetupError. `signal` is raised when data arrives or a writer comes, goes or dies. `guard`, if
+  /// there is one, bounds the keys and must outlive the reader.
+  ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal, KeyGuard* guard);
 };
 
 /// Reads one topic. Entities are thread safe in Cyclone; take from one thread at a time.
 template <class T>
 class Reader : public ReaderBase {
  public:
-  /// Creates the topic and a reader with the table's QoS. `signal` (nullptr: none) must outlive the reader.
-  /// Throws SetupError.
-  explicit Reader(const Participant& participant, DataSignal* signal = nullptr)
-      : ReaderBase(participant, topic_info<T>(), signal) {}
+  /// Creates the topic and a reader with the table's QoS. `signal` and `guard` (nullptr: none) must outlive
+  /// the reader. Throws SetupError.
+  explicit Reader(const Participant& participant, DataSignal* signal = nullptr, KeyGuard* guard = nullptr)
+      : ReaderBase(participant, topic_info<T>(), signal, guard) {}
 
   /// Takes every sample there is, in order: `on_data(const T&)` for data, `on_gone(const T&)` (only the key
   /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are Cyclone's

@@ -23,11 +23,13 @@ constexpr TopicQos exclusive() {
   return {.depth = 16, .exclusive = true, .lease = DDS_SECS(1), .offered_lease = DDS_MSECS(500)};
 }
 
-/// Nothing is lost, and no peer can make a reader grow without end.
+/// Nothing is lost, and no peer can make a reader grow without end. One client's samples leave room for those
+/// of every other, and there are more keys than a KeyGuard lets in, because those of writers that have left
+/// are taken a little later.
 constexpr TopicQos request(std::int32_t samples, std::int32_t per_client) {
   return {.keep_all = true,
           .max_samples = samples,
-          .max_instances = 256,
+          .max_instances = 512,
           .max_samples_per_instance = per_client,
           .blocking = DDS_SECS(1)};
 }
@@ -45,14 +47,14 @@ const TopicInfo kActualValues{"ActualValues", &cansync_ActualValues_desc, kDaemo
 const TopicInfo kReferenceValues{"ReferenceValues", &cansync_ReferenceValues_desc, kClient, exclusive()};
 const TopicInfo kInterval{"Interval", &cansync_Interval_desc, kDaemon, latest()};
 const TopicInfo kParameterRequest{"ParameterRequest", &cansync_ParameterRequest_desc, kClient,
-                                  request(4096, 1024)};
+                                  request(16384, 64)};
 const TopicInfo kParameterReply{"ParameterReply", &cansync_ParameterReply_desc, kDaemon, reply(4096)};
 // A transfer carries up to 16 MiB, so few samples are let in at a time.
-const TopicInfo kTransferRequest{"TransferRequest", &cansync_TransferRequest_desc, kClient, request(16, 8)};
+const TopicInfo kTransferRequest{"TransferRequest", &cansync_TransferRequest_desc, kClient, request(16, 4)};
 const TopicInfo kTransferProgress{"TransferProgress", &cansync_TransferProgress_desc, kDaemon, latest()};
 const TopicInfo kTransferReply{"TransferReply", &cansync_TransferReply_desc, kDaemon, reply(16)};
-const TopicInfo kJobCancel{"JobCancel", &cansync_JobCancel_desc, kClient, request(4096, 1024)};
-const TopicInfo kCommand{"Command", &cansync_Command_desc, kClient, request(1024, 256)};
+const TopicInfo kJobCancel{"JobCancel", &cansync_JobCancel_desc, kClient, request(16384, 64)};
+const TopicInfo kCommand{"Command", &cansync_Command_desc, kClient, request(16384, 64)};
 const TopicInfo kCommandReply{"CommandReply", &cansync_CommandReply_desc, kDaemon, reply(4096)};
 const TopicInfo kMasterStatus{"MasterStatus", &cansync_MasterStatus_desc, kDaemon, state()};
 const TopicInfo kSlaveStatus{"SlaveStatus", &cansync_SlaveStatus_desc, kDaemon, state()};

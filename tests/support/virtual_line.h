@@ -64,6 +64,9 @@ class VirtualLine : private sim::TraceSink {
     loop_.run();
   }
 
+  /// Makes `run` return earlier. Any thread.
+  void stop() noexcept { loop_.request_stop(); }
+
   Exchange& exchange() { return exchange_; }
   sim::Line& line() { return line_; }
   sim::Drive& drive(std::size_t index) { return dynamic_cast<sim::Drive&>(line_.node(index)); }
