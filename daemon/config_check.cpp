@@ -54,6 +54,7 @@ class Checker {
         mappings(draft_.actual[n], fmt::format("slave.{}.actual", n), slave.actual_mapping);
     }
     slave_names();
+    return_parameters();
     fault_script();
     failsafe();
     for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
@@ -133,6 +134,25 @@ class Checker {
               fmt::format("found \"{}\", which is the name of slave {} too; allowed: each "
                           "name once",
                           first->first, own_given ? first->second : n));
+    }
+  }
+
+  void return_parameters() {
+    using cansync::OnReturn;
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      const cansync::SlaveSettings& slave = draft_.config.master.slaves[n];
+      const bool listed = slave.return_count != 0;
+      if (!slave.configured || listed == (slave.on_return != OnReturn::release)) continue;
+      const std::string key = fmt::format("slave.{}.on_return", n);
+      if (listed) {
+        problem(
+            place(key) != nullptr ? key : fmt::format("slave.{}.return_parameters", n),
+            "found return_parameters, but on_return = \"release\" uses none; allowed: on_return = \"check\" "
+            "or \"write\" beside them");
+      } else {
+        problem(key, fmt::format("found \"{}\" without return_parameters; allowed: a list with at least one",
+                                 slave.on_return == OnReturn::check ? "check" : "write"));
+      }
     }
   }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/config_option_rows.h"
+#include "daemon/return_parameters.h"
 
 namespace cansyncd {
 namespace {
@@ -148,6 +149,8 @@ bool takes(const Option& option, const Value& value, const Draft& draft) {
       return takes_four_numbers(value, -1, cansync::kValues - 1);
     case OptionType::flags:
       return takes_four_flags(value);
+    case OptionType::parameter_values:
+      return takes_return_parameters(value);
   }
   return false;
 }
@@ -160,6 +163,14 @@ std::span<const Option> options() {
     out.insert(out.end(), rows::failsafe_options().begin(), rows::failsafe_options().end());
     out.insert(out.end(), rows::sync_options().begin(), rows::sync_options().end());
     out.insert(out.end(), rows::line_options().begin(), rows::line_options().end());
+    for (const Option& option : rows::slave_options()) {
+      // Behind the others of its section.
+      const std::string_view section = option.key.substr(0, option.key.find('.') + 1);
+      const auto last = std::find_if(out.rbegin(), out.rend(), [&](const Option& o) {
+        return o.key.starts_with(section) && o.key.find('.', section.size()) == std::string_view::npos;
+      });
+      out.insert(last.base(), option);
+    }
     return out;
   }();
   return all;
@@ -215,6 +226,10 @@ std::string allowed(const Option& option) {
       return "a list of four numbers -1..7";
     case OptionType::flags:
       return "a list of four times true or false";
+    case OptionType::parameter_values:
+      return fmt::format(
+          "a list of at most {} strings \"NUMBER=VALUE\", numbers 0..4095 each once, values 0..4294967295",
+          cansync::kReturnParameters);
   }
   return "";
 }

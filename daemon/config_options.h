@@ -16,18 +16,19 @@ namespace cansyncd {
 
 /// What an option takes.
 enum class OptionType : std::uint8_t {
-  text,           ///< any string
-  identifier,     ///< letters, digits, `_`, `.`, `-`
-  name,           ///< a string without control characters that is no number and no reserved word
-  integer,        ///< minimum..maximum, or one of `choices`
-  number,         ///< a finite number
-  boolean,        ///< true or false
-  choice,         ///< a string, one of `choices`
-  cursor,         ///< "automatic", "nobody", or a slave's number or name
-  slaves,         ///< list of slave numbers or names
-  registers,      ///< four register bytes of a mapping
-  value_numbers,  ///< four value numbers of a mapping, -1 = unused
-  flags,          ///< four true or false
+  text,              ///< any string
+  identifier,        ///< letters, digits, `_`, `.`, `-`
+  name,              ///< a string without control characters that is no number and no reserved word
+  integer,           ///< minimum..maximum, or one of `choices`
+  number,            ///< a finite number
+  boolean,           ///< true or false
+  choice,            ///< a string, one of `choices`
+  cursor,            ///< "automatic", "nobody", or a slave's number or name
+  slaves,            ///< list of slave numbers or names
+  registers,         ///< four register bytes of a mapping
+  value_numbers,     ///< four value numbers of a mapping, -1 = unused
+  flags,             ///< four true or false
+  parameter_values,  ///< list of "NUMBER=VALUE"
 };
 
 /// One telegram's mapping while a file is being read.

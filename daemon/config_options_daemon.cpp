@@ -128,10 +128,6 @@ constexpr auto kRows = std::to_array<Option>({
     whole_number("startup.status_period_ms", "1000", 0, 3'600'000, "ms",
                  "How often each slave's status word is read in active operation; 0 = never.",
                  [](Draft& d, const Value& v) { d.config.master.startup.status_period = milliseconds(v); }),
-    whole_number(
-        "startup.lost_after", "3", 1, 255, "telegrams",
-        "Unanswered telegrams in a row until a slave counts as lost.",
-        [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }),
     // --- [dds]
     whole_number("dds.domain", "0", 0, 230, "", "DDS domain.",
                  [](Draft& d, const Value& v) { d.config.dds.domain = whole<std::uint32_t>(v); }),

@@ -16,6 +16,7 @@ using Code = cansync::MasterEvent::Code;
 cansync_EventSeverity severity_of(Code code) noexcept {
   switch (code) {
     case Code::slave_lost:
+    case Code::slave_check_failed:
     case Code::second_master:
       return cansync_SEVERITY_ERROR;
     case Code::slave_not_synchronized:
@@ -24,6 +25,9 @@ cansync_EventSeverity severity_of(Code code) noexcept {
     case Code::references_held:
       return cansync_SEVERITY_WARNING;
     case Code::slave_responds:
+    case Code::slave_returned:
+    case Code::slave_checked:
+    case Code::slave_released:
     case Code::slave_synchronized:
     case Code::all_synchronized:
     case Code::references_released:
@@ -33,13 +37,35 @@ cansync_EventSeverity severity_of(Code code) noexcept {
   return cansync_SEVERITY_INFO;
 }
 
+std::string check_failed_text(const std::string& who, const cansync::MasterEvent& event) {
+  std::string found = fmt::format("found {} (0x{:X})", event.found, event.found);
+  if (event.outcome == cansync::Outcome::slave_error) {
+    found = fmt::format("slave error 0x{:04X}", event.found);
+  } else if (event.outcome != cansync::Outcome::done) {
+    found = cansync::name(event.outcome);
+  }
+  return fmt::format(
+      "{} stays held out: parameter {}, expected {} (0x{:X}), {}; set it right, then: cansync "
+      "release {}",
+      who, event.detail, event.expected, event.expected, found, event.slave->value());
+}
+
 std::string text_of(const cansync::MasterEvent& event, const Config& config) {
   const std::string who = event.slave ? slave_label(config, event.slave->value()) : std::string("a slave");
   switch (event.code) {
     case Code::slave_responds:
       return who + " responds";
     case Code::slave_lost:
-      return fmt::format("{} no longer responds; check its power and the bus cable", who);
+      return fmt::format("{} no longer responds{}; check its power and the bus cable", who,
+                         event.detail != 0 ? fmt::format(", {} of its jobs ended", event.detail) : "");
+    case Code::slave_returned:
+      return who + " responds again; it is held out until it is released";
+    case Code::slave_checked:
+      return fmt::format("{} has the values of all its {} return parameters", who, event.detail);
+    case Code::slave_check_failed:
+      return check_failed_text(who, event);
+    case Code::slave_released:
+      return who + (event.detail != 0 ? " is released by command, unchecked" : " is released");
     case Code::slave_synchronized:
       return who + " is synchronized";
     case Code::slave_not_synchronized:

@@ -82,12 +82,20 @@ struct SetActualMapping {
   cansync::ProcessMapping mapping = {};
 };
 
+/// Lets a slave that is held out be used again. One reply.
+struct ReleaseSlave {
+  cansync::JobId id = 0;
+  cansync::SlaveNumber slave;
+  bool force = false;  ///< without its list of parameters
+};
+
 /// A request of the gateway. Those with a JobId get exactly one `Terminal`. A transfer's data belongs to the
 /// realtime thread from the push until its terminal was popped. ReferenceUpdate is answered only when it is
 /// refused (`ReferenceRefused`).
-using Request = std::variant<cansync::ParameterRequest, cansync::TransferRequest, cansync::ControlWordRequest,
-                             cansync::BroadcastRequest, cansync::ReferenceUpdate, Cancel, StopRelease,
-                             ModeRequest, SetPolling, SetCursors, SetReferenceMapping, SetActualMapping>;
+using Request =
+    std::variant<cansync::ParameterRequest, cansync::TransferRequest, cansync::ControlWordRequest,
+                 cansync::BroadcastRequest, cansync::ReferenceUpdate, Cancel, StopRelease, ModeRequest,
+                 SetPolling, SetCursors, SetReferenceMapping, SetActualMapping, ReleaseSlave>;
 
 // --- realtime thread -> gateway: never lost
 
@@ -262,6 +270,7 @@ struct MasterSnapshot {
   cansync::SlaveMask configured;
   cansync::SlaveMask responding;
   cansync::SlaveMask synchronized;
+  cansync::SlaveMask released;
   std::uint32_t open_parameter_jobs = 0;
   std::uint32_t open_transfers = 0;
   std::uint64_t missed_syncs = 0;

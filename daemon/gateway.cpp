@@ -113,8 +113,7 @@ void Gateway::run() {
 
 JobContext Gateway::context(SteadyTime now) {
   const MasterSnapshot& master = state_.master();
-  return {
-      exchange_, config_, {master.state, master.when.interval, master.responding, master.synchronized}, now};
+  return {exchange_, config_, {master.state, master.when.interval, master.responding, master.released}, now};
 }
 
 SteadyTime Gateway::pass(bool samples_may_wait) {

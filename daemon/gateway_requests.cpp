@@ -123,6 +123,9 @@ struct Describer {
     return fmt::format("mapping of the actual values of {} {}", slave_label(config, r.slave.value()),
                        text(r.mapping));
   }
+  Text operator()(const ReleaseSlave& r) const {
+    return fmt::format("release of {}{}", slave_label(config, r.slave.value()), r.force ? " with force" : "");
+  }
   Text operator()(const cansync::ReferenceUpdate&) const { return std::nullopt; }
   Text operator()(const Cancel&) const { return std::nullopt; }
   Text operator()(const StopRelease&) const { return std::nullopt; }
@@ -157,6 +160,9 @@ std::optional<Request> to_request(const cansync_Command& command, JobId id) {
       if (slave && mapping) return SetActualMapping{id, *slave, *mapping};
       return std::nullopt;
     }
+    case cansync_COMMAND_RELEASE:
+      if (const auto slave = SlaveNumber::from(command.slave)) return ReleaseSlave{id, *slave, command.force};
+      return std::nullopt;
   }
   return std::nullopt;
 }

@@ -7,12 +7,21 @@
 #include "daemon/gateway_jobs.h"
 #include "daemon/gateway_requests.h"
 #include "daemon/log.h"
+#include "daemon/refusal_text.h"
 
 /// Answers on their way out; requests are in gateway_jobs.cpp.
 namespace cansyncd {
 namespace {
 
 namespace dds = cansync::dds;
+
+/// Puts the slave's name into the reason, where it matters.
+template <class Reply>
+void name_slave(Reply& reply, cansync::Outcome outcome, const Request& request, const Config& config) {
+  if (const std::string text = outcome_text(outcome, request, config); !text.empty()) {
+    dds::copy_text(text, reply.reason);
+  }
+}
 
 }  // namespace
 
@@ -26,7 +35,9 @@ void JobDesk::finish(const Terminal& terminal, const JobContext& context) {
 
 void JobDesk::reply(Job& job, const ParameterDone& done, const JobContext& context) {
   log_end(job, cansync::name(done.result.outcome), context.config);
-  parameter_replies_.send(dds::parameter_reply(job.key, done.result), job.place, context.now);
+  auto reply = dds::parameter_reply(job.key, done.result);
+  name_slave(reply, done.result.outcome, job.request, context.config);
+  parameter_replies_.send(reply, job.place, context.now);
 }
 
 void JobDesk::reply(Job& job, const TransferDone& done, const JobContext& context) {
@@ -37,7 +48,8 @@ void JobDesk::reply(Job& job, const TransferDone& done, const JobContext& contex
     data = std::span(job.data).first(std::min<std::size_t>(job.data.size(), done.result.bytes));
   }
   // The reply borrows the data, so both go together.
-  const auto reply = dds::transfer_reply(job.key, done.result, data);
+  auto reply = dds::transfer_reply(job.key, done.result, data);
+  name_slave(reply, done.result.outcome, job.request, context.config);
   count_data(job, job.data.size());
   transfer_replies_.send(reply, job.place, context.now, std::move(job.data));
   job.data = {};
@@ -46,7 +58,9 @@ void JobDesk::reply(Job& job, const TransferDone& done, const JobContext& contex
 void JobDesk::reply(Job& job, const CommandDone& done, const JobContext& context) {
   log_end(job, cansync::name(done.outcome), context.config);
   if (job.kind == Kind::internal) return;
-  command_replies_.send(dds::command_reply(job.key, done.outcome), job.place, context.now);
+  auto reply = dds::command_reply(job.key, done.outcome);
+  name_slave(reply, done.outcome, job.request, context.config);
+  command_replies_.send(reply, job.place, context.now);
 }
 
 void JobDesk::reply(Job& job, const Refused& refused, const JobContext& context) {

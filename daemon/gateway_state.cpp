@@ -45,7 +45,8 @@ auto essence(const MasterSnapshot& master) {
   constexpr unsigned kLastingBits = 0x00C2;
   return std::tuple(master.state, master.cansync_status & kLastingBits, master.controller.state,
                     master.sync.state, master.controller.link, master.second_master, master.timestamps,
-                    master.configured.bits, master.responding.bits, master.synchronized.bits);
+                    master.configured.bits, master.responding.bits, master.synchronized.bits,
+                    master.released.bits);
 }
 
 constexpr TelegramClass kSlotOrder[kTelegramClasses] = {
@@ -228,6 +229,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.slaves_configured = master_.configured.bits;
   sample.slaves_responding = master_.responding.bits;
   sample.slaves_synchronized = master_.synchronized.bits;
+  sample.slaves_released = master_.released.bits;
   sample.open_parameter_jobs = master_.open_parameter_jobs;
   sample.open_transfers = master_.open_transfers;
   sample.missed_syncs = master_.missed_syncs;

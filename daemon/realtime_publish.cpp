@@ -29,6 +29,7 @@ void RealtimeLoop::publish() noexcept {
     const cansync::SlaveStatus& status = master_.slave(slave);
     if (status.responds) snapshot.responding.set(slave);
     if (status.synchronized) snapshot.synchronized.set(slave);
+    if (status.state == cansync::SlaveState::released) snapshot.released.set(slave);
   }
   snapshot.open_parameter_jobs = static_cast<std::uint32_t>(master_.open_parameter_jobs());
   snapshot.open_transfers = static_cast<std::uint32_t>(master_.open_transfers());

@@ -40,10 +40,10 @@ std::string wrong_state(const Request& request, const RefusalContext& context) {
 
 std::string slaves_missing(const Config& config, const RefusalContext& context) {
   const bool synchronized = config.master.startup.enable == cansync::EnableRule::all_synchronized;
-  const SlaveMask there = synchronized ? context.synchronized : context.responding;
+  const SlaveMask there = synchronized ? context.released : context.responding;
   const SlaveMask missing{config.master.configured().bits & ~there.bits};
   return fmt::format("slaves: not yet {}: {}; wait for them, or give mode run with force",
-                     synchronized ? "synchronized" : "responding", slave_list(config, missing));
+                     synchronized ? "synchronized and released" : "responding", slave_list(config, missing));
 }
 
 std::string queue_full(const Request& request, const Config& config) {
@@ -67,6 +67,19 @@ std::string queue_full(const Request& request, const Config& config) {
     return "queue full: too many reference values wait for their interval; write them closer to it";
   }
   return "queue full: try again when an open request has ended";
+}
+
+/// "slave 3 'winder'" for a request to one slave; a broadcast names many.
+std::string who(const Request& request, const Config& config) {
+  const auto slave = slave_of(request);
+  return slave ? slave_label(config, *slave) : std::string("a slave of the mask");
+}
+
+std::string slave_held(const Request& request, const Config& config) {
+  return fmt::format(
+      "control word: {} was away or lost SYNC and is held out, so that no control word with one of the bits "
+      "0x{:04X} is sent to it; see `cansync slaves` and events for what is missing, then `cansync release`",
+      who(request, config), config.master.startup.held_control_bits);
 }
 
 std::string interval_passed(const Request& request, const Config& config, const RefusalContext& context) {
@@ -125,6 +138,13 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
       return reset_not_permitted(config);
     case Refusal::bus_unavailable:
       return reset_unavailable(config);
+    case Refusal::slave_lost:
+      return fmt::format("slave: {} does not answer; check its power and the bus cable",
+                         who(request, config));
+    case Refusal::slave_held:
+      return slave_held(request, config);
+    case Refusal::not_held:
+      return fmt::format("slave: {} is not held out; there is nothing to release", who(request, config));
     case Refusal::interval_passed:
       return interval_passed(request, config, context);
     case Refusal::block_size:
@@ -139,6 +159,15 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
       break;
   }
   return cansync::dds::explain(refusal, cansync::dds::limits_of(config.master));
+}
+
+std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config) {
+  if (outcome == cansync::Outcome::slave_held) return slave_held(request, config);
+  if (outcome != cansync::Outcome::slave_lost) return {};
+  const auto* parameter = std::get_if<cansync::ParameterRequest>(&request);
+  const bool writes = parameter != nullptr && parameter->write;
+  return fmt::format("{} stopped answering; check its power and the bus cable{}", who(request, config),
+                     writes ? "; if the value was on its way, whether the slave took it is not known" : "");
 }
 
 }  // namespace cansyncd

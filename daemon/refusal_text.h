@@ -23,11 +23,14 @@ struct RefusalContext {
   cansync::State state = cansync::State::start_up;
   cansync::IntervalNumber interval = 0;
   cansync::SlaveMask responding;
-  cansync::SlaveMask synchronized;
+  cansync::SlaveMask released;
 };
 
 /// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.
 std::string refusal_text(cansync::Refusal refusal, const Request& request, const Config& config,
                          const RefusalContext& context);
+
+/// Why an accepted job ended so, where the slave's name belongs into the reason; empty for other outcomes.
+std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config);
 
 }  // namespace cansyncd

@@ -140,6 +140,10 @@ void RequestIntake::handle(const SetActualMapping& request) noexcept {
   answer_setting(request.id, master_.set_actual_mapping(request.slave, request.mapping));
 }
 
+void RequestIntake::handle(const ReleaseSlave& request) noexcept {
+  answer(request.id, master_.release(request.slave, request.force));
+}
+
 void RequestIntake::answer(cansync::JobId id, Refusal refusal) noexcept {
   if (refusal == Refusal::none) {
     reporter_.command_done(id, cansync::Outcome::done);

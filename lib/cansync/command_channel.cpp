@@ -92,7 +92,8 @@ std::optional<Telegram> CommandChannel::take() noexcept {
   chosen_.kind = Kind::none;
   choose();
   count_share(parameter_scan_, parameters_.waiting(), chosen_.kind == Kind::parameter);
-  count_share(transfer_scan_, transfers_.waiting(), chosen_.kind == Kind::transfer);
+  count_share(transfer_scan_, transfers_waiting(), chosen_.kind == Kind::transfer);
+  count_share(check_scan_, supervision_.checking(), chosen_.kind == Kind::check);
   count_share(supervision_scan_, pressing(), chosen_.kind == Kind::supervision);
   if (chosen_.kind == Kind::none) return std::nullopt;
   return chosen_.telegram;
@@ -105,27 +106,40 @@ SlaveMask CommandChannel::pressing() const noexcept {
 void CommandChannel::choose() noexcept {
   if (choose_broadcast(0)) return;
   if (supervision_.urgent() && choose_supervision()) return;
+  if (choose_cancel()) return;
   if (share_due(supervision_scan_, pressing()) && choose_supervision()) return;
   if (share_due(parameter_scan_, parameters_.waiting()) && choose_parameter()) return;
-  if (share_due(transfer_scan_, transfers_.waiting()) && choose_transfer()) return;
+  if (share_due(transfer_scan_, transfers_waiting()) && choose_transfer()) return;
+  if (share_due(check_scan_, supervision_.checking()) && choose_check()) return;
   if (choose_broadcast(1) || choose_broadcast(2) || choose_control_word()) return;
-  if (choose_parameter() || choose_transfer()) return;
+  if (choose_parameter() || choose_transfer() || choose_check()) return;
   choose_supervision();
 }
 
 bool CommandChannel::choose_broadcast(std::uint8_t priority) noexcept {
-  if (broadcasts_[priority].empty()) return false;
-  chosen_ = {Kind::broadcast, {}, priority, broadcasts_[priority].front().action};
+  auto& queue = broadcasts_[priority];
+  // Since it was taken a slave may have been held out.
+  for (; !queue.empty() && enables_held(queue.front().action); queue.pop()) {
+    listener_.command_done(queue.front().id, Outcome::slave_held);
+  }
+  if (queue.empty()) return false;
+  chosen_ = {Kind::broadcast, {}, priority, queue.front().action};
   return true;
 }
 
 bool CommandChannel::choose_control_word() noexcept {
-  const auto slave = next_slave(control_word_scan_, control_words_waiting_);
-  if (!slave) return false;
-  const std::uint16_t word = control_words_[slave->value()].front().control_word;
-  chosen_ = {Kind::control_word, *slave, 0,
-             ActionCommand{SlaveMask::of(*slave), kCommandControlWord, 0, word}};
-  return true;
+  while (const auto slave = next_slave(control_word_scan_, control_words_waiting_)) {
+    auto& queue = control_words_[slave->value()];
+    const ActionCommand action{SlaveMask::of(*slave), kCommandControlWord, 0, queue.front().control_word};
+    if (!enables_held(action)) {
+      chosen_ = {Kind::control_word, *slave, 0, action};
+      return true;
+    }
+    listener_.command_done(queue.front().id, Outcome::slave_held);
+    queue.pop();
+    control_words_waiting_.set(*slave, !queue.empty());
+  }
+  return false;
 }
 
 bool CommandChannel::choose_parameter() noexcept {
@@ -136,9 +150,29 @@ bool CommandChannel::choose_parameter() noexcept {
 }
 
 bool CommandChannel::choose_transfer() noexcept {
-  const auto slave = next_slave(transfer_scan_, transfers_.waiting());
+  const auto slave = next_slave(transfer_scan_, transfers_waiting());
   if (!slave) return false;
   chosen_ = {Kind::transfer, *slave, 0, transfers_.front(*slave)->telegram()};
+  return true;
+}
+
+/// Transfers wait until the slave has been told to forget what it may have open.
+SlaveMask CommandChannel::transfers_waiting() const noexcept {
+  return {transfers_.waiting().bits & ~open_transfers_.unknown().bits};
+}
+
+bool CommandChannel::choose_cancel() noexcept {
+  const std::uint32_t slaves = open_transfers_.unknown().bits & supervision_.responding().bits;
+  if (slaves == 0) return false;
+  const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(slaves)));
+  chosen_ = {Kind::cancel, slave, 0, cancel_transfer(slave)};
+  return true;
+}
+
+bool CommandChannel::choose_check() noexcept {
+  const auto slave = next_slave(check_scan_, supervision_.checking());
+  if (!slave) return false;
+  chosen_ = {Kind::check, *slave, 0, supervision_.check_telegram(*slave)};
   return true;
 }
 
@@ -182,6 +216,14 @@ void CommandChannel::sent() noexcept {
       transfer_scan_.last = slave.value();
       asked_ = chosen_;
       break;
+    case Kind::cancel:
+      asked_ = chosen_;
+      break;
+    case Kind::check:
+      supervision_.check_sent(slave);
+      check_scan_.last = slave.value();
+      asked_ = chosen_;
+      break;
     case Kind::supervision:
       supervision_.sent(chosen_.telegram);
       if (std::get_if<ParameterCommand>(&chosen_.telegram) != nullptr) asked_ = chosen_;
@@ -209,7 +251,14 @@ std::optional<Duration> CommandChannel::note_response(SlaveNumber slave, Duratio
 bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept {
   if (asked_.slave != reply.slave) return false;
   if (asked_.kind == Kind::supervision) {
-    if (!supervision_.answered(reply.slave, reply)) return false;
+    if (!supervision_.is_answer(reply)) return false;
+    asked_.kind = Kind::none;
+    note_response(reply.slave, end, 2u + reply.payload_size);
+    supervision_.answered(reply);
+    return true;
+  }
+  if (asked_.kind == Kind::check) {
+    if (!supervision_.check_answered(reply.slave, reply)) return false;
   } else if (asked_.kind == Kind::parameter) {
     const Step step = parameters_.front(reply.slave)->answered(reply, now_);
     if (step == Step::ignored) return false;
@@ -223,7 +272,20 @@ bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept
 }
 
 bool CommandChannel::receive(const TransferReply& reply, Duration end) noexcept {
-  if (asked_.kind != Kind::transfer || asked_.slave != reply.slave) return false;
+  if (asked_.slave != reply.slave) return false;
+  if (asked_.kind == Kind::cancel) {
+    // Any answer but busy: a slave that has nothing open may say so with an error. One that is busy for ever
+    // must not keep the others waiting.
+    if (reply.busy) {
+      open_transfers_.unanswered(reply.slave);
+    } else {
+      open_transfers_.known(reply.slave);
+    }
+    asked_.kind = Kind::none;
+    note_response(reply.slave, end, 2u + reply.payload_size);
+    return true;
+  }
+  if (asked_.kind != Kind::transfer) return false;
   TransferJob& job = *transfers_.front(reply.slave);
   const std::uint32_t before = job.result().bytes;
   const Step step = job.answered(reply, now_);
@@ -239,7 +301,11 @@ void CommandChannel::settle_unanswered() noexcept {
   const Chosen asked = asked_;
   asked_.kind = Kind::none;
   if (asked.kind == Kind::none) return;
-  supervision_.silent(asked.slave);
+  if (asked.kind == Kind::cancel) {
+    // A slave that does not answer this one telegram is not gone.
+    open_transfers_.unanswered(asked.slave);
+    return;
+  }
   if (asked.kind == Kind::parameter) {
     ParameterJob* job = parameters_.front(asked.slave);
     if (job->unanswered(settings_.repeat_unanswered_writes, now_) == Step::ended)
@@ -247,9 +313,11 @@ void CommandChannel::settle_unanswered() noexcept {
   } else if (asked.kind == Kind::transfer) {
     if (transfers_.front(asked.slave)->unanswered(now_) == Step::ended) finish_transfer(asked.slave);
   }
+  if (supervision_.silent(asked.slave)) supervision_.lost(asked.slave, end_jobs(asked.slave));
 }
 
 void CommandChannel::check_times() noexcept {
+  supervision_.check_times();
   for (std::uint32_t left = parameters_.waiting().bits; left != 0; left &= left - 1) {
     const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
     ParameterJob& job = *parameters_.front(slave);

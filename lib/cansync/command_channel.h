@@ -8,6 +8,7 @@
 #include "cansync/jobs.h"
 #include "cansync/master.h"
 #include "cansync/numbers.h"
+#include "cansync/open_transfers.h"
 #include "cansync/parameter_job.h"
 #include "cansync/settings.h"
 #include "cansync/slave_queues.h"
@@ -60,9 +61,10 @@ class FixedQueue {
 /// Decides which one command goes out in an interval, and brings the answers to their jobs (M 3.2.2.6).
 ///
 /// Order: broadcast 0; then status words, parameters and transfers whose minimum share is due; broadcast 1;
-/// broadcast 2; control word; parameter; transfer; status words. In start-up the activation and the first
-/// status words go right after broadcast 0. Memory is taken in the constructor; everything else is realtime
-/// safe. Not thread safe.
+/// broadcast 2; control word; parameter; transfer; lists of parameters of slaves that were away; status
+/// words. In start-up the activation and the first status words go right after broadcast 0; then to each
+/// slave that answers the telegram that cancels what another master may have left open. Memory is taken in
+/// the constructor; everything else is realtime safe. Not thread safe.
 class CommandChannel {
  public:
   CommandChannel(const MasterSettings& settings, Supervision& supervision, MasterListener& listener);
@@ -72,6 +74,11 @@ class CommandChannel {
   Refusal submit(const ControlWordRequest& request) noexcept;
   Refusal submit(const BroadcastRequest& request) noexcept;
   Refusal cancel(JobId id) noexcept;
+
+  /// Synchronous operation begins.
+  void begin() noexcept;
+  /// Nothing can be sent or received: what the slaves have open is not known, except for running transfers.
+  void bus_lost() noexcept;
 
   /// Ends every open job.
   void end_all(Outcome outcome) noexcept;
@@ -105,7 +112,16 @@ class CommandChannel {
   std::size_t open_transfers() const noexcept { return transfers_.size(); }
 
  private:
-  enum class Kind : std::uint8_t { none, broadcast, control_word, parameter, transfer, supervision };
+  enum class Kind : std::uint8_t {
+    none,
+    broadcast,
+    control_word,
+    parameter,
+    transfer,
+    cancel,  ///< of a transfer that is not ours
+    check,   ///< of the list of a slave that was away
+    supervision,
+  };
 
   struct Chosen {
     Kind kind = Kind::none;
@@ -132,8 +148,13 @@ class CommandChannel {
   bool choose_control_word() noexcept;
   bool choose_parameter() noexcept;
   bool choose_transfer() noexcept;
+  bool choose_cancel() noexcept;
+  bool choose_check() noexcept;
   bool choose_supervision() noexcept;
 
+  SlaveMask transfers_waiting() const noexcept;
+  bool enables_held(const ActionCommand& action) const noexcept;
+  unsigned end_jobs(SlaveNumber slave) noexcept;
   void settle_unanswered() noexcept;
   void check_times() noexcept;
   std::optional<Duration> note_response(SlaveNumber slave, Duration end, unsigned data_bytes) noexcept;
@@ -156,7 +177,9 @@ class CommandChannel {
   Scan control_word_scan_;
   Scan parameter_scan_;
   Scan transfer_scan_;
+  Scan check_scan_;
   Scan supervision_scan_;  ///< only its share counts
+  OpenTransfers open_transfers_;
   Chosen chosen_;
   Chosen asked_;  ///< the last command sent, while its answer may come
   Duration command_end_{-1};

@@ -5,8 +5,31 @@
 /// The command channel's other half: taking requests, cancelling them, and ending them all.
 namespace cansync {
 
+void CommandChannel::begin() noexcept {
+  if (settings_.cancel_at_start) open_transfers_.forget(configured_);
+}
+
+void CommandChannel::bus_lost() noexcept {
+  if (!settings_.cancel_at_start) return;
+  SlaveMask slaves = configured_;
+  for (unsigned number = 0; number < kSlaves; ++number) {
+    const SlaveNumber slave = *SlaveNumber::from(number);
+    const TransferJob* job = transfers_.front(slave);
+    if (job != nullptr && job->on_slave()) slaves.set(slave, false);
+  }
+  open_transfers_.forget(slaves);
+}
+
+/// True for a control word that would enable a slave that is held out.
+bool CommandChannel::enables_held(const ActionCommand& action) const noexcept {
+  return action.command == kCommandControlWord &&
+         (action.data_word & master_.startup.held_control_bits) != 0 &&
+         (action.slaves.bits & supervision_.held_out().bits) != 0;
+}
+
 Refusal CommandChannel::submit(const ParameterRequest& request) noexcept {
   if (!configured_.has(request.slave)) return Refusal::slave_not_configured;
+  if (supervision_.given_up().has(request.slave)) return Refusal::slave_lost;
   if (request.write && request.element != kValueElement) return Refusal::element_not_writable;
   if (request.write && request.format == ParameterFormat::word && request.value > 0xFFFF) {
     return Refusal::value_too_wide;
@@ -17,6 +40,7 @@ Refusal CommandChannel::submit(const ParameterRequest& request) noexcept {
 
 Refusal CommandChannel::submit(const TransferRequest& request) noexcept {
   if (!configured_.has(request.slave)) return Refusal::slave_not_configured;
+  if (supervision_.given_up().has(request.slave)) return Refusal::slave_lost;
   if (request.data.empty()) return Refusal::length_zero;
   const std::uint16_t limit = std::min(master_.slaves[request.slave.value()].block_limit, kLongestBlock);
   if (request.block_size > limit) return Refusal::block_size;
@@ -39,6 +63,10 @@ Refusal CommandChannel::submit(const TransferRequest& request) noexcept {
 
 Refusal CommandChannel::submit(const ControlWordRequest& request) noexcept {
   if (!configured_.has(request.slave)) return Refusal::slave_not_configured;
+  if (supervision_.given_up().has(request.slave)) return Refusal::slave_lost;
+  if (enables_held({SlaveMask::of(request.slave), kCommandControlWord, 0, request.control_word})) {
+    return Refusal::slave_held;
+  }
   if (!control_words_[request.slave.value()].push(request)) return Refusal::queue_full;
   control_words_waiting_.set(request.slave);
   return Refusal::none;
@@ -49,6 +77,7 @@ Refusal CommandChannel::submit(const BroadcastRequest& request) noexcept {
   const std::uint8_t command = request.action.command;
   if (command != kCommandControlWord && command < 128) return Refusal::command_reserved;
   if (request.action.slaves.empty()) return Refusal::no_slaves;
+  if (enables_held(request.action)) return Refusal::slave_held;
   return broadcasts_[request.priority].push(request) ? Refusal::none : Refusal::queue_full;
 }
 
@@ -87,6 +116,26 @@ Refusal CommandChannel::cancel(JobId id) noexcept {
     return Refusal::none;
   }
   return Refusal::unknown_job;
+}
+
+/// Ends what is open for a slave that is gone; how many jobs there were.
+unsigned CommandChannel::end_jobs(SlaveNumber slave) noexcept {
+  unsigned ended = 0;
+  auto& words = control_words_[slave.value()];
+  for (; !words.empty(); words.pop(), ++ended) {
+    listener_.command_done(words.front().id, Outcome::slave_lost);
+  }
+  control_words_waiting_.set(slave, false);
+  for (; ParameterJob* job = parameters_.front(slave); ++ended) {
+    job->end(Outcome::slave_lost, now_);
+    finish_parameter(slave);
+  }
+  for (; TransferJob* job = transfers_.front(slave); ++ended) {
+    job->slave_lost(now_);
+    finish_transfer(slave);
+  }
+  if (settings_.cancel_at_start) open_transfers_.forget(SlaveMask::of(slave));
+  return ended;
 }
 
 void CommandChannel::end_all(Outcome outcome) noexcept {

@@ -87,6 +87,8 @@ enum class Outcome : std::uint8_t {
   value_too_wide,       ///< write "as the slave says": the slave's word cannot hold the value
   cancelled,
   master_stopped,  ///< the master left the operating state while the job was open
+  slave_lost,      ///< the slave stopped answering; a write under way may have been taken or not
+  slave_held,      ///< a control word that was not sent: meanwhile the slave was held out
 };
 
 /// Why a request is not taken at all; nothing was sent.
@@ -112,6 +114,9 @@ enum class Refusal : std::uint8_t {
   mapping,           ///< a word names a value of the other telegram
   not_permitted,     ///< the controller cannot be reset without a right the program has not got
   bus_unavailable,   ///< the interface is missing or down, or its driver does not do it
+  slave_lost,        ///< the slave does not answer
+  slave_held,        ///< the control word would enable a slave that is held out
+  not_held,          ///< release of a slave that is not held out
 };
 
 std::string_view name(Outcome outcome) noexcept;

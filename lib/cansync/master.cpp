@@ -78,13 +78,16 @@ struct Master::Impl {
       supervision.seen(actual->slave);
       return is_active(state) && process.receive(*actual);
     }
-    if (const auto* reply = std::get_if<ParameterReply>(&telegram)) {
-      supervision.seen(reply->slave);
-      return command_channel.receive(*reply, on_timeline(since_sync));
-    }
-    const auto* reply = std::get_if<TransferReply>(&telegram);
-    supervision.seen(reply->slave);
-    return command_channel.receive(*reply, on_timeline(since_sync));
+    if (const auto* reply = std::get_if<ParameterReply>(&telegram)) return respond(*reply, since_sync);
+    return respond(*std::get_if<TransferReply>(&telegram), since_sync);
+  }
+
+  template <class Reply>
+  bool respond(const Reply& reply, Duration since_sync) noexcept {
+    supervision.seen(reply.slave);
+    if (command_channel.receive(reply, on_timeline(since_sync))) return true;
+    supervision.heard(reply.slave);
+    return false;
   }
 
   /// A telegram of a slave: somebody takes it, or it is counted by what is wrong with it.
@@ -104,7 +107,10 @@ struct Master::Impl {
       command_channel.end_all(Outcome::master_stopped);
     }
     if (!is_active(to)) process.stop();
-    if (is_synchronous(to) && !is_synchronous(from)) supervision.begin(now);
+    if (is_synchronous(to) && !is_synchronous(from)) {
+      supervision.begin(now);
+      command_channel.begin();
+    }
     listener.state_changed(from, to, command);
   }
 };
@@ -203,6 +209,7 @@ bool Master::second_master() const noexcept {
 
 void Master::bus_lost() noexcept {
   impl_->supervision.bus_lost();
+  impl_->command_channel.bus_lost();
 }
 
 Refusal Master::submit(const ParameterRequest& request) noexcept {
@@ -226,6 +233,10 @@ Refusal Master::cancel(JobId id) noexcept {
   const Refusal refusal = impl_->command_channel.cancel(id);
   if (asked && !impl_->command_channel.asked()) impl_->strays.given_up(*asked);
   return refusal;
+}
+
+Refusal Master::release(SlaveNumber slave, bool force) noexcept {
+  return is_synchronous(impl_->state) ? impl_->supervision.release(slave, force) : Refusal::wrong_state;
 }
 
 void Master::stop_release(Channel channel, std::uint32_t hold) noexcept {

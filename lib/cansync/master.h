@@ -29,6 +29,23 @@ struct ActualValues {
   std::array<std::uint64_t, kChannels> count = {};      ///< telegrams so far; 0 = never
 };
 
+/// How far a slave may be used.
+enum class SlaveState : std::uint8_t {
+  absent,     ///< has not answered since synchronous operation began
+  starting,   ///< answers for the first time, not yet synchronized
+  released,   ///< answers and is synchronized
+  lost,       ///< stopped answering; its jobs are refused
+  returning,  ///< answers again, or lost SYNC; not yet synchronized (again). Held out
+  checking,   ///< synchronized again; its list of parameters is checked or written. Held out
+  held,       ///< the list was not passed. Held out until it is released or checked again by command
+};
+std::string_view name(SlaveState state) noexcept;
+
+/// True for a slave that was away and must not yet be used with references.
+constexpr bool is_held_out(SlaveState state) noexcept {
+  return state == SlaveState::returning || state == SlaveState::checking || state == SlaveState::held;
+}
+
 /// What is known of one slave (M 3.2.2.7).
 struct SlaveStatus {
   bool configured = false;
@@ -43,6 +60,10 @@ struct SlaveStatus {
   std::uint64_t slow_answers = 0;   ///< later than tRSPTO
   Duration last_response{0};        ///< end of the command to end of the answer, of the last answer
   Duration longest_response{0};
+  SlaveState state = SlaveState::absent;
+  std::uint64_t times_lost = 0;      ///< stopped answering, alone or because the bus was gone
+  std::uint64_t times_returned = 0;  ///< answered again
+  std::uint64_t jobs_ended = 0;      ///< jobs that ended because it stopped answering
 
   /// Slave status register: bit 0 responds, bit 1 synchronized.
   constexpr std::uint16_t slave_register() const noexcept {
@@ -66,8 +87,8 @@ struct MasterCounters {
 /// Something worth a line in the journal. `code` says what the numbers mean.
 struct MasterEvent {
   enum class Code : std::uint8_t {
-    slave_responds,          ///< slave
-    slave_lost,              ///< slave
+    slave_responds,          ///< slave: answers for the first time
+    slave_lost,              ///< slave; detail: jobs that ended because of it
     slave_synchronized,      ///< slave
     slave_not_synchronized,  ///< slave
     all_synchronized,
@@ -77,10 +98,17 @@ struct MasterEvent {
     references_held,      ///< still released for a limited time; detail: channel 1 or 2
     second_master,        ///< detail: identifier of its first frame
     second_master_gone,   ///< nothing of it for 3 s; detail: how many frames there were
+    slave_returned,       ///< slave: answers again
+    slave_checked,        ///< slave; detail: parameters that have their value
+    slave_check_failed,   ///< slave; detail: parameter number, `expected`, `found` and `outcome`
+    slave_released,       ///< slave: no longer held out; detail: 1 = by command, unchecked
   };
   Code code;
   std::optional<SlaveNumber> slave;
   std::uint32_t detail = 0;
+  std::uint32_t expected = 0;       ///< raw value
+  std::uint32_t found = 0;          ///< raw value; with Outcome::slave_error the slave's code
+  Outcome outcome = Outcome::done;  ///< done: `found` is another value
 };
 std::string_view name(MasterEvent::Code code) noexcept;
 
@@ -161,6 +189,10 @@ class Master {
 
   /// Ends an open job as `cancelled`; a running transfer is cancelled on the slave first.
   Refusal cancel(JobId id) noexcept;
+
+  /// Lets a slave that is held out be used again: with `force` at once if it is synchronized, else by going
+  /// through its list once more. A slave that is not synchronized is activated again.
+  Refusal release(SlaveNumber slave, bool force) noexcept;
 
   /// Withdraws reference values not yet sent; the telegram is no longer released until new ones come. With
   /// `hold`, a running release goes on with its last values for so many intervals before it stops; one that

@@ -114,6 +114,10 @@ std::string_view name(Outcome outcome) noexcept {
       return "cancelled";
     case Outcome::master_stopped:
       return "master stopped";
+    case Outcome::slave_lost:
+      return "slave lost";
+    case Outcome::slave_held:
+      return "slave held out";
   }
   return "unknown outcome";
 }
@@ -162,6 +166,12 @@ std::string_view name(Refusal refusal) noexcept {
       return "not permitted";
     case Refusal::bus_unavailable:
       return "bus unavailable";
+    case Refusal::slave_lost:
+      return "slave lost";
+    case Refusal::slave_held:
+      return "slave held out";
+    case Refusal::not_held:
+      return "not held out";
   }
   return "unknown refusal";
 }
@@ -204,10 +214,38 @@ std::string_view name(ControlCommand command) noexcept {
   return "unknown command";
 }
 
+std::string_view name(SlaveState state) noexcept {
+  switch (state) {
+    case SlaveState::absent:
+      return "absent";
+    case SlaveState::starting:
+      return "starting";
+    case SlaveState::released:
+      return "released";
+    case SlaveState::lost:
+      return "lost";
+    case SlaveState::returning:
+      return "returning";
+    case SlaveState::checking:
+      return "checking";
+    case SlaveState::held:
+      return "held";
+  }
+  return "unknown";
+}
+
 std::string_view name(MasterEvent::Code code) noexcept {
   switch (code) {
     case MasterEvent::Code::slave_responds:
       return "slave_responds";
+    case MasterEvent::Code::slave_returned:
+      return "slave_returned";
+    case MasterEvent::Code::slave_checked:
+      return "slave_checked";
+    case MasterEvent::Code::slave_check_failed:
+      return "slave_check_failed";
+    case MasterEvent::Code::slave_released:
+      return "slave_released";
     case MasterEvent::Code::slave_lost:
       return "slave_lost";
     case MasterEvent::Code::slave_synchronized:

@@ -34,12 +34,30 @@ enum class EnableRule : std::uint8_t {
   any,               ///< at once
 };
 
+/// What a slave that was away has to pass, once it is synchronized again, before it is released.
+enum class OnReturn : std::uint8_t {
+  release,  ///< nothing
+  check,    ///< every return parameter is read and must have its value
+  write,    ///< every return parameter is written, and read back
+};
+
+/// One parameter that a slave must have after it was away.
+struct ReturnParameter {
+  ParameterNumber number;
+  std::uint32_t value = 0;  ///< raw, as on the bus; a word takes 0..0xFFFF
+  friend constexpr bool operator==(const ReturnParameter&, const ReturnParameter&) = default;
+};
+inline constexpr unsigned kReturnParameters = 32;  ///< most per slave
+
 /// One slave of the line.
 struct SlaveSettings {
   bool configured = false;
   std::uint16_t status_parameter = 301;  ///< parameter number of the status word (unconfirmed)
   std::uint16_t block_limit = 300;       ///< most bytes per initialise, 6..4092
   ProcessMapping actual_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
+  OnReturn on_return = OnReturn::release;
+  std::uint8_t return_count = 0;  ///< how many of `return_parameters` count, 0..kReturnParameters
+  std::array<ReturnParameter, kReturnParameters> return_parameters = {};
 };
 
 /// The command channel.
@@ -62,6 +80,9 @@ struct CommandChannelSettings {
   std::uint8_t telegram_repeats = 1;      ///< times a failed transfer telegram is sent again
   std::uint8_t block_retries = 1;         ///< times a failed block is begun again
   bool allow_reserved_addresses = false;  ///< start addresses 0x00..0xFF
+  /// A slave's first command of a start, or since it was away, cancels what a master that has gone may have
+  /// left open; no transfer begins before.
+  bool cancel_at_start = true;
   std::uint8_t address_step = 1;  ///< bytes per start address: 1, or 4 if addresses count doublewords (open)
 };
 
@@ -73,6 +94,9 @@ struct StartupSettings {
   Duration status_period =
       std::chrono::seconds(1);  ///< active operation: status word of each slave; 0 = never
   std::uint8_t lost_after = 3;  ///< unanswered telegrams in a row until a slave counts as lost
+  /// A control word with one of these bits is refused for a slave that is held out (`SlaveState`); 0: none
+  /// is.
+  std::uint16_t held_control_bits = 0x0001;
 };
 
 /// Reference and actual values.

@@ -74,6 +74,7 @@ void check_slaves(Problems& problems, const MasterSettings& settings) {
     const std::string path = at("slaves", i);
     expect_range(problems, path + ".status_parameter", slave.status_parameter, 0, ParameterNumber::max);
     expect_range(problems, path + ".block_limit", slave.block_limit, 6, 4092);
+    expect_range(problems, path + ".return_parameters", slave.return_count, 0, kReturnParameters);
     // Where addresses count doublewords, a block of another length would end between two of them.
     if (settings.command_channel.address_step == 4) {
       expect(problems, slave.block_limit % 4 == 0, path + ".block_limit", std::to_string(slave.block_limit),

@@ -10,17 +10,30 @@ namespace {
 /// Bit 15 of a status word: the slave is synchronized (M 3.2.0.1).
 constexpr std::uint16_t kSynchronizedBit = 0x8000;
 
+/// How often a lost slave is asked when released ones are never asked, and at most one that is not released.
+constexpr Duration kLostPeriod = std::chrono::seconds(1);
+constexpr Duration kRecheck = std::chrono::milliseconds(100);
+
+SlaveMask without(SlaveMask from, SlaveMask slaves) noexcept {
+  return {from.bits & ~slaves.bits};
+}
+
 }  // namespace
 
 Supervision::Supervision(const MasterSettings& settings, MasterListener& listener) noexcept
     : settings_(settings), listener_(listener), configured_(settings.configured()) {
   const Duration interval = slot_times(settings.bit_rate).interval;
-  period_ = static_cast<IntervalNumber>(settings.startup.status_period / interval);
+  const auto intervals = [&](Duration time) { return static_cast<IntervalNumber>(time / interval); };
+  period_ = intervals(settings.startup.status_period);
+  lost_period_ = period_ != 0 ? period_ : intervals(kLostPeriod);
+  recheck_ = std::min(lost_period_, intervals(kRecheck));
+  monitoring_ = std::max<IntervalNumber>(intervals(settings.command_channel.parameter_monitoring), 1);
   for (unsigned i = 0; i < kSlaves; ++i) status_[i].configured = settings.slaves[i].configured;
 }
 
-void Supervision::tell(MasterEvent::Code code, std::optional<SlaveNumber> slave) noexcept {
-  listener_.event({code, slave, 0});
+void Supervision::tell(MasterEvent::Code code, std::optional<SlaveNumber> slave,
+                       std::uint32_t detail) noexcept {
+  listener_.event({code, slave, detail});
 }
 
 void Supervision::begin(IntervalNumber now) noexcept {
@@ -30,13 +43,21 @@ void Supervision::begin(IntervalNumber now) noexcept {
     status_[i].responds = false;
     status_[i].synchronized = false;
     status_[i].status_known = false;
+    status_[i].state = SlaveState::absent;
     silence_[i] = 0;
+    checks_[i].stop();
+    suspect_again_[i] = now;
     next_read_[i] = now;
     if (configured_.has(slave)) listener_.slave_status(slave, status_[i]);
   }
   responding_ = {};
   synchronized_ = {};
   suspect_ = {};
+  given_up_ = {};
+  held_out_ = {};
+  released_ = {};
+  checking_ = {};
+  away_ = {};
   to_activate_ = SlaveMask::all();
   first_round_ = configured_;
   last_read_ = kSlaves - 1;
@@ -46,15 +67,38 @@ bool Supervision::due(SlaveNumber slave) const noexcept {
   if (!configured_.has(slave)) return false;
   if (first_round_.has(slave)) return true;
   if (!first_round_.empty()) return false;
-  if (!active_) return !synchronized_.has(slave) || next_read_[slave.value()] <= now_;
-  return period_ != 0 && next_read_[slave.value()] <= now_;
+  if (wanted(slave)) return true;
+  return (!active_ || period_ != 0) && released_.has(slave) && next_read_[slave.value()] <= now_;
+}
+
+/// True when the slave's status word should not wait until there is nothing else to do.
+bool Supervision::wanted(SlaveNumber slave) const noexcept {
+  if (suspect_.has(slave)) return true;
+  if (released_.has(slave)) return false;
+  return (!active_ && !given_up_.has(slave) && !synchronized_.has(slave)) ||
+         next_read_[slave.value()] <= now_;
+}
+
+SlaveMask Supervision::wanted() const noexcept {
+  SlaveMask slaves;
+  for (std::uint32_t left = without(configured_, released_).bits | suspect_.bits; left != 0;
+       left &= left - 1) {
+    const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+    slaves.set(slave, wanted(slave));
+  }
+  return slaves;
+}
+
+IntervalNumber Supervision::pause(SlaveNumber slave) const noexcept {
+  if (released_.has(slave)) return std::max<IntervalNumber>(period_, 1);
+  return std::max<IntervalNumber>(active_ && given_up_.has(slave) ? lost_period_ : recheck_, 1);
 }
 
 std::optional<SlaveNumber> Supervision::next_due() noexcept {
-  const bool suspects = active_ && !suspect_.empty() && first_round_.empty();
+  const SlaveMask first = first_round_.empty() ? wanted() : SlaveMask{};
   for (unsigned step = 1; step <= kSlaves; ++step) {
     const SlaveNumber slave = *SlaveNumber::from((last_read_ + step) % kSlaves);
-    if (suspects ? suspect_.has(slave) : due(slave)) return slave;
+    if (first.empty() ? due(slave) : first.has(slave)) return slave;
   }
   return std::nullopt;
 }
@@ -79,14 +123,14 @@ void Supervision::sent(const Telegram& telegram) noexcept {
     to_activate_ = {};
   } else if (const auto* command = std::get_if<ParameterCommand>(&telegram)) {
     last_read_ = command->slave.value();
-    next_read_[last_read_] = now_ + std::max<IntervalNumber>(period_, 1);
+    next_read_[last_read_] = now_ + pause(command->slave);
     first_round_.set(command->slave, false);
   }
 }
 
-bool Supervision::answered(SlaveNumber slave, const ParameterReply& reply) noexcept {
-  if (reply.number.value() != settings_.slaves[slave.value()].status_parameter) return false;
-  if (reply.busy || reply.error || reply.payload_size < 2) return true;
+void Supervision::answered(const ParameterReply& reply) noexcept {
+  if (reply.busy || reply.error || reply.payload_size < 2) return;
+  const SlaveNumber slave = reply.slave;
   SlaveStatus& status = at(slave);
   const std::uint16_t word = load_word(reply.payload.data());
   const bool changed = !status.status_known || word != status.status_word;
@@ -98,17 +142,25 @@ bool Supervision::answered(SlaveNumber slave, const ParameterReply& reply) noexc
   } else if (changed) {
     listener_.slave_status(slave, status);
   }
-  return true;
 }
 
 void Supervision::set_synchronized(SlaveNumber slave, bool synchronized) noexcept {
-  at(slave).synchronized = synchronized;
+  SlaveStatus& status = at(slave);
+  status.synchronized = synchronized;
   synchronized_.set(slave, synchronized);
   // It may have started anew between two commands, and then waits to be activated.
   if (!synchronized) to_activate_.set(slave);
-  listener_.slave_status(slave, at(slave));
+  const SlaveState before = status.state;
+  if (!synchronized && before != SlaveState::starting) {
+    set_state(slave, SlaveState::returning);
+  } else if (synchronized && before == SlaveState::starting) {
+    set_state(slave, SlaveState::released);
+  } else {
+    listener_.slave_status(slave, status);
+  }
   tell(synchronized ? MasterEvent::Code::slave_synchronized : MasterEvent::Code::slave_not_synchronized,
        slave);
+  if (synchronized && before == SlaveState::returning) synchronized_again(slave);
   if (synchronized && synchronized_ == configured_) tell(MasterEvent::Code::all_synchronized, std::nullopt);
 }
 
@@ -120,6 +172,7 @@ void Supervision::responded(SlaveNumber slave, std::optional<Duration> response,
   SlaveStatus& status = at(slave);
   ++status.answers;
   silence_[slave.value()] = 0;
+  suspect_.set(slave, false);
   if (response) {
     status.last_response = *response;
     status.longest_response = std::max(status.longest_response, *response);
@@ -128,44 +181,66 @@ void Supervision::responded(SlaveNumber slave, std::optional<Duration> response,
   if (status.responds || !status.configured) return;
   status.responds = true;
   responding_.set(slave);
+  given_up_.set(slave, false);
+  const bool returned = away_.has(slave);
   // A slave that comes back was not there for the first activation, and its status word is not known.
-  if (first_round_.empty() && (status.unanswered > 0 || cut_off_.has(slave))) to_activate_.set(slave);
-  cut_off_.set(slave, false);
+  if (first_round_.empty() && (status.unanswered > 0 || returned)) to_activate_.set(slave);
+  away_.set(slave, false);
   next_read_[slave.value()] = now_;
-  listener_.slave_status(slave, status);
-  tell(MasterEvent::Code::slave_responds, slave);
+  if (returned) ++status.times_returned;
+  set_state(slave, returned ? SlaveState::returning : SlaveState::starting);
+  tell(returned ? MasterEvent::Code::slave_returned : MasterEvent::Code::slave_responds, slave);
 }
 
-void Supervision::silent(SlaveNumber slave) noexcept {
-  SlaveStatus& status = at(slave);
-  ++status.unanswered;
+bool Supervision::silent(SlaveNumber slave) noexcept {
+  ++at(slave).unanswered;
   std::uint8_t& silence = silence_[slave.value()];
   if (silence < 255) ++silence;
-  if (!status.responds || silence < settings_.startup.lost_after) return;
-  status.responds = false;
-  status.status_known = false;
+  if (silence < settings_.startup.lost_after) {
+    if (period_ != 0) next_read_[slave.value()] = now_;
+    return false;
+  }
+  const bool first = !given_up_.has(slave);
+  given_up_.set(slave);
+  return first;
+}
+
+void Supervision::lost(SlaveNumber slave, unsigned jobs) noexcept {
+  SlaveStatus& status = at(slave);
+  status.jobs_ended += jobs;
+  next_read_[slave.value()] = now_ + pause(slave);
+  if (!status.responds) {
+    listener_.slave_status(slave, status);
+    return;
+  }
+  const bool was_synchronized = status.synchronized;
+  forget(slave);
   responding_.set(slave, false);
   suspect_.set(slave, false);
-  const bool was_synchronized = status.synchronized;
-  status.synchronized = false;
   synchronized_.set(slave, false);
-  listener_.slave_status(slave, status);
-  tell(MasterEvent::Code::slave_lost, slave);
+  tell(MasterEvent::Code::slave_lost, slave, jobs);
   if (was_synchronized) tell(MasterEvent::Code::slave_not_synchronized, slave);
+}
+
+/// A slave that answered is away.
+void Supervision::forget(SlaveNumber slave) noexcept {
+  SlaveStatus& status = at(slave);
+  status.responds = false;
+  status.synchronized = false;
+  status.status_known = false;
+  ++status.times_lost;
+  away_.set(slave);
+  set_state(slave, SlaveState::lost);
 }
 
 void Supervision::bus_lost() noexcept {
   for (unsigned i = 0; i < kSlaves; ++i) {
     const SlaveNumber slave = *SlaveNumber::from(i);
-    SlaveStatus& status = at(slave);
     next_read_[i] = now_;
-    if (!status.responds) continue;
-    status.responds = false;
-    status.synchronized = false;
-    status.status_known = false;
-    cut_off_.set(slave);
-    listener_.slave_status(slave, status);
+    silence_[i] = 0;
+    if (at(slave).responds) forget(slave);
   }
+  given_up_ = {};
   responding_ = {};
   synchronized_ = {};
   suspect_ = {};
@@ -173,17 +248,20 @@ void Supervision::bus_lost() noexcept {
 
 void Supervision::missed_actual(SlaveNumber slave) noexcept {
   ++at(slave).missed_actual;
+  if (!at(slave).responds || period_ == 0) return;
   // Ask at once instead of waiting for the period; only an unanswered command makes a slave lost.
-  if (at(slave).responds && period_ != 0)
-    next_read_[slave.value()] = std::min(next_read_[slave.value()], now_);
+  next_read_[slave.value()] = std::min(next_read_[slave.value()], now_);
+  if (suspect_again_[slave.value()] > now_) return;
+  suspect_.set(slave);
+  suspect_again_[slave.value()] = now_ + recheck_;
 }
 
 SlaveMask Supervision::missing(EnableRule rule) const noexcept {
   switch (rule) {
     case EnableRule::all_synchronized:
-      return {configured_.bits & ~synchronized_.bits};
+      return without(configured_, released_);
     case EnableRule::all_responding:
-      return {configured_.bits & ~responding_.bits};
+      return without(configured_, responding_);
     case EnableRule::any:
       break;
   }

@@ -66,6 +66,12 @@ void TransferJob::end(Outcome outcome, IntervalNumber now) noexcept {
       was_sent_ ? static_cast<std::uint32_t>(std::max<IntervalNumber>(now - first_sent_, 1)) : 0;
 }
 
+void TransferJob::slave_lost(IntervalNumber now) noexcept {
+  result_.bytes = block_start_;
+  result_.error_offset = block_start_ + offset_;
+  end(Outcome::slave_lost, now);
+}
+
 Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexcept {
   if (reply.busy) return Step::again;
   if (phase_ == Phase::cancel) return cancelled(now);

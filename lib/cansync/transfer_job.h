@@ -54,6 +54,12 @@ class TransferJob {
   /// Ends the job at once, without a word to the slave.
   void end(Outcome outcome, IntervalNumber now) noexcept;
 
+  /// Ends the job at once because the slave is gone: what it has of the running block does not count.
+  void slave_lost(IntervalNumber now) noexcept;
+
+  /// True when the slave may have a block of this job open.
+  bool on_slave() const noexcept { return on_slave_; }
+
  private:
   enum class Phase : std::uint8_t { initialise, blocks, cancel };
 

@@ -48,6 +48,8 @@ std::string_view name(ReplyCode code) noexcept {
       return "cancelled";
     case ReplyCode::master_stopped:
       return "master_stopped";
+    case ReplyCode::slave_lost:
+      return "slave_lost";
     case ReplyCode::no_reply:
       break;
   }

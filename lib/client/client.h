@@ -111,6 +111,9 @@ class Client {
   CommandJob broadcast(const Broadcast& broadcast);
   /// `force`: MODE_RUN also when slaves are missing.
   CommandJob mode(Mode mode, bool force = false);
+  /// Lets a slave that was away and is held out be used again: after its list of parameters, or with `force`
+  /// at once.
+  CommandJob release(std::uint32_t slave, bool force = false);
   CommandJob polling(const Polling& polling);
   CommandJob cursors(const Cursors& cursors);
   CommandJob map_references(const MappingBytes& mapping);

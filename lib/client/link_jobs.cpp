@@ -28,6 +28,8 @@ ReplyCode code_of(cansync_ReplyCode code) {
       return ReplyCode::value_too_wide;
     case cansync_REPLY_CANCELLED:
       return ReplyCode::cancelled;
+    case cansync_REPLY_SLAVE_LOST:
+      return ReplyCode::slave_lost;
     case cansync_REPLY_MASTER_STOPPED:
       break;
   }

@@ -78,6 +78,13 @@ CommandJob Client::mode(Mode mode, bool force) {
   return CommandJob(link_->submit(command));
 }
 
+CommandJob Client::release(std::uint32_t slave, bool force) {
+  cansync_Command command = command_of(cansync_COMMAND_RELEASE);
+  command.slave = slave;
+  command.force = force;
+  return CommandJob(link_->submit(command));
+}
+
 CommandJob Client::polling(const Polling& polling) {
   cansync_Command command = command_of(cansync_COMMAND_POLLING);
   command.polling_one = polling.one;

@@ -27,7 +27,7 @@ class NoDaemon : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// How a request ended. The first ten are those of the IDL (docs/dds-api.md).
+/// How a request ended. All but `no_reply` are those of the IDL (docs/dds-api.md).
 enum class ReplyCode : std::uint8_t {
   done,
   refused,              ///< not accepted, nothing was sent; `reason` names field, value and allowed range
@@ -39,7 +39,8 @@ enum class ReplyCode : std::uint8_t {
   value_too_wide,       ///< the parameter is a word that cannot hold the value
   cancelled,
   master_stopped,
-  no_reply,  ///< the daemon has gone or did not take the request; whether it was done is not known
+  slave_lost,  ///< the slave stopped answering; what was under way may have been taken or not
+  no_reply,    ///< the daemon has gone or did not take the request; whether it was done is not known
 };
 
 /// Stable word for a code, e.g. "slave_error".

@@ -180,6 +180,10 @@ cansync_SlaveStatus slave_status(SlaveNumber slave, std::string_view name, const
   out.longest_response = status.longest_response.count();
   to_registers(mapping, out.actual_mapping);
   std::copy(names.begin(), names.end(), std::begin(out.actual_value));
+  copy_text(cansync::name(status.state), out.state);
+  out.times_lost = status.times_lost;
+  out.times_returned = status.times_returned;
+  out.jobs_ended = status.jobs_ended;
   return out;
 }
 

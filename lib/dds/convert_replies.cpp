@@ -52,6 +52,12 @@ std::string_view reason_of(Outcome outcome) noexcept {
       return "cancelled";
     case Outcome::master_stopped:
       return "the master left the operating state while the request was open";
+    case Outcome::slave_lost:
+      return "the slave stopped answering; what was under way may have been taken or not: check its power "
+             "and "
+             "the bus cable, and read back what was written";
+    case Outcome::slave_held:
+      return "not sent: the slave lost SYNC or was away, and is held out until it is released";
   }
   return "unknown outcome";
 }
@@ -102,6 +108,10 @@ cansync_ReplyCode to_reply_code(Outcome outcome) noexcept {
       return cansync_REPLY_VALUE_TOO_WIDE;
     case Outcome::cancelled:
       return cansync_REPLY_CANCELLED;
+    case Outcome::slave_lost:
+      return cansync_REPLY_SLAVE_LOST;
+    case Outcome::slave_held:
+      return cansync_REPLY_REFUSED;
     case Outcome::master_stopped:
       break;
   }

@@ -99,9 +99,11 @@ Problem check(const cansync_Command& command, const Limits& limits) {
     case cansync_COMMAND_ACTUAL_MAPPING:
       if (Problem problem = configured_slave("slave", command.slave, limits)) return problem;
       return check_mapping(command);
+    case cansync_COMMAND_RELEASE:
+      return configured_slave("slave", command.slave, limits);
   }
   return in_range("kind", static_cast<std::int64_t>(command.kind), 0,
-                  static_cast<std::int64_t>(cansync_COMMAND_ACTUAL_MAPPING));
+                  static_cast<std::int64_t>(cansync_COMMAND_RELEASE));
 }
 
 }  // namespace cansync::dds

@@ -14,6 +14,7 @@ std::optional<Telegram> obedient(const Telegram& telegram) {
 /// An active line of `count` slaves without status polling.
 std::unique_ptr<MasterRig> active_line(MasterSettings settings) {
   settings.startup.status_period = Duration(0);
+  settings.startup.lost_after = 255;  // its slaves answer no transfers
   auto rig = std::make_unique<MasterRig>(settings);
   rig->answer = obedient;
   rig->activate();

@@ -39,13 +39,16 @@ TEST(Names, UnexpectedTelegrams) {
   EXPECT_EQ(static_cast<unsigned>(Unexpected::unasked) + 1, kUnexpectedKinds);
 }
 TEST(Names, Outcomes) {
-  expect_names(Outcome::master_stopped);
+  expect_names(Outcome::slave_held);
 }
 TEST(Names, Refusals) {
-  expect_names(Refusal::bus_unavailable);
+  expect_names(Refusal::not_held);
 }
 TEST(Names, Events) {
-  expect_names(MasterEvent::Code::second_master_gone);
+  expect_names(MasterEvent::Code::slave_released);
+}
+TEST(Names, SlaveStates) {
+  expect_names(SlaveState::held);
 }
 
 TEST(Names, StatesByTheirRegisterValue) {

@@ -124,6 +124,7 @@ TEST_F(ParameterJobs, EndlessBusyEndsAtTheMonitoringTimeOfThreeSeconds) {
 }
 
 TEST_F(ParameterJobs, MonitoringTimeOfTheRequestCounts) {
+  settings.startup.lost_after = 255;
   script = [](const ParameterCommand&) { return std::nullopt; };
   start();
   const IntervalNumber from = rig->next_interval;

@@ -232,6 +232,7 @@ TEST_F(Transfers, AnErrorAboutTheJobItselfIsNotRepeated) {
 
 TEST_F(Transfers, ASilentSlaveTimesOutAfterItsRetriesAndIsSentACancel) {
   settings.command_channel.transfer_monitoring = std::chrono::milliseconds(50);
+  settings.startup.lost_after = 255;
   std::vector<std::uint8_t> data = pattern(60);
   memory->before = [](const Telegram&) { return kSilence; };
   start();

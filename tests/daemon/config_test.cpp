@@ -416,6 +416,38 @@ std::string case_name(const testing::TestParamInfo<fs::path>& file) {
 
 INSTANTIATE_TEST_SUITE_P(Table, WrongFile, testing::ValuesIn(wrong_files()), case_name);
 
+// ---- slaves that return
+
+TEST(ConfigReturn, ListsKeepTheirOrderAndTakeBothNotations) {
+  const Config config = good(R"([[slave]]
+number = 3
+on_return = "write"
+return_parameters = ["1020=0x12345678", "0x0A=5"]
+)",
+                             {"command_channel.cancel_at_start=false", "startup.held_control_bits=0x8"});
+  const cansync::SlaveSettings& slave = config.master.slaves[3];
+  EXPECT_EQ(slave.on_return, cansync::OnReturn::write);
+  ASSERT_EQ(slave.return_count, 2u);
+  EXPECT_EQ(slave.return_parameters[0].number.value(), 1020u);
+  EXPECT_EQ(slave.return_parameters[0].value, 0x12345678u);
+  EXPECT_EQ(slave.return_parameters[1].number.value(), 10u);
+  EXPECT_EQ(slave.return_parameters[1].value, 5u);
+  EXPECT_FALSE(config.master.command_channel.cancel_at_start);
+  EXPECT_EQ(config.master.startup.held_control_bits, 8u);
+}
+
+TEST(ConfigReturn, AtMost32) {
+  const auto with = [](unsigned count) {
+    std::string list;
+    for (unsigned i = 0; i < count; ++i) list += "\"" + std::to_string(i) + "=1\",";
+    return from_text("[[slave]]\nnumber = 0\non_return = \"check\"\nreturn_parameters = [" + list + "]\n");
+  };
+  const ConfigFile most = with(32);
+  EXPECT_EQ(problems_text(most.problems), "");
+  EXPECT_EQ(most.config.master.slaves[0].return_count, 32u);
+  EXPECT_NE(problems_text(with(33).problems).find("allowed: a list of at most 32"), std::string::npos);
+}
+
 // ---- documents
 
 TEST(ConfigDocuments, TheDefaultConfigurationIsValidAndChangesNothing) {

@@ -65,6 +65,21 @@ TEST(GatewayJobs, AReadReachesTheRealtimeThreadAndIsAnsweredOnce) {
   EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(7), 0u);
 }
 
+TEST(GatewayJobs, ALostSlaveIsNamedInTheReply) {
+  GatewayRig rig;
+  rig.client.write(read_request(1));
+  cansync::ParameterResult result;
+  result.outcome = Outcome::slave_lost;
+  const auto request = rig.expect_request<cansync::ParameterRequest>();
+  rig.answer(ParameterDone{request.id, result});
+  const auto reply = rig.client.reply<cansync_ParameterReply>(1);
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->code, cansync_REPLY_SLAVE_LOST);
+  const std::string reason = reply->reason;
+  EXPECT_TRUE(reason.starts_with("slave " + std::to_string(request.slave.value()))) << reason;
+  EXPECT_NE(reason.find("stopped answering"), std::string::npos) << reason;
+}
+
 TEST(GatewayJobs, EveryOutcomeHasItsReplyCode) {
   GatewayRig rig;
   const std::pair<Outcome, cansync_ReplyCode> outcomes[] = {
@@ -77,6 +92,8 @@ TEST(GatewayJobs, EveryOutcomeHasItsReplyCode) {
       {Outcome::value_too_wide, cansync_REPLY_VALUE_TOO_WIDE},
       {Outcome::cancelled, cansync_REPLY_CANCELLED},
       {Outcome::master_stopped, cansync_REPLY_MASTER_STOPPED},
+      {Outcome::slave_lost, cansync_REPLY_SLAVE_LOST},
+      {Outcome::slave_held, cansync_REPLY_REFUSED},
   };
   std::uint64_t number = 1;
   for (const auto& [outcome, code] : outcomes) {

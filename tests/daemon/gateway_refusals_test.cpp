@@ -246,6 +246,7 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   master.state = cansync::State::waiting_for_start;
   master.configured = {0xF};
   master.synchronized = {0x5};
+  master.released = {0x5};
   rig.tell(master);
   rig.client.write(good_read(1));
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::wrong_state});
@@ -266,6 +267,20 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   const auto missing = rig.client.reply<cansync_CommandReply>(3);
   ASSERT_TRUE(missing);
   expect_refused(missing->code, missing->reason, {"slave 1 'feeder', slave 3 'rewinder'", "force"});
+
+  auto control = good_command(5, cansync_COMMAND_CONTROL_WORD);
+  control.slave = 1;
+  rig.client.write(control);
+  rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::slave_held});
+  const auto held = rig.client.reply<cansync_CommandReply>(5);
+  ASSERT_TRUE(held);
+  expect_refused(held->code, held->reason, {"slave 1 'feeder'", "held out", "0x0001", "cansync release"});
+
+  rig.client.write(good_read(6));
+  rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::slave_lost});
+  const auto lost = rig.client.reply<cansync_ParameterReply>(6);
+  ASSERT_TRUE(lost);
+  expect_refused(lost->code, lost->reason, {"slave ", "does not answer", "bus cable"});
 
   rig.client.write(good_upload(4));
   rig.answer(Refused{rig.expect_request<cansync::TransferRequest>().id, Refusal::queue_full});

@@ -394,8 +394,15 @@ TEST(RealtimeLoop, BusLoadIsTheShareOfBits) {
 
 // --- answers are never lost
 
+/// Settings under which slaves that never answer keep their jobs.
+cansync::MasterSettings patient_settings() {
+  cansync::MasterSettings settings = master_settings(3);
+  settings.startup.lost_after = 255;
+  return settings;
+}
+
 TEST(RealtimeLoop, StopAnswersEveryOpenJobAndEveryWaitingRequest) {
-  LoopRig rig;
+  LoopRig rig(virtual_time(), patient_settings());
   rig.bus.answer = [](const can::Frame&) { return std::nullopt; };
   std::array<std::uint8_t, 100> memory = {};
   rig.push_at(50, read_request(1, 0, 1000));
@@ -424,7 +431,7 @@ TEST(RealtimeLoop, StopAnswersEveryOpenJobAndEveryWaitingRequest) {
 }
 
 TEST(RealtimeLoop, CancelledJobsAnswerOnceAndUnknownOnesNotAtAll) {
-  LoopRig rig;
+  LoopRig rig(virtual_time(), patient_settings());
   rig.bus.answer = [](const can::Frame&) { return std::nullopt; };
   rig.push_at(50, read_request(1, 0, 1000));
   rig.push_at(55, Cancel{1});

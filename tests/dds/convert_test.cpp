@@ -188,6 +188,8 @@ TEST(Replies, EveryOutcomeHasItsCodeAndAllButDoneAReason) {
       {Outcome::value_too_wide, cansync_REPLY_VALUE_TOO_WIDE},
       {Outcome::cancelled, cansync_REPLY_CANCELLED},
       {Outcome::master_stopped, cansync_REPLY_MASTER_STOPPED},
+      {Outcome::slave_lost, cansync_REPLY_SLAVE_LOST},
+      {Outcome::slave_held, cansync_REPLY_REFUSED},
   };
   for (const auto& [outcome, code] : table) {
     const cansync_CommandReply reply = command_reply(key_with(1), outcome);

@@ -186,10 +186,17 @@ TEST(Validate, ControlWordAndMode) {
       {{[](C& c) { c.slave = 33; }, "slave 33: out of range; allowed 0..31"},
        {[](C& c) { c.slave = 30; }, "slave 30: not configured; allowed 0..3, 7"},
        {[](C& c) { c.control_word = 0xFFFF; }, ""},
-       {[](C& c) { c.control_word = 0x10000; }, "control_word 65536: out of range; allowed 0..65535"},
-       {[](C& c) { c.kind = static_cast<cansync_CommandKind>(7); }, "kind 7: out of range; allowed 0..6"}});
+       {[](C& c) { c.control_word = 0x10000; }, "control_word 65536: out of range; allowed 0..65535"}});
   expect_texts<C>(command_of(cansync_COMMAND_MODE), {{[](C& c) { c.mode = static_cast<cansync_Mode>(5); },
                                                       "mode 5: out of range; allowed 0..4"}});
+}
+
+TEST(Validate, Release) {
+  using C = cansync_Command;
+  expect_texts<C>(command_of(cansync_COMMAND_RELEASE),
+                  {{[](C& c) { c.slave = 7; }, ""},
+                   {[](C& c) { c.slave = 32; }, "slave 32: out of range; allowed 0..31"},
+                   {[](C& c) { c.slave = 5; }, "slave 5: not configured; allowed 0..3, 7"}});
 }
 
 TEST(Validate, Broadcast) {

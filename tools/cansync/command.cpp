@@ -28,6 +28,21 @@ struct ModeTexts {
   bool force = false;
 };
 
+/// The arguments of `release` as they were typed.
+struct ReleaseTexts {
+  std::string slave;
+  bool force = false;
+};
+
+ExitCode release_verb(Session& session, const ReleaseTexts& texts) {
+  const unsigned slave = session.slave(texts.slave);
+  const client::CommandReply reply = session.wait(session.client().release(slave, texts.force));
+  const std::string where = fmt::format("release of slave {}", slave);
+  return session.finish(
+      reply, JsonObject().add("slave", slave).add("force", texts.force), where,
+      texts.force ? where + " is in effect" : where + " has begun; `cansync slaves` shows how it ends");
+}
+
 ExitCode control_verb(Session& session, const ControlTexts& texts) {
   const std::uint32_t word = parse_raw(texts.word, "WORD", Width::word);
   const unsigned slave = session.slave(texts.slave);
@@ -88,6 +103,20 @@ void add_control(CLI::App& app, Verb& chosen) {
       [texts, &chosen] { chosen = [texts](Session& session) { return control_verb(session, *texts); }; });
 }
 
+void add_release(CLI::App& app, Verb& chosen) {
+  auto* release = app.add_subcommand("release", "let a slave that was away and is held out be used again");
+  auto texts = std::make_shared<ReleaseTexts>();
+  release->add_option("SLAVE", texts->slave, "number 0..31 or name")->required();
+  release->add_flag("--force", texts->force, "without its return parameters");
+  release->footer(
+      "A slave that is synchronized goes through its return parameters once more, and is released when they "
+      "are "
+      "right;\nwith --force it is released at once. One that is not synchronized is told to synchronize "
+      "again.");
+  release->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return release_verb(session, *texts); }; });
+}
+
 void add_broadcast(CLI::App& app, Verb& chosen) {
   auto* broadcast = app.add_subcommand("broadcast", "send an action command to a group of slaves");
   auto texts = std::make_shared<BroadcastTexts>();
@@ -131,6 +160,7 @@ void add_command_verbs(CLI::App& app, Verb& chosen) {
   add_control(app, chosen);
   add_broadcast(app, chosen);
   add_mode(app, chosen);
+  add_release(app, chosen);
 }
 
 }  // namespace cansync::cli

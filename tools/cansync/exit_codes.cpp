@@ -15,6 +15,7 @@ ExitCode exit_code(client::ReplyCode code) noexcept {
       return ExitCode::slave_error;
     case client::ReplyCode::timeout:
     case client::ReplyCode::no_answer:
+    case client::ReplyCode::slave_lost:
       return ExitCode::timeout;
     case client::ReplyCode::cancelled:
     case client::ReplyCode::master_stopped:
@@ -32,7 +33,7 @@ const char* exit_code_help() noexcept {
          "  2  usage: the command line is wrong; nothing was sent\n"
          "  3  refused by the daemon; nothing was sent on the bus\n"
          "  4  the slave answered with an error, or the parameter has another format\n"
-         "  5  timeout, or a write was not answered\n"
+         "  5  timeout, a write was not answered, or the slave stopped answering\n"
          "  6  the daemon is not running, not reachable, or went away\n"
          "  7  cancelled by Ctrl-C, or because the master stopped\n"
          "  8  `doctor` found an error (1: warnings alone)";

@@ -94,6 +94,7 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("slaves_configured", status.slaves_configured)
       .add("slaves_responding", status.slaves_responding)
       .add("slaves_synchronized", status.slaves_synchronized)
+      .add("slaves_released", status.slaves_released)
       .add("open_parameter_jobs", status.open_parameter_jobs)
       .add("open_transfers", status.open_transfers)
       .add("parameter_queue", status.parameter_queue)
@@ -223,6 +224,7 @@ void print_status(Output& output, const client::MasterStatus& status) {
   row("slaves configured", format_slave_set(status.slaves_configured));
   row("slaves responding", share(status.slaves_responding, status.slaves_configured));
   row("slaves synchronized", share(status.slaves_synchronized, status.slaves_configured));
+  row("slaves released", share(status.slaves_released, status.slaves_configured));
   row("open jobs",
       fmt::format("{} of {} parameter jobs, {} of {} transfers; served: {}", status.open_parameter_jobs,
                   status.parameter_queue, status.open_transfers, status.transfer_queue, status.serving));
@@ -275,20 +277,25 @@ JsonObject slave_object(const client::SlaveStatus& slave) {
       .add("missed_actual", slave.missed_actual)
       .add("slow_answers", slave.slow_answers)
       .add("last_response_ns", slave.last_response)
-      .add("longest_response_ns", slave.longest_response);
+      .add("longest_response_ns", slave.longest_response)
+      .add("state", slave.state)
+      .add("times_lost", slave.times_lost)
+      .add("times_returned", slave.times_returned)
+      .add("jobs_ended", slave.jobs_ended);
 }
 
 void add_slave_row(Table& table, const client::SlaveStatus& slave) {
   const auto microseconds = [](std::int64_t time) {
     return fmt::format("{:.1f}", static_cast<double>(time) / 1e3);
   };
-  table.add({fmt::format("{}", slave.slave), slave.name, slave.responds ? "yes" : "no",
+  table.add({fmt::format("{}", slave.slave), slave.name, slave.state, slave.responds ? "yes" : "no",
              slave.synchronized ? "yes" : "no",
              slave.status_known ? fmt::format("0x{:04X}", slave.status_word) : "-",
              fmt::format("{}", slave.last_seen), fmt::format("{}", slave.answers),
              fmt::format("{}", slave.unanswered), fmt::format("{}", slave.missed_actual),
              fmt::format("{}", slave.slow_answers), microseconds(slave.last_response),
-             microseconds(slave.longest_response)});
+             microseconds(slave.longest_response), fmt::format("{}", slave.times_lost),
+             fmt::format("{}", slave.times_returned), fmt::format("{}", slave.jobs_ended)});
 }
 
 ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
@@ -296,6 +303,7 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   constexpr auto right = Table::Align::right;
   Table table({{"SLAVE", right},
                {"NAME"},
+               {"STATE"},
                {"RESPONDS"},
                {"SYNCHRONIZED"},
                {"STATUS"},
@@ -305,7 +313,10 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
                {"MISSED", right},
                {"SLOW", right},
                {"LAST us", right},
-               {"LONGEST us", right}});
+               {"LONGEST us", right},
+               {"LOST", right},
+               {"RETURNED", right},
+               {"JOBS ENDED", right}});
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
     if (session.json())
@@ -329,7 +340,8 @@ void add_status_verbs(CLI::App& app, Verb& chosen) {
       "from\n"
       "  bus faults           since the start; a full send queue and what is lost cost telegrams\n"
       "  second master        somebody else sends what only a master may send\n"
-      "  slaves ...           which slaves are configured, answer, and have locked to SYNC\n"
+      "  slaves ...           which slaves are configured, answer, have locked to SYNC, and may be used with "
+      "references\n"
       "  telegrams left out   not sent because their slot had passed\n"
       "  no reference values  active intervals in which a reference value telegram had nothing to send\n"
       "  frames               received ones that were no valid telegram, and ones nobody asked for, by kind\n"
@@ -341,12 +353,17 @@ void add_status_verbs(CLI::App& app, Verb& chosen) {
   slaves->add_option("SLAVE", slaves_options->slaves, "numbers or names (default: every configured slave)");
   slaves->footer(
       "Columns:\n"
+      "  STATE         absent (never answered), starting, released; lost, then returning (waits for SYNC), "
+      "checking\n"
+      "                (its return parameters), and held (they are not right; see `events`, then `release`)\n"
       "  STATUS        last status word of the slave; - = never read since it responds\n"
       "  LAST SEEN     interval of its last telegram\n"
       "  ANSWERS       answers on the command channel; UNANSWERED: commands without one\n"
       "  MISSED        times it was asked for actual values and sent none\n"
       "  SLOW          answers later than tRSPTO\n"
-      "  LAST, LONGEST time from the end of a command to the end of its answer");
+      "  LAST, LONGEST time from the end of a command to the end of its answer\n"
+      "  LOST          times it stopped answering; RETURNED: answered again\n"
+      "  JOBS ENDED    jobs that ended because it stopped answering");
   slaves->callback([slaves_options, &chosen] {
     chosen = [slaves_options](Session& session) { return slaves_verb(session, *slaves_options); };
   });

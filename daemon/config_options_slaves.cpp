@@ -1,0 +1,55 @@
+#include "daemon/config_option_rows.h"
+#include "daemon/return_parameters.h"
+
+// Slaves that come and go: what is done when one is lost, and what one that returns has to pass.
+namespace cansyncd {
+namespace {
+
+using namespace rows;
+
+constexpr auto kRows = std::to_array<Option>({
+    whole_number(
+        "startup.lost_after", "3", 1, 255, "telegrams",
+        "Unanswered telegrams in a row until a slave counts as lost. Then its jobs end, and new ones are "
+        "refused until it answers again.",
+        [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }),
+    whole_number("startup.held_control_bits", "1", 0, 65535, "",
+                 "A control word with one of these bits is refused for a slave that was away or lost SYNC, "
+                 "until it is released; 0 = none is. Default: bit 0, which switches a drive on.",
+                 [](Draft& d, const Value& v) {
+                   d.config.master.startup.held_control_bits = whole<std::uint16_t>(v);
+                 }),
+    plain(
+        "command_channel.cancel_at_start", OptionType::boolean, "true",
+        "After a start, and when a slave was away, first cancel on the slave what a master that is gone may "
+        "have left open; no transfer begins before.",
+        [](Draft& d, const Value& v) { channel(d).cancel_at_start = flag(v); }),
+    choice(
+        "slave.on_return", "\"release\"", "release|check|write",
+        "When this slave was away or lost SYNC and is synchronized again: release = it may be used at once; "
+        "check = when every return parameter has its value; write = when each was written and read back.",
+        [](Draft& d, const Value& v) {
+          using cansync::OnReturn;
+          slave_settings(d).on_return = words(v) == "check"   ? OnReturn::check
+                                        : words(v) == "write" ? OnReturn::write
+                                                              : OnReturn::release;
+        }),
+    plain("slave.return_parameters", OptionType::parameter_values, "[]",
+          "The parameters for check and write, in this order. A value is raw, as on the bus: no sign, and at "
+          "most 65535 for a word.",
+          [](Draft& d, const Value& v) {
+            cansync::SlaveSettings& slave = slave_settings(d);
+            slave.return_count = 0;
+            for (const Scalar& item : v.items) {
+              slave.return_parameters[slave.return_count++] = *to_return_parameter(item);
+            }
+          }),
+});
+
+}  // namespace
+
+std::span<const Option> rows::slave_options() {
+  return kRows;
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,75 @@
+#include "cansync/supervision.h"
+
+/// Supervision's other half: slaves that were away, from their first answer until they are released.
+namespace cansync {
+
+void Supervision::set_state(SlaveNumber slave, SlaveState state) noexcept {
+  SlaveStatus& status = at(slave);
+  status.state = state;
+  released_.set(slave, state == SlaveState::released);
+  held_out_.set(slave, is_held_out(state));
+  checking_.set(slave, state == SlaveState::checking);
+  if (state != SlaveState::checking) checks_[slave.value()].stop();
+  listener_.slave_status(slave, status);
+}
+
+void Supervision::synchronized_again(SlaveNumber slave) noexcept {
+  ReturnCheck& check = checks_[slave.value()];
+  check.begin(settings_.slaves[slave.value()], slave, monitoring_);
+  if (check.running()) {
+    set_state(slave, SlaveState::checking);
+    return;
+  }
+  set_state(slave, SlaveState::released);
+  tell(MasterEvent::Code::slave_released, slave);
+}
+
+bool Supervision::check_answered(SlaveNumber slave, const ParameterReply& reply) noexcept {
+  const Step step = checks_[slave.value()].answered(reply, now_);
+  if (step == Step::ended) end_check(slave);
+  return step != Step::ignored;
+}
+
+void Supervision::check_times() noexcept {
+  for (std::uint32_t left = checking_.bits; left != 0; left &= left - 1) {
+    const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+    if (checks_[slave.value()].check_time(now_) == Step::ended) end_check(slave);
+  }
+}
+
+void Supervision::end_check(SlaveNumber slave) noexcept {
+  const ReturnCheck& check = checks_[slave.value()];
+  if (check.passed()) {
+    tell(MasterEvent::Code::slave_checked, slave, check.checked());
+    set_state(slave, SlaveState::released);
+    tell(MasterEvent::Code::slave_released, slave);
+    return;
+  }
+  const ParameterResult& found = check.found();
+  const bool slave_error = found.outcome == Outcome::slave_error;
+  MasterEvent event{MasterEvent::Code::slave_check_failed, slave, check.failed().number.value()};
+  event.expected = check.failed().value;
+  event.found = slave_error ? static_cast<std::uint16_t>(found.error) : found.value;
+  event.outcome = found.outcome;
+  set_state(slave, SlaveState::held);
+  listener_.event(event);
+}
+
+Refusal Supervision::release(SlaveNumber slave, bool force) noexcept {
+  const SlaveStatus& status = at(slave);
+  if (!status.configured) return Refusal::slave_not_configured;
+  if (!status.responds) return Refusal::slave_lost;
+  if (!held_out_.has(slave)) return Refusal::not_held;
+  if (!status.synchronized) {
+    to_activate_.set(slave);
+    next_read_[slave.value()] = now_;
+  } else if (force) {
+    set_state(slave, SlaveState::released);
+    tell(MasterEvent::Code::slave_released, slave, 1);
+  } else {
+    synchronized_again(slave);
+  }
+  return Refusal::none;
+}
+
+}  // namespace cansync

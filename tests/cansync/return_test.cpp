@@ -1,0 +1,329 @@
+// Slaves that come back: held out until they are synchronized and have passed their list of parameters.
+#include <algorithm>
+#include <map>
+
+#include "master_rig.h"
+
+namespace cansync::test {
+namespace {
+
+using Code = MasterEvent::Code;
+
+/// Four drives with a memory of parameters. Number 20 is a doubleword, 30 is read only, 40 is never done.
+struct Drives {
+  SlaveMask dead;
+  SlaveMask unsynchronized;
+  std::map<std::pair<unsigned, unsigned>, std::uint32_t> values;  // by slave and number
+  std::vector<ParameterCommand> asked;                            // but status words
+
+  std::optional<Telegram> operator()(const Telegram& telegram) {
+    const auto* command = std::get_if<ParameterCommand>(&telegram);
+    if (command == nullptr || dead.has(command->slave)) return std::nullopt;
+    const unsigned number = command->number.value();
+    if (number == 301) {
+      return MasterRig::word_reply(*command, unsynchronized.has(command->slave) ? 0x0007 : 0x8007);
+    }
+    asked.push_back(*command);
+    if (number == 40) return MasterRig::busy_reply(*command);
+    std::uint32_t& value = values[{command->slave.value(), number}];
+    if (command->kind == ParameterCommand::Kind::read) {
+      return number == 20 ? MasterRig::doubleword_reply(*command, value)
+                          : MasterRig::word_reply(*command, static_cast<std::uint16_t>(value));
+    }
+    if (number == 30) return MasterRig::error_reply(*command, ParameterError::not_changeable);
+    value = command->value;
+    return MasterRig::written_reply(*command);
+  }
+};
+
+struct Returns : testing::Test {
+  MasterSettings settings = settings_for(4);
+  std::shared_ptr<Drives> drives = std::make_shared<Drives>();
+  std::unique_ptr<MasterRig> rig;
+
+  void wants(unsigned n, OnReturn what, std::vector<std::pair<unsigned, std::uint32_t>> list) {
+    SlaveSettings& one = settings.slaves[n];
+    one.on_return = what;
+    for (const auto& [number, value] : list) {
+      one.return_parameters[one.return_count++] = {parameter(number), value};
+    }
+  }
+  void start() {
+    settings.startup.status_period = std::chrono::milliseconds(20);
+    rig = std::make_unique<MasterRig>(settings);
+    rig->answer = [drives = drives](const Telegram& t) { return (*drives)(t); };
+    rig->activate();
+  }
+  SlaveState state(unsigned n) const { return rig->master.slave(slave(n)).state; }
+  void lose(unsigned n) {
+    drives->dead.set(slave(n));
+    rig->run_until([=, this] { return state(n) == SlaveState::lost; }, 200);
+  }
+  void bring_back(unsigned n) {
+    drives->dead.set(slave(n), false);
+    rig->told.events.clear();
+    drives->asked.clear();
+    rig->run_until([=, this] { return rig->master.slave(slave(n)).responds; }, 100);
+  }
+  void run_to(unsigned n, SlaveState wanted) {
+    rig->run_until([=, this] { return state(n) == wanted; }, 500);
+  }
+  /// The events of one slave since it came back.
+  std::vector<Code> steps(unsigned n) const {
+    std::vector<Code> codes;
+    for (const MasterEvent& event : rig->told.events) {
+      if (event.slave == slave(n)) codes.push_back(event.code);
+    }
+    return codes;
+  }
+  Refusal control(JobId id, unsigned n, std::uint16_t word) {
+    return rig->master.submit(ControlWordRequest{id, slave(n), word});
+  }
+};
+
+TEST_F(Returns, AtTheStartASlaveIsReleasedAsSoonAsItIsSynchronized) {
+  wants(1, OnReturn::check, {{10, 5}});
+  drives->unsynchronized = SlaveMask::all();
+  rig = std::make_unique<MasterRig>(settings);
+  rig->answer = [this](const Telegram& t) { return (*drives)(t); };
+  rig->set_up();
+  EXPECT_EQ(state(1), SlaveState::absent);
+  rig->run(10);
+  EXPECT_EQ(state(1), SlaveState::starting);
+  drives->unsynchronized = {};
+  rig->run(10);
+  EXPECT_EQ(state(1), SlaveState::released);
+  EXPECT_TRUE(drives->asked.empty()) << "the list is for those that were away";
+}
+
+TEST_F(Returns, IsHeldOutUntilItIsSynchronizedAgain) {
+  start();
+  lose(1);
+  drives->unsynchronized.set(slave(1));
+  bring_back(1);
+  EXPECT_EQ(state(1), SlaveState::returning);
+  rig->run(300);
+  EXPECT_EQ(state(1), SlaveState::returning);
+  EXPECT_EQ(rig->master.slave(slave(0)).state, SlaveState::released);
+  drives->unsynchronized = {};
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(steps(1), (std::vector{Code::slave_returned, Code::slave_synchronized, Code::slave_released}));
+}
+
+TEST_F(Returns, EnablingControlWordsAreRefusedWhileItIsHeldOutAndOthersAreNot) {
+  start();
+  lose(1);
+  drives->unsynchronized.set(slave(1));
+  bring_back(1);
+  EXPECT_EQ(control(1, 1, 0x0007), Refusal::slave_held);
+  EXPECT_EQ(control(2, 1, 0x0006), Refusal::none) << "without bit 0 it switches nothing on";
+  EXPECT_EQ(control(3, 0, 0x0007), Refusal::none) << "another slave";
+  const BroadcastRequest all{4, 1, {SlaveMask{0xF}, kCommandControlWord, 0, 7}};
+  EXPECT_EQ(rig->master.submit(all), Refusal::slave_held);
+  EXPECT_EQ(rig->master.submit(BroadcastRequest{5, 1, {SlaveMask{0xD}, kCommandControlWord, 0, 7}}),
+            Refusal::none);
+  EXPECT_EQ(rig->master.submit(BroadcastRequest{6, 1, {SlaveMask{0xF}, 200, 0, 7}}), Refusal::none);
+  rig->run(10);
+  EXPECT_EQ(rig->told.commands.at(2), Outcome::done);
+  drives->unsynchronized = {};
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(control(7, 1, 0x0007), Refusal::none);
+  EXPECT_EQ(rig->master.submit(all), Refusal::none);
+}
+
+TEST_F(Returns, AnEnablingControlWordThatWaitsWhenTheSlaveLosesSyncIsNotSent) {
+  start();
+  const Cursor nobody{Cursor::Kind::nobody, {}};
+  const Cursor automatic;
+  ASSERT_EQ(rig->master.set_command_cursors(nobody, automatic, automatic), Refusal::none);
+  ASSERT_EQ(control(1, 1, 0x0007), Refusal::none);
+  ASSERT_EQ(control(2, 1, 0x0002), Refusal::none);
+  drives->unsynchronized.set(slave(1));
+  run_to(1, SlaveState::returning);
+  ASSERT_EQ(rig->master.set_command_cursors(automatic, automatic, automatic), Refusal::none);
+  rig->run_until([this] { return rig->told.commands.contains(2); }, 10);
+  EXPECT_EQ(rig->told.commands.at(1), Outcome::slave_held);
+  EXPECT_EQ(rig->told.commands.at(2), Outcome::done);
+}
+
+TEST_F(Returns, ParametersAndTransfersAreServedWhileItIsHeldOut) {
+  start();
+  lose(1);
+  drives->unsynchronized.set(slave(1));
+  bring_back(1);
+  ASSERT_EQ(rig->master.submit(ParameterRequest{.id = 1, .slave = slave(1), .number = parameter(10)}),
+            Refusal::none);
+  rig->run_until([this] { return rig->told.terminal == 1; }, 20);
+  EXPECT_EQ(rig->told.parameters.at(1).outcome, Outcome::done);
+}
+
+TEST_F(Returns, ChecksItsListAndIsReleasedWhenAllIsRight) {
+  wants(1, OnReturn::check, {{10, 5}, {20, 0x12345678}});
+  start();
+  lose(1);
+  drives->values = {{{1, 10}, 5}, {{1, 20}, 0x12345678}};
+  bring_back(1);
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(steps(1), (std::vector{Code::slave_returned, Code::slave_synchronized, Code::slave_checked,
+                                   Code::slave_released}));
+  ASSERT_EQ(drives->asked.size(), 2u);
+  for (const ParameterCommand& asked : drives->asked) EXPECT_EQ(asked.kind, ParameterCommand::Kind::read);
+}
+
+TEST_F(Returns, AWrongValueHoldsItOutAndSaysWhichIsExpectedAndWhichWasFound) {
+  wants(1, OnReturn::check, {{10, 5}, {20, 1000}, {11, 1}});
+  start();
+  lose(1);
+  drives->values = {{{1, 10}, 5}, {{1, 20}, 999}};
+  bring_back(1);
+  run_to(1, SlaveState::held);
+  const MasterEvent failed = rig->told.events.back();
+  EXPECT_EQ(failed.code, Code::slave_check_failed);
+  EXPECT_EQ(failed.slave, slave(1));
+  EXPECT_EQ(failed.detail, 20u);
+  EXPECT_EQ(failed.expected, 1000u);
+  EXPECT_EQ(failed.found, 999u);
+  EXPECT_EQ(failed.outcome, Outcome::done);
+  EXPECT_EQ(control(1, 1, 1), Refusal::slave_held);
+  rig->run(200);
+  EXPECT_EQ(state(1), SlaveState::held) << "until somebody does something about it";
+  EXPECT_EQ(rig->master.control(ControlCommand::start_synchronous), Refusal::none);
+  EXPECT_EQ(rig->master.control(ControlCommand::enable_active), Refusal::slaves_missing);
+  // The operator sets it right and releases it: the list is gone through once more.
+  drives->values = {{{1, 10}, 5}, {{1, 20}, 1000}, {{1, 11}, 1}};
+  EXPECT_EQ(rig->master.release(slave(1), false), Refusal::none);
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(rig->master.control(ControlCommand::enable_active), Refusal::none);
+}
+
+TEST_F(Returns, WritesItsListInTheSlavesFormatAndReadsItBack) {
+  wants(1, OnReturn::write, {{20, 0x12345678}, {10, 5}});
+  start();
+  lose(1);
+  bring_back(1);
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(drives->values.at({1, 20}), 0x12345678u);
+  EXPECT_EQ(drives->values.at({1, 10}), 5u);
+  using Kind = ParameterCommand::Kind;
+  const std::vector<std::pair<unsigned, Kind>> expected = {
+      {20, Kind::read}, {20, Kind::write_doubleword}, {20, Kind::read},
+      {10, Kind::read}, {10, Kind::write_word},       {10, Kind::read}};
+  ASSERT_EQ(drives->asked.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(std::pair(unsigned{drives->asked[i].number.value()}, drives->asked[i].kind), expected[i]) << i;
+  }
+}
+
+TEST_F(Returns, ARefusedOrEndlessWriteHoldsItOutWithTheReason) {
+  wants(1, OnReturn::write, {{30, 1}});
+  wants(2, OnReturn::write, {{10, 0x10000}});
+  wants(3, OnReturn::write, {{40, 1}});
+  settings.command_channel.parameter_monitoring = std::chrono::milliseconds(30);
+  start();
+  for (const unsigned n : {1u, 2u, 3u}) {
+    lose(n);
+    bring_back(n);
+    run_to(n, SlaveState::held);
+    const MasterEvent failed = rig->told.events.back();
+    ASSERT_EQ(failed.code, Code::slave_check_failed);
+    if (n == 1) {
+      EXPECT_EQ(failed.outcome, Outcome::slave_error);
+      EXPECT_EQ(failed.found, 0xFFFCu);
+    }
+    if (n == 2) {
+      EXPECT_EQ(failed.outcome, Outcome::value_too_wide);
+    }
+    if (n == 3) {
+      EXPECT_EQ(failed.outcome, Outcome::timeout);
+    }
+  }
+}
+
+TEST_F(Returns, AnUnansweredTelegramOfTheListIsSentAgainAndSilenceMakesItLostAgain) {
+  wants(1, OnReturn::write, {{20, 7}});
+  start();
+  lose(1);
+  bring_back(1);
+  run_to(1, SlaveState::checking);
+  drives->dead.set(slave(1));
+  rig->run(2);
+  drives->dead = {};
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(drives->values.at({1, 20}), 7u);
+  lose(1);
+  bring_back(1);
+  run_to(1, SlaveState::checking);
+  lose(1);
+  bring_back(1);
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(rig->master.slave(slave(1)).times_lost, 3u);
+  EXPECT_EQ(rig->master.slave(slave(1)).times_returned, 3u);
+}
+
+TEST_F(Returns, ALongListLeavesTheJobsOfClientsTheirIntervalsAndIsNotStarvedByThem) {
+  std::vector<std::pair<unsigned, std::uint32_t>> list;
+  for (unsigned i = 0; i < kReturnParameters; ++i) list.emplace_back(100 + i, 0);
+  wants(1, OnReturn::check, list);
+  settings.command_channel.minimum_share = 8;
+  start();
+  lose(1);
+  bring_back(1);
+  run_to(1, SlaveState::checking);
+  drives->asked.clear();
+  unsigned jobs = 0;
+  JobId id = 0;
+  const unsigned intervals = rig->run_until(
+      [&] {
+        while (jobs - rig->told.parameters.size() < 5) {
+          EXPECT_EQ(
+              rig->master.submit(ParameterRequest{.id = ++id, .slave = slave(0), .number = parameter(10)}),
+              Refusal::none);
+          ++jobs;
+        }
+        return state(1) == SlaveState::released;
+      },
+      1000);
+  EXPECT_LE(intervals, (kReturnParameters + 2) * 8);
+  EXPECT_GE(rig->told.parameters.size(), intervals * 3 / 4);
+}
+
+TEST_F(Returns, ASlaveThatLosesSyncWithoutGoingAwayPassesItsListToo) {
+  wants(1, OnReturn::check, {{10, 5}});
+  start();
+  drives->values = {{{1, 10}, 5}};
+  drives->unsynchronized.set(slave(1));
+  run_to(1, SlaveState::returning);
+  drives->unsynchronized = {};
+  run_to(1, SlaveState::released);
+  EXPECT_EQ(drives->asked.size(), 1u);
+  EXPECT_EQ(rig->master.slave(slave(1)).times_lost, 0u);
+}
+
+TEST_F(Returns, ReleaseByHand) {
+  wants(1, OnReturn::check, {{10, 5}});
+  start();
+  EXPECT_EQ(rig->master.release(slave(1), true), Refusal::not_held);
+  EXPECT_EQ(rig->master.release(slave(9), true), Refusal::slave_not_configured);
+  lose(1);
+  EXPECT_EQ(rig->master.release(slave(1), true), Refusal::slave_lost);
+  bring_back(1);
+  run_to(1, SlaveState::held);
+  EXPECT_EQ(rig->master.release(slave(1), false), Refusal::none);
+  EXPECT_EQ(state(1), SlaveState::checking);
+  run_to(1, SlaveState::held);
+  EXPECT_EQ(rig->master.release(slave(1), true), Refusal::none);
+  EXPECT_EQ(state(1), SlaveState::released);
+  EXPECT_EQ(rig->told.events.back().code, Code::slave_released);
+  EXPECT_EQ(rig->told.events.back().detail, 1u);
+  // One that is not synchronized is activated again instead.
+  drives->unsynchronized.set(slave(1));
+  run_to(1, SlaveState::returning);
+  EXPECT_EQ(rig->master.release(slave(1), true), Refusal::none);
+  EXPECT_EQ(state(1), SlaveState::returning);
+  rig->step();
+  ASSERT_NE(rig->command(), nullptr);
+  EXPECT_EQ(*rig->command(), Telegram(ActionCommand{SlaveMask::of(slave(1)), 2, 1, 0}));
+}
+
+}  // namespace
+}  // namespace cansync::test
