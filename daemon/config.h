@@ -152,6 +152,11 @@ struct DdsConfig {
   std::string xml;  ///< Cyclone DDS configuration used instead of the generated one; empty: generated
 };
 
+/// Who may do what.
+struct AccessConfig {
+  bool read_only = false;  ///< refuse every request that would change a drive or the line
+};
+
 /// The simulated line; looked at only with `BusKind::simulated`.
 struct SimConfig {
   cansync::SlaveMask drives;  ///< which slave numbers have a drive; default: every configured slave
@@ -185,6 +190,7 @@ struct Config {
       {};                        ///< by slave number; see `master.slaves[n].configured`
   ValueConfigs references = {};  ///< reference values 0..7
   DdsConfig dds;
+  AccessConfig access;
   SimConfig sim;
   RecorderConfig recorder;
 };

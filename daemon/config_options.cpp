@@ -161,6 +161,7 @@ std::span<const Option> options() {
   static const std::vector<Option> all = [] {
     std::vector<Option> out(rows::daemon_options().begin(), rows::daemon_options().end());
     out.insert(out.end(), rows::failsafe_options().begin(), rows::failsafe_options().end());
+    out.insert(out.end(), rows::access_options().begin(), rows::access_options().end());
     out.insert(out.end(), rows::sync_options().begin(), rows::sync_options().end());
     out.insert(out.end(), rows::line_options().begin(), rows::line_options().end());
     for (const Option& option : rows::slave_options()) {

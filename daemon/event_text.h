@@ -11,13 +11,24 @@
 /// What the realtime thread reports, in words. Pure functions; not for the realtime thread (allocates).
 namespace cansyncd {
 
+/// The request of a client that an event tells of (request_done, request_failed, request_refused).
+struct RequestRecord {
+  std::string client;
+  std::string participant;
+  std::string_view action;  ///< stable word; a literal
+  std::string old_value;
+  std::string new_value;
+  std::string result;
+};
+
 /// One event before it is numbered and published.
 struct EventText {
   cansync_EventSeverity severity = cansync_SEVERITY_INFO;
   std::string_view code;  ///< stable word; a literal
   int slave = -1;         ///< 0..31; -1: none
   std::string text;
-  std::optional<Moment> when;  ///< nothing: now
+  std::optional<Moment> when;                           ///< nothing: now
+  std::optional<RequestRecord> request = std::nullopt;  ///< has its own entry in the journal
 };
 
 /// The event that stands for `report`; nothing for reports that are no events (progress of a transfer), or

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <utility>
 
+#include "daemon/access.h"
 #include "daemon/gateway_requests.h"
 #include "dds/malformed.h"
 
@@ -21,6 +22,7 @@ using std::chrono::steady_clock;
 void take_changeable(const Config& to, Config& config) {
   config.references = to.references;
   config.slaves = to.slaves;
+  config.access = to.access;
   config.failsafe.reference_max_age = to.failsafe.reference_max_age;
   config.dds.request_max_age = to.dds.request_max_age;
   config.master.process.reference_mapping = to.master.process.reference_mapping;
@@ -42,14 +44,15 @@ int milliseconds_to(SteadyTime due) {
 
 }  // namespace
 
-Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant)
+Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
+                 JournalSink& journal)
     : config_(config),
       exchange_(exchange),
       events_(participant),
       state_(participant, config),
       failsafe_(events_, config),
       references_(participant, signal_, events_, config),
-      jobs_(participant, signal_, events_, config) {
+      jobs_(participant, signal_, events_, config, journal) {
   state_.set_givers(references_.givers());
 }
 
@@ -194,6 +197,7 @@ void Gateway::take_configuration(SteadyTime now) {
   take_changeable(*taken, config_);
   state_.set_names(config_);
   references_.set_maximum_age(config_.failsafe.reference_max_age);
+  references_.set_refusal(read_only_refusal_of_references(config_));
   events_.publish(
       {cansync_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }

@@ -28,9 +28,10 @@ class Gateway {
   /// SYNC edges that are skipped again and again are one row until none was for so long.
   static constexpr std::chrono::seconds kSyncQuiet{10};
 
-  /// Sets up every topic; nothing is taken or published before `start`. `exchange` and `participant` must
-  /// outlive the gateway. Throws cansync::dds::SetupError.
-  Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant);
+  /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
+  /// `journal` must outlive the gateway. Throws cansync::dds::SetupError.
+  Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
+          JournalSink& journal = process_journal());
 
   /// Stops. The realtime thread must have ended before, because it may hold the data of transfers; a gateway
   /// that was only stopped still keeps it.

@@ -29,7 +29,8 @@ std::int64_t wall_clock_now() noexcept {
 }
 
 bool FloodGuard::pass(const EventText& event, SteadyTime now) {
-  Window& window = windows_[{event.code, event.slave}];
+  // Requests of all slaves together, so that a program that writes all the time leaves room for faults.
+  Window& window = windows_[{event.code, event.request ? -1 : event.slave}];
   // A window with something held back stays open until its summary was told.
   if (window.held_back == 0 && now - window.begin >= kWindow) {
     window.begin = now;
@@ -83,9 +84,18 @@ void EventPublisher::write(const EventText& event) {
   cansync::dds::copy_text(event.code, sample.code);
   sample.slave = event.slave;
   cansync::dds::copy_text(event.text, sample.text);
+  if (event.request) {
+    cansync::dds::copy_text(event.request->client, sample.client);
+    cansync::dds::copy_text(event.request->participant, sample.participant);
+    cansync::dds::copy_text(event.request->action, sample.action);
+    cansync::dds::copy_text(event.request->old_value, sample.old_value);
+    cansync::dds::copy_text(event.request->new_value, sample.new_value);
+    cansync::dds::copy_text(event.request->result, sample.result);
+  }
   // Keep last: a reader that does not follow loses the oldest, the write itself cannot fail for want of room.
   const dds_return_t written = writer_.write(sample);
-  log(priority_of(event.severity), "event {} {}: {}", sample.number, event.code, event.text);
+  if (!event.request)
+    log(priority_of(event.severity), "event {} {}: {}", sample.number, event.code, event.text);
   if (written != DDS_RETCODE_OK) {
     log(LogPriority::warning, "event {} was not published: {}", sample.number, dds_strretcode(written));
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/access.h"
 #include "daemon/gateway_requests.h"
 #include "daemon/gateway_take.h"
 #include "daemon/log.h"
@@ -43,14 +44,23 @@ Lane lane_of(const Request& request) noexcept {
   return {};
 }
 
-std::string who_of(std::string_view name, const std::array<std::uint8_t, 16>& client) {
-  return fmt::format("'{}' ({:02x}{:02x}{:02x}{:02x})", name, client[0], client[1], client[2], client[3]);
+Requester who_of(std::string_view name, const dds::RequestKey& key, const Place& place) {
+  Requester who;
+  who.name = name;
+  who.request = key.request;
+  const auto& client = key.client;
+  who.label =
+      fmt::format("'{}' ({:02x}{:02x}{:02x}{:02x})", name, client[0], client[1], client[2], client[3]);
+  if (place != Place{}) {
+    for (const unsigned byte : place) who.participant += fmt::format("{:02x}", byte);
+  }
+  return who;
 }
 
 }  // namespace
 
 JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, EventPublisher& events,
-                 const Config& config)
+                 const Config& config, JournalSink& journal)
     : guards_{dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal)},
       parameters_(participant, &signal, &guards_[0]),
       transfers_(participant, &signal, &guards_[1]),
@@ -61,6 +71,7 @@ JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, E
       command_replies_(participant, signal),
       progress_(participant),
       events_(events),
+      audit_(journal, events, config),
       limits_(dds::limits_of(config.master)),
       rejections_(events),
       lanes_(lane_limits(config.master.command_channel)) {}
@@ -89,7 +100,9 @@ void JobDesk::accept(const Sample& sample, const Place& place, std::int64_t writ
   Job job;
   job.key = dds::key_of(sample);
   job.place = place;
-  job.who = who_of(dds::text(sample.client_name), job.key.client);
+  job.who = who_of(dds::text(sample.client_name), job.key, place);
+  job.change = change_of(sample);
+  job.state_before = context.line.state;
   if constexpr (std::is_same_v<Sample, cansync_ParameterRequest>) job.kind = Kind::parameter;
   if constexpr (std::is_same_v<Sample, cansync_TransferRequest>) job.kind = Kind::transfer;
   if constexpr (std::is_same_v<Sample, cansync_Command>) job.kind = Kind::command;
@@ -106,6 +119,10 @@ void JobDesk::accept(const Sample& sample, const Place& place, std::int64_t writ
   if (!fill(sample, id, job)) {
     return refuse(job, Rejection::value, "kind: not known to this daemon", context);
   }
+  job.understood = true;
+  if (const auto problem = read_only_refusal(job.request, context.config)) {
+    return refuse(job, Rejection::state, *problem, context);
+  }
   if (take_early_cancel(*client, job.key.request, context.now)) {
     return end(job, cansync::Outcome::cancelled, context);
   }
@@ -118,7 +135,7 @@ void JobDesk::accept(const Sample& sample, const Place& place, std::int64_t writ
 }
 
 ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& context) {
-  const auto [client, admission] = clients_.enter(job.key.client, job.place, job.who);
+  const auto [client, admission] = clients_.enter(job.key.client, job.place, job.who.label);
   const auto refused = [&](Rejection kind, const std::string& reason) {
     refuse(job, kind, reason, context);
     return nullptr;
@@ -128,8 +145,10 @@ ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& co
         Rejection::identity,
         fmt::format("request {} of {} has the identity of another program that is running; it gets no "
                     "reply: every program chooses an identity of its own, at random, when it starts",
-                    job.key.request, job.who),
+                    job.key.request, job.who.label),
         context.now);
+    audit_.refused(job.who, job.change, nullptr, job.state_before, "the identity of another program",
+                   context.now);
     return nullptr;
   }
   if (stopping_) {
@@ -227,9 +246,13 @@ void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, 
       events_.publish({cansync_SEVERITY_ERROR, "configuration_refused", -1,
                        fmt::format("a changed setting was not taken: {}", reason), std::nullopt},
                       context.now);
-      return log(LogPriority::notice, "request of {} refused: {}", job.who, reason);
+      return log(LogPriority::notice, "request of {} refused: {}", job.who.label, reason);
   }
-  rejections_.add(kind, fmt::format("request {} of {} refused: {}", job.key.request, job.who, reason),
+  if (job.change) {
+    audit_.refused(job.who, job.change, job.understood ? &job.request : nullptr, job.state_before, reason,
+                   context.now);
+  }
+  rejections_.add(kind, fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, reason),
                   context.now);
 }
 
@@ -295,7 +318,7 @@ std::optional<SteadyTime> JobDesk::retry(const JobContext& context) {
     ++next_id_;
     Job& job = jobs_[id];
     job.request = own_.front();
-    job.who = "the configuration file";
+    job.who.name = job.who.label = "the configuration file";
     own_.pop_front();
   }
   lanes_blocked_ = !lanes_.hand_over([&](JobId id) { return requests.try_push(jobs_.at(id).request); });
@@ -304,7 +327,7 @@ std::optional<SteadyTime> JobDesk::retry(const JobContext& context) {
   command_replies_.retry(context.now);
   tell_dropped(context.now);
 
-  std::optional<SteadyTime> next;
+  std::optional<SteadyTime> next = audit_.tick(context.now);
   const auto earlier = [&next](std::optional<SteadyTime> time) {
     if (time && (!next || *time < *next)) next = time;
   };

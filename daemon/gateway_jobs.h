@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cansync.h"
+#include "daemon/audit.h"
 #include "daemon/client_table.h"
 #include "daemon/config.h"
 #include "daemon/exchange.h"
@@ -58,9 +59,9 @@ class JobDesk {
   /// A cancel may overtake its request on the way; it is remembered so long.
   static constexpr std::chrono::seconds kEarlyCancel{10};
 
-  /// Throws cansync::dds::SetupError. `signal` and `events` must outlive this object.
+  /// Throws cansync::dds::SetupError. `signal`, `events` and `journal` must outlive this object.
   JobDesk(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal,
-          EventPublisher& events, const Config& config);
+          EventPublisher& events, const Config& config, JournalSink& journal);
 
   /// Takes new requests and cancels, a bounded number, and looks which clients are gone. True: there may be
   /// more.
@@ -102,8 +103,11 @@ class JobDesk {
     Kind kind = Kind::internal;
     cansync::dds::RequestKey key;
     Place place;
-    std::string who;
+    Requester who;
+    std::optional<Change> change;  ///< nothing: it only reads
+    cansync::State state_before = cansync::State::start_up;
     Request request;
+    bool understood = false;  ///< `request` is what was asked for
     std::vector<std::uint8_t> data;
     bool cancel_wanted = false;
     SteadyTime next_progress;
@@ -136,7 +140,7 @@ class JobDesk {
   void erase(Jobs::iterator job, SteadyTime now);
   /// `ended` bytes of a job's data are no longer counted.
   void count_data(const Job& job, std::size_t ended);
-  void log_end(const Job& job, std::string_view outcome, const Config& config) const;
+  void record_end(const Job& job, cansync::Outcome outcome, const JobContext& context);
   void tell_dropped(SteadyTime now);
 
   void reply(Job& job, const ParameterDone& done, const JobContext& context);
@@ -158,6 +162,7 @@ class JobDesk {
   ReplyOutbox<cansync_CommandReply> command_replies_;
   cansync::dds::Writer<cansync_TransferProgress> progress_;
   EventPublisher& events_;
+  AuditTrail audit_;
   cansync::dds::Limits limits_;
   PlaceFinder places_;
   LivingPlaces living_;

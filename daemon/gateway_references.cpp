@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/access.h"
 #include "daemon/gateway_take.h"
 #include "dds/convert.h"
 
@@ -27,7 +28,8 @@ ReferenceInput::ReferenceInput(const dds::Participant& participant, dds::DataSig
       maximum_age_(config.failsafe.reference_max_age),
       hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0),
       deadline_(config.failsafe.reference_deadline),
-      writers_(participant, reader_.handle()) {}
+      writers_(participant, reader_.handle()),
+      refusal_(read_only_refusal_of_references(config)) {}
 
 void ReferenceInput::watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release) {
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
@@ -40,6 +42,13 @@ void ReferenceInput::watch(const std::array<cansync::ReleaseStatus, cansync::kCh
 
 bool ReferenceInput::take_reaction(unsigned channel) noexcept {
   return std::exchange(telegrams_[channel].reaction_due, false);
+}
+
+void ReferenceInput::set_refusal(std::optional<std::string> reason) {
+  if (reason && !refusal_) {
+    for (Telegram& telegram : telegrams_) telegram.stop_wanted = true;
+  }
+  refusal_ = std::move(reason);
 }
 
 bool ReferenceInput::take_samples(Exchange& exchange, SteadyTime now) {
@@ -119,6 +128,7 @@ void ReferenceInput::announce(unsigned channel, dds_instance_handle_t writer, St
 std::optional<std::string> ReferenceInput::problem(const cansync_ReferenceValues& sample,
                                                    const dds_sample_info_t& info) const {
   if (auto reason = dds::check(sample, limits_)) return reason;
+  if (refusal_) return refusal_;
   if (maximum_age_.count() == 0) return std::nullopt;
   const std::int64_t age = (wall_clock_now() - info.source_timestamp) / 1'000'000;
   if (age < -maximum_age_.count()) {
@@ -188,7 +198,8 @@ std::optional<SteadyTime> ReferenceInput::look_at_deadline(unsigned channel, Ste
 void ReferenceInput::push_stops(Exchange& exchange) {
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     bool& wanted = telegrams_[channel].stop_wanted;
-    if (wanted && exchange.requests.try_push(StopRelease{channel_of(channel), hold_})) wanted = false;
+    if (wanted && exchange.requests.try_push(StopRelease{channel_of(channel), refusal_ ? 0 : hold_}))
+      wanted = false;
   }
 }
 

@@ -51,6 +51,9 @@ class ReferenceInput {
   /// Who gives the values of each telegram.
   const std::array<ReferenceGiver, cansync::kChannels>& givers() const noexcept { return givers_; }
 
+  /// With a reason every value is refused for it, and the release of what was given before is stopped.
+  void set_refusal(std::optional<std::string> reason);
+
   /// Takes what is new and hands it on; needed only after the signal was raised. True: there may be more.
   bool take_samples(Exchange& exchange, SteadyTime now);
 
@@ -99,6 +102,7 @@ class ReferenceInput {
   std::uint32_t hold_;  ///< intervals for which the values of a lost writer go on; 0: not at all
   std::chrono::milliseconds deadline_;  ///< 0: not looked at
   WriterWatch writers_;
+  std::optional<std::string> refusal_;  ///< of everything
   std::array<Telegram, cansync::kChannels> telegrams_;
   std::array<ReferenceGiver, cansync::kChannels> givers_;
 };

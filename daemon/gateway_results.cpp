@@ -34,14 +34,17 @@ void JobDesk::finish(const Terminal& terminal, const JobContext& context) {
 }
 
 void JobDesk::reply(Job& job, const ParameterDone& done, const JobContext& context) {
-  log_end(job, cansync::name(done.result.outcome), context.config);
+  record_end(job, done.result.outcome, context);
+  if (const auto* request = std::get_if<cansync::ParameterRequest>(&job.request)) {
+    audit_.learn(*request, done.result);
+  }
   auto reply = dds::parameter_reply(job.key, done.result);
   name_slave(reply, done.result.outcome, job.request, context.config);
   parameter_replies_.send(reply, job.place, context.now);
 }
 
 void JobDesk::reply(Job& job, const TransferDone& done, const JobContext& context) {
-  log_end(job, cansync::name(done.result.outcome), context.config);
+  record_end(job, done.result.outcome, context);
   const auto* request = std::get_if<cansync::TransferRequest>(&job.request);
   std::span<std::uint8_t> data;
   if (request != nullptr && request->direction == cansync::TransferRequest::Direction::upload) {
@@ -56,7 +59,7 @@ void JobDesk::reply(Job& job, const TransferDone& done, const JobContext& contex
 }
 
 void JobDesk::reply(Job& job, const CommandDone& done, const JobContext& context) {
-  log_end(job, cansync::name(done.outcome), context.config);
+  record_end(job, done.outcome, context);
   if (job.kind == Kind::internal) return;
   auto reply = dds::command_reply(job.key, done.outcome);
   name_slave(reply, done.outcome, job.request, context.config);
@@ -69,7 +72,7 @@ void JobDesk::reply(Job& job, const Refused& refused, const JobContext& context)
 }
 
 void JobDesk::end(Job& job, cansync::Outcome outcome, const JobContext& context) {
-  log_end(job, cansync::name(outcome), context.config);
+  record_end(job, outcome, context);
   switch (job.kind) {
     case Kind::parameter: {
       cansync::ParameterResult result;
@@ -164,10 +167,13 @@ void JobDesk::forget(const ClientIdentity& identity, SteadyTime now) {
   (void)progress_.unregister(progress);
 }
 
-void JobDesk::log_end(const Job& job, std::string_view outcome, const Config& config) const {
-  if (const auto what = describe(job.request, config)) {
-    log(LogPriority::notice, "{} by {}: {}", *what, job.who, outcome);
+void JobDesk::record_end(const Job& job, cansync::Outcome outcome, const JobContext& context) {
+  std::optional<Change> change = job.change;
+  if (change && !job.data.empty()) change->new_value = data_text(job.data.data(), job.data.size());
+  if (job.kind == Kind::internal) {
+    change = Change{"configuration", -1, "", describe(job.request, context.config).value_or("")};
   }
+  audit_.ended(job.who, change, job.request, job.state_before, outcome, context.now);
 }
 
 void JobDesk::stop(const JobContext& context) {

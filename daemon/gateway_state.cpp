@@ -136,6 +136,7 @@ StatePublisher::StatePublisher(const dds::Participant& participant, const Config
 void StatePublisher::set_names(const Config& config) {
   config_.references = config.references;
   config_.slaves = config.slaves;
+  config_.access = config.access;
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     slaves_[i].names = names_of(config.slaves[i].actual);
     slaves_[i].dirty = config_.master.slaves[i].configured;
@@ -237,6 +238,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.data_model = cansync_DATA_MODEL;
   dds::copy_text(config_.bus.interface, sample.bus_interface);
   if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
+  sample.read_only = config_.access.read_only;
   fill_realtime(realtime_wanted_, realtime_granted_, sample);
   fill_sync(config_.sync, master_.sync, sample);
   sample.clients = clients_;

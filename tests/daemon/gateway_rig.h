@@ -23,6 +23,7 @@
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
+#include "kept_journal.h"
 #include "support/dds_places.h"
 
 namespace cansyncd {
@@ -213,7 +214,7 @@ class GatewayRig {
                       const rt::RealtimeSettings& wanted = {}, const rt::Grants& granted = {})
       : exchange(sizes),
         participant_(places_.here),
-        gateway(std::make_unique<Gateway>(config, exchange, participant_)),
+        gateway(std::make_unique<Gateway>(config, exchange, participant_, journal)),
         client(places_.there),
         transfer_replies_(client.participant(), &client.signal()) {
     gateway->set_realtime(wanted, granted);
@@ -275,6 +276,7 @@ class GatewayRig {
 
  public:
   Exchange exchange;
+  KeptJournal journal;
 
  private:
   cansync::dds::Participant participant_;

@@ -41,7 +41,14 @@ void show(Output& output, const client::Event& event) {
     object.add_null("slave");
   else
     object.add("slave", event.slave);
-  output.object(object.add("text", event.text));
+  object.add("text", event.text);
+  if (std::string_view(event.action).empty()) return output.object(object);
+  output.object(object.add("client", event.client)
+                    .add("participant", event.participant)
+                    .add("action", event.action)
+                    .add("old_value", event.old_value)
+                    .add("new_value", event.new_value)
+                    .add("result", event.result));
 }
 
 /// Events on their way from the client's thread to this one.

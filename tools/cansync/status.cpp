@@ -131,7 +131,9 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("second_master_frames", status.second_master_frames);
   add_request_kinds(object, status);
   add_frame_kinds(object, status);
-  return object.add("reference_values", names).add("reference_release", release_objects(status));
+  return object.add("reference_values", names).add("reference_release", release_objects(status))
+      .add("read_only", status.read_only)
+      .add("secured", status.secured);
 }
 
 /// "0-3 (4 of 4)".
@@ -210,6 +212,8 @@ void print_status(Output& output, const client::MasterStatus& status) {
   row("controller",
       fmt::format("{}; errors: {} transmit, {} receive; CANsync status 0x{:04X}", status.controller_state,
                   status.transmit_errors, status.receive_errors, status.cansync_status));
+  row("access", fmt::format("{}, DDS Security {}", status.read_only ? "read-only" : "requests are taken",
+                            status.secured ? "on" : "off"));
   if (const std::string line = sync_line(status); !line.empty()) row("SYNC line", line);
   row("interface", interface_text(status));
   row("bus faults", fmt::format("{} error frames, {} not acknowledged, {} restarts; lost: {} for a full send "

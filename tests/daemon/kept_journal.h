@@ -1,0 +1,49 @@
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/journal.h"
+
+namespace cansyncd {
+
+/// Keeps what would go to the journal. Any thread.
+class KeptJournal : public JournalSink {
+ public:
+  struct Entry {
+    std::string message;
+    std::vector<JournalField> fields;
+    /// Empty when there is no such field.
+    std::string field(std::string_view name) const {
+      for (const JournalField& field : fields) {
+        if (field.name == name) return field.value;
+      }
+      return {};
+    }
+  };
+
+  void write(const std::string& message, const std::vector<JournalField>& fields) override {
+    const std::lock_guard lock(mutex_);
+    entries_.push_back({message, fields});
+  }
+  std::vector<Entry> all() const {
+    const std::lock_guard lock(mutex_);
+    return entries_;
+  }
+  /// Entries whose field has this value.
+  std::vector<Entry> with(std::string_view name, std::string_view value) const {
+    std::vector<Entry> out;
+    for (Entry& entry : all()) {
+      if (entry.field(name) == value) out.push_back(std::move(entry));
+    }
+    return out;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace cansyncd
