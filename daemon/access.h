@@ -22,6 +22,9 @@ Right needed_right(const Request& request) noexcept;
 /// Would it change a drive, the line or the master? False for reads, uploads, cancelling and withdrawing.
 bool changes_something(const Request& request) noexcept;
 
+/// Why `request` is not taken from a topic that gives only `right`; nothing when it may be taken.
+std::optional<std::string> right_refusal(const Request& request, Right right);
+
 /// Why `request` is not taken because the daemon is read-only; nothing when it may be taken.
 std::optional<std::string> read_only_refusal(const Request& request, const Config& config);
 

@@ -149,7 +149,8 @@ struct DdsConfig {
   std::string partition;         ///< of all topics; never empty after parsing (default: the bus's name)
   bool interval_topic = false;   ///< publish the topic Interval
   std::chrono::milliseconds request_max_age{5000};  ///< of a request when it arrives; 0: any
-  std::string xml;  ///< Cyclone DDS configuration used instead of the generated one; empty: generated
+  std::string security;  ///< folder of the daemon's identity; empty: without DDS Security
+  std::string xml;       ///< Cyclone DDS configuration used instead of the generated one; empty: generated
 };
 
 /// Who may do what.

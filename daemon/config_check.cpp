@@ -56,6 +56,7 @@ class Checker {
     slave_names();
     return_parameters();
     fault_script();
+    finish_path("dds.security", draft_.config.dds.security);
     failsafe();
     for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
     if (const auto wrong = check_bit_timing(draft_.config)) problem(wrong->option, wrong->text);
@@ -156,16 +157,20 @@ class Checker {
     }
   }
 
+  /// A relative path of the file starts at its folder, one of the command line where that was typed.
+  void finish_path(const std::string& key, std::string& path) {
+    const Setting* setting = place(key);
+    if (path.empty() || setting == nullptr || setting->overridden) return;
+    const std::filesystem::path file = path;
+    if (file.is_relative()) path = (std::filesystem::path(path_).parent_path() / file).string();
+  }
+
   void fault_script() {
     namespace fs = std::filesystem;
     std::string& script = draft_.config.sim.fault_script;
     if (script.empty()) return;
-    const Setting* setting = place("sim.fault_script");
-    fs::path file = script;
-    if (file.is_relative() && setting != nullptr && !setting->overridden) {
-      file = fs::path(path_).parent_path() / file;
-    }
-    script = file.string();
+    finish_path("sim.fault_script", script);
+    const fs::path file = script;
     std::error_code error;
     if (!fs::is_regular_file(file, error) || !std::ifstream(file)) {
       problem("sim.fault_script",

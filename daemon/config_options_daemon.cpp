@@ -150,6 +150,11 @@ constexpr auto kRows = std::to_array<Option>({
            "Cyclone DDS configuration (XML) used instead of the generated one; interface is not looked at "
            "then.",
            [](Draft& d, const Value& v) { d.config.dds.xml = words(v); }),
+    string("dds.security", OptionType::text, "\"\"", 0, 4096,
+           "Folder of the daemon's identity, made by cansync-security with role daemon: switches DDS "
+           "Security on; empty "
+           "= off. A relative path starts at the configuration file's folder.",
+           [](Draft& d, const Value& v) { d.config.dds.security = words(v); }),
     // --- [sim]
     plain("sim.drives", OptionType::slaves, "(every configured slave)",
           "Slaves that have a simulated drive; the others stay silent.",

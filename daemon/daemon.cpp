@@ -22,6 +22,8 @@
 #include "daemon/service.h"
 #include "daemon/sync_line.h"
 #include "dds/participant.h"
+#include "dds/security.h"
+#include "dds/topics.h"
 #include "rt/kernel_type.h"
 #include "rt/realtime_thread.h"
 #include "rt/thread_stack.h"
@@ -114,7 +116,7 @@ class Daemon {
         sync_line_(make_sync_line(file_)),
         exchange_(exchange_sizes(file_.config)),
         participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
-                      file_.config.dds.xml}),
+                      file_.config.dds.xml, file_.config.dds.security}),
         gateway_(file_.config, exchange_, participant_),
         flight_(file_.config, bus_.bus(), [this](const EventText& event) { gateway_.post(event); }),
         loop_(file_.config.master, loop_settings(file_.config, flight_.tap(), sync_line_.get()),
@@ -227,6 +229,17 @@ void serve(Daemon& daemon, const SignalSet& signals, const std::vector<std::stri
   }
 }
 
+/// What is wrong with the daemon's identity; nothing also without DDS Security.
+std::optional<std::string> security_problem(const Config& config) {
+  const std::string& folder = config.dds.security;
+  if (folder.empty()) return std::nullopt;
+  if (auto problem = cansync::dds::security_problem(folder, config.dds.partition)) return problem;
+  if (cansync::dds::may_publish(folder, cansync::dds::topic_info<cansync_MasterStatus>().name))
+    return std::nullopt;
+  return fmt::format("{}: is an identity of a client ({}); allowed: one made with --role daemon", folder,
+                     cansync::dds::security_subject(folder));
+}
+
 }  // namespace
 
 ConfigFile load_checked(const std::string& path, const std::vector<std::string>& overrides) {
@@ -245,6 +258,13 @@ ConfigFile load_checked(const std::string& path, const std::vector<std::string>&
     return file;
   }
   file.problems = check_fault_script(file.config);
+  if (const auto wrong = security_problem(file.config)) {
+    Position where{path, 0, 0};
+    for (const Setting& setting : file.settings) {
+      if (setting.option->key == "dds.security") where = setting.where;
+    }
+    file.problems.push_back({where, "dds.security", *wrong});
+  }
   return file;
 }
 

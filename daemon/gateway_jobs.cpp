@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/access.h"
 #include "daemon/gateway_requests.h"
 #include "daemon/gateway_take.h"
 #include "daemon/log.h"
@@ -61,7 +60,8 @@ Requester who_of(std::string_view name, const dds::RequestKey& key, const Place&
 
 JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, EventPublisher& events,
                  const Config& config, JournalSink& journal)
-    : guards_{dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal)},
+    : guards_{dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal),
+              dds::KeyGuard(signal)},
       parameters_(participant, &signal, &guards_[0]),
       transfers_(participant, &signal, &guards_[1]),
       commands_(participant, &signal, &guards_[2]),
@@ -74,12 +74,17 @@ JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, E
       audit_(journal, events, config),
       limits_(dds::limits_of(config.master)),
       rejections_(events),
-      lanes_(lane_limits(config.master.command_channel)) {}
+      lanes_(lane_limits(config.master.command_channel)) {
+  if (!config.dds.security.empty())
+    engineer_commands_.emplace(participant, dds::engineer_command_topic(), &signal, &guards_[4]);
+}
 
 bool JobDesk::take_requests(const JobContext& context) {
-  bool more = accept(commands_, context);
-  more = accept(parameters_, context) || more;
-  more = accept(transfers_, context) || more;
+  // Permissions of DDS Security are by topic; without it everybody may do everything.
+  bool more = accept(commands_, engineer_commands_ ? Right::operate : Right::engineer, context);
+  if (engineer_commands_) more = accept(*engineer_commands_, Right::engineer, context) || more;
+  more = accept(parameters_, Right::engineer, context) || more;
+  more = accept(transfers_, Right::engineer, context) || more;
   more = take_cancels(context) || more;
   // After the samples: what a client left behind is cancelled before it is handed on.
   look_for_clients(context);
@@ -87,15 +92,16 @@ bool JobDesk::take_requests(const JobContext& context) {
 }
 
 template <class Sample>
-bool JobDesk::accept(dds::Reader<Sample>& reader, const JobContext& context) {
+bool JobDesk::accept(dds::Reader<Sample>& reader, Right right, const JobContext& context) {
   return take_with_info(reader, [&](const Sample& sample, const dds_sample_info_t& info) {
     if (!info.valid_data) return;
-    accept(sample, places_.find(reader.handle(), info.publication_handle), info.source_timestamp, context);
+    accept(sample, places_.find(reader.handle(), info.publication_handle), right, info.source_timestamp,
+           context);
   });
 }
 
 template <class Sample>
-void JobDesk::accept(const Sample& sample, const Place& place, std::int64_t written,
+void JobDesk::accept(const Sample& sample, const Place& place, Right right, std::int64_t written,
                      const JobContext& context) {
   Job job;
   job.key = dds::key_of(sample);
@@ -120,6 +126,9 @@ void JobDesk::accept(const Sample& sample, const Place& place, std::int64_t writ
     return refuse(job, Rejection::value, "kind: not known to this daemon", context);
   }
   job.understood = true;
+  if (const auto problem = right_refusal(job.request, right)) {
+    return refuse(job, Rejection::state, *problem, context);
+  }
   if (const auto problem = read_only_refusal(job.request, context.config)) {
     return refuse(job, Rejection::state, *problem, context);
   }
@@ -264,7 +273,7 @@ bool JobDesk::take_cancels(const JobContext& context) {
 }
 
 void JobDesk::take_cancel(const dds::RequestKey& key, const Place& place, const JobContext& context) {
-  const std::string who = who_of("", key.client);
+  const std::string who = who_of("", key, place).label;
   const auto [client, admission] = clients_.enter(key.client, place, who);
   if (admission == ClientTable::Admission::foreign) {
     return rejections_.add(

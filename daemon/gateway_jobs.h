@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cansync.h"
+#include "daemon/access.h"
 #include "daemon/audit.h"
 #include "daemon/client_table.h"
 #include "daemon/config.h"
@@ -116,9 +117,10 @@ class JobDesk {
 
   /// Takes a sample of a request topic.
   template <class Sample>
-  bool accept(cansync::dds::Reader<Sample>& reader, const JobContext& context);
+  bool accept(cansync::dds::Reader<Sample>& reader, Right right, const JobContext& context);
   template <class Sample>
-  void accept(const Sample& sample, const Place& place, std::int64_t written, const JobContext& context);
+  void accept(const Sample& sample, const Place& place, Right right, std::int64_t written,
+              const JobContext& context);
   /// The client of a request that may be taken; null: it was answered, or must not be.
   ClientEntry* admit(Job& job, std::int64_t written, const JobContext& context);
   /// Completes `job` from a sample that passed its checks; false: it is no request.
@@ -151,11 +153,13 @@ class JobDesk {
   /// Counts what was dropped before it could be taken: keys too many, samples DDS could not read.
   void count_dropped(SteadyTime now);
 
-  static constexpr std::size_t kReaders = 4;
-  std::array<cansync::dds::KeyGuard, kReaders> guards_;  ///< of parameters_, transfers_, commands_, cancels_
+  static constexpr std::size_t kReaders = 5;
+  std::array<cansync::dds::KeyGuard, kReaders>
+      guards_;  ///< parameters, transfers, commands, cancels, engineer
   cansync::dds::Reader<cansync_ParameterRequest> parameters_;
   cansync::dds::Reader<cansync_TransferRequest> transfers_;
   cansync::dds::Reader<cansync_Command> commands_;
+  std::optional<cansync::dds::Reader<cansync_Command>> engineer_commands_;  ///< with DDS Security on
   cansync::dds::Reader<cansync_JobCancel> cancels_;
   ReplyOutbox<cansync_ParameterReply> parameter_replies_;
   ReplyOutbox<cansync_TransferReply> transfer_replies_;

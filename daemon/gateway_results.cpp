@@ -132,7 +132,9 @@ void JobDesk::cancel(Jobs::iterator job, const JobContext& context) {
 
 void JobDesk::look_for_clients(const JobContext& context) {
   const std::array readers = {parameters_.handle(), transfers_.handle(), commands_.handle(),
-                              cancels_.handle()};
+                              cancels_.handle(),
+                              engineer_commands_ ? engineer_commands_->handle() : cancels_.handle()};
+  static_assert(readers.size() == kReaders);
   if (living_.look(readers, places_)) {
     for (std::size_t i = 0; i < kReaders; ++i) guards_[i].keep(living_.writers(i));
   }

@@ -238,6 +238,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.data_model = cansync_DATA_MODEL;
   dds::copy_text(config_.bus.interface, sample.bus_interface);
   if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
+  sample.secured = !config_.dds.security.empty();
   sample.read_only = config_.access.read_only;
   fill_realtime(realtime_wanted_, realtime_granted_, sample);
   fill_sync(config_.sync, master_.sync, sample);

@@ -24,6 +24,7 @@ struct Options {
   std::string client_name = "client";    ///< shown in the daemon's journal, at most 64 characters
   std::string xml;                       ///< Cyclone DDS configuration instead of the built one; empty: none
   std::chrono::milliseconds wait{5000};  ///< how long to look for the daemon
+  std::string security = {};             ///< DDS Security: folder of this program's identity; empty: without
 };
 
 /// Result of looking up a slave.
@@ -134,8 +135,8 @@ class Client {
 /// `release_intervals` bounds how long the last values of a hanging one are released.
 class ReferenceWriter {
  public:
-  /// `strength`: 0 and more. Throws dds::SetupError. Waits at most 2 s until the daemon is matched; throws
-  /// NoDaemon.
+  /// `strength`: 0 and more. Throws dds::SetupError, also when the identity has no right to. Waits at most 2
+  /// s until the daemon is matched; throws NoDaemon.
   explicit ReferenceWriter(Client& client, std::int32_t strength = 0);
   ~ReferenceWriter();
   ReferenceWriter(ReferenceWriter&&) noexcept;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "dds/security.h"
+
 namespace cansync::client::detail {
 namespace {
 
@@ -20,7 +22,7 @@ std::array<std::uint8_t, 16> random_identity() {
 }
 
 dds::ParticipantOptions participant_options(const Options& options) {
-  return {options.domain, options.bus, options.interface, options.xml};
+  return {options.domain, options.bus, options.interface, options.xml, options.security};
 }
 
 template <class R>
@@ -31,7 +33,10 @@ void end_all(const std::vector<std::shared_ptr<JobState<R>>>& jobs, const std::s
 }  // namespace
 
 Link::Link(const Options& options)
-    : options_(options), identity_(random_identity()), participant_(participant_options(options)) {}
+    : options_(options), identity_(random_identity()), participant_(participant_options(options)) {
+  if (!options.security.empty())
+    engineer_writer_.emplace(participant_, dds::engineer_command_topic(), &signal_);
+}
 
 Link::~Link() {
   close();
@@ -67,10 +72,18 @@ bool Link::daemon_present() const {
 
 std::string Link::not_found(std::chrono::milliseconds waited) const {
   const std::string place = fmt::format("looked for {} on {}", waited, participant_.place());
+  if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0 && !options_.security.empty()) {
+    return fmt::format(
+        "no daemon found: {}, with DDS Security as {}; is cansyncd running for bus {} with dds.security set, "
+        "and an "
+        "identity of the same authority?",
+        place, dds::security_subject(options_.security), options_.bus);
+  }
   if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0) {
     return fmt::format(
         "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the "
-        "same domain and interface in its [dds] section?",
+        "same domain and interface in its [dds] section? A daemon with DDS Security is not seen without an "
+        "identity (--security)",
         place, options_.bus, options_.bus);
   }
   return fmt::format(
@@ -79,10 +92,21 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
       place);
 }
 
+std::string Link::not_permitted(std::string_view topic) const {
+  return fmt::format(
+      "the identity {} has no right to write topic {}, nothing was sent; control words, broadcasts and "
+      "reference "
+      "values need the role operator, everything else engineer: cansync-security add",
+      dds::security_subject(options_.security), topic);
+}
+
 bool Link::everything_matched() const {
-  return parameter_writer_.matched() > 0 && transfer_writer_.matched() > 0 && command_writer_.matched() > 0 &&
-         cancel_writer_.matched() > 0 && parameter_reader_.matched() > 0 && transfer_reader_.matched() > 0 &&
-         command_reader_.matched() > 0 && !master_.known().empty();
+  // What the identity may not write will never be matched.
+  const auto ready = [](const auto& writer) { return !writer.permitted() || writer.matched() > 0; };
+  return ready(parameter_writer_) && ready(transfer_writer_) && ready(command_writer_) &&
+         ready(cancel_writer_) && (!engineer_writer_ || ready(*engineer_writer_)) &&
+         parameter_reader_.matched() > 0 && transfer_reader_.matched() > 0 && command_reader_.matched() > 0 &&
+         !master_.known().empty();
 }
 
 Daemons Link::matched_daemons() const {

@@ -8,7 +8,9 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -40,6 +42,8 @@ class Link : public std::enable_shared_from_this<Link> {
   void close();
 
   bool daemon_present() const;
+  /// Why nothing was written to a topic that the identity may not write.
+  std::string not_permitted(std::string_view topic) const;
   const dds::Participant& participant() const noexcept { return participant_; }
   /// The client's name for the daemon's journal.
   const std::string& name() const noexcept { return options_.client_name; }
@@ -64,7 +68,8 @@ class Link : public std::enable_shared_from_this<Link> {
   template <class Request>
   void address(Request& request, std::uint64_t number) const;
   template <class R, class Request>
-  void send(dds::Writer<Request>& writer, const Request& request, OpenJobs<R>& jobs, JobState<R>& state);
+  void send(dds::Writer<Request>& writer, std::string_view topic, const Request& request, OpenJobs<R>& jobs,
+            JobState<R>& state);
   template <class T>
   Feed<T>& feed();
   template <class Sample>
@@ -88,6 +93,7 @@ class Link : public std::enable_shared_from_this<Link> {
   dds::Writer<cansync_TransferRequest> transfer_writer_{participant_, 0, &signal_};
   dds::Writer<cansync_Command> command_writer_{participant_, 0, &signal_};
   dds::Writer<cansync_JobCancel> cancel_writer_{participant_, 0, &signal_};
+  std::optional<dds::Writer<cansync_Command>> engineer_writer_;  // with DDS Security on
   dds::Reader<cansync_ParameterReply> parameter_reader_{participant_, &signal_};
   dds::Reader<cansync_TransferReply> transfer_reader_{participant_, &signal_};
   dds::Reader<cansync_TransferProgress> progress_reader_{participant_, &signal_};

@@ -109,13 +109,19 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs) {
 }
 
 template <class R, class Request>
-void Link::send(dds::Writer<Request>& writer, const Request& request, OpenJobs<R>& jobs, JobState<R>& state) {
+void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Request& request,
+                OpenJobs<R>& jobs, JobState<R>& state) {
   if (state.daemons.empty()) {
     const std::lock_guard lock(mutex_);
     jobs.remove(state.request);
     state.end(ReplyCode::no_reply,
               fmt::format("no daemon is there ({}); nothing was sent", participant_.place()));
     return;
+  }
+  if (!writer.permitted()) {
+    const std::lock_guard lock(mutex_);
+    jobs.remove(state.request);
+    return state.end(ReplyCode::refused, not_permitted(topic));
   }
   const dds_return_t code = writer.write(request);
   if (code == DDS_RETCODE_OK) return;
@@ -141,7 +147,7 @@ std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& r
   sample.format = format_of(request.format);
   sample.value = request.value;
   sample.timeout = request.timeout_ms;
-  send(parameter_writer_, sample, parameter_jobs_, *state);
+  send(parameter_writer_, "ParameterRequest", sample, parameter_jobs_, *state);
   return state;
 }
 
@@ -169,14 +175,17 @@ std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& req
   }
   sample.block_size = request.block_size;
   sample.timeout = request.timeout_ms;
-  send(transfer_writer_, sample, transfer_jobs_, *state);
+  send(transfer_writer_, "TransferRequest", sample, transfer_jobs_, *state);
   return state;
 }
 
 std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
   auto state = begin(command_jobs_);
   address(command, state->request);
-  send(command_writer_, command, command_jobs_, *state);
+  if (engineer_writer_ && dds::for_engineers(command.kind))
+    send(*engineer_writer_, dds::engineer_command_topic().name, command, command_jobs_, *state);
+  else
+    send(command_writer_, "Command", command, command_jobs_, *state);
   return state;
 }
 

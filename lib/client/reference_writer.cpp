@@ -18,6 +18,8 @@ struct ReferenceWriter::Impl {
 
 ReferenceWriter::ReferenceWriter(Client& client, std::int32_t strength)
     : impl_(std::make_unique<Impl>(client.link_, strength)) {
+  if (!impl_->writer.permitted())
+    throw dds::SetupError(impl_->link->not_permitted(dds::topic_info<cansync_ReferenceValues>().name));
   constexpr std::chrono::seconds kWait(2);
   const auto end = std::chrono::steady_clock::now() + kWait;
   while (impl_->writer.matched() == 0) {

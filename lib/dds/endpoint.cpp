@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "dds/security.h"
+
 namespace cansync::dds {
 namespace {
 
@@ -34,6 +36,12 @@ struct ListenerDeleter {
   void operator()(dds_listener_t* listener) const noexcept { dds_delete_listener(listener); }
 };
 using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
+
+/// Cyclone would refuse it too, but would say so on standard error each time.
+bool may_write(const Participant& participant, const TopicInfo& info) {
+  const std::string& folder = participant.options().security;
+  return folder.empty() || may_publish(folder, info.name);
+}
 
 Entity make_topic(const Participant& participant, const TopicInfo& info) {
   const std::string name(info.name);
@@ -73,7 +81,8 @@ std::uint32_t ReaderBase::matched() const noexcept {
 
 WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength,
                        DataSignal* signal, std::string_view name)
-    : EndpointBase(make_topic(participant, info)) {
+    : EndpointBase(may_write(participant, info) ? make_topic(participant, info) : Entity()) {
+  if (topic() <= 0) return;
   Listener listener(nullptr);
   if (signal != nullptr) {
     listener.reset(dds_create_listener(signal));

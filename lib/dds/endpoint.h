@@ -51,6 +51,10 @@ class Reader : public ReaderBase {
   /// the reader. Throws SetupError.
   explicit Reader(const Participant& participant, DataSignal* signal = nullptr, KeyGuard* guard = nullptr)
       : ReaderBase(participant, topic_info<T>(), signal, guard) {}
+  /// Of another topic of the same type.
+  Reader(const Participant& participant, const TopicInfo& topic, DataSignal* signal,
+         KeyGuard* guard = nullptr)
+      : ReaderBase(participant, topic, signal, guard) {}
 
   /// Takes every sample there is, in order: `on_data(const T&)` for data, `on_gone(const T&)` (only the key
   /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are Cyclone's
@@ -95,6 +99,10 @@ class Reader : public ReaderBase {
 /// Writer without the type.
 class WriterBase : public EndpointBase {
  public:
+  /// False: with DDS Security on, the identity has no right to write the topic; every write fails with
+  /// DDS_RETCODE_NOT_ALLOWED_BY_SECURITY.
+  bool permitted() const noexcept { return static_cast<bool>(handle() > 0); }
+
   /// How many readers are matched now.
   std::uint32_t matched() const noexcept;
 
@@ -114,11 +122,16 @@ class Writer : public WriterBase {
   explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr,
                   std::string_view name = {})
       : WriterBase(participant, topic_info<T>(), strength, signal, name) {}
+  /// Of another topic of the same type.
+  Writer(const Participant& participant, const TopicInfo& topic, DataSignal* signal)
+      : WriterBase(participant, topic, 0, signal, {}) {}
 
   /// Writes one sample. DDS_RETCODE_OK, or DDS_RETCODE_TIMEOUT when a reliable reader did not take earlier
   /// samples within the topic's blocking time (nothing was written; try again), or another negative code. May
   /// block for that time.
-  dds_return_t write(const T& sample) noexcept { return dds_write(handle(), &sample); }
+  dds_return_t write(const T& sample) noexcept {
+    return permitted() ? dds_write(handle(), &sample) : DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
+  }
 
   /// Says that this writer no longer writes the sample's key; readers see it gone when it was the last
   /// writer.

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <string_view>
 
+#include "dds/loopback.h"
+#include "dds/security.h"
 #include "dds/topics.h"
 
 namespace cansync::dds {
@@ -97,6 +99,15 @@ void check_options(const ParticipantOptions& options) {
                     "those there are, `lo` keeps to this computer",
                     options.interface, options.domain, options.partition));
   }
+  if (options.security.empty()) return;
+  if (const auto problem = security_problem(options.security, options.partition)) {
+    throw SetupError("DDS Security: " + *problem);
+  }
+}
+
+/// Does the built configuration keep to this computer?
+bool on_loopback(const ParticipantOptions& options) {
+  return options.xml.empty() && options.interface == "lo";
 }
 
 }  // namespace
@@ -132,12 +143,20 @@ struct Participant::Impl {
 Participant::Participant(const ParticipantOptions& options) {
   check_options(options);
   impl_ = std::make_unique<Impl>(options);
-  const dds_entity_t participant = dds_create_participant(options.domain, nullptr, nullptr);
+  const Qos rights(dds_create_qos());
+  if (!options.security.empty()) add_security(rights.get(), options.security);
+  const dds_entity_t participant = dds_create_participant(options.domain, rights.get(), nullptr);
   if (participant < 0) {
     fail("creating the DDS participant", participant,
-         "is the interface up, are UDP ports free, and are there fewer than 120 participants on this "
-         "computer?");
+         options.security.empty()
+             ? "is the interface up, are UDP ports free, and are there fewer than 120 participants on this "
+               "computer?"
+             : "with DDS Security: is it switched on for every participant of this domain in this program, "
+               "and do "
+               "the files of " +
+                   options.security + " fit together?");
   }
+  if (on_loopback(options)) keep_to_loopback(options.domain);
   impl_->participant = Entity(participant);
   const Qos qos(dds_create_qos());
   const char* partition = impl_->options.partition.c_str();

@@ -17,6 +17,7 @@ struct ParticipantOptions {
   std::string partition;         ///< the bus's name, 1..63 characters, without '*', '?' and '['
   std::string interface = "lo";  ///< network interface; `lo`: this computer alone, without multicast
   std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
+  std::string security;          ///< folder of an identity (dds/security.h); empty: without DDS Security
 };
 
 /// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, and the peers
@@ -30,8 +31,8 @@ std::string configuration(const ParticipantOptions& options);
 /// the same. Functions may be called from any thread.
 class Participant {
  public:
-  /// Throws SetupError when an option is out of range, the interface does not exist, or the domain is already
-  /// open in this process with another configuration.
+  /// Throws SetupError when an option is out of range, the interface does not exist, the domain is already
+  /// open in this process with another configuration, or the files of `security` cannot be used.
   explicit Participant(const ParticipantOptions& options);
   ~Participant();
   Participant(Participant&&) noexcept;

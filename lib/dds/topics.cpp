@@ -55,6 +55,7 @@ const TopicInfo kTransferProgress{"TransferProgress", &cansync_TransferProgress_
 const TopicInfo kTransferReply{"TransferReply", &cansync_TransferReply_desc, kDaemon, reply(16)};
 const TopicInfo kJobCancel{"JobCancel", &cansync_JobCancel_desc, kClient, request(16384, 64)};
 const TopicInfo kCommand{"Command", &cansync_Command_desc, kClient, request(16384, 64)};
+const TopicInfo kEngineerCommand{"EngineerCommand", &cansync_Command_desc, kClient, request(16384, 64)};
 const TopicInfo kCommandReply{"CommandReply", &cansync_CommandReply_desc, kDaemon, reply(4096)};
 const TopicInfo kMasterStatus{"MasterStatus", &cansync_MasterStatus_desc, kDaemon, state()};
 const TopicInfo kSlaveStatus{"SlaveStatus", &cansync_SlaveStatus_desc, kDaemon, state()};
@@ -135,11 +136,31 @@ const TopicInfo& topic_info<cansync_Event>() noexcept {
   return kEvent;
 }
 
+const TopicInfo& engineer_command_topic() noexcept {
+  return kEngineerCommand;
+}
+
+bool for_engineers(cansync_CommandKind kind) noexcept {
+  switch (kind) {
+    case cansync_COMMAND_CONTROL_WORD:
+    case cansync_COMMAND_BROADCAST:
+      return false;
+    case cansync_COMMAND_MODE:
+    case cansync_COMMAND_POLLING:
+    case cansync_COMMAND_CHANNEL_CURSORS:
+    case cansync_COMMAND_REFERENCE_MAPPING:
+    case cansync_COMMAND_ACTUAL_MAPPING:
+      break;
+  }
+  return true;
+}
+
 std::span<const TopicInfo* const> all_topics() noexcept {
-  static constexpr std::array<const TopicInfo*, 15> kAll = {
-      &kActualValues,    &kReferenceValues,  &kInterval,      &kParameterRequest, &kParameterReply,
-      &kTransferRequest, &kTransferProgress, &kTransferReply, &kJobCancel,        &kCommand,
-      &kCommandReply,    &kMasterStatus,     &kSlaveStatus,   &kTiming,           &kEvent};
+  static constexpr std::array<const TopicInfo*, 16> kAll = {
+      &kActualValues,   &kReferenceValues, &kInterval,         &kParameterRequest,
+      &kParameterReply, &kTransferRequest, &kTransferProgress, &kTransferReply,
+      &kJobCancel,      &kCommand,         &kEngineerCommand,  &kCommandReply,
+      &kMasterStatus,   &kSlaveStatus,     &kTiming,           &kEvent};
   return kAll;
 }
 

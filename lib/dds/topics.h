@@ -71,6 +71,13 @@ const TopicInfo& topic_info<cansync_Timing>() noexcept;
 template <>
 const TopicInfo& topic_info<cansync_Event>() noexcept;
 
+/// Commands that only engineers may give, of the type of Command; used with DDS Security alone, whose
+/// permissions are by topic.
+const TopicInfo& engineer_command_topic() noexcept;
+
+/// Does the command go over that topic when DDS Security is on? True also for kinds that are not known.
+bool for_engineers(cansync_CommandKind kind) noexcept;
+
 /// Every row, in the order of the IDL.
 std::span<const TopicInfo* const> all_topics() noexcept;
 

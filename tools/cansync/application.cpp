@@ -31,6 +31,10 @@ void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
   app.add_option("--interface", globals.interface, "network interface to look for the daemon on (default lo)")
       ->envname("CANSYNC_INTERFACE")
       ->type_name("NAME");
+  app.add_option("--security", globals.security,
+                 "folder of this user's identity, for a daemon with DDS Security (default: without)")
+      ->envname("CANSYNC_SECURITY")
+      ->type_name("FOLDER");
   app.add_option("--timeout", texts.timeout,
                  "how long to look for the daemon (default 3, at least 1); with read, write, upload and "
                  "download also "

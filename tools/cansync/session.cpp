@@ -21,6 +21,7 @@ client::Client& Session::client() {
     options.bus = globals_.bus;
     options.interface = globals_.interface;
     options.client_name = "cansync";
+    options.security = globals_.security;
     options.wait = search_time();
     client_ = client::Client::connect(options);
     if (interrupt_flag().load()) throw Interrupted();

@@ -24,6 +24,7 @@ struct Globals {
   std::string interface = "lo";   ///< network interface
   std::optional<double> timeout;  ///< seconds; see docs/command-line.md
   bool json = false;
+  std::string security;  ///< DDS Security: folder of the identity; empty: without
 };
 
 /// Ctrl-C came before anything was sent.
