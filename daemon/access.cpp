@@ -28,6 +28,7 @@ struct EffectOf {
   Effect operator()(const SetCursors& /*r*/) const noexcept { return {Right::engineer, true}; }
   Effect operator()(const SetReferenceMapping& /*r*/) const noexcept { return {Right::engineer, true}; }
   Effect operator()(const SetActualMapping& /*r*/) const noexcept { return {Right::engineer, true}; }
+  Effect operator()(const ReleaseSlave& /*r*/) const noexcept { return {Right::engineer, true}; }
 };
 
 constexpr const char* kReadOnly =

@@ -46,6 +46,7 @@ struct AuditMemory::Before {
   std::string operator()(const SetActualMapping& r) const {
     return mapping_text(memory.settings_.actual_mapping[r.slave.value()]);
   }
+  std::string operator()(const ReleaseSlave& /*r*/) const { return kNotKnown; }
   // No jobs: nobody asks.
   std::string operator()(const cansync::ReferenceUpdate& /*r*/) const { return kNotKnown; }
   std::string operator()(const Cancel& /*r*/) const { return kNotKnown; }
@@ -84,6 +85,7 @@ struct AuditMemory::Done {
   void operator()(const cansync::ParameterRequest& /*r*/) const {}
   void operator()(const cansync::TransferRequest& /*r*/) const {}
   void operator()(const ModeRequest& /*r*/) const {}
+  void operator()(const ReleaseSlave& /*r*/) const {}
   void operator()(const cansync::ReferenceUpdate& /*r*/) const {}
   void operator()(const Cancel& /*r*/) const {}
   void operator()(const StopRelease& /*r*/) const {}

@@ -150,6 +150,7 @@ bool for_engineers(cansync_CommandKind kind) noexcept {
     case cansync_COMMAND_CHANNEL_CURSORS:
     case cansync_COMMAND_REFERENCE_MAPPING:
     case cansync_COMMAND_ACTUAL_MAPPING:
+    case cansync_COMMAND_RELEASE:
       break;
   }
   return true;

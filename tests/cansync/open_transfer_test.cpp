@@ -192,6 +192,22 @@ TEST_F(OpenTransfer, ARunningTransferOutlivesALostBusUncancelled) {
   EXPECT_EQ(std::count(memory.asked.begin(), memory.asked.end(), Telegram(cancel_transfer(slave(1)))), 0);
 }
 
+TEST_F(OpenTransfer, ASlaveThatIsBusyForEverDoesNotKeepTheOthersWaiting) {
+  new_master();
+  unsigned asked = 0;
+  rig->answer = [&asked](const Telegram& t) -> std::optional<Telegram> {
+    if (t != Telegram(cancel_transfer(slave(1)))) return MasterRig::status_only(t);
+    ++asked;
+    TransferReply busy;
+    busy.slave = slave(1);
+    busy.busy = true;
+    return busy;
+  };
+  rig->set_up();
+  rig->run(100);
+  EXPECT_EQ(asked, 2u);
+}
+
 TEST_F(OpenTransfer, SwitchedOffNothingIsCancelled) {
   leave_open();
   new_master(false);

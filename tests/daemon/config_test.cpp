@@ -337,7 +337,7 @@ TEST(WrongConfig, WhatIsNoTextFileIsRefusedUnread) {
             "/dev/zero: cannot read this file: it is a device, pipe or socket; allowed: a text file\n");
   const fs::path big = fs::temp_directory_path() / ("config_test_big_" + std::to_string(getpid()));
   std::ofstream(big).put('x');
-  fs::resize_file(big, 100 * 1024 * 1024);
+  fs::resize_file(big, std::uintmax_t{100} * 1024 * 1024);
   EXPECT_EQ(problem_of(big.c_str()),
             big.string() +
                 ": cannot read this file: it has over 262144 bytes; allowed: a text file of up to "

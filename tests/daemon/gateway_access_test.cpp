@@ -47,7 +47,7 @@ cansync_TransferRequest download(std::uint64_t number) {
 constexpr cansync_CommandKind kCommands[] = {
     cansync_COMMAND_CONTROL_WORD,  cansync_COMMAND_BROADCAST,       cansync_COMMAND_MODE,
     cansync_COMMAND_POLLING,       cansync_COMMAND_CHANNEL_CURSORS, cansync_COMMAND_REFERENCE_MAPPING,
-    cansync_COMMAND_ACTUAL_MAPPING};
+    cansync_COMMAND_ACTUAL_MAPPING, cansync_COMMAND_RELEASE};
 
 /// A kind that is new ends here without a value, and the compiler says so.
 std::string_view action_of(cansync_CommandKind kind) {
@@ -66,6 +66,8 @@ std::string_view action_of(cansync_CommandKind kind) {
       return "reference_mapping";
     case cansync_COMMAND_ACTUAL_MAPPING:
       return "actual_mapping";
+    case cansync_COMMAND_RELEASE:
+      return "release";
   }
   return "";
 }
@@ -130,6 +132,7 @@ TEST(Access, EveryKindOfRequestHasItsRight) {
       {SetCursors{}, Right::engineer, true},
       {SetReferenceMapping{}, Right::engineer, true},
       {SetActualMapping{}, Right::engineer, true},
+      {ReleaseSlave{}, Right::engineer, true},
   };
   Config open = gateway_config();
   const Config closed = read_only_config();

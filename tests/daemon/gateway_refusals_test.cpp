@@ -268,29 +268,29 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   ASSERT_TRUE(missing);
   expect_refused(missing->code, missing->reason, {"slave 1 'feeder', slave 3 'rewinder'", "force"});
 
-  auto control = good_command(5, cansync_COMMAND_CONTROL_WORD);
+  auto control = good_command(4, cansync_COMMAND_CONTROL_WORD);
   control.slave = 1;
   rig.client.write(control);
   rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::slave_held});
-  const auto held = rig.client.reply<cansync_CommandReply>(5);
+  const auto held = rig.client.reply<cansync_CommandReply>(4);
   ASSERT_TRUE(held);
   expect_refused(held->code, held->reason, {"slave 1 'feeder'", "held out", "0x0001", "cansync release"});
 
-  rig.client.write(good_read(6));
+  rig.client.write(good_read(5));
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::slave_lost});
-  const auto lost = rig.client.reply<cansync_ParameterReply>(6);
+  const auto lost = rig.client.reply<cansync_ParameterReply>(5);
   ASSERT_TRUE(lost);
   expect_refused(lost->code, lost->reason, {"slave ", "does not answer", "bus cable"});
 
-  rig.client.write(good_upload(4));
+  rig.client.write(good_upload(6));
   rig.answer(Refused{rig.expect_request<cansync::TransferRequest>().id, Refusal::queue_full});
-  const auto transfer = rig.transfer_reply(4);
+  const auto transfer = rig.transfer_reply(6);
   ASSERT_TRUE(transfer);
   expect_refused(transfer->reply.code, transfer->reply.reason, {"32 transfers", "at most 32"});
 
-  rig.client.write(good_command(5));
+  rig.client.write(good_command(7));
   rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::queue_full});
-  const auto word = rig.client.reply<cansync_CommandReply>(5);
+  const auto word = rig.client.reply<cansync_CommandReply>(7);
   ASSERT_TRUE(word);
   expect_refused(word->code, word->reason, {"8 control words for slave 1 'feeder'", "at most 8"});
 }

@@ -8,13 +8,13 @@ import unittest
 
 from gateway import Gateway
 
-DATA = 0x100000
+DATA = 0x1000
 
 
 class Killed(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.gateway = cls.enterClassContext(Gateway(slaves=2))
+        cls.gateway = cls.enterClassContext(Gateway(slaves=2, options=("--set", "sim.memory_bytes=2000000")))
         cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory())
 
     def events(self, code):

@@ -121,7 +121,7 @@ class Security(unittest.TestCase):
 
     def test_engineer_does_everything(self):
         self.expect(0, "control", 1, 0x000F)
-        self.expect(0, "write", 1, 100, 5)
+        self.expect(0, "write", 1, 1000, 5)
         self.expect(0, "read", 1, 100)
         self.expect(0, "poll", 1, "auto")
         block = os.path.join(self.folder, "block")

@@ -51,7 +51,7 @@ TEST_F(TextFile, UpToTheLimitAndNoFurther) {
 
 TEST_F(TextFile, AHundredMegabytesAreRefusedUnread) {
   const std::string path = write("big", "");
-  fs::resize_file(path, 100 * 1024 * 1024);
+  fs::resize_file(path, std::uintmax_t{100} * 1024 * 1024);
   EXPECT_EQ(problem(path), "it has over 262144 bytes; allowed: a text file of up to 262144 bytes");
 }
 
