@@ -72,6 +72,7 @@ void master_interval(benchmark::State& state) {
       const auto frame = master.take(slot);
       if (!frame) continue;
       master.sent(slot);
+      master.transmitted(*frame, master.planned_start(slot) + std::chrono::microseconds(100));
       const auto reply = answer(*frame);
       if (slot == Slot::command) {
         response = reply;

@@ -248,8 +248,20 @@ std::optional<Duration> CommandChannel::note_response(SlaveNumber slave, Duratio
   return response;
 }
 
+/// Two bytes confirm a write, with the sub-slave address. As the answer to a read they would be a word
+/// without it, which a slave does not send that is known to send the address.
+bool CommandChannel::belongs_to_a_write(const ParameterReply& reply) noexcept {
+  const auto* asked = std::get_if<ParameterCommand>(&asked_.telegram);
+  if (asked == nullptr || reply.number != asked->number || reply.busy || reply.error) return false;
+  const bool read = asked->kind == ParameterCommand::Kind::read;
+  if (reply.payload_size == (read ? 6 : 2)) sends_sub_slave_.set(reply.slave);
+  return read && reply.payload_size == 2 && sends_sub_slave_.has(reply.slave);
+}
+
 bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept {
-  if (asked_.slave != reply.slave) return false;
+  // What comes before the command was on the bus answers an earlier one.
+  if (asked_.slave != reply.slave || command_end_ < Duration(0)) return false;
+  if (asked_.kind != Kind::none && belongs_to_a_write(reply)) return false;
   if (asked_.kind == Kind::supervision) {
     if (!supervision_.is_answer(reply)) return false;
     asked_.kind = Kind::none;
@@ -272,7 +284,7 @@ bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept
 }
 
 bool CommandChannel::receive(const TransferReply& reply, Duration end) noexcept {
-  if (asked_.slave != reply.slave) return false;
+  if (asked_.slave != reply.slave || command_end_ < Duration(0)) return false;
   if (asked_.kind == Kind::cancel) {
     // Any answer but busy: a slave that has nothing open may say so with an error. One that is busy for ever
     // must not keep the others waiting.

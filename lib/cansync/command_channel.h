@@ -155,6 +155,7 @@ class CommandChannel {
   SlaveMask transfers_waiting() const noexcept;
   bool enables_held(const ActionCommand& action) const noexcept;
   unsigned end_jobs(SlaveNumber slave) noexcept;
+  bool belongs_to_a_write(const ParameterReply& reply) noexcept;
   void settle_unanswered() noexcept;
   void check_times() noexcept;
   std::optional<Duration> note_response(SlaveNumber slave, Duration end, unsigned data_bytes) noexcept;
@@ -168,6 +169,7 @@ class CommandChannel {
   Supervision& supervision_;
   MasterListener& listener_;
   SlaveMask configured_;
+  SlaveMask sends_sub_slave_;  ///< sent the sub-slave address along since synchronous operation began
   SlaveNumber maximum_slave_;
   std::array<FixedQueue<BroadcastRequest>, 3> broadcasts_;
   std::vector<FixedQueue<ControlWordRequest>> control_words_;

@@ -127,7 +127,7 @@ unsigned CommandChannel::end_jobs(SlaveNumber slave) noexcept {
   }
   control_words_waiting_.set(slave, false);
   for (; ParameterJob* job = parameters_.front(slave); ++ended) {
-    job->end(Outcome::slave_lost, now_);
+    job->slave_lost(now_);
     finish_parameter(slave);
   }
   for (; TransferJob* job = transfers_.front(slave); ++ended) {
@@ -141,6 +141,7 @@ unsigned CommandChannel::end_jobs(SlaveNumber slave) noexcept {
 void CommandChannel::end_all(Outcome outcome) noexcept {
   chosen_.kind = Kind::none;
   asked_.kind = Kind::none;
+  sends_sub_slave_ = {};
   for (auto& queue : broadcasts_) {
     for (; !queue.empty(); queue.pop()) listener_.command_done(queue.front().id, outcome);
   }

@@ -87,7 +87,7 @@ enum class Outcome : std::uint8_t {
   value_too_wide,       ///< write "as the slave says": the slave's word cannot hold the value
   cancelled,
   master_stopped,  ///< the master left the operating state while the job was open
-  slave_lost,      ///< the slave stopped answering; a write under way may have been taken or not
+  slave_lost,      ///< the slave stopped answering; nothing of a write was sent (else `no_answer`)
   slave_held,      ///< a control word that was not sent: meanwhile the slave was held out
 };
 

@@ -1,6 +1,7 @@
 #include "cansync/master.h"
 
 #include <algorithm>
+#include <array>
 
 #include "cansync/command_channel.h"
 #include "cansync/process_data.h"
@@ -51,6 +52,12 @@ struct Master::Impl {
   MasterCounters counters;
   IntervalNumber second_master_seen = 0;
   std::uint64_t second_master_row = 0;  ///< its telegrams since it was reported; 0: there is none
+  /// The newest telegram of a slot, by which its echo is known.
+  struct Taken {
+    can::Frame frame;
+    Duration planned{};  ///< start of its slot on the timeline: no echo of it ends before
+  };
+  std::array<Taken, kSlots> taken = {};
 
   Duration on_timeline(Duration since_sync) const noexcept {
     return static_cast<Duration::rep>(now) * times.interval + since_sync;
@@ -154,16 +161,18 @@ Duration Master::planned_start(Slot slot) const noexcept {
 }
 
 std::optional<can::Frame> Master::take(Slot slot) noexcept {
+  Impl::Taken& taken = impl_->taken[static_cast<unsigned>(slot)];
+  taken.planned = impl_->on_timeline(planned_start(slot));
   if (slot == Slot::command) {
     if (!is_synchronous(impl_->state)) return std::nullopt;
     // Taking the next command gives up the answer to the last one.
     if (const auto unanswered = impl_->command_channel.asked()) impl_->strays.given_up(*unanswered);
     const auto telegram = impl_->command_channel.take();
-    return telegram ? std::optional(encode(*telegram)) : std::nullopt;
+    return telegram ? std::optional(taken.frame = encode(*telegram)) : std::nullopt;
   }
   if (!is_active(impl_->state)) return std::nullopt;
   const auto telegram = impl_->process.telegram(channel_of(slot));
-  return telegram ? std::optional(encode(*telegram)) : std::nullopt;
+  return telegram ? std::optional(taken.frame = encode(*telegram)) : std::nullopt;
 }
 
 void Master::sent(Slot slot) noexcept {
@@ -185,8 +194,15 @@ void Master::left_out(Slot slot) noexcept {
 }
 
 void Master::transmitted(const can::Frame& frame, Duration since_sync) noexcept {
-  if ((frame.id & 0x780u) == identifier::command)
-    impl_->command_channel.transmitted(impl_->on_timeline(since_sync));
+  const Duration end = impl_->on_timeline(since_sync);
+  // A telegram that was held up may look like the one of this interval.
+  const auto is = [&](Slot slot) {
+    const Impl::Taken& taken = impl_->taken[static_cast<unsigned>(slot)];
+    return frame == taken.frame && end >= taken.planned;
+  };
+  if (is(Slot::command)) impl_->command_channel.transmitted(end);
+  if (is(Slot::reference_one)) impl_->process.transmitted(Channel::one);
+  if (is(Slot::reference_two)) impl_->process.transmitted(Channel::two);
 }
 
 void Master::receive(const can::Frame& frame, Duration since_sync) noexcept {

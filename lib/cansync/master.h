@@ -169,7 +169,9 @@ class Master {
   /// its next turn.
   void left_out(Slot slot) noexcept;
 
-  /// The master's own frame was on the bus until `since_sync` (after the running interval's edge).
+  /// The master's own frame was on the bus until `since_sync` (after the running interval's edge). Must be
+  /// told of every frame in the order of the bus: answers that come before it are not taken for answers to
+  /// it.
   void transmitted(const can::Frame& frame, Duration since_sync) noexcept;
 
   /// A frame of somebody else arrived at `since_sync` (after the running interval's edge).

@@ -36,6 +36,7 @@ ParameterCommand ParameterJob::telegram() const noexcept {
 void ParameterJob::sent(IntervalNumber now) noexcept {
   if (!was_sent_) first_sent_ = now;
   was_sent_ = true;
+  if (!reading()) write_sent_ = true;
 }
 
 void ParameterJob::end(Outcome outcome, IntervalNumber now) noexcept {

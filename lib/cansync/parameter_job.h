@@ -41,6 +41,11 @@ class ParameterJob {
   /// Ends the job from outside.
   void end(Outcome outcome, IntervalNumber now) noexcept;
 
+  /// The slave is gone: ends as `slave_lost`, but a write that was on its way as `no_answer`.
+  void slave_lost(IntervalNumber now) noexcept {
+    end(write_sent_ ? Outcome::no_answer : Outcome::slave_lost, now);
+  }
+
   /// Monitoring time: begins when the job is first of its slave, and ends at this interval.
   bool monitored() const noexcept { return deadline_ != 0; }
   void monitor_until(IntervalNumber deadline) noexcept { deadline_ = deadline; }
@@ -56,6 +61,7 @@ class ParameterJob {
   IntervalNumber first_sent_ = 0;
   IntervalNumber deadline_ = 0;
   bool was_sent_ = false;
+  bool write_sent_ = false;  ///< the slave may have the value
   bool asking_format_ = false;
 };
 

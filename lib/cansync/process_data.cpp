@@ -92,6 +92,7 @@ std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept
 
 void ProcessData::sent(Channel channel) noexcept {
   Output& output = output_[index(channel)];
+  output.on_bus = false;
   output.release.used();
   const auto slave = SlaveNumber::from(polled(output, channel));
   if (slave && configured_.has(*slave)) output.asked = slave;
@@ -103,7 +104,8 @@ void ProcessData::left_out(Channel channel) noexcept {
 
 bool ProcessData::receive(const ActualTelegram& telegram) noexcept {
   Output& output = output_[index(telegram.channel)];
-  if (output.asked != telegram.slave) return false;
+  // What comes before the question was on the bus answers an earlier one, and is that old.
+  if (output.asked != telegram.slave || !output.on_bus) return false;
   output.asked.reset();
   const unsigned channel = index(telegram.channel);
   ActualValues& actual = actual_[telegram.slave.value()];

@@ -39,7 +39,10 @@ class ProcessData {
   /// longer.
   void left_out(Channel channel) noexcept;
 
-  /// Takes an actual value telegram; false when nobody asked for it.
+  /// The telegram was on the bus: from here on its answer may come.
+  void transmitted(Channel channel) noexcept { output_[index(channel)].on_bus = true; }
+
+  /// Takes an actual value telegram; false when nobody asked for it, or not yet.
   bool receive(const ActualTelegram& telegram) noexcept;
 
   /// The slave whose actual values of `channel` are waited for in this interval.
@@ -65,6 +68,7 @@ class ProcessData {
     ReferenceRelease release;
     std::uint8_t automatic = 0;  ///< the rising slave number
     std::optional<SlaveNumber> asked;
+    bool on_bus = false;  ///< the telegram that asks was on the bus
   };
 
   std::uint8_t polled(const Output& output, Channel channel) const noexcept;

@@ -1,5 +1,7 @@
 #include "cansync/reference_release.h"
 
+#include <algorithm>
+
 namespace cansync {
 
 void ReferenceRelease::stop() noexcept {
@@ -32,12 +34,28 @@ void ReferenceRelease::withdraw(std::uint32_t hold) noexcept {
   hold_until_ = 0;
 }
 
+/// Values are for so many intervals in a row: those that were skipped are over.
+void ReferenceRelease::skip_missed(IntervalNumber now) noexcept {
+  const IntervalNumber missed = now > last_ + 1 ? now - last_ - 1 : 0;
+  remaining_ -= static_cast<std::uint32_t>(std::min<IntervalNumber>(missed, remaining_));
+  last_ = now;
+}
+
 std::optional<ReferenceUpdate> ReferenceRelease::next_due(IntervalNumber now) noexcept {
-  for (std::size_t i = 0; i < pending_count_; ++i) {
-    if (pending_[i].from_interval > now) continue;
-    const ReferenceUpdate due = pending_[i];
+  skip_missed(now);
+  for (std::size_t i = 0; i < pending_count_;) {
+    if (pending_[i].from_interval > now) {
+      ++i;
+      continue;
+    }
+    ReferenceUpdate due = pending_[i];
     --pending_count_;
     for (std::size_t later = i; later < pending_count_; ++later) pending_[later] = pending_[later + 1];
+    if (due.from_interval != 0) {
+      const IntervalNumber late = now - due.from_interval;
+      if (late >= due.release_intervals) continue;
+      due.release_intervals -= static_cast<std::uint32_t>(late);
+    }
     if (status_.state == State::held) tell(MasterEvent::Code::references_released);
     remaining_ = due.release_intervals;
     end_cause_ = Cause::used_up;

@@ -14,8 +14,9 @@
 namespace cansync {
 
 /// How long the reference values of one telegram are released: as often as each update says, no longer than
-/// they are young enough, and a little longer when they are to be held. A release that has ended is never
-/// taken up again without new values. Counts interval numbers alone. Realtime safe; not thread safe.
+/// they are young enough, and a little longer when they are to be held. Intervals that were skipped count as
+/// used. A release that has ended is never taken up again without new values. Counts interval numbers alone.
+/// Realtime safe; not thread safe.
 class ReferenceRelease {
  public:
   /// `listener` must outlive this object.
@@ -50,6 +51,7 @@ class ReferenceRelease {
   static constexpr std::size_t kPendingUpdates = 16;
   static constexpr IntervalNumber kQuietIntervals = 1000;
 
+  void skip_missed(IntervalNumber now) noexcept;
   void grow_old(IntervalNumber now) noexcept;
   void hold(IntervalNumber until, Cause cause) noexcept;
   void tell(MasterEvent::Code code) noexcept;
@@ -62,6 +64,7 @@ class ReferenceRelease {
   std::array<ReferenceUpdate, kPendingUpdates> pending_ = {};
   std::size_t pending_count_ = 0;
   ReleaseStatus status_;
+  IntervalNumber last_ = 0;           ///< interval looked at last
   Cause end_cause_ = Cause::used_up;  ///< why `remaining_` came to 0
   std::uint32_t remaining_ = 0;       ///< intervals for which the values are still released
   bool watched_ = false;              ///< the values' age is looked at

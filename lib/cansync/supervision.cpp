@@ -28,6 +28,7 @@ Supervision::Supervision(const MasterSettings& settings, MasterListener& listene
   lost_period_ = period_ != 0 ? period_ : intervals(kLostPeriod);
   recheck_ = std::min(lost_period_, intervals(kRecheck));
   monitoring_ = std::max<IntervalNumber>(intervals(settings.command_channel.parameter_monitoring), 1);
+  activate_again_ = intervals(kActivateAgain);
   for (unsigned i = 0; i < kSlaves; ++i) status_[i].configured = settings.slaves[i].configured;
 }
 
@@ -120,6 +121,9 @@ std::optional<Telegram> Supervision::telegram() noexcept {
 
 void Supervision::sent(const Telegram& telegram) noexcept {
   if (std::get_if<ActionCommand>(&telegram) != nullptr) {
+    for (unsigned i = 0; i < kSlaves; ++i) {
+      if (to_activate_.has(*SlaveNumber::from(i))) activated_[i] = now_;
+    }
     to_activate_ = {};
   } else if (const auto* command = std::get_if<ParameterCommand>(&telegram)) {
     last_read_ = command->slave.value();
@@ -137,6 +141,7 @@ void Supervision::answered(const ParameterReply& reply) noexcept {
   status.status_word = word;
   status.status_known = true;
   const bool synchronized = (word & kSynchronizedBit) != 0;
+  if (!synchronized && now_ - activated_[slave.value()] >= activate_again_) to_activate_.set(slave);
   if (synchronized != status.synchronized) {
     set_synchronized(slave, synchronized);
   } else if (changed) {

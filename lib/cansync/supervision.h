@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -11,6 +12,10 @@
 #include "cansync/telegram.h"
 
 namespace cansync {
+
+/// A slave that answers for so long without being synchronized is activated again: it may have missed the
+/// activation. Slaves need up to seconds to synchronize (M 3.2.2.3).
+inline constexpr Duration kActivateAgain = std::chrono::seconds(5);
 
 /// Knows which slaves respond and are synchronized: sends "SYNC mode: activate", reads status words, counts
 /// silence (M 3.2.0.1, 3.2.2.3, 3.2.2.7), and holds a slave out that was away until it is synchronized and
@@ -108,13 +113,15 @@ class Supervision {
   const MasterSettings& settings_;
   MasterListener& listener_;
   SlaveMask configured_;
-  IntervalNumber period_;       ///< between status words of a released slave; 0: never
-  IntervalNumber lost_period_;  ///< of a slave that is given up
-  IntervalNumber recheck_;      ///< of a slave that is neither
-  IntervalNumber monitoring_;   ///< longest time of a read or write of a list
+  IntervalNumber period_;          ///< between status words of a released slave; 0: never
+  IntervalNumber lost_period_;     ///< of a slave that is given up
+  IntervalNumber recheck_;         ///< of a slave that is neither
+  IntervalNumber monitoring_;      ///< longest time of a read or write of a list
+  IntervalNumber activate_again_;  ///< after an activation that did not help
   std::array<SlaveStatus, kSlaves> status_ = {};
   std::array<IntervalNumber, kSlaves> next_read_ = {};
   std::array<std::uint8_t, kSlaves> silence_ = {};
+  std::array<IntervalNumber, kSlaves> activated_ = {};  ///< when last
   SlaveMask to_activate_;
   SlaveMask first_round_;
   SlaveMask responding_;

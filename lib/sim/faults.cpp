@@ -95,6 +95,14 @@ std::size_t FaultSchedule::add(const Fault& fault) {
   return index;
 }
 
+void FaultSchedule::replace(std::size_t index, const Fault& fault) noexcept {
+  if (index >= entries_.size()) return;
+  --of_kind_[kind_index(entries_[index].fault.kind)];
+  ++of_kind_[kind_index(fault.kind)];
+  entries_[index].fault = fault;
+  entries_[index].hits = 0;
+}
+
 bool FaultSchedule::in_time(const Entry& entry) const noexcept {
   return interval_ >= entry.fault.from && interval_ <= entry.fault.to;
 }

@@ -62,6 +62,10 @@ class FaultSchedule {
   /// on.
   std::size_t add(const Fault& fault);
 
+  /// Puts another fault in the place of fault `index`: its hits are counted anew, its random numbers go on.
+  /// An index out of range changes nothing.
+  void replace(std::size_t index, const Fault& fault) noexcept;
+
   /// The interval `number` begins.
   void begin_interval(std::uint64_t number) noexcept;
 

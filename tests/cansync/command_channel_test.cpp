@@ -237,6 +237,29 @@ TEST(CommandChannel, ManyJobsEachEndExactlyOnce) {
   EXPECT_EQ(rig->master.open_parameter_jobs(), 0u);
 }
 
+TEST(CommandChannel, AnAnswerThatComesBeforeItsCommandWasOnTheBusBelongsToAnEarlierOne) {
+  auto rig = active_line(settings_for(1));
+  Master& master = rig->master;
+  ASSERT_EQ(master.submit(ParameterRequest{.id = 1, .slave = slave(0), .number = parameter(5)}),
+            Refusal::none);
+  master.begin_interval(rig->next_interval++);
+  const auto command = master.take(Slot::command);
+  ASSERT_TRUE(command);
+  master.sent(Slot::command);
+  // Two bytes of payload: the confirmation of a write, which as an answer to a read would be the value 0.
+  const can::Frame confirmation = encode(ParameterReply{slave(0), parameter(5), false, false, 2, {}});
+  master.receive(confirmation, std::chrono::microseconds(920));
+  EXPECT_TRUE(rig->told.parameters.empty());
+  EXPECT_EQ(master.counters().unexpected, 1u);
+  master.transmitted(*command, std::chrono::microseconds(990));
+  master.begin_interval(rig->next_interval++);
+  const Decoded asked = decode(*command);
+  const auto& read = std::get<ParameterCommand>(std::get<Telegram>(asked));
+  master.receive(encode(MasterRig::word_reply(read, 77)), std::chrono::microseconds(100));
+  ASSERT_EQ(rig->told.parameters.size(), 1u);
+  EXPECT_EQ(rig->told.parameters.at(1).value, 77u);
+}
+
 TEST(CommandChannel, CountsAnswersLaterThanTheResponseTimeout) {
   auto rig = active_line(settings_for(1));
   ASSERT_EQ(rig->master.submit(ParameterRequest{.id = 1, .slave = slave(0), .number = parameter(5)}),

@@ -88,6 +88,24 @@ TEST_F(LostSlaves, RunningAndQueuedJobsOfEveryKindEndAsLostAtOnceAndAreCounted) 
   EXPECT_EQ(event->detail, 8u);
 }
 
+TEST_F(LostSlaves, AWriteOnItsWayEndsWithoutAnAnswerAndOneThatWasNotSentAsLost) {
+  settings.command_channel.repeat_unanswered_writes = true;
+  start();
+  drives->dead.set(slave(1));
+  for (JobId id = 1; id <= 2; ++id) {
+    ASSERT_EQ(rig->master.submit(ParameterRequest{.id = id,
+                                                  .write = true,
+                                                  .slave = slave(1),
+                                                  .number = parameter(5),
+                                                  .format = ParameterFormat::word,
+                                                  .value = 7}),
+              Refusal::none);
+  }
+  rig->run_until([this] { return lost(1); }, 20);
+  EXPECT_EQ(rig->told.parameters.at(1).outcome, Outcome::no_answer);
+  EXPECT_EQ(rig->told.parameters.at(2).outcome, Outcome::slave_lost);
+}
+
 TEST_F(LostSlaves, WhatIsAskedOfALostSlaveIsRefusedUntilItAnswersAgain) {
   settings.startup.status_period = std::chrono::milliseconds(50);
   start();

@@ -181,6 +181,7 @@ class MasterRig {
       return;
     }
     master.sent(slot);
+    master.transmitted(*frame, master.planned_start(slot) + std::chrono::microseconds(100));
     const Decoded decoded = decode(*frame);
     ASSERT_TRUE(std::holds_alternative<Telegram>(decoded));
     sent.push_back(std::get<Telegram>(decoded));

@@ -183,6 +183,24 @@ TEST_F(ParameterJobs, AReplyWithoutSubSlaveAddressIsAccepted) {
   EXPECT_EQ(run({.number = parameter(10)}).value, 0x1234u);
 }
 
+TEST_F(ParameterJobs, ALateConfirmationOfAWriteIsNotTheValueOfARead) {
+  script = [](const ParameterCommand& c) { return MasterRig::written_reply(c); };
+  ASSERT_EQ(
+      run({.write = true, .number = parameter(10), .format = ParameterFormat::word, .value = 5}).outcome,
+      Outcome::done);
+  // The slave has shown that it sends the sub-slave address: two bytes are not a word without it.
+  unsigned answers = 0;
+  script = [&](const ParameterCommand& c) {
+    return ++answers == 1 ? MasterRig::written_reply(c) : MasterRig::word_reply(c, 5);
+  };
+  ASSERT_EQ(rig->master.submit(ParameterRequest{.id = 2, .slave = slave(0), .number = parameter(10)}),
+            Refusal::none);
+  rig->run_until([this] { return rig->told.parameters.contains(2); }, 10);
+  EXPECT_EQ(rig->told.parameters[2].outcome, Outcome::done);
+  EXPECT_EQ(rig->told.parameters[2].value, 5u);
+  EXPECT_EQ(rig->master.counters().unexpected, 1u);
+}
+
 TEST_F(ParameterJobs, EverySlaveErrorIsHandedOn) {
   for (const auto error :
        {ParameterError::unspecified, ParameterError::below_minimum, ParameterError::above_maximum,

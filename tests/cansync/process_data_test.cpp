@@ -207,6 +207,36 @@ TEST(ProcessData, ADuplicateOfAnActualValueTelegramIsNotTakenTwice) {
   EXPECT_EQ(rig->master.actual(slave(0)).value[0], 0u);
 }
 
+TEST(ProcessData, ActualValuesThatComeBeforeTheirQuestionWasOnTheBusAreNotTaken) {
+  MasterSettings settings = settings_for(2);
+  settings.process.polling[0] = {Cursor::Kind::fixed, slave(1)};
+  auto rig = active_line(settings);
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
+  Master& master = rig->master;
+  master.begin_interval(rig->next_interval++);
+  const auto question = master.take(Slot::reference_one);
+  ASSERT_TRUE(question);
+  master.sent(Slot::reference_one);
+  // Held up on the bus since the last interval, with the values of that one.
+  const can::Frame late = encode(ActualTelegram{Channel::one, slave(1), 4, {1, 0, 0, 0}});
+  master.receive(late, std::chrono::microseconds(310));
+  EXPECT_TRUE(rig->told.actual.empty());
+  EXPECT_EQ(master.counters().unexpected, 1u);
+  // So was the echo of the question of the last interval.
+  can::Frame before = *question;
+  before.data[0] ^= 1;
+  master.transmitted(before, std::chrono::microseconds(320));
+  // And one that looks the same, but was over before this one was due.
+  master.transmitted(*question, std::chrono::microseconds(200));
+  master.receive(late, std::chrono::microseconds(330));
+  EXPECT_TRUE(rig->told.actual.empty());
+  master.transmitted(*question, std::chrono::microseconds(420));
+  master.receive(encode(ActualTelegram{Channel::one, slave(1), 4, {2, 0, 0, 0}}),
+                 std::chrono::microseconds(550));
+  ASSERT_EQ(rig->told.actual.size(), 1u);
+  EXPECT_EQ(rig->told.actual[0].second.value[0], 2u);
+}
+
 TEST(ProcessData, MappingsChangeWhileRunning) {
   auto rig = active_line(settings_for(1));
   ProcessMapping mapping;

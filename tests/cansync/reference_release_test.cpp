@@ -54,6 +54,36 @@ TEST(ReferenceRelease, ValuesGrowTooOldExactlyAfterTheirIntervals) {
   EXPECT_EQ(rig->master.release(Channel::two).too_old, 0u) << "nothing was ever given";
 }
 
+TEST(ReferenceRelease, SkippedIntervalsCountAsUsed) {
+  auto rig = line(0, 0);
+  ASSERT_EQ(rig->master.submit(values(7, 10)), Refusal::none);
+  EXPECT_EQ(released(*rig), 7);
+  rig->next_interval += 6;
+  EXPECT_EQ(row_of(*rig, 7), 3u);
+  ASSERT_EQ(rig->master.submit(values(8, 10)), Refusal::none);
+  EXPECT_EQ(released(*rig), 8);
+  rig->next_interval += 1000;
+  EXPECT_EQ(released(*rig), std::nullopt);
+}
+
+TEST(ReferenceRelease, ValuesForIntervalsThatWereSkippedAreNeverReleased) {
+  auto rig = line(0, 0);
+  ReferenceUpdate over = values(7, 3);
+  over.from_interval = rig->next_interval + 5;
+  ReferenceUpdate partly = values(8, 10);
+  partly.from_interval = rig->next_interval + 8;
+  ASSERT_EQ(rig->master.submit(over), Refusal::none);
+  ASSERT_EQ(rig->master.submit(partly), Refusal::none);
+  EXPECT_EQ(released(*rig), std::nullopt);
+  rig->next_interval = over.from_interval + 3;
+  EXPECT_EQ(row_of(*rig, 8), 10u);
+  ReferenceUpdate late = values(9, 10);
+  late.from_interval = rig->next_interval + 5;
+  ASSERT_EQ(rig->master.submit(late), Refusal::none);
+  rig->next_interval = late.from_interval + 4;
+  EXPECT_EQ(row_of(*rig, 9), 6u);
+}
+
 TEST(ReferenceRelease, NewValuesInTimeKeepItGoing) {
   auto rig = line(5, 0);
   for (std::uint16_t n = 0; n < 20; ++n) {

@@ -25,6 +25,27 @@ TEST(StartUp, NothingIsSentBeforeSynchronousOperation) {
   EXPECT_EQ(rig.master.control(ControlCommand::enable_active), Refusal::wrong_state);
 }
 
+TEST(StartUp, ASlaveThatAnswersAndNeverSynchronizesIsActivatedAgainEveryFiveSeconds) {
+  MasterRig rig(settings_for(2));
+  Line line;
+  line.unsynchronized.set(slave(1));
+  rig.answer = [&](const Telegram& telegram) { return line(telegram); };
+  rig.set_up();
+  std::vector<unsigned> activated;
+  for (unsigned interval = 0; interval < 11'000; ++interval) {
+    rig.step();
+    for (const Telegram& telegram : rig.sent) {
+      const auto* action = std::get_if<ActionCommand>(&telegram);
+      if (action == nullptr) continue;
+      EXPECT_EQ(action->slaves, interval == 0 ? SlaveMask::all() : SlaveMask::of(slave(1)));
+      activated.push_back(interval);
+    }
+  }
+  ASSERT_EQ(activated.size(), 3u);
+  EXPECT_NEAR(activated[1], 5000, 5);
+  EXPECT_NEAR(activated[2], 10'000, 10);
+}
+
 TEST(StartUp, ActivatesAllSlavesFirstAndThenReadsEveryStatusWordWithin33Intervals) {
   MasterRig rig(settings_for(32));
   rig.set_up();

@@ -367,6 +367,19 @@ TEST(Faults, AddedFaultDoesNotChangeWhenTheOthersHit) {
   }
 }
 
+TEST(Faults, AnotherFaultInItsPlaceCountsAnew) {
+  sim::FaultSchedule faults({{.kind = FaultKind::lost}, {.kind = FaultKind::corrupted, .count = 0}}, 1);
+  EXPECT_TRUE(faults.at_start(frame("101#"), false).lost_to_master);
+  faults.replace(0, {.kind = FaultKind::corrupted, .count = 2});
+  EXPECT_EQ(faults.hits(0), 0u);
+  const auto fate = faults.at_start(frame("101#"), false);
+  EXPECT_TRUE(fate.corrupted);
+  EXPECT_FALSE(fate.lost_to_master);
+  EXPECT_EQ(faults.hits(0), 1u);
+  faults.replace(2, {.kind = FaultKind::lost});
+  EXPECT_EQ(faults.size(), 2u) << "no such fault";
+}
+
 // --- determinism
 
 // A node that answers every frame of the master a while later.
