@@ -13,12 +13,14 @@ constexpr auto kRows = std::to_array<Option>({
         "Unanswered telegrams in a row until a slave counts as lost. Then its jobs end, and new ones are "
         "refused until it answers again.",
         [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }),
-    whole_number("startup.held_control_bits", "1", 0, 65535, "",
-                 "A control word with one of these bits is refused for a slave that was away or lost SYNC, "
-                 "until it is released; 0 = none is. Default: bit 0, which switches a drive on.",
-                 [](Draft& d, const Value& v) {
-                   d.config.master.startup.held_control_bits = whole<std::uint16_t>(v);
-                 }),
+    whole_number(
+        "startup.enabling_control_bits", "15", 0, 65535, "",
+        "A control word with all of these bits enables a drive. It is refused for a slave that is lost, "
+        "or was away or lost SYNC and is not released yet; others always pass, so that a drive can be "
+        "stopped. 0 = none is refused.",
+        [](Draft& d, const Value& v) {
+          d.config.master.startup.enabling_control_bits = whole<std::uint16_t>(v);
+        }),
     plain(
         "command_channel.cancel_at_start", OptionType::boolean, "true",
         "After a start, and when a slave was away, first cancel on the slave what a master that is gone may "

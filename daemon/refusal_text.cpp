@@ -77,9 +77,9 @@ std::string who(const Request& request, const Config& config) {
 
 std::string slave_held(const Request& request, const Config& config) {
   return fmt::format(
-      "control word: {} was away or lost SYNC and is held out, so that no control word with one of the bits "
+      "control word: {} was away or lost SYNC and is held out, so that no control word with all of the bits "
       "0x{:04X} is sent to it; see `cansync slaves` and events for what is missing, then `cansync release`",
-      who(request, config), config.master.startup.held_control_bits);
+      who(request, config), config.master.startup.enabling_control_bits);
 }
 
 std::string interval_passed(const Request& request, const Config& config, const RefusalContext& context) {

@@ -116,11 +116,18 @@ void CommandChannel::choose() noexcept {
   choose_supervision();
 }
 
+/// What a control word ends with that was taken and would be refused by now.
+Outcome CommandChannel::ended_by(Refusal refused) noexcept {
+  return refused == Refusal::slave_lost ? Outcome::slave_lost : Outcome::slave_held;
+}
+
 bool CommandChannel::choose_broadcast(std::uint8_t priority) noexcept {
   auto& queue = broadcasts_[priority];
-  // Since it was taken a slave may have been held out.
-  for (; !queue.empty() && enables_held(queue.front().action); queue.pop()) {
-    listener_.command_done(queue.front().id, Outcome::slave_held);
+  // Since it was taken a slave may have been lost or held out.
+  for (; !queue.empty(); queue.pop()) {
+    const Refusal refused = enabling_refused(queue.front().action);
+    if (refused == Refusal::none) break;
+    listener_.command_done(queue.front().id, ended_by(refused));
   }
   if (queue.empty()) return false;
   chosen_ = {Kind::broadcast, {}, priority, queue.front().action};
@@ -131,11 +138,12 @@ bool CommandChannel::choose_control_word() noexcept {
   while (const auto slave = next_slave(control_word_scan_, control_words_waiting_)) {
     auto& queue = control_words_[slave->value()];
     const ActionCommand action{SlaveMask::of(*slave), kCommandControlWord, 0, queue.front().control_word};
-    if (!enables_held(action)) {
+    const Refusal refused = enabling_refused(action);
+    if (refused == Refusal::none) {
       chosen_ = {Kind::control_word, *slave, 0, action};
       return true;
     }
-    listener_.command_done(queue.front().id, Outcome::slave_held);
+    listener_.command_done(queue.front().id, ended_by(refused));
     queue.pop();
     control_words_waiting_.set(*slave, !queue.empty());
   }

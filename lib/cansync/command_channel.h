@@ -153,7 +153,9 @@ class CommandChannel {
   bool choose_supervision() noexcept;
 
   SlaveMask transfers_waiting() const noexcept;
-  bool enables_held(const ActionCommand& action) const noexcept;
+  bool enables(std::uint16_t control_word) const noexcept;
+  static Outcome ended_by(Refusal refused) noexcept;
+  Refusal enabling_refused(const ActionCommand& action) const noexcept;
   unsigned end_jobs(SlaveNumber slave) noexcept;
   bool belongs_to_a_write(const ParameterReply& reply) noexcept;
   void settle_unanswered() noexcept;

@@ -21,10 +21,18 @@ void CommandChannel::bus_lost() noexcept {
 }
 
 /// True for a control word that would enable a slave that is held out.
-bool CommandChannel::enables_held(const ActionCommand& action) const noexcept {
-  return action.command == kCommandControlWord &&
-         (action.data_word & master_.startup.held_control_bits) != 0 &&
-         (action.slaves.bits & supervision_.held_out().bits) != 0;
+bool CommandChannel::enables(std::uint16_t control_word) const noexcept {
+  const std::uint16_t bits = master_.startup.enabling_control_bits;
+  return bits != 0 && (control_word & bits) == bits;
+}
+
+/// Why this control word, which enables drives, is not for one of its slaves now. What stops a drive
+/// passes always, also to one whose answers do not come.
+Refusal CommandChannel::enabling_refused(const ActionCommand& action) const noexcept {
+  if (action.command != kCommandControlWord || !enables(action.data_word)) return Refusal::none;
+  if ((action.slaves.bits & supervision_.given_up().bits) != 0) return Refusal::slave_lost;
+  if ((action.slaves.bits & supervision_.held_out().bits) != 0) return Refusal::slave_held;
+  return Refusal::none;
 }
 
 Refusal CommandChannel::submit(const ParameterRequest& request) noexcept {
@@ -63,10 +71,8 @@ Refusal CommandChannel::submit(const TransferRequest& request) noexcept {
 
 Refusal CommandChannel::submit(const ControlWordRequest& request) noexcept {
   if (!configured_.has(request.slave)) return Refusal::slave_not_configured;
-  if (supervision_.given_up().has(request.slave)) return Refusal::slave_lost;
-  if (enables_held({SlaveMask::of(request.slave), kCommandControlWord, 0, request.control_word})) {
-    return Refusal::slave_held;
-  }
+  const ActionCommand action{SlaveMask::of(request.slave), kCommandControlWord, 0, request.control_word};
+  if (const Refusal refused = enabling_refused(action); refused != Refusal::none) return refused;
   if (!control_words_[request.slave.value()].push(request)) return Refusal::queue_full;
   control_words_waiting_.set(request.slave);
   return Refusal::none;
@@ -77,7 +83,7 @@ Refusal CommandChannel::submit(const BroadcastRequest& request) noexcept {
   const std::uint8_t command = request.action.command;
   if (command != kCommandControlWord && command < 128) return Refusal::command_reserved;
   if (request.action.slaves.empty()) return Refusal::no_slaves;
-  if (enables_held(request.action)) return Refusal::slave_held;
+  if (const Refusal refused = enabling_refused(request.action); refused != Refusal::none) return refused;
   return broadcasts_[request.priority].push(request) ? Refusal::none : Refusal::queue_full;
 }
 
@@ -118,14 +124,17 @@ Refusal CommandChannel::cancel(JobId id) noexcept {
   return Refusal::unknown_job;
 }
 
-/// Ends what is open for a slave that is gone; how many jobs there were.
+/// Ends what is open for a slave that is gone; how many jobs there were. Control words that stop it stay.
 unsigned CommandChannel::end_jobs(SlaveNumber slave) noexcept {
   unsigned ended = 0;
   auto& words = control_words_[slave.value()];
-  for (; !words.empty(); words.pop(), ++ended) {
-    listener_.command_done(words.front().id, Outcome::slave_lost);
-  }
-  control_words_waiting_.set(slave, false);
+  const auto end_enabling = [this](const ControlWordRequest& request) {
+    if (!enables(request.control_word)) return false;
+    listener_.command_done(request.id, Outcome::slave_lost);
+    return true;
+  };
+  while (words.remove_if(end_enabling)) ++ended;
+  control_words_waiting_.set(slave, !words.empty());
   for (; ParameterJob* job = parameters_.front(slave); ++ended) {
     job->slave_lost(now_);
     finish_parameter(slave);

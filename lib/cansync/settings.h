@@ -94,9 +94,9 @@ struct StartupSettings {
   Duration status_period =
       std::chrono::seconds(1);  ///< active operation: status word of each slave; 0 = never
   std::uint8_t lost_after = 3;  ///< unanswered telegrams in a row until a slave counts as lost
-  /// A control word with one of these bits is refused for a slave that is held out (`SlaveState`); 0: none
-  /// is.
-  std::uint16_t held_control_bits = 0x0001;
+  /// A control word with all of these bits enables a drive (unconfirmed): it is refused for a slave that is
+  /// lost or held out (`SlaveState`). 0: none is.
+  std::uint16_t enabling_control_bits = 0x000F;
 };
 
 /// Reference and actual values.

@@ -68,7 +68,7 @@ TEST_F(LostSlaves, RunningAndQueuedJobsOfEveryKindEndAsLostAtOnceAndAreCounted) 
   drives->dead.set(slave(1));
   for (JobId id = 1; id <= 5; ++id) ASSERT_EQ(read(id, 1), Refusal::none);
   for (JobId id = 11; id <= 12; ++id) ASSERT_EQ(download(id, 1), Refusal::none);
-  ASSERT_EQ(rig->master.submit(ControlWordRequest{21, slave(1), 0}), Refusal::none);
+  ASSERT_EQ(rig->master.submit(ControlWordRequest{21, slave(1), 0x000F}), Refusal::none);
   const unsigned intervals = rig->run_until([this] { return lost(1); }, 20);
   EXPECT_LE(intervals, 2u * settings.startup.lost_after);
   for (JobId id = 1; id <= 5; ++id) EXPECT_EQ(rig->told.parameters.at(id).outcome, Outcome::slave_lost) << id;
@@ -114,7 +114,9 @@ TEST_F(LostSlaves, WhatIsAskedOfALostSlaveIsRefusedUntilItAnswersAgain) {
   rig->run_until([this] { return lost(1); }, 20);
   EXPECT_EQ(read(2, 1), Refusal::slave_lost);
   EXPECT_EQ(download(3, 1), Refusal::slave_lost);
-  EXPECT_EQ(rig->master.submit(ControlWordRequest{4, slave(1), 0}), Refusal::slave_lost);
+  EXPECT_EQ(rig->master.submit(ControlWordRequest{4, slave(1), 0x000F}), Refusal::slave_lost);
+  EXPECT_EQ(rig->master.submit(BroadcastRequest{7, 1, {SlaveMask{0x3}, kCommandControlWord, 0, 0x000F}}),
+            Refusal::slave_lost);
   EXPECT_EQ(read(5, 0), Refusal::none);
   drives->dead = {};
   rig->run_until([this] { return rig->master.slave(slave(1)).responds; }, 60);
@@ -122,6 +124,26 @@ TEST_F(LostSlaves, WhatIsAskedOfALostSlaveIsRefusedUntilItAnswersAgain) {
   rig->run(5);
   EXPECT_EQ(rig->told.parameters.at(6).outcome, Outcome::done);
   EXPECT_EQ(rig->master.slave(slave(1)).times_returned, 1u);
+}
+
+TEST_F(LostSlaves, ControlWordsThatStopADriveAreSentAlsoWhenItsAnswersDoNotCome) {
+  settings.command_channel.control_word.kind = Cursor::Kind::nobody;  // control words wait
+  start();
+  drives->dead.set(slave(1));
+  ASSERT_EQ(rig->master.submit(ControlWordRequest{1, slave(1), 0x0002}), Refusal::none);
+  ASSERT_EQ(rig->master.submit(ControlWordRequest{2, slave(1), 0x000F}), Refusal::none);
+  ASSERT_EQ(rig->master.submit(ControlWordRequest{3, slave(1), 0x0006}), Refusal::none);
+  ASSERT_EQ(read(4, 1), Refusal::none);
+  rig->run_until([this] { return lost(1); }, 20);
+  ASSERT_TRUE(lost(1));
+  EXPECT_EQ(rig->told.commands.at(2), Outcome::slave_lost);
+  EXPECT_EQ(rig->told.commands.count(1) + rig->told.commands.count(3), 0u) << "they wait for the cursor";
+  EXPECT_EQ(rig->master.submit(ControlWordRequest{5, slave(1), 0}), Refusal::none);
+  EXPECT_EQ(rig->master.submit(BroadcastRequest{6, 0, {SlaveMask{0xF}, kCommandControlWord, 0, 0}}),
+            Refusal::none);
+  ASSERT_EQ(rig->master.set_command_cursors({}, {}, {}), Refusal::none);
+  rig->run(6);
+  for (const JobId id : {1u, 3u, 5u, 6u}) EXPECT_EQ(rig->told.commands.at(id), Outcome::done) << id;
 }
 
 TEST_F(LostSlaves, OneLostTelegramEndsNoJob) {

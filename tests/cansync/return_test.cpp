@@ -115,19 +115,24 @@ TEST_F(Returns, EnablingControlWordsAreRefusedWhileItIsHeldOutAndOthersAreNot) {
   lose(1);
   drives->unsynchronized.set(slave(1));
   bring_back(1);
-  EXPECT_EQ(control(1, 1, 0x0007), Refusal::slave_held);
-  EXPECT_EQ(control(2, 1, 0x0006), Refusal::none) << "without bit 0 it switches nothing on";
-  EXPECT_EQ(control(3, 0, 0x0007), Refusal::none) << "another slave";
-  const BroadcastRequest all{4, 1, {SlaveMask{0xF}, kCommandControlWord, 0, 7}};
+  EXPECT_EQ(control(1, 1, 0x000F), Refusal::slave_held);
+  EXPECT_EQ(control(10, 1, 0xFFFF), Refusal::slave_held) << "whatever the other bits are";
+  constexpr std::uint16_t kStopping[] = {0x00, 0x02, 0x06, 0x07, 0x0B};
+  for (const std::uint16_t stop : kStopping) EXPECT_EQ(control(20u + stop, 1, stop), Refusal::none) << stop;
+  EXPECT_EQ(control(3, 0, 0x000F), Refusal::none) << "another slave";
+  const BroadcastRequest all{4, 1, {SlaveMask{0xF}, kCommandControlWord, 0, 0x000F}};
+  EXPECT_EQ(rig->master.submit(BroadcastRequest{8, 0, {SlaveMask{0xF}, kCommandControlWord, 0, 0x0002}}),
+            Refusal::none)
+      << "a quick stop of the whole line";
   EXPECT_EQ(rig->master.submit(all), Refusal::slave_held);
-  EXPECT_EQ(rig->master.submit(BroadcastRequest{5, 1, {SlaveMask{0xD}, kCommandControlWord, 0, 7}}),
+  EXPECT_EQ(rig->master.submit(BroadcastRequest{5, 1, {SlaveMask{0xD}, kCommandControlWord, 0, 0x000F}}),
             Refusal::none);
-  EXPECT_EQ(rig->master.submit(BroadcastRequest{6, 1, {SlaveMask{0xF}, 200, 0, 7}}), Refusal::none);
+  EXPECT_EQ(rig->master.submit(BroadcastRequest{6, 1, {SlaveMask{0xF}, 200, 0, 0x000F}}), Refusal::none);
   rig->run(10);
-  EXPECT_EQ(rig->told.commands.at(2), Outcome::done);
+  for (const JobId id : {8u, 20u, 22u, 26u, 27u, 31u}) EXPECT_EQ(rig->told.commands.at(id), Outcome::done);
   drives->unsynchronized = {};
   run_to(1, SlaveState::released);
-  EXPECT_EQ(control(7, 1, 0x0007), Refusal::none);
+  EXPECT_EQ(control(7, 1, 0x000F), Refusal::none);
   EXPECT_EQ(rig->master.submit(all), Refusal::none);
 }
 
@@ -136,8 +141,8 @@ TEST_F(Returns, AnEnablingControlWordThatWaitsWhenTheSlaveLosesSyncIsNotSent) {
   const Cursor nobody{Cursor::Kind::nobody, {}};
   const Cursor automatic;
   ASSERT_EQ(rig->master.set_command_cursors(nobody, automatic, automatic), Refusal::none);
-  ASSERT_EQ(control(1, 1, 0x0007), Refusal::none);
-  ASSERT_EQ(control(2, 1, 0x0002), Refusal::none);
+  ASSERT_EQ(control(1, 1, 0x000F), Refusal::none);
+  ASSERT_EQ(control(2, 1, 0x0007), Refusal::none);
   drives->unsynchronized.set(slave(1));
   run_to(1, SlaveState::returning);
   ASSERT_EQ(rig->master.set_command_cursors(automatic, automatic, automatic), Refusal::none);
@@ -184,7 +189,7 @@ TEST_F(Returns, AWrongValueHoldsItOutAndSaysWhichIsExpectedAndWhichWasFound) {
   EXPECT_EQ(failed.expected, 1000u);
   EXPECT_EQ(failed.found, 999u);
   EXPECT_EQ(failed.outcome, Outcome::done);
-  EXPECT_EQ(control(1, 1, 1), Refusal::slave_held);
+  EXPECT_EQ(control(1, 1, 0x000F), Refusal::slave_held);
   rig->run(200);
   EXPECT_EQ(state(1), SlaveState::held) << "until somebody does something about it";
   EXPECT_EQ(rig->master.control(ControlCommand::start_synchronous), Refusal::none);

@@ -424,7 +424,7 @@ number = 3
 on_return = "write"
 return_parameters = ["1020=0x12345678", "0x0A=5"]
 )",
-                             {"command_channel.cancel_at_start=false", "startup.held_control_bits=0x8"});
+                             {"command_channel.cancel_at_start=false", "startup.enabling_control_bits=0x8"});
   const cansync::SlaveSettings& slave = config.master.slaves[3];
   EXPECT_EQ(slave.on_return, cansync::OnReturn::write);
   ASSERT_EQ(slave.return_count, 2u);
@@ -433,7 +433,7 @@ return_parameters = ["1020=0x12345678", "0x0A=5"]
   EXPECT_EQ(slave.return_parameters[1].number.value(), 10u);
   EXPECT_EQ(slave.return_parameters[1].value, 5u);
   EXPECT_FALSE(config.master.command_channel.cancel_at_start);
-  EXPECT_EQ(config.master.startup.held_control_bits, 8u);
+  EXPECT_EQ(config.master.startup.enabling_control_bits, 8u);
 }
 
 TEST(ConfigReturn, AtMost32) {

@@ -10,7 +10,7 @@ BUSY, BUSY_REPLIES, WORD, OTHER_WORD = 410, 411, 1000, 1001
 ALWAYS_BUSY = 0xFFFF
 LOST, OTHER = 1, 2  # the drive that is unplugged, and one that is not
 PERIOD, AWAY = 8000, 2000  # intervals of 1 ms: unplugged for the last ones of each period
-ENABLING, STOPPING = 0x0007, 0x0000
+ENABLING, STOPPING = 0x000F, 0x0000
 
 
 class Slaves(unittest.TestCase):
