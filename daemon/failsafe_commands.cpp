@@ -5,8 +5,6 @@
 #include <chrono>
 #include <variant>
 
-#include "daemon/log.h"
-
 namespace cansyncd {
 namespace {
 
@@ -16,9 +14,16 @@ using cansync::SlaveNumber;
 /// Far above the numbers that clients' requests get.
 constexpr JobId kFirstId = JobId{1} << 63;
 
+/// For the audit trail, where a client's name stands otherwise.
+const Requester& daemon_itself() {
+  static const Requester who{"failsafe reaction", "the failsafe reaction", "", 0};
+  return who;
+}
+
 }  // namespace
 
-FailsafeCommands::FailsafeCommands(EventPublisher& events, const Config& config) : events_(events) {
+FailsafeCommands::FailsafeCommands(EventPublisher& events, AuditTrail& audit, const Config& config)
+    : events_(events), audit_(audit) {
   if (config.failsafe.reaction != LossReaction::control_word) return;
   word_ = config.failsafe.control_word;
   slaves_ = config.failsafe.control_word_slaves.value_or(config.master.configured());
@@ -66,14 +71,16 @@ bool FailsafeCommands::finish(const Terminal& terminal, const Config& config, co
   const auto slave = SlaveNumber::from(static_cast<unsigned>(id - kFirstId));
   if (!slave || !open_.has(*slave)) return true;
   open_.set(*slave, false);
+  const Request request = request_to(*slave);
+  const Change change{"control_word", slave->value(), "", fmt::format("0x{:04X}", *word_)};
   std::string outcome;
   if (const auto* refused = std::get_if<Refused>(&terminal)) {
-    outcome = refusal_text(refused->refusal, request_to(*slave), config, line);
+    outcome = refusal_text(refused->refusal, request, config, line);
+    audit_.refused(daemon_itself(), change, &request, line.state, outcome, now);
   } else if (const auto* done = std::get_if<CommandDone>(&terminal)) {
     outcome = done->outcome == cansync::Outcome::done ? "" : std::string(cansync::name(done->outcome));
+    audit_.ended(daemon_itself(), change, request, line.state, done->outcome, now);
   }
-  log(LogPriority::notice, "control word 0x{:04X} to {} by the failsafe reaction: {}", *word_,
-      slave_label(config, slave->value()), outcome.empty() ? "done" : outcome);
   if (outcome.empty()) {
     sent_.set(*slave);
   } else {

@@ -6,6 +6,7 @@
 
 #include "cansync/jobs.h"
 #include "cansync/numbers.h"
+#include "daemon/audit.h"
 #include "daemon/config.h"
 #include "daemon/exchange.h"
 #include "daemon/gateway_events.h"
@@ -14,12 +15,12 @@
 namespace cansyncd {
 
 /// Sends the control word of the failsafe reaction to its slaves through the command channel, and tells how
-/// that ended: one event when it begins, one when every slave's outcome is known. Does nothing unless that is
-/// the configured reaction. Gateway thread only.
+/// that ended: one event when it begins, one when every slave's outcome is known, and each control word in
+/// the audit trail. Does nothing unless that is the configured reaction. Gateway thread only.
 class FailsafeCommands {
  public:
-  /// `events` must outlive this object.
-  FailsafeCommands(EventPublisher& events, const Config& config);
+  /// `events` and `audit` must outlive this object.
+  FailsafeCommands(EventPublisher& events, AuditTrail& audit, const Config& config);
 
   /// Begins a round. While one runs, another is not begun: it would carry the same word to the same slaves.
   void start(unsigned channel, const Config& config, SteadyTime now);
@@ -35,6 +36,7 @@ class FailsafeCommands {
   void end(const Config& config, SteadyTime now);
 
   EventPublisher& events_;
+  AuditTrail& audit_;
   std::optional<std::uint16_t> word_;  ///< nothing: another reaction is configured
   cansync::SlaveMask slaves_;
   cansync::SlaveMask waiting_;  ///< not handed on yet

@@ -50,9 +50,10 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::P
       exchange_(exchange),
       events_(participant),
       state_(participant, config),
-      failsafe_(events_, config),
+      audit_(journal, events_, config),
+      failsafe_(events_, audit_, config),
       references_(participant, signal_, events_, config),
-      jobs_(participant, signal_, events_, config, journal) {
+      jobs_(participant, signal_, events_, config, audit_) {
   state_.set_givers(references_.givers());
 }
 

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "daemon/audit.h"
 #include "daemon/config.h"
 #include "daemon/exchange.h"
 #include "daemon/failsafe_commands.h"
@@ -82,6 +83,7 @@ class Gateway {
   cansync::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
   StatePublisher state_;
+  AuditTrail audit_;
   FailsafeCommands failsafe_;
   ReferenceInput references_;
   JobDesk jobs_;

@@ -59,7 +59,7 @@ Requester who_of(std::string_view name, const dds::RequestKey& key, const Place&
 }  // namespace
 
 JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, EventPublisher& events,
-                 const Config& config, JournalSink& journal)
+                 const Config& config, AuditTrail& audit)
     : guards_{dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal),
               dds::KeyGuard(signal)},
       parameters_(participant, &signal, &guards_[0]),
@@ -71,7 +71,7 @@ JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, E
       command_replies_(participant, signal),
       progress_(participant),
       events_(events),
-      audit_(journal, events, config),
+      audit_(audit),
       limits_(dds::limits_of(config.master)),
       rejections_(events),
       lanes_(lane_limits(config.master.command_channel)) {

@@ -60,9 +60,9 @@ class JobDesk {
   /// A cancel may overtake its request on the way; it is remembered so long.
   static constexpr std::chrono::seconds kEarlyCancel{10};
 
-  /// Throws cansync::dds::SetupError. `signal`, `events` and `journal` must outlive this object.
+  /// Throws cansync::dds::SetupError. `signal`, `events` and `audit` must outlive this object.
   JobDesk(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal,
-          EventPublisher& events, const Config& config, JournalSink& journal);
+          EventPublisher& events, const Config& config, AuditTrail& audit);
 
   /// Takes new requests and cancels, a bounded number, and looks which clients are gone. True: there may be
   /// more.
@@ -166,7 +166,7 @@ class JobDesk {
   ReplyOutbox<cansync_CommandReply> command_replies_;
   cansync::dds::Writer<cansync_TransferProgress> progress_;
   EventPublisher& events_;
-  AuditTrail audit_;
+  AuditTrail& audit_;
   cansync::dds::Limits limits_;
   PlaceFinder places_;
   LivingPlaces living_;

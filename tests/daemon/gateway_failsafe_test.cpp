@@ -255,6 +255,14 @@ TEST(GatewayFailsafe, TheControlWordGoesToTheNamedSlavesAndItsOutcomeIsTold) {
   EXPECT_NE(text_of(ended).find("sent to slave 1 'feeder'; not to slave 3 'rewinder': "), std::string::npos)
       << text_of(ended);
   EXPECT_EQ(ended->severity, cansync_SEVERITY_ERROR);
+  const auto recorded = rig.journal.with("CANSYNC_CLIENT", "failsafe reaction");
+  ASSERT_EQ(recorded.size(), 2u);
+  EXPECT_EQ(recorded[0].field("CANSYNC_ACTION"), "control_word");
+  EXPECT_EQ(recorded[0].field("CANSYNC_SLAVE"), "1");
+  EXPECT_EQ(recorded[0].field("CANSYNC_NEW"), "0x0104");
+  EXPECT_EQ(recorded[0].field("CANSYNC_RESULT"), "done");
+  EXPECT_EQ(recorded[1].field("CANSYNC_SLAVE"), "3");
+  EXPECT_EQ(recorded[1].field("CANSYNC_RESULT").rfind("refused: ", 0), 0u) << "it never reached the bus";
 }
 
 TEST(GatewayFailsafe, ValuesThatTheRealtimeThreadFoundTooOldBringTheControlWordToEverySlave) {
@@ -288,7 +296,9 @@ TEST(GatewayFailsafe, ControlWordsWaitForRoomAndARoundIsNotBegunTwice) {
   EventPublisher events(participant);
   const Config config = with_control_word();
   Exchange exchange({.requests = 2});
-  FailsafeCommands commands(events, config);
+  KeptJournal journal;
+  AuditTrail audit(journal, events, config);
+  FailsafeCommands commands(events, audit, config);
   commands.start(0, config, kStart);
   EXPECT_EQ(commands.push(exchange, kStart), kStart + milliseconds(10));
   commands.start(1, config, kStart);
