@@ -31,6 +31,9 @@ class FailsafeTest(VerbTest):
     def events(self, code):
         return [event for event in self.json("events") if event["code"] == code]
 
+    def events_of(self, code, process):
+        return [event for event in self.events(code) if f"process {process.pid} " in event["text"]]
+
     def wait_event(self, code, text):
         """The events with this code and text, as soon as there is one."""
         return wait_for(f"event {code} with '{text}'",
@@ -61,7 +64,8 @@ class WriterLost(FailsafeTest):
         process.send_signal(signal.SIGCONT)
         self.given_by(process)
         self.release("they are released", lambda release: release["state"] == "released")
-        self.assertEqual(len(self.wait_event("reference_writer_began", f"process {process.pid} ")), 2)
+        wait_for("its second beginning is told",
+                 lambda: len(self.events_of("reference_writer_began", process)) == 2)
 
     def test_a_stronger_writer_takes_over_until_it_dies(self):
         weak = self.start_set("0=700", "--strength", 2)
