@@ -37,11 +37,11 @@ constexpr const char* kReadOnly =
 
 }  // namespace
 
-Right needed_right(const Request& request) noexcept {
+Right needed_right(const Request& request) {
   return std::visit(EffectOf{}, request).right;
 }
 
-bool changes_something(const Request& request) noexcept {
+bool changes_something(const Request& request) {
   return std::visit(EffectOf{}, request).changes;
 }
 

@@ -17,10 +17,10 @@ enum class Right : std::uint8_t {
 };
 
 /// The least right a request needs.
-Right needed_right(const Request& request) noexcept;
+Right needed_right(const Request& request);
 
 /// Would it change a drive, the line or the master? False for reads, uploads, cancelling and withdrawing.
-bool changes_something(const Request& request) noexcept;
+bool changes_something(const Request& request);
 
 /// Why `request` is not taken from a topic that gives only `right`; nothing when it may be taken.
 std::optional<std::string> right_refusal(const Request& request, Right right);

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "cansync/jobs.h"
 #include "cansync/settings.h"
@@ -24,7 +24,10 @@ inline constexpr unsigned kLaneKinds = 5;
 struct Lane {
   LaneKind kind = LaneKind::line;
   std::uint8_t number = 0;  ///< slave or priority
-  friend auto operator<=>(const Lane&, const Lane&) = default;
+  friend bool operator==(const Lane&, const Lane&) = default;
+  friend bool operator<(const Lane& a, const Lane& b) {
+    return std::tie(a.kind, a.number) < std::tie(b.kind, b.number);
+  }
 };
 
 /// How many jobs of a kind the master may have at a time.

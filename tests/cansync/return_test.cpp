@@ -41,7 +41,7 @@ struct Returns : testing::Test {
   std::shared_ptr<Drives> drives = std::make_shared<Drives>();
   std::unique_ptr<MasterRig> rig;
 
-  void wants(unsigned n, OnReturn what, std::vector<std::pair<unsigned, std::uint32_t>> list) {
+  void wants(unsigned n, OnReturn what, const std::vector<std::pair<unsigned, std::uint32_t>>& list) {
     SlaveSettings& one = settings.slaves[n];
     one.on_return = what;
     for (const auto& [number, value] : list) {

@@ -42,11 +42,11 @@ Request control_word_of(unsigned target) {
 /// client always has as many requests open as it may.
 class FairLine {
  public:
-  FairLine(Request greedy, Lane lane)
+  FairLine(const Request& greedy, Lane lane)
       : settings_(line_settings(cansync::BitRate::mbit1, 4)),
         lanes_(lane_limits(settings_.command_channel)),
         line_(settings_, drives_for(settings_)),
-        greedy_(std::move(greedy)),
+        greedy_(greedy),
         greedy_lane_(lane) {
     line_.on_edge = [this](std::uint64_t edge) { step(edge); };
   }

@@ -39,6 +39,7 @@ TEST(GatewayClients, WhoIsGoneHasItsRequestsCancelled) {
   auto other = std::make_unique<Other>(rig);
   for (std::uint64_t number = 1; number <= 6; ++number) other->client.write(read_request(number, 2));
   std::vector<cansync::JobId> given;
+  given.reserve(4);
   for (int i = 0; i < 4; ++i) given.push_back(rig.expect_request<cansync::ParameterRequest>().id);
   rig.client.write(read_request(1, 1, 2));
   const auto own = rig.expect_request<cansync::ParameterRequest>().id;

@@ -22,7 +22,7 @@ class TextFile : public testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   std::string write(const std::string& name, const std::string& content) {
-    const std::string path = (folder / name).string();
+    std::string path = (folder / name).string();
     std::ofstream(path, std::ios::binary) << content;
     return path;
   }
