@@ -34,10 +34,14 @@ constexpr TopicQos request(std::int32_t samples, std::int32_t per_client) {
           .blocking = DDS_SECS(1)};
 }
 
-/// Replies go to every client of the bus, so a reader has room for those to the others too.
+/// Replies go to every client of the bus, so a reader has room for those to the others too. The daemon tries
+/// again soon: its thread has other things to do than to wait.
 constexpr TopicQos reply(std::int32_t samples) {
-  return {
-      .keep_all = true, .max_samples = samples, .max_instances = 1024, .max_samples_per_instance = samples};
+  return {.keep_all = true,
+          .max_samples = samples,
+          .max_instances = 1024,
+          .max_samples_per_instance = samples,
+          .blocking = DDS_MSECS(2)};
 }
 
 // One row a topic: name, type, who writes, QoS.
