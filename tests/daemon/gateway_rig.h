@@ -207,14 +207,16 @@ struct TransferAnswer {
   std::vector<std::uint8_t> data;
 };
 
-/// A gateway in one place, a client in another, and the test as the realtime thread between them.
+/// A gateway in one place, a client in another, and the test as the realtime thread between them. `sink`
+/// takes what would go to the journal in the place of `journal`.
 class GatewayRig {
  public:
   explicit GatewayRig(const Config& config = gateway_config(), const ExchangeSizes& sizes = {},
-                      const rt::RealtimeSettings& wanted = {}, const rt::Grants& granted = {})
+                      const rt::RealtimeSettings& wanted = {}, const rt::Grants& granted = {},
+                      JournalSink* sink = nullptr)
       : exchange(sizes),
         participant_(places_.here),
-        gateway(std::make_unique<Gateway>(config, exchange, participant_, journal)),
+        gateway(std::make_unique<Gateway>(config, exchange, participant_, sink != nullptr ? *sink : journal)),
         client(places_.there),
         transfer_replies_(client.participant(), &client.signal()) {
     gateway->set_realtime(wanted, granted);

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <malloc.h>
+
+#include <cstddef>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define CANSYNC_SANITIZED_HEAP 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define CANSYNC_SANITIZED_HEAP 1
+#endif
+#endif
+#ifdef CANSYNC_SANITIZED_HEAP
+#include <sanitizer/allocator_interface.h>
+#endif
+
+namespace cansyncd::support {
+
+/// Bytes of the heap that are allocated now, by all threads of this process. Unlike resident memory it does
+/// not count what is free and kept by the allocator.
+inline std::size_t heap_in_use() noexcept {
+#ifdef CANSYNC_SANITIZED_HEAP
+  return __sanitizer_get_current_allocated_bytes();
+#else
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+#endif
+}
+
+}  // namespace cansyncd::support
