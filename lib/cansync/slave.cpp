@@ -46,7 +46,6 @@ bool Slave::control(ControlCommand command) noexcept {
   state_ = *to;
   if (!is_synchronous(state_)) {
     drop_transfer();
-    answered_.reset();
     if (pending_) application_.parameter_dropped();
     pending_.reset();
     sync_activated_ = false;

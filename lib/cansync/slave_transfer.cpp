@@ -155,6 +155,8 @@ TransferReply Slave::refuse(BlockOffset offset, TransferError error) const noexc
 void Slave::drop_transfer() noexcept {
   const bool begun = transfer_.phase != OpenBlock::Phase::none;
   transfer_ = {};
+  // The same telegram begins a block anew after this.
+  answered_.reset();
   if (begun) application_.end_block(false);
 }
 

@@ -494,6 +494,23 @@ TEST_F(SlaveTest, RepeatedUploadTelegramBringsTheSameData) {
   EXPECT_EQ(application_.take(), "begin 256, get 0+6, complete");
 }
 
+TEST_F(SlaveTest, ABlockThatWasDroppedIsBegunAnewByTheSameInitialise) {
+  set_up();
+  send(initialise(true, 12, 0x100));
+  application_.block.error = TransferError::cancelled_by_slave;
+  EXPECT_EQ(send(command({0xE0, 0, 1, 2, 3, 4, 5, 6})), response({0xA0, 0, 0x03, 0x01}));
+  application_.block.error = TransferError::none;
+  EXPECT_EQ(send(initialise(true, 12, 0x100)), response({0x80, 0}));
+  EXPECT_TRUE(slave_.transfer_open());
+  EXPECT_EQ(application_.take(), "begin 256, put 0+6, cancelled, begin 256");
+
+  EXPECT_EQ(send(initialise(true, 301, 0x200)), response({0xA0, 0, 0x02, 0x00}))
+      << "replaces, and is too long";
+  EXPECT_EQ(send(initialise(true, 12, 0x100)), response({0x80, 0}));
+  EXPECT_EQ(send(command({0xE0, 0, 1, 2, 3, 4, 5, 6})), response({0x80, 0}));
+  EXPECT_EQ(application_.take(), "cancelled, begin 256, put 0+6");
+}
+
 TEST_F(SlaveTest, CancelIsAcknowledgedWithTwoBytes) {
   set_up();
   EXPECT_EQ(send(initialise(false, 0, 0)), response({0x80, 0})) << "also with nothing to cancel";
