@@ -97,6 +97,10 @@ Problem check(const cansync_ParameterRequest& request, const Limits& limits) {
 Problem check(const cansync_TransferRequest& request, const Limits& limits) {
   if (Problem problem = configured_slave("slave", request.slave, limits)) return problem;
   if (Problem problem = in_range("sub_slave", request.sub_slave, 0, 0xFFFF)) return problem;
+  if (Problem problem = in_range("direction", static_cast<std::int64_t>(request.direction), 0,
+                                 static_cast<std::int64_t>(cansync_DIRECTION_DOWNLOAD))) {
+    return problem;
+  }
   if (Problem problem = check_length(request)) return problem;
   if (Problem problem = check_address(request, limits)) return problem;
   if (Problem problem = check_block_size(request, limits)) return problem;

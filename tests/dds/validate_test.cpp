@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <functional>
 #include <string>
 #include <vector>
@@ -112,6 +113,11 @@ TEST(Validate, Upload) {
           {[](R& r) { r.slave = 32; }, "slave 32: out of range; allowed 0..31"},
           {[](R& r) { r.slave = 4; }, "slave 4: not configured; allowed 0..3, 7"},
           {[](R& r) { r.sub_slave = 70000; }, "sub_slave 70000: out of range; allowed 0..65535"},
+          {[](R& r) {
+             constexpr std::uint32_t kNone = 2;  // as a client of another language could send it
+             std::memcpy(&r.direction, &kNone, sizeof r.direction);
+           },
+           "direction 2: out of range; allowed 0..1"},
           {[](R& r) { r.length = 0; }, "length 0: out of range; allowed 1..16777216 bytes"},
           {[](R& r) { r.length = 16777216; }, ""},
           {[](R& r) { r.length = 16777217; }, "length 16777217: out of range; allowed 1..16777216 bytes"},
