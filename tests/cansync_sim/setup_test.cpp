@@ -112,6 +112,12 @@ TEST(Setup, WrongArgumentsAreNamed) {
   EXPECT_NE(problems({}).find("no interface given"), std::string::npos);
   EXPECT_NE(problems(on("sim")).find("'sim', which is the daemon's own simulated line"), std::string::npos);
   EXPECT_NE(problems(on("a name too long for this")).find("bus.interface"), std::string::npos);
+  for (const char* strange : {"can'0", "can0'\nbit_rate = 500000\n#", "can\t0"}) {
+    EXPECT_EQ(problems(on(strange)),
+              std::string("bus.interface: found \"") + strange +
+                  "\"; allowed: printable characters but space and ', such as vcan0 or "
+                  "can0\n");
+  }
   Arguments arguments = on("vcan0");
   arguments.slaves = "0,32";
   EXPECT_NE(problems(arguments).find("--slaves: found '0,32'; allowed: slave numbers 0..31"),
@@ -163,6 +169,43 @@ TEST(Setup, RefusesFaultsThatOnlyASimulatedLineHas) {
                 "allowed on the simulated line alone (interface = \"sim\")");
   EXPECT_EQ(setup.problems[1].substr(file.path().size(), 46),
             ":10:8: kind = \"late\": only the master decides ");
+}
+
+TEST(Setup, FilesThatCannotBeReadAreNamed) {
+  const std::string missing = testing::TempDir() + "cansync_sim_test_missing.toml";
+  for (const std::string& path : {missing, testing::TempDir()}) {
+    Arguments arguments = on("vcan0");
+    arguments.faults = path;
+    EXPECT_NE(problems(arguments).find(path), std::string::npos) << problems(arguments);
+    arguments = {};
+    arguments.config = path;
+    EXPECT_NE(problems(arguments).find(path), std::string::npos) << problems(arguments);
+  }
+}
+
+TEST(CommandLine, IsReadWithoutLookingIntoItsTexts) {
+  const auto parse = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "cansync-sim");
+    return cansync_sim::parse_arguments(static_cast<int>(words.size()), words.data());
+  };
+  const auto good = parse({"vcan0", "--slaves", "0-3", "--set", "sim.seed=2", "-v"});
+  ASSERT_TRUE(std::holds_alternative<Arguments>(good));
+  EXPECT_EQ(std::get<Arguments>(good).slaves, "0-3");
+  EXPECT_TRUE(std::get<Arguments>(good).verbose);
+  const std::vector<std::vector<const char*>> wrong_lines = {{"vcan0", "--nonsense"},
+                                                             {"vcan0", "vcan1"},
+                                                             {"vcan0", "--slaves"},
+                                                             {"vcan0", "--seed", "1", "--seed", "2"}};
+  for (const auto& line : wrong_lines) {
+    const auto end = parse(line);
+    ASSERT_TRUE(std::holds_alternative<cansync_sim::CommandLineEnd>(end)) << line.back();
+    EXPECT_TRUE(std::get<cansync_sim::CommandLineEnd>(end).wrong);
+    EXPECT_NE(std::get<cansync_sim::CommandLineEnd>(end).text.find("--help"), std::string::npos);
+  }
+  const auto help = parse({"--help"});
+  ASSERT_TRUE(std::holds_alternative<cansync_sim::CommandLineEnd>(help));
+  EXPECT_FALSE(std::get<cansync_sim::CommandLineEnd>(help).wrong);
+  EXPECT_NE(std::get<cansync_sim::CommandLineEnd>(help).text.find("--faults"), std::string::npos);
 }
 
 TEST(Setup, AWrongFaultScriptIsNamedWithItsPlace) {

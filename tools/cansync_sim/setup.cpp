@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <string_view>
 #include <utility>
@@ -89,6 +90,13 @@ class SetupReader {
     read_sync_identifier();
     if (arguments_.interface.empty() && arguments_.config.empty())
       problem("no interface given; usage: cansync-sim INTERFACE, or cansync-sim --help");
+    // The name becomes a part of a configuration, between quotes.
+    const auto strange = [](char c) { return c <= ' ' || c >= '\x7f' || c == '\''; };
+    if (std::any_of(arguments_.interface.begin(), arguments_.interface.end(), strange))
+      problem(
+          fmt::format("bus.interface: found \"{}\"; allowed: printable characters but space and ', such as "
+                      "vcan0 or can0",
+                      arguments_.interface));
     if (setup_.problems.empty()) read_line(slaves);
     return std::move(setup_);
   }

@@ -4,28 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "cansync_sim/arguments.h"
 #include "cansync_sim/bench.h"
 #include "sim/drive.h"
 
 namespace cansync_sim {
-
-/// What stands on the command line, as text; empty: not given.
-struct Arguments {
-  std::string interface;
-  std::string config;
-  std::string slaves;
-  std::string sync_id;
-  std::string faults;
-  std::string bit_rate;
-  std::string lock_time;
-  std::string status_parameter;
-  std::string memory;
-  std::string missing_references;
-  std::string seed;
-  std::vector<std::string> set;
-  bool wait = false;
-  bool verbose = false;
-};
 
 /// What the program runs with, or all that is wrong with its arguments.
 struct Setup {

@@ -1,0 +1,64 @@
+#include "daemon/arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+
+namespace cansyncd {
+namespace {
+
+void describe(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", std::string("cansyncd " CANSYNC_VERSION));
+  auto* config =
+      app.add_option("CONFIG", arguments.config, "Configuration file (TOML); runs the bus it describes");
+  auto* check = app.add_option("--check", arguments.check,
+                               "Check this configuration file, print its bus budget and start nothing")
+                    ->type_name("FILE");
+  app.add_option("--trace", arguments.trace,
+                 "Log of the simulated bus in candump's format; --set sim.trace=FILE")
+      ->type_name("FILE");
+  app.add_option("--domain", arguments.domain, "DDS domain; --set dds.domain=NUMBER")->type_name("NUMBER");
+  app.add_option("--set", arguments.set, "Option that wins over the file, e.g. --set bus.bit_rate=500000")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_flag("--print-default-config", arguments.print_default_config,
+               "Print a configuration with every option");
+  app.add_flag("--print-options-markdown", arguments.print_options_markdown,
+               "Print the documentation of all options");
+  config->excludes(check);
+  app.footer(
+      "Signals: SIGTERM and SIGINT stop, SIGHUP reads the file again, SIGUSR1 saves a flight recording.\n"
+      "Exit codes: 0 stopped or file in order, 1 cannot start, 2 wrong command line, 78 wrong "
+      "configuration.\n"
+      "All options of the file: docs/configuration.md.");
+}
+
+}  // namespace
+
+std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv) {
+  CLI::App app("CANsync master: drives one CANsync bus and offers it on DDS topics.", "cansyncd");
+  Arguments arguments;
+  describe(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream asked;
+    std::ostringstream complaint;
+    const bool wrong = app.exit(error, asked, complaint) != 0;
+    return CommandLineEnd{wrong, wrong ? complaint.str() : asked.str()};
+  }
+  const bool prints = arguments.print_default_config || arguments.print_options_markdown;
+  if (arguments.config.empty() && arguments.check.empty() && !prints) {
+    return CommandLineEnd{
+        true, "cansyncd: no configuration file given\nusage: cansyncd CONFIG, or cansyncd --help\n"};
+  }
+  return arguments;
+}
+
+std::vector<std::string> overrides(const Arguments& arguments) {
+  std::vector<std::string> out = arguments.set;
+  if (!arguments.trace.empty()) out.push_back("sim.trace=" + arguments.trace);
+  if (!arguments.domain.empty()) out.push_back("dds.domain=" + arguments.domain);
+  return out;
+}
+
+}  // namespace cansyncd

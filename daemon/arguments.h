@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+/// The command line of `cansyncd`. Main thread (allocates).
+namespace cansyncd {
+
+/// What stands on the command line; empty: not given.
+struct Arguments {
+  std::string config;  ///< file to run with
+  std::string check;   ///< file to check instead
+  std::string trace;
+  std::string domain;
+  std::vector<std::string> set;  ///< KEY=VALUE
+  bool print_default_config = false;
+  bool print_options_markdown = false;
+};
+
+/// The program ends after its command line: help or version was asked for, or something in it is wrong.
+struct CommandLineEnd {
+  bool wrong = false;  ///< `text` is an error
+  std::string text;
+};
+
+/// Reads the command line; opens no file and starts nothing. Texts of options are not looked into.
+std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv);
+
+/// The settings of the command line as "KEY=VALUE", which win over the file.
+std::vector<std::string> overrides(const Arguments& arguments);
+
+}  // namespace cansyncd

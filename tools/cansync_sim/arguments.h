@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace cansync_sim {
+
+/// What stands on the command line, as text; empty: not given.
+struct Arguments {
+  std::string interface;
+  std::string config;
+  std::string slaves;
+  std::string sync_id;
+  std::string faults;
+  std::string bit_rate;
+  std::string lock_time;
+  std::string status_parameter;
+  std::string memory;
+  std::string missing_references;
+  std::string seed;
+  std::vector<std::string> set;
+  bool wait = false;
+  bool verbose = false;
+};
+
+/// The program ends after its command line: help or version was asked for, or something in it is wrong.
+struct CommandLineEnd {
+  bool wrong = false;  ///< `text` is an error
+  std::string text;
+};
+
+/// Reads the command line; opens no file and no interface. What the texts say is looked at by `make_setup`.
+std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv);
+
+}  // namespace cansync_sim
