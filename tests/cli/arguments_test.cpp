@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -98,6 +101,25 @@ TEST(CommandLine, HelpListsVerbsAndExitCodes) {
   EXPECT_NE(outcome.data.find("\n  broadcast "), std::string::npos);
   EXPECT_NE(outcome.data.find("Exit codes:\n  0  done"), std::string::npos);
   EXPECT_EQ(outcome.remarks, "");
+}
+
+TEST(CommandLine, AFileThatCannotBeDownloadedIsToldBeforeAnythingIsSent) {
+  const std::string missing = testing::TempDir() + "cansync_arguments_test_missing";
+  const Outcome absent = run_with({"download", "1", "0x100", missing.c_str()});
+  EXPECT_EQ(absent.code, ExitCode::failed);
+  EXPECT_NE(absent.remarks.find(missing + ": No such file"), std::string::npos) << absent.remarks;
+  const std::string folder = testing::TempDir();
+  const Outcome unreadable = run_with({"download", "1", "0x100", folder.c_str()});
+  EXPECT_EQ(unreadable.code, ExitCode::failed);
+  EXPECT_NE(unreadable.remarks.find(folder + ": Is a directory"), std::string::npos) << unreadable.remarks;
+  const std::string long_file = testing::TempDir() + "cansync_arguments_test_" + std::to_string(::getpid());
+  std::ofstream(long_file).close();
+  std::filesystem::resize_file(long_file, 16'777'217);  // takes no room
+  const Outcome too_long = run_with({"download", "1", "0x100", long_file.c_str()});
+  std::filesystem::remove(long_file);
+  EXPECT_EQ(too_long.code, ExitCode::usage);
+  EXPECT_NE(too_long.remarks.find("is too long; allowed: 1..16777216 bytes"), std::string::npos)
+      << too_long.remarks;
 }
 
 TEST(CommandLine, AMissingInterfaceIsNotReachable) {

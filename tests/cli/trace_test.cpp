@@ -208,6 +208,10 @@ TEST_F(TraceVerb, WhatCannotBeReadIsSaid) {
   const Outcome missing = trace({});
   EXPECT_EQ(missing.code, ExitCode::failed);
   EXPECT_NE(missing.remarks.find(path_), std::string::npos);
+  path_ = testing::TempDir();  // a folder
+  const Outcome folder = trace({});
+  EXPECT_EQ(folder.code, ExitCode::failed);
+  EXPECT_NE(folder.remarks.find(path_ + ": Is a directory"), std::string::npos) << folder.remarks;
   path_ = "nocan99";  // neither a file nor an interface
   const Outcome nothing = trace({});
   EXPECT_EQ(nothing.code, ExitCode::failed);
