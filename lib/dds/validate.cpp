@@ -62,6 +62,10 @@ Problem check_block_size(const cansync_TransferRequest& request, const Limits& l
     return fmt::format("block_size {}: over the limit of slave {}; allowed 1..{}, 0 = {}", request.block_size,
                        request.slave, most, most);
   }
+  if (request.block_size % limits.address_step != 0) {
+    return fmt::format("block_size {}: no whole start addresses; allowed multiples of {} up to {}, 0 = {}",
+                       request.block_size, limits.address_step, most, most);
+  }
   return std::nullopt;
 }
 

@@ -156,6 +156,17 @@ TEST(Validate, DownloadNeedsItsData) {
                             });
 }
 
+TEST(Validate, BlocksBeginAtWholeStartAddresses) {
+  Limits limits = line();
+  limits.address_step = 4;
+  cansync_TransferRequest request = good_upload();
+  request.block_size = 120;
+  EXPECT_EQ(check(request, limits), std::nullopt);
+  request.block_size = 122;
+  EXPECT_EQ(check(request, limits),
+            "block_size 122: no whole start addresses; allowed multiples of 4 up to 300, 0 = 300");
+}
+
 TEST(Validate, ReservedAddressesWhenTheSettingAllowsThem) {
   Limits limits = line();
   limits.allow_reserved_addresses = true;
