@@ -70,6 +70,13 @@ class FakeDaemon {
  private:
   using Key = cansync::dds::RequestKey;
 
+  /// A full reader refuses a reply for a while; it is kept and tried again, as the daemon does.
+  template <class Reply>
+  void answer(cansync::dds::Writer<Reply>& writer, const Reply& reply) {
+    while (writer.write(reply) == DDS_RETCODE_TIMEOUT && !stop_) {
+    }
+  }
+
   void publish_state() {
     cansync_MasterStatus master = {};
     cansync::dds::fill_master_status(settings_, {}, cansync::State::active_master, master);
@@ -101,7 +108,7 @@ class FakeDaemon {
     const Key key = cansync::dds::key_of(request);
     ++requests_;
     if (const auto problem = check(request, limits)) {
-      (void)parameter_writer_.write(cansync::dds::parameter_refused(key, *problem));
+      answer(parameter_writer_, cansync::dds::parameter_refused(key, *problem));
       return;
     }
     if (request.number == kSilentNumber) {
@@ -119,14 +126,14 @@ class FakeDaemon {
       result.doubleword = value > 0xFFFF;
       result.intervals = 1;
     }
-    (void)parameter_writer_.write(cansync::dds::parameter_reply(key, result));
+    answer(parameter_writer_, cansync::dds::parameter_reply(key, result));
   }
 
   void answer(const cansync_TransferRequest& request, const cansync::dds::Limits& limits) {
     const Key key = cansync::dds::key_of(request);
     ++requests_;
     if (const auto problem = check(request, limits)) {
-      (void)transfer_writer_.write(cansync::dds::transfer_refused(key, *problem));
+      answer(transfer_writer_, cansync::dds::transfer_refused(key, *problem));
       return;
     }
     (void)progress_writer_.write(cansync::dds::transfer_progress(key, request.length / 2, request.length));
@@ -139,10 +146,10 @@ class FakeDaemon {
     result.bytes = request.length;
     if (request.direction == cansync_DIRECTION_DOWNLOAD) {
       memory.assign(request.data._buffer, request.data._buffer + request.data._length);
-      (void)transfer_writer_.write(cansync::dds::transfer_reply(key, result, {}));
+      answer(transfer_writer_, cansync::dds::transfer_reply(key, result, {}));
     } else {
       memory.resize(request.length);
-      (void)transfer_writer_.write(cansync::dds::transfer_reply(key, result, memory));
+      answer(transfer_writer_, cansync::dds::transfer_reply(key, result, memory));
     }
   }
 
@@ -150,24 +157,23 @@ class FakeDaemon {
     const Key key = cansync::dds::key_of(command);
     ++requests_;
     if (const auto problem = check(command, limits)) {
-      (void)command_writer_.write(cansync::dds::command_refused(key, *problem));
+      answer(command_writer_, cansync::dds::command_refused(key, *problem));
       return;
     }
     {
       const std::lock_guard lock(mutex_);
       commands_.push_back(command);
     }
-    (void)command_writer_.write(cansync::dds::command_reply(key, cansync::Outcome::done));
+    answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::done));
   }
 
   void end_open(const Key& key) {
     if (std::erase(open_parameters_, key) != 0) {
-      (void)parameter_writer_.write(
-          cansync::dds::parameter_reply(key, {.outcome = cansync::Outcome::cancelled}));
+      answer(parameter_writer_, cansync::dds::parameter_reply(key, {.outcome = cansync::Outcome::cancelled}));
     }
     if (std::erase(open_transfers_, key) != 0) {
-      (void)transfer_writer_.write(
-          cansync::dds::transfer_reply(key, {.outcome = cansync::Outcome::cancelled, .bytes = 0}, {}));
+      answer(transfer_writer_,
+             cansync::dds::transfer_reply(key, {.outcome = cansync::Outcome::cancelled, .bytes = 0}, {}));
     }
   }
 

@@ -274,7 +274,7 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::slave_held});
   const auto held = rig.client.reply<cansync_CommandReply>(4);
   ASSERT_TRUE(held);
-  expect_refused(held->code, held->reason, {"slave 1 'feeder'", "held out", "0x0001", "cansync release"});
+  expect_refused(held->code, held->reason, {"slave 1 'feeder'", "held out", "0x000F", "cansync release"});
 
   rig.client.write(good_read(5));
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::slave_lost});
