@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bytes.h"
+#include "cansync/settings_check.h"
 #include "daemon/gateway_requests.h"
 #include "dds/convert.h"
 #include "dds/validate.h"
@@ -65,7 +66,7 @@ MasterSettings settings(Bytes& in) {
   const auto configured = in.number<std::uint32_t>();
   for (unsigned i = 0; i < kSlaves; ++i) out.slaves[i].configured = ((configured >> i) & 1u) != 0;
   out.slaves[0].configured = true;
-  out.slaves[0].block_limit = static_cast<std::uint16_t>(6 + in.below(4087));
+  out.slaves[0].block_limit = static_cast<std::uint16_t>(8 + in.below(1022) * 4);
   out.process.maximum_slave = *SlaveNumber::from(31);
   out.command_channel.address_step = in.flag() ? 4 : 1;
   out.command_channel.allow_reserved_addresses = in.flag();
@@ -76,6 +77,7 @@ class Run {
  public:
   explicit Run(Bytes& in)
       : in_(in), settings_(settings(in)), limits_(dds::limits_of(settings_)), master_(settings_, ledger_) {
+    require(cansync::check(settings_).empty(), "the settings are good");
     for (const auto step : {ControlCommand::handshake, ControlCommand::take_over_initialisation,
                             ControlCommand::start_synchronous, ControlCommand::enable_active})
       static_cast<void>(master_.control(step, true));

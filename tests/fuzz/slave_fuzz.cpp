@@ -156,7 +156,7 @@ class SlaveRun {
     const State before = slave_.state();
     const bool allowed = slave_.control(command);
     require(allowed || slave_.state() == before, "what is not allowed changes nothing");
-    if (!is_active(slave_.state())) released_ = {};
+    if (allowed && !is_active(slave_.state())) released_ = {};
     last_answer_.reset();
   }
 
