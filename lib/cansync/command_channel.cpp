@@ -367,7 +367,9 @@ void CommandChannel::end_transfer(const TransferJob& job) noexcept {
 }
 
 void CommandChannel::finish_transfer(SlaveNumber slave) noexcept {
-  end_transfer(*transfers_.front(slave));
+  const TransferJob& job = *transfers_.front(slave);
+  end_transfer(job);
+  if (job.left_open() && settings_.cancel_at_start) open_transfers_.forget(SlaveMask::of(slave));
   transfers_.pop(slave);
 }
 

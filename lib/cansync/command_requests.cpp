@@ -4,6 +4,12 @@
 
 /// The command channel's other half: taking requests, cancelling them, and ending them all.
 namespace cansync {
+namespace {
+
+/// A slave that is busy for ever must not keep a transfer from ending.
+constexpr Duration kCancelPatience = std::chrono::seconds(1);
+
+}  // namespace
 
 void CommandChannel::begin() noexcept {
   if (settings_.cancel_at_start) open_transfers_.forget(configured_);
@@ -65,6 +71,7 @@ Refusal CommandChannel::submit(const TransferRequest& request) noexcept {
   const Duration time = request.monitoring_time;
   limits.monitoring =
       std::max<IntervalNumber>(intervals(time > Duration(0) ? time : settings_.transfer_monitoring), 1);
+  limits.cancel_patience = intervals(kCancelPatience);
   return transfers_.push(request.slave, TransferJob(request, limits)) != nullptr ? Refusal::none
                                                                                  : Refusal::queue_full;
 }

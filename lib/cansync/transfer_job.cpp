@@ -74,7 +74,10 @@ void TransferJob::slave_lost(IntervalNumber now) noexcept {
 
 Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexcept {
   if (reply.busy) return Step::again;
-  if (phase_ == Phase::cancel) return cancelled(now);
+  if (phase_ == Phase::cancel) {
+    told_ = true;
+    return cancelled(now);
+  }
   if (reply.error) return refused(static_cast<TransferError>(load_word(reply.payload.data())), now);
   return phase_ == Phase::initialise ? initialised(reply, now) : block_answered(reply, now);
 }
@@ -141,12 +144,13 @@ Step TransferJob::unanswered(IntervalNumber now) noexcept {
 }
 
 Step TransferJob::check_time(IntervalNumber now) noexcept {
+  if (phase_ == Phase::cancel) return now < deadline_ ? Step::again : cancelled(now);
   if (!timed_) {
     timed_ = true;
     deadline_ = now + limits_.monitoring;
     return Step::again;
   }
-  if (now < deadline_ || phase_ == Phase::cancel) return Step::again;
+  if (now < deadline_) return Step::again;
   result_.error_offset = block_start_ + offset_;
   return fail_block(Outcome::timeout, true, now);
 }
@@ -166,8 +170,11 @@ Step TransferJob::fail_block(Outcome outcome, bool may_retry, IntervalNumber now
 Step TransferJob::abort(Outcome outcome, IntervalNumber now) noexcept {
   after_cancel_ = outcome;
   if (!on_slave_) return cancelled(now);
+  // Cancelled once more while it is told already: that time goes on.
+  if (phase_ != Phase::cancel) deadline_ = now + limits_.cancel_patience;
   phase_ = Phase::cancel;
   cancels_ = 0;
+  told_ = false;
   return Step::again;
 }
 

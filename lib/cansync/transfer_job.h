@@ -16,6 +16,8 @@ struct TransferLimits {
   std::uint8_t block_retries = 1;      ///< times a failed block is begun again
   std::uint8_t address_step = 1;       ///< bytes per start address
   IntervalNumber monitoring = 30'000;  ///< intervals a block may take
+  /// Intervals until a job whose cancel telegram could not be sent, or is answered busy, ends without.
+  IntervalNumber cancel_patience = 1'000;
 };
 
 /// Longest block one initialise may announce: a multiple of 6 and of 4 that the 12-bit length holds.
@@ -45,7 +47,7 @@ class TransferJob {
   Step unanswered(IntervalNumber now) noexcept;
 
   /// To be asked once an interval while the job is first of its slave: begins the block's monitoring time,
-  /// and ends the block when it is over.
+  /// and ends the block when it is over; likewise the time for a cancel telegram.
   Step check_time(IntervalNumber now) noexcept;
 
   /// Ends the job as soon as the slave has been told: `again` = a cancel telegram is to be sent first.
@@ -56,6 +58,10 @@ class TransferJob {
 
   /// Ends the job at once because the slave is gone: what it has of the running block does not count.
   void slave_lost(IntervalNumber now) noexcept;
+
+  /// True when the job ended without the slave having confirmed the cancel telegram: it may have a block
+  /// open.
+  bool left_open() const noexcept { return phase_ == Phase::cancel && !told_; }
 
   /// True when the slave may have a block of this job open.
   bool on_slave() const noexcept { return on_slave_; }
@@ -89,8 +95,9 @@ class TransferJob {
   bool was_sent_ = false;
   bool on_slave_ = false;  ///< an initialise was sent: the slave may have an open block
   bool timed_ = false;
+  bool told_ = false;  ///< the slave has answered the cancel telegram
   IntervalNumber first_sent_ = 0;
-  IntervalNumber deadline_ = 0;
+  IntervalNumber deadline_ = 0;  ///< of the block, or of the cancel telegram
 };
 
 }  // namespace cansync

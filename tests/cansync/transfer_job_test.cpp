@@ -265,6 +265,68 @@ TEST_F(Transfers, CancelTellsTheSlaveAndEndsOnce) {
   EXPECT_EQ(memory->asked.size(), asked);
 }
 
+/// Every answer is busy, also that to the cancel telegram.
+TEST_F(Transfers, ASlaveThatIsBusyForEverKeepsNoTransferFromEnding) {
+  settings.command_channel.cancel_at_start = true;
+  settings.command_channel.transfer_monitoring = std::chrono::milliseconds(50);
+  std::vector<std::uint8_t> data = pattern(60);
+  start();
+  // Those of the start are over.
+  rig->run(10);
+  bool busy = true;
+  memory->before = [&](const Telegram& telegram) -> Scripted {
+    if (!busy || MasterRig::status_only(telegram)) return std::nullopt;
+    return Scripted{TransferReply{slave(2), *BlockOffset::from(0), true, false, 0, {}}};
+  };
+  const IntervalNumber from = rig->next_interval;
+  const TransferResult timed_out = run(Direction::download, data);
+  EXPECT_EQ(timed_out.outcome, Outcome::timeout);
+  // Twice 50, and twice a second for the cancel telegram.
+  EXPECT_NEAR(static_cast<double>(rig->next_interval - from), 2100, 10);
+
+  settings.command_channel.transfer_monitoring = std::chrono::hours(1);
+  rig.reset();
+  busy = false;
+  start();
+  rig->run(10);
+  busy = true;
+  ASSERT_EQ(rig->master.submit(TransferRequest{.id = 1, .slave = slave(2), .address = 0x1000, .data = data}),
+            Refusal::none);
+  rig->run(20);
+  ASSERT_EQ(rig->master.cancel(1), Refusal::none);
+  rig->run(500);
+  EXPECT_FALSE(rig->told.transfers.contains(1));
+  // Again and again does not make it last longer.
+  ASSERT_EQ(rig->master.cancel(1), Refusal::none);
+  rig->run_until([this] { return rig->told.transfers.contains(1); }, 510);
+  ASSERT_TRUE(rig->told.transfers.contains(1));
+  EXPECT_EQ(rig->told.transfers.at(1).outcome, Outcome::cancelled);
+  // The slave may have the block open: it is told again before the next transfer begins.
+  busy = false;
+  memory->asked.clear();
+  EXPECT_EQ(run(Direction::download, data).outcome, Outcome::done);
+  EXPECT_NE(std::find(memory->asked.begin(), memory->asked.end(), Telegram(cancel_transfer(slave(2)))),
+            memory->asked.end());
+}
+
+/// The cancel telegram is never let out.
+TEST_F(Transfers, ACancelledTransferEndsAlsoWhileNoSlaveHasATurn) {
+  settings.command_channel.cancel_at_start = true;
+  std::vector<std::uint8_t> data = pattern(600);
+  start();
+  ASSERT_EQ(rig->master.submit(TransferRequest{.id = 1, .slave = slave(2), .address = 0x1000, .data = data}),
+            Refusal::none);
+  rig->run(20);
+  const Cursor nobody{Cursor::Kind::nobody, {}};
+  ASSERT_EQ(rig->master.set_command_cursors({}, {}, nobody), Refusal::none);
+  ASSERT_EQ(rig->master.cancel(1), Refusal::none);
+  rig->run(1010);
+  ASSERT_TRUE(rig->told.transfers.contains(1));
+  EXPECT_EQ(rig->told.transfers.at(1).outcome, Outcome::cancelled);
+  // It was told all the same, as a slave whose state is not known.
+  EXPECT_EQ(memory->asked.back(), Telegram(cancel_transfer(slave(2))));
+}
+
 TEST_F(Transfers, AddressStepCountsDoublewordsWhenSet) {
   settings.command_channel.address_step = 4;
   std::vector<std::uint8_t> data = pattern(600);
