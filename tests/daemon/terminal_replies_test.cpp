@@ -1,0 +1,531 @@
+// Exactly one terminal reply for each request, whatever happens: real DDS, the gateway on its own thread, and
+// the realtime loop with simulated drives in virtual time.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "sim/drive_parameters.h"
+#include "whole_rig.h"
+
+namespace cansyncd {
+namespace {
+
+constexpr std::uint32_t kForEver = 3'600'000;  // ms; the longest that may be asked for
+constexpr std::uint32_t kSoon = 500;           // ms
+constexpr std::uint32_t kSooner = 100;         // ms; shorter than 255 unanswered commands
+constexpr std::uint32_t kData = 0x1000;
+constexpr std::uint8_t kOperator = 2;  // identity of who gives the commands that are a cause
+constexpr std::uint8_t kMarker = 3;    // identity of requests that only mark an instant
+
+/// Kinds of requests that end in the same way. `waiting`: reads that wait for their turn in the gateway.
+enum Kind : std::uint8_t {
+  read,
+  write,
+  upload,
+  download,
+  waiting,
+  control_word,
+  broadcast,
+  line_setting,
+  mode,
+  release,
+  kKinds
+};
+
+cansync_ParameterRequest parameter(std::uint64_t number, std::uint32_t of_slave, bool writes,
+                                   std::uint32_t timeout) {
+  auto request = TestClient::request<cansync_ParameterRequest>(number);
+  request.slave = of_slave;
+  request.write = writes;
+  request.number = writes ? sim::parameter::first_plain_word : sim::parameter::operating_mode;
+  request.element = 7;
+  request.format = cansync_FORMAT_WORD;
+  request.timeout = timeout;
+  return request;
+}
+
+cansync_TransferRequest transfer(std::uint64_t number, std::uint32_t of_slave, std::uint32_t timeout) {
+  auto request = TestClient::request<cansync_TransferRequest>(number);
+  request.slave = of_slave;
+  request.address = kData;
+  request.length = 1200;
+  request.timeout = timeout;
+  return request;
+}
+
+cansync_Command command(std::uint64_t number, cansync_CommandKind kind) {
+  auto sample = TestClient::request<cansync_Command>(number);
+  sample.kind = kind;
+  sample.slave = 1;
+  // A word that enables no drive is sent also to a slave that does not answer.
+  sample.control_word = cansync::StartupSettings{}.enabling_control_bits;
+  sample.priority = 1;
+  sample.slave_mask = 0xF;
+  sample.action = 200;
+  sample.mode = cansync_MODE_RUN;
+  sample.polling_one = sample.polling_two = sample.maximum_slave = -2;
+  sample.cursor_control_word = sample.cursor_parameter = sample.cursor_transfer = -2;
+  return sample;
+}
+
+constexpr std::uint64_t kRequests = 20;
+
+Kind kind_of(std::uint64_t number) {
+  static constexpr std::array kFirst = {read,      write,        upload,       download,     control_word,
+                                        broadcast, line_setting, line_setting, line_setting, line_setting,
+                                        mode,      release,      read,         read};
+  return number <= kFirst.size() ? kFirst.at(number - 1) : waiting;
+}
+
+/// Every kind of request, and more reads of slave 1 than the gateway gives to the master at once. It gives
+/// the master four of what changes the line, too; mode and release wait for the others.
+void ask_all(TestClient& client, std::uint32_t timeout) {
+  client.write(parameter(1, 1, false, timeout));
+  client.write(parameter(2, 1, true, timeout));
+  client.write(transfer(3, 2, timeout));
+  auto down = transfer(4, 3, timeout);
+  std::vector<std::uint8_t> data(down.length, 0xA5);
+  down.direction = cansync_DIRECTION_DOWNLOAD;
+  down.data = {down.length, down.length, data.data(), false};
+  client.deliver(down);
+  client.write(command(5, cansync_COMMAND_CONTROL_WORD));
+  client.write(command(6, cansync_COMMAND_BROADCAST));
+  client.write(command(7, cansync_COMMAND_POLLING));
+  client.write(command(8, cansync_COMMAND_CHANNEL_CURSORS));
+  client.write(command(9, cansync_COMMAND_REFERENCE_MAPPING));
+  client.write(command(10, cansync_COMMAND_ACTUAL_MAPPING));
+  client.write(command(11, cansync_COMMAND_MODE));
+  client.deliver(command(12, cansync_COMMAND_RELEASE));
+  for (std::uint64_t number = 13; number < kRequests; ++number) {
+    client.write(parameter(number, 1, false, timeout));
+  }
+  client.deliver(parameter(kRequests, 1, false, timeout));
+}
+
+/// Waits until the gateway has taken everything that came, and told everything the master had ended before.
+void pass_marker(WholeRig& rig) {
+  static std::uint64_t number = 0;
+  // The pass that takes the first may have begun before.
+  for (int i = 0; i < 2; ++i) {
+    auto a = parameter(++number, 9, false, 0);
+    auto b = transfer(++number, 9, 0);
+    auto c = command(++number, cansync_COMMAND_CONTROL_WORD);
+    c.slave = 9;
+    a.client[0] = b.client[0] = c.client[0] = kMarker;
+    rig.watcher().write(a);
+    rig.watcher().write(b);
+    rig.watcher().write(c);
+    ASSERT_TRUE(eventually(rig.watcher().signal(), [&] {
+      const auto& codes = rig.replies(kMarker);
+      return codes.contains(number) && codes.contains(number - 1) && codes.contains(number - 2);
+    }));
+  }
+}
+
+void order(WholeRig& rig, cansync_Mode mode) {
+  auto sample = command(1, cansync_COMMAND_MODE);
+  sample.client[0] = kOperator;
+  sample.mode = mode;
+  rig.watcher().deliver(sample);
+}
+
+sim::Fault fault(sim::FaultKind kind, std::optional<std::uint8_t> of_slave = std::nullopt) {
+  sim::Fault out;
+  out.kind = kind;
+  if (of_slave) out.slave = slave(*of_slave);
+  return out;
+}
+
+void add(WholeRig& rig, sim::FaultKind kind) {
+  for (const std::uint8_t number : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}}) {
+    (void)rig.line().line().faults().add(fault(kind, number));
+  }
+}
+
+/// What tests of a cause need at hand.
+struct Scene {
+  WholeRig& rig;
+  std::unique_ptr<Asker>& asker;
+};
+
+using Codes = std::set<cansync_ReplyCode>;
+
+/// Something that happens to open requests, and how each kind of them may end.
+struct Cause {
+  const char* name;
+  std::uint32_t timeout;
+  bool under_way;  ///< jobs have begun, and their slaves answer busy; else: nothing has begun
+  std::function<void(Scene&)> happens;  ///< while time is held
+  std::array<Codes, kKinds> endings;    ///< by Kind
+  std::uint8_t lost_after = 3;          ///< unanswered commands
+  bool edges_after = true;              ///< the line goes on
+  bool daemon_after = true;             ///< the gateway goes on
+};
+
+const Codes kDone = {cansync_REPLY_DONE};
+const Codes kRefused = {cansync_REPLY_REFUSED};
+const Codes kCancelled = {cansync_REPLY_CANCELLED};
+const Codes kTimeout = {cansync_REPLY_TIMEOUT};
+const Codes kStopped = {cansync_REPLY_MASTER_STOPPED};
+const Codes kLost = {cansync_REPLY_SLAVE_LOST};
+const Codes kNoAnswer = {cansync_REPLY_NO_ANSWER};
+
+using Endings = std::array<Codes, kKinds>;
+
+/// Jobs end with `codes`, those that wait with `of_waiting`; commands as if nothing had happened.
+Endings jobs(const Codes& codes, const Codes& of_waiting) {
+  return {codes, codes, codes, codes, of_waiting, kDone, kDone, kDone, kDone, kRefused};
+}
+Endings jobs(const Codes& codes) {
+  return jobs(codes, codes);
+}
+Endings all_kinds(const Codes& codes) {
+  Endings endings;
+  endings.fill(codes);
+  return endings;
+}
+Endings with(Endings endings, std::initializer_list<std::pair<Kind, Codes>> others) {
+  for (const auto& [kind, codes] : others) endings.at(kind) = codes;
+  return endings;
+}
+Codes operator|(const Codes& left, const Codes& right) {
+  Codes both = left;
+  both.insert(right.begin(), right.end());
+  return both;
+}
+
+void cancel_all(Scene& scene) {
+  for (std::uint64_t number = 1; number < kRequests; ++number) {
+    scene.asker->client.write(TestClient::request<cansync_JobCancel>(number));
+  }
+  scene.asker->client.deliver(TestClient::request<cansync_JobCancel>(kRequests));
+  pass_marker(scene.rig);
+}
+
+void client_goes(Scene& scene) {
+  scene.asker.reset();
+  ASSERT_TRUE(scene.rig.heard("client_gone"));
+  pass_marker(scene.rig);
+}
+
+void silence(Scene& scene) {
+  add(scene.rig, sim::FaultKind::silent);
+}
+
+void lose_answers(Scene& scene) {
+  // The master does not get them.
+  sim::Fault lost = fault(sim::FaultKind::lost);
+  lost.receivers = {};
+  (void)scene.rig.line().line().faults().add(lost);
+}
+
+template <cansync_Mode Wanted>
+void change_mode(Scene& scene) {
+  order(scene.rig, Wanted);
+}
+
+void bus_off(Scene& scene) {
+  sim::Fault destroyed = fault(sim::FaultKind::corrupted);
+  destroyed.count = 500;
+  (void)scene.rig.line().line().faults().add(destroyed);
+  scene.rig.release();
+  ASSERT_TRUE(scene.rig.watch(
+      [](const auto& status) { return std::string_view(status.controller_state) == "bus-off"; }));
+  order(scene.rig, cansync_MODE_RESET_CAN);
+}
+
+void reload(Scene& scene) {
+  Config changed = whole_config();
+  changed.slaves[1].name = "renamed";
+  scene.rig.gateway().reload(changed);
+}
+
+void stop_gateway(Scene& scene) {
+  scene.rig.gateway().stop();
+}
+
+void stop_both(Scene& scene) {
+  scene.rig.end_line();
+  scene.rig.gateway().stop();
+}
+
+/// The next daemon serves the same client, whose numbers go on.
+void new_daemon(Scene& scene) {
+  scene.rig.stop_gateway();
+  scene.rig.start_gateway();
+  ASSERT_TRUE(scene.asker->wait_for_gateway());
+}
+
+const std::vector<Cause>& causes() {
+  // What waits for others may have been done, or be refused, by then.
+  static const Codes kStoppedLater = kStopped | kRefused;
+  static const Endings kOvertaken =
+      with(jobs(kDone | kStopped, kDone | kStoppedLater),
+           {{control_word, kDone | kStopped}, {broadcast, kDone | kStopped}, {mode, kDone | kRefused}});
+  static const std::vector<Cause> all = {
+      {"nothing", kForEver, false, [](Scene&) {}, jobs(kDone)},
+      {"busy until the monitoring time is over", kSoon, true, [](Scene&) {}, jobs(kTimeout)},
+      // One after the other, until the slave counts as lost.
+      {"answers stay away", kSooner, false, lose_answers,
+       with(jobs(kTimeout),
+            {{read, kTimeout | kLost}, {write, kNoAnswer}, {waiting, kTimeout | kLost | kRefused}}),
+       255},
+      {"slaves fall silent before", kForEver, false, silence, jobs(kLost, kRefused)},
+      {"slaves fall silent in the middle", kForEver, true, silence,
+       with(jobs(kLost, kRefused), {{write, kLost | kNoAnswer}})},
+      {"cancel before", kForEver, false, cancel_all, with(all_kinds(kCancelled), {{line_setting, kDone}})},
+      {"cancel in the middle", kForEver, true, cancel_all, jobs(kCancelled)},
+      {"client goes before", kForEver, false, client_goes,
+       with(all_kinds(kCancelled), {{line_setting, kDone}})},
+      {"client goes in the middle", kForEver, true, client_goes, jobs(kCancelled)},
+      // The order waits behind the settings of the line.
+      {"mode stop before", kForEver, false, change_mode<cansync_MODE_STOP>, kOvertaken, 3, false},
+      {"mode stop in the middle", kForEver, true, change_mode<cansync_MODE_STOP>,
+       jobs(kStopped, kStoppedLater), 3, false},
+      {"mode restart before", kForEver, false, change_mode<cansync_MODE_RESTART>, kOvertaken},
+      // Those that wait are refused, or served by the line that has started again.
+      {"mode restart in the middle", kSoon, true, change_mode<cansync_MODE_RESTART>,
+       jobs(kStopped, kStoppedLater | kTimeout)},
+      {"reset of the controller", kSoon, true, change_mode<cansync_MODE_RESET_CAN>, jobs(kTimeout)},
+      {"reload", kSoon, true, reload, jobs(kTimeout)},
+      {"bus-off until it is reset", kSoon, true, bus_off,
+       with(jobs(kLost | kTimeout, kLost | kTimeout | kRefused), {{write, kLost | kTimeout | kNoAnswer}})},
+      {"the gateway stops before", kForEver, false, stop_gateway, all_kinds(kStopped), 3, true, false},
+      {"the gateway stops in the middle", kForEver, true, stop_gateway, jobs(kStopped), 3, true, false},
+      {"the realtime thread ends, then the gateway", kForEver, true, stop_both, jobs(kStopped), 3, false,
+       false},
+      {"a new daemon", kForEver, true, new_daemon, jobs(kStopped)},
+  };
+  return all;
+}
+
+class TerminalReplies : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(TerminalReplies, EveryRequestHasExactlyOne) {
+  const Cause& cause = causes().at(GetParam());
+  SCOPED_TRACE(cause.name);
+  Config config = whole_config();
+  config.master.startup.lost_after = cause.lost_after;
+  WholeRig rig(config);
+  if (cause.under_way) add(rig, sim::FaultKind::busy);
+  auto asker = rig.new_asker();
+  ask_all(asker->client, cause.timeout);
+  pass_marker(rig);
+  // All that can begins, and what ends at once is told; shorter than any monitoring time.
+  for (int i = 0; cause.under_way && i < 3; ++i) {
+    rig.run(30);
+    pass_marker(rig);
+  }
+  Scene scene{rig, asker};
+  cause.happens(scene);
+  rig.release();
+  EXPECT_TRUE(rig.all_answered(kRequests));
+  // Longer than all that may still come takes.
+  if (cause.edges_after) {
+    rig.hold();
+    rig.run(5000);
+  }
+  if (cause.daemon_after) pass_marker(rig);
+  for (std::uint64_t number = 1; number <= kRequests; ++number) {
+    const auto& codes = rig.replies();
+    const auto found = codes.find(number);
+    if (found == codes.end()) {
+      ADD_FAILURE() << "request " << number << " has no reply";
+      continue;
+    }
+    EXPECT_EQ(found->second.size(), 1u) << "request " << number;
+    const auto& endings = cause.endings.at(kind_of(number));
+    EXPECT_TRUE(endings.contains(found->second.front()))
+        << "request " << number << ": " << found->second.front();
+  }
+  EXPECT_EQ(rig.replies().size(), kRequests);
+}
+
+INSTANTIATE_TEST_SUITE_P(Causes, TerminalReplies, testing::Range<std::size_t>(0, causes().size()));
+
+/// Replies to requests 1 to `count`, each of which must have exactly one; the last is waited for.
+std::vector<cansync_ReplyCode> only_replies(WholeRig& rig, std::uint64_t count) {
+  EXPECT_TRUE(rig.all_answered(count));
+  pass_marker(rig);
+  std::vector<cansync_ReplyCode> out;
+  for (const auto& [number, codes] : rig.replies()) {
+    EXPECT_EQ(codes.size(), 1u) << "request " << number;
+    out.push_back(codes.front());
+  }
+  EXPECT_EQ(out.size(), count);
+  return out;
+}
+
+TEST(TerminalReplies, ASlavesErrorIsOne) {
+  WholeRig rig;
+  rig.release();
+  const auto asker = rig.new_asker();
+  auto unknown = parameter(1, 1, false, 0);
+  unknown.number = 4000;
+  asker->client.write(unknown);
+  auto read_only = parameter(2, 1, true, 0);
+  read_only.number = sim::parameter::device_type;
+  asker->client.write(read_only);
+  auto wide = parameter(3, 1, false, 0);
+  wide.number = sim::parameter::user_doubleword;
+  asker->client.write(wide);
+  auto beyond = transfer(4, 2, 0);
+  beyond.address = 0x00F00000;
+  asker->client.write(beyond);
+  EXPECT_EQ(only_replies(rig, 4),
+            (std::vector{cansync_REPLY_SLAVE_ERROR, cansync_REPLY_SLAVE_ERROR,
+                         cansync_REPLY_DOUBLEWORD_EXPECTED, cansync_REPLY_SLAVE_ERROR}));
+}
+
+/// One request of each type that reaches the master only if nothing is wrong, spoiled by a row of the table.
+struct Refused {
+  const char* name;
+  std::function<void(Config&)> configure;
+  /// Asks with numbers 1 to `count`; the last three must be refused, what is before must not.
+  std::function<void(WholeRig&, TestClient&)> ask;
+  std::uint64_t count = 3;
+};
+
+void ask_two(TestClient& client, std::uint64_t first, std::uint32_t of_slave = 1) {
+  client.write(transfer(first, of_slave, 0));
+  auto word = command(first + 1, cansync_COMMAND_CONTROL_WORD);
+  word.slave = of_slave;
+  client.write(word);
+}
+void ask_three(TestClient& client, std::uint64_t first, std::uint32_t of_slave = 1) {
+  client.write(parameter(first, of_slave, true, 0));
+  ask_two(client, first + 1, of_slave);
+}
+
+const std::vector<Refused>& refusals() {
+  static const auto nothing = [](Config&) {};
+  static const std::vector<Refused> all = {
+      {"unknown slave", nothing, [](WholeRig&, TestClient& client) { ask_three(client, 1, 9); }},
+      {"out of range", nothing,
+       [](WholeRig&, TestClient& client) {
+         auto number = parameter(1, 1, false, 0);
+         number.number = 4096;
+         client.write(number);
+         auto block = transfer(2, 1, 0);
+         block.block_size = 4093;
+         client.write(block);
+         auto word = command(3, cansync_COMMAND_CONTROL_WORD);
+         word.control_word = 65536;
+         client.write(word);
+       }},
+      {"stale", [](Config& config) { config.dds.request_max_age = std::chrono::hours(1); },
+       [](WholeRig&, TestClient& client) {
+         const dds_time_t long_ago = dds_time() - DDS_SECS(7200);
+         client.write_at(parameter(1, 1, true, 0), long_ago);
+         client.write_at(transfer(2, 1, 0), long_ago);
+         client.write_at(command(3, cansync_COMMAND_CONTROL_WORD), long_ago);
+       }},
+      {"from the future", [](Config& config) { config.dds.request_max_age = std::chrono::hours(1); },
+       [](WholeRig&, TestClient& client) {
+         const dds_time_t later = dds_time() + DDS_SECS(7200);
+         client.write_at(parameter(1, 1, true, 0), later);
+         client.write_at(transfer(2, 1, 0), later);
+         client.write_at(command(3, cansync_COMMAND_CONTROL_WORD), later);
+       }},
+      {"read-only", [](Config& config) { config.access.read_only = true; },
+       [](WholeRig&, TestClient& client) {
+         client.write(parameter(1, 1, true, 0));
+         auto down = transfer(2, 1, 0);
+         std::vector<std::uint8_t> data(down.length);
+         down.direction = cansync_DIRECTION_DOWNLOAD;
+         down.data = {down.length, down.length, data.data(), false};
+         client.write(down);
+         client.write(command(3, cansync_COMMAND_CONTROL_WORD));
+       }},
+      {"the slave does not answer", nothing,
+       [](WholeRig& rig, TestClient& client) {
+         rig.hold();
+         add(rig, sim::FaultKind::silent);
+         rig.run(2000);
+         rig.release();
+         ask_three(client, 1);
+       }},
+      {"the line is stopped", nothing,
+       [](WholeRig& rig, TestClient& client) {
+         order(rig, cansync_MODE_STOP);
+         ASSERT_TRUE(rig.watch([](const auto& status) {
+           return status.option_status == static_cast<std::uint16_t>(cansync::State::waiting_for_start);
+         }));
+         ask_three(client, 1);
+       }},
+      {"too many open", nothing,
+       [](WholeRig& rig, TestClient& client) {
+         rig.hold();
+         for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) {
+           client.write(parameter(number, 1, false, 0));
+         }
+         // After these, because it goes the same way.
+         client.deliver(parameter(JobDesk::kPerClient + 1, 1, true, 0));
+         pass_marker(rig);
+         ask_two(client, JobDesk::kPerClient + 2);
+         EXPECT_TRUE(rig.all_answered(3));
+         rig.release();
+       },
+       JobDesk::kPerClient + 3},
+  };
+  return all;
+}
+
+class RefusedRequests : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(RefusedRequests, HaveExactlyOneReply) {
+  const Refused& row = refusals().at(GetParam());
+  SCOPED_TRACE(row.name);
+  Config config = whole_config();
+  row.configure(config);
+  WholeRig rig(config);
+  rig.release();
+  const auto asker = rig.new_asker();
+  row.ask(rig, asker->client);
+  const auto codes = only_replies(rig, row.count);
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    const bool refused = i + 3 >= row.count;
+    EXPECT_EQ(codes[i], refused ? cansync_REPLY_REFUSED : cansync_REPLY_DONE) << "request " << i + 1;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Reasons, RefusedRequests, testing::Range<std::size_t>(0, refusals().size()));
+
+/// A number that was used gets its own reply once more: a refusal, whatever became of the first.
+TEST(TerminalReplies, ANumberUsedTwiceHasTwoAndIsExecutedOnce) {
+  WholeRig rig;
+  const auto asker = rig.new_asker();
+  asker->client.deliver(parameter(1, 1, true, 0));
+  asker->client.deliver(parameter(1, 1, true, 0));
+  rig.release();
+  EXPECT_TRUE(eventually(rig.watcher().signal(), [&] {
+    const auto found = rig.replies().find(1);
+    return found != rig.replies().end() && found->second.size() >= 2;
+  }));
+  pass_marker(rig);
+  EXPECT_EQ(rig.replies().at(1), (std::vector{cansync_REPLY_REFUSED, cansync_REPLY_DONE}));
+}
+
+/// After the daemon was started anew, the clients that are still there are served.
+TEST(TerminalReplies, TheNextDaemonServesTheSameClient) {
+  WholeRig rig;
+  auto asker = rig.new_asker();
+  asker->client.deliver(parameter(1, 1, false, 0));
+  pass_marker(rig);
+  Scene scene{rig, asker};
+  new_daemon(scene);
+  asker->client.write(parameter(2, 1, false, 0));
+  asker->client.write(transfer(3, 2, 0));
+  asker->client.write(command(4, cansync_COMMAND_CONTROL_WORD));
+  rig.release();
+  EXPECT_EQ(only_replies(rig, 4), (std::vector{cansync_REPLY_MASTER_STOPPED, cansync_REPLY_DONE,
+                                               cansync_REPLY_DONE, cansync_REPLY_DONE}));
+}
+
+}  // namespace
+}  // namespace cansyncd
