@@ -209,6 +209,39 @@ TEST_F(ClientTest, OpenJobsEndWhenTheDaemonGoes) {
   EXPECT_NE(after.reason.find("nothing was sent"), std::string::npos);
 }
 
+/// What a daemon took that was killed is answered by nobody: it ends at the client, once, and the next daemon
+/// is asked anew.
+TEST_F(ClientTest, OpenJobsOfEveryKindEndWhenTheDaemonGoesAndTheNextOneServes) {
+  const ParameterJob read =
+      client_->submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
+  const ParameterJob write =
+      client_->submit(ParameterRequest{.write = true, .slave = 1, .number = FakeDaemon::kSilentNumber});
+  const TransferJob upload =
+      client_->submit(TransferRequest{.slave = 2, .address = FakeDaemon::kEndlessAddress, .length = 100});
+  const TransferJob download = client_->submit(TransferRequest{
+      .download = true, .slave = 3, .address = FakeDaemon::kEndlessAddress, .data = {1, 2, 3}});
+  const CommandJob command = client_->broadcast({.slave_mask = 1, .action = FakeDaemon::kSilentAction});
+  // It has taken them all.
+  while (daemon_->requests() < 5) std::this_thread::yield();
+  daemon_.reset();
+  EXPECT_EQ(read.wait().code, ReplyCode::no_reply);
+  EXPECT_EQ(write.wait().code, ReplyCode::no_reply);
+  EXPECT_EQ(upload.wait().code, ReplyCode::no_reply);
+  EXPECT_EQ(download.wait().code, ReplyCode::no_reply);
+  EXPECT_EQ(command.wait().code, ReplyCode::no_reply);
+
+  daemon_.emplace(places_.here);
+  const auto end = std::chrono::steady_clock::now() + seconds(20);
+  ParameterReply reply = client_->read(0, 1);
+  while (!reply.ok() && std::chrono::steady_clock::now() < end) {
+    // Refused by the client itself, until the new daemon is found.
+    EXPECT_NE(reply.reason.find("nothing was sent"), std::string::npos) << reply.reason;
+    std::this_thread::yield();
+    reply = client_->read(0, 1);
+  }
+  EXPECT_TRUE(reply.ok()) << reply.reason;
+}
+
 TEST_F(ClientTest, OpenJobsEndWhenTheClientGoes) {
   const CommandJob done = client_->mode(cansync_MODE_RUN, true);
   EXPECT_TRUE(done.wait().ok());

@@ -19,12 +19,13 @@
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
 ///
 /// Parameter 4000 never answers (until it is cancelled), 4001 answers with "below minimum"; a transfer at
-/// address 0xDEAD00 stays open half done.
+/// address 0xDEAD00 stays open half done; a broadcast of action 199 is never answered.
 class FakeDaemon {
  public:
   static constexpr std::uint32_t kSilentNumber = 4000;
   static constexpr std::uint32_t kErrorNumber = 4001;
   static constexpr std::uint32_t kEndlessAddress = 0xDEAD00;
+  static constexpr std::uint32_t kSilentAction = 199;
 
   explicit FakeDaemon(const cansync::dds::ParticipantOptions& options) : participant_(options) {
     for (const unsigned slave : {0u, 1u, 2u, 3u}) settings_.slaves[slave].configured = true;
@@ -164,6 +165,7 @@ class FakeDaemon {
       const std::lock_guard lock(mutex_);
       commands_.push_back(command);
     }
+    if (command.kind == cansync_COMMAND_BROADCAST && command.action == kSilentAction) return;
     answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::done));
   }
 
