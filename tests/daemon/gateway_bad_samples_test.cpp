@@ -145,6 +145,18 @@ TEST(GatewayBadSamples, ASequenceOverItsBoundIsDroppedAndCounted) {
   expect_served(rig, 1);
 }
 
+TEST(GatewayBadSamples, ANameOverItsBoundIsDroppedAndCounted) {
+  GatewayRig rig;
+  Forger<cansync_ParameterRequest> parameters(rig.client.participant(), look_alike_ParameterRequest_desc);
+  ASSERT_TRUE(eventually(rig.client.signal(), [&] { return parameters.matched(); }));
+  std::string name(100'000, 'x');
+  auto parameter = forged<look_alike_ParameterRequest>(1);
+  parameter.client_name = name.data();
+  parameters.write(parameter);
+  EXPECT_TRUE(eventually_rejected(rig, [](const auto& status) { return status.rejected_malformed == 1; }));
+  expect_served(rig, 1);
+}
+
 /// A program that invents an identity for every request would fill the reader with keys, and so hold up
 /// everybody.
 TEST(GatewayBadSamples, AProgramWithEndlesslyManyIdentitiesIsCutOff) {

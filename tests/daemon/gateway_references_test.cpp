@@ -74,18 +74,33 @@ TEST(GatewayReferences, AWriterThatGivesATelegramUpStopsIt) {
 }
 
 TEST(GatewayReferences, BadOnesAreToldAsAnEvent) {
-  GatewayRig rig;
-  ReferenceWriter writer(rig, 0);
-  auto bad = values(1, 1);
-  bad.release_intervals = 1001;
-  writer.write(bad);
-  const auto refused = event(rig, "reference_refused");
-  ASSERT_TRUE(refused);
-  const auto text = cansync::dds::text(refused->text);
-  EXPECT_NE(text.find("telegram 1"), std::string_view::npos) << text;
-  EXPECT_NE(text.find("release_intervals 1001"), std::string_view::npos) << text;
-  EXPECT_NE(text.find("0..1000"), std::string_view::npos) << text;
-  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  struct Case {
+    void (*spoil)(cansync_ReferenceValues&);
+    std::string_view field;
+    std::string_view allowed;
+  };
+  const Case cases[] = {
+      {[](auto& v) { v.telegram = 0; }, "telegram 0", "1..2"},
+      {[](auto& v) { v.telegram = 3; }, "telegram 3", "1..2"},
+      {[](auto& v) { v.valid = 0; }, "valid 0", "1..15"},
+      {[](auto& v) { v.valid = 16; }, "valid 16", "1..15"},
+      {[](auto& v) { v.release_intervals = 1001; }, "release_intervals 1001", "0..1000"},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.field);
+    GatewayRig rig;
+    ReferenceWriter writer(rig, 0);
+    auto bad = values(1, 1);
+    c.spoil(bad);
+    writer.write(bad);
+    const auto refused = event(rig, "reference_refused");
+    ASSERT_TRUE(refused);
+    const auto text = cansync::dds::text(refused->text);
+    EXPECT_NE(text.find("telegram " + std::to_string(bad.telegram)), std::string_view::npos) << text;
+    EXPECT_NE(text.find(c.field), std::string_view::npos) << text;
+    EXPECT_NE(text.find(c.allowed), std::string_view::npos) << text;
+    EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  }
 }
 
 TEST(GatewayReferences, ThoseTheMasterRefusesAreToldOnceAndCounted) {

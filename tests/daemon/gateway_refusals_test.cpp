@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <set>
+#include <string_view>
 
 #include "gateway_rig.h"
 
@@ -43,6 +45,18 @@ void expect_refused(cansync_ReplyCode code, std::string_view reason,
     EXPECT_NE(reason.find(piece), std::string_view::npos) << piece << " in: " << reason;
 }
 
+/// The fields that the rows' reasons name first, without indices.
+template <class Cases>
+std::set<std::string_view> fields_of(const Cases& cases) {
+  std::set<std::string_view> fields;
+  for (const auto& row : cases) {
+    const std::string_view field = *row.pieces.begin();
+    fields.insert(field.substr(0, field.find('[')));
+  }
+  return fields;
+}
+using Fields = std::set<std::string_view>;
+
 /// Field, value and allowed range of each refusal of a parameter request.
 TEST(GatewayRefusals, ParameterFieldsOutOfRange) {
   GatewayRig rig;
@@ -53,6 +67,7 @@ TEST(GatewayRefusals, ParameterFieldsOutOfRange) {
   const Case cases[] = {
       {[](auto& r) { r.slave = 9; }, {"slave", "9", "0..3"}},
       {[](auto& r) { r.slave = 32; }, {"slave", "32"}},
+      {[](auto& r) { r.slave = 0xFFFFFFFF; }, {"slave", "4294967295"}},
       {[](auto& r) { r.sub_slave = 65536; }, {"sub_slave", "65536", "0..65535"}},
       {[](auto& r) { r.number = 4096; }, {"number", "4096", "0..4095"}},
       {[](auto& r) { r.element = 8; }, {"element", "8", "0..7"}},
@@ -61,6 +76,8 @@ TEST(GatewayRefusals, ParameterFieldsOutOfRange) {
        {"value", "65536", "0..65535"}},
       {[](auto& r) { r.timeout = 3'600'001; }, {"timeout", "3600001", "3600000"}},
   };
+  // What is no format is dropped by DDS.
+  EXPECT_EQ(fields_of(cases), (Fields{"slave", "sub_slave", "number", "element", "value", "timeout"}));
   std::uint64_t number = 1;
   for (const Case& c : cases) {
     auto request = good_read(number);
@@ -82,7 +99,14 @@ TEST(GatewayRefusals, TransferFieldsOutOfRange) {
   };
   const Case cases[] = {
       {[](auto& r) { r.slave = 9; }, {"slave", "9", "0..3"}},
+      {[](auto& r) { r.slave = 32; }, {"slave", "32"}},
       {[](auto& r) { r.sub_slave = 65536; }, {"sub_slave", "65536", "0..65535"}},
+      {[&](auto& r) {
+         r.data = {4, 4, four.data(), false};
+       },
+       {"data", "4 bytes", "upload"}},
+      {[](auto& r) { r.direction = cansync_DIRECTION_DOWNLOAD, r.length = 0; },
+       {"length", "0", "1..16777216"}},
       {[](auto& r) { r.length = 0; }, {"length", "0", "1..16777216"}},
       {[](auto& r) { r.length = 16'777'217; }, {"length", "16777217", "1..16777216"}},
       {[&](auto& r) {
@@ -93,8 +117,12 @@ TEST(GatewayRefusals, TransferFieldsOutOfRange) {
       {[](auto& r) { r.address = 0xFFFFFFFF; }, {"address", "0xFFFFFFFF"}},
       {[](auto& r) { r.block_size = 4093; }, {"block_size", "4093", "1..4092"}},
       {[](auto& r) { r.block_size = 301; }, {"block_size", "301", "1..300"}},
+      {[](auto& r) { r.block_size = 0xFFFFFFFF; }, {"block_size", "4294967295", "1..4092"}},
       {[](auto& r) { r.timeout = 3'600'001; }, {"timeout", "3600001", "3600000"}},
   };
+  // What is no direction, and data over its bound, is dropped by DDS.
+  EXPECT_EQ(fields_of(cases),
+            (Fields{"slave", "sub_slave", "address", "length", "block_size", "timeout", "data"}));
   std::uint64_t number = 1;
   for (const Case& c : cases) {
     auto request = good_upload(number);
@@ -122,21 +150,44 @@ TEST(GatewayRefusals, CommandFieldsOutOfRange) {
       {cansync_COMMAND_BROADCAST, [](auto& c) { c.priority = 3; }, {"priority", "3", "0..2"}},
       {cansync_COMMAND_BROADCAST, [](auto& c) { c.slave_mask = 0; }, {"slave_mask", "0x0", "0..3"}},
       {cansync_COMMAND_BROADCAST, [](auto& c) { c.slave_mask = 0x10; }, {"slave_mask", "0x10", "0..3"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 0; }, {"action", "0", "128..255"}},
       {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 2; }, {"action", "2", "128..255"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 127; }, {"action", "127", "128..255"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 256; }, {"action", "256", "128..255"}},
       {cansync_COMMAND_BROADCAST, [](auto& c) { c.data_byte = 256; }, {"data_byte", "256", "0..255"}},
       {cansync_COMMAND_BROADCAST, [](auto& c) { c.data_word = 65536; }, {"data_word", "65536", "0..65535"}},
       {cansync_COMMAND_POLLING, [](auto& c) { c.polling_one = 32; }, {"polling_one", "32", "0..31"}},
       {cansync_COMMAND_POLLING, [](auto& c) { c.polling_two = -3; }, {"polling_two", "-3", "-128"}},
       {cansync_COMMAND_POLLING, [](auto& c) { c.maximum_slave = 32; }, {"maximum_slave", "32", "0..31"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_one = 9; }, {"polling_one", "9", "0..3"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_two = -129; }, {"polling_two", "-129", "-128"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.maximum_slave = -1; }, {"maximum_slave", "-1", "-2"}},
+      {cansync_COMMAND_CHANNEL_CURSORS,
+       [](auto& c) { c.cursor_control_word = 32; },
+       {"cursor_control_word", "32", "0..31"}},
       {cansync_COMMAND_CHANNEL_CURSORS,
        [](auto& c) { c.cursor_parameter = 9; },
        {"cursor_parameter", "9", "0..3"}},
+      {cansync_COMMAND_CHANNEL_CURSORS,
+       [](auto& c) { c.cursor_transfer = -3; },
+       {"cursor_transfer", "-3", "-128"}},
       {cansync_COMMAND_REFERENCE_MAPPING, [](auto& c) { c.mapping[0] = 0x80; }, {"mapping[0]", "0x80"}},
       {cansync_COMMAND_REFERENCE_MAPPING,
        [](auto& c) { c.mapping[0] = 0x11; },
        {"mapping[0]", "0x11", "0..3"}},
+      {cansync_COMMAND_REFERENCE_MAPPING,
+       [](auto& c) { c.mapping[4] = 0x0D; },
+       {"mapping[4]", "0x0D", "4..7"}},
       {cansync_COMMAND_ACTUAL_MAPPING, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
+      {cansync_COMMAND_ACTUAL_MAPPING, [](auto& c) { c.mapping[7] = 0x21; }, {"mapping[7]", "0x21"}},
+      {cansync_COMMAND_RELEASE, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
+      {cansync_COMMAND_RELEASE, [](auto& c) { c.slave = 32; }, {"slave", "32"}},
   };
+  // What is no kind or mode is dropped by DDS.
+  EXPECT_EQ(fields_of(cases),
+            (Fields{"slave", "control_word", "priority", "slave_mask", "action", "data_byte", "data_word",
+                    "polling_one", "polling_two", "maximum_slave", "cursor_control_word", "cursor_parameter",
+                    "cursor_transfer", "mapping"}));
   std::uint64_t number = 1;
   for (const Case& c : cases) {
     auto command = good_command(number, c.kind);
