@@ -38,11 +38,12 @@ def wait_for(what, condition, seconds=None):
     """The first result of `condition` that is true."""
     seconds = LONG if seconds is None else seconds
     deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
+    while (began := time.monotonic()) < deadline:
         result = condition()
         if result:
             return result
-        time.sleep(0.02)
+        # Looking costs processor time that the line needs as well: never more than half of it.
+        time.sleep(min(1.0, max(0.02, time.monotonic() - began)))
     raise AssertionError(f"not within {seconds} s: {what}")
 
 

@@ -8,6 +8,7 @@ import unittest
 from canline import Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
 from gateway import wait_for
 
+CANCEL = "9000000000000000"  # telegram that ends a transfer on the slave
 # Place of each channel in an interval; the response to the command of the interval before may come first.
 RANK = {"1": {"0": "WRC1", "8": "WRC2"}, "3": {"0": "RDC1", "8": "RDC2"}, "5": {"0": "CC", "8": "RC"}}
 
@@ -64,6 +65,9 @@ class Frames(unittest.TestCase):
             frames = without_repetitions([frame for frame in self.log.frames()[before:]
                                           if frame.startswith(ends) and not frame[4:].startswith(("712D", "012D"))])
             commands = [frame for frame in frames if frame.startswith(ends[0])]
+            # A slave that was away for a moment is first told to drop what it may have open.
+            if ends[0] + CANCEL in commands:
+                return None
             return frames if len(commands) == len(set(commands)) else None
 
         return wait_for(f"{arguments} is done", attempt)

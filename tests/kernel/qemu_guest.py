@@ -20,7 +20,7 @@ import gateway  # noqa: E402: found on the path that was set above
 from gateway import CANSYNCD, Place, wait_for  # noqa: E402
 
 CANSYNC_SIM = os.environ["CANSYNC_SIM"]
-gateway.LONG = LONG = 20
+gateway.LONG = LONG = 60
 BIT_RATE = 125000  # intervals of 8 ms: an emulated processor is slow
 OTHER_RATE = 250000
 SLAVES = 2

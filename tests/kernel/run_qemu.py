@@ -16,7 +16,7 @@ import qemu_machine
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SKIPPED = 77
-LIMIT = 270  # seconds for boot and tests together
+LIMIT = 600  # seconds for boot and tests together
 
 
 def main():

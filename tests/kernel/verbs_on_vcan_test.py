@@ -108,6 +108,11 @@ class Verbs(unittest.TestCase):
         wait_for("it is in effect", lambda: self.daemon.objects("map", 1)[1]["registers"] == [0x11, 0x13, 0, 0])
         self.assertEqual(self.one("map", 1, 2, "0x11", "0x13", "0x15", "0x17")["result"], "done")
 
+    def test_release(self):
+        # On a loaded machine a slave may be lost for a moment, and then be released.
+        result = wait_for("nothing is held out", lambda: (r := self.daemon.run("release", 1)).returncode == 3 and r)
+        self.assertIn("slave 1 'slave1' is not held out", result.stderr)
+
     def test_no_verb_is_left_out(self):
         verbs = re.findall(r"[a-z]+", self.daemon.run().stderr.split("allowed: ")[1])
         with open(__file__, encoding="utf-8") as file:
