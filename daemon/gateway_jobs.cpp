@@ -241,6 +241,19 @@ std::optional<std::string> JobDesk::no_room(const ClientEntry& client, std::size
 }
 
 void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, const JobContext& context) {
+  if (job.kind == Kind::internal) {
+    events_.publish({cansync_SEVERITY_ERROR, "configuration_refused", -1,
+                     fmt::format("a changed setting was not taken: {}", reason), std::nullopt},
+                    context.now);
+    return log(LogPriority::notice, "request of {} refused: {}", job.who.label, reason);
+  }
+  // Recorded and counted first: whoever has the reply finds both.
+  if (job.change) {
+    audit_.refused(job.who, job.change, job.understood ? &job.request : nullptr, job.state_before, reason,
+                   context.now);
+  }
+  rejections_.add(kind, fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, reason),
+                  context.now);
   switch (job.kind) {
     case Kind::parameter:
       parameter_replies_.send(dds::parameter_refused(job.key, reason), job.place, context.now);
@@ -252,17 +265,8 @@ void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, 
       command_replies_.send(dds::command_refused(job.key, reason), job.place, context.now);
       break;
     case Kind::internal:
-      events_.publish({cansync_SEVERITY_ERROR, "configuration_refused", -1,
-                       fmt::format("a changed setting was not taken: {}", reason), std::nullopt},
-                      context.now);
-      return log(LogPriority::notice, "request of {} refused: {}", job.who.label, reason);
+      break;
   }
-  if (job.change) {
-    audit_.refused(job.who, job.change, job.understood ? &job.request : nullptr, job.state_before, reason,
-                   context.now);
-  }
-  rejections_.add(kind, fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, reason),
-                  context.now);
 }
 
 bool JobDesk::take_cancels(const JobContext& context) {
