@@ -255,7 +255,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"kernel", Level::warning, [](In& in) { in.machine.preemption = "PREEMPT_DYNAMIC"; },
                           "PREEMPT_DYNAMIC", "linux-image-rt-amd64"},
                     Fault{"DDS", Level::warning, [](In& in) { put(in.status->dds_interface, "eth0"); },
-                          "eth0", "dds.interface"}),
+                          "eth0", "dds.interface"},
+                    Fault{"DDS", Level::warning, [](In& in) { put(in.status->dds_interface, ""); },
+                          "dds.xml, DDS Security off", "docs/security.md"}),
     [](const auto& test) { return "Machine" + std::to_string(test.index); });
 
 /// What is found of `topic`; nothing when it is not looked at.
@@ -263,6 +265,15 @@ const Finding* find(const std::vector<Finding>& findings, std::string_view topic
   const auto found =
       std::find_if(findings.begin(), findings.end(), [topic](const Finding& f) { return f.topic == topic; });
   return found == findings.end() ? nullptr : &*found;
+}
+
+TEST(Doctor, WithDdsSecurityAnotherInterfaceIsNoFault) {
+  DoctorInput in = healthy();
+  put(in.status->dds_interface, "eth0");
+  in.status->secured = true;
+  const auto findings = diagnose(in);
+  EXPECT_EQ(exit_code(findings, true), ExitCode::done);
+  EXPECT_NE(find(findings, "DDS")->found.find("eth0, DDS Security on"), std::string::npos);
 }
 
 TEST(Doctor, ASimulatedLineHasNoInterface) {

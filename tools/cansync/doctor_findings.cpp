@@ -135,14 +135,17 @@ void look_at_kernel(const DoctorInput& in, FindingList& out) {
 void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string peers = fmt::format("other participants in the domain: {}", in.participants);
   const std::string_view interface = status.dds_interface;
-  if (interface == "lo")
-    out.ok("DDS", "lo: this computer alone; " + peers);
+  if (status.secured)
+    out.ok("DDS", fmt::format("{}, DDS Security on: only who has an identity sees or does anything; {}",
+                              interface.empty() ? "set up by dds.xml" : interface, peers));
+  else if (interface == "lo")
+    out.ok("DDS", "lo: this computer alone, every program on it can move drives; " + peers);
   else if (interface.empty())
-    out.warning("DDS", "set up by dds.xml; " + peers,
-                "see that no program on the network can reach it but through DDS Security (docs/dds-api.md)");
+    out.warning("DDS", "set up by dds.xml, DDS Security off; " + peers,
+                "see that no program on the network can reach it, or use DDS Security (docs/security.md)");
   else
     out.warning("DDS", fmt::format("{}: every program on that network can move drives; {}", interface, peers),
-                "set dds.interface = \"lo\", or use DDS Security (docs/dds-api.md)");
+                "set dds.interface = \"lo\", or use DDS Security (docs/security.md)");
 }
 
 void look_at_second_master(const Status& status, FindingList& out) {
