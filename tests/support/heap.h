@@ -12,7 +12,9 @@
 #endif
 #endif
 #ifdef CANSYNC_SANITIZED_HEAP
-#include <sanitizer/allocator_interface.h>
+// Of the sanitizers' runtime; its header sanitizer/allocator_interface.h does not come with g++.
+extern "C" std::size_t
+__sanitizer_get_current_allocated_bytes() noexcept;  // NOLINT(bugprone-reserved-identifier)
 #endif
 
 namespace cansyncd::support {
