@@ -36,8 +36,12 @@ class ReaderBase : public EndpointBase {
   /// How many writers are matched now.
   std::uint32_t matched() const noexcept;
 
+  /// Samples taken at a time, and places of every array that samples are lent to: Cyclone fills as many as
+  /// the reader's largest loan so far had, whatever is asked. More than a reader of requests keeps of one
+  /// client, so that the next call gets to another.
+  static constexpr std::uint32_t kBatch = 128;
+
  protected:
-  static constexpr std::uint32_t kBatch = 64;
   /// Throws SetupError. `signal` is raised when data arrives or a writer comes, goes or dies. `guard`, if
   /// there is one, bounds the keys and must outlive the reader.
   ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal, KeyGuard* guard);

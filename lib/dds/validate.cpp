@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "dds/enumerator.h"
 #include "dds/ranges.h"
 
 namespace cansync::dds {
@@ -90,7 +91,7 @@ Problem check(const cansync_ParameterRequest& request, const Limits& limits) {
   if (Problem problem = in_range("sub_slave", request.sub_slave, 0, 0xFFFF)) return problem;
   if (Problem problem = in_range("number", request.number, 0, ParameterNumber::max)) return problem;
   if (Problem problem = in_range("element", request.element, 0, Element::max)) return problem;
-  if (Problem problem = in_range("format", static_cast<std::int64_t>(request.format), 0,
+  if (Problem problem = in_range("format", number_of(request.format), 0,
                                  static_cast<std::int64_t>(cansync_FORMAT_AS_SLAVE_SAYS))) {
     return problem;
   }
@@ -101,7 +102,7 @@ Problem check(const cansync_ParameterRequest& request, const Limits& limits) {
 Problem check(const cansync_TransferRequest& request, const Limits& limits) {
   if (Problem problem = configured_slave("slave", request.slave, limits)) return problem;
   if (Problem problem = in_range("sub_slave", request.sub_slave, 0, 0xFFFF)) return problem;
-  if (Problem problem = in_range("direction", static_cast<std::int64_t>(request.direction), 0,
+  if (Problem problem = in_range("direction", number_of(request.direction), 0,
                                  static_cast<std::int64_t>(cansync_DIRECTION_DOWNLOAD))) {
     return problem;
   }

@@ -3,6 +3,7 @@
 #include "cansync/mapping.h"
 #include "cansync/telegram.h"
 #include "dds/convert.h"
+#include "dds/enumerator.h"
 #include "dds/ranges.h"
 #include "dds/validate.h"
 
@@ -81,6 +82,10 @@ Problem check_mapping(const cansync_Command& command) {
 }  // namespace
 
 Problem check(const cansync_Command& command, const Limits& limits) {
+  if (Problem problem =
+          in_range("kind", number_of(command.kind), 0, static_cast<std::int64_t>(cansync_COMMAND_RELEASE))) {
+    return problem;
+  }
   switch (command.kind) {
     case cansync_COMMAND_CONTROL_WORD:
       if (Problem problem = configured_slave("slave", command.slave, limits)) return problem;
@@ -88,8 +93,7 @@ Problem check(const cansync_Command& command, const Limits& limits) {
     case cansync_COMMAND_BROADCAST:
       return check_broadcast(command, limits);
     case cansync_COMMAND_MODE:
-      return in_range("mode", static_cast<std::int64_t>(command.mode), 0,
-                      static_cast<std::int64_t>(cansync_MODE_RESTART));
+      return in_range("mode", number_of(command.mode), 0, static_cast<std::int64_t>(cansync_MODE_RESTART));
     case cansync_COMMAND_POLLING:
       return check_polling(command, limits);
     case cansync_COMMAND_CHANNEL_CURSORS:
@@ -102,8 +106,7 @@ Problem check(const cansync_Command& command, const Limits& limits) {
     case cansync_COMMAND_RELEASE:
       return configured_slave("slave", command.slave, limits);
   }
-  return in_range("kind", static_cast<std::int64_t>(command.kind), 0,
-                  static_cast<std::int64_t>(cansync_COMMAND_RELEASE));
+  return std::nullopt;
 }
 
 }  // namespace cansync::dds

@@ -132,10 +132,10 @@ class TestClient {
     const dds_entity_t reader = std::get<Inbox<T>>(inboxes_).reader.handle();
     const dds_instance_handle_t key = dds_lookup_instance(reader, &sample);
     if (key == DDS_HANDLE_NIL) return false;
-    void* lent = nullptr;
+    std::array<void*, cansync::dds::ReaderBase::kBatch> lent = {};
     dds_sample_info_t info;
-    const dds_return_t count = dds_read_instance(reader, &lent, &info, 1, 1, key);
-    if (count > 0) (void)dds_return_loan(reader, &lent, count);
+    const dds_return_t count = dds_read_instance(reader, lent.data(), &info, 1, 1, key);
+    if (count > 0) (void)dds_return_loan(reader, lent.data(), count);
     return count != DDS_RETCODE_PRECONDITION_NOT_MET;
   }
 

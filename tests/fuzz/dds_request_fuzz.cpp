@@ -131,7 +131,6 @@ class Run {
     fill(in_, request.format);
     fill(in_, request.value);
     fill(in_, request.timeout);
-    const ParameterRequest core = dds::to_core(request, ++id_);
     if (!passed(dds::check(request, limits_),
                 {"slave", "sub_slave", "number", "element", "format", "value", "timeout"}))
       return;
@@ -142,6 +141,7 @@ class Run {
     require(!request.write ||
                 (request.element == 7 && (request.format != cansync_FORMAT_WORD || request.value <= 0xFFFF)),
             "what is written can be written");
+    const ParameterRequest core = dds::to_core(request, ++id_);
     require(core.slave.value() == request.slave && core.number.value() == request.number &&
                 core.element.value() == request.element && core.sub_slave.value == request.sub_slave &&
                 core.value == request.value && core.write == request.write &&
@@ -164,8 +164,6 @@ class Run {
     if (in_.flag()) request.length = static_cast<std::uint32_t>(data.size());
     request.data._buffer = data.empty() ? nullptr : data.data();
     request.data._length = request.data._maximum = static_cast<std::uint32_t>(data.size());
-    // No more bytes than the data has are looked at, whatever the length says.
-    const TransferRequest core = dds::to_core(request, ++id_, data);
     if (!passed(dds::check(request, limits_),
                 {"slave", "sub_slave", "direction", "length", "data", "address", "block_size", "timeout"}))
       return;
@@ -179,6 +177,7 @@ class Run {
             "a download has its data, an upload none");
     require(request.address >= 0x100 || settings_.command_channel.allow_reserved_addresses,
             "reserved addresses are asked for by leave alone");
+    const TransferRequest core = dds::to_core(request, ++id_, data);
     require(core.slave.value() == request.slave && core.address == request.address &&
                 core.block_size == request.block_size && core.sub_slave.value == request.sub_slave &&
                 (core.direction == TransferRequest::Direction::download) == download,
@@ -209,12 +208,12 @@ class Run {
       fill(in_, *code);
     for (std::uint8_t& byte : request.mapping) byte = in_.byte();
     check_codes(request);
-    const auto core = cansyncd::to_request(request, ++id_);
     if (!passed(dds::check(request, limits_),
                 {"kind", "slave", "control_word", "priority", "slave_mask", "action", "data_byte",
                  "data_word", "mode", "polling_one", "polling_two", "maximum_slave", "cursor_control_word",
                  "cursor_parameter", "cursor_transfer", "mapping"}))
       return;
+    const auto core = cansyncd::to_request(request, ++id_);
     require(core.has_value(), "what passes is a request to the master");
     const auto words = cansyncd::describe(*core, config_);
     require(words && !words->empty(), "each command can be put into words");
