@@ -86,7 +86,8 @@ std::optional<Change> change_of(const cansync_Command& sample) {
     case cansync_COMMAND_ACTUAL_MAPPING:
       return Change{"actual_mapping", slave_number(sample.slave), "", mapping_text(sample.mapping)};
     case cansync_COMMAND_RELEASE:
-      return Change{"release", slave_number(sample.slave), "", sample.force ? "released by force" : "released"};
+      return Change{"release", slave_number(sample.slave), "",
+                    sample.force ? "released by force" : "released"};
   }
   return Change{"unknown", -1, fmt::format("kind {}", static_cast<unsigned>(sample.kind)), ""};
 }

@@ -45,8 +45,8 @@ cansync_TransferRequest download(std::uint64_t number) {
 }
 
 constexpr cansync_CommandKind kCommands[] = {
-    cansync_COMMAND_CONTROL_WORD,  cansync_COMMAND_BROADCAST,       cansync_COMMAND_MODE,
-    cansync_COMMAND_POLLING,       cansync_COMMAND_CHANNEL_CURSORS, cansync_COMMAND_REFERENCE_MAPPING,
+    cansync_COMMAND_CONTROL_WORD,   cansync_COMMAND_BROADCAST,       cansync_COMMAND_MODE,
+    cansync_COMMAND_POLLING,        cansync_COMMAND_CHANNEL_CURSORS, cansync_COMMAND_REFERENCE_MAPPING,
     cansync_COMMAND_ACTUAL_MAPPING, cansync_COMMAND_RELEASE};
 
 /// A kind that is new ends here without a value, and the compiler says so.

@@ -131,7 +131,8 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("second_master_frames", status.second_master_frames);
   add_request_kinds(object, status);
   add_frame_kinds(object, status);
-  return object.add("reference_values", names).add("reference_release", release_objects(status))
+  return object.add("reference_values", names)
+      .add("reference_release", release_objects(status))
       .add("read_only", status.read_only)
       .add("secured", status.secured);
 }
