@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "daemon/audit_text.h"
+#include "daemon/gateway_requests.h"
 
 namespace cansyncd {
 namespace {

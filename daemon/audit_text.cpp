@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "daemon/gateway_requests.h"
 #include "dds/convert.h"
 
 namespace cansyncd {
@@ -101,18 +102,6 @@ std::string data_text(const std::uint8_t* data, std::size_t size) {
   std::string text = fmt::format("{} bytes, SHA-256 ", size);
   for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
   return text;
-}
-
-std::string cursor_text(const cansync::Cursor& cursor) {
-  switch (cursor.kind) {
-    case cansync::Cursor::Kind::automatic:
-      return "automatic";
-    case cansync::Cursor::Kind::nobody:
-      return "nobody";
-    case cansync::Cursor::Kind::fixed:
-      break;
-  }
-  return fmt::format("slave {}", cursor.slave.value());
 }
 
 std::string polling_text(const std::string& one, const std::string& two, const std::string& maximum_slave) {

@@ -31,7 +31,6 @@ std::optional<Change> change_of(const cansync_Command& sample);
 /// "12 bytes, SHA-256 0123…": which data was downloaded.
 std::string data_text(const std::uint8_t* data, std::size_t size);
 
-std::string cursor_text(const cansync::Cursor& cursor);
 std::string polling_text(const std::string& one, const std::string& two, const std::string& maximum_slave);
 std::string cursors_text(const std::string& control_word, const std::string& parameter,
                          const std::string& transfer);

@@ -63,16 +63,7 @@ SetCursors to_cursors(const cansync_Command& command, JobId id) {
 }
 
 std::string text(const std::optional<cansync::Cursor>& cursor) {
-  if (!cursor) return "unchanged";
-  switch (cursor->kind) {
-    case cansync::Cursor::Kind::automatic:
-      return "automatic";
-    case cansync::Cursor::Kind::nobody:
-      return "nobody";
-    case cansync::Cursor::Kind::fixed:
-      break;
-  }
-  return fmt::format("slave {}", cursor->slave.value());
+  return cursor ? cursor_text(*cursor) : "unchanged";
 }
 
 std::string text(const cansync::ProcessMapping& mapping) {
@@ -137,6 +128,18 @@ std::optional<T> if_new(const T& from, const T& to) {
 }
 
 }  // namespace
+
+std::string cursor_text(const cansync::Cursor& cursor) {
+  switch (cursor.kind) {
+    case cansync::Cursor::Kind::automatic:
+      return "automatic";
+    case cansync::Cursor::Kind::nobody:
+      return "nobody";
+    case cansync::Cursor::Kind::fixed:
+      break;
+  }
+  return fmt::format("slave {}", cursor.slave.value());
+}
 
 std::optional<Request> to_request(const cansync_Command& command, JobId id) {
   switch (command.kind) {

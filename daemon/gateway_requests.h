@@ -20,6 +20,9 @@ std::optional<Request> to_request(const cansync_Command& command, cansync::JobId
 /// 'feeder' parameter 120 = 500 (0x1F4)". Nothing for reads, uploads and process data.
 std::optional<std::string> describe(const Request& request, const Config& config);
 
+/// "automatic", "nobody" or "slave 3".
+std::string cursor_text(const cansync::Cursor& cursor);
+
 /// Requests that make the settings in force those of `to`, where `to` differs from `from`: mappings, polling
 /// and cursors. They carry JobId 0.
 std::vector<Request> changes(const Config& from, const Config& to);
