@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "daemon/gateway_requests.h"
-#include "daemon/gateway_take.h"
 #include "daemon/log.h"
 #include "dds/malformed.h"
 
@@ -93,11 +92,12 @@ bool JobDesk::take_requests(const JobContext& context) {
 
 template <class Sample>
 bool JobDesk::accept(dds::Reader<Sample>& reader, Right right, const JobContext& context) {
-  return take_with_info(reader, [&](const Sample& sample, const dds_sample_info_t& info) {
+  const auto count = reader.take_batch([&](const Sample& sample, const dds_sample_info_t& info) {
     if (!info.valid_data) return;
     accept(sample, places_.find(reader.handle(), info.publication_handle), right, info.source_timestamp,
            context);
   });
+  return count == dds::ReaderBase::kBatch;
 }
 
 template <class Sample>
@@ -270,10 +270,11 @@ void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, 
 }
 
 bool JobDesk::take_cancels(const JobContext& context) {
-  return take_with_info(cancels_, [&](const cansync_JobCancel& sample, const dds_sample_info_t& info) {
+  const auto count = cancels_.take_batch([&](const cansync_JobCancel& sample, const dds_sample_info_t& info) {
     if (!info.valid_data) return;
     take_cancel(dds::key_of(sample), places_.find(cancels_.handle(), info.publication_handle), context);
   });
+  return count == dds::ReaderBase::kBatch;
 }
 
 void JobDesk::take_cancel(const dds::RequestKey& key, const Place& place, const JobContext& context) {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "daemon/access.h"
-#include "daemon/gateway_take.h"
 #include "dds/convert.h"
 
 namespace cansyncd {
@@ -52,12 +51,12 @@ void ReferenceInput::set_refusal(std::optional<std::string> reason) {
 }
 
 bool ReferenceInput::take_samples(Exchange& exchange, SteadyTime now) {
-  const bool more =
-      take_with_info(reader_, [&](const cansync_ReferenceValues& sample, const dds_sample_info_t& info) {
+  const auto count =
+      reader_.take_batch([&](const cansync_ReferenceValues& sample, const dds_sample_info_t& info) {
         take(sample, info, exchange, now);
       });
   look_for_owners(now);
-  return more;
+  return count == dds::ReaderBase::kBatch;
 }
 
 void ReferenceInput::take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info,

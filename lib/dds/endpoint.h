@@ -39,7 +39,7 @@ class ReaderBase : public EndpointBase {
   /// Samples taken at a time, and places of every array that samples are lent to: Cyclone fills as many as
   /// the reader's largest loan so far had, whatever is asked. More than a reader of requests keeps of one
   /// client, so that the next call gets to another.
-  static constexpr std::uint32_t kBatch = 128;
+  static constexpr dds_return_t kBatch = 128;
 
  protected:
   /// Throws SetupError. `signal` is raised when data arrives or a writer comes, goes or dies. `guard`, if
@@ -60,28 +60,40 @@ class Reader : public ReaderBase {
          KeyGuard* guard = nullptr)
       : ReaderBase(participant, topic, signal, guard) {}
 
+  /// Takes the oldest samples in order with their information (who wrote it, when, and whether it is data or
+  /// tells that the key's last writer is gone): `on_sample(const T&, const dds_sample_info_t&)`. Samples are
+  /// Cyclone's own (no copy) and valid during the call only. Returns their number, `kBatch` at most, because
+  /// a writer that never rests must not hold up the rest (so many: there may be more), or a negative DDS
+  /// return code.
+  template <class OnSample>
+  dds_return_t take_batch(OnSample&& on_sample) {
+    std::array<void*, kBatch> samples = {};
+    std::array<dds_sample_info_t, kBatch> infos;
+    const dds_return_t count = dds_take(handle(), samples.data(), infos.data(), kBatch, kBatch);
+    if (count <= 0) return count;
+    const Loan loan{handle(), samples.data(), count};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      on_sample(*static_cast<const T*>(samples[i]), infos[i]);
+    }
+    return count;
+  }
+
   /// Takes every sample there is, in order: `on_data(const T&)` for data, `on_gone(const T&)` (only the key
-  /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are Cyclone's
-  /// own (no copy) and valid during the call only. Returns the number of samples, or a negative DDS return
-  /// code.
+  /// fields are set) when a key's last writer is dead, has left or has disposed of it. Samples are valid
+  /// during the call only. Returns the number of samples, or a negative DDS return code.
   template <class OnData, class OnGone>
   dds_return_t take(OnData&& on_data, OnGone&& on_gone) {
     dds_return_t total = 0;
     for (;;) {
-      std::array<void*, kBatch> samples = {};
-      std::array<dds_sample_info_t, kBatch> infos;
-      const dds_return_t count = dds_take(handle(), samples.data(), infos.data(), kBatch, kBatch);
-      if (count < 0) return count;
-      if (count == 0) return total;
-      const Loan loan{handle(), samples.data(), count};
-      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-        const T& sample = *static_cast<const T*>(samples[i]);
-        if (infos[i].valid_data) {
+      const dds_return_t count = take_batch([&](const T& sample, const dds_sample_info_t& info) {
+        if (info.valid_data) {
           on_data(sample);
-        } else if (infos[i].instance_state != DDS_IST_ALIVE) {
+        } else if (info.instance_state != DDS_IST_ALIVE) {
           on_gone(sample);
         }
-      }
+      });
+      if (count < 0) return count;
+      if (count == 0) return total;
       total += count;
     }
   }
