@@ -1,11 +1,16 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -95,7 +100,7 @@ class Feed {
     {
       const std::lock_guard lock(mutex_);
       if (!reader_) return;
-      (void)reader_->take([&](const T& sample) { keep(sample, news); });
+      take(news);
       std::erase_if(holds_,
                     [](const auto& hold) { return hold.use_count() == 1; });  // the subscription is gone
       holds = holds_;
@@ -110,7 +115,34 @@ class Feed {
     }
   }
 
+  /// How many of the writers matched now have sent something here.
+  std::size_t heard() const {
+    const std::lock_guard lock(mutex_);
+    std::array<dds_instance_handle_t, kWriters> matched = {};
+    if (!reader_) return 0;
+    const dds_return_t count =
+        dds_get_matched_publications(reader_->handle(), matched.data(), matched.size());
+    const auto all =
+        std::span(matched).first(std::min(static_cast<std::size_t>(std::max(count, 0)), kWriters));
+    return static_cast<std::size_t>(
+        std::count_if(all.begin(), all.end(), [&](auto writer) { return writers_.contains(writer); }));
+  }
+
  private:
+  /// Daemons of a bus; more than one only while a dead one is not yet known to be dead.
+  static constexpr std::size_t kWriters = 64;
+
+  void take(std::vector<T>& news) {
+    const auto on_sample = [&](const T& sample, const dds_sample_info_t& info) {
+      if (!info.valid_data) return;
+      if (writers_.size() >= kWriters) writers_.clear();
+      writers_.insert(info.publication_handle);
+      keep(sample, news);
+    };
+    while (reader_->take_batch(on_sample) == dds::ReaderBase::kBatch) {
+    }
+  }
+
   void keep(const T& sample, std::vector<T>& news) {
     news.push_back(sample);
     ++changes_;
@@ -128,6 +160,7 @@ class Feed {
   mutable std::condition_variable changed_;
   std::unique_ptr<dds::Reader<T>> reader_;
   std::vector<T> known_;
+  std::set<dds_instance_handle_t> writers_;  // that have sent something
   std::uint64_t changes_ = 0;
   std::vector<std::shared_ptr<Subscription::Hold>> holds_;
 };

@@ -100,13 +100,13 @@ std::string Link::not_permitted(std::string_view topic) const {
       dds::security_subject(options_.security), topic);
 }
 
-bool Link::everything_matched() const {
+bool Link::everything_matched(std::size_t daemons) const {
+  const auto heard_by = [&](const auto& reader) { return reader.matched() >= daemons; };
   // What the identity may not write will never be matched.
-  const auto ready = [](const auto& writer) { return !writer.permitted() || writer.matched() > 0; };
-  return ready(parameter_writer_) && ready(transfer_writer_) && ready(command_writer_) &&
-         ready(cancel_writer_) && (!engineer_writer_ || ready(*engineer_writer_)) &&
-         parameter_reader_.matched() > 0 && transfer_reader_.matched() > 0 && command_reader_.matched() > 0 &&
-         !master_.known().empty();
+  const auto hear = [&](const auto& writer) { return !writer.permitted() || writer.matched() >= daemons; };
+  return hear(parameter_writer_) && hear(transfer_writer_) && hear(command_writer_) && hear(cancel_writer_) &&
+         (!engineer_writer_ || hear(*engineer_writer_)) && heard_by(parameter_reader_) &&
+         heard_by(transfer_reader_) && heard_by(command_reader_) && master_.heard() >= daemons;
 }
 
 Daemons Link::matched_daemons() const {
@@ -129,10 +129,12 @@ void Link::receive() {
     take_replies();
     dispatch_feeds();
     end_lost_jobs(alive);
-    // The list the next job is tied to must already have the daemon, not only what is matched by now.
-    const bool ready = !alive.empty() && everything_matched();
+    // A request is written only when every daemon hears it, and its reply gets here: one that has just
+    // started may be known by half of its topics.
+    const bool ready = !alive.empty() && everything_matched(alive.size());
     const std::lock_guard lock(mutex_);
     daemons_ = alive;
+    reachable_ = ready;
     if (ready && !ready_) {
       ready_ = true;
       ready_changed_.notify_all();

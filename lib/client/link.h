@@ -81,7 +81,8 @@ class Link : public std::enable_shared_from_this<Link> {
   void dispatch_feeds();
   void end_lost_jobs(const Daemons& alive);
   Daemons matched_daemons() const;
-  bool everything_matched() const;
+  /// True when all of so many daemons hear what is written on every topic, and have been heard.
+  bool everything_matched(std::size_t daemons) const;
   std::string not_found(std::chrono::milliseconds waited) const;
 
   Options options_;
@@ -112,6 +113,7 @@ class Link : public std::enable_shared_from_this<Link> {
   bool closed_ = false;
   std::uint64_t last_request_ = 0;
   Daemons daemons_;
+  bool reachable_ = false;  ///< all of them hear every request, and their replies get here
   OpenJobs<ParameterReply> parameter_jobs_;
   OpenJobs<TransferReply> transfer_jobs_;
   OpenJobs<CommandReply> command_jobs_;

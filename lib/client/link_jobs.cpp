@@ -103,7 +103,7 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs) {
   state->link = weak_from_this();
   const std::lock_guard lock(mutex_);
   state->request = ++last_request_;
-  state->daemons = daemons_;
+  if (reachable_) state->daemons = daemons_;
   jobs.add(state);
   return state;
 }
