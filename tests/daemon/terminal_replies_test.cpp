@@ -6,11 +6,12 @@
 #include <functional>
 #include <memory>
 #include <set>
-#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sim/drive_parameters.h"
-#include "whole_rig.h"
+#include "whole_requests.h"
 
 namespace cansyncd {
 namespace {
@@ -18,9 +19,6 @@ namespace {
 constexpr std::uint32_t kForEver = 3'600'000;  // ms; the longest that may be asked for
 constexpr std::uint32_t kSoon = 500;           // ms
 constexpr std::uint32_t kSooner = 100;         // ms; shorter than 255 unanswered commands
-constexpr std::uint32_t kData = 0x1000;
-constexpr std::uint8_t kOperator = 2;  // identity of who gives the commands that are a cause
-constexpr std::uint8_t kMarker = 3;    // identity of requests that only mark an instant
 
 /// Kinds of requests that end in the same way. `waiting`: reads that wait for their turn in the gateway.
 enum Kind : std::uint8_t {
@@ -36,42 +34,6 @@ enum Kind : std::uint8_t {
   release,
   kKinds
 };
-
-cansync_ParameterRequest parameter(std::uint64_t number, std::uint32_t of_slave, bool writes,
-                                   std::uint32_t timeout) {
-  auto request = TestClient::request<cansync_ParameterRequest>(number);
-  request.slave = of_slave;
-  request.write = writes;
-  request.number = writes ? sim::parameter::first_plain_word : sim::parameter::operating_mode;
-  request.element = 7;
-  request.format = cansync_FORMAT_WORD;
-  request.timeout = timeout;
-  return request;
-}
-
-cansync_TransferRequest transfer(std::uint64_t number, std::uint32_t of_slave, std::uint32_t timeout) {
-  auto request = TestClient::request<cansync_TransferRequest>(number);
-  request.slave = of_slave;
-  request.address = kData;
-  request.length = 1200;
-  request.timeout = timeout;
-  return request;
-}
-
-cansync_Command command(std::uint64_t number, cansync_CommandKind kind) {
-  auto sample = TestClient::request<cansync_Command>(number);
-  sample.kind = kind;
-  sample.slave = 1;
-  // A word that enables no drive is sent also to a slave that does not answer.
-  sample.control_word = cansync::StartupSettings{}.enabling_control_bits;
-  sample.priority = 1;
-  sample.slave_mask = 0xF;
-  sample.action = 200;
-  sample.mode = cansync_MODE_RUN;
-  sample.polling_one = sample.polling_two = sample.maximum_slave = -2;
-  sample.cursor_control_word = sample.cursor_parameter = sample.cursor_transfer = -2;
-  return sample;
-}
 
 constexpr std::uint64_t kRequests = 20;
 
@@ -105,46 +67,6 @@ void ask_all(TestClient& client, std::uint32_t timeout) {
     client.write(parameter(number, 1, false, timeout));
   }
   client.deliver(parameter(kRequests, 1, false, timeout));
-}
-
-/// Waits until the gateway has taken everything that came, and told everything the master had ended before.
-void pass_marker(WholeRig& rig) {
-  static std::uint64_t number = 0;
-  // The pass that takes the first may have begun before.
-  for (int i = 0; i < 2; ++i) {
-    auto a = parameter(++number, 9, false, 0);
-    auto b = transfer(++number, 9, 0);
-    auto c = command(++number, cansync_COMMAND_CONTROL_WORD);
-    c.slave = 9;
-    a.client[0] = b.client[0] = c.client[0] = kMarker;
-    rig.watcher().write(a);
-    rig.watcher().write(b);
-    rig.watcher().write(c);
-    ASSERT_TRUE(eventually(rig.watcher().signal(), [&] {
-      const auto& codes = rig.replies(kMarker);
-      return codes.contains(number) && codes.contains(number - 1) && codes.contains(number - 2);
-    }));
-  }
-}
-
-void order(WholeRig& rig, cansync_Mode mode) {
-  auto sample = command(1, cansync_COMMAND_MODE);
-  sample.client[0] = kOperator;
-  sample.mode = mode;
-  rig.watcher().deliver(sample);
-}
-
-sim::Fault fault(sim::FaultKind kind, std::optional<std::uint8_t> of_slave = std::nullopt) {
-  sim::Fault out;
-  out.kind = kind;
-  if (of_slave) out.slave = slave(*of_slave);
-  return out;
-}
-
-void add(WholeRig& rig, sim::FaultKind kind) {
-  for (const std::uint8_t number : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}}) {
-    (void)rig.line().line().faults().add(fault(kind, number));
-  }
 }
 
 /// What tests of a cause need at hand.
@@ -348,19 +270,6 @@ TEST_P(TerminalReplies, EveryRequestHasExactlyOne) {
 
 INSTANTIATE_TEST_SUITE_P(Causes, TerminalReplies, testing::Range<std::size_t>(0, causes().size()));
 
-/// Replies to requests 1 to `count`, each of which must have exactly one; the last is waited for.
-std::vector<cansync_ReplyCode> only_replies(WholeRig& rig, std::uint64_t count) {
-  EXPECT_TRUE(rig.all_answered(count));
-  pass_marker(rig);
-  std::vector<cansync_ReplyCode> out;
-  for (const auto& [number, codes] : rig.replies()) {
-    EXPECT_EQ(codes.size(), 1u) << "request " << number;
-    out.push_back(codes.front());
-  }
-  EXPECT_EQ(out.size(), count);
-  return out;
-}
-
 TEST(TerminalReplies, ASlavesErrorIsOne) {
   WholeRig rig;
   rig.release();
@@ -380,135 +289,6 @@ TEST(TerminalReplies, ASlavesErrorIsOne) {
   EXPECT_EQ(only_replies(rig, 4),
             (std::vector{cansync_REPLY_SLAVE_ERROR, cansync_REPLY_SLAVE_ERROR,
                          cansync_REPLY_DOUBLEWORD_EXPECTED, cansync_REPLY_SLAVE_ERROR}));
-}
-
-/// One request of each type that reaches the master only if nothing is wrong, spoiled by a row of the table.
-struct Refused {
-  const char* name;
-  std::function<void(Config&)> configure;
-  /// Asks with numbers 1 to `count`; the last three must be refused, what is before must not.
-  std::function<void(WholeRig&, TestClient&)> ask;
-  std::uint64_t count = 3;
-};
-
-void ask_two(TestClient& client, std::uint64_t first, std::uint32_t of_slave = 1) {
-  client.write(transfer(first, of_slave, 0));
-  auto word = command(first + 1, cansync_COMMAND_CONTROL_WORD);
-  word.slave = of_slave;
-  client.write(word);
-}
-void ask_three(TestClient& client, std::uint64_t first, std::uint32_t of_slave = 1) {
-  client.write(parameter(first, of_slave, true, 0));
-  ask_two(client, first + 1, of_slave);
-}
-
-const std::vector<Refused>& refusals() {
-  static const auto nothing = [](Config&) {};
-  static const std::vector<Refused> all = {
-      {"unknown slave", nothing, [](WholeRig&, TestClient& client) { ask_three(client, 1, 9); }},
-      {"out of range", nothing,
-       [](WholeRig&, TestClient& client) {
-         auto number = parameter(1, 1, false, 0);
-         number.number = 4096;
-         client.write(number);
-         auto block = transfer(2, 1, 0);
-         block.block_size = 4093;
-         client.write(block);
-         auto word = command(3, cansync_COMMAND_CONTROL_WORD);
-         word.control_word = 65536;
-         client.write(word);
-       }},
-      {"stale", [](Config& config) { config.dds.request_max_age = std::chrono::hours(1); },
-       [](WholeRig&, TestClient& client) {
-         const dds_time_t long_ago = dds_time() - DDS_SECS(7200);
-         client.write_at(parameter(1, 1, true, 0), long_ago);
-         client.write_at(transfer(2, 1, 0), long_ago);
-         client.write_at(command(3, cansync_COMMAND_CONTROL_WORD), long_ago);
-       }},
-      {"from the future", [](Config& config) { config.dds.request_max_age = std::chrono::hours(1); },
-       [](WholeRig&, TestClient& client) {
-         const dds_time_t later = dds_time() + DDS_SECS(7200);
-         client.write_at(parameter(1, 1, true, 0), later);
-         client.write_at(transfer(2, 1, 0), later);
-         client.write_at(command(3, cansync_COMMAND_CONTROL_WORD), later);
-       }},
-      {"read-only", [](Config& config) { config.access.read_only = true; },
-       [](WholeRig&, TestClient& client) {
-         client.write(parameter(1, 1, true, 0));
-         auto down = transfer(2, 1, 0);
-         std::vector<std::uint8_t> data(down.length);
-         down.direction = cansync_DIRECTION_DOWNLOAD;
-         down.data = {down.length, down.length, data.data(), false};
-         client.write(down);
-         client.write(command(3, cansync_COMMAND_CONTROL_WORD));
-       }},
-      {"the slave does not answer", nothing,
-       [](WholeRig& rig, TestClient& client) {
-         rig.hold();
-         add(rig, sim::FaultKind::silent);
-         rig.run(2000);
-         rig.release();
-         ask_three(client, 1);
-       }},
-      {"the line is stopped", nothing,
-       [](WholeRig& rig, TestClient& client) {
-         order(rig, cansync_MODE_STOP);
-         ASSERT_TRUE(rig.watch([](const auto& status) {
-           return status.option_status == static_cast<std::uint16_t>(cansync::State::waiting_for_start);
-         }));
-         ask_three(client, 1);
-       }},
-      {"too many open", nothing,
-       [](WholeRig& rig, TestClient& client) {
-         rig.hold();
-         for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) {
-           client.write(parameter(number, 1, false, 0));
-         }
-         // After these, because it goes the same way.
-         client.deliver(parameter(JobDesk::kPerClient + 1, 1, true, 0));
-         pass_marker(rig);
-         ask_two(client, JobDesk::kPerClient + 2);
-         EXPECT_TRUE(rig.all_answered(3));
-         rig.release();
-       },
-       JobDesk::kPerClient + 3},
-  };
-  return all;
-}
-
-class RefusedRequests : public testing::TestWithParam<std::size_t> {};
-
-TEST_P(RefusedRequests, HaveExactlyOneReply) {
-  const Refused& row = refusals().at(GetParam());
-  SCOPED_TRACE(row.name);
-  Config config = whole_config();
-  row.configure(config);
-  WholeRig rig(config);
-  rig.release();
-  const auto asker = rig.new_asker();
-  row.ask(rig, asker->client);
-  const auto codes = only_replies(rig, row.count);
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    const bool refused = i + 3 >= row.count;
-    EXPECT_EQ(codes[i], refused ? cansync_REPLY_REFUSED : cansync_REPLY_DONE) << "request " << i + 1;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Reasons, RefusedRequests, testing::Range<std::size_t>(0, refusals().size()));
-
-/// A number that was used gets its own reply once more: a refusal, whatever became of the first.
-TEST(TerminalReplies, ANumberUsedTwiceHasTwoAndIsExecutedOnce) {
-  WholeRig rig;
-  const auto asker = rig.new_asker();
-  asker->client.deliver(parameter(1, 1, true, 0));
-  asker->client.deliver(parameter(1, 1, true, 0));
-  rig.release();
-  EXPECT_TRUE(eventually(rig.watcher().signal(), [&] {
-    const auto found = rig.replies().find(1);
-    return found != rig.replies().end() && found->second.size() >= 2;
-  }));
-  pass_marker(rig);
-  EXPECT_EQ(rig.replies().at(1), (std::vector{cansync_REPLY_REFUSED, cansync_REPLY_DONE}));
 }
 
 /// After the daemon was started anew, the clients that are still there are served.
