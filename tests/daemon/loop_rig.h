@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
@@ -39,6 +40,15 @@ inline cansync::ParameterRequest read_request(cansync::JobId id, unsigned target
   request.slave = slave(target);
   request.number = *cansync::ParameterNumber::from(number);
   return request;
+}
+
+/// Reference values for many intervals, so that WRC1 goes out in each.
+inline cansync::ReferenceUpdate references(cansync::Channel channel, std::uint32_t intervals = 1000) {
+  cansync::ReferenceUpdate update;
+  update.channel = channel;
+  update.valid_mask = 1;
+  update.release_intervals = intervals;
+  return update;
 }
 
 /// A loop that reads no clock but the bus's.
