@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "can/frame_length.h"
-#include "scripted_node.h"
+#include "node_list.h"
 
 namespace {
 
@@ -19,20 +19,6 @@ using can::Time;
 using can::Wake;
 using sim::Line;
 using sim::LineSettings;
-using Nodes = std::vector<std::unique_ptr<sim::Node>>;
-
-// Adds a node and returns it; the line will own it.
-template <class NodeType, class... Args>
-NodeType& add(Nodes& nodes, Args... args) {
-  auto node = std::make_unique<NodeType>(args...);
-  NodeType& reference = *node;
-  nodes.push_back(std::move(node));
-  return reference;
-}
-
-Time length(std::string_view what) {
-  return us(can::frame_bits(frame(what)));  // at 1 Mbit/s a bit is a microsecond
-}
 
 TEST(Line, EchoesTheMastersFrameAtTheEndOfItsLastBit) {
   Line line({}, {});
