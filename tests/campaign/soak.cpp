@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "course.h"
+#include "support/heap.h"
 
 namespace {
 
@@ -20,7 +21,8 @@ constexpr std::uint64_t kRound = 20'000;
 constexpr std::uint64_t kFaulty = 5'000;
 constexpr std::size_t kFaultsAtOnce = 3;
 constexpr std::uint64_t kAftermath = 100;
-/// Memory may grow by so much after the first tenth: pages touched late, not what leaks.
+/// Memory may grow by so much after the first tenth: pages touched late and jobs that are open, not what
+/// leaks.
 constexpr std::uint64_t kGrowth = 512ull * 1024;
 
 struct Options {
@@ -146,22 +148,32 @@ class Progress {
     if (tenth == tenth_) return;
     tenth_ = tenth;
     const std::uint64_t percent = 10 * tenth;
-    last_ = resident_bytes();
+    last_ = {resident_bytes(), cansyncd::support::heap_in_use()};
     if (tenth == 1) first_ = last_;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun_;
-    std::printf("%3llu %%, %llu intervals, %.0f s, %.0f times real time, %llu KiB resident\n",
-                static_cast<unsigned long long>(percent), static_cast<unsigned long long>(done), took.count(),
-                static_cast<double>(done) / 1000 / took.count(),
-                static_cast<unsigned long long>(last_ / 1024));
+    std::printf(
+        "%3llu %%, %llu intervals, %.0f s, %.0f times real time, %llu KiB resident, %llu KiB in use\n",
+        static_cast<unsigned long long>(percent), static_cast<unsigned long long>(done), took.count(),
+        static_cast<double>(done) / 1000 / took.count(),
+        static_cast<unsigned long long>(last_.resident / 1024),
+        static_cast<unsigned long long>(last_.in_use / 1024));
     std::fflush(stdout);
   }
-  bool grown() const noexcept { return last_ > first_ + kGrowth; }
+  bool grown() const noexcept {
+    return last_.in_use > first_.in_use + kGrowth ||
+           (!cansyncd::support::kSanitizedHeap && last_.resident > first_.resident + kGrowth);
+  }
 
  private:
+  struct Memory {
+    std::uint64_t resident = 0;
+    std::uint64_t in_use = 0;  ///< of the heap
+  };
+
   std::uint64_t intervals_;
   std::uint64_t tenth_ = 0;
-  std::uint64_t first_ = 0;
-  std::uint64_t last_ = 0;
+  Memory first_;
+  Memory last_;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 

@@ -19,6 +19,13 @@ __sanitizer_get_current_allocated_bytes() noexcept;  // NOLINT(bugprone-reserved
 
 namespace cansyncd::support {
 
+/// True when a sanitizer's allocator is at work. What it keeps back makes resident memory grow.
+#ifdef CANSYNC_SANITIZED_HEAP
+inline constexpr bool kSanitizedHeap = true;
+#else
+inline constexpr bool kSanitizedHeap = false;
+#endif
+
 /// Bytes of the heap that are allocated now, by all threads of this process. Unlike resident memory it does
 /// not count what is free and kept by the allocator.
 inline std::size_t heap_in_use() noexcept {
