@@ -122,20 +122,29 @@ class Rounds {
       fault.to += now;
       faults.push_back(fault);
       hits_ += course.line().faults().hits(i);
+      hit_.hit(plan_.faults[i].kind, course.line().faults().hits(i));
       course.line().faults().replace(i, fault);
     }
     plan_.faults = faults;
     return std::nullopt;
   }
 
+  /// Counts those of the last round; the course itself counts them by kind.
+  void end(Course& course) {
+    for (std::size_t i = 0; i < kFaultsAtOnce; ++i) hits_ += course.line().faults().hits(i);
+  }
+
   std::uint64_t rounds() const noexcept { return rounds_; }
   std::uint64_t hits() const noexcept { return hits_; }
+  /// By kind.
+  const Coverage& hit() const noexcept { return hit_; }
 
  private:
   Plan& plan_;
   Dice dice_;
   std::uint64_t rounds_ = 0;
   std::uint64_t hits_ = 0;
+  Coverage hit_;
 };
 
 /// Tells how far it is, and watches the memory.
@@ -194,7 +203,9 @@ int main(int argc, char** argv) {
   std::printf("%llu intervals of 1 ms with %llu slaves, seed %llu\n",
               static_cast<unsigned long long>(intervals), static_cast<unsigned long long>(options.slaves),
               static_cast<unsigned long long>(options.seed));
-  const Verdict verdict = course.run();
+  Verdict verdict = course.run();
+  rounds.end(course);
+  verdict.coverage.add(rounds.hit());
   std::printf("%s%llu intervals, %llu frames, %llu requests, %llu rounds of faults, %llu faults hit\n",
               verdict.coverage.text().c_str(), static_cast<unsigned long long>(verdict.intervals),
               static_cast<unsigned long long>(course.line().counters().frames),

@@ -210,15 +210,15 @@ TEST(GatewayBadSamples, AnsweredRequestsTakeNoMemory) {
   GatewayRig rig(gateway_config(), {}, {}, {}, &journal);
   std::uint64_t number = 0;
   // Together fewer than a client may have open.
-  constexpr unsigned kWindow = 25;
+  constexpr std::size_t kWindow = 25;
   const auto ask = [&] {
-    for (unsigned i = 0; i < kWindow; ++i) {
+    for (std::size_t i = 0; i < kWindow; ++i) {
       rig.client.write(good_read(++number));
       auto mode = TestClient::request<cansync_Command>(++number);
       mode.kind = cansync_COMMAND_MODE;
       rig.client.write(mode);
     }
-    for (unsigned i = 0; i < 2 * kWindow; ++i) {
+    for (std::size_t i = 0; i < 2 * kWindow; ++i) {
       const auto request = rig.next_request();
       ASSERT_TRUE(request);
       if (const auto* read = std::get_if<cansync::ParameterRequest>(&*request)) {
@@ -232,7 +232,7 @@ TEST(GatewayBadSamples, AnsweredRequestsTakeNoMemory) {
     ASSERT_TRUE(eventually(rig.client.signal(), [&] {
       (void)rig.client.all<cansync_ParameterReply>();
       (void)rig.client.all<cansync_CommandReply>();
-      return reads.size() + commands.size() == std::size_t{2 * kWindow};
+      return reads.size() + commands.size() == 2 * kWindow;
     }));
     reads.clear();
     commands.clear();

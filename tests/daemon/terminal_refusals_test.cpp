@@ -31,76 +31,76 @@ void ask_three(TestClient& client, std::uint64_t first, std::uint32_t of_slave =
   ask_two(client, first + 1, of_slave);
 }
 
+void ask_out_of_range(WholeRig& /*rig*/, TestClient& client) {
+  auto number = parameter(1, 1, false, 0);
+  number.number = 4096;
+  client.write(number);
+  auto block = transfer(2, 1, 0);
+  block.block_size = 4093;
+  client.write(block);
+  auto word = command(3, cansync_COMMAND_CONTROL_WORD);
+  word.control_word = 65536;
+  client.write(word);
+}
+
+void ask_at(TestClient& client, dds_time_t time) {
+  client.write_at(parameter(1, 1, true, 0), time);
+  client.write_at(transfer(2, 1, 0), time);
+  client.write_at(command(3, cansync_COMMAND_CONTROL_WORD), time);
+}
+
+void ask_for_changes(WholeRig& /*rig*/, TestClient& client) {
+  client.write(parameter(1, 1, true, 0));
+  auto down = transfer(2, 1, 0);
+  std::vector<std::uint8_t> data(down.length);
+  down.direction = cansync_DIRECTION_DOWNLOAD;
+  down.data = {down.length, down.length, data.data(), false};
+  client.write(down);
+  client.write(command(3, cansync_COMMAND_CONTROL_WORD));
+}
+
+void ask_a_silent_slave(WholeRig& rig, TestClient& client) {
+  rig.hold();
+  add(rig, sim::FaultKind::silent);
+  rig.run(2000);
+  rig.release();
+  ask_three(client, 1);
+}
+
+void ask_a_stopped_line(WholeRig& rig, TestClient& client) {
+  order(rig, cansync_MODE_STOP);
+  ASSERT_TRUE(rig.watch([](const auto& status) {
+    return status.option_status == static_cast<std::uint16_t>(cansync::State::waiting_for_start);
+  }));
+  ask_three(client, 1);
+}
+
+void ask_too_much(WholeRig& rig, TestClient& client) {
+  rig.hold();
+  for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) {
+    client.write(parameter(number, 1, false, 0));
+  }
+  // After these, because it goes the same way.
+  client.deliver(parameter(JobDesk::kPerClient + 1, 1, true, 0));
+  pass_marker(rig);
+  ask_two(client, JobDesk::kPerClient + 2);
+  EXPECT_TRUE(rig.all_answered(3));
+  rig.release();
+}
+
 const std::vector<Refused>& refusals() {
   static const auto nothing = [](Config&) {};
+  static const auto an_hour = [](Config& config) { config.dds.request_max_age = std::chrono::hours(1); };
   static const std::vector<Refused> all = {
       {"unknown slave", nothing, [](WholeRig&, TestClient& client) { ask_three(client, 1, 9); }},
-      {"out of range", nothing,
-       [](WholeRig&, TestClient& client) {
-         auto number = parameter(1, 1, false, 0);
-         number.number = 4096;
-         client.write(number);
-         auto block = transfer(2, 1, 0);
-         block.block_size = 4093;
-         client.write(block);
-         auto word = command(3, cansync_COMMAND_CONTROL_WORD);
-         word.control_word = 65536;
-         client.write(word);
-       }},
-      {"stale", [](Config& config) { config.dds.request_max_age = std::chrono::hours(1); },
-       [](WholeRig&, TestClient& client) {
-         const dds_time_t long_ago = dds_time() - DDS_SECS(7200);
-         client.write_at(parameter(1, 1, true, 0), long_ago);
-         client.write_at(transfer(2, 1, 0), long_ago);
-         client.write_at(command(3, cansync_COMMAND_CONTROL_WORD), long_ago);
-       }},
-      {"from the future", [](Config& config) { config.dds.request_max_age = std::chrono::hours(1); },
-       [](WholeRig&, TestClient& client) {
-         const dds_time_t later = dds_time() + DDS_SECS(7200);
-         client.write_at(parameter(1, 1, true, 0), later);
-         client.write_at(transfer(2, 1, 0), later);
-         client.write_at(command(3, cansync_COMMAND_CONTROL_WORD), later);
-       }},
-      {"read-only", [](Config& config) { config.access.read_only = true; },
-       [](WholeRig&, TestClient& client) {
-         client.write(parameter(1, 1, true, 0));
-         auto down = transfer(2, 1, 0);
-         std::vector<std::uint8_t> data(down.length);
-         down.direction = cansync_DIRECTION_DOWNLOAD;
-         down.data = {down.length, down.length, data.data(), false};
-         client.write(down);
-         client.write(command(3, cansync_COMMAND_CONTROL_WORD));
-       }},
-      {"the slave does not answer", nothing,
-       [](WholeRig& rig, TestClient& client) {
-         rig.hold();
-         add(rig, sim::FaultKind::silent);
-         rig.run(2000);
-         rig.release();
-         ask_three(client, 1);
-       }},
-      {"the line is stopped", nothing,
-       [](WholeRig& rig, TestClient& client) {
-         order(rig, cansync_MODE_STOP);
-         ASSERT_TRUE(rig.watch([](const auto& status) {
-           return status.option_status == static_cast<std::uint16_t>(cansync::State::waiting_for_start);
-         }));
-         ask_three(client, 1);
-       }},
-      {"too many open", nothing,
-       [](WholeRig& rig, TestClient& client) {
-         rig.hold();
-         for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) {
-           client.write(parameter(number, 1, false, 0));
-         }
-         // After these, because it goes the same way.
-         client.deliver(parameter(JobDesk::kPerClient + 1, 1, true, 0));
-         pass_marker(rig);
-         ask_two(client, JobDesk::kPerClient + 2);
-         EXPECT_TRUE(rig.all_answered(3));
-         rig.release();
-       },
-       JobDesk::kPerClient + 3},
+      {"out of range", nothing, ask_out_of_range},
+      {"stale", an_hour, [](WholeRig&, TestClient& client) { ask_at(client, dds_time() - DDS_SECS(7200)); }},
+      {"from the future", an_hour,
+       [](WholeRig&, TestClient& client) { ask_at(client, dds_time() + DDS_SECS(7200)); }},
+      {"read-only", [](Config& config) { config.access.read_only = true; }, ask_for_changes},
+      {"the slave does not answer", nothing, ask_a_silent_slave},
+      {"the line is stopped", nothing, ask_a_stopped_line},
+      {"too many open", nothing, ask_too_much, JobDesk::kPerClient + 3},
   };
   return all;
 }

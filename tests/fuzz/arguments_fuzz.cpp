@@ -29,6 +29,7 @@ std::vector<const char*> arguments(std::vector<std::string>& out, const std::str
     from = end + 1;
   }
   std::vector<const char*> pointers;
+  pointers.reserve(out.size());
   for (const std::string& word : out) pointers.push_back(word.c_str());
   return pointers;
 }
