@@ -1,7 +1,7 @@
 #include "daemon/arguments.h"
 
 #include <CLI/CLI.hpp>
-#include <sstream>
+#include <utility>
 
 namespace cansyncd {
 namespace {
@@ -38,14 +38,7 @@ std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* co
   CLI::App app("CANsync master: drives one CANsync bus and offers it on DDS topics.", "cansyncd");
   Arguments arguments;
   describe(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    std::ostringstream asked;
-    std::ostringstream complaint;
-    const bool wrong = app.exit(error, asked, complaint) != 0;
-    return CommandLineEnd{wrong, wrong ? complaint.str() : asked.str()};
-  }
+  if (auto end = text::read_command_line(app, argc, argv)) return *std::move(end);
   const bool prints = arguments.print_default_config || arguments.print_options_markdown;
   if (arguments.config.empty() && arguments.check.empty() && !prints) {
     return CommandLineEnd{

@@ -4,6 +4,8 @@
 #include <variant>
 #include <vector>
 
+#include "text/command_line.h"
+
 /// The command line of `cansyncd`. Main thread (allocates).
 namespace cansyncd {
 
@@ -18,11 +20,7 @@ struct Arguments {
   bool print_options_markdown = false;
 };
 
-/// The program ends after its command line: help or version was asked for, or something in it is wrong.
-struct CommandLineEnd {
-  bool wrong = false;  ///< `text` is an error
-  std::string text;
-};
+using text::CommandLineEnd;
 
 /// Reads the command line; opens no file and starts nothing. Texts of options are not looked into.
 std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv);

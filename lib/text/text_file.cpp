@@ -8,23 +8,10 @@
 #include <cerrno>
 #include <system_error>
 
+#include "text/descriptor.h"
+
 namespace text {
 namespace {
-
-/// Closes a descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int number) noexcept : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const noexcept { return number_; }
-
- private:
-  int number_;
-};
 
 FileProblem system_problem() {
   return {std::generic_category().message(errno)};

@@ -16,8 +16,10 @@
 #include <system_error>
 
 #include "can/candump.h"
+#include "can/kernel_frame.h"
 #include "cansync/telegram.h"
 #include "cansync/trace_source.h"
+#include "text/descriptor.h"
 
 namespace cansync::cli {
 namespace {
@@ -26,38 +28,6 @@ constexpr int kLookMs = 50;
 
 std::string system_text(int error) {
   return std::generic_category().message(error);
-}
-
-/// An open descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const noexcept { return number_; }
-
- private:
-  int number_;
-};
-
-can::Frame to_frame(const can_frame& raw) {
-  can::Frame frame;
-  const bool error = (raw.can_id & CAN_ERR_FLAG) != 0;
-  const bool extended = (raw.can_id & CAN_EFF_FLAG) != 0;
-  const bool remote = (raw.can_id & CAN_RTR_FLAG) != 0;
-  frame.id = raw.can_id & (extended || error ? CAN_EFF_MASK : CAN_SFF_MASK);
-  if (error)
-    frame.kind = can::FrameKind::error;
-  else if (remote)
-    frame.kind = can::FrameKind::remote;
-  else if (extended)
-    frame.kind = can::FrameKind::extended;
-  frame.dlc = std::min<std::uint8_t>(raw.can_dlc, CAN_MAX_DLEN);
-  if (!remote) std::copy_n(std::begin(raw.data), frame.dlc, frame.data.begin());
-  return frame;
 }
 
 class InterfaceSource final : public TraceSource {
@@ -102,7 +72,7 @@ class InterfaceSource final : public TraceSource {
     if (got != static_cast<ssize_t>(sizeof raw)) return TraceProblem{"a frame of another size (CAN FD?)"};
     can::CandumpLine line;
     line.interface = name_;
-    line.frame = to_frame(raw);
+    line.frame = can::from_kernel(raw);
     read_control(message, line);
     return line;
   }
@@ -155,7 +125,7 @@ class InterfaceSource final : public TraceSource {
   }
 
   std::string name_;
-  Descriptor socket_;
+  text::Descriptor socket_;
   std::uint64_t dropped_ = 0;
 };
 

@@ -1,7 +1,7 @@
 #include "cansync_sim/arguments.h"
 
 #include <CLI/CLI.hpp>
-#include <sstream>
+#include <utility>
 
 namespace cansync_sim {
 namespace {
@@ -51,14 +51,7 @@ std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* co
   CLI::App app("Simulated CANsync drives on a CAN interface of the kernel.", "cansync-sim");
   Arguments arguments;
   describe(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    std::ostringstream asked;
-    std::ostringstream complaint;
-    const bool wrong = app.exit(error, asked, complaint) != 0;
-    return CommandLineEnd{wrong, wrong ? complaint.str() : asked.str()};
-  }
+  if (auto end = text::read_command_line(app, argc, argv)) return *std::move(end);
   return arguments;
 }
 

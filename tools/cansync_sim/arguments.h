@@ -4,6 +4,8 @@
 #include <variant>
 #include <vector>
 
+#include "text/command_line.h"
+
 namespace cansync_sim {
 
 /// What stands on the command line, as text; empty: not given.
@@ -24,11 +26,7 @@ struct Arguments {
   bool verbose = false;
 };
 
-/// The program ends after its command line: help or version was asked for, or something in it is wrong.
-struct CommandLineEnd {
-  bool wrong = false;  ///< `text` is an error
-  std::string text;
-};
+using text::CommandLineEnd;
 
 /// Reads the command line; opens no file and no interface. What the texts say is looked at by `make_setup`.
 std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv);
