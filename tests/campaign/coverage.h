@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,11 @@ class Coverage {
     sum(outcomes_, other.outcomes_);
     sum(refusals_, other.refusals_);
     sum(faults_, other.faults_);
+  }
+
+  /// Faults of every kind that hit.
+  std::uint64_t hits() const noexcept {
+    return std::accumulate(faults_.begin(), faults_.end(), std::uint64_t{0});
   }
 
   /// A line for each group.

@@ -121,7 +121,6 @@ class Rounds {
       fault.from += now;
       fault.to += now;
       faults.push_back(fault);
-      hits_ += course.line().faults().hits(i);
       hit_.hit(plan_.faults[i].kind, course.line().faults().hits(i));
       course.line().faults().replace(i, fault);
     }
@@ -129,21 +128,14 @@ class Rounds {
     return std::nullopt;
   }
 
-  /// Counts those of the last round; the course itself counts them by kind.
-  void end(Course& course) {
-    for (std::size_t i = 0; i < kFaultsAtOnce; ++i) hits_ += course.line().faults().hits(i);
-  }
-
   std::uint64_t rounds() const noexcept { return rounds_; }
-  std::uint64_t hits() const noexcept { return hits_; }
-  /// By kind.
+  /// Faults of all rounds but the last, which the course counts itself.
   const Coverage& hit() const noexcept { return hit_; }
 
  private:
   Plan& plan_;
   Dice dice_;
   std::uint64_t rounds_ = 0;
-  std::uint64_t hits_ = 0;
   Coverage hit_;
 };
 
@@ -204,14 +196,13 @@ int main(int argc, char** argv) {
               static_cast<unsigned long long>(intervals), static_cast<unsigned long long>(options.slaves),
               static_cast<unsigned long long>(options.seed));
   Verdict verdict = course.run();
-  rounds.end(course);
   verdict.coverage.add(rounds.hit());
   std::printf("%s%llu intervals, %llu frames, %llu requests, %llu rounds of faults, %llu faults hit\n",
               verdict.coverage.text().c_str(), static_cast<unsigned long long>(verdict.intervals),
               static_cast<unsigned long long>(course.line().counters().frames),
               static_cast<unsigned long long>(course.requests()),
               static_cast<unsigned long long>(rounds.rounds()),
-              static_cast<unsigned long long>(rounds.hits()));
+              static_cast<unsigned long long>(verdict.coverage.hits()));
   if (verdict.violation) {
     std::printf("VIOLATED after interval %llu: %s: %s\n",
                 static_cast<unsigned long long>(verdict.violation->interval),

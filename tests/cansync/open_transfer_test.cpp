@@ -84,10 +84,13 @@ struct OpenTransfer : testing::Test {
     };
     memory.asked.clear();
   }
-  TransferResult run(TransferRequest::Direction direction, std::vector<std::uint8_t>& data) {
+  void begin(TransferRequest::Direction direction, std::vector<std::uint8_t>& data) {
     EXPECT_EQ(rig->master.submit(TransferRequest{
                   .id = ++id, .direction = direction, .slave = slave(1), .address = kBase, .data = data}),
               Refusal::none);
+  }
+  TransferResult run(TransferRequest::Direction direction, std::vector<std::uint8_t>& data) {
+    begin(direction, data);
     rig->run_until([this] { return rig->told.transfers.contains(id); }, 2000);
     return rig->told.transfers[id];
   }
@@ -95,12 +98,7 @@ struct OpenTransfer : testing::Test {
     new_master();
     rig->activate();
     std::vector<std::uint8_t> data = pattern(600);
-    ASSERT_EQ(rig->master.submit(TransferRequest{.id = ++id,
-                                                 .direction = TransferRequest::Direction::download,
-                                                 .slave = slave(1),
-                                                 .address = kBase,
-                                                 .data = data}),
-              Refusal::none);
+    begin(TransferRequest::Direction::download, data);
     rig->run(30);
     ASSERT_TRUE(memory.slave.transfer_open());
     rig.reset();  // killed: no further telegram
@@ -152,12 +150,7 @@ TEST_F(OpenTransfer, ASlaveThatWasAwayIsToldBeforeItsNextTransfer) {
   rig->activate();
   rig->run(20);
   std::vector<std::uint8_t> data = pattern(600);
-  ASSERT_EQ(rig->master.submit(TransferRequest{.id = ++id,
-                                               .direction = TransferRequest::Direction::download,
-                                               .slave = slave(1),
-                                               .address = kBase,
-                                               .data = data}),
-            Refusal::none);
+  begin(TransferRequest::Direction::download, data);
   rig->run(30);
   memory.dead = true;
   rig->run_until([this] { return rig->told.transfers.contains(id); }, 20);
@@ -178,12 +171,7 @@ TEST_F(OpenTransfer, ARunningTransferOutlivesALostBusUncancelled) {
   rig->run(20);
   memory.asked.clear();
   std::vector<std::uint8_t> data = pattern(600);
-  ASSERT_EQ(rig->master.submit(TransferRequest{.id = ++id,
-                                               .direction = TransferRequest::Direction::download,
-                                               .slave = slave(1),
-                                               .address = kBase,
-                                               .data = data}),
-            Refusal::none);
+  begin(TransferRequest::Direction::download, data);
   rig->run(30);
   rig->master.bus_lost();
   rig->run_until([this] { return rig->told.transfers.contains(id); }, 500);
