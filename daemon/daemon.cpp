@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <csignal>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "cansync/timing.h"
@@ -16,10 +18,12 @@
 #include "daemon/exchange.h"
 #include "daemon/flight_desk.h"
 #include "daemon/gateway.h"
+#include "daemon/heartbeat.h"
 #include "daemon/log.h"
 #include "daemon/realtime_loop.h"
 #include "daemon/realtime_text.h"
 #include "daemon/service.h"
+#include "daemon/signal_wait.h"
 #include "daemon/sync_line.h"
 #include "dds/participant.h"
 #include "dds/security.h"
@@ -33,27 +37,6 @@ namespace {
 
 /// Of the threads of DDS and of our own; the deepest was seen to use under 100 KiB.
 constexpr std::size_t kThreadStack = std::size_t{512} * 1024;
-
-/// Blocks the signals the daemon waits for; every thread started afterwards inherits it.
-class SignalSet {
- public:
-  SignalSet() {
-    ::sigemptyset(&set_);
-    for (const int number : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) ::sigaddset(&set_, number);
-    ::pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-  }
-
-  /// Sleeps until one of them comes.
-  int wait() const {
-    int number = 0;
-    while (::sigwait(&set_, &number) != 0) {
-    }
-    return number;
-  }
-
- private:
-  sigset_t set_{};
-};
 
 ExchangeSizes exchange_sizes(const Config& config) {
   return {config.realtime.request_queue,
@@ -136,13 +119,16 @@ class Daemon {
     gateway_.set_realtime(settings, thread_->grants());
     bus_.start(exchange_);
     gateway_.start();
+    wait_until_running();
     const auto& times = cansync::slot_times(file_.config.master.bit_rate);
-    status_ = fmt::format("bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
-                          file_.config.bus.interface, times.bits_per_second,
-                          __builtin_popcount(file_.config.master.configured().bits), participant_.place());
-    log(LogPriority::notice, "running: {}", status_);
-    service::ready(status_);
+    log(LogPriority::notice, "running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
+        file_.config.bus.interface, times.bits_per_second,
+        __builtin_popcount(file_.config.master.configured().bits), participant_.place());
+    service::ready();
   }
+
+  /// How far the threads have come, for the watchdog.
+  Heartbeat::Progress progress() const noexcept { return {loop_.wake_ups(), gateway_.passes()}; }
 
   /// Open jobs are answered first by the realtime thread, then by the gateway.
   void stop() noexcept {
@@ -169,10 +155,25 @@ class Daemon {
     } else {
       apply(plan_reload(file_, wanted));
     }
-    service::ready(status_);
+    service::ready();
   }
 
  private:
+  /// The service is ready when SYNC edges are served, not when a thread was asked for. Throws
+  /// std::runtime_error.
+  void wait_until_running() const {
+    constexpr std::chrono::seconds kPatience{10};
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (loop_.wake_ups() == 0) {
+      if (std::chrono::steady_clock::now() > end)
+        throw std::runtime_error(
+            fmt::format("the realtime thread has served no interval for {} s; another realtime program may "
+                        "keep it from its processor: see realtime.priority and realtime.cpu",
+                        kPatience.count()));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
   void apply(ReloadPlan plan) {
     if (!plan.merged.problems.empty()) {
       log(LogPriority::error, "the changes of {} need a restart; the daemon keeps running as before",
@@ -208,22 +209,26 @@ class Daemon {
   FlightDesk flight_;
   RealtimeLoop loop_;
   std::optional<rt::RealtimeThread> thread_;
-  std::string status_;
 };
 
 /// Until SIGTERM or SIGINT.
-void serve(Daemon& daemon, const SignalSet& signals, const std::vector<std::string>& overrides) {
+void serve(Daemon& daemon, const SignalWait& signals, const std::vector<std::string>& overrides) {
+  Heartbeat heartbeat(service::watchdog());
   while (true) {
-    const int number = signals.wait();
-    if (number == SIGHUP) {
+    const std::optional<int> number = signals.wait(heartbeat.period());
+    if (!number) {
+      if (heartbeat.look(daemon.progress())) service::alive();
+      continue;
+    }
+    if (*number == SIGHUP) {
       daemon.reload(overrides);
       continue;
     }
-    if (number == SIGUSR1) {
+    if (*number == SIGUSR1) {
       daemon.record();
       continue;
     }
-    log(LogPriority::notice, "stopping: {}", number == SIGTERM ? "SIGTERM" : "SIGINT");
+    log(LogPriority::notice, "stopping: {}", *number == SIGTERM ? "SIGTERM" : "SIGINT");
     service::stopping();
     return;
   }
@@ -269,7 +274,7 @@ ConfigFile load_checked(const std::string& path, const std::vector<std::string>&
 }
 
 int run_daemon(ConfigFile file, const std::vector<std::string>& overrides) {
-  const SignalSet signals;
+  const SignalWait signals;
   if (!rt::set_default_stack_size(kThreadStack)) {
     log(LogPriority::warning, "thread stacks keep the system's size; locked memory will be larger");
   }

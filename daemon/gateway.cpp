@@ -11,6 +11,7 @@
 
 #include "daemon/access.h"
 #include "daemon/gateway_requests.h"
+#include "daemon/service.h"
 #include "dds/malformed.h"
 
 namespace cansyncd {
@@ -53,7 +54,8 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::P
       audit_(journal, events_, config),
       failsafe_(events_, audit_, config),
       references_(participant, signal_, events_, config),
-      jobs_(participant, signal_, events_, config, audit_) {
+      jobs_(participant, signal_, events_, config, audit_),
+      status_line_(service::status) {
   state_.set_givers(references_.givers());
 }
 
@@ -106,6 +108,7 @@ void Gateway::run() {
   bool samples_may_wait = true;
   while (!stop_) {
     const SteadyTime due = pass(samples_may_wait);
+    passes_.fetch_add(1, std::memory_order_relaxed);
     // An interrupted or failed poll only means one pass too many.
     const int ready = ::poll(wake.data(), wake.size(), milliseconds_to(due));
     if (ready > 0 && wake[0].revents != 0) exchange_.gateway_wake.clear();
@@ -143,8 +146,8 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   }
   const auto failsafe_due = failsafe_.push(exchange_, now);
   state_.set_clients(jobs_.clients(), jobs_.rejections());
-  for (const auto next :
-       {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now)}) {
+  for (const auto next : {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
+                          status_line_.step(state_.master(), config_, now)}) {
     if (next) due = std::min(due, *next);
   }
   return due;

@@ -14,6 +14,7 @@
 #include "daemon/gateway_jobs.h"
 #include "daemon/gateway_references.h"
 #include "daemon/gateway_state.h"
+#include "daemon/status_line.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 
@@ -53,6 +54,10 @@ class Gateway {
   /// still told. Further calls do nothing.
   void stop() noexcept;
 
+  /// Passes over everything that may have come, so far: stands still for longer than a second only when the
+  /// thread does. Any thread.
+  std::uint64_t passes() const noexcept { return passes_.load(std::memory_order_relaxed); }
+
   /// Publishes an event of another thread. Any thread; returns at once. At most `kPosted` wait, more are
   /// lost.
   void post(const EventText& event);
@@ -88,12 +93,14 @@ class Gateway {
   ReferenceInput references_;
   JobDesk jobs_;
   FaultRow missed_syncs_{kSyncQuiet};
+  StatusLine status_line_;
 
   std::mutex configuration_mutex_;
   std::optional<Config> new_configuration_;
   std::mutex posted_mutex_;
   std::vector<EventText> posted_;
   std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> passes_{0};
   std::thread thread_;
 };
 

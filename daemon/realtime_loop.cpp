@@ -65,6 +65,7 @@ void RealtimeLoop::run() noexcept {
   begin();
   while (!stopping()) {
     sleep_until(timeline_.due());
+    wake_ups_.fetch_add(1, std::memory_order_relaxed);
     if (skip_missed_edges()) continue;
     begin_interval();
     mode_.pursue_target();

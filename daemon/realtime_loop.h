@@ -59,6 +59,9 @@ class RealtimeLoop {
   /// handler.
   void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
+  /// Wake-ups for a SYNC edge so far: stands still when the thread does. Any thread.
+  std::uint64_t wake_ups() const noexcept { return wake_ups_.load(std::memory_order_relaxed); }
+
  private:
   using Slots = std::array<cansync::Slot, cansync::kSlots>;
 
@@ -90,6 +93,7 @@ class RealtimeLoop {
   ModeControl mode_;
   RequestIntake requests_;
   std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> wake_ups_{0};
 
   Timeline timeline_;
   SyncSnapshot line_;  ///< the SYNC line

@@ -4,6 +4,7 @@
 #include <systemd/sd-daemon.h>
 
 #include <chrono>
+#include <cstdint>
 
 namespace cansyncd::service {
 namespace {
@@ -15,8 +16,22 @@ void notify(const std::string& message) {
 
 }  // namespace
 
-void ready(const std::string& status) {
-  notify("READY=1\nSTATUS=" + status);
+void ready() {
+  notify("READY=1");
+}
+
+void status(const std::string& text) {
+  notify("STATUS=" + text);
+}
+
+void alive() {
+  notify("WATCHDOG=1");
+}
+
+std::optional<std::chrono::microseconds> watchdog() {
+  std::uint64_t timeout = 0;
+  if (::sd_watchdog_enabled(0, &timeout) <= 0) return std::nullopt;
+  return std::chrono::microseconds(timeout);
 }
 
 void reloading() {

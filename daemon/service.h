@@ -1,12 +1,20 @@
 #pragma once
 
+#include <chrono>
+#include <optional>
 #include <string>
 
-/// Tells systemd how the service is; does nothing when the daemon was not started by systemd. Main thread.
+/// Tells systemd how the service is; does nothing when the daemon was not started by systemd. Any thread but
+/// the realtime thread.
 namespace cansyncd::service {
 
-void ready(const std::string& status);  ///< started, or reloaded; `status` is what `systemctl status` shows
-void reloading();                       ///< the configuration is being read again; `ready` ends it
-void stopping();                        ///< about to end
+void ready();                          ///< started, or reloaded
+void status(const std::string& text);  ///< the line that `systemctl status` shows
+void alive();                          ///< feeds the watchdog
+void reloading();                      ///< the configuration is being read again; `ready` ends it
+void stopping();                       ///< about to end
+
+/// Time after which the manager's watchdog takes an unfed service for hung; nothing: there is no watchdog.
+std::optional<std::chrono::microseconds> watchdog();
 
 }  // namespace cansyncd::service

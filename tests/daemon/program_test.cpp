@@ -1,54 +1,14 @@
-#include "program.h"
-
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/time.h>
-#include <sys/un.h>
 
-#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <variant>
 
 #include "can/candump.h"
-#include "support/free_domain.h"
+#include "cansyncd_fixture.h"
 
 namespace {
-
-namespace fs = std::filesystem;
-
-/// The daemon's program in a folder of its own, on a domain of its own.
-class CansyncdTest : public testing::Test {
- protected:
-  CansyncdTest() {
-    std::string name = (fs::temp_directory_path() / "cansyncd-test-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~CansyncdTest() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
-  std::string write(const std::string& name, const std::string& text) const {
-    const fs::path path = folder_ / name;
-    std::ofstream(path) << text;
-    return path.string();
-  }
-
-  Program run(std::vector<std::string> arguments, const std::vector<std::string>& environment = {}) const {
-    arguments.push_back("--domain=" + std::to_string(domain_.get()));
-    return {CANSYNCD, std::move(arguments), environment};
-  }
-
-  fs::path folder_;
-  FreeDomain domain_;
-};
-
-constexpr const char* kTwoSlaves =
-    "[bus]\nname = \"two\"\n[sim]\nlock_time_ms = 20\n[[slave]]\nnumber = 0\nname = "
-    "\"winder\"\n[[slave]]\nnumber = "
-    "5\n";
 
 TEST_F(CansyncdTest, ChecksAFileAndStartsNothing) {
   const std::string file = write("good.toml", kTwoSlaves);
@@ -239,46 +199,6 @@ TEST_F(CansyncdTest, TraceIsACandumpLogOfTheBus) {
   // SYNC activation, and the status words of both slaves asked and answered.
   for (const std::uint32_t id : {0x010U, 0x500U, 0x580U, 0x505U, 0x585U})
     EXPECT_TRUE(identifiers.contains(id)) << id;
-}
-
-/// The socket a service manager listens on.
-class NotifySocket {
- public:
-  explicit NotifySocket(const fs::path& path) : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.string().copy(static_cast<char*>(address.sun_path), sizeof address.sun_path - 1);
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the socket interface wants it so
-    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    const timeval patience{60, 0};
-    EXPECT_EQ(::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
-  }
-  ~NotifySocket() { ::close(socket_); }
-  NotifySocket(const NotifySocket&) = delete;
-  NotifySocket& operator=(const NotifySocket&) = delete;
-
-  /// The next message; empty when none comes.
-  std::string next() const {
-    std::string text(4096, '\0');
-    const ssize_t size = ::recv(socket_, text.data(), text.size(), 0);
-    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    return text;
-  }
-
- private:
-  int socket_;
-};
-
-TEST_F(CansyncdTest, TellsTheServiceManagerItsState) {
-  const NotifySocket manager(folder_ / "notify");
-  Program program = run({write("line.toml", kTwoSlaves)}, {"NOTIFY_SOCKET=" + (folder_ / "notify").string()});
-  EXPECT_TRUE(manager.next().starts_with("READY=1\nSTATUS=bus two (sim) at 1000000 bit/s"));
-  program.signal(SIGHUP);
-  EXPECT_TRUE(manager.next().starts_with("RELOADING=1\nMONOTONIC_USEC="));
-  EXPECT_TRUE(manager.next().starts_with("READY=1\n"));
-  program.signal(SIGTERM);
-  EXPECT_EQ(manager.next(), "STOPPING=1");
-  EXPECT_EQ(program.exit_code(), 0);
 }
 
 }  // namespace
