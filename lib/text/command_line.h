@@ -16,7 +16,7 @@ struct CommandLineEnd {
   std::string text;
 };
 
-/// Lets `app` read the command line. Nothing: the program goes on.
+/// Lets `app` read the command line, or a shell complete it (completion.h). Nothing: the program goes on.
 std::optional<CommandLineEnd> read_command_line(CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace text

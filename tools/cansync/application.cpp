@@ -6,8 +6,10 @@
 #include <sstream>
 #include <string>
 
+#include "cansync/completion.h"
 #include "cansync/verbs.h"
 #include "dds/entity.h"
+#include "text/completion.h"
 
 namespace cansync::cli {
 namespace {
@@ -27,10 +29,10 @@ void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
       ->type_name("N");
   app.add_option("--bus", globals.bus, "name of the bus, which is the DDS partition (default sim)")
       ->envname("CANSYNC_BUS")
-      ->type_name("NAME");
+      ->type_name("BUS");
   app.add_option("--interface", globals.interface, "network interface to look for the daemon on (default lo)")
       ->envname("CANSYNC_INTERFACE")
-      ->type_name("NAME");
+      ->type_name("INTERFACE");
   app.add_option("--security", globals.security,
                  "folder of this user's identity, for a daemon with DDS Security (default: without)")
       ->envname("CANSYNC_SECURITY")
@@ -113,6 +115,10 @@ ExitCode parse_and_run(int argc, const char* const* argv, std::FILE* data, std::
   name_help_parts(app);
   add_global_options(app, globals, texts);
   add_verbs(app, verb);
+  if (const auto words = text::words_to_complete(argc, argv); !words.empty()) {
+    Output(data, remarks, false).bytes(text::completions(app, words, completion_lookup()));
+    return ExitCode::done;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

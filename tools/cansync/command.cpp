@@ -141,7 +141,9 @@ void add_broadcast(CLI::App& app, Verb& chosen) {
 void add_mode(CLI::App& app, Verb& chosen) {
   auto* mode = app.add_subcommand("mode", "change the master's operating state");
   auto texts = std::make_shared<ModeTexts>();
-  mode->add_option("MODE", texts->mode, "setup, run, stop, reset-can or restart")->required();
+  mode->add_option("MODE", texts->mode, "the operating state, or what is to be done")
+      ->type_name("setup|run|stop|reset-can|restart")
+      ->required();
   mode->add_flag("--force", texts->force, "run: also when slaves are missing");
   mode->footer(
       "Modes:\n"

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "can/link_kernel.h"
+#include "cansync/column_help.h"
 #include "cansync/doctor_findings.h"
 #include "cansync/doctor_link.h"
 #include "cansync/verbs.h"
@@ -35,10 +36,22 @@ void ask_kernel(DoctorInput& in) {
   }
 }
 
-void show(Output& output, const Finding& finding) {
+std::vector<Table::Column> doctor_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr std::size_t kLongestLevel = 7;   // "warning"
+  constexpr std::size_t kLongestTopic = 16;  // a line that is longer is only less pretty
+  return {{"LEVEL", left, "ok; warning = works, but not as it should; error = does not work", kLongestLevel},
+          {"TOPIC", left, "what was looked at", kLongestTopic},
+          {"FOUND", left,
+           "what is the case, with the figures; the line below says after \"mend:\" which command or setting "
+           "mends "
+           "it"}};
+}
+
+void show(Output& output, const Table& table, const Finding& finding) {
   if (!output.json()) {
-    output.line(fmt::format("{:<8} {:<16} {}", name(finding.level), finding.topic, finding.found));
-    if (!finding.remedy.empty()) output.line(fmt::format("{:<25} mend: {}", "", finding.remedy));
+    output.line(table.line({std::string(name(finding.level)), finding.topic, finding.found}));
+    if (!finding.remedy.empty()) output.line(table.line({"", "", "mend: " + finding.remedy}));
     return;
   }
   JsonObject object;
@@ -61,7 +74,9 @@ ExitCode doctor_verb(Session& session) {
   in.machine = read_machine("/", in.status ? in.status->realtime_cpu : -1);
   ask_kernel(in);
   const std::vector<Finding> findings = diagnose(in);
-  for (const Finding& finding : findings) show(session.output(), finding);
+  const Table table(doctor_columns());
+  if (!session.json()) session.output().line(table.heading());
+  for (const Finding& finding : findings) show(session.output(), table, finding);
   return exit_code(findings, in.status.has_value());
 }
 
@@ -71,10 +86,11 @@ void add_doctor_verb(CLI::App& app, Verb& chosen) {
   auto* doctor = app.add_subcommand("doctor", "what is well and what is not, and how to mend it");
   doctor->footer(
       "Looks at the daemon, the bus's interface, the realtime thread's rights, processors, kernel and DDS. "
-      "Lines are\n"
-      "ok, warning or error, each with the command or setting that mends it. Nothing is changed. Works "
-      "without a\n"
-      "daemon as far as it can. Exit code: 0 all ok, 1 warnings, 8 errors, 6 no daemon was found.");
+      "Nothing is\n"
+      "changed. Works without a daemon as far as it can. Exit code: 0 all ok, 1 warnings, 8 errors, 6 no "
+      "daemon "
+      "was\nfound.\n" +
+      columns_help(doctor_columns()));
   doctor->callback([&chosen] { chosen = doctor_verb; });
 }
 

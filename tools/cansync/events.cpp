@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 
+#include "cansync/column_help.h"
 #include "cansync/interrupt.h"
 #include "cansync/verbs.h"
 
@@ -25,12 +26,31 @@ std::string_view severity_name(cansync_EventSeverity severity) {
   }
 }
 
-void show(Output& output, const client::Event& event) {
-  if (!output.json()) {
-    output.line(fmt::format("{}  {:<7}  {:<24}  {}", time_text(event.time, true),
-                            severity_name(event.severity), event.code, event.text));
-    return;
-  }
+std::vector<Table::Column> event_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr std::size_t kTime = 23;
+  constexpr std::size_t kLongestSeverity = 7;  // "warning"
+  constexpr std::size_t kMostCodes = 24;
+  return {{"TIME", left, "date and time, in the time zone of this computer", kTime},
+          {"LEVEL", left, "severity: info, warning or error", kLongestSeverity},
+          {"CODE", left, "what kind of event, a stable word such as slave_lost", kMostCodes},
+          {"WHAT", left, "what happened, in words"}};
+}
+
+/// Writes events, the first one under the heading.
+class EventLines {
+ public:
+  explicit EventLines(Output& output) : output_(output), table_(event_columns()) {}
+
+  void show(const client::Event& event);
+
+ private:
+  Output& output_;
+  Table table_;
+  bool headed_ = false;
+};
+
+JsonObject event_object(const client::Event& event) {
   JsonObject object;
   object.add("number", event.number)
       .add("time_ns", event.time)
@@ -42,13 +62,21 @@ void show(Output& output, const client::Event& event) {
   else
     object.add("slave", event.slave);
   object.add("text", event.text);
-  if (std::string_view(event.action).empty()) return output.object(object);
-  output.object(object.add("client", event.client)
-                    .add("participant", event.participant)
-                    .add("action", event.action)
-                    .add("old_value", event.old_value)
-                    .add("new_value", event.new_value)
-                    .add("result", event.result));
+  if (std::string_view(event.action).empty()) return object;
+  return object.add("client", event.client)
+      .add("participant", event.participant)
+      .add("action", event.action)
+      .add("old_value", event.old_value)
+      .add("new_value", event.new_value)
+      .add("result", event.result);
+}
+
+void EventLines::show(const client::Event& event) {
+  if (output_.json()) return output_.object(event_object(event));
+  if (!headed_) output_.line(table_.heading());
+  headed_ = true;
+  output_.line(table_.line(
+      {time_text(event.time, true), std::string(severity_name(event.severity)), event.code, event.text}));
 }
 
 /// Events on their way from the client's thread to this one.
@@ -71,10 +99,11 @@ class EventQueue {
 ExitCode follow(Session& session) {
   client::Client& client = session.client();
   EventQueue queue;
+  EventLines lines(session.output());
   const auto subscription = client.on_event([&queue](const client::Event& event) { queue.put(event); });
   for (;;) {
     const bool stop = wait_until(std::chrono::steady_clock::now() + kLook);
-    for (const client::Event& event : queue.take_all()) show(session.output(), event);
+    for (const client::Event& event : queue.take_all()) lines.show(event);
     if (stop) return ExitCode::done;
     if (!client.daemon_present()) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
@@ -85,7 +114,8 @@ ExitCode follow(Session& session) {
 
 ExitCode events_verb(Session& session, bool following) {
   if (following) return follow(session);
-  for (const client::Event& event : session.client().recent_events()) show(session.output(), event);
+  EventLines lines(session.output());
+  for (const client::Event& event : session.client().recent_events()) lines.show(event);
   return ExitCode::done;
 }
 
@@ -95,10 +125,7 @@ void add_event_verb(CLI::App& app, Verb& chosen) {
   auto* events = app.add_subcommand("events", "what happened: the last 100 events, oldest first");
   auto following = std::make_shared<bool>(false);
   events->add_flag("--follow", *following, "then also those to come, until Ctrl-C");
-  events->footer(
-      "Columns: local time, severity (info, warning, error), code (a stable word such as slave_lost), and "
-      "what\n"
-      "happened in words.");
+  events->footer(columns_help(event_columns()));
   events->callback([following, &chosen] {
     chosen = [following](Session& session) { return events_verb(session, *following); };
   });

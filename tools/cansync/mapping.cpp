@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "cansync/column_help.h"
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
@@ -67,8 +68,21 @@ JsonObject telegram_object(const Mapped& mapped, std::size_t telegram) {
   return object.add("telegram", telegram + 1).add("words", words).add("registers", registers);
 }
 
+std::vector<Table::Column> map_columns() {
+  constexpr auto left = Table::Align::left;
+  std::vector<Table::Column> columns{
+      {"OF", left, "whose values: references, or a slave's actual values"},
+      {"TELEGRAM", left, "WRC1 and WRC2 bring reference values, RDC1 and RDC2 actual values"}};
+  for (std::size_t word = 0; word < kWords; ++word) {
+    columns.push_back(
+        {fmt::format("WORD {}", word), left,
+         fmt::format("value and half in data bytes {} and {}; - = unused", 2 * word, 2 * word + 1)});
+  }
+  return columns;
+}
+
 ExitCode show(Session& session, const std::string& target) {
-  Table table({{"OF"}, {"TELEGRAM"}, {"WORD 0"}, {"WORD 1"}, {"WORD 2"}, {"WORD 3"}});
+  Table table(map_columns());
   for (const Mapped& mapped : find(session, target)) {
     for (std::size_t telegram = 0; telegram < 2; ++telegram) {
       if (session.json()) {
@@ -117,9 +131,9 @@ void add_mapping_verb(CLI::App& app, Verb& chosen) {
       "or a configured name; words left out are unused");
   map->footer(
       "Without arguments every mapping is shown.\n"
-      "Columns: OF = whose values; TELEGRAM; WORD n = value and half in data bytes 2n and 2n+1; - = unused.\n"
       "Master and slave may be mapped differently; nothing compares the two.\n"
-      "Example: cansync map references 1 value0.low value0.high value1.low -");
+      "Example: cansync map references 1 value0.low value0.high value1.low -\n" +
+      columns_help(map_columns()));
   map->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return map_verb(session, *texts); }; });
 }

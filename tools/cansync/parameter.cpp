@@ -105,8 +105,8 @@ void add_common(CLI::App& verb, ParameterOptions& options) {
   verb.add_option("--sub-slave", options.sub_slave,
                   "participant below the slave, 0..65535; 0 = the slave itself (default)")
       ->type_name("S");
-  verb.add_option("--format", options.format, "word, doubleword or auto = as the slave says (default)")
-      ->type_name("FORMAT");
+  verb.add_option("--format", options.format, "width of the value; auto = as the slave says (default)")
+      ->type_name("word|doubleword|auto");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "cansync/column_help.h"
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
@@ -47,6 +48,17 @@ JsonObject& add_cursor(JsonObject& object, std::string_view key, std::int32_t co
   return object.add(key, code);
 }
 
+std::vector<Table::Column> poll_columns() {
+  constexpr auto left = Table::Align::left;
+  return {
+      {"WHAT", left,
+       "what is asked for or served: the actual values of either channel, the highest number of automatic "
+       "asking, control words, parameter jobs, transfers"},
+      {"WHO", left,
+       "a slave, automatic (the number rises by one each interval) or nobody; in the last line how the "
+       "daemon serves jobs"}};
+}
+
 ExitCode show(Session& session) {
   const client::MasterStatus status = session.client().master_status();
   if (session.json()) {
@@ -60,7 +72,7 @@ ExitCode show(Session& session) {
     session.output().object(object.add("serving", status.serving));
     return ExitCode::done;
   }
-  Table table({{"WHAT"}, {"WHO"}});
+  Table table(poll_columns());
   table.add({"channel 1 (WRC1 asks for RDC1)", cursor_text(status.polling_one)});
   table.add({"channel 2 (WRC2 asks for RDC2)", cursor_text(status.polling_two)});
   table.add({"maximum slave", fmt::format("{}", status.maximum_slave)});
@@ -104,7 +116,7 @@ void add_polling_verb(CLI::App& app, Verb& chosen) {
       ->type_name("WHO");
   poll->add_option("--parameter", texts->parameter, "whose parameter jobs are served")->type_name("WHO");
   poll->add_option("--transfer", texts->transfer, "whose uploads and downloads are served")->type_name("WHO");
-  poll->footer("Example: cansync poll 1 auto 2 nobody --maximum 3");
+  poll->footer("Example: cansync poll 1 auto 2 nobody --maximum 3\n" + columns_help(poll_columns()));
   poll->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return poll_verb(session, *texts); }; });
 }

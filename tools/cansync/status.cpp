@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 
+#include "cansync/column_help.h"
+#include "cansync/status_lines.h"
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
@@ -38,14 +38,6 @@ JsonArray release_objects(const client::MasterStatus& status) {
                      .text());
   }
   return out;
-}
-
-/// "released, given by 'lead axis' (lead_axis, process 1234 on host plc7), strength 5"
-std::string release_text(const cansync_ReferenceRelease& release) {
-  std::string text = release.state;
-  if (release.cause[0] != '\0') text += fmt::format(" ({})", release.cause);
-  if (release.writer[0] == '\0') return text + ", given by nobody";
-  return text + fmt::format(", given by {}, strength {}", release.writer, release.strength);
 }
 
 /// The counts of received frames that were not taken, by kind.
@@ -137,132 +129,13 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("secured", status.secured);
 }
 
-/// "0-3 (4 of 4)".
-std::string share(std::uint32_t mask, std::uint32_t of) {
-  return fmt::format("{} ({} of {})", format_slave_set(mask), __builtin_popcount(mask),
-                     __builtin_popcount(of));
-}
-
-/// "output gpio; follows pps: locked, 0.3 us off, 120 edges used, 1 rejected"; empty without a SYNC line.
-std::string sync_line(const client::MasterStatus& status) {
-  std::string text;
-  if (std::string_view(status.sync_output) != "none" && !std::string_view(status.sync_output).empty()) {
-    text = fmt::format("output {}", status.sync_output);
-    if (status.sync_output_failures > 0)
-      text += fmt::format(", {} edges failed", status.sync_output_failures);
-  }
-  if (std::string_view(status.sync_state).empty()) return text;
-  constexpr double kMicrosecond = 1e3;
-  constexpr double kMillisecond = 1e6;
-  text += fmt::format("{}follows {}: {}, {:.1f} us off, {} edges used, {} rejected", text.empty() ? "" : "; ",
-                      status.sync_input, status.sync_state,
-                      static_cast<double>(status.sync_phase_error) / kMicrosecond, status.sync_edges,
-                      status.sync_rejected_edges);
-  if (status.sync_holdover > 0) {
-    text += fmt::format(", none for {:.0f} ms", static_cast<double>(status.sync_holdover) / kMillisecond);
-  }
-  return text;
-}
-
-/// "can0 is up, 500000 bit/s, sample point 0.600, restart-ms 100, txqueuelen 10; times by the kernel".
-std::string interface_text(const client::MasterStatus& status) {
-  std::string text = fmt::format("{} is {}", status.bus_interface, status.link_state);
-  if (status.interface_bit_rate != 0) text += fmt::format(", {} bit/s", status.interface_bit_rate);
-  if (status.sample_point != 0) text += fmt::format(", sample point 0.{:03}", status.sample_point);
-  if (status.restart_time >= 0) text += fmt::format(", restart-ms {}", status.restart_time);
-  if (status.queue_length != 0) text += fmt::format(", txqueuelen {}", status.queue_length);
-  return text + fmt::format("; times by: {}", status.timestamp_source);
-}
-
-/// " (3 of wrong length, 9 remote)": the kinds that there are; empty without any.
-std::string kinds_text(std::initializer_list<std::pair<std::string_view, std::uint64_t>> kinds) {
-  std::string text;
-  for (const auto& [name, count] : kinds) {
-    if (count != 0) text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", count, name);
-  }
-  return text.empty() ? text : text + ")";
-}
-
-/// "12 rejected (3 of wrong length, 9 remote), 1 unexpected (1 late)".
-std::string frames_text(const client::MasterStatus& status) {
-  const std::string rejected = kinds_text({{"foreign", status.frames_foreign},
-                                           {"extended", status.frames_extended},
-                                           {"remote", status.frames_remote},
-                                           {"error frames", status.frames_error},
-                                           {"of a slave over 31", status.frames_slave_number},
-                                           {"of wrong length", status.frames_length},
-                                           {"with reserved bits", status.frames_reserved}});
-  const std::string unexpected = kinds_text({{"of another slave than asked", status.unexpected_slave},
-                                             {"with another answer than asked for", status.unexpected_answer},
-                                             {"late", status.unexpected_late},
-                                             {"twice", status.unexpected_duplicate},
-                                             {"unasked", status.unexpected_unasked}});
-  return fmt::format("{} rejected{}, {} unexpected{}", status.rejected_frames, rejected,
-                     status.unexpected_frames, unexpected);
-}
-
-void print_status(Output& output, const client::MasterStatus& status) {
-  const auto row = [&output](std::string_view label, const std::string& text) {
-    output.line(fmt::format("{:<22}{}", label, text));
-  };
-  row("bus", fmt::format("{}, cansyncd {}", status.bus, status.version));
-  row("state", fmt::format("{} (0x{:04X})", status.state, status.option_status));
-  row("bit rate",
-      fmt::format("{} bit/s, an interval takes {} us", status.bit_rate, status.interval_length / 1000));
-  row("interval", fmt::format("{}", status.interval));
-  row("controller",
-      fmt::format("{}; errors: {} transmit, {} receive; CANsync status 0x{:04X}", status.controller_state,
-                  status.transmit_errors, status.receive_errors, status.cansync_status));
-  row("access", fmt::format("{}, DDS Security {}", status.read_only ? "read-only" : "requests are taken",
-                            status.secured ? "on" : "off"));
-  if (const std::string line = sync_line(status); !line.empty()) row("SYNC line", line);
-  row("interface", interface_text(status));
-  row("bus faults", fmt::format("{} error frames, {} not acknowledged, {} restarts; lost: {} for a full send "
-                                "queue, {} in the controller, {} in the kernel",
-                                status.error_frames, status.acknowledge_errors, status.restarts,
-                                status.queue_full, status.overruns, status.dropped_frames));
-  if (status.second_master || status.second_master_frames != 0) {
-    row("second master",
-        fmt::format("{}, {} of its frames seen", status.second_master ? "on the bus" : "gone",
-                    status.second_master_frames));
-  }
-  row("slaves configured", format_slave_set(status.slaves_configured));
-  row("slaves responding", share(status.slaves_responding, status.slaves_configured));
-  row("slaves synchronized", share(status.slaves_synchronized, status.slaves_configured));
-  row("slaves released", share(status.slaves_released, status.slaves_configured));
-  row("open jobs",
-      fmt::format("{} of {} parameter jobs, {} of {} transfers; served: {}", status.open_parameter_jobs,
-                  status.parameter_queue, status.open_transfers, status.transfer_queue, status.serving));
-  row("telegrams sent", fmt::format("{}", status.telegrams_sent));
-  row("telegrams left out", fmt::format("{}", status.left_out));
-  for (std::size_t i = 0; i < std::size(status.reference_release); ++i) {
-    row(fmt::format("reference telegram {}", i + 1), release_text(status.reference_release[i]));
-  }
-  row("no reference values", fmt::format("{} telegrams", status.references_not_released));
-  row("frames", frames_text(status));
-  row("clients",
-      fmt::format(
-          "{}; requests rejected: {} values, {} limits, {} stale, {} numbers, {} identities, {} malformed, "
-          "{} by the master",
-          status.clients, status.rejected_values, status.rejected_full, status.rejected_stale,
-          status.rejected_numbers, status.rejected_identities, status.rejected_malformed,
-          status.rejected_state));
-  row("missed", fmt::format("{} SYNC edges, {} reports", status.missed_syncs, status.lost_reports));
-  for (std::size_t i = 0; i < std::size(status.reference_value); ++i) {
-    const auto& value = status.reference_value[i];
-    if (std::string_view(value.name).empty()) continue;
-    row(fmt::format("reference value {}", i),
-        fmt::format("{}, one step is {} {}", value.name, value.factor, value.unit_symbol));
-  }
-}
-
 ExitCode status_verb(Session& session) {
   const client::MasterStatus status = session.client().master_status();
   if (session.json()) {
     session.output().object(status_object(status));
     return ExitCode::done;
   }
-  print_status(session.output(), status);
+  for (const std::string& line : status_lines(status)) session.output().line(line);
   return ExitCode::done;
 }
 
@@ -303,25 +176,33 @@ void add_slave_row(Table& table, const client::SlaveStatus& slave) {
              fmt::format("{}", slave.times_returned), fmt::format("{}", slave.jobs_ended)});
 }
 
+std::vector<Table::Column> slave_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"SLAVE", right, "its number"},
+          {"NAME", left, "its configured name"},
+          {"STATE", left,
+           "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
+           "(its return "
+           "parameters), and held (they are not right; see `events`, then `release`)"},
+          {"RESPONDS", left, "whether it answers"},
+          {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
+          {"STATUS", left, "its last status word; - = never read since it responds"},
+          {"LAST SEEN", right, "interval of its last telegram"},
+          {"ANSWERS", right, "answers on the command channel"},
+          {"UNANSWERED", right, "commands without an answer"},
+          {"MISSED", right, "times it was asked for actual values and sent none"},
+          {"SLOW", right, "answers later than tRSPTO"},
+          {"LAST us", right, "time from the end of its last command to the end of the answer"},
+          {"LONGEST us", right, "the longest such time"},
+          {"LOST", right, "times it stopped answering"},
+          {"RETURNED", right, "times it answered again"},
+          {"JOBS ENDED", right, "jobs that ended because it stopped answering"}};
+}
+
 ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   const std::uint32_t wanted = session.configured_slaves(options.slaves);
-  constexpr auto right = Table::Align::right;
-  Table table({{"SLAVE", right},
-               {"NAME"},
-               {"STATE"},
-               {"RESPONDS"},
-               {"SYNCHRONIZED"},
-               {"STATUS"},
-               {"LAST SEEN", right},
-               {"ANSWERS", right},
-               {"UNANSWERED", right},
-               {"MISSED", right},
-               {"SLOW", right},
-               {"LAST us", right},
-               {"LONGEST us", right},
-               {"LOST", right},
-               {"RETURNED", right},
-               {"JOBS ENDED", right}});
+  Table table(slave_columns());
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
     if (session.json())
@@ -337,38 +218,13 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
 
 void add_status_verbs(CLI::App& app, Verb& chosen) {
   auto* status = app.add_subcommand("status", "the master: operating state, slaves, jobs, counters");
-  status->footer(
-      "Lines:\n"
-      "  state                operating state, with w_OPTION_STATUS\n"
-      "  controller           state and error counters of the CAN controller, with w_CANsync_STATUS\n"
-      "  interface            state and settings of the CAN interface, and where the times of frames come "
-      "from\n"
-      "  bus faults           since the start; a full send queue and what is lost cost telegrams\n"
-      "  second master        somebody else sends what only a master may send\n"
-      "  slaves ...           which slaves are configured, answer, have locked to SYNC, and may be used with "
-      "references\n"
-      "  telegrams left out   not sent because their slot had passed\n"
-      "  no reference values  active intervals in which a reference value telegram had nothing to send\n"
-      "  frames               received ones that were no valid telegram, and ones nobody asked for, by kind\n"
-      "  missed               SYNC edges skipped, and reports of the realtime thread without room");
+  status->footer(status_lines_help());
   status->callback([&chosen] { chosen = status_verb; });
 
   auto* slaves = app.add_subcommand("slaves", "one line for each slave: does it answer, and how fast");
   auto slaves_options = std::make_shared<SlavesOptions>();
   slaves->add_option("SLAVE", slaves_options->slaves, "numbers or names (default: every configured slave)");
-  slaves->footer(
-      "Columns:\n"
-      "  STATE         absent (never answered), starting, released; lost, then returning (waits for SYNC), "
-      "checking\n"
-      "                (its return parameters), and held (they are not right; see `events`, then `release`)\n"
-      "  STATUS        last status word of the slave; - = never read since it responds\n"
-      "  LAST SEEN     interval of its last telegram\n"
-      "  ANSWERS       answers on the command channel; UNANSWERED: commands without one\n"
-      "  MISSED        times it was asked for actual values and sent none\n"
-      "  SLOW          answers later than tRSPTO\n"
-      "  LAST, LONGEST time from the end of a command to the end of its answer\n"
-      "  LOST          times it stopped answering; RETURNED: answered again\n"
-      "  JOBS ENDED    jobs that ended because it stopped answering");
+  slaves->footer(columns_help(slave_columns()));
   slaves->callback([slaves_options, &chosen] {
     chosen = [slaves_options](Session& session) { return slaves_verb(session, *slaves_options); };
   });

@@ -12,7 +12,8 @@ std::size_t display_width(std::string_view text) noexcept {
 }
 
 Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
-  for (const Column& column : columns_) widths_.push_back(display_width(column.heading));
+  for (const Column& column : columns_)
+    widths_.push_back(std::max(display_width(column.heading), column.width));
 }
 
 void Table::add(std::vector<std::string> cells) {
@@ -25,7 +26,8 @@ void Table::add(std::vector<std::string> cells) {
 std::string Table::line(const std::vector<std::string>& cells) const {
   std::string out;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::string space(widths_[i] - display_width(cells[i]), ' ');
+    const std::size_t width = display_width(cells[i]);
+    const std::string space(widths_[i] - std::min(width, widths_[i]), ' ');
     if (i != 0) out += "  ";
     out += columns_[i].align == Align::right ? space + cells[i] : cells[i] + space;
   }

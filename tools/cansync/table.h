@@ -20,6 +20,8 @@ class Table {
   struct Column {
     std::string heading;
     Align align = Align::left;
+    std::string help;       ///< what stands in it, for the verb's help (columns_help)
+    std::size_t width = 0;  ///< characters it takes at least
   };
 
   explicit Table(std::vector<Column> columns);
@@ -33,10 +35,11 @@ class Table {
   std::string heading() const;
   /// One line for each row, without line ends.
   std::vector<std::string> lines() const;
-
- private:
+  /// One line of these cells in the columns as they are, for rows that are written as they come; a cell that
+  /// is too long pushes the others on. As many cells as columns.
   std::string line(const std::vector<std::string>& cells) const;
 
+ private:
   std::vector<Column> columns_;
   std::vector<std::size_t> widths_;
   std::vector<std::vector<std::string>> rows_;

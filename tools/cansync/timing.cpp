@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "cansync/column_help.h"
 #include "cansync/files.h"
 #include "cansync/interrupt.h"
 #include "cansync/progress.h"
@@ -92,15 +93,15 @@ void add_timing_verb(CLI::App& app, Verb& chosen) {
   timing->add_flag("--follow", texts->follow, "again and again until Ctrl-C");
   timing->add_option("--svg", texts->svg, "also draw the interval as a diagram into FILE")->type_name("FILE");
   timing->footer(
-      "First the lateness of the realtime thread's wake-up for SYNC: how many in each class, and the upper\n"
-      "bounds under which 50, 90, 99 and 100 % lie. Then one line for each slot; starts in us after SYNC:\n"
-      "  SEEN      telegrams of that slot on the bus (active operation)\n"
-      "  PLANNED   when the master means to start it\n"
-      "  EARLIEST, MEAN, LATEST  when they were started: the end of the frame less its length; a negative\n"
-      "            start is an answer that began before SYNC\n"
-      "  ALLOWED   latest start by the specification\n"
-      "  LATE      started after that; LEFT OUT: not sent because it would have been\n"
-      "\"instants by\" names the source of the time stamps.");
+      "First the lateness of the realtime thread's wake-up for SYNC: for each class its upper bound, how "
+      "many\n"
+      "wake-ups, their share, and a bar; then p50, p90, p99 and max, the bounds under which 50, 90, 99 and "
+      "100 %\n"
+      "lie. Then one line for each slot, starts in us after SYNC; \"instants by\" names the source of the "
+      "time\n"
+      "stamps. The last line has the share of time the bus is in use, SYNC edges that were skipped, and the\n"
+      "intervals that were counted.\n" +
+      columns_help(slot_columns()));
   timing->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return timing_verb(session, *texts); }; });
 }

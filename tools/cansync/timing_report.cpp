@@ -138,18 +138,26 @@ std::vector<std::string> histogram_lines(const TimingReport& report, std::size_t
   return lines;
 }
 
-Table slot_table(const TimingReport& report) {
+std::vector<Table::Column> slot_columns() {
+  constexpr auto left = Table::Align::left;
   constexpr auto right = Table::Align::right;
-  Table table({{"SLOT"},
-               {"BY"},
-               {"SEEN", right},
-               {"PLANNED", right},
-               {"EARLIEST", right},
-               {"MEAN", right},
-               {"LATEST", right},
-               {"ALLOWED", right},
-               {"LATE", right},
-               {"LEFT OUT", right}});
+  return {
+      {"SLOT", left, "the telegram: RC, WRC1, RDC1, WRC2, RDC2, CC, in the order of the interval"},
+      {"BY", left, "who sends it: master or slave"},
+      {"SEEN", right, "telegrams of that slot on the bus in active operation"},
+      {"PLANNED", right, "when the master means to start it; - = a slave does"},
+      {"EARLIEST", right,
+       "earliest start: the end of the frame less its length; a negative one is an answer that began before "
+       "SYNC"},
+      {"MEAN", right, "mean of the starts"},
+      {"LATEST", right, "latest start"},
+      {"ALLOWED", right, "latest start by the specification"},
+      {"LATE", right, "telegrams started after that"},
+      {"LEFT OUT", right, "telegrams not sent because they would have been late"}};
+}
+
+Table slot_table(const TimingReport& report) {
+  Table table(slot_columns());
   for (const SlotReport& slot : report.slots) {
     const auto seen = [&slot](std::int64_t time) { return slot.count > 0 ? microseconds(time) : "-"; };
     table.add({std::string(slot.name), slot.from_master ? "master" : "slave", fmt::format("{}", slot.count),

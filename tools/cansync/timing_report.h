@@ -65,6 +65,9 @@ std::vector<std::string> histogram_lines(const TimingReport& report, std::size_t
 /// One row for each slot.
 Table slot_table(const TimingReport& report);
 
+/// Its columns.
+std::vector<Table::Column> slot_columns();
+
 /// Everything for people, in lines; tables may be wider than `width`.
 std::vector<std::string> report_lines(const TimingReport& report, std::size_t width);
 

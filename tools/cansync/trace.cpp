@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "cansync/column_help.h"
 #include "cansync/interrupt.h"
 #include "cansync/trace_source.h"
 #include "cansync/trace_text.h"
@@ -136,13 +137,11 @@ void add_trace_verb(CLI::App& app, Verb& chosen) {
       ->type_name("ID");
   trace->add_flag("--candump", texts->candump, "write the frames as a candump text log instead");
   trace->footer(
-      "No daemon is needed, except to look up a slave's name. Columns:\n"
-      "  TIME     as in the log; live: when the kernel had the frame, which is its end\n"
-      "  SYNC+us  since the newest SYNC frame of the log; - = none yet\n"
-      "  CHANNEL  RC, WRC1, RDC1, WRC2, RDC2, CC; SYNC; error = error frame; - = no channel of CANsync\n"
-      "  SLAVE    which is addressed, asked or sends; a broadcast names its slaves in the text\n"
-      "Lines that are no frames are named and counted; then the exit code is 1.\n"
-      "Example: candump -L can0 | cansync trace - --slave 3");
+      "No daemon is needed, except to look up a slave's name. Lines that are no frames are named and "
+      "counted;\n"
+      "then the exit code is 1.\n"
+      "Example: candump -L can0 | cansync trace - --slave 3\n" +
+      columns_help(trace_columns()));
   trace->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return trace_verb(session, *texts); }; });
 }

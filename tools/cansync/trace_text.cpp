@@ -259,17 +259,29 @@ TracedTelegram TraceText::describe(const can::CandumpLine& line) {
   return out;
 }
 
+std::vector<Table::Column> trace_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"TIME s", right, "as in the log; live: when the kernel had the frame, which is its end", 17},
+          {"SYNC+us", right, "since the newest SYNC frame of the log; - = none yet", 8},
+          {"CHANNEL", left,
+           "RC, WRC1, RDC1, WRC2, RDC2, CC; SYNC; error = error frame; - = no channel of CANsync", 7},
+          {"SLAVE", right, "which is addressed, asked or sends; a broadcast names its slaves in the text", 5},
+          {"WHAT", left, "the telegram in words; an answer is understood by the command before it"}};
+}
+
 std::string trace_heading() {
-  return fmt::format("{:>17}  {:>8}  {:<7}  {:>5}  {}", "TIME s", "SYNC+us", "CHANNEL", "SLAVE", "WHAT");
+  return Table(trace_columns()).heading();
 }
 
 std::string trace_line(const TracedTelegram& telegram) {
+  static const Table table(trace_columns());
   constexpr std::int64_t kSecond = 1'000'000;
   const std::int64_t time = telegram.time.count();
-  return fmt::format("{:>10}.{:06}  {:>8}  {:<7}  {:>5}  {}", time / kSecond, time % kSecond,
+  return table.line({fmt::format("{}.{:06}", time / kSecond, time % kSecond),
                      telegram.after_sync ? fmt::format("{}", telegram.after_sync->count()) : "-",
-                     telegram.channel, telegram.slave ? fmt::format("{}", *telegram.slave) : "-",
-                     telegram.words);
+                     std::string(telegram.channel), telegram.slave ? fmt::format("{}", *telegram.slave) : "-",
+                     telegram.words});
 }
 
 }  // namespace cansync::cli

@@ -6,8 +6,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "can/candump.h"
+#include "cansync/table.h"
 #include "cansync/telegram.h"
 
 /// Frames of a CANsync line in words.
@@ -50,6 +52,8 @@ class TraceText {
 std::string trace_line(const TracedTelegram& telegram);
 
 /// The columns of `trace_line`.
+std::vector<Table::Column> trace_columns();
+/// Their headings as a line.
 std::string trace_heading();
 
 }  // namespace cansync::cli

@@ -3,6 +3,7 @@
 #include <ctime>
 #include <memory>
 
+#include "cansync/column_help.h"
 #include "cansync/interrupt.h"
 #include "cansync/verbs.h"
 
@@ -96,6 +97,20 @@ JsonObject row_object(const Row& row, std::int64_t now) {
   return object.add("intervals", intervals).add("values", values);
 }
 
+/// What the table may show; the last stands for each of the values, under its name or number.
+std::vector<Table::Column> watch_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"TIME", left, "when it was looked at (not on a terminal)"},
+          {"SLAVE", right, "its number"},
+          {"NAME", left, "its configured name"},
+          {"AGE ms", right, "time since the slave's newest actual value telegram; - = none yet"},
+          {"VALUE n", right,
+           "actual value n with its unit, in a column that is headed by its configured name if it has one; - "
+           "= not "
+           "mapped, or its telegram never came"}};
+}
+
 /// The table's columns: those values that any of the slaves maps, under their name when all slaves agree on
 /// it.
 class WatchTable {
@@ -111,11 +126,10 @@ class WatchTable {
 
  private:
   std::vector<Table::Column> columns(const std::vector<Row>& rows) {
-    std::vector<Table::Column> out;
-    if (with_time_) out.push_back({"TIME"});
-    out.push_back({"SLAVE", Table::Align::right});
-    out.push_back({"NAME"});
-    out.push_back({"AGE ms", Table::Align::right});
+    std::vector<Table::Column> out = watch_columns();
+    const Table::Column value = out.back();
+    out.pop_back();
+    if (!with_time_) out.erase(out.begin());
     for (unsigned i = 0; i < kValues; ++i) {
       std::optional<std::string> name;
       bool mapped = false;
@@ -128,7 +142,8 @@ class WatchTable {
       }
       if (!mapped) continue;
       mapped_ |= 1u << i;
-      out.push_back({name->empty() ? fmt::format("VALUE {}", i) : *name, Table::Align::right});
+      out.push_back(value);
+      out.back().heading = name->empty() ? fmt::format("VALUE {}", i) : *name;
     }
     return out;
   }
@@ -227,11 +242,8 @@ void add_watch_verb(CLI::App& app, Verb& chosen) {
   watch->add_option("--count", texts->count, "how often to look; 0 = until Ctrl-C (default)")->type_name("N");
   watch->add_flag("--raw", texts->raw, "numbers as on the bus (signed 32 bits) instead of scaled ones");
   watch->footer(
-      "On a terminal the table is redrawn in place; otherwise every look adds one line for each slave.\n"
-      "Columns:\n"
-      "  TIME     when it was looked at (not on a terminal)\n"
-      "  AGE ms   time since the slave's newest actual value telegram; - = none yet\n"
-      "  VALUE n  actual value n, or its configured name; - = not mapped, or its telegram never came");
+      "On a terminal the table is redrawn in place; otherwise every look adds one line for each slave.\n" +
+      columns_help(watch_columns()));
   watch->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return watch_verb(session, *texts); }; });
 }

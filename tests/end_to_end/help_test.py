@@ -1,0 +1,145 @@
+"""What the help says of a running line: the columns of every table, and what a shell offers at TAB."""
+
+import os
+import pty
+import re
+import select
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
+from help_text import helps
+
+from gateway import CANSYNC, LONG
+from verb_case import VerbTest
+
+COMPLETIONS = os.path.join(os.path.dirname(__file__), "..", "..", "completions", "cansync")
+LOG = "(1.000000) can0 080#\n(1.000100) can0 300#\n"
+
+# A run of each verb that prints a table, and the lines above its heading. Verbs without a table say so with None.
+TABLES = {
+    "slaves": (["slaves"], ""),
+    "timing": (["timing"], r"^Starts in us"),
+    "doctor": (["doctor"], ""),
+    "watch": (["watch", "--count", "1"], ""),
+    "events": (["events"], ""),
+    "trace": (["trace", "LOG"], ""),
+    "poll": (["poll"], ""),
+    "map": (["map"], ""),
+    **dict.fromkeys("status read write upload download control broadcast mode release set".split()),
+}
+
+
+class Columns(VerbTest):
+    def test_every_heading_is_explained(self):
+        told = helps(CANSYNC)
+        self.assertEqual(set(TABLES), set(told) - {""}, "a new verb is to be added to TABLES")
+        with tempfile.NamedTemporaryFile("w", suffix=".log") as log:
+            log.write(LOG)
+            log.flush()
+            for verb, table in TABLES.items():
+                explained = told[verb].explained("Columns")
+                if table is None:
+                    self.assertEqual(explained, {}, verb)
+                    continue
+                arguments = [log.name if word == "LOG" else word for word in table[0]]
+                lines = self.gateway.run(*arguments).stdout.decode().splitlines()
+                above = next((i + 1 for i, line in enumerate(lines) if table[1] and re.match(table[1], line)), 0)
+                found = [self.general(heading) for heading in re.split("  +", lines[above].strip())]
+                self.assertEqual(list(dict.fromkeys(found)), list(explained), f"{verb}: {lines[above]}")
+                for heading, text in explained.items():
+                    self.assertGreater(len(text), 5, f"{verb}: {heading}")
+
+    @staticmethod
+    def general(heading):
+        """The heading as the help has it: values stand under their name or number."""
+        return "VALUE n" if heading == "position" or heading.startswith("VALUE ") else heading
+
+    def test_every_line_of_the_status_is_explained(self):
+        explained = helps(CANSYNC)["status"].explained("Lines")
+        labels = set()
+        for line in self.text("status").splitlines():
+            labels.add(re.sub(r"^(reference telegram|reference value) \d$", r"\1", line[:22].strip()))
+        general = {re.sub(r" (1, 2|n)$", "", label) for label in explained}
+        self.assertEqual(labels - general, set())
+        self.assertEqual(general - labels, {"SYNC line", "second master"})  # only when there is one
+
+
+class Completion(VerbTest):
+    def offered(self, *words):
+        result = self.gateway.run("--complete", *words)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        return result.stdout.decode().split()
+
+    def until(self, words, wanted):
+        """Looks again while a loaded machine takes longer than the search may: what was never there fails."""
+        deadline = time.monotonic() + LONG
+        while (found := self.offered(*words)) != wanted and time.monotonic() < deadline:
+            pass
+        self.assertEqual(found, wanted)
+
+    def test_slaves_and_values_of_the_running_daemon(self):
+        slaves = ["0", "slave0", "1", "winder", "2", "slave2", "3", "slave3"]
+        self.until(["read", ""], slaves)
+        self.until(["--json", "read", "win"], ["winder"])
+        self.until(["broadcast", "--slaves", "0,w"], ["0,winder"])
+        self.until(["set", "t"], ["target="])
+        self.until(["map", "winder", "1", "posi"], ["position.low", "position.high"])
+
+    def test_options_that_are_typed_already_choose_the_daemon(self):
+        environment = self.gateway.environment
+        domain, bus = environment.pop("CANSYNC_DOMAIN"), environment.pop("CANSYNC_BUS")
+        try:
+            self.until(["--domain", domain, f"--bus={bus}", "read", "win"], ["winder"])
+            self.assertEqual(self.offered("--domain", domain, "--bus", "other", "read", "win"), [])
+        finally:
+            environment.update(CANSYNC_DOMAIN=domain, CANSYNC_BUS=bus)
+
+    def test_tab_in_an_interactive_shell(self):
+        """Typed on a terminal: TAB completes the verb, then the slave's name."""
+        terminal, other = pty.openpty()
+        environment = dict(self.gateway.environment, PATH=os.path.dirname(CANSYNC) + ":" + os.environ["PATH"],
+                           PS1="ready> ", TERM="dumb", INPUTRC="/dev/null")
+        shell = subprocess.Popen(["bash", "--norc", "--noprofile", "-i"], stdin=other, stdout=other, stderr=other,
+                                 env=environment, start_new_session=True)
+        os.close(other)
+        try:
+            self.await_text(terminal, "ready> ")
+            os.write(terminal, f"source {os.path.abspath(COMPLETIONS)}; echo loa''ded\n".encode())
+            self.await_text(terminal, "loaded\r\n")
+            os.write(terminal, b"cansync rea\t")
+            self.await_text(terminal, "cansync read ")
+            for _ in range(10):  # on a loaded machine the daemon is not always found in time
+                os.write(terminal, b"win\t")
+                if "winder " in self.read_for(terminal, 3):
+                    return
+                os.write(terminal, b"\x7f\x7f\x7f")
+            self.fail("TAB did not complete the slave's name")
+        finally:
+            shell.kill()
+            shell.wait()
+            os.close(terminal)
+
+    def read_for(self, terminal, seconds):
+        """What comes until a blank ends a word, at most that long."""
+        shown = ""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline and not shown.endswith(" "):
+            if select.select([terminal], [], [], 0.1)[0]:
+                shown += os.read(terminal, 65536).decode()
+        return shown
+
+    def await_text(self, terminal, wanted):
+        shown = ""
+        deadline = time.monotonic() + LONG
+        while wanted not in shown:
+            self.assertLess(time.monotonic(), deadline, f"{wanted!r} is not in {shown!r}")
+            if select.select([terminal], [], [], 0.1)[0]:
+                shown += os.read(terminal, 65536).decode()
+
+
+if __name__ == "__main__":
+    unittest.main()
