@@ -24,6 +24,8 @@ void describe(CLI::App& app, Arguments& arguments) {
                "Print a configuration with every option");
   app.add_flag("--print-options-markdown", arguments.print_options_markdown,
                "Print the documentation of all options");
+  app.add_flag("--print-options-man", arguments.print_options_man,
+               "Print the options' part of the man page cansync.toml(5)");
   config->excludes(check);
   app.footer(
       "Signals: SIGTERM and SIGINT stop, SIGHUP reads the file again, SIGUSR1 saves a flight recording.\n"
@@ -39,7 +41,8 @@ std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* co
   Arguments arguments;
   describe(app, arguments);
   if (auto end = text::read_command_line(app, argc, argv)) return *std::move(end);
-  const bool prints = arguments.print_default_config || arguments.print_options_markdown;
+  const bool prints =
+      arguments.print_default_config || arguments.print_options_markdown || arguments.print_options_man;
   if (arguments.config.empty() && arguments.check.empty() && !prints) {
     return CommandLineEnd{
         true, "cansyncd: no configuration file given\nusage: cansyncd CONFIG, or cansyncd --help\n"};

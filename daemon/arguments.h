@@ -18,6 +18,7 @@ struct Arguments {
   std::vector<std::string> set;  ///< KEY=VALUE
   bool print_default_config = false;
   bool print_options_markdown = false;
+  bool print_options_man = false;
 };
 
 using text::CommandLineEnd;

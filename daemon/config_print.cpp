@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config_options.h"
+#include "daemon/config_sections.h"
 
 namespace cansyncd {
 namespace {
@@ -40,37 +41,6 @@ constexpr std::string_view kConfigHead =
 # not change. Printed by `cansyncd --print-default-config`; docs/configuration.md has the ranges and what may change
 # while the daemon runs.
 )";
-
-std::string_view section_of(const Option& option) {
-  return option.key.substr(0, option.key.rfind('.'));
-}
-std::string_view name_of(const Option& option) {
-  return option.key.substr(option.key.rfind('.') + 1);
-}
-
-std::vector<std::string_view> sections() {
-  std::vector<std::string_view> out;
-  for (const Option& option : options()) {
-    if (std::find(out.begin(), out.end(), section_of(option)) == out.end()) out.push_back(section_of(option));
-  }
-  return out;
-}
-
-std::string section_title(std::string_view section) {
-  return is_repeated(section) ? fmt::format("[[{}]]", section) : fmt::format("[{}]", section);
-}
-
-std::string_view section_help(std::string_view section) {
-  if (section == "slave") return "Once for each slave of the line.";
-  if (section == "slave.value")
-    return "Below its slave, once for each actual value that has a name, unit or scaling.";
-  if (section == "actual") {
-    return "Once for each actual value that has a name, unit or scaling on all slaves; a slave's own go "
-           "first.";
-  }
-  if (section == "reference") return "Once for each reference value that has a name, unit or scaling.";
-  return "";
-}
 
 /// What holds without the option: the default, or words without their brackets.
 std::string default_text(const Option& option) {

@@ -23,6 +23,7 @@ int print(const std::string& text) {
 int run(const Arguments& arguments) {
   if (arguments.print_default_config) return print(default_config());
   if (arguments.print_options_markdown) return print(options_markdown());
+  if (arguments.print_options_man) return print(options_man());
   const bool check_only = !arguments.check.empty();
   const std::string& path = check_only ? arguments.check : arguments.config;
   ConfigFile file = load_checked(path, overrides(arguments));

@@ -62,5 +62,10 @@ TEST(ConfigDocuments, TheOptionListIsWhatTheProgramPrints) {
       << "run: cansyncd --print-options-markdown > docs/configuration.md";
 }
 
+TEST(ConfigDocuments, TheOptionsOfTheManPageAreWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/docs/man/cansync.toml.5.d/50-options.mdoc"), options_man())
+      << "run: cansyncd --print-options-man > docs/man/cansync.toml.5.d/50-options.mdoc";
+}
+
 }  // namespace
 }  // namespace cansyncd

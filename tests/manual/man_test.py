@@ -1,0 +1,164 @@
+"""The man pages say what the programs' help says, no more and no less, and are clean roff."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+from help_text import Help, helps
+
+SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+PAGES = os.environ["MAN_PAGES"]  # folder of the joined pages
+ALL = ["cansync.1", "cansync-sim.1", "cansync-security.1", "cansync.toml.5", "cansync-dds.7", "cansyncd.8"]
+CANSYNC, CANSYNCD, CANSYNC_SIM = (os.environ[name] for name in ("CANSYNC", "CANSYNCD", "CANSYNC_SIM"))
+OPTION = re.compile(r"Fl -([a-z-]+)(?: (?:Ar|Cm) (.+?))?$")
+
+
+def source(page):
+    with open(os.path.join(PAGES, page), encoding="utf-8") as file:
+        return file.read()
+
+
+def section(text, title, macro="Sh"):
+    """The lines of a section, or of a subsection (.Ss)."""
+    end = r"^\.(?:Sh|Ss) " if macro == "Ss" else r"^\.Sh "
+    found = re.search(rf"(?ms)^\.{macro} {re.escape(title)}\n(.*?)(?={end}|\Z)", text)
+    if not found:
+        raise AssertionError(f"no section {title}")
+    return found[1]
+
+
+def takes(argument):
+    """What an option takes as the help writes it: `Ar KEY Ns = Ns Ar VALUE` is KEY=VALUE, `Cm 0 | 1` is 0|1."""
+    return re.sub(r" ?(?:Ns|Ar|\||=) ?", lambda part: part[0].strip() if part[0].strip() in "|=" else "", argument or "")
+
+
+def listed(text):
+    """Options that have an item, as the help has them: name -> what it takes."""
+    options = {}
+    for line in re.findall(r"(?m)^\.It (Fl .*)$", text):
+        found = OPTION.search(line.split(" , ")[-1])
+        options["--" + found[1]] = takes(found[2])
+    return options
+
+
+def in_synopsis(text):
+    """Options and arguments that stand in the lines before the first paragraph."""
+    options, arguments = {}, []
+    for line in text.split("\n.Pp\n")[0].splitlines():
+        line = re.sub(r"^\.Op ", ".", line)
+        if found := OPTION.search(line):
+            options["--" + found[1]] = takes(found[2])
+        elif line.startswith(".Ar"):
+            arguments += re.findall(r"[A-Z]+(?:=[A-Z]+)?", takes(re.sub(r"\b(Op|Ar)\b ", "", line[4:])))
+    return options, arguments
+
+
+class Roff(unittest.TestCase):
+    def test_mandoc_finds_nothing(self):
+        for page in ALL:
+            result = subprocess.run(["mandoc", "-Tlint", "-W", "warning", os.path.join(PAGES, page)],
+                                    capture_output=True, text=True, check=False)
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""), page)
+
+    def test_groff_warns_of_nothing(self):
+        for page in ALL:
+            result = subprocess.run(["man", "--warnings", "-l", os.path.join(PAGES, page)], capture_output=True, text=True,
+                                    check=False, env=dict(os.environ, LC_ALL="C.UTF-8", MANWIDTH="80", PAGER="cat"))
+            self.assertEqual((result.returncode, result.stderr), (0, ""), page)
+            self.assertIn("SEE ALSO", result.stdout)
+
+    def test_pages_refer_to_pages_that_there_are(self):
+        foreign = {"openssl 1", "ip-link 8"}
+        for page in ALL:
+            name, number = page.rsplit(".", 1)
+            text = source(page)
+            self.assertIn(f".Dt {name.upper()} {number}\n", text)
+            self.assertIn(f".Nm {name}\n.Nd ", text)
+            for title in ("DESCRIPTION", "DIAGNOSTICS"):
+                self.assertTrue(section(text, title))
+            for other in re.findall(r"(?m)^\.(?:Pq )?Xr (\S+ \d)", text):
+                self.assertIn(other, {page.replace(".1", " 1").replace(".5", " 5").replace(".7", " 7").replace(".8", " 8")
+                                      for page in ALL} | foreign)
+
+
+class Programs(unittest.TestCase):
+    def same_options(self, page, text, told):
+        self.assertEqual(listed(text), told.options, page)
+
+    def test_options(self):
+        self.same_options("cansyncd.8", section(source("cansyncd.8"), "DESCRIPTION"), Help(CANSYNCD))
+        self.same_options("cansync-sim.1", source("cansync-sim.1"), Help(CANSYNC_SIM))
+        self.same_options("cansync.1", section(source("cansync.1"), "DESCRIPTION"), Help(CANSYNC))
+
+    def test_synopsis_of_the_daemon(self):
+        found = set(re.findall(r"Fl -([a-z-]+)|\| -([a-z-]+)", section(source("cansyncd.8"), "SYNOPSIS")))
+        names = {"--" + (one or other) for one, other in found}
+        self.assertEqual(names, set(Help(CANSYNCD).options) - {"--help", "--version"})
+
+    def test_every_verb_with_its_options_and_arguments(self):
+        page = source("cansync.1").split(".Sh COLUMNS")[0]
+        told = helps(CANSYNC)
+        verbs = re.findall(r"(?m)^\.Ss (.*)$", page)
+        self.assertEqual(sorted(verbs), sorted(told[""].verbs))
+        for verb in verbs:
+            text = section(page, verb, "Ss")
+            self.assertTrue(text.startswith(f".Nm\n.Cm {verb}\n"), verb)
+            own = {name: value for name, value in told[verb].options.items() if name != "--help"}
+            self.assertEqual(listed(text), own, verb)
+            options, arguments = in_synopsis(text)
+            self.assertEqual(options, own, f"synopsis of {verb}")
+            self.assertEqual(arguments, told[verb].arguments, f"synopsis of {verb}")
+            self.assertIn("\n.Pp\n", text, f"{verb} is not described")
+
+    def test_environment(self):
+        told = Help(CANSYNC).environment
+        text = section(source("cansync.1"), "ENVIRONMENT")
+        found = re.findall(r"(?m)^\.It Ev (\w+)\nAs\n\.Fl (-[a-z]+) \.$", text)
+        self.assertEqual({name: "-" + option for name, option in found}, told)
+        self.assertEqual(len(re.findall(r"(?m)^\.It", text)), len(told))
+
+    def test_exit_codes(self):
+        told = {
+            "cansync.1": re.findall(r"(?m)^  (\d+)  ", Help(CANSYNC).text.split("Exit codes:\n")[1]),
+            "cansync-sim.1": re.findall(r"(?:: |, )(\d+) ", re.search(r"Exit codes: .*", Help(CANSYNC_SIM).text)[0]),
+            "cansyncd.8": re.findall(r"(?:: |, )(\d+) ", re.search(r"Exit codes: .*\n?.*", Help(CANSYNCD).text)[0]),
+        }
+        for page, codes in told.items():
+            self.assertGreaterEqual(len(codes), 3, page)
+            self.assertEqual(re.findall(r"(?m)^\.It (\d+)$", section(source(page), "EXIT STATUS")), codes, page)
+
+    def test_security_helper(self):
+        usage = subprocess.run([os.path.join(SOURCE, "tools/security/cansync-security"), "--help"], check=True,
+                               capture_output=True, text=True).stdout
+        text = source("cansync-security.1")
+        self.assertEqual(set(re.findall(r"--[a-z]+", usage)), set(listed(text)))
+        verbs = re.findall(r"(?m)^  \S+ ([a-z]+) DIR", usage)
+        self.assertEqual(re.findall(r"(?m)^\.Nm\n\.Cm (\w+)\n\.Ar DIR$", text), verbs)
+        roles = re.findall(r"(?m)^(?: +ROLE: | {12})([a-z]+) {2,}", usage)
+        self.assertEqual(re.findall(r"(?m)^\.It Cm (\w+)$", text), verbs + roles)
+
+    def test_columns_are_those_of_the_help(self):
+        printed = subprocess.run([sys.executable, "-B", os.path.join(SOURCE, "docs/man/make_columns"), CANSYNC], check=True,
+                                 capture_output=True, text=True).stdout
+        with open(os.path.join(SOURCE, "docs/man/cansync.1.d/80-columns.mdoc"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), printed, "run: docs/man/make_columns CANSYNC > docs/man/cansync.1.d/80-columns.mdoc")
+
+
+class Topics(unittest.TestCase):
+    def test_topics_are_those_of_the_documentation(self):
+        with open(os.path.join(SOURCE, "docs/dds-api.md"), encoding="utf-8") as file:
+            table = file.read().split("| topic | written by | key | QoS |\n|---|---|---|---|\n")[1].split("\n\n")[0]
+        told = []
+        for row in table.splitlines():
+            name, writer, key, qos = (cell.strip(" `") for cell in row.strip("|").split("|"))
+            writer = "the daemon" if writer == "daemon" else writer
+            key = "no key" if key == "–" else f"key {key}"
+            told.append((name, f"Written by {writer}, {key}.", qos + "."))
+        found = re.findall(r"(?m)^\.It Sy (\w+)\n(.*)\n(.*)\n[^.]", section(source("cansync-dds.7"), "Topics", "Ss"))
+        self.assertEqual([(name, line, qos[0].lower() + qos[1:]) for name, line, qos in found], told)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v"])
