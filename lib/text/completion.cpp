@@ -124,7 +124,7 @@ class Walk {
         before -= most;
         continue;
       }
-      const std::string choices = option->get_type_name();
+      std::string choices = option->get_type_name();
       if (choices.find('|') != std::string::npos) return choices;
       // "CHANNEL WHO" come by turns.
       const std::vector<std::string> names = split(option->get_name(true), ' ');

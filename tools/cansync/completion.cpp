@@ -23,7 +23,7 @@ using Words = std::vector<std::string>;
 std::string option(const text::TypedLine& line, const char* name, const char* variable,
                    std::string_view otherwise) {
   if (const auto typed = line.options.find(name); typed != line.options.end()) return typed->second;
-  const char* set = std::getenv(variable);
+  const char* set = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): nobody changes the environment
   return std::string(set != nullptr ? std::string_view(set) : otherwise);
 }
 
