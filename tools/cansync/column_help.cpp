@@ -46,6 +46,7 @@ std::string explanation(std::string_view title, const std::vector<Explained>& en
 
 std::string columns_help(const std::vector<Table::Column>& columns) {
   std::vector<Explained> entries;
+  entries.reserve(columns.size());
   for (const Table::Column& column : columns) entries.emplace_back(column.heading, column.help);
   return explanation("Columns", entries);
 }
