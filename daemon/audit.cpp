@@ -24,7 +24,7 @@ void AuditTrail::ended(const Requester& who, const std::optional<Change>& change
   const bool done = outcome == cansync::Outcome::done;
   if (change) {
     write({who, *change, memory_.before(request, state_before), std::string(cansync::name(outcome)),
-           done ? "request_done" : "request_failed"},
+           done ? EventCode("request_done") : EventCode("request_failed")},
           now);
   }
   if (done) memory_.done(request);
@@ -56,8 +56,9 @@ std::optional<SteadyTime> AuditTrail::tick(SteadyTime now) {
   if (not_recorded_ == 0) return std::nullopt;
   if (now - window_ < kWindow) return window_ + kWindow;
   journal_.write(
+      LogPriority::notice, "requests_not_recorded",
       fmt::format("{} more requests were refused within a second and not recorded one by one", not_recorded_),
-      {{"CANSYNC_BUS", bus_}, {"CANSYNC_REFUSED", std::to_string(not_recorded_)}});
+      {{"BUS", bus_}, {"CANSYNC_REFUSED", std::to_string(not_recorded_)}});
   not_recorded_ = 0;
   return std::nullopt;
 }
@@ -65,21 +66,22 @@ std::optional<SteadyTime> AuditTrail::tick(SteadyTime now) {
 void AuditTrail::write(const Entry& entry, SteadyTime now) {
   const Change& change = entry.change;
   std::string line = line_of(entry.who, change, entry.before, entry.result);
-  journal_.write(line, {{"CANSYNC_BUS", bus_},
-                        {"CANSYNC_CLIENT", entry.who.name},
-                        {"CANSYNC_PARTICIPANT", entry.who.participant},
-                        {"CANSYNC_REQUEST", std::to_string(entry.who.request)},
-                        {"CANSYNC_ACTION", std::string(change.action)},
-                        {"CANSYNC_SLAVE", change.slave < 0 ? std::string() : std::to_string(change.slave)},
-                        {"CANSYNC_WHAT", change.what},
-                        {"CANSYNC_OLD", entry.before},
-                        {"CANSYNC_NEW", change.new_value},
-                        {"CANSYNC_RESULT", entry.result}});
-  EventText event;
-  event.severity = entry.code == "request_done" ? cansync_SEVERITY_INFO : cansync_SEVERITY_WARNING;
-  event.code = entry.code;
-  event.slave = change.slave < static_cast<int>(cansync::kSlaves) ? change.slave : -1;
-  event.text = std::move(line);
+  const auto number = [](int value) { return value < 0 ? std::string() : std::to_string(value); };
+  journal_.write(LogPriority::notice, entry.code, line,
+                 {{"BUS", bus_},
+                  {"SLAVE", number(change.slave)},
+                  {"PARAMETER", number(change.parameter)},
+                  {"CLIENT", entry.who.name},
+                  {"CANSYNC_PARTICIPANT", entry.who.participant},
+                  {"CANSYNC_REQUEST", std::to_string(entry.who.request)},
+                  {"CANSYNC_ACTION", std::string(change.action)},
+                  {"CANSYNC_WHAT", change.what},
+                  {"CANSYNC_OLD", entry.before},
+                  {"CANSYNC_NEW", change.new_value},
+                  {"CANSYNC_RESULT", entry.result}});
+  EventText event{entry.code == "request_done" ? cansync_SEVERITY_INFO : cansync_SEVERITY_WARNING, entry.code,
+                  change.slave < static_cast<int>(cansync::kSlaves) ? change.slave : -1, std::move(line),
+                  std::nullopt};
   event.request = RequestRecord{entry.who.name, entry.who.participant, change.action,
                                 entry.before,   change.new_value,      entry.result};
   events_.publish(event, now);

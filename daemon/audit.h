@@ -57,7 +57,7 @@ class AuditTrail {
     const Change& change;
     std::string before;
     std::string result;
-    std::string_view code;
+    EventCode code;
   };
   void write(const Entry& entry, SteadyTime now);
   bool may_record_refusal(SteadyTime now);

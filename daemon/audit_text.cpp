@@ -11,9 +11,10 @@
 namespace cansyncd {
 namespace {
 
-int slave_number(std::uint32_t slave) noexcept {
+/// A number as a client gave it, bounded to what an int holds.
+int bounded(std::uint32_t number) noexcept {
   constexpr std::uint32_t kHighest = 0x7FFF'FFFF;
-  return static_cast<int>(slave < kHighest ? slave : kHighest);
+  return static_cast<int>(number < kHighest ? number : kHighest);
 }
 
 std::string_view mode_text(cansync_Mode mode) noexcept {
@@ -50,7 +51,8 @@ std::optional<Change> change_of(const cansync_ParameterRequest& sample) {
   const std::string what = sample.sub_slave == 0
                                ? fmt::format("parameter {}", sample.number)
                                : fmt::format("parameter {} of sub-slave {}", sample.number, sample.sub_slave);
-  return Change{"parameter_write", slave_number(sample.slave), what, std::to_string(sample.value)};
+  return Change{"parameter_write", bounded(sample.slave), what, std::to_string(sample.value),
+                bounded(sample.number)};
 }
 
 std::optional<Change> change_of(const cansync_TransferRequest& sample) {
@@ -58,14 +60,13 @@ std::optional<Change> change_of(const cansync_TransferRequest& sample) {
   const std::string what =
       sample.sub_slave == 0 ? fmt::format("address 0x{:X}", sample.address)
                             : fmt::format("address 0x{:X} of sub-slave {}", sample.address, sample.sub_slave);
-  return Change{"download", slave_number(sample.slave), what, fmt::format("{} bytes", sample.data._length)};
+  return Change{"download", bounded(sample.slave), what, fmt::format("{} bytes", sample.data._length)};
 }
 
 std::optional<Change> change_of(const cansync_Command& sample) {
   switch (sample.kind) {
     case cansync_COMMAND_CONTROL_WORD:
-      return Change{"control_word", slave_number(sample.slave), "",
-                    fmt::format("0x{:04X}", sample.control_word)};
+      return Change{"control_word", bounded(sample.slave), "", fmt::format("0x{:04X}", sample.control_word)};
     case cansync_COMMAND_BROADCAST:
       return Change{"broadcast", -1,
                     fmt::format("priority {}, slaves 0x{:08X}", sample.priority, sample.slave_mask),
@@ -85,10 +86,9 @@ std::optional<Change> change_of(const cansync_Command& sample) {
     case cansync_COMMAND_REFERENCE_MAPPING:
       return Change{"reference_mapping", -1, "", mapping_text(sample.mapping)};
     case cansync_COMMAND_ACTUAL_MAPPING:
-      return Change{"actual_mapping", slave_number(sample.slave), "", mapping_text(sample.mapping)};
+      return Change{"actual_mapping", bounded(sample.slave), "", mapping_text(sample.mapping)};
     case cansync_COMMAND_RELEASE:
-      return Change{"release", slave_number(sample.slave), "",
-                    sample.force ? "released by force" : "released"};
+      return Change{"release", bounded(sample.slave), "", sample.force ? "released by force" : "released"};
   }
   return Change{"unknown", -1, fmt::format("kind {}", static_cast<unsigned>(sample.kind)), ""};
 }

@@ -19,6 +19,7 @@ struct Change {
   int slave = -1;           ///< 0..31 and whatever a client gave; -1: none
   std::string what;         ///< which parameter, address or slaves; may be empty
   std::string new_value;    ///< what was asked for
+  int parameter = -1;       ///< number, whatever a client gave; -1: none
 };
 
 /// Nothing for a read, which changes nothing.

@@ -10,8 +10,8 @@ namespace cansyncd {
 namespace {
 
 struct FaultWords {
-  std::string_view begun;
-  std::string_view over;
+  EventCode begun;
+  EventCode over;
   std::string_view what;
   std::string_view remedy;
 };
@@ -59,7 +59,7 @@ void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_
 
 EventText describe_link(const LinkChanged& report, const Config& config) {
   const std::string& interface = config.bus.interface;
-  const auto event = [&report](cansync_EventSeverity severity, std::string_view code, std::string text) {
+  const auto event = [&report](cansync_EventSeverity severity, EventCode code, std::string text) {
     return EventText{severity, code, -1, std::move(text), report.when};
   };
   switch (report.to) {

@@ -10,8 +10,6 @@
 namespace cansyncd {
 namespace {
 
-constexpr std::size_t kProblemsShown = 20;
-
 /// Slaves first, then their names, then what may name a slave; what a slave gives comes after the defaults
 /// for all slaves.
 int phase(const Setting& setting) {

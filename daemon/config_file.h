@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,7 +26,10 @@ ConfigFile load_config(const std::string& path, std::span<const std::string> ove
 /// The same for settings that are already there; `path` names the file in problems.
 ConfigFile build_config(Settings settings, const std::string& path);
 
-/// The problems for people, one a line, at most 20 and then how many more there are.
+/// Most problems that are told one by one.
+inline constexpr std::size_t kProblemsShown = 20;
+
+/// The problems for people, one a line, at most `kProblemsShown` and then how many more there are.
 std::string problems_text(const std::vector<Problem>& problems);
 
 }  // namespace cansyncd

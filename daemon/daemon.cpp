@@ -19,10 +19,10 @@
 #include "daemon/flight_desk.h"
 #include "daemon/gateway.h"
 #include "daemon/heartbeat.h"
-#include "daemon/log.h"
 #include "daemon/realtime_loop.h"
 #include "daemon/realtime_text.h"
 #include "daemon/service.h"
+#include "daemon/service_log.h"
 #include "daemon/signal_wait.h"
 #include "daemon/sync_line.h"
 #include "dds/participant.h"
@@ -79,15 +79,6 @@ rt::RealtimeSettings realtime_settings(const RealtimeConfig& config) {
   return settings;
 }
 
-void log_problems(const std::vector<Problem>& problems) {
-  const std::string text = problems_text(problems);
-  for (std::size_t from = 0; from < text.size();) {
-    const std::size_t end = text.find('\n', from);
-    log_line(LogPriority::error, text.substr(from, end - from));
-    from = end + 1;
-  }
-}
-
 /// Everything that runs, in the order it is built; taken down the other way round.
 class Daemon {
  public:
@@ -95,6 +86,7 @@ class Daemon {
   /// cannot be had.
   explicit Daemon(ConfigFile file)
       : file_(std::move(file)),
+        log_(file_.config.bus.name),
         bus_(file_.config),
         sync_line_(make_sync_line(file_)),
         exchange_(exchange_sizes(file_.config)),
@@ -114,16 +106,19 @@ class Daemon {
     const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
     if (sync_line_) sync_line_->start();
     thread_.emplace(settings, [this] { loop_.run(); });
-    log_line(LogPriority::notice, realtime_text(settings, thread_->grants(), rt::kernel_type()));
-    for (const std::string& missing : thread_->grants().missing) log_line(LogPriority::warning, missing);
+    log_.say(LogPriority::notice, "realtime_granted",
+             realtime_text(settings, thread_->grants(), rt::kernel_type()));
+    for (const std::string& missing : thread_->grants().missing)
+      log_.say(LogPriority::warning, "realtime_missing", missing);
     gateway_.set_realtime(settings, thread_->grants());
     bus_.start(exchange_);
     gateway_.start();
     wait_until_running();
     const auto& times = cansync::slot_times(file_.config.master.bit_rate);
-    log(LogPriority::notice, "running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
-        file_.config.bus.interface, times.bits_per_second,
-        __builtin_popcount(file_.config.master.configured().bits), participant_.place());
+    log_.say(LogPriority::notice, "daemon_running",
+             fmt::format("running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
+                         file_.config.bus.interface, times.bits_per_second,
+                         __builtin_popcount(file_.config.master.configured().bits), participant_.place()));
     service::ready();
   }
 
@@ -143,15 +138,17 @@ class Daemon {
 
   /// Saves what the flight recorder has.
   void record() noexcept {
-    if (!flight_.request()) log(LogPriority::warning, "no flight recording: the flight recorder is off");
+    if (!flight_.request())
+      log_.say(LogPriority::warning, "recorder_off", "no flight recording: the flight recorder is off");
   }
 
   void reload(const std::vector<std::string>& overrides) {
     service::reloading();
     ConfigFile wanted = load_checked(file_.path, overrides);
     if (!wanted.problems.empty()) {
-      log(LogPriority::error, "{} is wrong; the daemon keeps running as before", file_.path);
-      log_problems(wanted.problems);
+      log_.say(LogPriority::error, "reload_refused",
+               file_.path + " is wrong; the daemon keeps running as before", {{"CANSYNC_FILE", file_.path}});
+      log_.problems(wanted.problems);
     } else {
       apply(plan_reload(file_, wanted));
     }
@@ -176,16 +173,21 @@ class Daemon {
 
   void apply(ReloadPlan plan) {
     if (!plan.merged.problems.empty()) {
-      log(LogPriority::error, "the changes of {} need a restart; the daemon keeps running as before",
-          file_.path);
-      log_problems(plan.merged.problems);
+      log_.say(
+          LogPriority::error, "reload_refused",
+          fmt::format("the changes of {} need a restart; the daemon keeps running as before", file_.path),
+          {{"CANSYNC_FILE", file_.path}});
+      log_.problems(plan.merged.problems);
       return;
     }
-    for (const std::string& key : plan.applied) log(LogPriority::notice, "changed: {}", key);
+    for (const std::string& key : plan.applied)
+      log_.say(LogPriority::notice, "setting_changed", "changed: " + key, {{"CANSYNC_OPTION", key}});
     for (const std::string& key : plan.needs_restart) {
-      log(LogPriority::warning, "not changed: {} takes effect after a restart", key);
+      log_.say(LogPriority::warning, "setting_needs_restart",
+               fmt::format("not changed: {} takes effect after a restart", key), {{"CANSYNC_OPTION", key}});
     }
-    if (plan.applied.empty() && plan.needs_restart.empty()) log(LogPriority::notice, "nothing has changed");
+    if (plan.applied.empty() && plan.needs_restart.empty())
+      log_.say(LogPriority::notice, "reload_without_change", "nothing has changed");
     file_ = std::move(plan.merged);
     gateway_.reload(file_.config);
   }
@@ -195,12 +197,15 @@ class Daemon {
     if (!summary) return;
     const std::string& path = file_.config.sim.trace;
     if (summary->error != 0) {
-      log(LogPriority::error, "trace {}: {}", path, std::generic_category().message(summary->error));
+      log_.say(LogPriority::error, "trace_failed",
+               fmt::format("trace {}: {}", path, std::generic_category().message(summary->error)));
     }
-    log(LogPriority::info, "trace {}: {} lines written, {} lost", path, summary->lines, summary->lost);
+    log_.say(LogPriority::info, "trace_ended",
+             fmt::format("trace {}: {} lines written, {} lost", path, summary->lines, summary->lost));
   }
 
   ConfigFile file_;
+  const ServiceLog log_;
   BusChoice bus_;
   std::unique_ptr<SyncLine> sync_line_;
   Exchange exchange_;
@@ -212,7 +217,8 @@ class Daemon {
 };
 
 /// Until SIGTERM or SIGINT.
-void serve(Daemon& daemon, const SignalWait& signals, const std::vector<std::string>& overrides) {
+void serve(Daemon& daemon, const SignalWait& signals, const std::vector<std::string>& overrides,
+           const ServiceLog& log) {
   Heartbeat heartbeat(service::watchdog());
   while (true) {
     const std::optional<int> number = signals.wait(heartbeat.period());
@@ -228,7 +234,8 @@ void serve(Daemon& daemon, const SignalWait& signals, const std::vector<std::str
       daemon.record();
       continue;
     }
-    log(LogPriority::notice, "stopping: {}", *number == SIGTERM ? "SIGTERM" : "SIGINT");
+    log.say(LogPriority::notice, "daemon_stopping",
+            *number == SIGTERM ? "stopping: SIGTERM" : "stopping: SIGINT");
     service::stopping();
     return;
   }
@@ -275,19 +282,21 @@ ConfigFile load_checked(const std::string& path, const std::vector<std::string>&
 
 int run_daemon(ConfigFile file, const std::vector<std::string>& overrides) {
   const SignalWait signals;
+  const ServiceLog log(file.config.bus.name);
   if (!rt::set_default_stack_size(kThreadStack)) {
-    log(LogPriority::warning, "thread stacks keep the system's size; locked memory will be larger");
+    log.say(LogPriority::warning, "stack_size_kept",
+            "thread stacks keep the system's size; locked memory will be larger");
   }
   try {
     Daemon daemon(std::move(file));
     daemon.start();
-    serve(daemon, signals, overrides);
+    serve(daemon, signals, overrides, log);
     daemon.stop();
   } catch (const std::exception& error) {
-    log(LogPriority::error, "cannot run: {}", error.what());
+    log.say(LogPriority::error, "daemon_cannot_run", fmt::format("cannot run: {}", error.what()));
     return exit_code::cannot_start;
   }
-  log_line(LogPriority::notice, "stopped");
+  log.say(LogPriority::notice, "daemon_stopped", "stopped");
   return exit_code::done;
 }
 

@@ -118,9 +118,12 @@ struct Describer {
                      report.when};
   }
   std::optional<EventText> operator()(const EventReport& report) const {
-    return EventText{severity_of(report.event.code), cansync::name(report.event.code),
-                     report.event.slave ? int{report.event.slave->value()} : -1,
-                     text_of(report.event, config), report.when};
+    EventText event{severity_of(report.event.code), code_of(report.event.code),
+                    report.event.slave ? int{report.event.slave->value()} : -1, text_of(report.event, config),
+                    report.when};
+    if (report.event.code == Code::slave_check_failed)
+      event.parameter = static_cast<int>(report.event.detail);
+    return event;
   }
   std::optional<EventText> operator()(const SyncsMissed& report) const {
     return EventText{cansync_SEVERITY_WARNING, "syncs_missed", -1,
@@ -159,6 +162,42 @@ struct Describer {
 };
 
 }  // namespace
+
+EventCode code_of(Code code) noexcept {
+  switch (code) {
+    case Code::slave_responds:
+      return "slave_responds";
+    case Code::slave_returned:
+      return "slave_returned";
+    case Code::slave_checked:
+      return "slave_checked";
+    case Code::slave_check_failed:
+      return "slave_check_failed";
+    case Code::slave_released:
+      return "slave_released";
+    case Code::slave_lost:
+      return "slave_lost";
+    case Code::slave_synchronized:
+      return "slave_synchronized";
+    case Code::slave_not_synchronized:
+      return "slave_not_synchronized";
+    case Code::all_synchronized:
+      return "all_synchronized";
+    case Code::references_stopped:
+      return "references_stopped";
+    case Code::references_released:
+      return "references_released";
+    case Code::references_too_old:
+      return "references_too_old";
+    case Code::references_held:
+      return "references_held";
+    case Code::second_master:
+      return "second_master";
+    case Code::second_master_gone:
+      break;
+  }
+  return "second_master_gone";
+}
 
 std::optional<EventText> describe(const Report& report, const Config& config) {
   return std::visit(Describer{config}, report);

@@ -6,6 +6,7 @@
 
 #include "cansync.h"
 #include "daemon/config.h"
+#include "daemon/event_codes.h"
 #include "daemon/exchange.h"
 
 /// What the realtime thread reports, in words. Pure functions; not for the realtime thread (allocates).
@@ -24,12 +25,17 @@ struct RequestRecord {
 /// One event before it is numbered and published.
 struct EventText {
   cansync_EventSeverity severity = cansync_SEVERITY_INFO;
-  std::string_view code;  ///< stable word; a literal
-  int slave = -1;         ///< 0..31; -1: none
+  EventCode code;
+  int slave = -1;  ///< 0..31; -1: none
   std::string text;
   std::optional<Moment> when;                           ///< nothing: now
   std::optional<RequestRecord> request = std::nullopt;  ///< has its own entry in the journal
+  std::string client = {};                              ///< who has to do with it, for the journal
+  int parameter = -1;                                   ///< number, for the journal; -1: none
 };
+
+/// The kind of a master's event.
+EventCode code_of(cansync::MasterEvent::Code code) noexcept;
 
 /// The event that stands for `report`; nothing for reports that are no events (progress of a transfer), or
 /// that are counted before they become one (refused reference values).

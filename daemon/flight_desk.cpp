@@ -1,10 +1,12 @@
 #include "daemon/flight_desk.h"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 #include <string_view>
 
 #include "cansync/timing.h"
-#include "daemon/log.h"
+#include "daemon/service_log.h"
 
 namespace cansyncd {
 
@@ -23,9 +25,11 @@ FlightDesk::FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::
   const std::string folder = flight_folder(config, std::getenv("STATE_DIRECTORY"));
   if (folder.empty()) return;
   if (const std::string problem = prepare_flight_folder(folder); !problem.empty()) {
-    log(config.recorder.folder ? LogPriority::warning : LogPriority::info,
-        "the flight recorder is off: {}; create that folder for the daemon's user, or set recorder.folder",
-        problem);
+    ServiceLog(config.bus.name)
+        .say(config.recorder.folder ? LogPriority::warning : LogPriority::info, "recorder_off",
+             fmt::format("the flight recorder is off: {}; create that folder for the daemon's user, or set "
+                         "recorder.folder",
+                         problem));
     return;
   }
   parts_.emplace(config, bus);

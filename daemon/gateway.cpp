@@ -49,7 +49,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::P
                  JournalSink& journal)
     : config_(config),
       exchange_(exchange),
-      events_(participant),
+      events_(participant, journal, config.bus.name),
       state_(participant, config),
       audit_(journal, events_, config),
       failsafe_(events_, audit_, config),

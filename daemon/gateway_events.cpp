@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "daemon/log.h"
 #include "dds/convert.h"
 
 namespace cansyncd {
@@ -48,10 +47,10 @@ bool FloodGuard::pass(const EventText& event, SteadyTime now) {
 std::optional<EventText> FloodGuard::due(SteadyTime now) {
   for (auto& [kind, window] : windows_) {
     if (window.held_back == 0 || now - window.begin < kWindow) continue;
-    EventText summary = std::move(window.newest);
+    EventText summary = std::move(*window.newest);
     summary.text += fmt::format(" (the last of {} within a second that were not told)", window.held_back);
     // The summary is the first of the next second.
-    window = {now, 1, 0, {}};
+    window = {now, 1, 0, std::nullopt};
     return summary;
   }
   return std::nullopt;
@@ -66,8 +65,10 @@ std::optional<SteadyTime> FloodGuard::next() const {
   return earliest;
 }
 
-void EventPublisher::publish(const EventText& event, SteadyTime now) {
-  if (guard_.pass(event, now)) write(event);
+bool EventPublisher::publish(const EventText& event, SteadyTime now) {
+  if (!guard_.pass(event, now)) return false;
+  write(event);
+  return true;
 }
 
 std::optional<SteadyTime> EventPublisher::tick(SteadyTime now) {
@@ -94,11 +95,31 @@ void EventPublisher::write(const EventText& event) {
   }
   // Keep last: a reader that does not follow loses the oldest, the write itself cannot fail for want of room.
   const dds_return_t written = writer_.write(sample);
-  if (!event.request)
-    log(priority_of(event.severity), "event {} {}: {}", sample.number, event.code, event.text);
-  if (written != DDS_RETCODE_OK) {
-    log(LogPriority::warning, "event {} was not published: {}", sample.number, dds_strretcode(written));
+  // A request of a client has its entry in the journal already.
+  if (!event.request) {
+    std::vector<JournalField> fields = fields_of(event);
+    fields.push_back({"CANSYNC_EVENT_NUMBER", std::to_string(sample.number)});
+    journal_.write(priority_of(event.severity), event.code,
+                   fmt::format("event {} {}: {}", sample.number, event.code.word(), event.text), fields);
   }
+  if (written != DDS_RETCODE_OK) {
+    journal_.write(LogPriority::warning, "event_not_published",
+                   fmt::format("event {} was not published: {}", sample.number, dds_strretcode(written)),
+                   {{"BUS", bus_}, {"CANSYNC_EVENT_NUMBER", std::to_string(sample.number)}});
+  }
+}
+
+void EventPublisher::record(const EventText& event) {
+  journal_.write(LogPriority::notice, event.code, event.text, fields_of(event));
+}
+
+std::vector<JournalField> EventPublisher::fields_of(const EventText& event) const {
+  const cansync::IntervalNumber interval = event.when ? event.when->interval : interval_;
+  return {{"BUS", bus_},
+          {"SLAVE", event.slave >= 0 ? std::to_string(event.slave) : std::string()},
+          {"PARAMETER", event.parameter >= 0 ? std::to_string(event.parameter) : std::string()},
+          {"CLIENT", event.client},
+          {"CANSYNC_INTERVAL", std::to_string(interval)}};
 }
 
 }  // namespace cansyncd

@@ -7,9 +7,11 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "cansync.h"
 #include "daemon/event_text.h"
+#include "daemon/journal.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 
@@ -42,7 +44,7 @@ class FloodGuard {
     SteadyTime begin;
     unsigned told = 0;
     std::uint64_t held_back = 0;
-    EventText newest;
+    std::optional<EventText> newest;  ///< when something is held back
   };
   std::map<std::pair<std::string_view, int>, Window> windows_;  ///< by code and slave
 };
@@ -82,22 +84,29 @@ class FaultRow {
 /// Numbers events, publishes them and writes each to the journal. Gateway thread only.
 class EventPublisher {
  public:
-  /// Throws cansync::dds::SetupError.
-  explicit EventPublisher(const cansync::dds::Participant& participant) : writer_(participant) {}
+  /// `journal` must outlive the publisher; `bus` is the field BUS. Throws cansync::dds::SetupError.
+  EventPublisher(const cansync::dds::Participant& participant, JournalSink& journal, std::string bus)
+      : writer_(participant), journal_(journal), bus_(std::move(bus)) {}
 
   /// Number of the running interval, for events that carry no moment of their own.
   void set_interval(cansync::IntervalNumber interval) noexcept { interval_ = interval; }
 
-  /// Publishes `event` unless events of its kind come too fast.
-  void publish(const EventText& event, SteadyTime now);
+  /// Publishes `event` unless events of its kind come too fast. False: it is told in a sum, later.
+  bool publish(const EventText& event, SteadyTime now);
+
+  /// Writes `event` to the journal alone, unbounded: for what clients are told in sums.
+  void record(const EventText& event);
 
   /// Publishes the summaries that are due. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
 
  private:
   void write(const EventText& event);
+  std::vector<JournalField> fields_of(const EventText& event) const;
 
   cansync::dds::Writer<cansync_Event> writer_;
+  JournalSink& journal_;
+  const std::string bus_;
   FloodGuard guard_;
   std::uint64_t number_ = 0;
   cansync::IntervalNumber interval_ = 0;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "daemon/gateway_requests.h"
-#include "daemon/log.h"
 #include "dds/malformed.h"
 
 /// Requests on their way in; their answers are in gateway_results.cpp.
@@ -151,7 +150,7 @@ ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& co
   };
   if (admission == ClientTable::Admission::foreign) {
     rejections_.add(
-        Rejection::identity,
+        Rejection::identity, job.who.name,
         fmt::format("request {} of {} has the identity of another program that is running; it gets no "
                     "reply: every program chooses an identity of its own, at random, when it starts",
                     job.key.request, job.who.label),
@@ -242,17 +241,19 @@ std::optional<std::string> JobDesk::no_room(const ClientEntry& client, std::size
 
 void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, const JobContext& context) {
   if (job.kind == Kind::internal) {
-    events_.publish({cansync_SEVERITY_ERROR, "configuration_refused", -1,
-                     fmt::format("a changed setting was not taken: {}", reason), std::nullopt},
-                    context.now);
-    return log(LogPriority::notice, "request of {} refused: {}", job.who.label, reason);
+    const EventText event{cansync_SEVERITY_ERROR, "configuration_refused", -1,
+                          fmt::format("a changed setting was not taken: {}", reason), std::nullopt};
+    // A reload may have many, and each is wanted in the journal.
+    if (!events_.publish(event, context.now)) events_.record(event);
+    return;
   }
   // Recorded and counted first: whoever has the reply finds both.
   if (job.change) {
     audit_.refused(job.who, job.change, job.understood ? &job.request : nullptr, job.state_before, reason,
                    context.now);
   }
-  rejections_.add(kind, fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, reason),
+  rejections_.add(kind, job.who.name,
+                  fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, reason),
                   context.now);
   switch (job.kind) {
     case Kind::parameter:
@@ -282,7 +283,7 @@ void JobDesk::take_cancel(const dds::RequestKey& key, const Place& place, const 
   const auto [client, admission] = clients_.enter(key.client, place, who);
   if (admission == ClientTable::Admission::foreign) {
     return rejections_.add(
-        Rejection::identity,
+        Rejection::identity, who,
         fmt::format("cancel of request {} of {} comes from another program than the request", key.request,
                     who),
         context.now);
@@ -361,7 +362,7 @@ void JobDesk::count_dropped(SteadyTime now) {
   for (dds::KeyGuard& guard : guards_) keys += guard.take_dropped();
   if (keys != 0) {
     rejections_.add(
-        Rejection::identity,
+        Rejection::identity, "",
         fmt::format("{} samples were dropped unread: one program may use {} client identities at a time, "
                     "all together {}",
                     keys, dds::KeyGuard::kKeysPerWriter, dds::KeyGuard::kKeys),
@@ -370,7 +371,7 @@ void JobDesk::count_dropped(SteadyTime now) {
   const dds::Malformed malformed = dds::take_malformed();
   if (malformed.count != 0) {
     rejections_.add(
-        Rejection::malformed,
+        Rejection::malformed, "",
         fmt::format(
             "{} samples or packets were dropped because DDS could not read them (an unknown enumerator, a "
             "sequence over its bound, another data model?); the newest: {}",

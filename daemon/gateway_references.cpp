@@ -111,13 +111,13 @@ void ReferenceInput::announce(unsigned channel, dds_instance_handle_t writer, St
                      "{}){}",
                      identity.who, identity.strength, channel + 1, giver.who, giver.strength,
                      writers_.left(before) ? ", which has left" : ""),
-         std::nullopt},
+         std::nullopt, std::nullopt, identity.who},
         now);
   } else {
     events_.publish({cansync_SEVERITY_INFO, "reference_writer_began", -1,
                      fmt::format("{} (strength {}) gives the reference values of telegram {}", identity.who,
                                  identity.strength, channel + 1),
-                     std::nullopt},
+                     std::nullopt, std::nullopt, identity.who},
                     now);
   }
   giver.who = identity.who;
@@ -159,7 +159,7 @@ void ReferenceInput::writer_lost(unsigned channel, SteadyTime now) {
   events_.publish({cansync_SEVERITY_WARNING, "reference_writer_lost", -1,
                    fmt::format("{}, which gave the reference values of telegram {}, has left or died; {}",
                                givers_[channel].who, channel + 1, reaction_text()),
-                   std::nullopt},
+                   std::nullopt, std::nullopt, givers_[channel].who},
                   now);
   givers_[channel] = {};
   lose(channel, Loss::writer_lost);
@@ -188,7 +188,7 @@ std::optional<SteadyTime> ReferenceInput::look_at_deadline(unsigned channel, Ste
                    fmt::format("{} lives, but has given no new reference values of telegram {} for {} ms "
                                "(failsafe.reference_deadline_ms); {}",
                                givers_[channel].who, channel + 1, deadline_.count(), reaction_text()),
-                   std::nullopt},
+                   std::nullopt, std::nullopt, givers_[channel].who},
                   now);
   lose(channel, Loss::deadline_missed);
   return std::nullopt;

@@ -6,7 +6,6 @@
 
 #include "daemon/gateway_jobs.h"
 #include "daemon/gateway_requests.h"
-#include "daemon/log.h"
 #include "daemon/refusal_text.h"
 
 /// Answers on their way out; requests are in gateway_jobs.cpp.
@@ -144,13 +143,18 @@ void JobDesk::look_for_clients(const JobContext& context) {
       forget(identity, context.now);
       continue;
     }
+    const auto is_its = [&](const auto& job) {
+      return job.second.kind != Kind::internal && job.second.key.client == identity;
+    };
+    const auto any = std::find_if(jobs_.begin(), jobs_.end(), is_its);
+    const std::string name = any == jobs_.end() ? client.who : any->second.who.name;
     events_.publish({cansync_SEVERITY_WARNING, "client_gone", -1,
                      fmt::format("{} is gone; its {} open requests are cancelled", client.who, client.open),
-                     std::nullopt},
+                     std::nullopt, std::nullopt, name},
                     context.now);
     for (auto job = jobs_.begin(); job != jobs_.end();) {
       const auto here = job++;
-      if (here->second.kind != Kind::internal && here->second.key.client == identity) cancel(here, context);
+      if (is_its(*here)) cancel(here, context);
     }
   }
 }

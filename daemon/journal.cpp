@@ -9,8 +9,6 @@
 
 #include <cstdlib>
 
-#include "daemon/log.h"
-
 namespace cansyncd {
 namespace {
 
@@ -23,8 +21,10 @@ std::string harmless(std::string text) {
   return text;
 }
 
-/// systemd names device and inode of the journal's stream; a standard error that was turned elsewhere
-/// differs.
+}  // namespace
+
+// systemd names device and inode of the journal's stream; a standard error that was turned elsewhere
+// differs.
 bool writes_to_journal() {
   // Before any other thread could change the environment.
   const char* stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): nobody writes it
@@ -33,21 +33,24 @@ bool writes_to_journal() {
   return fmt::format("{}:{}", status.st_dev, status.st_ino) == stream;
 }
 
-}  // namespace
-
-void Journal::write(const std::string& message, const std::vector<JournalField>& fields) {
-  if (send_ == nullptr) return log_line(LogPriority::notice, message);
+void Journal::write(LogPriority priority, EventCode event, const std::string& message,
+                    const std::vector<JournalField>& fields) {
+  if (send_ == nullptr) return log_line(priority, message);
+  constexpr std::size_t kOwn = 5;
   std::vector<std::string> texts;
-  texts.reserve(fields.size() + 3);
+  texts.reserve(fields.size() + kOwn);
   texts.push_back("MESSAGE=" + harmless(message));
-  texts.push_back(fmt::format("PRIORITY={}", static_cast<unsigned>(LogPriority::notice)));
+  texts.push_back(fmt::format("PRIORITY={}", static_cast<unsigned>(priority)));
   texts.emplace_back("SYSLOG_IDENTIFIER=cansyncd");
-  for (const JournalField& field : fields)
-    texts.push_back(fmt::format("{}={}", field.name, harmless(field.value)));
+  texts.push_back(fmt::format("MESSAGE_ID={}", event.message_id()));
+  texts.push_back(fmt::format("EVENT={}", event.word()));
+  for (const JournalField& field : fields) {
+    if (!field.value.empty()) texts.push_back(fmt::format("{}={}", field.name, harmless(field.value)));
+  }
   std::vector<iovec> parts;
   parts.reserve(texts.size());
   for (std::string& text : texts) parts.push_back({text.data(), text.size()});
-  if (send_(parts.data(), static_cast<int>(parts.size())) < 0) log_line(LogPriority::notice, message);
+  if (send_(parts.data(), static_cast<int>(parts.size())) < 0) log_line(priority, message);
 }
 
 JournalSink& process_journal() {

@@ -10,6 +10,7 @@
 #include "daemon/bus_budget_text.h"
 #include "daemon/config_print.h"
 #include "daemon/daemon.h"
+#include "daemon/service_log.h"
 
 namespace {
 
@@ -28,7 +29,11 @@ int run(const Arguments& arguments) {
   const std::string& path = check_only ? arguments.check : arguments.config;
   ConfigFile file = load_checked(path, overrides(arguments));
   if (!file.problems.empty()) {
-    fmt::print(stderr, "{}", problems_text(file.problems));
+    if (check_only) {
+      fmt::print(stderr, "{}", problems_text(file.problems));
+    } else {
+      tell_wrong_configuration(file.config.bus.name, file.problems);
+    }
     return exit_code::wrong_config;
   }
   if (check_only) {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "daemon/log.h"
-
 namespace cansyncd {
 namespace {
 
@@ -40,14 +38,17 @@ bool Rejections::line_allowed(SteadyTime now) {
   return lines_++ < kLines;
 }
 
-void Rejections::add(Rejection kind, const std::string& text, SteadyTime now, std::uint64_t count) {
+void Rejections::add(Rejection kind, const std::string& client, const std::string& text, SteadyTime now,
+                     std::uint64_t count) {
   const auto index = static_cast<unsigned>(kind);
   counts_[index] += count;
   // Refusals for the state of the line are an everyday answer, and the reply tells.
   if (kind != Rejection::state && rows_[index].add(count, now)) {
-    events_.publish({cansync_SEVERITY_WARNING, "requests_rejected", -1, text, std::nullopt}, now);
+    events_.publish(
+        {cansync_SEVERITY_WARNING, "requests_rejected", -1, text, std::nullopt, std::nullopt, client}, now);
   } else if (line_allowed(now)) {
-    log(LogPriority::notice, "{}", text);
+    events_.record(
+        {cansync_SEVERITY_INFO, "requests_rejected", -1, text, std::nullopt, std::nullopt, client});
   }
 }
 

@@ -37,7 +37,9 @@ class Rejections {
   explicit Rejections(EventPublisher& events) : events_(events) {}
 
   /// Counts `count` and writes `text` (who and why) to the journal. The first of a row becomes an event.
-  void add(Rejection kind, const std::string& text, SteadyTime now, std::uint64_t count = 1);
+  /// `client`: who, as far as it is known.
+  void add(Rejection kind, const std::string& client, const std::string& text, SteadyTime now,
+           std::uint64_t count = 1);
 
   /// Publishes the sums that are due. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);

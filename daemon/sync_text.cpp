@@ -59,7 +59,8 @@ EventText sync_event(const SyncSourceChanged& report, const Config& config) {
 EventText sync_event(const SyncDeviceChanged& report, const Config& config) {
   const std::string_view what = report.output ? "SYNC output" : "SYNC input";
   if (report.error == 0) {
-    return {cansync_SEVERITY_INFO, report.output ? "sync_output_restored" : "sync_input_restored", -1,
+    return {cansync_SEVERITY_INFO,
+            report.output ? EventCode("sync_output_restored") : EventCode("sync_input_restored"), -1,
             report.output ? fmt::format("the {} works again; {} edges could not be made since the start",
                                         what, report.failures)
                           : fmt::format("the {} works again", what),
@@ -69,7 +70,8 @@ EventText sync_event(const SyncDeviceChanged& report, const Config& config) {
       report.error == SyncLine::kNotSent
           ? std::string("the bus takes no software SYNC frame; see the events of the controller")
           : sync_line::reason_and_remedy(sync_device(config, report.output), report.error);
-  return {cansync_SEVERITY_ERROR, report.output ? "sync_output_failed" : "sync_input_failed", -1,
+  return {cansync_SEVERITY_ERROR,
+          report.output ? EventCode("sync_output_failed") : EventCode("sync_input_failed"), -1,
           fmt::format("the {} fails: {}", what, reason), report.when};
 }
 

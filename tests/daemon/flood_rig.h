@@ -30,7 +30,8 @@ inline cansync_ParameterRequest good_read(std::uint64_t number, std::uint8_t cli
 /// Counts what would go to the journal: what a test keeps must not look like growth of the daemon.
 class CountedJournal : public JournalSink {
  public:
-  void write(const std::string& /*message*/, const std::vector<JournalField>& /*fields*/) override {
+  void write(LogPriority /*priority*/, EventCode /*event*/, const std::string& /*message*/,
+             const std::vector<JournalField>& /*fields*/) override {
     ++entries_;
   }
   std::uint64_t entries() const { return entries_; }

@@ -31,7 +31,7 @@ class InputRig {
   explicit InputRig(const Config& config)
       : exchange(ExchangeSizes{}),
         participant_(places.here),
-        events_(participant_),
+        events_(participant_, journal_, "testbus"),
         input(participant_, signal_, events_, config) {}
 
   /// Takes what has come until a request is there.
@@ -55,6 +55,7 @@ class InputRig {
  private:
   cansync::dds::Participant participant_;
   cansync::dds::DataSignal signal_;
+  KeptJournal journal_;
   EventPublisher events_;
 
  public:
@@ -255,13 +256,13 @@ TEST(GatewayFailsafe, TheControlWordGoesToTheNamedSlavesAndItsOutcomeIsTold) {
   EXPECT_NE(text_of(ended).find("sent to slave 1 'feeder'; not to slave 3 'rewinder': "), std::string::npos)
       << text_of(ended);
   EXPECT_EQ(ended->severity, cansync_SEVERITY_ERROR);
-  const auto recorded = rig.journal.with("CANSYNC_CLIENT", "failsafe reaction");
+  const auto recorded = rig.journal.with("CLIENT", "failsafe reaction");
   ASSERT_EQ(recorded.size(), 2u);
   EXPECT_EQ(recorded[0].field("CANSYNC_ACTION"), "control_word");
-  EXPECT_EQ(recorded[0].field("CANSYNC_SLAVE"), "1");
+  EXPECT_EQ(recorded[0].field("SLAVE"), "1");
   EXPECT_EQ(recorded[0].field("CANSYNC_NEW"), "0x0104");
   EXPECT_EQ(recorded[0].field("CANSYNC_RESULT"), "done");
-  EXPECT_EQ(recorded[1].field("CANSYNC_SLAVE"), "3");
+  EXPECT_EQ(recorded[1].field("SLAVE"), "3");
   EXPECT_EQ(recorded[1].field("CANSYNC_RESULT").rfind("refused: ", 0), 0u) << "it never reached the bus";
 }
 
@@ -293,10 +294,10 @@ TEST(GatewayFailsafe, ValuesThatTheRealtimeThreadFoundTooOldBringTheControlWordT
 TEST(GatewayFailsafe, ControlWordsWaitForRoomAndARoundIsNotBegunTwice) {
   TwoPlaces places;
   cansync::dds::Participant participant(places.here);
-  EventPublisher events(participant);
   const Config config = with_control_word();
   Exchange exchange({.requests = 2});
   KeptJournal journal;
+  EventPublisher events(participant, journal, "testbus");
   AuditTrail audit(journal, events, config);
   FailsafeCommands commands(events, audit, config);
   commands.start(0, config, kStart);

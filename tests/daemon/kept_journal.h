@@ -13,6 +13,7 @@ namespace cansyncd {
 class KeptJournal : public JournalSink {
  public:
   struct Entry {
+    LogPriority priority = LogPriority::info;
     std::string message;
     std::vector<JournalField> fields;
     /// Empty when there is no such field.
@@ -24,9 +25,11 @@ class KeptJournal : public JournalSink {
     }
   };
 
-  void write(const std::string& message, const std::vector<JournalField>& fields) override {
+  void write(LogPriority priority, EventCode event, const std::string& message,
+             const std::vector<JournalField>& fields) override {
     const std::lock_guard lock(mutex_);
-    entries_.push_back({message, fields});
+    entries_.push_back({priority, message, fields});
+    entries_.back().fields.push_back({"EVENT", std::string(event.word())});
   }
   std::vector<Entry> all() const {
     const std::lock_guard lock(mutex_);
@@ -37,6 +40,14 @@ class KeptJournal : public JournalSink {
     std::vector<Entry> out;
     for (Entry& entry : all()) {
       if (entry.field(name) == value) out.push_back(std::move(entry));
+    }
+    return out;
+  }
+  /// Entries that record what a client wanted to change, one by one.
+  std::vector<Entry> changes() const {
+    std::vector<Entry> out;
+    for (Entry& entry : all()) {
+      if (!entry.field("CANSYNC_ACTION").empty()) out.push_back(std::move(entry));
     }
     return out;
   }

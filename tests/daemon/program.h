@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <pty.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,14 +17,21 @@
 /// A program under test with its output. Ends it when the test leaves it running.
 class Program {
  public:
+  /// Where its output goes: a pipe, or a terminal.
+  enum class Output : bool { pipe, terminal };
+
   /// Starts `path`; `environment` is added to the test's own.
   Program(const std::string& path, std::vector<std::string> arguments,
-          const std::vector<std::string>& environment = {}) {
+          const std::vector<std::string>& environment = {}, Output output = Output::pipe) {
     arguments.insert(arguments.begin(), path);
     std::vector<std::string> variables = environment;
     for (char** variable = ::environ; *variable != nullptr; ++variable) variables.emplace_back(*variable);
     std::array<int, 2> ends{};
-    EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+    if (output == Output::pipe) {
+      EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+    } else {
+      EXPECT_EQ(::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr), 0);
+    }
     posix_spawn_file_actions_t actions;
     ::posix_spawn_file_actions_init(&actions);
     ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);

@@ -201,4 +201,21 @@ TEST_F(CansyncdTest, TraceIsACandumpLogOfTheBus) {
     EXPECT_TRUE(identifiers.contains(id)) << id;
 }
 
+TEST_F(CansyncdTest, ATerminalShowsWordsInsteadOfPriorities) {
+  const std::string file = write("good.toml", kTwoSlaves);
+  const std::vector<std::string> arguments = {file, "--domain=" + std::to_string(domain_.get()),
+                                              "--set=recorder.folder=/no/such/folder"};
+  Program program(CANSYNCD, arguments, {}, Program::Output::terminal);
+  ASSERT_TRUE(program.says("\nrunning: bus two (sim)")) << program.text();
+  EXPECT_NE(program.text().find("warning: the flight recorder is off"), std::string::npos) << program.text();
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.exit_code(), 0);
+  EXPECT_EQ(program.text().find('<'), std::string::npos) << program.text();
+  // A variable that names another stream changes nothing.
+  Program told(CANSYNCD, {file, "--set=realtime.mode=enforce", "--set=realtime.cpu=1023"},
+               {"JOURNAL_STREAM=1:2"}, Program::Output::terminal);
+  EXPECT_EQ(told.exit_code(), 1);
+  EXPECT_NE(told.text().find("error: cannot run: "), std::string::npos) << told.text();
+}
+
 }  // namespace
