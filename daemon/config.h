@@ -179,6 +179,12 @@ struct RecorderConfig {
   FlightTriggers triggers;
 };
 
+/// The metrics file for node_exporter's textfile collector.
+struct MetricsConfig {
+  std::string file;                 ///< empty: none
+  std::chrono::seconds period{10};  ///< 1..3600
+};
+
 /// Everything.
 struct Config {
   BusConfig bus;
@@ -194,6 +200,7 @@ struct Config {
   AccessConfig access;
   SimConfig sim;
   RecorderConfig recorder;
+  MetricsConfig metrics;
 };
 
 }  // namespace cansyncd

@@ -57,6 +57,7 @@ class Checker {
     return_parameters();
     fault_script();
     finish_path("dds.security", draft_.config.dds.security);
+    finish_path("metrics.file", draft_.config.metrics.file);
     failsafe();
     for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
     if (const auto wrong = check_bit_timing(draft_.config)) problem(wrong->option, wrong->text);

@@ -165,6 +165,7 @@ inline constexpr std::string_view kMappingTwo = "(doubleword values 4 and 5, low
 std::span<const Option> daemon_options();    ///< bus, realtime, recorder, startup, dds, sim
 std::span<const Option> failsafe_options();  ///< failsafe
 std::span<const Option> access_options();    ///< access
+std::span<const Option> metrics_options();   ///< metrics
 std::span<const Option> sync_options();      ///< sync
 std::span<const Option> slave_options();     ///< slaves that come and go: startup, command channel, slaves
 std::span<const Option> line_options();      ///< process, command channel, reference values, slaves

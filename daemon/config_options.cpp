@@ -162,6 +162,7 @@ std::span<const Option> options() {
     std::vector<Option> out(rows::daemon_options().begin(), rows::daemon_options().end());
     out.insert(out.end(), rows::failsafe_options().begin(), rows::failsafe_options().end());
     out.insert(out.end(), rows::access_options().begin(), rows::access_options().end());
+    out.insert(out.end(), rows::metrics_options().begin(), rows::metrics_options().end());
     out.insert(out.end(), rows::sync_options().begin(), rows::sync_options().end());
     out.insert(out.end(), rows::line_options().begin(), rows::line_options().end());
     for (const Option& option : rows::slave_options()) {

@@ -35,6 +35,8 @@ inline constexpr EventKind kEventKinds[] = {
     {"trace_ended", "563af7dc8a1e44b487256e44ba5099e3"},
     {"trace_failed", "4f72754c1cd547c1bd5ba9df858a48e3"},
     {"event_not_published", "1098b59a2c8b4367852f768a525810ae"},
+    {"metrics_not_written", "0c247d9974d14332af5b42849b9d5e08"},
+    {"metrics_written_again", "9d8f81e7805e42b6a6e126d0ee7fe541"},
     // operating state and SYNC edges
     {"state_changed", "0f1f56f390e147efa7053ec4623038f4"},
     {"syncs_missed", "b6e9e55536114dd2b6c5fb2887fef730"},

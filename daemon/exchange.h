@@ -298,7 +298,8 @@ struct TimingSnapshot {
   cansync::Duration lateness_minimum{};          ///< SYNC wake-up after it was due, of the last second
   cansync::Duration lateness_mean{};             ///< likewise
   cansync::Duration lateness_maximum{};          ///< likewise
-  std::array<std::uint32_t, 16> histogram = {};  ///< since the start; bucket n: under 2^n us, last: the rest
+  std::array<std::uint64_t, 16> histogram = {};  ///< since the start; bucket n: under 2^n us, last: the rest
+  cansync::Duration lateness_sum{};              ///< since the start
   std::array<std::uint64_t, cansync::kSlots> left_out = {};  ///< WRC1, WRC2, CC since the start
   std::uint64_t missed_syncs = 0;                            ///< since the start
   std::uint32_t bus_load = 0;                                ///< permille, of the last second

@@ -65,6 +65,7 @@ Gateway::~Gateway() {
 
 void Gateway::start() {
   cansync::dds::count_malformed();
+  metrics_.emplace(config_.metrics, [this](const EventText& event) { post(event); });
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "cansync-gateway");  // for `top -H` and whoever measures
     run();
@@ -76,6 +77,7 @@ void Gateway::stop() noexcept {
   stop_ = true;
   exchange_.gateway_wake.signal();
   thread_.join();
+  metrics_.reset();
 }
 
 void Gateway::reload(const Config& config) {
@@ -147,7 +149,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   const auto failsafe_due = failsafe_.push(exchange_, now);
   state_.set_clients(jobs_.clients(), jobs_.rejections());
   for (const auto next : {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
-                          status_line_.step(state_.master(), config_, now)}) {
+                          status_line_.step(state_.master(), config_, now), metrics_->step(state_, now)}) {
     if (next) due = std::min(due, *next);
   }
   return due;

@@ -14,6 +14,7 @@
 #include "daemon/gateway_jobs.h"
 #include "daemon/gateway_references.h"
 #include "daemon/gateway_state.h"
+#include "daemon/metrics_desk.h"
 #include "daemon/status_line.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -94,6 +95,7 @@ class Gateway {
   JobDesk jobs_;
   FaultRow missed_syncs_{kSyncQuiet};
   StatusLine status_line_;
+  std::optional<MetricsDesk> metrics_;  ///< from `start` to `stop`
 
   std::mutex configuration_mutex_;
   std::optional<Config> new_configuration_;

@@ -87,7 +87,9 @@ cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& ti
   sample.lateness_minimum = timing.lateness_minimum.count();
   sample.lateness_mean = timing.lateness_mean.count();
   sample.lateness_maximum = timing.lateness_maximum.count();
-  std::copy(timing.histogram.begin(), timing.histogram.end(), std::begin(sample.lateness_histogram));
+  // 32 bits on the topic, where readers take differences.
+  std::transform(timing.histogram.begin(), timing.histogram.end(), std::begin(sample.lateness_histogram),
+                 [](std::uint64_t count) { return static_cast<std::uint32_t>(count); });
   std::copy(timing.left_out.begin(), timing.left_out.end(), std::begin(sample.left_out));
   sample.missed_syncs = timing.missed_syncs;
   sample.bus_load = timing.bus_load;
@@ -159,10 +161,9 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
     (void)interval_writer_.write(
         {interval.sync.interval, interval.sync.wall_clock.count(), interval.time_left.count()});
   }
-  TimingSnapshot timing;
-  if (exchange.timing.read(timing)) {
-    (void)timing_writer_.write(
-        to_dds(timing, cansync::slot_times(config_.master.bit_rate), master_.timestamps));
+  if (exchange.timing.read(timing_)) {
+    told_timing_ = to_dds(timing_, cansync::slot_times(config_.master.bit_rate), master_.timestamps);
+    (void)timing_writer_.write(*told_timing_);
   }
 
   if (master_dirty_ || now - master_published_ >= kMasterPeriod) publish_master(now);
@@ -178,6 +179,14 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
     }
   }
   return next;
+}
+
+ToldStatus StatePublisher::told() const {
+  ToldStatus told{&told_master_, {}, told_timing_ ? &*told_timing_ : nullptr, &timing_};
+  for (const Slave& slave : slaves_) {
+    if (slave.told_status) told.slaves.push_back(&*slave.told_status);
+  }
+  return told;
 }
 
 void StatePublisher::take_settings(Exchange& exchange) {
@@ -219,7 +228,8 @@ void StatePublisher::publish_master(SteadyTime now) {
   settings.command_channel.parameter = settings_.parameter;
   settings.command_channel.transfer = settings_.transfer;
 
-  cansync_MasterStatus sample = {};
+  cansync_MasterStatus& sample = told_master_;
+  sample = {};
   dds::fill_master_status(settings, master_.counters, master_.state, sample);
   dds::copy_text(config_.bus.name, sample.bus);
   dds::copy_text(CANSYNC_VERSION, sample.version);
@@ -254,9 +264,9 @@ void StatePublisher::publish_master(SteadyTime now) {
 
 void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
   Slave& slave = slaves_[number.value()];
-  (void)slave_writer_.write(dds::slave_status(number, config_.slaves[number.value()].name,
-                                              slave.report.status, settings_.actual_mapping[number.value()],
-                                              slave.names));
+  slave.told_status = dds::slave_status(number, config_.slaves[number.value()].name, slave.report.status,
+                                        settings_.actual_mapping[number.value()], slave.names);
+  (void)slave_writer_.write(*slave.told_status);
   slave.dirty = false;
   slave.published = now;
 }

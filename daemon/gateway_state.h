@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "cansync.h"
 #include "daemon/config.h"
@@ -14,6 +16,14 @@
 #include "rt/realtime_thread.h"
 
 namespace cansyncd {
+
+/// What was told last.
+struct ToldStatus {
+  const cansync_MasterStatus* master = nullptr;
+  std::vector<const cansync_SlaveStatus*> slaves;  ///< configured ones, in the order of their numbers
+  const cansync_Timing* timing = nullptr;          ///< null: none yet
+  const TimingSnapshot* timing_snapshot = nullptr;
+};
 
 /// Publishes what is known of the line: ActualValues, SlaveStatus, MasterStatus, Timing and, when the
 /// configuration switches it on, Interval. Gateway thread only.
@@ -49,6 +59,10 @@ class StatePublisher {
 
   /// Newest state of the master, as far as it was told.
   const MasterSnapshot& master() const noexcept { return master_; }
+  /// The samples of MasterStatus, SlaveStatus and Timing that were told last; after the first `step`. Valid
+  /// until the next call of this object.
+  ToldStatus told() const;
+
   /// Newest settings in force.
   const SettingsSnapshot& settings() const noexcept { return settings_; }
 
@@ -57,7 +71,8 @@ class StatePublisher {
     SlaveReport report;
     std::array<std::uint64_t, cansync::kChannels> told = {};  ///< count of telegrams that were published
     std::array<cansync_ValueName, cansync::kValues> names = {};
-    bool dirty = false;  ///< something is to be told
+    bool dirty = false;                              ///< something is to be told
+    std::optional<cansync_SlaveStatus> told_status;  ///< the newest sample
     SteadyTime published;
   };
 
@@ -77,6 +92,9 @@ class StatePublisher {
   std::array<Slave, cansync::kSlaves> slaves_;
   MasterSnapshot master_;
   const std::array<ReferenceGiver, cansync::kChannels>* givers_ = nullptr;
+  cansync_MasterStatus told_master_ = {};
+  TimingSnapshot timing_;
+  std::optional<cansync_Timing> told_timing_;
   can::LinkFacts link_;
   SettingsSnapshot settings_;
   rt::RealtimeSettings realtime_wanted_;

@@ -65,6 +65,7 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
   timing.lateness_mean = lateness.mean;
   timing.lateness_maximum = lateness.maximum;
   timing.histogram = lateness_.histogram();
+  timing.lateness_sum = lateness_.total();
   timing.left_out = left_out_;
   timing.missed_syncs = missed_syncs_;
   timing.bus_load = load_.take(now);

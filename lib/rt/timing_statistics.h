@@ -27,6 +27,8 @@ class TimingStatistics {
     if (summary_.count == 0 || value > summary_.maximum) summary_.maximum = value;
     ++summary_.count;
     sum_ += value;
+    // What the histogram counts as zero is zero in the total too.
+    if (value > Duration{0}) total_ += value;
     ++histogram_[bucket(value)];
   }
 
@@ -40,7 +42,10 @@ class TimingStatistics {
   }
 
   /// Bucket n counts values under 2^n microseconds that no lower bucket counts; the last one counts the rest.
-  const std::array<std::uint32_t, kBuckets>& histogram() const noexcept { return histogram_; }
+  const std::array<std::uint64_t, kBuckets>& histogram() const noexcept { return histogram_; }
+
+  /// Sum of all values since the start; what is below zero counts as zero.
+  Duration total() const noexcept { return total_; }
 
   /// The bucket of a value; what is below zero counts as zero.
   static constexpr unsigned bucket(Duration value) noexcept {
@@ -52,7 +57,8 @@ class TimingStatistics {
  private:
   Summary summary_;
   Duration sum_{0};
-  std::array<std::uint32_t, kBuckets> histogram_ = {};
+  Duration total_{0};
+  std::array<std::uint64_t, kBuckets> histogram_ = {};
 };
 
 }  // namespace rt

@@ -55,4 +55,12 @@ TEST(TimingStatistics, HistogramCountsSinceTheStart) {
   EXPECT_EQ(statistics.histogram()[15], 1U);
 }
 
+TEST(TimingStatistics, TheTotalGoesOnAndCountsWhatIsEarlyAsZero) {
+  rt::TimingStatistics statistics;
+  for (const int us : {5, -7, 20}) statistics.add(std::chrono::microseconds(us));
+  (void)statistics.take();
+  statistics.add(std::chrono::nanoseconds(1));
+  EXPECT_EQ(statistics.total(), std::chrono::nanoseconds(25'001));
+}
+
 }  // namespace
