@@ -7,6 +7,7 @@
 #include "cansync/interrupt.h"
 #include "cansync/trace_source.h"
 #include "cansync/trace_text.h"
+#include "cansync/trace_writer.h"
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
@@ -20,6 +21,7 @@ struct TraceTexts {
   std::string slave;
   std::string count = "0";
   std::string sync;
+  std::string pcapng;
   bool candump = false;
 };
 
@@ -46,12 +48,16 @@ JsonObject telegram_object(const TracedTelegram& telegram, const can::CandumpLin
 class Tracer {
  public:
   Tracer(Output& output, const TraceTexts& texts, std::optional<unsigned> slave, std::uint32_t sync)
-      : output_(output), candump_(texts.candump), slave_(slave), text_(sync) {}
+      : output_(output), candump_(texts.candump), slave_(slave), text_(sync) {
+    if (!texts.pcapng.empty()) capture_.emplace(texts.pcapng, output);
+  }
 
   void show(const can::CandumpLine& line) {
     const TracedTelegram telegram = text_.describe(line);
     if (slave_ && ((telegram.slaves >> *slave_) & 1u) == 0) return;
-    if (output_.json()) {
+    if (capture_) {
+      capture_->write(line);
+    } else if (output_.json()) {
       output_.object(telegram_object(telegram, line));
     } else if (candump_) {
       std::array<char, can::kCandumpLineLimit> text{};
@@ -88,6 +94,7 @@ class Tracer {
  private:
   Output& output_;
   bool candump_;
+  std::optional<TraceCapture> capture_;
   std::optional<unsigned> slave_;
   TraceText text_;
   std::int64_t shown_ = 0;
@@ -102,6 +109,8 @@ ExitCode trace_verb(Session& session, const TraceTexts& texts) {
                                  : static_cast<std::uint32_t>(parse_integer(texts.sync, "--sync", 0, 0x7FF));
   if (texts.candump && session.json())
     throw UsageError("--candump: found together with --json; allowed: one of the two");
+  if (!texts.pcapng.empty() && (texts.candump || session.json()))
+    throw UsageError("--pcapng: found together with --candump or --json; allowed: one of the three");
   std::optional<unsigned> slave;
   if (!texts.slave.empty()) slave = session.slave(texts.slave);
   const auto source = open_source(texts.source, sync);
@@ -126,8 +135,8 @@ void add_trace_verb(CLI::App& app, Verb& chosen) {
   trace
       ->add_option(
           "SOURCE", texts->source,
-          "a candump text log (candump -L, or the trace of the simulated line), - for standard input, or "
-          "a SocketCAN interface, which is only listened to")
+          "a candump text log (candump -L, or the trace of the simulated line) or a pcapng capture, - for "
+          "standard input, or a SocketCAN interface, which is only listened to")
       ->required();
   trace->add_option("--slave", texts->slave, "only what concerns this slave: number or name")
       ->type_name("SLAVE");
@@ -136,11 +145,17 @@ void add_trace_verb(CLI::App& app, Verb& chosen) {
       ->add_option("--sync", texts->sync, "identifier of the frame that marks SYNC, 0..0x7FF (default 0x080)")
       ->type_name("ID");
   trace->add_flag("--candump", texts->candump, "write the frames as a candump text log instead");
+  trace
+      ->add_option("--pcapng", texts->pcapng,
+                   "write the frames as a pcapng capture into FILE instead, which is replaced; - = stdout")
+      ->type_name("FILE");
   trace->footer(
       "No daemon is needed, except to look up a slave's name. Lines that are no frames are named and "
       "counted;\n"
       "then the exit code is 1.\n"
-      "Example: candump -L can0 | cansync trace - --slave 3\n" +
+      "Examples:\n"
+      "  candump -L can0 | cansync trace - --slave 3\n"
+      "  cansync trace can0 --pcapng - | wireshark -k -i -\n" +
       columns_help(trace_columns()));
   trace->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return trace_verb(session, *texts); }; });

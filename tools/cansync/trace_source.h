@@ -41,7 +41,8 @@ class TraceSource {
 /// Longest line of a log, in characters; what is longer is named as a problem and skipped.
 inline constexpr std::size_t kLongestTraceLine = 4096;
 
-/// Reads the candump text log in `path`, of standard input for "-". Throws std::system_error with the file's
+/// Reads the candump text log or pcapng capture (its first bytes tell which) in `path`, of standard input for
+/// "-". Throws std::system_error with the file's
 /// name when it cannot be opened.
 std::unique_ptr<TraceSource> open_log(const std::string& path);
 
