@@ -13,6 +13,9 @@ void describe(CLI::App& app, Arguments& arguments) {
   auto* check = app.add_option("--check", arguments.check,
                                "Check this configuration file, print its bus budget and start nothing")
                     ->type_name("FILE");
+  auto* dbc = app.add_option("--print-dbc", arguments.dbc,
+                             "Print the bus of this configuration file as a DBC file, for other CAN tools")
+                  ->type_name("FILE");
   app.add_option("--trace", arguments.trace,
                  "Log of the simulated bus in candump's format; --set sim.trace=FILE")
       ->type_name("FILE");
@@ -27,6 +30,8 @@ void describe(CLI::App& app, Arguments& arguments) {
   app.add_flag("--print-options-man", arguments.print_options_man,
                "Print the options' part of the man page cansync.toml(5)");
   config->excludes(check);
+  config->excludes(dbc);
+  check->excludes(dbc);
   app.footer(
       "Signals: SIGTERM and SIGINT stop, SIGHUP reads the file again, SIGUSR1 saves a flight recording.\n"
       "Exit codes: 0 stopped or file in order, 1 cannot start, 2 wrong command line, 78 wrong "
@@ -41,8 +46,8 @@ std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* co
   Arguments arguments;
   describe(app, arguments);
   if (auto end = text::read_command_line(app, argc, argv)) return *std::move(end);
-  const bool prints =
-      arguments.print_default_config || arguments.print_options_markdown || arguments.print_options_man;
+  const bool prints = arguments.print_default_config || arguments.print_options_markdown ||
+                      arguments.print_options_man || !arguments.dbc.empty();
   if (arguments.config.empty() && arguments.check.empty() && !prints) {
     return CommandLineEnd{
         true, "cansyncd: no configuration file given\nusage: cansyncd CONFIG, or cansyncd --help\n"};

@@ -13,6 +13,7 @@ namespace cansyncd {
 struct Arguments {
   std::string config;  ///< file to run with
   std::string check;   ///< file to check instead
+  std::string dbc;     ///< file to print as DBC instead
   std::string trace;
   std::string domain;
   std::vector<std::string> set;  ///< KEY=VALUE

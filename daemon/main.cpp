@@ -10,6 +10,7 @@
 #include "daemon/bus_budget_text.h"
 #include "daemon/config_print.h"
 #include "daemon/daemon.h"
+#include "daemon/dbc.h"
 #include "daemon/service_log.h"
 
 namespace {
@@ -26,16 +27,18 @@ int run(const Arguments& arguments) {
   if (arguments.print_options_markdown) return print(options_markdown());
   if (arguments.print_options_man) return print(options_man());
   const bool check_only = !arguments.check.empty();
-  const std::string& path = check_only ? arguments.check : arguments.config;
+  const bool dbc_only = !arguments.dbc.empty();
+  const std::string& path = check_only ? arguments.check : dbc_only ? arguments.dbc : arguments.config;
   ConfigFile file = load_checked(path, overrides(arguments));
   if (!file.problems.empty()) {
-    if (check_only) {
+    if (check_only || dbc_only) {
       fmt::print(stderr, "{}", problems_text(file.problems));
     } else {
       tell_wrong_configuration(file.config.bus.name, file.problems);
     }
     return exit_code::wrong_config;
   }
+  if (dbc_only) return print(dbc_text(file.config));
   if (check_only) {
     return print(fmt::format("{}: in order\n{}", path, budget_text(bus_budget(budget_input(file.config)))));
   }
