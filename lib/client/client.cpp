@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "client/link.h"
-#include "dds/convert.h"
+#include "client/set_up.h"
 
 namespace cansync::client {
 namespace {
@@ -25,6 +25,9 @@ bool is_configured(const MasterStatus& master, unsigned slave) {
 }
 
 }  // namespace
+
+NoDaemon::~NoDaemon() = default;
+SetupError::~SetupError() = default;
 
 std::string_view name(ReplyCode code) noexcept {
   switch (code) {
@@ -84,7 +87,7 @@ Client::~Client() {
 }
 
 Client Client::connect(const Options& options) {
-  Client client(std::make_shared<detail::Link>(options));
+  Client client(detail::set_up([&] { return std::make_shared<detail::Link>(options); }));
   client.link_->connect(options.wait);
   return client;
 }
@@ -139,7 +142,7 @@ SlaveLookup Client::find_slave(std::string_view number_or_name) const {
   }
   std::string names;
   for (const SlaveStatus& slave : slaves()) {
-    const std::string_view slave_name = dds::text(slave.name);
+    const std::string_view slave_name = text(slave.name);
     if (!slave_name.empty() && slave_name == number_or_name) return {slave.slave, ""};
     if (slave_name.empty()) continue;
     names += names.empty() ? "" : ", ";

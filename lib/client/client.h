@@ -10,14 +10,15 @@
 #include <string_view>
 #include <vector>
 
-#include "client/job.h"
-#include "client/types.h"
+#include "export.h"
+#include "job.h"
+#include "types.h"
 
 /// C++ access to a bus that a daemon serves, over the DDS topics (docs/dds-api.md).
 namespace cansync::client {
 
 /// Where the daemon is looked for.
-struct Options {
+struct CANSYNC_PUBLIC Options {
   std::uint32_t domain = 0;              ///< DDS domain, 0..230
   std::string bus = "can0";              ///< partition: the bus's name
   std::string interface = "lo";          ///< network interface
@@ -28,14 +29,14 @@ struct Options {
 };
 
 /// Result of looking up a slave.
-struct SlaveLookup {
+struct CANSYNC_PUBLIC SlaveLookup {
   std::optional<std::uint8_t> slave;
   std::string problem;  ///< why there is none, with the names there are; empty otherwise
 };
 
 /// Ends its callback when it is destroyed; after that the callback is not running and never called again.
 /// Must not be destroyed from inside its own callback. May outlive the client.
-class Subscription {
+class CANSYNC_PUBLIC Subscription {
  public:
   Subscription() = default;
   Subscription(Subscription&&) noexcept = default;
@@ -54,10 +55,10 @@ class Subscription {
 /// Every function may be called from any thread. One receiver thread per client takes what arrives and runs
 /// the callbacks of subscriptions: these must be short, must not throw, and must not wait for a job of this
 /// client.
-class Client {
+class CANSYNC_PUBLIC Client {
  public:
   /// Waits until a daemon serves the bus and every request and reply is matched with it, so that nothing is
-  /// lost. Throws NoDaemon when `options.wait` is over, dds::SetupError when DDS cannot be set up.
+  /// lost. Throws NoDaemon when `options.wait` is over, SetupError when DDS cannot be set up.
   static Client connect(const Options& options);
 
   Client(Client&&) noexcept;
@@ -83,7 +84,8 @@ class Client {
   /// The last events (at most 100), oldest first: collected until none comes for `quiet`.
   std::vector<Event> recent_events(std::chrono::milliseconds quiet = std::chrono::milliseconds(300)) const;
 
-  // --- subscriptions: state topics deliver what is known at once
+  // --- subscriptions: state topics deliver what is known at once. Throw SetupError like every function that
+  // is the first to look at a topic.
 
   [[nodiscard]] Subscription on_actual_values(std::function<void(const ActualValues&)> callback);
   [[nodiscard]] Subscription on_master_status(std::function<void(const MasterStatus&)> callback);
@@ -133,9 +135,9 @@ class Client {
 /// writes has no effect. When this object is destroyed or its process dies (lease 500 ms), a weaker writer
 /// takes over, or release stops. That is noticed for a dead process, not for one that hangs:
 /// `release_intervals` bounds how long the last values of a hanging one are released.
-class ReferenceWriter {
+class CANSYNC_PUBLIC ReferenceWriter {
  public:
-  /// `strength`: 0 and more. Throws dds::SetupError, also when the identity has no right to. Waits at most 2
+  /// `strength`: 0 and more. Throws SetupError, also when the identity has no right to. Waits at most 2
   /// s until the daemon is matched; throws NoDaemon.
   explicit ReferenceWriter(Client& client, std::int32_t strength = 0);
   ~ReferenceWriter();

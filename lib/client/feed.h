@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "client/client.h"
+#include "client/set_up.h"
 #include "dds/endpoint.h"
 
 /// Internal to lib/client.
@@ -64,7 +65,8 @@ class Feed {
   /// Creates the reader unless there is one. Throws SetupError.
   void open(const dds::Participant& participant, dds::DataSignal& signal) {
     const std::lock_guard lock(mutex_);
-    if (!reader_) reader_ = std::make_unique<dds::Reader<T>>(participant, &signal);
+    if (reader_) return;
+    reader_ = set_up([&] { return std::make_unique<dds::Reader<T>>(participant, &signal); });
   }
 
   void add(std::shared_ptr<Subscription::Hold> hold) {

@@ -7,7 +7,8 @@
 #include <memory>
 #include <optional>
 
-#include "client/types.h"
+#include "export.h"
+#include "types.h"
 
 namespace cansync::client {
 
@@ -24,7 +25,7 @@ using OnProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 /// request); every function may be called from any thread, and after the Client is gone (the reply is
 /// `no_reply` then).
 template <class R>
-class Job {
+class CANSYNC_PUBLIC Job {
  public:
   /// Waits for the terminal reply. Always ends: with the daemon's reply, or `no_reply` when the daemon is
   /// gone.

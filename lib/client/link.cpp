@@ -16,7 +16,7 @@ std::array<std::uint8_t, 16> random_identity() {
   std::array<std::uint8_t, 16> identity;
   // So few bytes never come in part.
   if (getrandom(identity.data(), identity.size(), 0) != static_cast<ssize_t>(identity.size())) {
-    throw dds::SetupError("the system gave no random numbers for the client's identity");
+    throw SetupError("the system gave no random numbers for the client's identity");
   }
   return identity;
 }

@@ -29,7 +29,7 @@ namespace cansync::client::detail {
 /// any thread.
 class Link : public std::enable_shared_from_this<Link> {
  public:
-  /// Throws SetupError.
+  /// Throws SetupError and dds::SetupError.
   explicit Link(const Options& options);
   ~Link();
   Link(const Link&) = delete;

@@ -39,7 +39,7 @@ ReplyCode code_of(cansync_ReplyCode code) {
 template <class Sample>
 void fill_common(const Sample& sample, Reply& reply) {
   reply.code = code_of(sample.code);
-  reply.reason = dds::text(sample.reason);
+  reply.reason = text(sample.reason);
 }
 
 ParameterReply reply_of(const cansync_ParameterReply& sample) {

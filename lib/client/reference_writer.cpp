@@ -4,6 +4,7 @@
 
 #include "client/client.h"
 #include "client/link.h"
+#include "client/set_up.h"
 
 namespace cansync::client {
 
@@ -17,9 +18,9 @@ struct ReferenceWriter::Impl {
 };
 
 ReferenceWriter::ReferenceWriter(Client& client, std::int32_t strength)
-    : impl_(std::make_unique<Impl>(client.link_, strength)) {
+    : impl_(detail::set_up([&] { return std::make_unique<Impl>(client.link_, strength); })) {
   if (!impl_->writer.permitted())
-    throw dds::SetupError(impl_->link->not_permitted(dds::topic_info<cansync_ReferenceValues>().name));
+    throw SetupError(impl_->link->not_permitted(dds::topic_info<cansync_ReferenceValues>().name));
   constexpr std::chrono::seconds kWait(2);
   const auto end = std::chrono::steady_clock::now() + kWait;
   while (impl_->writer.matched() == 0) {

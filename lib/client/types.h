@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -8,9 +9,10 @@
 #include <vector>
 
 #include "cansync.h"
+#include "export.h"
 
 /// Requests and replies as clients see them. State topics are the IDL's own structs: they are plain values
-/// that can be copied (texts: `text()` in dds/convert.h).
+/// that can be copied (their texts: `text()`).
 namespace cansync::client {
 
 using ActualValues = cansync_ActualValues;
@@ -21,10 +23,31 @@ using Interval = cansync_Interval;
 using Event = cansync_Event;
 using Mode = cansync_Mode;
 
+/// A text of the IDL's structs, such as `SlaveStatus::name`; lives as long as the struct.
+template <std::size_t N>
+std::string_view text(const char (&in)[N]) noexcept {
+  std::size_t length = 0;
+  while (length < N && in[length] != '\0') ++length;
+  return {in, length};
+}
+
 /// No daemon serves the bus; `what()` names domain, partition, interface and a remedy.
-class NoDaemon : public std::runtime_error {
+class CANSYNC_PUBLIC NoDaemon : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+  NoDaemon(const NoDaemon&) = default;
+  NoDaemon& operator=(const NoDaemon&) = default;
+  ~NoDaemon() override;
+};
+
+/// DDS could not be set up, or this program's identity has no right to; `what()` names what failed, domain,
+/// partition, interface and a remedy.
+class CANSYNC_PUBLIC SetupError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  SetupError(const SetupError&) = default;
+  SetupError& operator=(const SetupError&) = default;
+  ~SetupError() override;
 };
 
 /// How a request ended. All but `no_reply` are those of the IDL (docs/dds-api.md).
@@ -44,24 +67,24 @@ enum class ReplyCode : std::uint8_t {
 };
 
 /// Stable word for a code, e.g. "slave_error".
-std::string_view name(ReplyCode code) noexcept;
+CANSYNC_PUBLIC std::string_view name(ReplyCode code) noexcept;
 
 /// Terminal reply of a request of any kind.
-struct Reply {
+struct CANSYNC_PUBLIC Reply {
   ReplyCode code = ReplyCode::no_reply;
   std::string reason;  ///< empty when done
   bool ok() const noexcept { return code == ReplyCode::done; }
 };
 using CommandReply = Reply;
 
-struct ParameterReply : Reply {
+struct CANSYNC_PUBLIC ParameterReply : Reply {
   std::uint16_t error_code = 0;  ///< the slave's code; 0: none
   bool doubleword = false;       ///< format of the value on the bus
   std::uint32_t value = 0;       ///< raw
   std::uint32_t intervals = 0;   ///< from the first telegram to the answer
 };
 
-struct TransferReply : Reply {
+struct CANSYNC_PUBLIC TransferReply : Reply {
   std::uint16_t error_code = 0;
   std::uint32_t error_offset = 0;  ///< byte offset in the data where it failed
   std::uint32_t done = 0;          ///< bytes transferred and confirmed
@@ -75,7 +98,7 @@ struct TransferReply : Reply {
 enum class ParameterFormat : std::uint8_t { word, doubleword, as_slave_says };
 
 /// Reads or writes one parameter. Ranges are checked by the daemon, which refuses with a reason.
-struct ParameterRequest {
+struct CANSYNC_PUBLIC ParameterRequest {
   bool write = false;
   std::uint32_t slave = 0;      ///< 0..31
   std::uint32_t number = 0;     ///< 0..4095
@@ -87,7 +110,7 @@ struct ParameterRequest {
 };
 
 /// Uploads `length` bytes (slave to computer) or downloads `data` (computer to slave).
-struct TransferRequest {
+struct CANSYNC_PUBLIC TransferRequest {
   bool download = false;
   std::uint32_t slave = 0;         ///< 0..31
   std::uint32_t address = 0;       ///< start address; 0x00..0xFF are reserved
@@ -99,7 +122,7 @@ struct TransferRequest {
 };
 
 /// A group of slaves gets an action command.
-struct Broadcast {
+struct CANSYNC_PUBLIC Broadcast {
   std::uint32_t priority = 2;    ///< 0 (before everything else), 1 or 2
   std::uint32_t slave_mask = 0;  ///< bit n: slave n
   std::uint32_t action = 0;      ///< 1 (control word in data_word) or 128..255
@@ -113,14 +136,14 @@ inline constexpr std::int32_t kNobody = -1;
 inline constexpr std::int32_t kUnchanged = -2;
 
 /// Which slave the reference value telegrams ask for actual values.
-struct Polling {
+struct CANSYNC_PUBLIC Polling {
   std::int32_t one = kUnchanged;            ///< WRC1: slave 0..31 or a code
   std::int32_t two = kUnchanged;            ///< WRC2
   std::int32_t maximum_slave = kUnchanged;  ///< 0..31: automatic numbers rise up to it
 };
 
 /// Slave cursors of the command channel, one per kind of job.
-struct Cursors {
+struct CANSYNC_PUBLIC Cursors {
   std::int32_t control_word = kUnchanged;
   std::int32_t parameter = kUnchanged;
   std::int32_t transfer = kUnchanged;

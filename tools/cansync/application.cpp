@@ -8,7 +8,6 @@
 
 #include "cansync/completion.h"
 #include "cansync/verbs.h"
-#include "dds/entity.h"
 #include "text/completion.h"
 
 namespace cansync::cli {
@@ -147,7 +146,7 @@ ExitCode run(int argc, const char* const* argv, std::FILE* data, std::FILE* rema
   } catch (const client::NoDaemon& error) {
     output.remark(error.what());
     return ExitCode::not_reachable;
-  } catch (const dds::SetupError& error) {
+  } catch (const client::SetupError& error) {
     output.remark(error.what());
     return ExitCode::not_reachable;
   } catch (const std::exception& error) {

@@ -8,7 +8,6 @@
 #include "cansync/doctor_findings.h"
 #include "cansync/doctor_link.h"
 #include "cansync/verbs.h"
-#include "dds/entity.h"
 
 namespace cansync::cli {
 namespace {
@@ -21,7 +20,7 @@ void ask_daemon(Session& session, DoctorInput& in) {
     in.participants = client.participants();
   } catch (const client::NoDaemon& error) {
     in.no_daemon = error.what();
-  } catch (const dds::SetupError& error) {
+  } catch (const client::SetupError& error) {
     in.no_daemon = error.what();
   }
 }

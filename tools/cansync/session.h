@@ -42,7 +42,7 @@ class Session {
   bool json() const noexcept { return globals_.json; }
   const std::string& bus() const noexcept { return globals_.bus; }
 
-  /// Connects when it is called first. Throws client::NoDaemon, dds::SetupError, Interrupted.
+  /// Connects when it is called first. Throws client::NoDaemon, client::SetupError, Interrupted.
   client::Client& client();
 
   /// Monitoring time of a job in ms; 0 = the daemon's default.
