@@ -59,6 +59,25 @@ std::string_view name(ReplyCode code) noexcept {
   return "no_reply";
 }
 
+std::string_view name(Speaker speaker) noexcept {
+  switch (speaker) {
+    case Speaker::client:
+      return "client";
+    case Speaker::daemon:
+      return "daemon";
+    case Speaker::slave:
+      return "slave";
+    case Speaker::nobody:
+      break;
+  }
+  return "nobody there";
+}
+
+std::string describe(const Reply& reply) {
+  if (reply.ok()) return "";
+  return std::string(name(reply.speaker)) + ": " + reply.reason;
+}
+
 Subscription::~Subscription() {
   if (!hold_) return;
   const std::lock_guard lock(hold_->running);

@@ -47,6 +47,7 @@ struct JobState {
     R terminal;
     terminal.code = code;
     terminal.reason = reason;
+    terminal.speaker = code == ReplyCode::no_reply ? Speaker::nobody : Speaker::client;
     finish(std::move(terminal));
   }
 };

@@ -36,10 +36,27 @@ ReplyCode code_of(cansync_ReplyCode code) {
   return ReplyCode::master_stopped;
 }
 
+/// Whose words a reply of the daemon carries.
+Speaker speaker_of(ReplyCode code) {
+  switch (code) {
+    case ReplyCode::slave_error:
+    case ReplyCode::timeout:
+    case ReplyCode::no_answer:
+    case ReplyCode::word_expected:
+    case ReplyCode::doubleword_expected:
+    case ReplyCode::value_too_wide:
+    case ReplyCode::slave_lost:
+      return Speaker::slave;
+    default:
+      return Speaker::daemon;
+  }
+}
+
 template <class Sample>
 void fill_common(const Sample& sample, Reply& reply) {
   reply.code = code_of(sample.code);
   reply.reason = text(sample.reason);
+  reply.speaker = speaker_of(reply.code);
 }
 
 ParameterReply reply_of(const cansync_ParameterReply& sample) {

@@ -69,13 +69,28 @@ enum class ReplyCode : std::uint8_t {
 /// Stable word for a code, e.g. "slave_error".
 CANSYNC_PUBLIC std::string_view name(ReplyCode code) noexcept;
 
+/// Who said how a request ended.
+enum class Speaker : std::uint8_t {
+  nobody,  ///< there was no daemon, or it has gone
+  client,  ///< this library: the request did not leave the program
+  daemon,
+  slave,  ///< its answer, or that there was none
+};
+
+/// Stable word for a speaker, e.g. "daemon".
+CANSYNC_PUBLIC std::string_view name(Speaker speaker) noexcept;
+
 /// Terminal reply of a request of any kind.
 struct CANSYNC_PUBLIC Reply {
   ReplyCode code = ReplyCode::no_reply;
-  std::string reason;  ///< empty when done
+  std::string reason;                 ///< empty when done
+  Speaker speaker = Speaker::nobody;  ///< whose reason it is
   bool ok() const noexcept { return code == ReplyCode::done; }
 };
 using CommandReply = Reply;
+
+/// Who refused and why, for example "daemon: slave 9: not configured; allowed 0..3"; empty when done.
+CANSYNC_PUBLIC std::string describe(const Reply& reply);
 
 struct CANSYNC_PUBLIC ParameterReply : Reply {
   std::uint16_t error_code = 0;  ///< the slave's code; 0: none

@@ -111,6 +111,9 @@ class WholeRig {
     EXPECT_TRUE(watcher_.wait_for_gateway());
   }
 
+  /// Where programs look for the gateway.
+  const cansync::dds::ParticipantOptions& client_place() const { return places_.there; }
+
   /// While time is held.
   support::VirtualLine& line() { return line_; }
   TestClient& watcher() { return watcher_.client; }

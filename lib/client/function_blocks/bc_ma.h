@@ -1,0 +1,51 @@
+#pragma once
+
+#include "command_slot.h"
+#include "types.h"
+
+namespace cansync::client::function_blocks {
+
+/// What the three blocks for broadcasts have in common. Every call with x_EN = TRUE enters the command for
+/// sending, so set x_EN for one cycle only. While one is on its way, the newest entered one waits for it.
+class CANSYNC_PUBLIC BroadcastBlock {
+ public:
+  USINT us_BC_CMD_NR = 0;  ///< 1 (control word in i_BC_WORD) or 128..255; 2..127 are reserved and refused
+  SINT si_BC_BYTE = 0;
+  INT i_BC_WORD = 0;
+  DWORD d_SL_MASK = 0;  ///< bit n: slave n; 16#FFFFFFFF: every configured slave
+  BOOL x_EN = false;
+
+  BOOL x_OK = false;  ///< the broadcast entered last was sent
+
+  /// Who refused the one entered last and why, in words; empty without an error. Not in the manual.
+  const std::string& error() const noexcept { return slot_.error(); }
+
+  void call();
+
+ protected:
+  BroadcastBlock(Client& client, std::uint32_t range) : client_(&client), slot_(client), range_(range) {}
+  ~BroadcastBlock() = default;
+
+ private:
+  Client* client_;
+  CommandSlot slot_;
+  std::uint32_t range_;
+};
+
+/// CANsync_BC_MA0 (M 4.2): broadcast in transmission range 0, before everything else.
+class CANSYNC_PUBLIC BC_MA0 : public BroadcastBlock {
+ public:
+  explicit BC_MA0(Client& client) : BroadcastBlock(client, 0) {}
+};
+/// CANsync_BC_MA1 (M 4.3): broadcast in transmission range 1.
+class CANSYNC_PUBLIC BC_MA1 : public BroadcastBlock {
+ public:
+  explicit BC_MA1(Client& client) : BroadcastBlock(client, 1) {}
+};
+/// CANsync_BC_MA2 (M 4.4): broadcast in transmission range 2.
+class CANSYNC_PUBLIC BC_MA2 : public BroadcastBlock {
+ public:
+  explicit BC_MA2(Client& client) : BroadcastBlock(client, 2) {}
+};
+
+}  // namespace cansync::client::function_blocks

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+
+#include "command_slot.h"
+#include "types.h"
+
+namespace cansync::client::function_blocks {
+
+/// CANsync_COMM_CONTROL_MA (M 4.6): which slave the command channel serves, for each kind of job.
+///
+/// A setting is sent when it differs from the one sent last, not in every call. A slave that no cursor names
+/// gets no answer to its jobs; they end when their monitoring time is over.
+class CANSYNC_PUBLIC COMM_CONTROL_MA {
+ public:
+  SINT si_SL_NR_CTRL = kAutomaticNumber;  ///< control words: -128 automatic, 0..31
+  BOOL x_EN_CTRL = false;                 ///< si_SL_NR_CTRL counts
+  SINT si_SL_NR_PAR = kAutomaticNumber;   ///< parameters
+  BOOL x_EN_PAR = false;
+  SINT si_SL_NR_UDL = kAutomaticNumber;  ///< uploads and downloads
+  BOOL x_EN_UDL = false;
+  SINT si_MAX_SL_NR = -1;  ///< automatic numbers rise up to it, 0..31; -1 unchanged
+
+  /// The setting is in effect in the daemon. Not in the manual.
+  bool in_effect() const noexcept { return cursors_slot_.sent() && (!maximum_ || maximum_slot_.sent()); }
+  /// Who refused and why, in words; empty without an error. Not in the manual.
+  const std::string& error() const noexcept {
+    return cursors_slot_.refused() ? cursors_slot_.error() : maximum_slot_.error();
+  }
+
+  explicit COMM_CONTROL_MA(Client& client) : cursors_slot_(client), maximum_slot_(client) {}
+  void call();
+
+ private:
+  std::optional<std::array<std::int32_t, 3>> cursors_;  ///< entered last
+  std::optional<SINT> maximum_;
+  CommandSlot cursors_slot_;
+  CommandSlot maximum_slot_;
+};
+
+}  // namespace cansync::client::function_blocks

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "../client.h"
+
+namespace cansync::client::function_blocks {
+
+/// The transmission range of a block that gives commands: one command on its way, and the newest one entered
+/// meanwhile, which replaces an older one that waits, as in the option module's memory.
+class CANSYNC_PUBLIC CommandSlot {
+ public:
+  using Submit = std::function<CommandJob(Client&)>;
+
+  explicit CommandSlot(Client& client) : client_(&client) {}
+
+  /// Enters a command; it leaves with this or a later `poll`.
+  void enter(Submit submit);
+  /// Takes the reply when it is there, and hands on what was entered. Never waits for an answer.
+  void poll();
+  /// What was not even entered, because an input is wrong.
+  void refuse(std::string reason);
+
+  bool sent() const noexcept { return sent_; }             ///< the command entered last is done
+  bool open() const noexcept { return job_ || waiting_; }  ///< something is on its way or waits
+  bool refused() const noexcept { return !error_.empty(); }
+  const std::string& error() const noexcept { return error_; }
+
+ private:
+  Client* client_;
+  std::optional<CommandJob> job_;
+  Submit waiting_;
+  bool sent_ = false;
+  std::string error_;
+};
+
+}  // namespace cansync::client::function_blocks

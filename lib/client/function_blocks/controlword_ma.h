@@ -1,0 +1,29 @@
+#pragma once
+
+#include "command_slot.h"
+#include "types.h"
+
+namespace cansync::client::function_blocks {
+
+/// CANsync_CONTROLWORD_MA (M 4.7): sends a control word to one slave. Every call with x_EN = TRUE enters it
+/// for sending, so set x_EN for one cycle only. While one is on its way, the newest entered one waits for it.
+class CANSYNC_PUBLIC CONTROLWORD_MA {
+ public:
+  SINT si_SL_NR_CTRL = 0;  ///< 0..31
+  WORD w_CONTROLWORD = 0;
+  BOOL x_EN = false;
+
+  BOOL x_OK = false;  ///< the control word entered last was sent
+
+  /// Who refused the one entered last and why, in words; empty without an error. Not in the manual.
+  const std::string& error() const noexcept { return slot_.error(); }
+
+  explicit CONTROLWORD_MA(Client& client) : client_(&client), slot_(client) {}
+  void call();
+
+ private:
+  Client* client_;
+  CommandSlot slot_;
+};
+
+}  // namespace cansync::client::function_blocks

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <future>
+#include <optional>
+#include <string>
+
+#include "../client.h"
+#include "types.h"
+
+namespace cansync::client::function_blocks {
+
+/// Bits of `w_ERR` of INIT (M 4.9).
+namespace init_error {
+inline constexpr WORD handshake_timeout = 0x0001;  ///< no daemon serves the bus
+inline constexpr WORD bit_timing = 0x0002;         ///< us_BAUDRATE or us_SYNC_INTERVAL is not the daemon's
+inline constexpr WORD not_completed = 0x0800;      ///< everything else, `error()` says what
+}  // namespace init_error
+
+/// CANsync_INIT with CANsync_SL_TYP_INIT (M 4.9): connects to the daemon.
+///
+/// What the option module is told here is the daemon's configuration file; the inputs are compared with it,
+/// and nothing is changed on the line. x_SYNC_IN, the bit timing registers and the acceptance filter have no
+/// counterpart. Connecting runs on a thread of its own; call until x_OK or x_ERR.
+class CANSYNC_PUBLIC INIT {
+ public:
+  BOOL x_SL = false;              ///< TRUE (slave) is an error: the daemon is a master
+  USINT us_BAUDRATE = 0;          ///< 3 125 kbit/s, 4 250, 5 500, 6 1 Mbit/s; 0: whatever the daemon has
+  USINT us_SYNC_INTERVAL = 0;     ///< 8, 4, 2, 1 ms; 0: whatever the daemon has
+  BYTE_32_BMARRAY a_SL_TYP = {};  ///< not 0: that slave must be configured; all 0: whatever the daemon has
+
+  WORD w_ERR = 0;  ///< bits of `init_error`
+  BOOL x_ERR = false;
+  BOOL x_OK = false;
+
+  /// What went wrong, in words. Not in the manual.
+  const std::string& error() const noexcept { return error_; }
+
+  /// The connection, when x_OK; for the other blocks. Lives as long as this block.
+  Client& client() { return *client_; }
+
+  explicit INIT(Options options) : options_(std::move(options)) {}
+  /// Waits until a connecting thread has ended, at most `options.wait`.
+  ~INIT();
+  INIT(const INIT&) = delete;
+  INIT& operator=(const INIT&) = delete;
+
+  void call();
+
+ private:
+  void fail(WORD bits, std::string reason);
+  void compare();
+
+  Options options_;
+  std::future<Client> connecting_;
+  std::optional<Client> client_;
+  std::string error_;
+};
+
+}  // namespace cansync::client::function_blocks

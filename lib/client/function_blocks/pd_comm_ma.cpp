@@ -1,0 +1,49 @@
+#include "client/function_blocks/pd_comm_ma.h"
+
+#include <algorithm>
+
+namespace cansync::client::function_blocks {
+namespace {
+
+constexpr SINT kValid = 5;  // M 4.19
+
+}  // namespace
+
+void PD_COMM_MA::call() {
+  error_.clear();
+  give(si_WRC1_SEND, 1);
+  give(si_WRC2_SEND, 2);
+  ask();
+  if (slot_.refused()) error_ = slot_.error();
+
+  const ActualValueInbox::News news = inbox_.take();
+  si_RD_SL_NR1_RECEIVED = news.newest[0];
+  si_RD_SL_NR2_RECEIVED = news.newest[1];
+  if (!x_COPY_TO_RD_ARRAY) return;
+  for (std::size_t slave = 0; slave < news.arrived.size(); ++slave) {
+    for (std::size_t i = 0; i < news.values[slave].size(); ++i) {
+      if (((news.arrived[slave] >> (i / 4)) & 1u) != 0) a_RD_ARRAY[slave][i] = news.values[slave][i];
+    }
+  }
+}
+
+void PD_COMM_MA::give(SINT command, std::uint8_t telegram) {
+  if (command != kValid) return;
+  std::array<DINT, 4> values = {};
+  std::copy_n(a_WR_VALUES_SEND.begin() + 4 * (telegram - 1), values.size(), values.begin());
+  if (std::string failed = writer_.write(telegram, values, 0b1111); !failed.empty())
+    error_ = "client: " + failed;
+}
+
+void PD_COMM_MA::ask() {
+  const std::array<SINT, 3> asked = {si_RD_SL_NR1_RECEIVE, si_RD_SL_NR2_RECEIVE, si_MAX_SL_NR};
+  if (asked != asked_) {
+    asked_ = asked;
+    Polling polling{.one = asked[0], .two = asked[1]};
+    if (asked[2] != -1) polling.maximum_slave = asked[2];
+    slot_.enter([polling](Client& client) { return client.polling(polling); });
+  }
+  slot_.poll();
+}
+
+}  // namespace cansync::client::function_blocks

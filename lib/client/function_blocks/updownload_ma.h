@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "../client.h"
+#include "enable.h"
+#include "types.h"
+
+namespace cansync::client::function_blocks {
+
+/// Bits of `b_ERR` of UPDOWNLOAD_MA (M 4.24).
+namespace transfer_error {
+inline constexpr BYTE slave = 0x01;  ///< w_ERR_SL has the slave's error, else `error()` says what
+inline constexpr BYTE length_zero = 0x02;
+inline constexpr BYTE timeout = 0x04;
+}  // namespace transfer_error
+
+/// CANsync_UPDOWNLOAD_MA (M 4.24): uploads or downloads up to 2048 doublewords in blocks of 75.
+///
+/// Here the caller gives the start address, because the one that UPDOWNLOAD_SL expects is not in the manual.
+/// The block repeats the job (not only the block that failed) when the slave did not answer in time, until
+/// us_MAX_NR_OF_COMM attempts or us_MAX_NR_OF_COMM * t_TIME are over. What is not the slave's error, such as
+/// a refusal of the daemon, is b_ERR bit 0 with w_ERR_SL = 0.
+class CANSYNC_PUBLIC UPDOWNLOAD_MA {
+ public:
+  CANsync_UPDOWN_BMARRAY a_DOWNLOAD = {};
+  CANsync_UPDOWN_BMARRAY a_UPLOAD = {};
+  SINT si_SL_NR = 0;            ///< 0..31
+  BOOL x_UPDOWN = false;        ///< FALSE: upload, TRUE: download
+  UINT u_LENGTH = 0;            ///< doublewords, 1..2048; more counts as 2048
+  USINT us_MAX_NR_OF_COMM = 1;  ///< attempts; 0 counts as 1
+  TIME t_TIME{30000};           ///< monitoring time of one attempt, 1 ms .. 24 days
+  BOOL x_EN = false;
+  BOOL x_RESET = false;
+  UDINT ud_ADDRESS = 0x100;  ///< start address, 0x100 and more. Not in the manual
+
+  BOOL x_BUSY = false;
+  WORD w_ERR_SL = 0;  ///< the slave's error number
+  BOOL x_ERR_SL = false;
+  BYTE b_ERR = 0;  ///< bits of `transfer_error`
+  BOOL x_ERR = false;
+  BOOL x_OK = false;
+
+  /// Who refused and why, in words; empty without an error. Not in the manual.
+  const std::string& error() const noexcept { return error_; }
+
+  explicit UPDOWNLOAD_MA(Client& client) : client_(&client) {}
+  UPDOWNLOAD_MA(const UPDOWNLOAD_MA&) = delete;
+  UPDOWNLOAD_MA& operator=(const UPDOWNLOAD_MA&) = delete;
+
+  void call(Clock::time_point now = Clock::now());
+
+ private:
+  void start(Clock::time_point now);
+  void attempt();
+  void proceed(Clock::time_point now);
+  void take(const TransferReply& reply, Clock::time_point now);
+  void fail(BYTE bits, WORD number, std::string reason);
+  void give_up();
+  void clear();
+
+  Client* client_;
+  Enable enable_;
+  TransferRequest request_;
+  std::optional<TransferJob> job_;
+  unsigned attempts_left_ = 0;
+  Clock::time_point deadline_;
+  std::string error_;
+};
+
+}  // namespace cansync::client::function_blocks
