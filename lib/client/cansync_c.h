@@ -75,6 +75,141 @@ CANSYNC_C_API const char* cansync_last_error(const cansync_client* client) CANSY
  * CANSYNC_NO_DAEMON, CANSYNC_SETUP_FAILED, CANSYNC_INVALID. */
 CANSYNC_C_API int cansync_connect(cansync_client* client, const cansync_options* options) CANSYNC_C_NOEXCEPT;
 
+/* The line as the daemon told it last. */
+typedef struct cansync_line_status {
+  uint16_t option_status;     /* w_OPTION_STATUS: 0x0080 active operation */
+  uint16_t interface_status;  /* w_CANsync_STATUS */
+  char state[64];             /* option_status in words */
+  uint32_t bit_rate;          /* bit/s */
+  uint64_t interval_ns;       /* length of an interval */
+  uint64_t interval;          /* number of the running one */
+  uint32_t slaves_configured; /* bit n: slave n */
+  uint32_t slaves_responding;
+  uint32_t slaves_synchronized;
+} cansync_line_status;
+
+CANSYNC_C_API int cansync_get_status(cansync_client* client, cansync_line_status* out) CANSYNC_C_NOEXCEPT;
+
+/* Waits until the line is in active operation and every configured slave is synchronized. CANSYNC_TIMEOUT. */
+CANSYNC_C_API int cansync_wait_active(cansync_client* client, uint32_t timeout_ms) CANSYNC_C_NOEXCEPT;
+
+/* The slave with this number (decimal, or hexadecimal with 0x) or name. CANSYNC_INVALID. */
+CANSYNC_C_API int cansync_find_slave(cansync_client* client, const char* number_or_name,
+                                     uint32_t* slave) CANSYNC_C_NOEXCEPT;
+
+/* A parameter as it was read. */
+typedef struct cansync_parameter {
+  uint32_t value;      /* raw */
+  int doubleword;      /* 1: 32 bits, 0: 16 bits */
+  uint16_t error_code; /* the slave's; 0: none */
+  uint32_t intervals;  /* from the first telegram to the answer */
+} cansync_parameter;
+
+/* Reads a parameter; waits for the answer. `slave` 0..31, `number` 0..4095, `timeout_ms` 0: the daemon's
+ * default. `out` is also filled when the slave answered with an error. */
+CANSYNC_C_API int cansync_read(cansync_client* client, uint32_t slave, uint32_t number, uint32_t timeout_ms,
+                               cansync_parameter* out) CANSYNC_C_NOEXCEPT;
+
+/* Writes a raw value in the format that the slave wants; waits for the answer. */
+CANSYNC_C_API int cansync_write(cansync_client* client, uint32_t slave, uint32_t number, uint32_t value,
+                                uint32_t timeout_ms) CANSYNC_C_NOEXCEPT;
+
+/* Bytes done and in total, on the thread that waits for the transfer. Not 0: the transfer is cancelled. */
+typedef int (*cansync_progress)(void* user, uint32_t done, uint32_t total);
+
+/* Reads `size` bytes (1..16777216) from the slave's start address (0x100 and more) into `data`; waits for the
+ * end. `done` (NULL: not wanted) is how many came. `progress` may be NULL. */
+CANSYNC_C_API int cansync_upload(cansync_client* client, uint32_t slave, uint32_t address, void* data,
+                                 uint32_t size, uint32_t* done, cansync_progress progress,
+                                 void* user) CANSYNC_C_NOEXCEPT;
+
+/* Writes `size` bytes to the slave's start address; waits for the end. */
+CANSYNC_C_API int cansync_download(cansync_client* client, uint32_t slave, uint32_t address, const void* data,
+                                   uint32_t size, cansync_progress progress, void* user) CANSYNC_C_NOEXCEPT;
+
+/* Cancels the transfer that another thread waits for with this handle, or does nothing. From any thread, also
+ * from a signal handler. */
+CANSYNC_C_API void cansync_cancel_transfer(cansync_client* client) CANSYNC_C_NOEXCEPT;
+
+/* Actual values of one slave. */
+typedef struct cansync_actual_values {
+  uint32_t slave;
+  uint32_t raw[8];
+  double scaled[8];        /* in the units of the configuration */
+  uint32_t arrived;        /* bit 0, 1: telegram 1, 2 came with this sample */
+  uint64_t interval[2];    /* in which each telegram came last */
+  int64_t receive_time_ns; /* CLOCK_REALTIME */
+} cansync_actual_values;
+
+/* The newest actual values of a slave; waits at most `timeout_ms` for the first. CANSYNC_NO_DATA. */
+CANSYNC_C_API int cansync_get_actual_values(cansync_client* client, uint32_t slave, uint32_t timeout_ms,
+                                            cansync_actual_values* out) CANSYNC_C_NOEXCEPT;
+
+/* Called on a thread of the library: be short, and call no function with the same handle. */
+typedef void (*cansync_on_actual_values)(void* user, const cansync_actual_values* values);
+
+/* Calls `callback` for every arrived actual value telegram from now on, in the place of an earlier one; NULL
+ * ends it. When this returns, the earlier one is not running any more. */
+CANSYNC_C_API int cansync_subscribe_actual_values(cansync_client* client, cansync_on_actual_values callback,
+                                                  void* user) CANSYNC_C_NOEXCEPT;
+
+/* What happened. The texts live during the callback. */
+typedef struct cansync_event {
+  uint64_t number;   /* rises by one */
+  int64_t time_ns;   /* CLOCK_REALTIME */
+  uint64_t interval; /* in which it happened */
+  int32_t severity;  /* 0 information, 1 warning, 2 error */
+  int32_t slave;     /* 0..31; -1: none */
+  const char* code;  /* stable word, for example slave_lost */
+  const char* text;
+} cansync_event;
+
+typedef void (*cansync_on_event)(void* user, const cansync_event* event);
+
+/* Like cansync_subscribe_actual_values, for events: the last 100 first, then each as it happens. */
+CANSYNC_C_API int cansync_subscribe_events(cansync_client* client, cansync_on_event callback,
+                                           void* user) CANSYNC_C_NOEXCEPT;
+
+/* Takes the right to give reference values: of the living writers of a telegram the one with the highest
+ * strength (0 and more) wins. Waits at most 2 s for the daemon. Again: with the new strength. */
+CANSYNC_C_API int cansync_take_references(cansync_client* client, int32_t strength) CANSYNC_C_NOEXCEPT;
+
+/* Gives values of telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`: value[n] is new. They are
+ * released in `release_intervals` intervals in a row (1: exactly once), from interval `from_interval` on (0:
+ * the next). Bad values are reported by the daemon as an event. CANSYNC_INVALID before
+ * cansync_take_references(). */
+CANSYNC_C_API int cansync_give_references(cansync_client* client, uint8_t telegram, const int32_t value[4],
+                                          uint8_t valid, uint32_t release_intervals,
+                                          uint64_t from_interval) CANSYNC_C_NOEXCEPT;
+
+/* Gives both telegrams up: a weaker writer takes over, or their release stops. */
+CANSYNC_C_API int cansync_leave_references(cansync_client* client) CANSYNC_C_NOEXCEPT;
+
+/* The next four wait until the telegram was sent, or the mode is in effect. */
+
+CANSYNC_C_API int cansync_control_word(cansync_client* client, uint32_t slave,
+                                       uint32_t word) CANSYNC_C_NOEXCEPT;
+
+/* `priority` 0 (before everything else), 1 or 2; bit n of `slave_mask`: slave n; `action` 1 (control word in
+ * `data_word`) or 128..255. */
+CANSYNC_C_API int cansync_broadcast(cansync_client* client, uint32_t priority, uint32_t slave_mask,
+                                    uint32_t action, uint32_t data_byte,
+                                    uint32_t data_word) CANSYNC_C_NOEXCEPT;
+
+enum cansync_mode_command {
+  CANSYNC_MODE_SETUP = 0,
+  CANSYNC_MODE_RUN = 1,
+  CANSYNC_MODE_STOP = 2,
+  CANSYNC_MODE_RESET_CAN = 3,
+  CANSYNC_MODE_RESTART = 4
+};
+
+/* `force`: CANSYNC_MODE_RUN also when slaves are missing. */
+CANSYNC_C_API int cansync_set_mode(cansync_client* client, int mode, int force) CANSYNC_C_NOEXCEPT;
+
+/* Lets a slave that was away and is held out be used again; `force`: without its check. */
+CANSYNC_C_API int cansync_release_slave(cansync_client* client, uint32_t slave, int force) CANSYNC_C_NOEXCEPT;
+
 #ifdef __cplusplus
 }
 #endif

@@ -126,6 +126,16 @@ MasterStatus Client::master_status() const {
   return link_->open<MasterStatus>().known().front();
 }
 
+std::optional<MasterStatus> Client::wait_status(const std::function<bool(const MasterStatus&)>& fits,
+                                                std::chrono::milliseconds time) const {
+  std::optional<MasterStatus> found;
+  (void)link_->open<MasterStatus>().wait(time, [&](const std::vector<MasterStatus>& known) {
+    if (!known.empty() && fits(known.front())) found = known.front();
+    return found.has_value();
+  });
+  return found;
+}
+
 std::vector<SlaveStatus> Client::slaves(std::chrono::milliseconds time) const {
   const MasterStatus master = master_status();
   auto& feed = link_->open<SlaveStatus>();

@@ -69,6 +69,11 @@ class CANSYNC_PUBLIC Client {
   // --- state: latest known
 
   MasterStatus master_status() const;
+  /// Waits at most `time` until the master's status fits, looking at each one that comes (at least one a
+  /// second): for example until `status.slaves_synchronized == status.slaves_configured`. That status;
+  /// nothing when none has fitted.
+  std::optional<MasterStatus> wait_status(const std::function<bool(const MasterStatus&)>& fits,
+                                          std::chrono::milliseconds time) const;
   /// Configured slaves in rising order. Waits at most `time` until the status of every configured slave is
   /// there.
   std::vector<SlaveStatus> slaves(std::chrono::milliseconds time = std::chrono::milliseconds(2000)) const;

@@ -1,5 +1,7 @@
 #include "client/job.h"
 
+#include <utility>
+
 #include "client/job_state.h"
 #include "client/link.h"
 
@@ -57,6 +59,26 @@ R Job<R>::wait(const std::atomic<bool>& stop, const OnProgress& on_progress) con
     state_->changed.wait_for(lock, kLook,
                              [&] { return state_->reply.has_value() || state_->progress != told; });
   }
+}
+
+template <class R>
+void Job<R>::then(std::function<void(const R&)> callback) const {
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (!state_->reply) {
+      state_->callbacks.push_back(std::move(callback));
+      return;
+    }
+  }
+  callback(*state_->reply);  // never changes any more
+}
+
+template <class R>
+std::future<R> Job<R>::future() const {
+  auto promise = std::make_shared<std::promise<R>>();
+  std::future<R> future = promise->get_future();
+  then([promise = std::move(promise)](const R& reply) { promise->set_value(reply); });
+  return future;
 }
 
 template <class R>

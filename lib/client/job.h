@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -38,6 +39,14 @@ class CANSYNC_PUBLIC Job {
   /// true, for example from a signal handler, the job is cancelled on the bus and its terminal reply is
   /// awaited, at most 5 s (then `no_reply`). `stop` is looked at every 20 ms.
   R wait(const std::atomic<bool>& stop, const OnProgress& on_progress = {}) const;
+
+  /// Calls `callback` once with the terminal reply: on the client's receiver thread (as short as callbacks of
+  /// subscriptions, and it must not wait for a job of this client), or at once on this thread when the
+  /// request has ended already. Must not throw.
+  void then(std::function<void(const R&)> callback) const;
+
+  /// The terminal reply as a future; never an exception.
+  std::future<R> future() const;
 
   /// Asks the daemon to cancel; the reply says `cancelled` unless the job had ended before. Never blocks
   /// longer than 1 s; false when the daemon could not be told.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -26,7 +27,8 @@ template <class R>
 struct JobState {
   std::mutex mutex;
   std::condition_variable changed;
-  std::optional<R> reply;
+  std::optional<R> reply;  // once there, it never changes
+  std::vector<std::function<void(const R&)>> callbacks;
   std::uint32_t done = 0;
   std::uint32_t total = 0;
   std::uint64_t progress = 0;  // rises with each progress sample
@@ -36,12 +38,15 @@ struct JobState {
 
   /// Ends the job; a second reply is ignored.
   void finish(R&& terminal) {
+    std::vector<std::function<void(const R&)>> waiting;
     {
       const std::lock_guard lock(mutex);
       if (reply) return;
       reply = std::move(terminal);
+      waiting.swap(callbacks);
     }
     changed.notify_all();
+    for (const auto& callback : waiting) callback(*reply);
   }
   void end(ReplyCode code, const std::string& reason) {
     R terminal;

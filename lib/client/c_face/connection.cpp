@@ -6,6 +6,11 @@ namespace {
 
 namespace client = cansync::client;
 
+// The numbers of the two lists are the same.
+static_assert(static_cast<int>(client::ReplyCode::done) == CANSYNC_DONE);
+static_assert(static_cast<int>(client::ReplyCode::value_too_wide) == CANSYNC_VALUE_TOO_WIDE);
+static_assert(static_cast<int>(client::ReplyCode::no_reply) == CANSYNC_NO_REPLY);
+
 std::string text_or(const char* text, const std::string& otherwise) {
   return text == nullptr ? otherwise : text;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <exception>
 #include <optional>
 #include <string>
@@ -11,7 +12,12 @@
 /// What stands behind the handle of the C face. Internal to lib/client.
 struct cansync_client {
   std::optional<cansync::client::Client> client;
-  std::string error;  ///< of the last call
+  std::string error;               ///< of the last call
+  std::atomic<bool> stop = false;  ///< the transfer that is waited for is to be cancelled
+  // After the client: they end before it.
+  std::optional<cansync::client::ReferenceWriter> writer;
+  cansync::client::Subscription actual_values;
+  cansync::client::Subscription events;
 };
 
 namespace cansync::client::c_face {

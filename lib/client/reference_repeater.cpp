@@ -1,0 +1,95 @@
+#include "client/reference_repeater.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+namespace cansync::client {
+namespace {
+
+constexpr std::chrono::microseconds kShortest(100);
+
+}  // namespace
+
+struct ReferenceRepeater::Impl {
+  struct Telegram {
+    std::array<std::int32_t, 4> value = {};
+    std::uint8_t valid = 0;
+  };
+
+  Impl(Client& client, std::chrono::microseconds every, std::int32_t strength, std::uint32_t intervals)
+      : writer(client, strength), period(std::max(every, kShortest)), release_intervals(intervals) {}
+
+  void run() {
+    auto next = std::chrono::steady_clock::now();
+    std::unique_lock lock(mutex);
+    while (!stopped) {
+      const std::array<Telegram, 2> now = telegrams;
+      lock.unlock();
+      std::string failed = write(now);
+      lock.lock();
+      error = std::move(failed);
+      // What was missed is not made up for.
+      next = std::max(next + period, std::chrono::steady_clock::now());
+      changed.wait_until(lock, next, [&] { return stopped; });
+    }
+  }
+
+  std::string write(const std::array<Telegram, 2>& now) {
+    std::string failed;
+    for (std::size_t i = 0; i < now.size() && failed.empty(); ++i) {
+      if (now[i].valid == 0) continue;
+      failed = writer.write(static_cast<std::uint8_t>(i + 1), now[i].value, now[i].valid, release_intervals);
+    }
+    return failed;
+  }
+
+  ReferenceWriter writer;
+  const std::chrono::microseconds period;
+  const std::uint32_t release_intervals;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::array<Telegram, 2> telegrams;
+  bool stopped = false;
+  std::string error;
+  std::thread thread;
+};
+
+ReferenceRepeater::ReferenceRepeater(Client& client, std::chrono::microseconds period, std::int32_t strength,
+                                     std::uint32_t release_intervals)
+    : impl_(std::make_unique<Impl>(client, period, strength, release_intervals)) {
+  impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+}
+
+ReferenceRepeater::~ReferenceRepeater() {
+  stop();
+}
+
+void ReferenceRepeater::set(std::uint8_t telegram, const std::array<std::int32_t, 4>& value,
+                            std::uint8_t valid) {
+  if (telegram < 1 || telegram > 2) return;
+  const std::lock_guard lock(impl_->mutex);
+  impl_->telegrams[telegram - 1u] = {value, valid};
+}
+
+void ReferenceRepeater::stop() {
+  std::thread thread;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->stopped = true;
+    thread.swap(impl_->thread);
+  }
+  impl_->changed.notify_all();
+  if (!thread.joinable()) return;
+  thread.join();
+  impl_->writer.release(1);
+  impl_->writer.release(2);
+}
+
+std::string ReferenceRepeater::error() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->error;
+}
+
+}  // namespace cansync::client

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "client.h"
+
+namespace cansync::client {
+
+/// Gives the newest reference values again and again at a rate, from a thread of its own: for speeds and
+/// torques whose program works slower than the line. Not for positions that must change in every interval:
+/// those are written one for each interval (ReferenceWriter, `from_interval`).
+///
+/// A value goes on being repeated while its program hangs; stop, destruction and the end of the process end
+/// it. `set`, `stop` and `error` may be called from any thread.
+class CANSYNC_PUBLIC ReferenceRepeater {
+ public:
+  /// `period`: 100 us and more, shorter counts as 100 us. `strength` as in ReferenceWriter;
+  /// `release_intervals`: for how many intervals in a row each writing releases the values, so that being
+  /// late now and then leaves no gap. Waits at most 2 s for the daemon; throws NoDaemon, SetupError,
+  /// std::system_error.
+  ReferenceRepeater(Client& client, std::chrono::microseconds period, std::int32_t strength = 0,
+                    std::uint32_t release_intervals = 1);
+  /// Stops.
+  ~ReferenceRepeater();
+  ReferenceRepeater(const ReferenceRepeater&) = delete;
+  ReferenceRepeater& operator=(const ReferenceRepeater&) = delete;
+
+  /// The values that are repeated from now on: telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`:
+  /// value[n] counts, 0: the telegram is no longer written. Another telegram than 1 and 2 changes nothing.
+  void set(std::uint8_t telegram, const std::array<std::int32_t, 4>& value, std::uint8_t valid);
+
+  /// Ends the thread and gives both telegrams up: a weaker writer takes over, or their release stops. Nothing
+  /// is written afterwards. Further calls do nothing.
+  void stop();
+
+  /// Why the last write failed; empty when it did not.
+  std::string error() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cansync::client

@@ -1,0 +1,163 @@
+/* The C face against the fake daemon of c_face_test.cpp: DOMAIN BUS. Exit code 0: every check held. */
+#include <cansync/cansync_c.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <threads.h>
+
+static int failures = 0;
+
+#define CHECK(condition)                                                              \
+  do {                                                                                \
+    if (!(condition)) {                                                               \
+      printf("line %d: %s does not hold (%s)\n", __LINE__, #condition, last_error()); \
+      failures++;                                                                     \
+    }                                                                                 \
+  } while (0)
+
+static cansync_client* client = NULL;
+static const char* last_error(void) {
+  return cansync_last_error(client);
+}
+
+/* What callbacks tell, under one lock. */
+static mtx_t lock;
+static cnd_t changed;
+static uint64_t last_event = 0;
+static uint32_t last_value = 0;
+
+static void on_event(void* user, const cansync_event* event) {
+  mtx_lock(&lock);
+  *(uint64_t*)user = event->number;
+  cnd_signal(&changed);
+  mtx_unlock(&lock);
+}
+
+static void on_values(void* user, const cansync_actual_values* values) {
+  mtx_lock(&lock);
+  if (values->slave == 2) *(uint32_t*)user = values->raw[0];
+  cnd_signal(&changed);
+  mtx_unlock(&lock);
+}
+
+static void wait_until(const uint64_t* event, const uint32_t* value) {
+  mtx_lock(&lock);
+  while (*event == 0 || *value == 0) cnd_wait(&changed, &lock);
+  mtx_unlock(&lock);
+}
+
+static int count_progress(void* user, uint32_t done, uint32_t total) {
+  (void)done;
+  *(uint32_t*)user = total;
+  return 0;
+}
+
+static int stop_at_once(void* user, uint32_t done, uint32_t total) {
+  (void)user;
+  (void)done;
+  (void)total;
+  return 1;
+}
+
+static void check_wrong_use(void) {
+  cansync_parameter parameter;
+  CHECK(cansync_read(NULL, 0, 0, 0, &parameter) == CANSYNC_INVALID);
+  CHECK(strcmp(cansync_last_error(NULL), "the handle is NULL") == 0);
+  cansync_free(NULL);
+  client = cansync_new();
+  CHECK(client != NULL);
+  CHECK(cansync_read(client, 0, 0, 0, &parameter) == CANSYNC_INVALID);
+  CHECK(strstr(last_error(), "cansync_connect()") != NULL);
+  CHECK(strcmp(cansync_result_name(CANSYNC_SLAVE_ERROR), "slave_error") == 0);
+  CHECK(strcmp(cansync_result_name(CANSYNC_NO_DAEMON), "no_daemon") == 0);
+  CHECK(strcmp(cansync_result_name(99), "unknown") == 0);
+}
+
+static void check_status(const char* bus) {
+  cansync_line_status status;
+  uint32_t slave = 99;
+  (void)bus;
+  CHECK(cansync_get_status(client, NULL) == CANSYNC_INVALID);
+  CHECK(cansync_get_status(client, &status) == CANSYNC_DONE);
+  CHECK(status.option_status == 0x0080 && status.slaves_configured == 0xF);
+  CHECK(strstr(status.state, "active") != NULL);
+  CHECK(cansync_wait_active(client, 1) == CANSYNC_TIMEOUT); /* the fake's slaves are never synchronized */
+  CHECK(cansync_find_slave(client, "slave2", &slave) == CANSYNC_DONE && slave == 2);
+  CHECK(cansync_find_slave(client, "nobody", &slave) == CANSYNC_INVALID);
+}
+
+static void check_parameters(void) {
+  cansync_parameter parameter;
+  CHECK(cansync_write(client, 1, 100, 0xCAFE1234, 0) == CANSYNC_DONE);
+  CHECK(cansync_read(client, 1, 100, 0, &parameter) == CANSYNC_DONE);
+  CHECK(parameter.value == 0xCAFE1234 && parameter.doubleword == 1 && parameter.error_code == 0);
+  CHECK(strcmp(last_error(), "") == 0);
+  CHECK(cansync_read(client, 1, 4001, 0, &parameter) == CANSYNC_SLAVE_ERROR);
+  CHECK(parameter.error_code == 0xFFFE && strncmp(last_error(), "slave: ", 7) == 0);
+  CHECK(cansync_read(client, 1, 4096, 0, &parameter) == CANSYNC_REFUSED);
+  CHECK(strcmp(last_error(), "daemon: number 4096: out of range; allowed 0..4095") == 0);
+}
+
+static void check_transfers(void) {
+  uint8_t out[1000];
+  uint8_t in[1000] = {0};
+  uint32_t total = 0;
+  uint32_t done = 0;
+  for (size_t i = 0; i < sizeof out; i++) out[i] = (uint8_t)(i * 7);
+  CHECK(cansync_download(client, 3, 0x100, out, sizeof out, count_progress, &total) == CANSYNC_DONE);
+  CHECK(total == sizeof out);
+  CHECK(cansync_upload(client, 3, 0x100, in, sizeof in, &done, NULL, NULL) == CANSYNC_DONE);
+  CHECK(done == sizeof in && memcmp(in, out, sizeof in) == 0);
+  CHECK(cansync_upload(client, 3, 0xDEAD00, in, sizeof in, &done, stop_at_once, NULL) == CANSYNC_CANCELLED);
+  CHECK(cansync_upload(client, 3, 0x100, NULL, 1, NULL, NULL, NULL) == CANSYNC_INVALID);
+  CHECK(cansync_download(client, 3, 0x10, out, 4, NULL, NULL) == CANSYNC_REFUSED);
+}
+
+static void check_values(void) {
+  const int32_t value[4] = {4711, 0, 0, 0};
+  cansync_actual_values values;
+  CHECK(cansync_get_actual_values(client, 2, 20000, &values) == CANSYNC_DONE && values.raw[0] == 0xABCD);
+  CHECK(cansync_get_actual_values(client, 1, 1, &values) == CANSYNC_NO_DATA);
+  CHECK(cansync_get_actual_values(client, 32, 1, &values) == CANSYNC_INVALID);
+  CHECK(cansync_subscribe_events(client, on_event, &last_event) == CANSYNC_DONE);
+  CHECK(cansync_subscribe_actual_values(client, on_values, &last_value) == CANSYNC_DONE);
+  wait_until(&last_event, &last_value);
+  CHECK(cansync_subscribe_events(client, NULL, NULL) == CANSYNC_DONE);
+  CHECK(cansync_subscribe_actual_values(client, NULL, NULL) == CANSYNC_DONE);
+  CHECK(last_event == 17 && last_value == 0xABCD);
+
+  CHECK(cansync_give_references(client, 1, value, 1, 1, 0) == CANSYNC_INVALID);
+  CHECK(cansync_take_references(client, -1) == CANSYNC_INVALID);
+  CHECK(cansync_take_references(client, 5) == CANSYNC_DONE);
+  CHECK(cansync_give_references(client, 1, value, 1, 1, 0) == CANSYNC_DONE);
+}
+
+static void check_commands(void) {
+  CHECK(cansync_control_word(client, 2, 0x0F) == CANSYNC_DONE);
+  CHECK(cansync_control_word(client, 9, 0x0F) == CANSYNC_REFUSED);
+  CHECK(strstr(last_error(), "slave 9: not configured") != NULL);
+  CHECK(cansync_broadcast(client, 0, 3, 200, 1, 2) == CANSYNC_DONE);
+  CHECK(cansync_broadcast(client, 0, 3, 5, 1, 2) == CANSYNC_REFUSED);
+  CHECK(cansync_set_mode(client, CANSYNC_MODE_RUN, 1) == CANSYNC_DONE);
+  CHECK(cansync_set_mode(client, 7, 0) == CANSYNC_INVALID);
+  CHECK(cansync_release_slave(client, 1, 0) == CANSYNC_DONE);
+}
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  if (mtx_init(&lock, mtx_plain) != thrd_success || cnd_init(&changed) != thrd_success) return 2;
+  check_wrong_use();
+  const cansync_options options = {
+      .domain = (uint32_t)atoi(argv[1]), .bus = argv[2], .client_name = "c face", .wait_ms = 20000};
+  CHECK(cansync_connect(client, &options) == CANSYNC_DONE);
+  if (failures != 0) return 1;
+  CHECK(cansync_connect(client, &options) == CANSYNC_INVALID);
+  CHECK(cansync_connect(NULL, &options) == CANSYNC_INVALID);
+  check_status(argv[2]);
+  check_parameters();
+  check_transfers();
+  check_values();
+  check_commands();
+  cansync_free(client);
+  return failures == 0 ? 0 : 1;
+}

@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include <future>
+#include <string>
+
+#include "client/client.h"
+#include "client/fake_daemon.h"
+#include "support/dds_places.h"
+
+/// The ways to wait: for a state, with a callback, with a future; and who an error comes from.
+namespace cansync::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+class WaitingTest : public ::testing::Test {
+ protected:
+  Options options() const {
+    return {.domain = places.there.domain,
+            .bus = places.there.partition,
+            .client_name = "waiting",
+            .xml = places.there.xml,
+            .wait = seconds(20)};
+  }
+  TwoPlaces places;
+  std::optional<FakeDaemon> daemon{std::in_place, places.here};
+  std::optional<Client> client{Client::connect(options())};
+};
+
+TEST_F(WaitingTest, ForAStateThatIsThereAndOneThatNeverComes) {
+  const auto active =
+      client->wait_status([](const MasterStatus& s) { return s.option_status == 0x80; }, seconds(20));
+  ASSERT_TRUE(active);
+  EXPECT_EQ(text(active->bus), places.here.partition);
+  EXPECT_FALSE(
+      client->wait_status([](const MasterStatus& s) { return s.option_status == 0x43; }, milliseconds(20)));
+}
+
+TEST_F(WaitingTest, CallbackIsCalledOnceWhenTheReplyComesAndAtOnceAfterwards) {
+  std::promise<ParameterReply> told;
+  const ParameterJob job = client->submit(ParameterRequest{.slave = 1, .number = FakeDaemon::kSilentNumber});
+  int calls = 0;
+  job.then([&](const ParameterReply& reply) {
+    ++calls;
+    told.set_value(reply);
+  });
+  EXPECT_EQ(job.wait_for(milliseconds(0)), std::nullopt);
+  ASSERT_TRUE(job.cancel());
+  EXPECT_EQ(told.get_future().get().code, ReplyCode::cancelled);
+  EXPECT_EQ(calls, 1);
+  bool at_once = false;
+  job.then([&](const ParameterReply& reply) { at_once = reply.code == ReplyCode::cancelled; });
+  EXPECT_TRUE(at_once);
+}
+
+TEST_F(WaitingTest, FuturesOfEveryKindOfJob) {
+  std::future<ParameterReply> read = client->submit(ParameterRequest{.slave = 1, .number = 7}).future();
+  std::future<TransferReply> up =
+      client->submit(TransferRequest{.slave = 1, .address = 0x100, .length = 10}).future();
+  std::future<CommandReply> word = client->control_word(1, 3).future();
+  EXPECT_TRUE(read.get().ok());
+  EXPECT_EQ(up.get().data.size(), 10u);
+  EXPECT_TRUE(word.get().ok());
+}
+
+TEST_F(WaitingTest, AClientThatGoesEndsItsFutures) {
+  std::future<ParameterReply> silent =
+      client->submit(ParameterRequest{.slave = 1, .number = FakeDaemon::kSilentNumber}).future();
+  client.reset();
+  const ParameterReply reply = silent.get();
+  EXPECT_EQ(reply.code, ReplyCode::no_reply);
+  EXPECT_EQ(reply.speaker, Speaker::nobody);
+}
+
+TEST_F(WaitingTest, ErrorsSayWhoRefused) {
+  EXPECT_EQ(describe(client->read(1, 7)), "");
+  EXPECT_EQ(describe(client->read(1, 4096)), "daemon: number 4096: out of range; allowed 0..4095");
+  EXPECT_EQ(client->read(1, FakeDaemon::kErrorNumber).speaker, Speaker::slave);
+  const TransferReply longest = client->download(1, 0x100, std::vector<std::uint8_t>(16'777'217));
+  EXPECT_EQ(longest.speaker, Speaker::client);
+  daemon.reset();
+  ParameterReply gone;
+  do {
+    gone = client->read(1, 7);
+  } while (gone.reason.find("nothing was sent") == std::string::npos);
+  EXPECT_EQ(describe(gone).rfind("nobody there: ", 0), 0u) << describe(gone);
+}
+
+}  // namespace
+}  // namespace cansync::client
