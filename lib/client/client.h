@@ -23,7 +23,7 @@ struct CANSYNC_PUBLIC Options {
   std::string bus = "can0";              ///< partition: the bus's name
   std::string interface = "lo";          ///< network interface
   std::string client_name = "client";    ///< shown in the daemon's journal, at most 64 characters
-  std::string xml;                       ///< Cyclone DDS configuration instead of the built one; empty: none
+  std::string xml = {};                  ///< Cyclone DDS configuration instead of the built one; empty: none
   std::chrono::milliseconds wait{5000};  ///< how long to look for the daemon
   std::string security = {};             ///< DDS Security: folder of this program's identity; empty: without
 };

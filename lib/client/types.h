@@ -127,13 +127,13 @@ struct CANSYNC_PUBLIC ParameterRequest {
 /// Uploads `length` bytes (slave to computer) or downloads `data` (computer to slave).
 struct CANSYNC_PUBLIC TransferRequest {
   bool download = false;
-  std::uint32_t slave = 0;         ///< 0..31
-  std::uint32_t address = 0;       ///< start address; 0x00..0xFF are reserved
-  std::uint32_t length = 0;        ///< upload: 1..16777216 bytes
-  std::vector<std::uint8_t> data;  ///< download: 1..16777216 bytes
-  std::uint32_t sub_slave = 0;     ///< 0..65535
-  std::uint32_t block_size = 0;    ///< bytes per initialise, 1..4092; 0: the slave's limit
-  std::uint32_t timeout_ms = 0;    ///< monitoring time per block; 0: the daemon's default
+  std::uint32_t slave = 0;              ///< 0..31
+  std::uint32_t address = 0;            ///< start address; 0x00..0xFF are reserved
+  std::uint32_t length = 0;             ///< upload: 1..16777216 bytes
+  std::vector<std::uint8_t> data = {};  ///< download: 1..16777216 bytes
+  std::uint32_t sub_slave = 0;          ///< 0..65535
+  std::uint32_t block_size = 0;         ///< bytes per initialise, 1..4092; 0: the slave's limit
+  std::uint32_t timeout_ms = 0;         ///< monitoring time per block; 0: the daemon's default
 };
 
 /// A group of slaves gets an action command.

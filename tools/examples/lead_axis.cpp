@@ -1,7 +1,10 @@
 // A lead axis: gives every drive of a line a position reference value for every interval, each released
-// exactly once. Values are written eight intervals ahead, so that this program may be late now and then. The
-// daemon's Interval topic is the clock (dds.interval_topic = true); 65536 increments are one revolution.
+// exactly once, and shows at the end how far each follower is behind. Values are written eight intervals
+// ahead, so that this program may be late now and then. The daemon's Interval topic is the clock
+// (dds.interval_topic = true); 65536 increments are one revolution.
 // Usage: lead_axis DOMAIN BUS RPM SECONDS        Exit code: 0 done, 1 failed
+#include <cansync/client.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -10,8 +13,6 @@
 #include <exception>
 #include <semaphore>
 #include <string>
-
-#include "client/client.h"
 
 namespace {
 
@@ -36,8 +37,8 @@ int lead(const Options& options, double rpm, double seconds) {
   double position = 0;
   std::uint64_t next = 0;  // the interval that gets a value next
   for (std::uint64_t done = 0; done < steps;) {
-    if (!begun.try_acquire_for(std::chrono::seconds(2))) {
-      std::fprintf(stderr, "no interval for 2 s: is dds.interval_topic on, and does the line run?\n");
+    if (!begun.try_acquire_for(std::chrono::seconds(20))) {
+      std::fprintf(stderr, "no interval for 20 s: is dds.interval_topic on, and does the line run?\n");
       return 1;
     }
     for (next = std::max(next, number + 1); next <= number + kAhead; ++next, ++done) {
@@ -49,6 +50,11 @@ int lead(const Options& options, double rpm, double seconds) {
         return 1;
       }
     }
+  }
+  for (const SlaveStatus& slave : client.slaves()) {
+    if (const auto values = client.actual_values(slave.slave))
+      std::printf("slave %d: %.0f increments behind\n", slave.slave,
+                  position - static_cast<std::int32_t>(values->raw[0]));
   }
   return 0;
 }

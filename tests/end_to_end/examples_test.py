@@ -1,0 +1,118 @@
+"""The programs of tools/examples, against a daemon with simulated drives. Their paths come from EXAMPLES."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+from gateway import LONG, Gateway, wait_for
+
+EXAMPLES = os.environ["EXAMPLES"]
+
+
+class Examples(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        # The computer may stall for seconds: a drive without reference values must not fault.
+        options = ("--set", "dds.interval_topic=true", "--set", "sim.missing_references=0")
+        cls.gateway = cls.enterClassContext(Gateway(slaves=3, options=options))
+
+    def start(self, name, *arguments):
+        place = (str(self.gateway.domain), self.gateway.bus)
+        return subprocess.Popen(
+            [os.path.join(EXAMPLES, "example_" + name), *place, *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def finish(self, process, code=0):
+        """What it printed."""
+        try:
+            out, err = process.communicate(timeout=LONG)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
+        self.assertEqual(process.returncode, code, f"{out}\n{err}\n{self.gateway.log_text()}")
+        return out
+
+    def run_example(self, name, *arguments, code=0):
+        return self.finish(self.start(name, *arguments), code)
+
+    def position(self, slave):
+        return self.gateway.json("read", slave, 310)[0]["value"]
+
+    def test_lead_axis_moves_every_follower(self):
+        before = [self.position(slave) for slave in range(3)]
+        # 300 1/min: 5 revolutions of 65536 increments a second, after 2 s.
+        out = self.run_example("lead_axis", 300, 3)
+        self.assertEqual(re.findall(r"^slave (\d): -?\d+ increments behind$", out, re.MULTILINE), ["0", "1", "2"])
+        for slave in range(3):
+            self.assertNotEqual(self.position(slave), before[slave])
+
+    def test_parameter_batch_reads_and_writes(self):
+        out = self.run_example("parameter_batch", 1, "1000=4711", "103", "1000", "0x3E9=0x10")
+        self.assertEqual(out.splitlines(), ["1000 <- 4711", "103 = 1", "1000 = 4711", "1001 <- 16"])
+        self.assertEqual(self.gateway.json("read", 1, 1001)[0]["value"], 16)
+
+    def test_parameter_batch_says_who_refused(self):
+        out = self.run_example("parameter_batch", 1, "103=5", "5000", "103", code=1)
+        lines = out.splitlines()
+        self.assertTrue(lines[0].startswith("103 failed: slave: "), out)
+        self.assertTrue(lines[1].startswith("5000 failed: daemon: number 5000: out of range"), out)
+        self.assertEqual(lines[2], "103 = 1")
+        self.run_example("parameter_batch", 1, "x", code=2)
+
+    def moving(self):
+        """A lead axis that gives reference values, so that actual values come, until the test is over."""
+        process = self.start("lead_axis", 60, 1000)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+    def test_data_logger_writes_every_slave(self):
+        self.moving()
+        out = self.run_example("data_logger", 300)
+        head, *rows = out.splitlines()
+        self.assertEqual(head.split(",")[:3], ["receive_time_ns", "slave", "telegrams"])
+        self.assertEqual(len(rows), 300)
+        cells = [row.split(",") for row in rows]
+        self.assertEqual({len(row) for row in cells}, {13})
+        self.assertEqual({row[1] for row in cells}, {"0", "1", "2"})
+
+    def test_ros_style_consumer_spins(self):
+        self.moving()
+        wait_for("the drives move", lambda: self.position(1) != self.position(1))
+        out = self.run_example("ros_style_consumer", 5)
+        lines = out.splitlines()
+        self.assertEqual(len(lines), 5)
+        for line in lines:
+            self.assertRegex(line, r"^joint_states:( -?\d+\.\d{3}){3}$")
+
+    def test_actual_values_in_c_without_the_library(self):
+        self.moving()
+        out = self.run_example("actual_values", 2, 103)
+        self.assertIn("value 7: raw 0x", out)
+        self.assertEqual(out.splitlines()[-1], "parameter 103: 2")
+
+    def test_without_a_daemon_every_example_says_where_it_looked(self):
+        for name, arguments in (
+            ("lead_axis", ("60", "1")),
+            ("parameter_batch", ("1", "103")),
+            ("data_logger", ("1",)),
+            ("ros_style_consumer", ("1",)),
+        ):
+            with self.subTest(name):
+                result = subprocess.run(
+                    [os.path.join(EXAMPLES, "example_" + name), str(self.gateway.domain), "nobody", *arguments],
+                    capture_output=True,
+                    text=True,
+                    timeout=LONG,
+                )
+                self.assertEqual(result.returncode, 1)
+                self.assertIn("partition nobody", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v", *sys.argv[1:]])
