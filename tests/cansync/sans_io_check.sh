@@ -16,6 +16,7 @@ core_words='steady_clock|system_clock|high_resolution_clock|utc_clock|clock_gett
 allowed_folders() {
   case $1 in
     text) echo 'text' ;; # knows nothing of the project
+    profile) echo 'text|profile' ;; # knows no bus
     can) echo 'can' ;;
     cansync) echo 'cansync' ;; # and can/frame.h
     sim) echo 'text|can|cansync|sim' ;;
@@ -50,10 +51,10 @@ check() {
     return 1
   fi
   failures=0
-  for layer in text can cansync sim rt sync dds client; do
+  for layer in text profile can cansync sim rt sync dds client; do
     # Includes of another folder. A generated or system header carries no folder of ours.
     report "lib/$layer may not include this folder" < <(
-      matching "$lib/$layer" '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](text|can|cansync|sim|rt|sync|dds|client|daemon|tools)/' \
+      matching "$lib/$layer" '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](text|profile|can|cansync|sim|rt|sync|dds|client|daemon|tools)/' \
         "include[[:space:]]*[\"<](($(allowed_folders "$layer"))/$( [ "$layer" = cansync ] && echo '|can/frame\.h'))" |
         grep -vE 'include[[:space:]]*<dds/')
   done
@@ -61,7 +62,7 @@ check() {
   for layer in rt sync; do
     report "lib/$layer may not know CANsync" < <(matching "$lib/$layer" '(cansync/|cansync::|namespace cansync)')
   done
-  for layer in text can cansync sim rt sync; do
+  for layer in text profile can cansync sim rt sync; do
     report "lib/$layer may not use DDS" < <(
       matching "$lib/$layer" '#[[:space:]]*include[[:space:]]*["<]((dds|ddsc)/|dds[a-z_]*\.h|cansync\.h)|\bdds_[a-z]+')
   done
@@ -77,7 +78,7 @@ check() {
 plant() { # file, line: the check must name exactly this file
   local tree out
   tree=$(mktemp -d) || exit 2
-  mkdir -p "$tree"/lib/{text,can,cansync,sim,rt,sync,dds,client}
+  mkdir -p "$tree"/lib/{text,profile,can,cansync,sim,rt,sync,dds,client}
   printf '#include <array>\n#include "can/frame.h"\n#include "cansync/numbers.h"\n' >"$tree/lib/cansync/clean.cpp"
   printf '#include "can/bus.h"\n' >"$tree/lib/sim/clean.h"
   printf '#include <dds/dds.h>\n#include "cansync/jobs.h"\n#include "cansync.h"\n' >"$tree/lib/dds/clean.cpp"
@@ -110,6 +111,8 @@ self_test() {
   plant can/planted.h '#include "cansync/telegram.h"' || bad=1
   plant text/planted.h '#include "can/frame.h"' || bad=1
   plant rt/planted.h '#include "text/text_file.h"' || bad=1
+  plant profile/planted.h '#include "cansync/numbers.h"' || bad=1
+  plant dds/planted.cpp '#include "profile/profile.h"' || bad=1
   plant can/planted.cpp 'int f(cansync::SlaveNumber);' || bad=1
   plant sim/planted.cpp '#include <dds/dds.h>' || bad=1
   plant sim/planted.cpp '#include "rt/ring.h"' || bad=1

@@ -1,0 +1,244 @@
+#include "profile/reader.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <tuple>
+
+#include "profile/hash.h"
+#include "profile/reader_fields.h"
+#include "profile/scaling.h"
+#include "text/text_file.h"
+#include "text/toml_guard.h"
+
+namespace profile {
+namespace {
+
+using detail::Fields;
+
+constexpr std::int64_t kHighestNumber = 4095;
+constexpr std::size_t kLongestUnit = 16;
+constexpr std::size_t kLongestText = 200;
+/// How far, in raw steps, a limit may lie beside a raw number and still mean it: what doubles round.
+constexpr double kRounding = 1e-6;
+
+/// One limit in engineering units as a raw number: the last one that keeps it.
+double raw_limit(const Parameter& parameter, double limit, bool lower) {
+  const double raw = (limit - parameter.offset) / parameter.factor;
+  const double near = std::round(raw);
+  if (std::abs(raw - near) <= kRounding * std::max(1.0, std::abs(raw))) return near;
+  return lower ? std::ceil(raw) : std::floor(raw);
+}
+
+/// Puts `limit` into the parameter; a problem when the format cannot hold it.
+void set_limit(Fields& fields, std::string_view key, double limit, Parameter& parameter) {
+  // A negative factor turns the order around.
+  const bool lower = (key == "minimum") == (parameter.factor > 0.0);
+  const double raw = raw_limit(parameter, limit, lower);
+  if (!(raw >= static_cast<double>(format_minimum(parameter)) &&
+        raw <= static_cast<double>(format_maximum(parameter)))) {
+    Parameter whole = parameter;
+    whole.limited = true;
+    whole.minimum = format_minimum(parameter);
+    whole.maximum = format_maximum(parameter);
+    fields.problem(
+        key, fmt::format("found {}, which is raw {:.0f}; allowed with format \"{}\"{}: {}", limit, raw,
+                         name(parameter.format), parameter.is_signed ? ", signed" : "", limits_text(whole)));
+    return;
+  }
+  (lower ? parameter.minimum : parameter.maximum) = static_cast<std::int64_t>(raw);
+  parameter.limited = true;
+}
+
+void read_scaling(Fields& fields, Parameter& parameter) {
+  parameter.unit = fields.word("unit", kLongestUnit).value_or("");
+  const auto factor = fields.number("factor");
+  if (factor && *factor == 0.0) {
+    fields.problem("factor", "found 0; allowed: a finite number other than 0");
+  } else {
+    parameter.factor = factor.value_or(1.0);
+  }
+  parameter.offset = fields.number("offset").value_or(0.0);
+  parameter.minimum = format_minimum(parameter);
+  parameter.maximum = format_maximum(parameter);
+  const auto minimum = fields.number("minimum");
+  const auto maximum = fields.number("maximum");
+  if (minimum && maximum && *minimum > *maximum) {
+    fields.problem("minimum", fmt::format("found {}, over the maximum {}; allowed: at most the maximum",
+                                          *minimum, *maximum));
+    return;
+  }
+  if (minimum) set_limit(fields, "minimum", *minimum, parameter);
+  if (maximum) set_limit(fields, "maximum", *maximum, parameter);
+  if (parameter.minimum > parameter.maximum) {
+    fields.problem("minimum", fmt::format("no value lies between {} and {} with factor {} and offset {}",
+                                          *minimum, *maximum, parameter.factor, parameter.offset));
+  }
+}
+
+void read_access(Fields& fields, Parameter& parameter) {
+  constexpr Access kAccess[] = {Access::read_write, Access::read_only, Access::none};
+  constexpr Identity kIdentity[] = {Identity::type, Identity::unit};
+  if (const auto place = fields.choice("access", {"read-write", "read-only", "none"})) {
+    parameter.access = kAccess[*place];
+  }
+  parameter.is_volatile = fields.flag("volatile").value_or(false);
+  const auto identity = fields.choice("identity", {"type", "unit"});
+  if (!identity) return;
+  parameter.identity = kIdentity[*identity];
+  if (parameter.access != Access::read_only || parameter.is_volatile) {
+    fields.problem("identity",
+                   "found beside a parameter that is not read-only or is volatile; allowed: with "
+                   "access = \"read-only\" and without volatile");
+  }
+}
+
+Parameter read_parameter(Fields& fields) {
+  fields.only({"number", "name", "format", "signed", "unit", "factor", "offset", "minimum", "maximum",
+               "access", "volatile", "identity", "group", "text"});
+  fields.require("number", "0..4095");
+  fields.require("name", "1..64 lower-case letters, digits and '-'");
+  fields.require("format", "\"word\", \"doubleword\"");
+  fields.require("access", "\"read-write\", \"read-only\", \"none\"");
+  Parameter parameter;
+  parameter.number = static_cast<std::uint16_t>(fields.integer("number", 0, kHighestNumber).value_or(0));
+  parameter.name = fields.name("name").value_or("");
+  const auto format = fields.choice("format", {"word", "doubleword"});
+  parameter.format = format == std::optional<std::size_t>{1} ? Format::doubleword : Format::word;
+  parameter.is_signed = fields.flag("signed").value_or(false);
+  read_scaling(fields, parameter);
+  read_access(fields, parameter);
+  parameter.group = fields.name("group").value_or("");
+  parameter.text = fields.text("text", kLongestText).value_or("");
+  return parameter;
+}
+
+/// Reads one profile; collects problems on the way.
+class Reader {
+ public:
+  Reading read(const toml::table& root) {
+    Profile profile;
+    for (const auto& [key, node] : root) {
+      if (key.str() == "profile" && node.is_table()) {
+        head(*node.as_table(), profile);
+      } else if (key.str() == "parameter" && node.is_array_of_tables()) {
+        for (const toml::node& item : *node.as_array()) parameter(*item.as_table(), profile);
+      } else {
+        const toml::source_region& place = key.source();
+        problems_.push_back({place.begin.line, place.begin.column, std::string(key.str()),
+                             "no section of a profile; allowed: [profile] once, [[parameter]] for each "
+                             "parameter"});
+      }
+    }
+    if (!root.contains("profile")) {
+      problems_.push_back({1, 1, "profile", "is missing; allowed: a section [profile] with a name"});
+    }
+    if (!root.contains("parameter")) {
+      problems_.push_back({1, 1, "parameter", "is missing; allowed: at least one section [[parameter]]"});
+    }
+    return result(std::move(profile));
+  }
+
+ private:
+  void head(const toml::table& table, Profile& profile) {
+    Fields fields(table, "profile", problems_);
+    fields.only({"name", "text"});
+    fields.require("name", "1..64 lower-case letters, digits and '-', the same as the file's name");
+    profile.name = fields.name("name").value_or("");
+    profile.text = fields.text("text", kLongestText).value_or("");
+  }
+
+  void parameter(const toml::table& table, Profile& profile) {
+    Fields fields(table, "parameter", problems_);
+    Parameter parameter = read_parameter(fields);
+    if (fields.has("number")) unique(fields, "number", std::to_string(parameter.number), table, numbers_);
+    if (!parameter.name.empty()) unique(fields, "name", "\"" + parameter.name + "\"", table, names_);
+    profile.parameters.push_back(std::move(parameter));
+  }
+
+  /// A problem when something is there twice.
+  static void unique(Fields& fields, std::string_view key, const std::string& found, const toml::table& table,
+                     std::map<std::string, std::size_t>& seen) {
+    const auto [first, fresh] = seen.emplace(found, table.source().begin.line);
+    if (fresh) return;
+    fields.problem(key, fmt::format("found {} again, first used by the parameter in line {}; allowed: each "
+                                    "{} once",
+                                    found, first->second, key));
+  }
+
+  Reading result(Profile profile) {
+    std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) {
+      return std::tie(a.line, a.column) < std::tie(b.line, b.column);
+    });
+    Reading reading;
+    reading.problems = std::move(problems_);
+    if (!reading.problems.empty()) return reading;
+    std::sort(profile.parameters.begin(), profile.parameters.end(),
+              [](const Parameter& a, const Parameter& b) { return a.number < b.number; });
+    reading.profile = std::move(profile);
+    return reading;
+  }
+
+  std::vector<Problem> problems_;
+  std::map<std::string, std::size_t> numbers_;
+  std::map<std::string, std::size_t> names_;
+};
+
+Reading failed(std::size_t line, std::size_t column, std::string text) {
+  return {std::nullopt, {{line, column, "", std::move(text)}}};
+}
+
+}  // namespace
+
+Reading parse(std::string_view toml) {
+  if (const auto place = text::too_deep_key(toml)) {
+    return failed(place->line, place->column,
+                  fmt::format("found a key of more than {} parts; allowed: [profile], [[parameter]], key = "
+                              "value, # comment",
+                              text::kMostKeyParts));
+  }
+  try {
+    const toml::table root = toml::parse(toml);
+    Reading reading = Reader().read(root);
+    if (reading.profile) reading.profile->hash = sha256(toml);
+    return reading;
+  } catch (const toml::parse_error& error) {
+    return failed(error.source().begin.line, error.source().begin.column,
+                  "this is not TOML: " + std::string(error.description()) +
+                      "; allowed: [profile], [[parameter]], key = value, # comment");
+  }
+}
+
+Reading read(const std::string& path) {
+  const auto content = text::read_file(path, kFileLimit);
+  if (const auto* problem = std::get_if<text::FileProblem>(&content)) {
+    return failed(0, 0, "cannot read this profile: " + problem->text);
+  }
+  Reading reading = parse(std::get<std::string>(content));
+  if (!reading.profile) return reading;
+  const std::string stem = std::filesystem::path(path).stem().string();
+  if (reading.profile->name == stem) return reading;
+  // Whoever knows the name alone finds the file by it.
+  return failed(0, 0,
+                fmt::format("profile.name: found \"{}\" in a file called {}.toml; allowed: the same name",
+                            reading.profile->name, stem));
+}
+
+std::string problems_text(const std::vector<Problem>& problems, std::string_view file) {
+  constexpr std::size_t kShown = 20;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(problems.size(), kShown); ++i) {
+    const Problem& problem = problems[i];
+    out += file;
+    if (problem.line != 0) out += fmt::format(":{}:{}", problem.line, problem.column);
+    out += fmt::format(": {}{}{}\n", problem.key, problem.key.empty() ? "" : ": ", problem.text);
+  }
+  if (problems.size() > kShown) out += fmt::format("and {} more problems\n", problems.size() - kShown);
+  return out;
+}
+
+}  // namespace profile
