@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "cansync/numbers.h"
 #include "cansync/settings.h"
 #include "daemon/flight_triggers.h"
+#include "profile/profile.h"
 #include "sync/input.h"
 
 /// The whole configuration of one daemon, one bus: plain values. `config_file.h` reads it from a TOML file;
@@ -139,6 +141,8 @@ using ValueConfigs = std::array<ValueConfig, cansync::kValues>;
 struct SlaveConfig {
   std::string name;  ///< default "slaveN"; 1..64 characters, unique, no number
   ValueConfigs actual = {};
+  std::string profile;                                 ///< name or file of its drive profile; empty: none
+  std::shared_ptr<const profile::Profile> parameters;  ///< that profile, read; null: none
   friend bool operator==(const SlaveConfig&, const SlaveConfig&) = default;
 };
 
@@ -155,7 +159,8 @@ struct DdsConfig {
 
 /// Who may do what.
 struct AccessConfig {
-  bool read_only = false;  ///< refuse every request that would change a drive or the line
+  bool read_only = false;     ///< refuse every request that would change a drive or the line
+  bool profile_rules = true;  ///< refuse writes that the slave's profile does not allow
 };
 
 /// The simulated line; looked at only with `BusKind::simulated`.

@@ -13,6 +13,7 @@
 #include "cansync/settings_check.h"
 #include "daemon/bit_timing_check.h"
 #include "daemon/bus_budget.h"
+#include "daemon/config_check_profiles.h"
 #include "daemon/config_check_sync.h"
 
 namespace cansyncd {
@@ -59,6 +60,7 @@ class Checker {
     finish_path("dds.security", draft_.config.dds.security);
     finish_path("metrics.file", draft_.config.metrics.file);
     failsafe();
+    profiles();
     for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
     if (const auto wrong = check_bit_timing(draft_.config)) problem(wrong->option, wrong->text);
     if (problems_.empty()) master();
@@ -176,6 +178,21 @@ class Checker {
     if (!fs::is_regular_file(file, error) || !std::ifstream(file)) {
       problem("sim.fault_script",
               fmt::format("found \"{}\", which cannot be read; allowed: a readable file", script));
+    }
+  }
+
+  void profiles() {
+    ProfileFiles files(std::filesystem::path(path_).parent_path().string());
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      SlaveConfig& slave = draft_.config.slaves[n];
+      if (slave.profile.empty()) continue;
+      const std::string key = fmt::format("slave.{}.profile", n);
+      const Setting* setting = place(key);
+      const bool typed = setting != nullptr && setting->overridden;
+      auto [parameters, problem_text, found] = files.load(slave.profile, typed);
+      slave.parameters = std::move(parameters);
+      if (!problem_text.empty()) problem(key, std::move(problem_text));
+      for (Problem& wrong : found) problems_.push_back(std::move(wrong));
     }
   }
 

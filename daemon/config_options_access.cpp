@@ -12,6 +12,10 @@ constexpr auto kRows = std::to_array<Option>({
                      "words, broadcasts, reference values, modes, polling, cursors, mappings. What the "
                      "master does by itself goes on.",
                      [](Draft& d, const Value& v) { d.config.access.read_only = flag(v); })),
+    reloadable(plain("access.profile_rules", OptionType::boolean, "true",
+                     "Refuse a write that the slave's drive profile does not allow: to a parameter that is "
+                     "read-only, outside its limits, or too wide for its format.",
+                     [](Draft& d, const Value& v) { d.config.access.profile_rules = flag(v); })),
 });
 
 }  // namespace

@@ -7,7 +7,16 @@ namespace {
 
 using namespace rows;
 
+constexpr std::int64_t kLongestPath = 4096;
+
 constexpr auto kRows = std::to_array<Option>({
+    reloadable(string("slave.profile", OptionType::text, "\"\"", 0, kLongestPath,
+                      "Drive profile of this slave: a name, looked up as NAME.toml in the folder profiles "
+                      "beside this file, "
+                      "/etc/cansync/profiles, /usr/local/share/cansync/profiles and "
+                      "/usr/share/cansync/profiles; or a file, "
+                      "with '/' or .toml. Empty = none.",
+                      [](Draft& d, const Value& v) { d.config.slaves[d.slave].profile = words(v); })),
     whole_number(
         "startup.lost_after", "3", 1, 255, "telegrams",
         "Unanswered telegrams in a row until a slave counts as lost. Then its jobs end, and new ones are "

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/bus_text.h"
+#include "daemon/profile_rules.h"
 #include "daemon/refusal_text.h"
 #include "daemon/sync_text.h"
 
@@ -37,7 +38,8 @@ cansync_EventSeverity severity_of(Code code) noexcept {
   return cansync_SEVERITY_INFO;
 }
 
-std::string check_failed_text(const std::string& who, const cansync::MasterEvent& event) {
+std::string check_failed_text(const std::string& who, const cansync::MasterEvent& event,
+                              const Config& config) {
   std::string found = fmt::format("found {} (0x{:X})", event.found, event.found);
   if (event.outcome == cansync::Outcome::slave_error) {
     found = fmt::format("slave error 0x{:04X}", event.found);
@@ -45,9 +47,10 @@ std::string check_failed_text(const std::string& who, const cansync::MasterEvent
     found = cansync::name(event.outcome);
   }
   return fmt::format(
-      "{} stays held out: parameter {}, expected {} (0x{:X}), {}; set it right, then: cansync "
+      "{} stays held out: {}, expected {} (0x{:X}), {}; set it right, then: cansync "
       "release {}",
-      who, event.detail, event.expected, event.expected, found, event.slave->value());
+      who, parameter_label(config, event.slave->value(), event.detail), event.expected, event.expected, found,
+      event.slave->value());
 }
 
 std::string text_of(const cansync::MasterEvent& event, const Config& config) {
@@ -63,7 +66,7 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
     case Code::slave_checked:
       return fmt::format("{} has the values of all its {} return parameters", who, event.detail);
     case Code::slave_check_failed:
-      return check_failed_text(who, event);
+      return check_failed_text(who, event, config);
     case Code::slave_released:
       return who + (event.detail != 0 ? " is released by command, unchecked" : " is released");
     case Code::slave_synchronized:

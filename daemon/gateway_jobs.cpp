@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "daemon/gateway_requests.h"
+#include "daemon/profile_rules.h"
 #include "dds/malformed.h"
 
 /// Requests on their way in; their answers are in gateway_results.cpp.
@@ -108,7 +109,10 @@ void JobDesk::accept(const Sample& sample, const Place& place, Right right, std:
   job.who = who_of(dds::text(sample.client_name), job.key, place);
   job.change = change_of(sample);
   job.state_before = context.line.state;
-  if constexpr (std::is_same_v<Sample, cansync_ParameterRequest>) job.kind = Kind::parameter;
+  if constexpr (std::is_same_v<Sample, cansync_ParameterRequest>) {
+    job.kind = Kind::parameter;
+    if (job.change) job.change->what = parameter_text(context.config, sample);
+  }
   if constexpr (std::is_same_v<Sample, cansync_TransferRequest>) job.kind = Kind::transfer;
   if constexpr (std::is_same_v<Sample, cansync_Command>) job.kind = Kind::command;
 
@@ -125,11 +129,11 @@ void JobDesk::accept(const Sample& sample, const Place& place, Right right, std:
     return refuse(job, Rejection::value, "kind: not known to this daemon", context);
   }
   job.understood = true;
-  if (const auto problem = right_refusal(job.request, right)) {
-    return refuse(job, Rejection::state, *problem, context);
-  }
-  if (const auto problem = read_only_refusal(job.request, context.config)) {
-    return refuse(job, Rejection::state, *problem, context);
+  auto forbidden = right_refusal(job.request, right);
+  if (!forbidden) forbidden = read_only_refusal(job.request, context.config);
+  if (forbidden) return refuse(job, Rejection::state, *forbidden, context);
+  if (const auto problem = profile_refusal(job.request, context.config)) {
+    return refuse(job, Rejection::value, *problem, context);
   }
   if (take_early_cancel(*client, job.key.request, context.now)) {
     return end(job, cansync::Outcome::cancelled, context);

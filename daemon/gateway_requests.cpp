@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/profile_rules.h"
 #include "daemon/refusal_text.h"
 #include "dds/convert.h"
 
@@ -80,9 +81,12 @@ struct Describer {
 
   Text operator()(const cansync::ParameterRequest& r) const {
     if (!r.write) return std::nullopt;
-    return fmt::format("write {} sub-slave {} parameter {} = {} (0x{:X})",
-                       slave_label(config, r.slave.value()), r.sub_slave.value, r.number.value(), r.value,
-                       r.value);
+    const bool own = r.sub_slave.value == 0;
+    return fmt::format("write {} sub-slave {} {} = {} (0x{:X})", slave_label(config, r.slave.value()),
+                       r.sub_slave.value,
+                       own ? parameter_label(config, r.slave.value(), r.number.value())
+                           : fmt::format("parameter {}", r.number.value()),
+                       r.value, r.value);
   }
   Text operator()(const cansync::TransferRequest& r) const {
     if (r.direction == cansync::TransferRequest::Direction::upload) return std::nullopt;

@@ -264,9 +264,14 @@ void StatePublisher::publish_master(SteadyTime now) {
 
 void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
   Slave& slave = slaves_[number.value()];
-  slave.told_status = dds::slave_status(number, config_.slaves[number.value()].name, slave.report.status,
-                                        settings_.actual_mapping[number.value()], slave.names);
-  (void)slave_writer_.write(*slave.told_status);
+  const SlaveConfig& config = config_.slaves[number.value()];
+  cansync_SlaveStatus& sample = slave.told_status.emplace(dds::slave_status(
+      number, config.name, slave.report.status, settings_.actual_mapping[number.value()], slave.names));
+  if (config.parameters != nullptr) {
+    dds::copy_text(config.parameters->name, sample.profile);
+    dds::copy_text(config.parameters->hash, sample.profile_hash);
+  }
+  (void)slave_writer_.write(sample);
   slave.dirty = false;
   slave.published = now;
 }
