@@ -17,10 +17,13 @@ class VerbTest(unittest.TestCase):
     SLAVES = 4
     BIT_RATE = 1000000
     EXTRA = ""  # further configuration
+    OPTIONS = ()  # of cansyncd
 
     @classmethod
     def setUpClass(cls):
-        cls.gateway = cls.enterClassContext(Gateway(slaves=cls.SLAVES, bit_rate=cls.BIT_RATE, extra=cls.EXTRA))
+        cls.gateway = cls.enterClassContext(
+            Gateway(slaves=cls.SLAVES, bit_rate=cls.BIT_RATE, extra=cls.EXTRA, options=cls.OPTIONS)
+        )
 
     def tearDown(self):
         # What a test left open or changed must not reach the next one.

@@ -36,6 +36,10 @@ void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
                  "folder of this user's identity, for a daemon with DDS Security (default: without)")
       ->envname("CANSYNC_SECURITY")
       ->type_name("FOLDER");
+  app.add_option("--profiles", globals.profiles,
+                 "folder of drive profiles, before /etc/cansync/profiles and those of the installation")
+      ->envname("CANSYNC_PROFILES")
+      ->type_name("FOLDER");
   app.add_option("--timeout", texts.timeout,
                  "how long to look for the daemon (default 3, at least 1); with read, write, upload and "
                  "download also "
@@ -63,6 +67,7 @@ void add_verbs(CLI::App& app, Verb& chosen) {
   add_event_verb(app, chosen);
   add_trace_verb(app, chosen);
   add_parameter_verbs(app, chosen);
+  add_params_verb(app, chosen);
   add_transfer_verbs(app, chosen);
   add_command_verbs(app, chosen);
   add_reference_verb(app, chosen);

@@ -24,6 +24,7 @@ struct Globals {
   std::string interface = "lo";   ///< network interface
   std::optional<double> timeout;  ///< seconds; see docs/command-line.md
   bool json = false;
+  std::string profiles;  ///< folder of drive profiles, before the standard ones; empty: none
   std::string security;  ///< DDS Security: folder of the identity; empty: without
 };
 
@@ -41,6 +42,7 @@ class Session {
   Output& output() noexcept { return output_; }
   bool json() const noexcept { return globals_.json; }
   const std::string& bus() const noexcept { return globals_.bus; }
+  const std::string& profiles() const noexcept { return globals_.profiles; }
 
   /// Connects when it is called first. Throws client::NoDaemon, client::SetupError, Interrupted.
   client::Client& client();

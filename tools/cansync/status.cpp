@@ -159,7 +159,8 @@ JsonObject slave_object(const client::SlaveStatus& slave) {
       .add("state", slave.state)
       .add("times_lost", slave.times_lost)
       .add("times_returned", slave.times_returned)
-      .add("jobs_ended", slave.jobs_ended);
+      .add("jobs_ended", slave.jobs_ended)
+      .add("profile", slave.profile);
 }
 
 void add_slave_row(Table& table, const client::SlaveStatus& slave) {

@@ -1,0 +1,139 @@
+"""Parameters by the names of a drive profile, as processes."""
+
+import os
+import subprocess
+import tempfile
+import unittest
+
+from gateway import CANSYNCD, LONG, wait_for
+from verb_case import DEVICE_TYPE, VerbTest
+
+PROFILES = os.path.join(os.path.dirname(__file__), "..", "..", "config", "profiles")
+PROFILE = os.path.abspath(os.path.join(PROFILES, "simulated-drive.toml"))
+SPEED_LIMIT, TORQUE_OFFSET = 401, 403
+
+
+class Named(VerbTest):
+    """Slaves 0 and 1 have the profile of the simulated drive, the others none."""
+
+    OPTIONS = ("--set", f"slave.0.profile={PROFILE}", "--set", f"slave.1.profile={PROFILE}")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.gateway.environment["CANSYNC_PROFILES"] = PROFILES
+
+    def in_folder(self, text, name="simulated-drive"):
+        """A folder with one profile."""
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        with open(os.path.join(folder, f"{name}.toml"), "w", encoding="utf-8") as file:
+            file.write(text)
+        return folder
+
+    @staticmethod
+    def profile_text():
+        with open(PROFILE, encoding="utf-8") as file:
+            return file.read()
+
+
+class ByName(Named):
+    def test_a_name_shows_the_value_in_its_unit(self):
+        self.run_verb("write", "winder", "speed-limit", 150000)
+        shown = "150000 inc/s (speed-limit, parameter 401, raw 150000)\n"
+        self.assertEqual(self.text("read", "winder", "speed-limit"), shown)
+        self.assertEqual(self.text("write", 1, "torque-offset", "-12.34"), "-12.3 % (torque-offset, parameter 403, raw 65413)\n")
+        self.assertEqual(self.text("read", 1, "torque-offset", "--raw"), "65413 (0xFF85, word, signed -123); torque-offset -12.3 %\n")
+        self.run_verb("write", 1, "torque-offset", 50, "--raw")
+        self.assertEqual(self.one("read", 1, "torque-offset")["scaled"], 5.0)
+
+    def test_a_number_works_as_before_and_shows_the_name(self):
+        self.assertEqual(self.text("read", 0, DEVICE_TYPE), "4400 (0x1130, word); device-type 4400\n")
+        self.run_verb("write", 0, TORQUE_OFFSET, "-10")
+        read = self.one("read", 0, TORQUE_OFFSET)
+        self.assertEqual((read["value"], read["signed"], read["scaled"]), (65526, -10, -1.0))
+        self.assertEqual((read["name"], read["unit"]), ("torque-offset", "%"))
+        self.assertEqual(self.text("read", 2, DEVICE_TYPE), "4400 (0x1130, word)\n")
+
+    def test_every_parameter_in_a_table(self):
+        lines = self.text("params", "winder").splitlines()
+        self.assertEqual(lines[0].split(), "NUMBER NAME VALUE UNIT LIMITS ACCESS GROUP TEXT".split())
+        rows = {line.split()[1]: line.split() for line in lines[1:]}
+        self.assertEqual(len(rows), 67)
+        self.assertEqual(rows["lag"][:6], ["400", "lag", "5.0", "ms", "0.0..1000.0", "read-write"])
+        self.assertEqual(rows["serial-number"][2], "1001")
+        self.assertEqual(rows["not-available"][2:4], ["-", "none"])
+        self.assertIn("read-only, volatile", next(line for line in lines if " temperature " in line))
+
+    def test_a_group_as_objects(self):
+        objects = self.json("params", 1, "--group", "motion")
+        self.assertEqual([o["name"] for o in objects], ["lag", "speed-limit", "deceleration", "torque-offset"])
+        self.assertEqual([objects[3][k] for k in ("minimum", "maximum", "unit")], [-100.0, 100.0, "%"])
+        self.assertEqual({o["result"] for o in objects}, {"done"})
+        trial = {o["name"]: o for o in self.json("params", 1, "--group", "trial")}
+        self.assertEqual((trial["not-available"]["result"], trial["not-available"]["value"]), ("not_asked", None))
+        self.assertIn("'identity', 'state', 'actual'", self.fails("params", 1, "--group", "x", code=2))
+
+    def test_events_and_slaves_have_the_names(self):
+        self.run_verb("write", "winder", "speed-limit", 777)
+
+        def told():
+            return [e for e in self.json("events") if "speed-limit (parameter 401) = 777" in e["text"]]
+
+        self.assertEqual(wait_for("the event", told)[0]["code"], "request_done")
+        self.assertEqual([s["profile"] for s in self.json("slaves")], ["simulated-drive"] * 2 + [""] * 2)
+
+
+class Refusals(Named):
+    def test_what_the_profile_does_not_allow_is_not_sent(self):
+        last = self.json("events")[-1]["number"]
+        for arguments, text in [
+            (("speed-limit", 0), "found 0 inc/s (raw 0); allowed: 1..2147483647 inc/s"),
+            (("torque-offset", "100.1"), "found 100.1 % (raw 1001); allowed: -100.0..100.0 %"),
+            (("lag", "x"), "found 'x'; allowed: a number in ms"),
+            ((SPEED_LIMIT, 0), "speed-limit (parameter 401): found 0 inc/s"),
+            (("device-type", 1), "device-type (parameter 100): read-only"),
+            (("lag", 1, "--format", "doubleword"), "allowed: word, auto"),
+            (("word-0", 65536), "allowed: 0..65535"),
+        ]:
+            self.assertIn(text, self.fails("write", "winder", *arguments, code=2))
+        self.assertIn("access none", self.fails("read", "winder", "not-available", code=2))
+        # A refusal of the daemon would be an event.
+        told = [e for e in self.json("events") if e["number"] > last and e["code"].startswith("request")]
+        self.assertEqual(told, [])
+
+    def test_the_daemon_refuses_too(self):
+        folder = self.in_folder(self.profile_text().replace("minimum = 1\n", "minimum = 0\n"))
+        lax = ("--profile", os.path.join(folder, "simulated-drive.toml"))
+        refused = self.one("write", "winder", "speed-limit", 0, *lax, code=3)
+        self.assertIn("allowed: 1..2147483647 inc/s", refused["reason"])
+        self.assertEqual(self.one("read", "winder", "speed-limit")["result"], "done")
+
+    def test_a_name_that_is_not_known(self):
+        self.assertIn("no parameter 'sped'", self.fails("read", "winder", "sped", code=2))
+        self.assertIn("set profile = ", self.fails("read", 2, "speed-limit", code=1))
+        self.assertIn("has no profile", self.fails("params", 3, code=1))
+
+    def test_a_profile_that_is_missing_or_another_version(self):
+        empty = self.enterContext(tempfile.TemporaryDirectory())
+        self.assertIn("copy its file", self.fails("read", 1, "speed-limit", "--profiles", empty, code=1))
+        self.assertEqual(self.text("read", 1, DEVICE_TYPE, "--profiles", empty), "4400 (0x1130, word)\n")
+        other = self.in_folder(self.profile_text() + "# changed\n")
+        self.assertIn("another version", self.fails("read", 1, "speed-limit", "--profiles", other, code=1))
+        wrong = self.in_folder(self.profile_text() + "colour = 3\n")
+        lines = self.profile_text().count("\n") + 1
+        self.assertIn(f"simulated-drive.toml:{lines}:1: parameter.colour", self.fails("params", 1, "--profiles", wrong, code=1))
+
+    def test_a_wrong_profile_keeps_the_daemon_from_starting(self):
+        folder = self.in_folder(self.profile_text().replace("number = 401\n", "number = 400\n"))
+        line = os.path.join(folder, "line.toml")
+        with open(line, "w", encoding="utf-8") as file:
+            file.write('[[slave]]\nnumber = 0\nprofile = "./simulated-drive.toml"\n')
+        place = self.profile_text()[: self.profile_text().index("number = 401")].count("\n") + 1
+        for arguments in [("--check", line), (line,)]:
+            ended = subprocess.run([CANSYNCD, *arguments], capture_output=True, timeout=LONG, check=False)
+            self.assertNotEqual(ended.returncode, 0)
+            self.assertIn(f"simulated-drive.toml:{place}:10: parameter.number: found 400 again", ended.stderr.decode())
+
+
+if __name__ == "__main__":
+    unittest.main()
