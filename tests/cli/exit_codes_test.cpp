@@ -22,7 +22,7 @@ TEST(ExitCodes, FollowFromTheReply) {
 
 TEST(ExitCodes, AreAllInTheHelp) {
   const std::string help = exit_code_help();
-  for (int code = 0; code <= 7; ++code)
+  for (int code = 0; code <= 9; ++code)
     EXPECT_NE(help.find("\n  " + std::to_string(code) + "  "), std::string::npos) << code;
 }
 

@@ -41,9 +41,9 @@ void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
       ->envname("CANSYNC_PROFILES")
       ->type_name("FOLDER");
   app.add_option("--timeout", texts.timeout,
-                 "how long to look for the daemon (default 3, at least 1); with read, write, upload and "
-                 "download also "
-                 "the monitoring time (default: the daemon's)")
+                 "how long to look for the daemon (default 3, at least 1); with verbs that read or "
+                 "write parameters, and with upload and download, also the monitoring time of each job "
+                 "(default: the daemon's)")
       ->type_name("SECONDS");
   app.add_flag("--json", globals.json,
                "data as JSON, one object a line; docs/command-line.md lists the keys");
@@ -68,6 +68,8 @@ void add_verbs(CLI::App& app, Verb& chosen) {
   add_trace_verb(app, chosen);
   add_parameter_verbs(app, chosen);
   add_params_verb(app, chosen);
+  add_passport_verbs(app, chosen);
+  add_restore_verb(app, chosen);
   add_transfer_verbs(app, chosen);
   add_command_verbs(app, chosen);
   add_reference_verb(app, chosen);

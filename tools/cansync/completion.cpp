@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <optional>
 
+#include "cansync/profiles.h"
 #include "cansync/values.h"
 #include "client/client.h"
 
@@ -119,9 +121,31 @@ Words mapping_words(const text::TypedLine& line) {
   return out;
 }
 
+/// Names of the parameters of the slave that is typed, or with `groups` of their groups.
+Words parameter_names(const text::TypedLine& line, bool groups) {
+  if (line.arguments.empty()) return {};
+  Daemon daemon(line);
+  Words out;
+  for (const client::SlaveStatus& slave : daemon->slaves(kSearch)) {
+    if (line.arguments.front() != slave.name && line.arguments.front() != fmt::format("{}", slave.slave))
+      continue;
+    if (slave.profile[0] == '\0') continue;
+    const ProfilePointer profile =
+        load_profile(slave.profile, option(line, "--profiles", "CANSYNC_PROFILES", ""));
+    for (const profile::Parameter& parameter : profile->parameters) {
+      const std::string& word = groups ? parameter.group : parameter.name;
+      if (!word.empty() && std::find(out.begin(), out.end(), word) == out.end()) out.push_back(word);
+    }
+  }
+  return out;
+}
+
 Words candidates(std::string_view placeholder, const text::TypedLine& line) {
   const auto told_slaves = [&line] { return slaves(line); };
   if (placeholder == "SLAVE") return with({}, told_slaves);
+  if (placeholder == "A" || placeholder == "B") return with({":files"}, told_slaves);
+  if (placeholder == "PARAMETER") return with({}, [&line] { return parameter_names(line, false); });
+  if (placeholder == "GROUP") return with({}, [&line] { return parameter_names(line, true); });
   if (placeholder == "SET") return with({"all"}, told_slaves);
   if (placeholder == "WHO") return with({"auto", "nobody"}, told_slaves);
   if (placeholder == "TARGET") return with({"references"}, told_slaves);

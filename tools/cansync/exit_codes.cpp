@@ -31,12 +31,13 @@ const char* exit_code_help() noexcept {
          "  0  done\n"
          "  1  something else failed, e.g. a file cannot be read or written\n"
          "  2  usage: the command line is wrong; nothing was sent\n"
-         "  3  refused by the daemon; nothing was sent on the bus\n"
+         "  3  refused by the daemon, or by `restore` before its first write; nothing was changed\n"
          "  4  the slave answered with an error, or the parameter has another format\n"
          "  5  timeout, a write was not answered, or the slave stopped answering\n"
          "  6  the daemon is not running, not reachable, or went away\n"
          "  7  cancelled by Ctrl-C, or because the master stopped\n"
-         "  8  `doctor` found an error (1: warnings alone)";
+         "  8  `doctor` found an error (1: warnings alone)\n"
+         "  9  `diff` or `verify` found a difference";
 }
 
 }  // namespace cansync::cli

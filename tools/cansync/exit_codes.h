@@ -12,12 +12,13 @@ enum class ExitCode : std::uint8_t {
   failed = 1,       ///< anything that has no code of its own, e.g. a file that cannot be written; warnings of
                     ///< `doctor`
   usage = 2,        ///< the command line is wrong; nothing was sent
-  refused = 3,      ///< by the daemon; nothing was sent on the bus
+  refused = 3,      ///< by the daemon: nothing was sent on the bus; or by `restore`: nothing was written
   slave_error = 4,  ///< the slave answered with an error, or has the parameter in another format
   timeout = 5,      ///< no answer of the slave; after a write it is not known whether it was taken
   not_reachable = 6,  ///< no daemon, or it went away before it answered
   cancelled = 7,      ///< by Ctrl-C, or because the master stopped
   faults = 8,         ///< `doctor` found an error
+  different = 9,      ///< `diff` or `verify` found a difference
 };
 
 /// The exit code of a request that ended so.

@@ -34,7 +34,7 @@ client::Reply read_parameters(
       ended.reason = "cancelled";
       return ended;
     }
-    const client::ParameterReply reply = session.wait(open.front());
+    client::ParameterReply reply = session.wait(open.front());
     open.pop_front();
     taken(*parameter, reply);
     if (answered(reply.code)) continue;

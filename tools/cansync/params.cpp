@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "cansync/column_help.h"
 #include "cansync/parameter_reader.h"
 #include "cansync/profiles.h"
 #include "cansync/verbs.h"
@@ -17,6 +18,20 @@ struct ParamsOptions {
   std::string group;
   bool raw = false;
 };
+
+std::vector<Table::Column> parameter_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {
+      {"NUMBER", right, "parameter number"},
+      {"NAME", left, "its name in the profile, usable instead of the number"},
+      {"VALUE", right, "in the unit, or raw with --raw; - = access none; else why it could not be read"},
+      {"UNIT", left, "of VALUE, unless it is raw, and of LIMITS"},
+      {"LIMITS", left, "smallest and greatest value that may be written; empty = all that the format holds"},
+      {"ACCESS", left, "read-write, read-only, or none = neither; volatile = changes by itself"},
+      {"GROUP", left, "the group for --group"},
+      {"TEXT", left, "what it means"}};
+}
 
 /// The parameters of a group, of every one when it is empty.
 Parameters of_group(const profile::Profile& profile, const std::string& group) {
@@ -107,7 +122,7 @@ class Listing {
       value = reply->error_code != 0 ? fmt::format("error 0x{:04X}", reply->error_code)
                                      : std::string(client::name(reply->code));
     }
-    table_.add({std::to_string(parameter.number), parameter.name, value, raw_ ? "" : parameter.unit,
+    table_.add({std::to_string(parameter.number), parameter.name, value, parameter.unit,
                 profile::limits_text(parameter), access_text(parameter), parameter.group, parameter.text});
   }
 
@@ -115,14 +130,7 @@ class Listing {
   unsigned slave_;
   bool raw_;
   client::Reply failed_ = {client::ReplyCode::done, ""};
-  Table table_{{{"NUMBER", Table::Align::right},
-                {"NAME"},
-                {"VALUE", Table::Align::right},
-                {"UNIT"},
-                {"LIMITS"},
-                {"ACCESS"},
-                {"GROUP"},
-                {"TEXT"}}};
+  Table table_{parameter_columns()};
 };
 
 ExitCode params_verb(Session& session, const ParamsOptions& options) {
@@ -161,17 +169,7 @@ void add_params_verb(CLI::App& app, Verb& chosen) {
   params->add_option("--group", options->group, "only the parameters of this group")->type_name("GROUP");
   params->add_flag("--raw", options->raw, "values as on the bus, unsigned");
   add_profile_option(*params, options->profile);
-  params->footer(
-      "Reads all of them from the slave.\n"
-      "Columns:\n"
-      "  NUMBER  parameter number\n"
-      "  NAME    its name in the profile, usable instead of the number\n"
-      "  VALUE   in the unit, or raw; - = access none; else why it could not be read\n"
-      "  UNIT    of VALUE and LIMITS\n"
-      "  LIMITS  smallest and greatest value that may be written; empty = all that the format holds\n"
-      "  ACCESS  read-write, read-only, or none = neither; volatile = changes by itself\n"
-      "  GROUP   the group for --group\n"
-      "  TEXT    what it means");
+  params->footer("Reads all of them from the slave.\n" + columns_help(parameter_columns()));
   params->callback([options, &chosen] {
     chosen = [options](Session& session) { return params_verb(session, *options); };
   });

@@ -19,6 +19,8 @@ void add_watch_verb(CLI::App& app, Verb& chosen);       ///< watch
 void add_event_verb(CLI::App& app, Verb& chosen);       ///< events
 void add_parameter_verbs(CLI::App& app, Verb& chosen);  ///< read, write
 void add_params_verb(CLI::App& app, Verb& chosen);      ///< params
+void add_passport_verbs(CLI::App& app, Verb& chosen);   ///< backup, diff, verify
+void add_restore_verb(CLI::App& app, Verb& chosen);     ///< restore
 void add_transfer_verbs(CLI::App& app, Verb& chosen);   ///< upload, download
 void add_command_verbs(CLI::App& app, Verb& chosen);    ///< control, broadcast, mode
 void add_reference_verb(CLI::App& app, Verb& chosen);   ///< set
