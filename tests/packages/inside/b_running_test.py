@@ -1,0 +1,183 @@
+"""The service, started by systemctl, at work on vcan0."""
+
+import ctypes
+import os
+import pathlib
+import re
+import signal
+import unittest
+
+from machine import *
+
+REALTIME_THREAD = "cansync-rt"
+PTRACE_SEIZE = 0x4206
+PTRACE_INTERRUPT = 0x4207
+
+
+def tasks(pid):
+    """The threads of a process, as folders of /proc."""
+    return list(pathlib.Path(f"/proc/{pid}/task").iterdir())
+
+
+def scheduling(task):
+    """Realtime priority and policy of a thread; policy 1 is SCHED_FIFO."""
+    fields = task.joinpath("stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()  # from field 3 on
+    return int(fields[37]), int(fields[38])
+
+
+def sockets_of(pid):
+    """The address families of the process's sockets."""
+    tables = {}
+    net = pathlib.Path(f"/proc/{pid}/net")
+    # The column that holds the inode, by file.
+    for name, column, family in (("unix", 6, "AF_UNIX"), ("udp", 9, "AF_INET"), ("tcp", 9, "AF_INET"),
+                                 ("udp6", 9, "AF_INET6"), ("netlink", 9, "AF_NETLINK"), ("packet", 8, "AF_PACKET")):
+        if (net / name).exists():
+            for line in (net / name).read_text(encoding="ascii").splitlines()[1:]:
+                tables[line.split()[column]] = family
+    found = []
+    for entry in os.scandir(f"/proc/{pid}/fd"):
+        target = os.readlink(entry.path)
+        if target.startswith("socket:"):
+            found.append(tables.get(target[8:-1], "AF_CAN"))  # raw CAN sockets have no table with inodes
+    return found
+
+
+class Running(unittest.TestCase):
+    def test_01_waits_for_a_missing_interface_without_failing(self):
+        pathlib.Path("/etc/cansync/vcan9.toml").write_text(
+            '[bus]\ninterface = "vcan9"\nbit_rate = 125000\n[[slave]]\nnumber = 0\n', encoding="utf-8")
+        run("systemctl", "enable", "cansyncd@vcan9.service")
+        self.assertEqual(properties("ActiveState", unit="cansyncd@vcan9.service")["ActiveState"], "inactive")
+        run("ip", "link", "add", "dev", "vcan9", "type", "vcan")
+        run("ip", "link", "set", "vcan9", "up")
+        wait_for_state("active", "cansyncd@vcan9.service")
+        run("ip", "link", "delete", "vcan9")
+        wait_for_state("inactive", "cansyncd@vcan9.service")
+        run("systemctl", "disable", "cansyncd@vcan9.service")
+        self.assertEqual(run("systemctl", "--failed", "--no-legend", "--plain"), "")
+
+    def test_02_starts_with_the_simulator_and_is_healthy(self):
+        write_configuration()
+        run("cansyncd", "--check", CONFIGURATION)
+        run("systemctl", "enable", SERVICE)
+        run("systemctl", "start", SIMULATOR, SERVICE)
+        wait_until_active()
+        self.assertEqual(properties("ActiveState", unit=SIMULATOR)["ActiveState"], "active")
+        text = properties("StatusText")["StatusText"]
+        wait_for("the status text", lambda: properties("StatusText")["StatusText"] ==
+                 "active operation: 2 of 2 slaves respond; bus vcan0 (vcan0) at 125000 bit/s")
+        self.assertIn("Status: \"active operation", run("systemctl", "status", SERVICE), text)
+
+    def test_03_reads_a_parameter_and_transfers_a_block(self):
+        reply = cansync("read", "axis-1", "301")[0]
+        self.assertEqual(reply["result"], "done")
+        block = os.urandom(300)
+        pathlib.Path("/tmp/block").write_bytes(block)
+        self.assertEqual(cansync("download", "axis-0", "0x1000", "/tmp/block")[0]["result"], "done")
+        self.assertEqual(cansync("upload", "axis-0", "0x1000", "300", "/tmp/back")[0]["result"], "done")
+        self.assertEqual(pathlib.Path("/tmp/back").read_bytes(), block)
+
+    def test_04_has_the_realtime_rights_that_it_insists_on(self):
+        normal, enforced = f'mode = "ignore"\n{NORMAL_PRIORITY}', 'mode = "enforce"'
+        change_configuration(normal, enforced)
+        run("systemctl", "restart", SERVICE)
+        wait_until_active()
+        pid = main_pid()
+        self.assertIn((60, 1), [scheduling(task) for task in tasks(pid)])  # SCHED_FIFO
+        locked = re.search(r"VmLck:\s+(\d+) kB", pathlib.Path(f"/proc/{pid}/status").read_text(encoding="ascii"))
+        self.assertGreater(int(locked.group(1)), 1000)
+        change_configuration(enforced, normal)
+        run("systemctl", "restart", SERVICE)
+        wait_until_active()
+
+    def test_05_has_no_capabilities_and_no_new_privileges(self):
+        status = pathlib.Path(f"/proc/{main_pid()}/status").read_text(encoding="ascii")
+        for kind in ("CapInh", "CapPrm", "CapEff", "CapBnd", "CapAmb"):
+            self.assertRegex(status, rf"{kind}:\s+0000000000000000\n")
+        self.assertRegex(status, r"NoNewPrivs:\s+1\n")
+        self.assertRegex(status, r"Seccomp:\s+2\n")
+        user = run("id", "-u", "cansync").strip()
+        self.assertRegex(status, rf"Uid:\s+{user}\s+{user}\s+{user}\s+{user}\n")
+
+    def test_06_sees_and_holds_no_other_users_files(self):
+        pid = main_pid()
+        for folder in ("/root", "/home"):
+            listing = run("nsenter", f"--target={pid}", "--mount", "ls", "-A", folder, expect=None)
+            self.assertTrue(listing == "" or "Permission denied" in listing, listing)
+        run("nsenter", f"--target={pid}", "--mount", "touch", "/etc/cansync/made-by-test", expect=1)
+        user = int(run("id", "-u", "cansync"))
+        for entry in os.scandir(f"/proc/{pid}/fd"):
+            facts, target = os.stat(entry.path), os.readlink(entry.path)
+            if target.startswith("/") and not target.startswith("/dev/"):
+                self.assertEqual(facts.st_uid, user, target)
+
+    def test_07_has_sockets_of_the_stated_families_alone(self):
+        stated = set(properties("RestrictAddressFamilies")["RestrictAddressFamilies"].split())
+        self.assertEqual(stated, {"AF_UNIX", "AF_INET", "AF_NETLINK", "AF_CAN"})
+        found = sockets_of(main_pid())
+        self.assertLessEqual(set(found), stated)
+        self.assertIn("AF_CAN", found)
+        self.assertIn("AF_INET", found)
+        # Bound to this computer alone.
+        addresses = re.findall(r"cansyncd.*", run("ss", "--udp", "--listening", "--numeric", "--processes"))
+        self.assertTrue(addresses)
+
+    def test_08_reload_changes_a_mapping(self):
+        pid = main_pid()
+        before = cansync("map", "references")
+        change_configuration("reference_registers_1 = [0x01, 0x03, 0, 0]", "reference_registers_1 = [0x05, 0x07, 0, 0]")
+        run("systemctl", "reload", SERVICE)
+        wait_for("the mapping has changed", lambda: cansync("map", "references") != before)
+        first = [o for o in cansync("map", "references") if o["telegram"] == 1][0]
+        self.assertEqual(first["registers"][:2], [0x05, 0x07])
+        self.assertEqual(main_pid(), pid)
+        self.assertTrue(line_is_active())
+
+    def test_09_a_wrong_file_on_reload_changes_nothing(self):
+        pid = main_pid()
+        change_configuration("bit_rate = 125000", "bit_rate = 125001")
+        run("systemctl", "reload", SERVICE)
+        wait_for("the error stands in the journal", lambda: "bus.bit_rate: found 125001" in
+                 run("journalctl", "--no-pager", "--unit", SERVICE))
+        change_configuration("bit_rate = 125001", "bit_rate = 125000")
+        self.assertEqual(main_pid(), pid)
+        self.assertTrue(line_is_active())
+
+    def test_10_killed_it_is_restarted(self):
+        pid, restarts = main_pid(), int(properties("NRestarts")["NRestarts"])
+        os.kill(pid, signal.SIGKILL)
+        wait_for("systemd has restarted it", lambda: main_pid() not in (0, pid))
+        wait_until_active()
+        self.assertEqual(int(properties("NRestarts")["NRestarts"]), restarts + 1)
+
+    def test_11_the_watchdog_restarts_it_when_the_realtime_thread_stands_still(self):
+        pid = main_pid()
+        thread = next(int(task.name) for task in tasks(pid)
+                      if task.joinpath("comm").read_text(encoding="ascii").strip() == REALTIME_THREAD)
+        libc = ctypes.CDLL(None, use_errno=True)
+        # As a debugger does: this one thread stands still, all others go on.
+        for request in (PTRACE_SEIZE, PTRACE_INTERRUPT):
+            self.assertEqual(libc.ptrace(request, thread, None, None), 0, os.strerror(ctypes.get_errno()))
+        wait_for("systemd has restarted it", lambda: main_pid() not in (0, pid))
+        self.assertIn("Watchdog timeout", run("journalctl", "--no-pager", "--unit", SERVICE))
+        wait_until_active()
+
+    def test_12_a_wrong_configuration_is_shown_with_line_and_column_and_not_tried_again(self):
+        change_configuration("bit_rate = 125000", "bit_rate = 125001")
+        run("systemctl", "restart", SERVICE, expect=1)
+        wait_for_state("failed")
+        line = 1 + CONFIGURATION.read_text(encoding="utf-8").split("bit_rate = 125001")[0].count("\n")
+        text = run("systemctl", "status", SERVICE, expect=3)
+        self.assertIn(f"{CONFIGURATION}:{line}:12: bus.bit_rate: found 125001; allowed: 125000, 250000,", text)
+        facts = properties("NRestarts", "ExecMainStatus")
+        self.assertEqual(facts, {"NRestarts": "0", "ExecMainStatus": "78"})
+        change_configuration("bit_rate = 125001", "bit_rate = 125000")
+        run("systemctl", "reset-failed", SERVICE)
+        run("systemctl", "start", SERVICE)
+        wait_until_active()
+
+    def test_13_metrics_are_there(self):
+        text = wait_for("the file of the metrics", lambda: run("cat", "/run/cansync/vcan0/cansync.prom", expect=None))
+        self.assertTrue(text.endswith("# EOF\n"), text)
+        self.assertRegex(text, r'cansync_\w+\{[^}]*bus="vcan0"')

@@ -1,0 +1,128 @@
+"""What the tests inside the booted machine share: running commands, waiting, the service, the configuration."""
+
+import json
+import os
+import pathlib
+import subprocess
+import time
+
+LONG = 90  # seconds after which something has certainly gone wrong, also on a loaded machine
+INTERFACE = "vcan0"
+SERVICE = f"cansyncd@{INTERFACE}.service"
+SIMULATOR = f"cansync-sim@{INTERFACE}.service"
+CONFIGURATION = pathlib.Path(f"/etc/cansync/{INTERFACE}.toml")
+NORMAL_PRIORITY = "priority = 0"
+ENVIRONMENT = dict(os.environ, CANSYNC_BUS=INTERFACE, SYSTEMD_PAGER="cat", SYSTEMD_COLORS="0", LC_ALL="C.UTF-8",
+                   DEBIAN_FRONTEND="noninteractive")
+
+
+def run(*command, expect=0, timeout=LONG):
+    """What the command wrote on both outputs; an error when it ends with another code than `expect` (None: any)."""
+    done = subprocess.run([str(part) for part in command], env=ENVIRONMENT, stdin=subprocess.DEVNULL, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False)
+    if expect is not None and done.returncode != expect:
+        raise AssertionError(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}")
+    return done.stdout
+
+
+def wait_for(what, condition, seconds=LONG):
+    """The first result of `condition` that is true."""
+    deadline = time.monotonic() + seconds
+    while (began := time.monotonic()) < deadline:
+        result = condition()
+        if result:
+            return result
+        # Looking costs processor time that the line needs as well: never more than half of it.
+        time.sleep(min(1.0, max(0.1, time.monotonic() - began)))
+    raise AssertionError(f"not within {seconds} s: {what}\n{run('systemctl', 'status', SERVICE, expect=None)}")
+
+
+def properties(*names, unit=SERVICE):
+    """What systemd knows of the unit: values by name."""
+    text = run("systemctl", "show", unit, *(f"--property={name}" for name in names))
+    return dict(line.split("=", 1) for line in text.splitlines())
+
+
+def main_pid():
+    return int(properties("MainPID")["MainPID"])
+
+
+def cansync(*arguments, expect=0):
+    """The objects that `cansync --json` wrote."""
+    text = run("cansync", "--json", "--timeout", "30", *arguments, expect=expect)
+    return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+
+
+def line_is_active(slaves=2):
+    """True while the service is up, the line in active operation, and every slave synchronized."""
+    if properties("ActiveState")["ActiveState"] != "active":
+        return False
+    text = run("cansync", "--json", "--timeout", "10", "status", expect=None)
+    if not text.startswith("{"):
+        return False
+    status = json.loads(text.splitlines()[0])
+    return status["state"] == "active operation" and bin(status["slaves_synchronized"]).count("1") == slaves
+
+
+def wait_until_active():
+    wait_for(f"{SERVICE} in active operation", line_is_active)
+
+
+def wait_for_state(state, unit=SERVICE):
+    wait_for(f"{unit} is {state}", lambda: properties("ActiveState", unit=unit)["ActiveState"] == state)
+
+
+def journal(*arguments):
+    """Entries of the journal: a list of objects."""
+    text = run("journalctl", "--output=json", "--no-pager", "--all", *arguments)
+    return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+
+
+def write_configuration():
+    """The configuration of the virtual interface, made from the shipped one as an administrator does."""
+    text = pathlib.Path("/etc/cansync/can0.toml").read_text(encoding="utf-8")
+    text = text.replace('interface = "can0"', f'interface = "{INTERFACE}"')
+    # System calls are slow in this kernel: the longest interval.
+    text = text.replace("bit_rate = 500000", "bit_rate = 125000")
+    # On a busy machine a realtime thread leaves nothing of this kernel's one processor to others; one test asks for it.
+    text = text.replace('mode = "enforce"', f'mode = "ignore"\n{NORMAL_PRIORITY}')
+    text += """
+[[slave]]
+number = 1
+name = "axis-1"
+
+# No wires here: SYNC as a frame, which the simulated drives understand.
+[sync]
+output = "can"
+
+# The machine under this kernel may stand still for a moment: that is not what these tests are about.
+[startup]
+lost_after = 100
+
+[recorder]
+syncs_missed = 0
+
+[process]
+reference_registers_1 = [0x01, 0x03, 0, 0]
+
+[metrics]
+file = "/run/cansync/vcan0/cansync.prom"
+period_s = 1
+"""
+    CONFIGURATION.write_text(text, encoding="utf-8")
+
+
+def change_configuration(old, new):
+    text = CONFIGURATION.read_text(encoding="utf-8")
+    assert old in text, f"{old!r} is not in {CONFIGURATION}"
+    CONFIGURATION.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def packages():
+    """The files of the new packages and of those before, as they lie in the root: new, previous."""
+    folder = pathlib.Path("/srv/packages")
+    return sorted(folder.glob("new/*.deb")), sorted(folder.glob("previous/*.deb"))
+
+
+def installed_version(package="cansyncd"):
+    return run("dpkg-query", "-W", "-f=${Version}", package)
