@@ -14,6 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
 from help_text import helps
 
 from gateway import CANSYNC, LONG
+from names_test import PROFILE, PROFILES
 from verb_case import VerbTest
 
 COMPLETIONS = os.path.join(os.path.dirname(__file__), "..", "..", "completions", "cansync")
@@ -29,23 +30,38 @@ TABLES = {
     "trace": (["trace", "LOG"], ""),
     "poll": (["poll"], ""),
     "map": (["map"], ""),
-    **dict.fromkeys("status read write upload download control broadcast mode release set".split()),
+    "params": (["params", "winder"], ""),
+    "diff": (["diff", "BACKUP", "winder"], ""),
+    "verify": (["verify", "winder", "BACKUP"], ""),
+    "restore": (["restore", "winder", "BACKUP", "--dry-run"], ""),
+    **dict.fromkeys("status read write upload download control broadcast mode release set backup".split()),
 }
 
 
 class Columns(VerbTest):
+    OPTIONS = ("--set", f"slave.1.profile={PROFILE}")
+
+    def backup(self, folder):
+        """A backup of winder, which holds something else meanwhile."""
+        self.gateway.environment["CANSYNC_PROFILES"] = PROFILES
+        path = os.path.join(folder, "backup")
+        self.run_verb("backup", "winder", path)
+        self.run_verb("write", "winder", 400, 77)
+        return path
+
     def test_every_heading_is_explained(self):
         told = helps(CANSYNC)
         self.assertEqual(set(TABLES), set(told) - {""}, "a new verb is to be added to TABLES")
-        with tempfile.NamedTemporaryFile("w", suffix=".log") as log:
-            log.write(LOG)
-            log.flush()
+        with tempfile.TemporaryDirectory() as folder:
+            places = {"LOG": os.path.join(folder, "log"), "BACKUP": self.backup(folder)}
+            with open(places["LOG"], "w", encoding="ascii") as log:
+                log.write(LOG)
             for verb, table in TABLES.items():
                 explained = told[verb].explained("Columns")
                 if table is None:
                     self.assertEqual(explained, {}, verb)
                     continue
-                arguments = [log.name if word == "LOG" else word for word in table[0]]
+                arguments = [places.get(word, word) for word in table[0]]
                 lines = self.gateway.run(*arguments).stdout.decode().splitlines()
                 above = next((i + 1 for i, line in enumerate(lines) if table[1] and re.match(table[1], line)), 0)
                 found = [self.general(heading) for heading in re.split("  +", lines[above].strip())]
