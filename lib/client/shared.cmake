@@ -5,10 +5,13 @@ include(CMakePackageConfigHelpers)
 
 add_library(cansync_shared SHARED libcansync.map)
 target_link_libraries(cansync_shared PUBLIC CycloneDDS::ddsc PRIVATE cansync_sanitizers $<LINK_LIBRARY:WHOLE_ARCHIVE,cansync_client>)
-target_link_options(cansync_shared PRIVATE LINKER:--version-script=${CMAKE_CURRENT_SOURCE_DIR}/libcansync.map
-  $<$<NOT:$<BOOL:${CANSYNC_SANITIZE}>>:LINKER:--no-undefined>)
+target_link_options(cansync_shared PRIVATE LINKER:--version-script=${CMAKE_CURRENT_SOURCE_DIR}/libcansync.map)
+# A sanitizer's runtime comes with the program.
+if(NOT CANSYNC_SANITIZE)
+  target_link_options(cansync_shared PRIVATE LINKER:--no-undefined)
+endif()
 set_target_properties(cansync_shared PROPERTIES OUTPUT_NAME cansync EXPORT_NAME cansync LINKER_LANGUAGE CXX
-  VERSION ${PROJECT_VERSION} SOVERSION 1 LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/libcansync.map)
+  VERSION 1.${PROJECT_VERSION} SOVERSION 1 LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/libcansync.map)
 
 # <cansync/client.h> in this tree, as it is when it is installed.
 set(headers ${CMAKE_BINARY_DIR}/include/cansync)
