@@ -6,6 +6,7 @@ import pathlib
 import subprocess
 import time
 
+ACTIVE = 0x80  # w_OPTION_STATUS
 LONG = 90  # seconds after which something has certainly gone wrong, also on a loaded machine
 INTERFACE = "vcan0"
 SERVICE = f"cansyncd@{INTERFACE}.service"
@@ -58,10 +59,9 @@ def line_is_active(slaves=2):
     if properties("ActiveState")["ActiveState"] != "active":
         return False
     text = run("cansync", "--json", "--timeout", "10", "status", expect=None)
-    if not text.startswith("{"):
-        return False
-    status = json.loads(text.splitlines()[0])
-    return status["state"] == "active operation" and bin(status["slaves_synchronized"]).count("1") == slaves
+    statuses = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+    return (len(statuses) == 1 and statuses[0]["option_status"] & ACTIVE != 0 and
+            statuses[0]["slaves_synchronized"].bit_count() == slaves)
 
 
 def wait_until_active():
