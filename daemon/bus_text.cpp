@@ -16,7 +16,7 @@ struct FaultWords {
   std::string_view remedy;
 };
 
-FaultWords words_of(BusFaultKind kind) noexcept {
+FaultWords words_of(BusFaultKind kind) {
   switch (kind) {
     case BusFaultKind::not_acknowledged:
       return {"not_acknowledged", "acknowledged", "telegrams are acknowledged by nobody",

@@ -166,7 +166,7 @@ struct Describer {
 
 }  // namespace
 
-EventCode code_of(Code code) noexcept {
+EventCode code_of(Code code) {
   switch (code) {
     case Code::slave_responds:
       return "slave_responds";

@@ -35,7 +35,7 @@ struct EventText {
 };
 
 /// The kind of a master's event.
-EventCode code_of(cansync::MasterEvent::Code code) noexcept;
+EventCode code_of(cansync::MasterEvent::Code code);
 
 /// The event that stands for `report`; nothing for reports that are no events (progress of a transfer), or
 /// that are counted before they become one (refused reference values).

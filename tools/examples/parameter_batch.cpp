@@ -33,6 +33,7 @@ std::optional<ParameterRequest> request_of(const char* text, std::uint32_t slave
 
 int run(Client& client, const std::vector<ParameterRequest>& requests) {
   std::vector<ParameterJob> jobs;
+  jobs.reserve(requests.size());
   for (const ParameterRequest& request : requests) jobs.push_back(client.submit(request));
   int failed = 0;
   for (std::size_t i = 0; i < jobs.size(); ++i) {

@@ -27,9 +27,8 @@ void PD_CFG_READ_MA::call() {
     std::string problem = slave_problem(*client_, si_SL_NR);
     if (!problem.empty()) mapping.problem = std::move(problem);
     if (mapping.problem.empty())
-      slot_.enter([slave = static_cast<std::uint32_t>(si_SL_NR), bytes = mapping.bytes](Client& client) {
-        return client.map_actuals(slave, bytes);
-      });
+      slot_.enter([slave = static_cast<std::uint32_t>(number(si_SL_NR)),
+                   bytes = mapping.bytes](Client& client) { return client.map_actuals(slave, bytes); });
     else
       slot_.refuse(std::move(mapping.problem));
   }

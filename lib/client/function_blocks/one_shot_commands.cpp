@@ -12,9 +12,8 @@ void CONTROLWORD_MA::call() {
     if (std::string problem = slave_problem(*client_, si_SL_NR_CTRL); !problem.empty()) {
       slot_.refuse(std::move(problem));
     } else {
-      slot_.enter([slave = static_cast<std::uint32_t>(si_SL_NR_CTRL), word = w_CONTROLWORD](Client& client) {
-        return client.control_word(slave, word);
-      });
+      slot_.enter([slave = static_cast<std::uint32_t>(number(si_SL_NR_CTRL)),
+                   word = w_CONTROLWORD](Client& client) { return client.control_word(slave, word); });
     }
   }
   slot_.poll();

@@ -34,7 +34,7 @@ void ParameterBlock::start(bool write, UDINT value, Clock::time_point now) {
     return fail(parameter_error::invalid_slave, 0, std::move(problem));
   ParameterRequest request;
   request.write = write;
-  request.slave = static_cast<std::uint32_t>(si_SL_NR);
+  request.slave = static_cast<std::uint32_t>(number(si_SL_NR));
   request.number = u_PAR_NR;
   request.value = value;
   request.sub_slave = static_cast<std::uint16_t>(i_SUB_SL);
@@ -47,7 +47,7 @@ void ParameterBlock::start(bool write, UDINT value, Clock::time_point now) {
 
 std::optional<ParameterReply> ParameterBlock::proceed(Clock::time_point now) {
   if (!job_) return std::nullopt;
-  const std::optional<ParameterReply> reply = job_->wait_for(TIME(0));
+  std::optional<ParameterReply> reply = job_->wait_for(TIME(0));
   if (!reply) {
     if (now < deadline_) return std::nullopt;
     give_up();

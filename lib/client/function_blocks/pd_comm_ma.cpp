@@ -30,7 +30,7 @@ void PD_COMM_MA::call() {
 void PD_COMM_MA::give(SINT command, std::uint8_t telegram) {
   if (command != kValid) return;
   std::array<DINT, 4> values = {};
-  std::copy_n(a_WR_VALUES_SEND.begin() + 4 * (telegram - 1), values.size(), values.begin());
+  std::copy_n(a_WR_VALUES_SEND.begin() + std::ptrdiff_t{4} * (telegram - 1), values.size(), values.begin());
   if (std::string failed = writer_.write(telegram, values, 0b1111); !failed.empty())
     error_ = "client: " + failed;
 }
@@ -39,8 +39,8 @@ void PD_COMM_MA::ask() {
   const std::array<SINT, 3> asked = {si_RD_SL_NR1_RECEIVE, si_RD_SL_NR2_RECEIVE, si_MAX_SL_NR};
   if (asked != asked_) {
     asked_ = asked;
-    Polling polling{.one = asked[0], .two = asked[1]};
-    if (asked[2] != -1) polling.maximum_slave = asked[2];
+    Polling polling{.one = number(asked[0]), .two = number(asked[1])};
+    if (asked[2] != -1) polling.maximum_slave = number(asked[2]);
     slot_.enter([polling](Client& client) { return client.polling(polling); });
   }
   slot_.poll();

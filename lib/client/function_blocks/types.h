@@ -17,6 +17,11 @@ using BYTE = std::uint8_t;
 using WORD = std::uint16_t;
 using DWORD = std::uint32_t;
 using SINT = std::int8_t;
+/// Its value, -128..127.
+constexpr int number(SINT value) noexcept {
+  return value;  // NOLINT(bugprone-signed-char-misuse): a number of eight bits, no character
+}
+
 using USINT = std::uint8_t;
 using INT = std::int16_t;
 using UINT = std::uint16_t;

@@ -48,7 +48,7 @@ void UPDOWNLOAD_MA::start(Clock::time_point now) {
   const std::size_t length = std::min<std::size_t>(u_LENGTH, a_DOWNLOAD.size());
   request_ = {};
   request_.download = x_UPDOWN;
-  request_.slave = static_cast<std::uint32_t>(si_SL_NR);
+  request_.slave = static_cast<std::uint32_t>(number(si_SL_NR));
   request_.address = ud_ADDRESS;
   request_.block_size = kBlock;
   request_.timeout_ms = milliseconds_of(t_TIME);
