@@ -6,7 +6,7 @@ import unittest
 
 from machine import *
 
-APT = ("apt-get", "--yes", "--no-download", "-o", "Dpkg::Options::=--force-unsafe-io", "-o", "Dpkg::Use-Pty=0")
+APT = ("apt-get", "--yes", "-o", "Dpkg::Options::=--force-unsafe-io", "-o", "Dpkg::Use-Pty=0")
 NAMES = ("cansyncd", "cansync-tools", "libcansync1", "libcansync-dev")
 SLOW = 240
 
@@ -31,7 +31,7 @@ class Packages(unittest.TestCase):
         self.assertTrue(CONFIGURATION.exists())
 
     def test_2_purge_leaves_nothing(self):
-        run(*APT, "purge", "cansyncd", timeout=SLOW)  # the others leave nothing behind when they are removed
+        run(*APT, "purge", *NAMES, timeout=SLOW)
         self.assertEqual(leftovers(), [])
 
     def test_3_the_packages_before_run_the_line(self):
