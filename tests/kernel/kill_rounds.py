@@ -67,8 +67,11 @@ class Client:
         """What the job's end was: ("done", what was read), or another code and its reason. Ends by itself."""
         if not select.select([self.process.stdout], [], [], LONG)[0]:
             raise AssertionError(f"a job has not ended within {LONG} s")
-        code, _, rest = self.process.stdout.readline().rstrip("\n").partition(" ")
-        return code or "killed", rest
+        line = self.process.stdout.readline()
+        if not line:
+            return "killed", f"exit code {self.process.wait(LONG)}"
+        code, _, rest = line.rstrip("\n").partition(" ")
+        return code, rest
 
     def do(self, *job):
         self.begin(*job)
@@ -204,11 +207,17 @@ class Rounds:
                 raise AssertionError(f"an upload was done with bytes the drive never had: {read}, it had {stored}")
 
     def wait_status(self, what, condition):
+        last = None
+
         def look():
-            code, rest = self.writing.do("status")
+            nonlocal last
+            last = code, rest = self.writing.do("status")
             return code == "done" and condition(*map(int, rest.split()))
 
-        wait_for(what, look)
+        try:
+            wait_for(what, look)
+        except AssertionError as error:
+            raise AssertionError(f"{error}; last: {last}") from None
 
     def nothing_left_over(self):
         """No job is open. The status tells it once a second."""

@@ -10,6 +10,9 @@ import unittest
 from canline import LONG, Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
 from gateway import wait_for
 
+PROFILE = os.path.join(os.path.dirname(__file__), "..", "..", "config", "profiles", "simulated-drive.toml")
+DIFFERENT = 9  # exit code of diff and verify
+
 
 class Verbs(unittest.TestCase):
     @classmethod
@@ -56,6 +59,28 @@ class Verbs(unittest.TestCase):
     def test_read_and_write(self):
         self.assertEqual(self.one("write", 1, 1001, 4321)["result"], "done")
         self.assertEqual(self.one("read", 1, 1001)["value"], 4321)
+
+    def ended(self, *arguments, code=0):
+        """A verb that takes the profile, again until it ends with this code: an answer may be late on this kernel."""
+
+        def attempt():
+            result = self.daemon.run(*arguments, "--profile", PROFILE)
+            return result if result.returncode == code else None
+
+        return wait_for(f"{arguments} ends with {code}", attempt).stdout.decode()
+
+    def test_params(self):
+        self.assertEqual(self.one("write", 2, 1001, 4321)["result"], "done")
+        lines = self.ended("params", 2, "--group", "free").splitlines()
+        self.assertTrue([line for line in lines if re.match(r" *1001 +word-1 +4321 ", line)], lines)
+
+    def test_passports(self):
+        path = os.path.join(self.folder, "passport")
+        self.ended("backup", 3, path)
+        self.assertEqual(self.one("write", 3, 1002, 77)["result"], "done")
+        self.assertIn("word-2", self.ended("diff", path, 3, code=DIFFERENT))
+        self.ended("restore", 3, path)
+        self.ended("verify", 3, path)
 
     def test_download_and_upload(self):
         data = os.urandom(1000)
