@@ -35,26 +35,34 @@ struct ReleaseTexts {
 };
 
 ExitCode release_verb(Session& session, const ReleaseTexts& texts) {
-  const unsigned slave = session.slave(texts.slave);
-  const client::CommandReply reply = session.wait(session.client().release(slave, texts.force));
-  const std::string where = fmt::format("release of slave {}", slave);
-  return session.finish(
-      reply, JsonObject().add("slave", slave).add("force", texts.force), where,
-      texts.force ? where + " is in effect" : where + " has begun; `cansync slaves` shows how it ends");
+  const std::vector<unsigned> slaves = session.slaves(texts.slave);
+  return session.for_each(slaves, [&](std::size_t index) {
+    const unsigned slave = slaves[index];
+    const client::CommandReply reply =
+        session.ask(Effect::changes, [&] { return session.client().release(slave, texts.force); });
+    const std::string where = fmt::format("release of slave {}", slave);
+    return session.finish(
+        reply, JsonObject().add("slave", slave).add("force", texts.force), where,
+        texts.force ? where + " is in effect" : where + " has begun; `cansync slaves` shows how it ends");
+  });
 }
 
 ExitCode control_verb(Session& session, const ControlTexts& texts) {
   const std::uint32_t word = parse_raw(texts.word, "WORD", Width::word);
-  const unsigned slave = session.slave(texts.slave);
-  const client::CommandReply reply = session.wait(session.client().control_word(slave, word));
-  const std::string where = fmt::format("control word 0x{:04X} to slave {}", word, slave);
-  return session.finish(reply, JsonObject().add("slave", slave).add("control_word", word), where,
-                        where + " sent");
+  const std::vector<unsigned> slaves = session.slaves(texts.slave);
+  return session.for_each(slaves, [&](std::size_t index) {
+    const unsigned slave = slaves[index];
+    const client::CommandReply reply =
+        session.ask(Effect::changes, [&] { return session.client().control_word(slave, word); });
+    const std::string where = fmt::format("control word 0x{:04X} to slave {}", word, slave);
+    return session.finish(reply, JsonObject().add("slave", slave).add("control_word", word), where,
+                          where + " sent");
+  });
 }
 
 std::uint32_t parse_slaves(Session& session, const std::string& text) {
-  if (text == "all") return session.client().master_status().slaves_configured;
-  return parse_slave_set(text, [&session](std::string_view slave) { return session.slave(slave); });
+  if (text.starts_with("0x") || text.starts_with("0X")) return parse_slave_mask(text);
+  return session.slave_mask(text);
 }
 
 ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
@@ -64,7 +72,8 @@ ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
   broadcast.data_byte = static_cast<std::uint32_t>(parse_integer(texts.byte, "--byte", 0, 255));
   broadcast.data_word = parse_raw(texts.word, "--word", Width::word);
   broadcast.slave_mask = parse_slaves(session, texts.slaves);
-  const client::CommandReply reply = session.wait(session.client().broadcast(broadcast));
+  const client::CommandReply reply =
+      session.ask(Effect::changes, [&] { return session.client().broadcast(broadcast); });
   JsonObject object;
   object.add("slave_mask", broadcast.slave_mask)
       .add("priority", broadcast.priority)
@@ -88,15 +97,16 @@ client::Mode parse_mode(std::string_view text) {
 ExitCode mode_verb(Session& session, const ModeTexts& texts) {
   const client::Mode mode = parse_mode(texts.mode);
   if (texts.force && mode != cansync_MODE_RUN) throw UsageError("--force: only `mode run` takes it");
-  const client::CommandReply reply = session.wait(session.client().mode(mode, texts.force));
+  const client::CommandReply reply =
+      session.ask(Effect::changes, [&] { return session.client().mode(mode, texts.force); });
   return session.finish(reply, JsonObject().add("mode", texts.mode).add("force", texts.force),
                         "mode " + texts.mode, "mode " + texts.mode + " is in effect");
 }
 
 void add_control(CLI::App& app, Verb& chosen) {
-  auto* control = app.add_subcommand("control", "send a control word to one slave");
+  auto* control = app.add_subcommand("control", "send a control word to a slave");
   auto texts = std::make_shared<ControlTexts>();
-  control->add_option("SLAVE", texts->slave, "number 0..31 or name")->required();
+  control->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
   control->add_option("WORD", texts->word, "control word, 0..65535, also 0x.. or negative")->required();
   control->footer("Done means sent: a slave does not answer a control word.");
   control->callback(
@@ -106,7 +116,7 @@ void add_control(CLI::App& app, Verb& chosen) {
 void add_release(CLI::App& app, Verb& chosen) {
   auto* release = app.add_subcommand("release", "let a slave that was away and is held out be used again");
   auto texts = std::make_shared<ReleaseTexts>();
-  release->add_option("SLAVE", texts->slave, "number 0..31 or name")->required();
+  release->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
   release->add_flag("--force", texts->force, "without its return parameters");
   release->footer(
       "A slave that is synchronized goes through its return parameters once more, and is released when they "

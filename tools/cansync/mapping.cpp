@@ -106,15 +106,25 @@ ExitCode map_verb(Session& session, const MapTexts& texts) {
   if (texts.words.empty() || texts.words.size() > kWords)
     throw UsageError(
         fmt::format("WORD: found {} words; allowed: 1..4 (- for an unused one)", texts.words.size()));
-  Mapped mapped = find(session, texts.target).front();
-  for (std::size_t word = 0; word < kWords; ++word)
-    mapped.bytes[telegram * kWords + word] =
-        word < texts.words.size() ? parse_mapping_word(texts.words[word], mapped.lookup) : std::uint8_t{0};
+  std::vector<Mapped> all = find(session, texts.target);
+  std::vector<unsigned> slaves;
+  for (Mapped& mapped : all) {
+    slaves.push_back(mapped.slave.value_or(0));
+    for (std::size_t word = 0; word < kWords; ++word)
+      mapped.bytes[telegram * kWords + word] =
+          word < texts.words.size() ? parse_mapping_word(texts.words[word], mapped.lookup) : std::uint8_t{0};
+  }
   client::Client& client = session.client();
-  const client::CommandReply reply = session.wait(
-      mapped.slave ? client.map_actuals(*mapped.slave, mapped.bytes) : client.map_references(mapped.bytes));
-  return session.finish(reply, telegram_object(mapped, telegram), "map " + owner(mapped),
-                        "the mapping is in effect");
+  return session.for_each(slaves, [&](std::size_t index) {
+    const Mapped& mapped = all[index];
+    const client::CommandReply reply = session.ask(Effect::changes, [&] {
+      return mapped.slave ? client.map_actuals(*mapped.slave, mapped.bytes)
+                          : client.map_references(mapped.bytes);
+    });
+    return session.finish(
+        reply, telegram_object(mapped, telegram), "map " + owner(mapped),
+        session.several() ? "the mapping of " + owner(mapped) + " is in effect" : "the mapping is in effect");
+  });
 }
 
 }  // namespace
@@ -122,8 +132,10 @@ ExitCode map_verb(Session& session, const MapTexts& texts) {
 void add_mapping_verb(CLI::App& app, Verb& chosen) {
   auto* map = app.add_subcommand("map", "which value stands in which word of a telegram");
   auto texts = std::make_shared<MapTexts>();
-  map->add_option("TARGET", texts->target,
-                  "references (telegrams WRC1, WRC2), or a slave (RDC1, RDC2); alone: show its mapping");
+  map->add_option(
+      "TARGET", texts->target,
+      "references (telegrams WRC1, WRC2), or slaves, one or a list (RDC1, RDC2); alone: show their "
+      "mapping");
   map->add_option("TELEGRAM", texts->telegram, "1 (values 0..3) or 2 (values 4..7)");
   map->add_option(
       "WORD", texts->words,

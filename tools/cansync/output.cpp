@@ -26,12 +26,17 @@ void Output::bytes(std::string_view data) {
   if (!written || std::fflush(data_) != 0) throw std::runtime_error("standard output cannot be written");
 }
 
+void Output::set_slave(std::optional<unsigned> slave) {
+  slave_ = slave ? fmt::format("slave {}:", *slave) : "";
+}
+
 void Output::line(std::string_view text) {
-  bytes(fmt::format("{}\n", text));
+  bytes(fmt::format("{}{}{}\n", slave_, slave_.empty() ? "" : " ", text));
 }
 
 void Output::table(const Table& table) {
-  std::string text = table.heading() + '\n';
+  std::string text = slave_.empty() ? "" : slave_ + '\n';
+  text += table.heading() + '\n';
   for (const std::string& row : table.lines()) text += row + '\n';
   bytes(text);
 }
@@ -60,8 +65,9 @@ void Output::redraw(std::string_view title, const Table& table) {
 }
 
 void Output::remark(std::string_view text) {
+  last_remark_ = text;
   // Nothing is left to say when stderr itself is gone.
-  static_cast<void>(std::fputs(fmt::format("cansync: {}\n", text).c_str(), remarks_));
+  static_cast<void>(std::fputs(fmt::format("cansync: {}{}\n", place_, text).c_str(), remarks_));
 }
 
 }  // namespace cansync::cli

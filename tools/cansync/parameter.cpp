@@ -38,9 +38,9 @@ client::ParameterFormat parse_format(std::string_view text) {
   throw UsageError(fmt::format("--format: found '{}'; allowed: word, doubleword, auto", text));
 }
 
-/// Everything but the value. Numbers are checked before the slave's name, so that a wrong one is told without
-/// a daemon.
-Request parse_request(Session& session, const ParameterOptions& options) {
+/// Everything but slave and value. Numbers are checked before the slave's name, so that a wrong one is told
+/// without a daemon.
+Request parse_numbers(Session& session, const ParameterOptions& options) {
   Request request;
   client::ParameterRequest& job = request.job;
   const bool by_number = looks_like_number(options.parameter);
@@ -54,7 +54,13 @@ Request parse_request(Session& session, const ParameterOptions& options) {
         "PARAMETER: a profile names the parameters of the slave itself; allowed with --sub-slave: "
         "0..4095");
   }
-  job.slave = session.slave(options.slave);
+  return request;
+}
+
+/// Puts the slave in, and what its profile says of the parameter.
+Request for_slave(Session& session, Request request, unsigned slave, const ParameterOptions& options) {
+  client::ParameterRequest& job = request.job;
+  job.slave = slave;
   if (job.sub_slave != 0) return request;
   const SlaveProfile found = find_profile(session, job.slave, options.profile);
   const NamedParameter parameter = find_parameter(options.parameter, found);
@@ -85,7 +91,7 @@ bool scales(const Request& request, const client::ParameterReply& reply) {
 }
 
 std::string value_text(const Request& request, const client::ParameterReply& reply) {
-  const std::string raw = raw_text(reply.value, reply.doubleword);
+  std::string raw = raw_text(reply.value, reply.doubleword);
   if (request.known == nullptr) return raw;
   if (!scales(request, reply)) return raw + "; " + request.known->name;
   const std::string unit = request.known->unit.empty() ? "" : " " + request.known->unit;
@@ -129,15 +135,36 @@ ExitCode finish(Session& session, const Request& request, const client::Paramete
 }
 
 ExitCode run_job(Session& session, const Request& request) {
-  return finish(session, request, session.wait(session.client().submit(request.job)));
+  const Effect effect = request.job.write ? Effect::changes : Effect::reads;
+  return finish(session, request, session.ask(effect, [&] { return session.client().submit(request.job); }));
+}
+
+/// The request for each slave of the list, all of them checked. `check` completes one.
+template <class Check>
+std::vector<Request> parse_requests(Session& session, const ParameterOptions& options, const Check& check) {
+  const Request common = parse_numbers(session, options);
+  std::vector<Request> requests;
+  for (const unsigned slave : session.slaves(options.slave)) {
+    requests.push_back(for_slave(session, common, slave, options));
+    check(requests.back());
+  }
+  return requests;
+}
+
+std::vector<unsigned> slaves_of(const std::vector<Request>& requests) {
+  std::vector<unsigned> slaves;
+  slaves.reserve(requests.size());
+  for (const Request& request : requests) slaves.push_back(request.job.slave);
+  return slaves;
 }
 
 ExitCode read_verb(Session& session, const ParameterOptions& options) {
-  const Request request = parse_request(session, options);
-  if (request.known != nullptr) {
+  const std::vector<Request> requests = parse_requests(session, options, [](const Request& request) {
+    if (request.known == nullptr) return;
     if (const auto problem = profile::read_problem(*request.known)) throw UsageError(problem->text);
-  }
-  return run_job(session, request);
+  });
+  return session.for_each(slaves_of(requests),
+                          [&](std::size_t index) { return run_job(session, requests[index]); });
 }
 
 Width width_of(client::ParameterFormat format) {
@@ -169,29 +196,41 @@ void take_known_value(Request& request, const std::string& text, client::Paramet
   request.job.format = own;
 }
 
-ExitCode write_verb(Session& session, const ParameterOptions& options) {
+/// Is the value to be taken by the profile?
+bool takes_known_value(const Request& request) {
+  return request.known != nullptr && request.job.element == kValueElement;
+}
+
+/// Writes to one slave; `request` is complete but for a value whose width only the slave knows.
+ExitCode write_one(Session& session, Request request, const std::string& value) {
   using Format = client::ParameterFormat;
-  const Format typed = parse_format(options.format);
+  if (takes_known_value(request)) return run_job(session, request);
+  if (request.job.format == Format::as_slave_says && value.starts_with('-')) {
+    // The two's complement depends on the width.
+    client::ParameterRequest ask = request.job;
+    ask.write = false;
+    const client::ParameterReply reply =
+        session.ask(Effect::reads, [&] { return session.client().submit(ask); });
+    if (!reply.ok()) return finish(session, request, reply);
+    request.job.format = reply.doubleword ? Format::doubleword : Format::word;
+  }
+  request.job.value = parse_raw(value, "VALUE", width_of(request.job.format));
+  return run_job(session, request);
+}
+
+ExitCode write_verb(Session& session, const ParameterOptions& options) {
+  const client::ParameterFormat typed = parse_format(options.format);
   // Told before anything is sent; with `auto` a doubleword is the widest the slave can have.
   if (looks_like_number(options.parameter) || options.raw) {
     static_cast<void>(parse_raw(options.value, "VALUE", width_of(typed)));
   }
-  Request request = parse_request(session, options);
-  request.job.write = true;
-  if (request.known != nullptr && request.job.element == kValueElement) {
-    take_known_value(request, options.value, typed);
-    return run_job(session, request);
-  }
-  if (request.job.format == Format::as_slave_says && options.value.starts_with('-')) {
-    // The two's complement depends on the width, which only the slave knows.
-    client::ParameterRequest ask = request.job;
-    ask.write = false;
-    const client::ParameterReply reply = session.wait(session.client().submit(ask));
-    if (!reply.ok()) return finish(session, request, reply);
-    request.job.format = reply.doubleword ? Format::doubleword : Format::word;
-  }
-  request.job.value = parse_raw(options.value, "VALUE", width_of(request.job.format));
-  return run_job(session, request);
+  const std::vector<Request> requests = parse_requests(session, options, [&](Request& request) {
+    request.job.write = true;
+    if (takes_known_value(request)) take_known_value(request, options.value, typed);
+  });
+  return session.for_each(slaves_of(requests), [&](std::size_t index) {
+    return write_one(session, requests[index], options.value);
+  });
 }
 
 void add_common(CLI::App& verb, ParameterOptions& options) {
@@ -213,7 +252,7 @@ constexpr const char* kParameterHelp = "parameter number 0..4095, or its name in
 void add_parameter_verbs(CLI::App& app, Verb& chosen) {
   auto* read = app.add_subcommand("read", "read a parameter of a slave");
   auto read_options = std::make_shared<ParameterOptions>();
-  read->add_option("SLAVE", read_options->slave, "number 0..31 or name")->required();
+  read->add_option("SLAVE", read_options->slave, kSlavesHelp)->required();
   read->add_option("PARAMETER", read_options->parameter, kParameterHelp)->required();
   add_common(*read, *read_options);
   read->footer(
@@ -229,7 +268,7 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
 
   auto* write = app.add_subcommand("write", "write a parameter of a slave");
   auto write_options = std::make_shared<ParameterOptions>();
-  write->add_option("SLAVE", write_options->slave, "number 0..31 or name")->required();
+  write->add_option("SLAVE", write_options->slave, kSlavesHelp)->required();
   write->add_option("PARAMETER", write_options->parameter, kParameterHelp)->required();
   write
       ->add_option(

@@ -20,21 +20,23 @@ client::Reply read_parameters(
   std::size_t next = 0;
   client::Reply ended;
   ended.code = client::ReplyCode::done;
-  const auto submit = [&] {
+  const auto submit = [&](const profile::Parameter& parameter) {
     client::ParameterRequest request;
     request.slave = slave;
-    request.number = parameters[next++]->number;
+    request.number = parameter.number;
     request.timeout_ms = session.monitoring_ms();
-    open.push_back(session.client().submit(request));
+    return session.client().submit(request);
   };
   for (const profile::Parameter* parameter : parameters) {
-    while (open.size() < kOpenJobs && next < parameters.size() && !interrupt_flag().load()) submit();
+    while (open.size() < kOpenJobs && next < parameters.size() && !interrupt_flag().load())
+      open.push_back(submit(*parameters[next++]));
     if (open.empty()) {  // Ctrl-C between two jobs
       ended.code = client::ReplyCode::cancelled;
       ended.reason = "cancelled";
       return ended;
     }
-    client::ParameterReply reply = session.wait(open.front());
+    client::ParameterReply reply =
+        session.settle(session.wait(open.front()), Effect::reads, [&] { return submit(*parameter); });
     open.pop_front();
     taken(*parameter, reply);
     if (answered(reply.code)) continue;

@@ -133,15 +133,18 @@ class Listing {
   Table table_{parameter_columns()};
 };
 
-ExitCode params_verb(Session& session, const ParamsOptions& options) {
-  const unsigned slave = session.slave(options.slave);
-  const ProfilePointer profile = need_profile(session, slave, options.profile);
-  const Parameters chosen = of_group(*profile, options.group);
+/// One slave's parameters, and what it needs of its profile.
+struct Wanted {
+  ProfilePointer profile;  ///< keeps the parameters
+  Parameters chosen;
+};
+
+ExitCode list(Session& session, unsigned slave, const Parameters& chosen, bool raw) {
   Parameters readable;
   for (const profile::Parameter* parameter : chosen) {
     if (!profile::read_problem(*parameter)) readable.push_back(parameter);
   }
-  Listing listing(session, slave, options.raw);
+  Listing listing(session, slave, raw);
   auto next = chosen.begin();
   const auto list_unread = [&](const profile::Parameter* until) {
     for (; next != chosen.end() && *next != until; ++next) listing.add(**next, nullptr);
@@ -160,12 +163,25 @@ ExitCode params_verb(Session& session, const ParamsOptions& options) {
   return ended.ok() || !all ? code : exit_code(ended.code);
 }
 
+ExitCode params_verb(Session& session, const ParamsOptions& options) {
+  const std::vector<unsigned> slaves = session.slaves(options.slave);
+  std::vector<Wanted> wanted;
+  for (const unsigned slave : slaves) {
+    Wanted one{need_profile(session, slave, options.profile), {}};
+    one.chosen = of_group(*one.profile, options.group);
+    wanted.push_back(std::move(one));
+  }
+  return session.for_each(slaves, [&](std::size_t index) {
+    return list(session, slaves[index], wanted[index].chosen, options.raw);
+  });
+}
+
 }  // namespace
 
 void add_params_verb(CLI::App& app, Verb& chosen) {
   auto* params = app.add_subcommand("params", "every parameter of a slave's drive profile, with its value");
   auto options = std::make_shared<ParamsOptions>();
-  params->add_option("SLAVE", options->slave, "number 0..31 or name")->required();
+  params->add_option("SLAVE", options->slave, kSlavesHelp)->required();
   params->add_option("--group", options->group, "only the parameters of this group")->type_name("GROUP");
   params->add_flag("--raw", options->raw, "values as on the bus, unsigned");
   add_profile_option(*params, options->profile);

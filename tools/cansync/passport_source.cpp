@@ -6,17 +6,11 @@
 
 #include "cansync/parameter_reader.h"
 #include "cansync/profiles.h"
+#include "cansync/slave_list.h"
 #include "profile/scaling.h"
 
 namespace cansync::cli {
 namespace {
-
-std::string slave_name(Session& session, unsigned slave) {
-  for (const client::SlaveStatus& status : session.client().slaves()) {
-    if (status.slave == slave) return status.name;
-  }
-  return "";
-}
 
 bool has_format(const profile::Parameter& parameter, const client::ParameterReply& reply) {
   return reply.doubleword == (parameter.format == profile::Format::doubleword);
@@ -29,7 +23,7 @@ TakenPassport take_passport(Session& session, unsigned slave, const profile::Pro
   TakenPassport taken;
   taken.passport.bus = session.client().master_status().bus;
   taken.passport.slave = slave;
-  taken.passport.slave_name = slave_name(session, slave);
+  taken.passport.slave_name = session.slave_name(slave);
   taken.passport.profile = profile.name;
   taken.passport.profile_hash = profile.hash;
   Parameters wanted;
@@ -64,11 +58,10 @@ Passport passport_of_file(const std::string& path, bool force) {
   bool changed = false;
   Passport passport = read_passport(path, changed);
   if (changed && !force) {
-    throw NoPassport(
-        ExitCode::refused,
-        fmt::format("{}: its checksum does not fit: it was changed after it was written; make a new "
-                    "backup, or give --force to use it as it is",
-                    path));
+    throw Ended(ExitCode::refused,
+                fmt::format("{}: its checksum does not fit: it was changed after it was written; make a new "
+                            "backup, or give --force to use it as it is",
+                            path));
   }
   return passport;
 }
@@ -78,13 +71,26 @@ Passport passport_of_slave(Session& session, unsigned slave, const std::string& 
   if (!taken.ended.ok()) {
     const std::string_view reason =
         taken.ended.reason.empty() ? client::name(taken.ended.code) : std::string_view(taken.ended.reason);
-    throw NoPassport(exit_code(taken.ended.code),
-                     fmt::format("slave {}: its parameters could not be read: {}", slave, reason));
+    throw Ended(exit_code(taken.ended.code),
+                fmt::format("slave {}: its parameters could not be read: {}", slave, reason));
   }
   for (const std::string& unread : taken.unread) {
     session.output().remark(fmt::format("slave {}, {}", slave, unread));
   }
   return std::move(taken.passport);
+}
+
+SlaveFiles slave_files(Session& session, const std::string& list, const std::string& pattern, bool force) {
+  SlaveFiles files;
+  if (is_number_list(list)) static_cast<void>(session.slave_mask(list));
+  session.expect_input(pattern);
+  // A file that is wrong is told without a daemon.
+  if (!is_file_pattern(pattern)) files.passports.push_back(passport_of_file(pattern, force));
+  files.slaves = session.slaves(list);
+  files.paths = session.files(pattern, files.slaves);
+  if (files.passports.empty())
+    for (const std::string& path : files.paths) files.passports.push_back(passport_of_file(path, force));
+  return files;
 }
 
 bool is_file_argument(const std::string& text) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "cansync/endings.h"
 #include "cansync/passport.h"
 #include "cansync/session.h"
 #include "profile/profile.h"
@@ -22,23 +23,27 @@ struct TakenPassport {
 TakenPassport take_passport(Session& session, unsigned slave, const profile::Profile& profile,
                             bool with_volatile = false);
 
-/// A passport of a verb's argument ended before there was one; what to say is in `what()`.
-class NoPassport : public std::runtime_error {
- public:
-  NoPassport(ExitCode code, const std::string& text) : std::runtime_error(text), code_(code) {}
-  ExitCode code() const noexcept { return code_; }
-
- private:
-  ExitCode code_;
-};
-
-/// The passport in a file. Throws NoPassport (refused) for one that was changed after it was written, unless
+/// The passport in a file. Throws Ended (refused) for one that was changed after it was written, unless
 /// `force`; std::runtime_error for what is none.
 Passport passport_of_file(const std::string& path, bool force);
 
 /// The passport of a slave now, by its profile or that of `--profile`. What could not be read is said in
-/// remarks. Throws NoPassport when the reading was stopped.
+/// remarks. Throws Ended when the reading was stopped.
 Passport passport_of_slave(Session& session, unsigned slave, const std::string& profile);
+
+/// The slaves of a list, and the passport of each in its file.
+struct SlaveFiles {
+  std::vector<unsigned> slaves;
+  std::vector<std::string> paths;
+  std::vector<Passport> passports;
+};
+
+/// Reads the file of every slave; `pattern` as in Session::files. Throws like that and like passport_of_file.
+SlaveFiles slave_files(Session& session, const std::string& list, const std::string& pattern, bool force);
+
+/// The help of an argument FILE that names such files.
+inline constexpr const char* kBackupFileHelp =
+    "file of `backup`; for several slaves a name with {slave} or {name} in it";
 
 /// Is this argument a file, and not a slave? A number is a slave; what has a '/' or '.', or names a file that
 /// is there, is a file; everything else a slave's name.

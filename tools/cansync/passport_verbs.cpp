@@ -37,16 +37,12 @@ std::string now_text() {
   return text;
 }
 
-ExitCode backup_verb(Session& session, const PassportOptions& options) {
-  const bool to_output = options.file == "-";
-  if (to_output && session.json()) {
-    throw UsageError("FILE: found '-' with --json; allowed: a file, both go to standard output");
-  }
+ExitCode backup_one(Session& session, const PassportOptions& options, unsigned slave,
+                    const profile::Profile& profile, const std::string& file) {
+  const bool to_output = file == "-";
   std::optional<ReplacementFile> target;
-  if (!to_output) target.emplace(options.file);
-  const unsigned slave = session.slave(options.slave);
-  const ProfilePointer profile = need_profile(session, slave, options.profile);
-  TakenPassport taken = take_passport(session, slave, *profile, options.with_volatile);
+  if (!to_output) target.emplace(file);
+  TakenPassport taken = take_passport(session, slave, profile, options.with_volatile);
   client::Reply ended = taken.ended;
   if (ended.ok()) {
     if (options.time) taken.passport.taken = now_text();
@@ -67,13 +63,27 @@ ExitCode backup_verb(Session& session, const PassportOptions& options) {
   }
   JsonObject object;
   object.add("slave", slave)
-      .add("profile", profile->name)
-      .add("file", options.file)
+      .add("profile", profile.name)
+      .add("file", file)
       .add("parameters", taken.passport.entries.size())
       .add("unread", taken.unread.size());
   return session.finish(ended, object, fmt::format("slave {}", slave),
                         fmt::format("slave {}: {} parameters in {}", slave, taken.passport.entries.size(),
-                                    to_output ? "standard output" : options.file));
+                                    to_output ? "standard output" : file));
+}
+
+ExitCode backup_verb(Session& session, const PassportOptions& options) {
+  if (options.file == "-" && session.json()) {
+    throw UsageError("FILE: found '-' with --json; allowed: a file, both go to standard output");
+  }
+  const std::vector<unsigned> slaves = session.slaves(options.slave);
+  const std::vector<std::string> files = session.files(options.file, slaves);
+  std::vector<ProfilePointer> profiles;
+  profiles.reserve(slaves.size());
+  for (const unsigned slave : slaves) profiles.push_back(need_profile(session, slave, options.profile));
+  return session.for_each(slaves, [&](std::size_t index) {
+    return backup_one(session, options, slaves[index], *profiles[index], files[index]);
+  });
 }
 
 /// A number when it is one: a file that was changed by force may hold any word.
@@ -124,7 +134,9 @@ std::vector<Table::Column> verify_columns() {
                             "value that the slave holds, likewise");
 }
 
-void show_differences(Session& session, const std::vector<Difference>& found, Table table) {
+/// `slave`: told with each object when there are several.
+void show_differences(Session& session, const std::vector<Difference>& found, Table table,
+                      std::optional<unsigned> slave = std::nullopt) {
   const auto text = [](const PassportEntry* entry) {
     return entry == nullptr ? std::string("missing") : entry->raw ? entry->value : std::string("-");
   };
@@ -141,7 +153,9 @@ void show_differences(Session& session, const std::vector<Difference>& found, Ta
     add_value(object, "b", difference.b);
     add_raw(object, "a_raw", difference.a);
     add_raw(object, "b_raw", difference.b);
-    session.output().object(object.add("access", access_of(entry)));
+    object.add("access", access_of(entry));
+    if (slave && session.several()) object.add("slave", *slave);
+    session.output().object(object);
   }
   if (!session.json() && !found.empty()) session.output().table(table);
 }
@@ -162,43 +176,37 @@ ExitCode diff_verb(Session& session, const PassportOptions& options) {
   return found.empty() ? ExitCode::done : ExitCode::different;
 }
 
-ExitCode verify_verb(Session& session, const PassportOptions& options) {
-  const Passport file = passport_of_file(options.file, options.force);
-  const unsigned slave = session.slave(options.slave);
-  const Passport drive = passport_of_slave(session, slave, options.profile);
+ExitCode verify_one(Session& session, const std::string& profile, unsigned slave, const std::string& path,
+                    const Passport& file) {
+  const Passport drive = passport_of_slave(session, slave, profile);
   const std::vector<std::string> identity = identity_problems(file, drive);
   for (const std::string& problem : identity) session.output().remark(problem);
   const std::vector<Difference> found = differences(file, drive);
-  show_differences(session, found, Table(verify_columns()));
+  show_differences(session, found, Table(verify_columns()), slave);
   const auto compared =
       static_cast<std::size_t>(std::count_if(file.entries.begin(), file.entries.end(), is_compared));
   JsonObject object;
   JsonArray problems;
   for (const std::string& problem : identity) problems.add(problem);
   object.add("slave", slave)
-      .add("file", options.file)
+      .add("file", path)
       .add("compared", compared)
       .add("different", found.size())
       .add("identity", problems);
   const bool same = identity.empty() && found.empty();
   const ExitCode code =
       session.finish({client::ReplyCode::done, ""}, object, "",
-                     same ? fmt::format("slave {} holds all {} values of {}", slave, compared, options.file)
+                     same ? fmt::format("slave {} holds all {} values of {}", slave, compared, path)
                           : fmt::format("slave {} differs from {}: {} of {} values, {} marks of identity",
-                                        slave, options.file, found.size(), compared, identity.size()));
+                                        slave, path, found.size(), compared, identity.size()));
   return same ? code : ExitCode::different;
 }
 
-/// Runs a verb; what could not be had is said and ends with its code.
-Verb guarded(ExitCode (*run)(Session&, const PassportOptions&), std::shared_ptr<PassportOptions> options) {
-  return [run, options](Session& session) {
-    try {
-      return run(session, *options);
-    } catch (const NoPassport& error) {
-      session.output().remark(error.what());
-      return error.code();
-    }
-  };
+ExitCode verify_verb(Session& session, const PassportOptions& options) {
+  const SlaveFiles of = slave_files(session, options.slave, options.file, options.force);
+  return session.for_each(of.slaves, [&](std::size_t index) {
+    return verify_one(session, options.profile, of.slaves[index], of.paths[index], of.passports[index]);
+  });
 }
 
 CLI::App* add_verb(CLI::App& app, Verb& chosen, const char* name, const char* text,
@@ -206,7 +214,9 @@ CLI::App* add_verb(CLI::App& app, Verb& chosen, const char* name, const char* te
                    const std::shared_ptr<PassportOptions>& options) {
   auto* verb = app.add_subcommand(name, text);
   add_profile_option(*verb, options->profile);
-  verb->callback([run, options, &chosen] { chosen = guarded(run, options); });
+  verb->callback([run, options, &chosen] {
+    chosen = [run, options](Session& session) { return run(session, *options); };
+  });
   return verb;
 }
 
@@ -218,10 +228,12 @@ void add_passport_verbs(CLI::App& app, Verb& chosen) {
   auto backup_options = std::make_shared<PassportOptions>();
   auto* backup = add_verb(app, chosen, "backup", "write the parameters of a slave into a file", backup_verb,
                           backup_options);
-  backup->add_option("SLAVE", backup_options->slave, "number 0..31 or name")->required();
+  backup->add_option("SLAVE", backup_options->slave, kSlavesHelp)->required();
   backup
-      ->add_option("FILE", backup_options->file,
-                   "file, replaced when everything is read; - = standard output")
+      ->add_option(
+          "FILE", backup_options->file,
+          "file, replaced when everything is read; - = standard output; for several slaves a name with "
+          "{slave} or {name} in it")
       ->required();
   backup->add_flag("--time", backup_options->time, "write down the time too");
   backup->add_flag("--volatile", backup_options->with_volatile, "with the values of volatile parameters");
@@ -243,8 +255,8 @@ void add_passport_verbs(CLI::App& app, Verb& chosen) {
   auto verify_options = std::make_shared<PassportOptions>();
   auto* verify = add_verb(app, chosen, "verify", "whether a slave holds the values of a file", verify_verb,
                           verify_options);
-  verify->add_option("SLAVE", verify_options->slave, "number 0..31 or name")->required();
-  verify->add_option("FILE", verify_options->file, "file of `backup`")->required();
+  verify->add_option("SLAVE", verify_options->slave, kSlavesHelp)->required();
+  verify->add_option("FILE", verify_options->file, kBackupFileHelp)->required();
   verify->add_flag("--force", verify_options->force, kForceHelp);
   verify->footer(
       "Exit code 0 when it does, else 9. Checks the file's checksum, the identity of the drive and every "

@@ -94,8 +94,9 @@ ExitCode poll_verb(Session& session, const PollTexts& texts) {
                                 parse_optional_cursor(session, texts.parameter),
                                 parse_optional_cursor(session, texts.transfer)};
   client::CommandReply reply{client::ReplyCode::done, ""};
-  if (polls) reply = session.wait(session.client().polling(polling));
-  if (cursors && reply.ok()) reply = session.wait(session.client().cursors(channel));
+  if (polls) reply = session.ask(Effect::changes, [&] { return session.client().polling(polling); });
+  if (cursors && reply.ok())
+    reply = session.ask(Effect::changes, [&] { return session.client().cursors(channel); });
   return session.finish(reply, JsonObject(), "poll", "the change is in effect");
 }
 

@@ -38,12 +38,12 @@ std::vector<Table::Column> plan_columns() {
 /// One restore, once its plan is made.
 class Restore {
  public:
-  Restore(Session& session, unsigned slave, const RestorePlan& plan, const RestoreOptions& options)
-      : session_(session), slave_(slave), plan_(plan), options_(options) {}
+  Restore(Session& session, unsigned slave, const std::string& file, const RestorePlan& plan, bool dry_run)
+      : session_(session), slave_(slave), file_(file), plan_(plan), dry_run_(dry_run) {}
 
   ExitCode run() {
     client::Reply ended = {client::ReplyCode::done, ""};
-    if (options_.dry_run) {
+    if (dry_run_) {
       for (const PlanStep& step : plan_.steps) {
         if (step.action != Action::right) show(step, step.action == Action::write ? "write" : "skip");
       }
@@ -53,8 +53,8 @@ class Restore {
     }
     JsonObject object;
     object.add("slave", slave_)
-        .add("file", options_.file)
-        .add("dry_run", options_.dry_run)
+        .add("file", file_)
+        .add("dry_run", dry_run_)
         .add("written", written_)
         .add("to_write", plan_.count(Action::write))
         .add("right", plan_.count(Action::right))
@@ -63,7 +63,7 @@ class Restore {
         ended, object,
         fmt::format("slave {}: stopped after {} of {} values", slave_, written_, plan_.count(Action::write)),
         fmt::format("slave {}: {} {}, {} right already, {} skipped", slave_, plan_.count(Action::write),
-                    options_.dry_run ? "to write" : "written", plan_.count(Action::right),
+                    dry_run_ ? "to write" : "written", plan_.count(Action::right),
                     plan_.count(Action::skip)));
   }
 
@@ -98,9 +98,10 @@ class Restore {
     request.format = step.file->format == profile::Format::word ? client::ParameterFormat::word
                                                                 : client::ParameterFormat::doubleword;
     request.timeout_ms = session_.monitoring_ms();
-    if (auto reply = session_.wait(session_.client().submit(request)); !reply.ok()) return reply;
+    const auto submit = [&] { return session_.client().submit(request); };
+    if (auto reply = session_.ask(Effect::changes, submit); !reply.ok()) return reply;
     request.write = false;
-    client::ParameterReply read = session_.wait(session_.client().submit(request));
+    client::ParameterReply read = session_.ask(Effect::reads, submit);
     if (!read.ok() || read.value == request.value) return read;
     return {client::ReplyCode::slave_error,
             fmt::format("raw {} was written and taken, but the drive holds {}", request.value, read.value)};
@@ -124,8 +125,10 @@ class Restore {
       } else {
         object.add_null("old").add_null("new").add_null("old_raw").add_null("new_raw");
       }
-      session_.output().object(object.add("action", action).add("why", step.why));
-    } else if (options_.dry_run) {
+      object.add("action", action).add("why", step.why);
+      if (session_.several()) object.add("slave", slave_);
+      session_.output().object(object);
+    } else if (dry_run_) {
       table_.add(
           {std::to_string(entry.number), entry.name, old, fresh, entry.unit, std::string(action), step.why});
     } else {
@@ -136,28 +139,28 @@ class Restore {
 
   Session& session_;
   unsigned slave_;
+  const std::string& file_;
   const RestorePlan& plan_;
-  const RestoreOptions& options_;
+  bool dry_run_;
   std::size_t written_ = 0;
   Table table_{plan_columns()};
 };
 
 /// Says every reason and ends with the code for it. Nothing was written.
-ExitCode refuse(Session& session, const RestoreOptions& options, const std::vector<std::string>& reasons,
+ExitCode refuse(Session& session, const std::string& file, const std::vector<std::string>& reasons,
                 std::string_view remedy) {
   for (const std::string& reason : reasons) session.output().remark(reason);
-  session.output().remark(fmt::format("{}: nothing was written; {}", options.file, remedy));
+  session.output().remark(fmt::format("{}: nothing was written; {}", file, remedy));
   return ExitCode::refused;
 }
 
-ExitCode restore_verb(Session& session, const RestoreOptions& options) {
-  const Passport file = passport_of_file(options.file, options.force);
-  const unsigned slave = session.slave(options.slave);
+ExitCode restore_one(Session& session, const RestoreOptions& options, unsigned slave, const std::string& path,
+                     const Passport& file) {
   const ProfilePointer profile = need_profile(session, slave, options.profile);
   const Passport drive = passport_of_slave(session, slave, options.profile);
   const std::vector<std::string> identity = identity_problems(file, drive);
   if (!identity.empty() && !options.force) {
-    return refuse(session, options, identity,
+    return refuse(session, path, identity,
                   "it is the passport of another drive; give --force to restore it to this one");
   }
   if (file.profile_hash != profile->hash) {
@@ -167,9 +170,16 @@ ExitCode restore_verb(Session& session, const RestoreOptions& options) {
   }
   const RestorePlan plan = plan_restore(file, drive, *profile);
   if (!plan.problems.empty()) {
-    return refuse(session, options, plan.problems, "every value has to be right before the first is written");
+    return refuse(session, path, plan.problems, "every value has to be right before the first is written");
   }
-  return Restore(session, slave, plan, options).run();
+  return Restore(session, slave, path, plan, options.dry_run).run();
+}
+
+ExitCode restore_verb(Session& session, const RestoreOptions& options) {
+  const SlaveFiles of = slave_files(session, options.slave, options.file, options.force);
+  return session.for_each(of.slaves, [&](std::size_t index) {
+    return restore_one(session, options, of.slaves[index], of.paths[index], of.passports[index]);
+  });
 }
 
 }  // namespace
@@ -177,8 +187,8 @@ ExitCode restore_verb(Session& session, const RestoreOptions& options) {
 void add_restore_verb(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<RestoreOptions>();
   auto* restore = app.add_subcommand("restore", "write the values of a backup into a slave");
-  restore->add_option("SLAVE", options->slave, "number 0..31 or name")->required();
-  restore->add_option("FILE", options->file, "file of `backup`")->required();
+  restore->add_option("SLAVE", options->slave, kSlavesHelp)->required();
+  restore->add_option("FILE", options->file, kBackupFileHelp)->required();
   restore->add_flag("--dry-run", options->dry_run, "show what would be written, and write nothing");
   restore->add_flag("--force", options->force,
                     "also a file that was changed after it was written, or of another drive");
@@ -190,14 +200,7 @@ void add_restore_verb(CLI::App& app, Verb& chosen) {
       "Exit code 3: refused, nothing was written. --dry-run shows a table:\n" +
       columns_help(plan_columns()));
   restore->callback([options, &chosen] {
-    chosen = [options](Session& session) {
-      try {
-        return restore_verb(session, *options);
-      } catch (const NoPassport& error) {
-        session.output().remark(error.what());
-        return error.code();
-      }
-    };
+    chosen = [options](Session& session) { return restore_verb(session, *options); };
   });
 }
 

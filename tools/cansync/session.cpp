@@ -14,19 +14,77 @@ constexpr unsigned kHighestSlave = 31;
 
 }  // namespace
 
+Session::Session(const Globals& globals, Output& output, Connection& connection, Purpose purpose)
+    : globals_(globals),
+      output_(output),
+      connection_(connection),
+      purpose_(purpose),
+      retry_(globals.retry,
+             {Retry::Clock::now, [](Retry::Clock::time_point until) { return wait_until(until); },
+              [&output](std::string_view text) { output.remark(text); }}) {}
+
+void Session::expect_input(std::string_view path) const {
+  if (path == "-" && globals_.input_is_taken)
+    throw UsageError("FILE: found '-'; standard input holds the lines of the batch; allowed: a file");
+  if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+}
+
+client::Options Session::options(std::chrono::milliseconds wait) const {
+  client::Options options;
+  options.domain = globals_.domain;
+  options.bus = globals_.bus;
+  options.interface = globals_.interface;
+  options.client_name = "cansync";
+  options.security = globals_.security;
+  options.wait = wait;
+  return options;
+}
+
 client::Client& Session::client() {
-  if (!client_) {
-    client::Options options;
-    options.domain = globals_.domain;
-    options.bus = globals_.bus;
-    options.interface = globals_.interface;
-    options.client_name = "cansync";
-    options.security = globals_.security;
-    options.wait = search_time();
-    client_ = client::Client::connect(options);
+  if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+  std::optional<client::Client>& client = connection_.client;
+  // What a daemon that has gone told last would be taken for the present.
+  if (client && fresh_ && !client->daemon_present()) client.reset();
+  fresh_ = false;
+  while (!client) {
+    try {
+      client = client::Client::connect(options(search_time()));
+    } catch (const client::NoDaemon& error) {
+      const Retry::Verdict verdict =
+          interrupt_flag().load() ? Retry::Verdict::interrupted : retry_.failed(error.what());
+      if (verdict == Retry::Verdict::over) throw;
+      if (verdict == Retry::Verdict::interrupted) throw Interrupted();
+    }
     if (interrupt_flag().load()) throw Interrupted();
   }
-  return *client_;
+  return *client;
+}
+
+client::Client* Session::look_for_daemon(std::chrono::milliseconds wait) {
+  if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+  std::optional<client::Client>& client = connection_.client;
+  if (client && !client->daemon_present()) client.reset();
+  try {
+    if (!client) client = client::Client::connect(options(wait));
+  } catch (const client::NoDaemon&) {
+    return nullptr;
+  }
+  return &*client;
+}
+
+bool Session::again(Effect effect, client::Reply& reply) {
+  if (!worth_repeating(effect, reply)) return false;
+  switch (retry_.failed(reply.reason.empty() ? client::name(reply.code) : std::string_view(reply.reason))) {
+    case Retry::Verdict::again:
+      return true;
+    case Retry::Verdict::over:
+      return false;
+    case Retry::Verdict::interrupted:
+      reply.code = client::ReplyCode::cancelled;
+      reply.reason = "cancelled while it was tried again, after: " + reply.reason;
+      return false;
+  }
+  return false;
 }
 
 std::chrono::milliseconds Session::search_time() const noexcept {
@@ -45,16 +103,6 @@ unsigned Session::slave(std::string_view text) {
   const client::SlaveLookup found = client().find_slave(text);
   if (!found.slave) throw UsageError(fmt::format("SLAVE: {}", found.problem));
   return *found.slave;
-}
-
-std::uint32_t Session::configured_slaves(const std::vector<std::string>& texts) {
-  std::uint32_t wanted = 0;
-  for (const std::string& text : texts) wanted |= 1u << slave(text);
-  const std::uint32_t configured = client().master_status().slaves_configured;
-  if (texts.empty()) return configured;
-  if ((wanted & ~configured) == 0) return wanted;
-  throw UsageError(fmt::format("SLAVE: {} not configured; configured are {}",
-                               format_slave_set(wanted & ~configured), format_slave_set(configured)));
 }
 
 ExitCode Session::finish(const client::Reply& reply, JsonObject object, std::string_view where,

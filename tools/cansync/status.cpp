@@ -224,7 +224,8 @@ void add_status_verbs(CLI::App& app, Verb& chosen) {
 
   auto* slaves = app.add_subcommand("slaves", "one line for each slave: does it answer, and how fast");
   auto slaves_options = std::make_shared<SlavesOptions>();
-  slaves->add_option("SLAVE", slaves_options->slaves, "numbers or names (default: every configured slave)");
+  slaves->add_option("SLAVE", slaves_options->slaves,
+                     "numbers, names, or lists such as 1,3,5-9 (default: every configured slave)");
   slaves->footer(columns_help(slave_columns()));
   slaves->callback([slaves_options, &chosen] {
     chosen = [slaves_options](Session& session) { return slaves_verb(session, *slaves_options); };

@@ -47,14 +47,14 @@ JsonObject telegram_object(const TracedTelegram& telegram, const can::CandumpLin
 /// One run of the verb.
 class Tracer {
  public:
-  Tracer(Output& output, const TraceTexts& texts, std::optional<unsigned> slave, std::uint32_t sync)
-      : output_(output), candump_(texts.candump), slave_(slave), text_(sync) {
+  Tracer(Output& output, const TraceTexts& texts, std::uint32_t slaves, std::uint32_t sync)
+      : output_(output), candump_(texts.candump), slaves_(slaves), text_(sync) {
     if (!texts.pcapng.empty()) capture_.emplace(texts.pcapng, output);
   }
 
   void show(const can::CandumpLine& line) {
     const TracedTelegram telegram = text_.describe(line);
-    if (slave_ && ((telegram.slaves >> *slave_) & 1u) == 0) return;
+    if (slaves_ != 0 && (telegram.slaves & slaves_) == 0) return;
     if (capture_) {
       capture_->write(line);
     } else if (output_.json()) {
@@ -95,7 +95,7 @@ class Tracer {
   Output& output_;
   bool candump_;
   std::optional<TraceCapture> capture_;
-  std::optional<unsigned> slave_;
+  std::uint32_t slaves_;  ///< mask; 0: everything is shown
   TraceText text_;
   std::int64_t shown_ = 0;
   std::uint64_t problems_ = 0;
@@ -111,10 +111,10 @@ ExitCode trace_verb(Session& session, const TraceTexts& texts) {
     throw UsageError("--candump: found together with --json; allowed: one of the two");
   if (!texts.pcapng.empty() && (texts.candump || session.json()))
     throw UsageError("--pcapng: found together with --candump or --json; allowed: one of the three");
-  std::optional<unsigned> slave;
-  if (!texts.slave.empty()) slave = session.slave(texts.slave);
+  const std::uint32_t slaves = texts.slave.empty() ? 0 : session.slave_mask(texts.slave);
+  session.expect_input(texts.source);
   const auto source = open_source(texts.source, sync);
-  Tracer tracer(session.output(), texts, slave, sync);
+  Tracer tracer(session.output(), texts, slaves, sync);
   for (;;) {
     if (interrupt_flag().load()) break;
     const TraceItem item = source->next();
@@ -138,7 +138,9 @@ void add_trace_verb(CLI::App& app, Verb& chosen) {
           "a candump text log (candump -L, or the trace of the simulated line) or a pcapng capture, - for "
           "standard input, or a SocketCAN interface, which is only listened to")
       ->required();
-  trace->add_option("--slave", texts->slave, "only what concerns this slave: number or name")
+  trace
+      ->add_option("--slave", texts->slave,
+                   "only what concerns these slaves: number, name, or a list such as 1,3,5-9")
       ->type_name("SLAVE");
   trace->add_option("--count", texts->count, "end after N frames; 0 = all (default)")->type_name("N");
   trace

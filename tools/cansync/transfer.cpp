@@ -22,8 +22,8 @@ struct TransferOptions {
 constexpr std::int64_t kLongestTransfer = 16'777'216;  // bytes
 constexpr std::int64_t kLongestBlock = 4092;           // bytes
 
-/// Everything but length and data. Numbers are checked before the slave's name, so that a wrong one is told
-/// without a daemon.
+/// Everything but slave, length and data. Numbers are checked before the slave's name, so that a wrong one is
+/// told without a daemon.
 client::TransferRequest parse_request(Session& session, const TransferOptions& options) {
   client::TransferRequest request;
   request.address = parse_raw(options.address, "ADDRESS", Width::doubleword);
@@ -31,14 +31,14 @@ client::TransferRequest parse_request(Session& session, const TransferOptions& o
   request.block_size =
       static_cast<std::uint32_t>(parse_integer(options.block_size, "--block-size", 0, kLongestBlock));
   request.timeout_ms = session.monitoring_ms();
-  request.slave = session.slave(options.slave);
   return request;
 }
 
 client::TransferReply run_job(Session& session, const client::TransferRequest& request) {
   ProgressBar bar(stderr);
-  return session.wait(session.client().submit(request),
-                      [&bar](std::uint32_t done, std::uint32_t total) { bar.update(done, total); });
+  return session.ask(
+      request.download ? Effect::changes : Effect::reads, [&] { return session.client().submit(request); },
+      [&bar](std::uint32_t done, std::uint32_t total) { bar.update(done, total); });
 }
 
 ExitCode finish(Session& session, const client::TransferRequest& request,
@@ -57,20 +57,15 @@ ExitCode finish(Session& session, const client::TransferRequest& request,
       fmt::format("slave {}, {} at 0x{:X}, after {} bytes", request.slave,
                   request.download ? "download" : "upload", request.address, reply.done);
   return session.finish(reply, object, where,
-                        fmt::format("{} bytes in {} intervals", reply.done, reply.intervals));
+                        fmt::format("{}{} bytes in {} intervals",
+                                    session.several() ? fmt::format("slave {}: ", request.slave) : "",
+                                    reply.done, reply.intervals));
 }
 
-ExitCode upload_verb(Session& session, const TransferOptions& options) {
-  const bool to_stdout = options.file == "-";
-  if (to_stdout && session.json())
-    throw UsageError("FILE: '-' and --json both want standard output; name a file");
-  client::TransferRequest request;
-  const auto length =
-      static_cast<std::uint32_t>(parse_integer(options.length, "LENGTH", 1, kLongestTransfer));
-  request = parse_request(session, options);
-  request.length = length;
+ExitCode upload_one(Session& session, const client::TransferRequest& request, const std::string& path) {
+  const bool to_stdout = path == "-";
   std::optional<ReplacementFile> file;
-  if (!to_stdout) file.emplace(options.file);
+  if (!to_stdout) file.emplace(path);
   const client::TransferReply reply = run_job(session, request);
   if (reply.ok()) {
     if (to_stdout)
@@ -81,11 +76,32 @@ ExitCode upload_verb(Session& session, const TransferOptions& options) {
   return finish(session, request, reply);
 }
 
+ExitCode upload_verb(Session& session, const TransferOptions& options) {
+  if (options.file == "-" && session.json())
+    throw UsageError("FILE: '-' and --json both want standard output; name a file");
+  client::TransferRequest request;
+  const auto length =
+      static_cast<std::uint32_t>(parse_integer(options.length, "LENGTH", 1, kLongestTransfer));
+  request = parse_request(session, options);
+  request.length = length;
+  const std::vector<unsigned> slaves = session.slaves(options.slave);
+  const std::vector<std::string> files = session.files(options.file, slaves);
+  return session.for_each(slaves, [&](std::size_t index) {
+    request.slave = slaves[index];
+    return upload_one(session, request, files[index]);
+  });
+}
+
 ExitCode download_verb(Session& session, const TransferOptions& options) {
   client::TransferRequest request = parse_request(session, options);
   request.download = true;
+  const std::vector<unsigned> slaves = session.slaves(options.slave);
+  session.expect_input(options.file);
   request.data = read_file(options.file, static_cast<std::size_t>(kLongestTransfer));
-  return finish(session, request, run_job(session, request));
+  return session.for_each(slaves, [&](std::size_t index) {
+    request.slave = slaves[index];
+    return finish(session, request, run_job(session, request));
+  });
 }
 
 void add_common(CLI::App& verb, TransferOptions& options) {
@@ -103,13 +119,15 @@ void add_common(CLI::App& verb, TransferOptions& options) {
 void add_transfer_verbs(CLI::App& app, Verb& chosen) {
   auto* upload = app.add_subcommand("upload", "bring data from a slave into a file");
   auto upload_options = std::make_shared<TransferOptions>();
-  upload->add_option("SLAVE", upload_options->slave, "number 0..31 or name")->required();
+  upload->add_option("SLAVE", upload_options->slave, kSlavesHelp)->required();
   upload->add_option("ADDRESS", upload_options->address, "start address; 0x00..0xFF are the slave's own")
       ->required();
   upload->add_option("LENGTH", upload_options->length, "bytes wanted, 1..16777216")->required();
   upload
-      ->add_option("FILE", upload_options->file,
-                   "file to write, replaced when all has come; - = standard output")
+      ->add_option(
+          "FILE", upload_options->file,
+          "file to write, replaced when all has come; - = standard output; for several slaves a name "
+          "with {slave} or {name} in it")
       ->required();
   add_common(*upload, *upload_options);
   upload->footer(
@@ -120,10 +138,12 @@ void add_transfer_verbs(CLI::App& app, Verb& chosen) {
 
   auto* download = app.add_subcommand("download", "bring a file into a slave");
   auto download_options = std::make_shared<TransferOptions>();
-  download->add_option("SLAVE", download_options->slave, "number 0..31 or name")->required();
+  download->add_option("SLAVE", download_options->slave, kSlavesHelp)->required();
   download->add_option("ADDRESS", download_options->address, "start address; 0x00..0xFF are the slave's own")
       ->required();
-  download->add_option("FILE", download_options->file, "file to read, 1..16777216 bytes; - = standard input")
+  download
+      ->add_option("FILE", download_options->file,
+                   "file to read, 1..16777216 bytes, the same for every slave; - = standard input")
       ->required();
   add_common(*download, *download_options);
   download->footer("Ctrl-C cancels on the bus; the slave then keeps what had come.");

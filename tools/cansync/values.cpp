@@ -38,26 +38,6 @@ std::optional<std::int64_t> to_integer(std::string_view text) noexcept {
   return negative ? -number : number;
 }
 
-unsigned parse_range_end(std::string_view text, const SlaveLookup& lookup) {
-  if (looks_like_number(text)) return static_cast<unsigned>(parse_integer(text, "slave", 0, kSlaves - 1));
-  return lookup(text);
-}
-
-/// Mask of one list item: a number, a range of numbers, or a name.
-std::uint32_t parse_item(std::string_view item, const SlaveLookup& lookup) {
-  const auto dash = item.find('-');
-  // A name may hold a dash; only "number-number" is a range.
-  const bool range = dash != std::string_view::npos && looks_like_number(item) && dash + 1 < item.size() &&
-                     is_digit(item[dash + 1]);
-  if (!range) return 1u << parse_range_end(item, lookup);
-  const unsigned first = parse_range_end(item.substr(0, dash), lookup);
-  const unsigned last = parse_range_end(item.substr(dash + 1), lookup);
-  if (first > last) refuse("slave range", item, "the smaller number first, e.g. 4-7");
-  std::uint32_t mask = 0;
-  for (unsigned slave = first; slave <= last; ++slave) mask |= 1u << slave;
-  return mask;
-}
-
 }  // namespace
 
 bool looks_like_number(std::string_view text) noexcept {
@@ -99,23 +79,13 @@ double parse_real(std::string_view text, std::string_view what) {
   return number;
 }
 
-std::uint32_t parse_slave_set(std::string_view text, const SlaveLookup& lookup) {
-  constexpr std::string_view allowed =
-      "a mask of 0x00000001..0xFFFFFFFF, or a list of slave numbers, ranges and names such as 0,4-7";
-  if (text.starts_with("0x") || text.starts_with("0X")) {
-    const auto mask = to_integer(text);
-    if (!mask || *mask < 1 || *mask > 0xFFFFFFFFll) refuse("slaves", text, allowed);
-    return static_cast<std::uint32_t>(*mask);
+std::uint32_t parse_slave_mask(std::string_view text) {
+  const auto mask = to_integer(text);
+  if (!mask || *mask < 1 || *mask > 0xFFFFFFFFll) {
+    refuse("slaves", text,
+           "a mask of 0x00000001..0xFFFFFFFF, or a list of slave numbers, ranges and names such as 0,4-7");
   }
-  std::uint32_t mask = 0;
-  for (std::string_view rest = text;;) {
-    const auto comma = rest.find(',');
-    const auto item = rest.substr(0, comma);
-    if (item.empty()) refuse("slaves", text, allowed);
-    mask |= parse_item(item, lookup);
-    if (comma == std::string_view::npos) return mask;
-    rest.remove_prefix(comma + 1);
-  }
+  return static_cast<std::uint32_t>(*mask);
 }
 
 std::string format_slave_set(std::uint32_t mask) {

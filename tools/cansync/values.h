@@ -43,12 +43,8 @@ std::int32_t as_signed(std::uint32_t raw, Width width) noexcept;
 /// A finite number with a decimal point if wanted ("12.5", "-3e2").
 double parse_real(std::string_view text, std::string_view what);
 
-/// Looks a slave up by number or name; throws `UsageError` for an unknown one.
-using SlaveLookup = std::function<unsigned(std::string_view text)>;
-
-/// A set of slaves, bit n = slave n: a mask in hexadecimal ("0x0000000F"), or a list of numbers, ranges and
-/// names ("0,4-7,winder"). Never empty.
-std::uint32_t parse_slave_set(std::string_view text, const SlaveLookup& lookup);
+/// A mask of slaves in hexadecimal, "0x00000001" to "0xFFFFFFFF"; bit n = slave n.
+std::uint32_t parse_slave_mask(std::string_view text);
 
 /// "0,2-4" for 0b11101; "-" for none.
 std::string format_slave_set(std::uint32_t mask);

@@ -9,6 +9,10 @@
 /// done into `chosen`, which is called once after parsing.
 namespace cansync::cli {
 
+/// The help of an argument SLAVE that may be a list.
+inline constexpr const char* kSlavesHelp =
+    "number 0..31 or name, a list with ranges (1,3,5-9,winder), or all = every configured slave";
+
 using Verb = std::function<ExitCode(Session&)>;
 
 void add_status_verbs(CLI::App& app, Verb& chosen);     ///< status, slaves
@@ -26,5 +30,8 @@ void add_command_verbs(CLI::App& app, Verb& chosen);    ///< control, broadcast,
 void add_reference_verb(CLI::App& app, Verb& chosen);   ///< set
 void add_polling_verb(CLI::App& app, Verb& chosen);     ///< poll
 void add_mapping_verb(CLI::App& app, Verb& chosen);     ///< map
+
+void add_wait_verb(CLI::App& app, Verb& chosen);   ///< wait
+void add_batch_verb(CLI::App& app, Verb& chosen);  ///< batch
 
 }  // namespace cansync::cli

@@ -234,7 +234,8 @@ ExitCode watch_verb(Session& session, const WatchTexts& texts) {
 void add_watch_verb(CLI::App& app, Verb& chosen) {
   auto* watch = app.add_subcommand("watch", "the actual values of the slaves, again and again");
   auto texts = std::make_shared<WatchTexts>();
-  watch->add_option("SLAVE", texts->slaves, "numbers or names (default: every configured slave)");
+  watch->add_option("SLAVE", texts->slaves,
+                    "numbers, names, or lists such as 1,3,5-9 (default: every configured slave)");
   watch
       ->add_option("--interval", texts->interval,
                    "milliseconds from one look to the next, 1..3600000 (default 500)")
