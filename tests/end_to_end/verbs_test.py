@@ -57,12 +57,12 @@ class Looking(VerbTest):
 
     def test_events_are_followed_until_ctrl_c(self):
         follower = self.gateway.start("events", "--follow", "--json")
-        known = json.loads(follower.stdout.readline())["number"]
+        known = follower.next_object()["number"]
         self.run_verb("mode", "reset-can")
         self.run_verb("mode", "setup")
         self.run_verb("mode", "run", "--force")
-        for line in follower.stdout:
-            event = json.loads(line)
+        while True:
+            event = follower.next_object()
             self.assertGreater(event["number"], known)
             known = event["number"]
             if event["code"] == "state_changed" and "'enable active operation'" in event["text"]:
@@ -132,7 +132,7 @@ class Timing(VerbTest):
         self.assertLessEqual(max(map(len, text.splitlines())), 100)
         follower = self.gateway.start("timing", "--follow", "--json")
         for _ in range(2):
-            self.assertGreater(json.loads(follower.stdout.readline())["intervals"], 0)
+            self.assertGreater(follower.next_object()["intervals"], 0)
         self.interrupt(follower, code=0)
 
     def test_wrong_seconds(self):

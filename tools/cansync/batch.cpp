@@ -31,16 +31,34 @@ struct Line {
   Command command;
 };
 
+/// What an error says it found; empty when it says nothing.
+std::string_view found_in(std::string_view complaint) {
+  constexpr std::string_view kFound = "found '";
+  const auto start = complaint.find(kFound);
+  if (start == std::string_view::npos) return {};
+  const std::string_view rest = complaint.substr(start + kFound.size());
+  return rest.substr(0, rest.find('\''));
+}
+
 /// Column of the word that an error speaks of; of the first one when that is not to be seen.
 std::size_t column_of(const std::vector<Word>& words, std::string_view complaint) {
-  const auto quoted = std::find_if(words.rbegin(), words.rend(), [complaint](const Word& word) {
-    return complaint.find("'" + word.text + "'") != std::string_view::npos;
-  });
-  if (quoted != words.rend()) return quoted->column;
-  const auto named = std::find_if(words.rbegin(), words.rend(), [complaint](const Word& word) {
+  const std::string_view found = found_in(complaint);
+  // The last word first: the verb stands before what is wrong with it.
+  const auto last = [&words](const auto& fits) {
+    const auto word = std::find_if(words.rbegin(), words.rend(), fits);
+    return word == words.rend() ? std::size_t{0} : word->column;
+  };
+  if (const auto column = last([&](const Word& word) { return word.text == found; })) return column;
+  const auto part = [&](const Word& word) {
+    return !found.empty() && word.text.find(found) != std::string::npos;
+  };
+  if (const auto column = last(part)) return column;
+  const auto named = [&](const Word& word) {
+    if (complaint.ends_with(" " + word.text)) return true;
     return word.text.size() > 1 && complaint.find(word.text) != std::string_view::npos;
-  });
-  return named != words.rend() ? named->column : words.front().column;
+  };
+  if (const auto column = last(named)) return column;
+  return words.front().column;
 }
 
 /// One run of the verb.
