@@ -17,7 +17,7 @@ from json_schemas import expect, expect_lines
 
 CANSYNC = os.environ["CANSYNC"]
 CANSYNCD = os.environ["CANSYNCD"]
-LONG = 120
+LONG = 120  # seconds after which something has certainly gone wrong, also on a loaded machine under a sanitizer
 ACTIVE = 0x80  # w_OPTION_STATUS
 
 

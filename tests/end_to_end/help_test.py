@@ -34,7 +34,7 @@ TABLES = {
     "diff": (["diff", "BACKUP", "winder"], ""),
     "verify": (["verify", "winder", "BACKUP"], ""),
     "restore": (["restore", "winder", "BACKUP", "--dry-run"], ""),
-    **dict.fromkeys("status read write upload download control broadcast mode release set backup".split()),
+    **dict.fromkeys("status read write upload download control broadcast mode release set backup wait batch".split()),
 }
 
 
@@ -98,10 +98,13 @@ class Completion(VerbTest):
         self.assertEqual(found, wanted)
 
     def test_slaves_and_values_of_the_running_daemon(self):
-        slaves = ["0", "slave0", "1", "winder", "2", "slave2", "3", "slave3"]
+        slaves = ["all", "0", "slave0", "1", "winder", "2", "slave2", "3", "slave3"]
         self.until(["read", ""], slaves)
         self.until(["--json", "read", "win"], ["winder"])
         self.until(["broadcast", "--slaves", "0,w"], ["0,winder"])
+        self.until(["control", "0,w"], ["0,winder"])
+        self.until(["read", "a"], ["all"])
+        self.until(["wait", "released", "2,win"], ["2,winder"])
         self.until(["set", "t"], ["target="])
         self.until(["map", "winder", "1", "posi"], ["position.low", "position.high"])
 

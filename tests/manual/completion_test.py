@@ -101,7 +101,8 @@ class Completion(unittest.TestCase):
         self.assertEqual(offered("cansync-sim l"), ["lo"])
 
     def test_without_a_daemon_fixed_words_are_offered_all_the_same(self):
-        self.assertEqual(offered("cansync read "), [])
+        self.assertEqual(offered("cansync read "), ["all"])
+        self.assertEqual(offered("cansync poll 1 nobody --maximum "), [])
         self.assertEqual(offered("cansync poll 1 "), ["auto", "nobody"])
         self.assertEqual(offered("cansync broadcast --slaves a"), ["all"])
         self.assertIn("value7=", offered("cansync set "))

@@ -118,6 +118,7 @@ class Batch {
       words = split_words(text);
       if (words.empty()) return std::nullopt;
       std::vector<std::string> texts;
+      texts.reserve(words.size());
       for (const Word& word : words) texts.push_back(word.text);
       Line line{number, parse_batch_command(texts, globals_)};
       if (line.command.name == "batch")

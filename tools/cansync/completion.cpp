@@ -142,13 +142,14 @@ Words parameter_names(const text::TypedLine& line, bool groups) {
 
 Words candidates(std::string_view placeholder, const text::TypedLine& line) {
   const auto told_slaves = [&line] { return slaves(line); };
-  if (placeholder == "SLAVE") return with({}, told_slaves);
+  // A number is where automatic asking starts again; everywhere else several slaves may be named.
+  if (placeholder == "SLAVE") return with(line.verb == "poll" ? Words{} : Words{"all"}, told_slaves);
   if (placeholder == "A" || placeholder == "B") return with({":files"}, told_slaves);
   if (placeholder == "PARAMETER") return with({}, [&line] { return parameter_names(line, false); });
   if (placeholder == "GROUP") return with({}, [&line] { return parameter_names(line, true); });
   if (placeholder == "SET") return with({"all"}, told_slaves);
   if (placeholder == "WHO") return with({"auto", "nobody"}, told_slaves);
-  if (placeholder == "TARGET") return with({"references"}, told_slaves);
+  if (placeholder == "TARGET") return with({"references", "all"}, told_slaves);
   if (placeholder == "CHANNEL" || placeholder == "TELEGRAM") return {"1", "2"};
   if (placeholder == "SOURCE") return {":files", ":interfaces"};
   if (placeholder == "VALUE=NUMBER") return assignments(line);

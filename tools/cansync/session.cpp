@@ -64,6 +64,7 @@ client::Client* Session::look_for_daemon(std::chrono::milliseconds wait) {
   if (purpose_ == Purpose::check) throw ArgumentsAreRight();
   std::optional<client::Client>& client = connection_.client;
   if (client && !client->daemon_present()) client.reset();
+  fresh_ = false;
   try {
     if (!client) client = client::Client::connect(options(wait));
   } catch (const client::NoDaemon&) {

@@ -34,7 +34,7 @@ std::uint32_t Session::slave_mask(std::string_view list) {
 
 std::vector<unsigned> Session::slaves(std::string_view list) {
   const std::uint32_t mask = slave_mask(list);
-  const std::vector<unsigned> numbers = numbers_of(mask);
+  std::vector<unsigned> numbers = numbers_of(mask);
   // A single number goes to the daemon as it is, which says what is wrong with it.
   if (numbers.size() > 1) expect_configured(mask);
   return numbers;
