@@ -34,7 +34,7 @@ TABLES = {
     "diff": (["diff", "BACKUP", "winder"], ""),
     "verify": (["verify", "winder", "BACKUP"], ""),
     "restore": (["restore", "winder", "BACKUP", "--dry-run"], ""),
-    **dict.fromkeys("status read write upload download control broadcast mode release set backup".split()),
+    **dict.fromkeys("status read write upload download control broadcast mode release set backup record plot".split()),
 }
 
 

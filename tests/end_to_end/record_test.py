@@ -45,7 +45,7 @@ class Record(VerbTest):
     def test_every_value_of_every_slave_for_a_while(self):
         summary = self.one("record", self.path, "--duration", 1)
         heading, *rows = self.rows()
-        self.assertEqual(heading[:7], [*COLUMNS, "position [mm]"])
+        self.assertEqual(heading[:8], [*COLUMNS, "value0", "position [mm]"])
         self.assertEqual(heading[6:], summary["values"])
         self.assertEqual((summary["rows"], summary["ended"], summary["dropped"]), (len(rows), "duration", 0))
         self.assertGreaterEqual(summary["seconds"], 1)
@@ -54,7 +54,7 @@ class Record(VerbTest):
         self.assertEqual(intervals, sorted(intervals))
         self.assertEqual({row[5] for row in rows if row[4] == "1"}, {"winder"})
         for row in rows:
-            self.assertEqual(row[6] != "" and row[7] != "", False, "position is the winder's, value0 the others'")
+            self.assertEqual(row[6] != "" and row[7] != "", False, "a slave has the one or the other")
             self.assertAlmostEqual((int(row[2]) - int(rows[0][2])) / 1e9, float(row[1]), places=5)
 
     def test_chosen_slaves_and_values_raw_and_thinned_out(self):

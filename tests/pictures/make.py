@@ -25,6 +25,8 @@ from terminal import Terminal
 
 RPM = 300
 RUNS, STANDS, RESET = 0x0007, 0x0003, 0x0087  # control words of a simulated drive
+# What makes the curves differ: a lag of 0.3 s; a slower stop, and no faster than 660 rpm after it.
+SOFTER = (("dancer-1", 400, 3000), ("registration-1", 402, 500000), ("registration-1", 401, 720000))
 PATIENCE = 3  # seconds until faults are acknowledged once more
 LOOKS = 24  # so many points of the trends before the picture is taken
 
@@ -92,8 +94,10 @@ def make_timing(line, folder):
 def make_plot(line, folder):
     """A start of the line in which one drive is stopped for a while; the recording is removed afterwards."""
     recording, picture = os.path.join(folder, "line.csv"), os.path.join(folder, "plot.svg")
-    line.done("poll", 1, "auto", 2, "auto", "--maximum", 3)  # these come more often then
+    line.done("poll", 1, "auto", 2, "auto", "--maximum", 3)  # their values come more often then
     line.done("broadcast", "--slaves", "all", "--command", 1, "--word", RESET)
+    for drive, number, value in SOFTER:
+        line.done("write", drive, number, value)
     with line.start("record", recording, "unwinder", "dancer-1", "registration-1", "--values", "position,speed,torque",
                     "--duration", 8) as recorder:
         wait_for("the recording has begun", lambda: os.path.exists(recording) and os.path.getsize(recording) > 500)
@@ -134,8 +138,9 @@ def main():
     if len(sys.argv) != 2 or not os.path.isdir(sys.argv[1]):
         sys.exit("usage: make.py FOLDER")
     with DemoLine() as line:
-        make_timing(line, sys.argv[1])
         make_watch(line, sys.argv[1])
+        make_timing(line, sys.argv[1])
+    with DemoLine() as line:  # begins at position 0
         make_plot(line, sys.argv[1])
 
 

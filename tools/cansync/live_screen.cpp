@@ -153,8 +153,11 @@ void LiveScreen::show(const std::vector<StyledLine>& lines, bool anew) {
   for (std::size_t row = 0; row < lines.size(); ++row) {
     move(static_cast<int>(row), 0);
     for (const Span& span : lines[row].spans) {
-      attrset(static_cast<NCURSES_ATTR_T>(attributes(span.style, terminal_->colours) |
-                                          (lines[row].highlighted ? A_REVERSE : A_NORMAL)));
+      const bool row_marked = lines[row].highlighted;
+      // Colours would tear the bar of the selected row to pieces.
+      const chtype look = row_marked ? A_REVERSE | (span.style == Style::strong ? A_BOLD : A_NORMAL)
+                                     : attributes(span.style, terminal_->colours);
+      attrset(static_cast<NCURSES_ATTR_T>(look));
       addstr(harmless(span.text).c_str());
     }
   }

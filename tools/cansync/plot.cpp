@@ -92,7 +92,7 @@ void add_plot_verb(CLI::App& app, Verb& chosen) {
   plot->add_option("--slaves", texts->slaves, "these alone: 0,4-7,winder, or a mask 0x... (default: all)")
       ->type_name("SET");
   plot->add_option("--title", texts->title, "above the plot (default: the name of the file)")
-      ->type_name("TEXT");
+      ->type_name("WORDS");
   plot->footer(
       "One panel for each value with a curve for each slave. Of long recordings the least and the greatest "
       "value\n"
