@@ -103,6 +103,7 @@ class Completion(VerbTest):
         self.until(["--json", "read", "win"], ["winder"])
         self.until(["broadcast", "--slaves", "0,w"], ["0,winder"])
         self.until(["set", "t"], ["target="])
+        self.until(["record", "x.csv", "--values", "po"], ["position"])
         self.until(["map", "winder", "1", "posi"], ["position.low", "position.high"])
 
     def test_options_that_are_typed_already_choose_the_daemon(self):

@@ -7,7 +7,7 @@ import sys
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "pictures"))
-from terminal import Terminal
+from terminal import KIND, Terminal
 
 from gateway import CANSYNC, Gateway
 from verb_case import VerbTest
@@ -17,7 +17,7 @@ class WatchTest(VerbTest):
     EXTRA = "[process]\npoll_without_reference = true\n"  # there is something to see without a writer
 
     def watch(self, *arguments, gateway=None, columns=120, rows=32, **variables):
-        environment = dict((gateway or self.gateway).environment, TERM="xterm-256color", LC_ALL="C.UTF-8", **variables)
+        environment = dict((gateway or self.gateway).environment, TERM=KIND, LC_ALL="C.UTF-8", **variables)
         return Terminal([CANSYNC, "watch", "--interval", "50", *arguments], environment, columns, rows)
 
     def shows(self, terminal, *parts):

@@ -21,7 +21,7 @@ for variable, place in (("CANSYNC", "tools/cansync/cansync"), ("CANSYNCD", "daem
 
 from gateway import CANSYNC, LONG, Gateway, wait_for
 from screen_svg import screen_svg
-from terminal import Terminal
+from terminal import KIND, Terminal
 
 RPM = 300
 RUNS, STANDS, RESET = 0x0007, 0x0003, 0x0087  # control words of a simulated drive
@@ -117,7 +117,7 @@ def make_plot(line, folder):
 
 def make_watch(line, folder):
     """The full-screen view while the line starts."""
-    environment = dict(line.environment, TERM="xterm-256color", LC_ALL="C.UTF-8")
+    environment = dict(line.environment, TERM=KIND, LC_ALL="C.UTF-8")
     with Terminal([CANSYNC, "watch", "--interval", "250"], environment, 132, 34) as terminal:
         terminal.wait("timing figures", lambda text: "Bus load [" in text)
         with Leading(line):

@@ -13,6 +13,7 @@ import time
 import pyte
 
 LONG = 120  # seconds after which something has certainly gone wrong, also on a loaded machine
+KIND = "screen-256color"  # TERM; pyte does not know the repeating of characters that xterm is told to do
 KEYS = {"up": "\x1bOA", "down": "\x1bOB", "right": "\x1bOC", "left": "\x1bOD", "escape": "\x1b", "enter": "\r",
         "ctrl-c": "\x03", "backspace": "\x7f"}
 
