@@ -44,7 +44,8 @@ def draw_run(row, column, text, seen):
     x, y, width = 12 + column * CELL_WIDTH, 40 + row * CELL_HEIGHT, len(text) * CELL_WIDTH
     out = []
     if back != BACKGROUND:
-        out.append(f'<rect x="{x:.1f}" y="{y}" width="{width:.1f}" height="{CELL_HEIGHT}" fill="{back}"/>')
+        # A little wider than it is, so that nothing shines through between two pieces of the same colour.
+        out.append(f'<rect x="{x:.1f}" y="{y}" width="{width + 0.6:.1f}" height="{CELL_HEIGHT}" fill="{back}"/>')
     if underlined:
         out.append(f'<rect x="{x:.1f}" y="{y + CELL_HEIGHT - 2}" width="{width:.1f}" height="1" fill="#5b6472"/>')
     letters = "".join(" " if c in BLOCKS + "░" else c for c in text)

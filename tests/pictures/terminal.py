@@ -18,12 +18,34 @@ KEYS = {"up": "\x1bOA", "down": "\x1bOB", "right": "\x1bOC", "left": "\x1bOD", "
         "ctrl-c": "\x03", "backspace": "\x7f"}
 
 
+class Screen(pyte.Screen):
+    """pyte's screen, and the scrolling that ncurses tells a terminal of this kind to do."""
+
+    def scroll_down(self, count=1):
+        self._at(self.margins.top if self.margins else 0, self.reverse_index, count)
+
+    def scroll_up(self, count=1):
+        self._at(self.margins.bottom if self.margins else self.lines - 1, self.index, count)
+
+    def _at(self, line, move, count):
+        """Moves the lines from this one on and leaves the cursor where it is."""
+        before, self.cursor.y = self.cursor.y, line
+        for _ in range(max(count, 1)):
+            move()
+        self.cursor.y = before
+
+
+class Stream(pyte.ByteStream):
+    csi = dict(pyte.ByteStream.csi, S="scroll_up", T="scroll_down")
+    events = pyte.ByteStream.events | {"scroll_up", "scroll_down"}
+
+
 class Terminal:
     """A program that runs on a terminal of this size; a context manager."""
 
     def __init__(self, arguments, environment, columns=120, rows=32):
-        self.screen = pyte.Screen(columns, rows)
-        self.stream = pyte.ByteStream(self.screen)
+        self.screen = Screen(columns, rows)
+        self.stream = Stream(self.screen)
         self.everything = b""
         self.side, other = pty.openpty()
         self.before = termios.tcgetattr(other)
