@@ -87,6 +87,7 @@ ChildResult run_child(const std::vector<std::string>& arguments, const std::stri
   const Streams streams(in.descriptor(), out.descriptor(), errors.descriptor());
   std::vector<std::string> words = arguments;
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   pid_t child = 0;
