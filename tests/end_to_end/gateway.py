@@ -64,7 +64,8 @@ class Place:
         # Ports of these domains lie below those the system gives to outgoing connections.
         self.domain = random.SystemRandom().randint(1, 100)
         self.bus = f"test{os.getpid()}-{random.SystemRandom().randrange(10**9)}"
-        self.environment = dict(os.environ, CANSYNC_DOMAIN=str(self.domain), CANSYNC_BUS=self.bus, TZ="UTC")
+        self.environment = dict(os.environ, CANSYNC_DOMAIN=str(self.domain), CANSYNC_BUS=self.bus, TZ="UTC",
+                                TERM="xterm")
 
     def start(self, *arguments, **options):
         """`cansync` with these arguments, running."""

@@ -34,7 +34,7 @@ TABLES = {
     "diff": (["diff", "BACKUP", "winder"], ""),
     "verify": (["verify", "winder", "BACKUP"], ""),
     "restore": (["restore", "winder", "BACKUP", "--dry-run"], ""),
-    **dict.fromkeys("status read write upload download control broadcast mode release set backup wait batch".split()),
+    **dict.fromkeys("status read write upload download control broadcast mode release set backup record plot wait batch".split()),
 }
 
 
@@ -106,6 +106,7 @@ class Completion(VerbTest):
         self.until(["read", "a"], ["all"])
         self.until(["wait", "released", "2,win"], ["2,winder"])
         self.until(["set", "t"], ["target="])
+        self.until(["record", "x.csv", "--values", "po"], ["position"])
         self.until(["map", "winder", "1", "posi"], ["position.low", "position.high"])
 
     def test_options_that_are_typed_already_choose_the_daemon(self):

@@ -70,7 +70,7 @@ class Roff(unittest.TestCase):
             self.assertIn("SEE ALSO", result.stdout)
 
     def test_pages_refer_to_pages_that_there_are(self):
-        foreign = {"openssl 1", "ip-link 8"}
+        foreign = {"openssl 1", "ip-link 8", "gnuplot 1"}
         for page in ALL:
             name, number = page.rsplit(".", 1)
             text = source(page)

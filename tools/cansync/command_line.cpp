@@ -83,6 +83,8 @@ void add_verbs(CLI::App& app, Verb& chosen) {
   add_timing_verb(app, chosen);
   add_doctor_verb(app, chosen);
   add_watch_verb(app, chosen);
+  add_record_verb(app, chosen);
+  add_plot_verb(app, chosen);
   add_event_verb(app, chosen);
   add_trace_verb(app, chosen);
   add_parameter_verbs(app, chosen);

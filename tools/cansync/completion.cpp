@@ -140,6 +140,17 @@ Words parameter_names(const text::TypedLine& line, bool groups) {
   return out;
 }
 
+/// Names of the actual values of every slave.
+Words actual_value_names(const text::TypedLine& line) {
+  Words out;
+  Daemon daemon(line);
+  for (const client::SlaveStatus& slave : daemon->slaves(kSearch)) {
+    for (const std::string& name : value_names(slave.actual_value))
+      if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+  }
+  return out;
+}
+
 Words candidates(std::string_view placeholder, const text::TypedLine& line) {
   const auto told_slaves = [&line] { return slaves(line); };
   // A number is where automatic asking starts again; everywhere else several slaves may be named.
@@ -151,6 +162,9 @@ Words candidates(std::string_view placeholder, const text::TypedLine& line) {
   if (placeholder == "WHO") return with({"auto", "nobody"}, told_slaves);
   if (placeholder == "TARGET") return with({"references", "all"}, told_slaves);
   if (placeholder == "CHANNEL" || placeholder == "TELEGRAM") return {"1", "2"};
+  if (placeholder == "PICTURE") return {":files"};
+  if (placeholder == "NAMES" && line.verb == "record")
+    return with({}, [&line] { return actual_value_names(line); });
   if (placeholder == "SOURCE") return {":files", ":interfaces"};
   if (placeholder == "VALUE=NUMBER") return assignments(line);
   if (placeholder == "WORD" && line.verb == "map") return mapping_words(line);

@@ -6,13 +6,13 @@
 #include "cansync/column_help.h"
 #include "cansync/interrupt.h"
 #include "cansync/verbs.h"
+#include "cansync/watch_live.h"
+#include "cansync/watch_rows.h"
 
 namespace cansync::cli {
 namespace {
 
-constexpr unsigned kValues = 8;
 constexpr std::int64_t kMillisecond = 1'000'000;  // ns
-constexpr auto kFirstValues = std::chrono::milliseconds(500);
 
 /// The arguments as they were typed.
 struct WatchTexts {
@@ -20,52 +20,10 @@ struct WatchTexts {
   std::string interval = "500";
   std::string count = "0";
   bool raw = false;
+  bool plain = false;
 };
 
-/// One slave at one moment.
-struct Row {
-  client::SlaveStatus status;
-  std::optional<client::ActualValues> values;
-  std::uint8_t shown = 0;  ///< bit n: value n is mapped and its telegram came at least once
-};
-
-std::int64_t wall_clock() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
-/// Gives every slave's newest actual values the time to come; slaves that send none cost all of it.
-void await_values(const client::Client& client, std::uint32_t wanted) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + kFirstValues;
-  for (const client::SlaveStatus& status : client.slaves()) {
-    if (((wanted >> status.slave) & 1u) == 0) continue;
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
-    static_cast<void>(client.actual_values(status.slave, std::max(left, std::chrono::milliseconds(0))));
-  }
-}
-
-std::vector<Row> collect(const client::Client& client, std::uint32_t wanted) {
-  std::vector<Row> rows;
-  for (const client::SlaveStatus& status : client.slaves()) {
-    if (((wanted >> status.slave) & 1u) == 0) continue;
-    Row row{status, client.actual_values(status.slave, std::chrono::milliseconds(0)), 0};
-    if (row.values) {
-      const unsigned came =
-          ((row.values->ever & 1u) != 0 ? 0x0Fu : 0u) | ((row.values->ever & 2u) != 0 ? 0xF0u : 0u);
-      row.shown = static_cast<std::uint8_t>(mapped_values(status.actual_mapping) & came);
-    }
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-std::int32_t signed_raw(const client::ActualValues& values, unsigned value) {
-  return as_signed(values.raw[value], Width::doubleword);
-}
-
-JsonObject row_object(const Row& row, std::int64_t now) {
+JsonObject row_object(const WatchRow& row, std::int64_t now) {
   JsonObject object;
   object.add("slave", row.status.slave).add("name", row.status.name);
   JsonArray intervals;
@@ -83,7 +41,7 @@ JsonObject row_object(const Row& row, std::int64_t now) {
     object.add_null("receive_time_ns").add_null("age_ms");
     intervals.add_null().add_null();
   }
-  for (unsigned i = 0; i < kValues; ++i) {
+  for (unsigned i = 0; i < kSlaveValues; ++i) {
     if (((row.shown >> i) & 1u) == 0) continue;
     const auto& name = row.status.actual_value[i];
     values.add_json(JsonObject()
@@ -115,25 +73,25 @@ std::vector<Table::Column> watch_columns() {
 /// it.
 class WatchTable {
  public:
-  WatchTable(const std::vector<Row>& rows, bool with_time, bool raw)
+  WatchTable(const std::vector<WatchRow>& rows, bool with_time, bool raw)
       : raw_(raw), with_time_(with_time), table_(columns(rows)) {}
 
-  void fill(const std::vector<Row>& rows, std::int64_t now) {
+  void fill(const std::vector<WatchRow>& rows, std::int64_t now) {
     table_.clear();
-    for (const Row& row : rows) table_.add(cells(row, now));
+    for (const WatchRow& row : rows) table_.add(cells(row, now));
   }
   const Table& table() const { return table_; }
 
  private:
-  std::vector<Table::Column> columns(const std::vector<Row>& rows) {
+  std::vector<Table::Column> columns(const std::vector<WatchRow>& rows) {
     std::vector<Table::Column> out = watch_columns();
     const Table::Column value = out.back();
     out.pop_back();
     if (!with_time_) out.erase(out.begin());
-    for (unsigned i = 0; i < kValues; ++i) {
+    for (unsigned i = 0; i < kSlaveValues; ++i) {
       std::optional<std::string> name;
       bool mapped = false;
-      for (const Row& row : rows) {
+      for (const WatchRow& row : rows) {
         if (((mapped_values(row.status.actual_mapping) >> i) & 1u) == 0) continue;
         mapped = true;
         const std::string own = row.status.actual_value[i].name;
@@ -148,18 +106,18 @@ class WatchTable {
     return out;
   }
 
-  std::vector<std::string> cells(const Row& row, std::int64_t now) const {
+  std::vector<std::string> cells(const WatchRow& row, std::int64_t now) const {
     std::vector<std::string> out;
     if (with_time_) out.push_back(time_text(now, false));
     out.push_back(fmt::format("{}", row.status.slave));
     out.emplace_back(row.status.name);
     out.push_back(row.values ? fmt::format("{}", (now - row.values->receive_time) / kMillisecond) : "-");
-    for (unsigned i = 0; i < kValues; ++i)
+    for (unsigned i = 0; i < kSlaveValues; ++i)
       if (((mapped_ >> i) & 1u) != 0) out.push_back(cell(row, i));
     return out;
   }
 
-  std::string cell(const Row& row, unsigned value) const {
+  std::string cell(const WatchRow& row, unsigned value) const {
     if (((row.shown >> value) & 1u) == 0) return "-";
     if (raw_) return fmt::format("{}", signed_raw(*row.values, value));
     const std::string_view unit = row.status.actual_value[value].unit_symbol;
@@ -176,12 +134,12 @@ class WatchTable {
 /// Shows the rows; makes the table anew when mapping or names have changed its columns.
 class Display {
  public:
-  Display(Output& output, bool raw) : output_(output), raw_(raw), in_place_(output.data_on_terminal()) {}
+  Display(Output& output, bool raw, bool in_place) : output_(output), raw_(raw), in_place_(in_place) {}
 
-  void show(const client::MasterStatus& status, const std::vector<Row>& rows) {
+  void show(const client::MasterStatus& status, const std::vector<WatchRow>& rows) {
     const std::int64_t now = wall_clock();
     if (output_.json()) {
-      for (const Row& row : rows) output_.object(row_object(row, now));
+      for (const WatchRow& row : rows) output_.object(row_object(row, now));
       return;
     }
     const std::string columns = WatchTable(rows, !in_place_, raw_).table().heading();
@@ -207,26 +165,48 @@ class Display {
   std::optional<WatchTable> table_;
 };
 
-ExitCode watch_verb(Session& session, const WatchTexts& texts) {
-  constexpr std::int64_t kLongest = 3'600'000;
-  const auto interval = std::chrono::milliseconds(parse_integer(texts.interval, "--interval", 1, kLongest));
-  const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
-  const std::uint32_t wanted = session.configured_slaves(texts.slaves);
+/// Lines, or with `in_place` the table drawn over the former one, `count` times or (0) until a signal.
+ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_t count, bool in_place) {
   client::Client& client = session.client();
-  await_values(client, wanted);
-  Display display(session.output(), texts.raw);
+  Display display(session.output(), settings.raw, in_place);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {
     if (!client.daemon_present()) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
       return ExitCode::not_reachable;
     }
-    display.show(client.master_status(), collect(client, wanted));
+    display.show(client.master_status(), watch_rows(client, settings.slaves));
     ++shown;
     if (shown == count) return ExitCode::done;
-    next = std::max(next + interval, std::chrono::steady_clock::now());
+    next = std::max(next + settings.interval, std::chrono::steady_clock::now());
     if (wait_until(next)) return ExitCode::done;
   }
+}
+
+/// The screen; nothing, with a remark, when the terminal cannot be drawn on.
+std::unique_ptr<LiveScreen> take_screen(Output& output) {
+  try {
+    return std::make_unique<LiveScreen>();
+  } catch (const std::runtime_error& error) {
+    output.remark(fmt::format("{}; plain lines instead", error.what()));
+    return nullptr;
+  }
+}
+
+ExitCode watch_verb(Session& session, const WatchTexts& texts) {
+  constexpr std::int64_t kLongest = 3'600'000;
+  const auto interval = std::chrono::milliseconds(parse_integer(texts.interval, "--interval", 1, kLongest));
+  const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
+  const LiveSettings settings{session.configured_slaves(texts.slaves), texts.slaves.empty(), interval,
+                              texts.raw};
+  await_values(session.client(), settings.slaves);
+  Output& output = session.output();
+  const bool drawable = !texts.plain && !session.json() && output.data_on_terminal() && terminal_draws();
+  if (drawable && count == 0 && full_screen_possible()) {
+    if (const auto screen = take_screen(output)) return watch_live(session, *screen, settings);
+    return watch_lines(session, settings, count, false);
+  }
+  return watch_lines(session, settings, count, drawable);
 }
 
 }  // namespace
@@ -242,9 +222,14 @@ void add_watch_verb(CLI::App& app, Verb& chosen) {
       ->type_name("MS");
   watch->add_option("--count", texts->count, "how often to look; 0 = until Ctrl-C (default)")->type_name("N");
   watch->add_flag("--raw", texts->raw, "numbers as on the bus (signed 32 bits) instead of scaled ones");
+  watch->add_flag("--plain", texts->plain, "lines, also on a terminal, instead of the full-screen view");
   watch->footer(
-      "On a terminal the table is redrawn in place; otherwise every look adds one line for each slave.\n" +
-      columns_help(watch_columns()));
+      "On a terminal: a full-screen view with trends, bus load, timing and events, until q; ? explains its "
+      "keys.\n"
+      "With --count the table alone is redrawn in place. Otherwise, and with --plain or TERM=dumb, every "
+      "look adds\n"
+      "one line for each slave.\n" +
+      columns_help(watch_columns()) + "\n\n" + live_help());
   watch->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return watch_verb(session, *texts); }; });
 }

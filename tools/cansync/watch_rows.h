@@ -1,0 +1,34 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "client/client.h"
+
+/// What `watch` knows of the slaves at one moment, from the newest samples of their topics.
+namespace cansync::cli {
+
+inline constexpr unsigned kSlaveValues = 8;
+
+/// One slave at one moment.
+struct WatchRow {
+  client::SlaveStatus status = {};
+  std::optional<client::ActualValues> values;
+  std::uint8_t shown = 0;  ///< bit n: value n is mapped and its telegram came at least once
+};
+
+/// Nanoseconds of CLOCK_REALTIME, which time stamps of samples are compared with.
+std::int64_t wall_clock();
+
+/// Gives the newest actual values of these slaves (bit n: slave n) half a second to come.
+void await_values(const client::Client& client, std::uint32_t wanted);
+
+/// The rows of these slaves, in rising order. Waits for nothing.
+std::vector<WatchRow> watch_rows(const client::Client& client, std::uint32_t wanted);
+
+/// Value 0..7 as it is on the bus, read as two's complement of 32 bits.
+std::int32_t signed_raw(const client::ActualValues& values, unsigned value);
+
+}  // namespace cansync::cli
