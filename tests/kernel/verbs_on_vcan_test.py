@@ -117,6 +117,26 @@ class Verbs(unittest.TestCase):
             out, _ = values.communicate(timeout=LONG)
         self.assertEqual(json.loads(out)["result"], "done")
 
+    def test_wait(self):
+        self.assertEqual(self.one("wait", "synchronized", "0-3")["result"], "done")
+
+    def test_batch(self):
+        path = os.path.join(self.folder, "batch")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("write 0 1003 55 --retry 60\nread 0 1003 --retry 60 --json\n")
+
+        def attempt():
+            result = self.daemon.run("batch", path)
+            return result.stdout if result.returncode == 0 else None
+
+        self.assertEqual(json.loads(wait_for("both lines are done", attempt))["value"], 55)
+
+    def test_record_and_plot(self):
+        path = os.path.join(self.folder, "values.csv")
+        recorded = self.one("record", path, 1, "--duration", 2)
+        self.assertGreater(recorded["rows"], 0)
+        self.assertEqual(self.one("plot", path, "-o", path + ".svg")["rows"], recorded["rows"])
+
     def test_poll(self):
         self.assertEqual(self.one("poll", 1, 2)["result"], "done")
         wait_for("slave 2 is asked", lambda: self.one("poll")["channel_1"] == 2)
