@@ -20,8 +20,8 @@ void add_timing_verb(CLI::App& app, Verb& chosen);      ///< timing
 void add_doctor_verb(CLI::App& app, Verb& chosen);      ///< doctor
 void add_trace_verb(CLI::App& app, Verb& chosen);       ///< trace
 void add_watch_verb(CLI::App& app, Verb& chosen);       ///< watch
-void add_record_verb(CLI::App& app, Verb& chosen);     ///< record
-void add_plot_verb(CLI::App& app, Verb& chosen);       ///< plot
+void add_record_verb(CLI::App& app, Verb& chosen);      ///< record
+void add_plot_verb(CLI::App& app, Verb& chosen);        ///< plot
 void add_event_verb(CLI::App& app, Verb& chosen);       ///< events
 void add_parameter_verbs(CLI::App& app, Verb& chosen);  ///< read, write
 void add_params_verb(CLI::App& app, Verb& chosen);      ///< params
