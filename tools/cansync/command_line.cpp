@@ -144,6 +144,8 @@ class CommandLine {
     for (const std::string& word : words) arguments.push_back(word.c_str());
     try {
       app_.parse(static_cast<int>(arguments.size()), arguments.data());
+    } catch (const CLI::ExtrasError&) {
+      refuse_extra_words();
     } catch (const CLI::ParseError& error) {
       return parse_ended(error);
     }
@@ -167,6 +169,18 @@ class CommandLine {
       return ExitCode::done;
     };
     return help;
+  }
+
+  /// Words that stand for nothing: throws UsageError with the first one.
+  [[noreturn]] void refuse_extra_words() const {
+    const auto verbs = app_.get_subcommands();
+    const std::vector<std::string> words = app_.remaining(true);
+    const std::string first = words.empty() ? "" : words.front();
+    if (verbs.empty() && !first.starts_with('-'))
+      throw UsageError(fmt::format("VERB: found '{}'; allowed: {}", first, verb_list(app_)));
+    throw UsageError(fmt::format("found '{}', which is no argument of {}; see `cansync {}--help`", first,
+                                 verbs.empty() ? "cansync" : verbs.front()->get_name(),
+                                 verbs.empty() ? "" : verbs.front()->get_name() + " "));
   }
 
   void refuse_place_options() const {
