@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "cansync/terminal_kind.h"
+
 namespace cansync::cli {
 namespace {
 
@@ -126,7 +128,8 @@ LiveScreen::LiveScreen() : terminal_(std::make_unique<Terminal>()) {
   std::setlocale(LC_CTYPE, "");                           // NOLINT(concurrency-mt-unsafe): see above
   if (std::string_view(nl_langinfo(CODESET)) == "UTF-8")  // NOLINT(concurrency-mt-unsafe): see above
     symbols_ = Symbols::unicode;
-  terminal_->screen = newterm(nullptr, stdout, stdin);
+  // Asked before, because newterm leaks memory when it fails.
+  if (terminal_is_known()) terminal_->screen = newterm(nullptr, stdout, stdin);
   if (terminal_->screen == nullptr) throw std::runtime_error("the kind of this terminal (TERM) is not known");
   cbreak();
   noecho();
