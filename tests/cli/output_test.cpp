@@ -1,12 +1,19 @@
 #include "cansync/output.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/time.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include "cansync/progress.h"
 
@@ -95,7 +102,58 @@ TEST(Output, SaysWhenDataCannotBeWritten) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> full(std::fopen("/dev/full", "w"), &std::fclose);
   ASSERT_NE(full, nullptr);
   Output output(full.get(), full.get(), false);
-  EXPECT_THROW(output.line("x"), std::runtime_error);
+  EXPECT_THROW(output.line("x"), std::system_error);
+}
+
+/// A pipe without room whose reader takes what is in it when a signal comes, as Ctrl-C may come while a
+/// program waits.
+class FullPipe {
+ public:
+  FullPipe() {
+    EXPECT_EQ(::pipe2(ends_.data(), O_NONBLOCK), 0);
+    while (::write(ends_[1], "....", 4) > 0) {
+    }
+    EXPECT_EQ(::fcntl(ends_[1], F_SETFL, 0), 0);
+    file_ = ::fdopen(ends_[1], "w");
+    reader = ends_[0];
+    struct sigaction action {};
+    action.sa_handler = [](int) { drain(); };
+    ::sigaction(SIGALRM, &action, &former_);
+    const itimerval soon{{0, 0}, {0, 20000}};
+    ::setitimer(ITIMER_REAL, &soon, nullptr);
+  }
+  ~FullPipe() {
+    ::sigaction(SIGALRM, &former_, nullptr);
+    std::fclose(file_);
+    ::close(ends_[0]);
+  }
+  FullPipe(const FullPipe&) = delete;
+  FullPipe& operator=(const FullPipe&) = delete;
+
+  std::FILE* file() { return file_; }
+  /// What came last.
+  static std::string drain() {
+    static std::array<char, 4096> part;
+    std::size_t last = 0;
+    for (ssize_t count = 1; count > 0;) {
+      count = ::read(reader, part.data(), part.size());
+      if (count > 0) last = static_cast<std::size_t>(count);
+    }
+    return {part.data(), std::min<std::size_t>(last, 15)};
+  }
+
+ private:
+  static inline int reader = -1;
+  std::array<int, 2> ends_{};
+  std::FILE* file_ = nullptr;
+  struct sigaction former_ {};
+};
+
+TEST(Output, GoesOnWhenASignalComesWhileItWaits) {
+  FullPipe pipe;
+  Output output(pipe.file(), pipe.file(), false);
+  output.line("after it");
+  EXPECT_EQ(FullPipe::drain(), "after it\n");
 }
 
 TEST(Output, RedrawsFromTheUpperLeft) {

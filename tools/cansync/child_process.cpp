@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "cansync/files.h"
+
 namespace cansync::cli {
 namespace {
 
@@ -30,11 +32,7 @@ class MemoryFile {
 
   int descriptor() const noexcept { return descriptor_; }
   void write(std::string_view text) const {
-    while (!text.empty()) {
-      const ssize_t written = ::write(descriptor_, text.data(), text.size());
-      if (written < 0 && errno != EINTR) fail(errno, "memory for another program");
-      if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
-    }
+    write_all(descriptor_, text, "memory for another program");
     ::lseek(descriptor_, 0, SEEK_SET);
   }
   std::string read() const {

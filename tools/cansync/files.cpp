@@ -46,6 +46,14 @@ std::vector<std::uint8_t> read_file(const std::string& path, std::size_t most) {
   return data;
 }
 
+void write_all(int descriptor, std::string_view data, const std::string& name) {
+  while (!data.empty()) {
+    const ssize_t written = ::write(descriptor, data.data(), data.size());
+    if (written < 0 && errno != EINTR) fail(name);
+    if (written > 0) data.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
 ReplacementFile::ReplacementFile(std::string target)
     : target_(std::move(target)), temporary_(target_ + ".XXXXXX") {
   // A device or a folder must not be replaced by a file.
@@ -64,11 +72,7 @@ ReplacementFile::~ReplacementFile() {
 }
 
 void ReplacementFile::commit(std::span<const std::uint8_t> data) {
-  while (!data.empty()) {
-    const ssize_t written = ::write(descriptor_, data.data(), data.size());
-    if (written < 0 && errno != EINTR) fail(target_);
-    if (written > 0) data = data.subspan(static_cast<std::size_t>(written));
-  }
+  write_all(descriptor_, {reinterpret_cast<const char*>(data.data()), data.size()}, target_);
   if (::fchmod(descriptor_, new_file_mode()) != 0 || ::fsync(descriptor_) != 0) fail(target_);
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(target_);
   ::close(descriptor_);

@@ -6,13 +6,18 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-/// Files of transfers. Errors are std::system_error with the file's name, or UsageError.
+/// What is read and written whole. Errors are std::system_error with the file's name, or UsageError.
 namespace cansync::cli {
 
 /// The bytes of a file, of standard input for "-". Throws UsageError when there are none or more than `most`.
 std::vector<std::uint8_t> read_file(const std::string& path, std::size_t most);
+
+/// Writes all of `data`, also when a signal comes while it waits for room. `name`: what an error calls the
+/// file.
+void write_all(int descriptor, std::string_view data, const std::string& name);
 
 /// A file that replaces its target in one step when it is complete, and leaves no trace otherwise.
 class ReplacementFile {

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <stdexcept>
-
+#include "cansync/files.h"
 #include "cansync/progress.h"
 
 namespace cansync::cli {
@@ -22,8 +21,7 @@ bool Output::data_on_terminal() const noexcept {
 }
 
 void Output::bytes(std::string_view data) {
-  const bool written = std::fwrite(data.data(), 1, data.size(), data_) == data.size();
-  if (!written || std::fflush(data_) != 0) throw std::runtime_error("standard output cannot be written");
+  write_all(::fileno(data_), data, "standard output");
 }
 
 void Output::set_slave(std::optional<unsigned> slave) {

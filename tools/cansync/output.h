@@ -14,7 +14,8 @@ namespace cansync::cli {
 
 class Output {
  public:
-  /// Both files stay open and belong to the caller. `json`: data as objects, one a line.
+  /// Both files stay open and belong to the caller; data are not buffered. `json`: data as objects, one a
+  /// line.
   Output(std::FILE* data, std::FILE* remarks, bool json) : data_(data), remarks_(remarks), json_(json) {}
 
   /// To the same files, with another form and another place (set_place).
@@ -36,7 +37,7 @@ class Output {
   /// The last remark, without `place`.
   const std::string& last_remark() const noexcept { return last_remark_; }
 
-  /// One line of data, flushed. Throws std::runtime_error when it cannot be written.
+  /// One line of data. Throws std::system_error when it cannot be written.
   void line(std::string_view text);
   void object(const JsonObject& object) { bytes(object.text() + '\n'); }
   /// Heading and rows.
@@ -47,7 +48,7 @@ class Output {
   void redraw(const std::vector<std::string>& lines);
   /// Draws `table` over the screen's former content; only for a terminal.
   void redraw(std::string_view title, const Table& table);
-  /// Data without a line end, e.g. a file's bytes; flushed.
+  /// Data without a line end, e.g. a file's bytes.
   void bytes(std::string_view data);
 
   /// "cansync: " and `text` on stderr.

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "cansync/column_help.h"
+#include "cansync/files.h"
 #include "cansync/interrupt.h"
 #include "cansync/progress.h"
 #include "cansync/recording.h"
@@ -74,12 +75,7 @@ class RecordFile {
 
   /// Whole lines.
   void write(std::string_view text) {
-    while (!text.empty()) {
-      const ssize_t written = ::write(descriptor_, text.data(), text.size());
-      if (written < 0 && errno != EINTR)
-        throw std::system_error(errno, std::generic_category(), path_ == "-" ? "standard output" : path_);
-      if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
-    }
+    write_all(descriptor_, text, path_ == "-" ? "standard output" : path_);
   }
 
  private:
