@@ -18,6 +18,7 @@ CANSYNC_SIM = os.environ["CANSYNC_SIM"]
 INTERFACE = "vcan0"
 SYNC = "080"  # identifier of the software SYNC frame
 BIT_RATE = 125000  # an interval of 8 ms: system calls are slow in this kernel
+LOST_AFTER = 25  # telegrams: the drives get no processor time for some intervals, now and then
 RECEIVE_BUFFER = "8000000"  # bytes: no frame is missed while candump gets no processor time
 PROBE = "1FFFFFF0#"  # nobody takes it; it shows that candump listens
 
@@ -193,7 +194,8 @@ class Daemon(Place):
         self.slaves = slaves
         self.config = tempfile.NamedTemporaryFile("w", prefix="line_", suffix=".toml", encoding="utf-8")
         self.config.write(f'[bus]\nname = "{self.bus}"\ninterface = "{INTERFACE}"\nbit_rate = {BIT_RATE}\n'
-                          f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n[dds]\ndomain = {self.domain}\n')
+                          f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n[dds]\ndomain = {self.domain}\n'
+                          f'[startup]\nlost_after = {LOST_AFTER}\n')
         self.config.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(slaves))
         self.config.flush()
         self.program = Process(CANSYNCD, self.config.name)
