@@ -2,8 +2,10 @@
 // input chooses the program. Nothing is started: `cansync` looks for its daemon on a network interface that
 // does not exist, of the other two the command line is read alone, with what is checked without a file.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -34,10 +36,13 @@ std::vector<const char*> arguments(std::vector<std::string>& out, const std::str
   return pointers;
 }
 
-/// Words that would make `cansync` read what is no file of ours, wait for standard input, look at the kernel,
-/// or write a file.
+/// Words that would make `cansync` read what is no file of ours, wait for standard input or a daemon, look at
+/// the kernel, or write a file.
 bool reaches_outside(const std::string& word) {
-  return word == "-" || word == "doctor" || word == "upload" || word == "trace" || word == "download" ||
+  constexpr std::array<std::string_view, 13> kWords = {"-",       "doctor", "upload", "trace", "download",
+                                                       "backup",  "batch",  "diff",   "plot",  "record",
+                                                       "restore", "verify", "wait"};
+  return std::find(kWords.begin(), kWords.end(), word) != kWords.end() || word.starts_with("--retry") ||
          word.find('/') != std::string::npos;
 }
 

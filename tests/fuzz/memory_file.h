@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstdio>
 #include <string>
 
 #include "require.h"
@@ -27,6 +28,31 @@ class MemoryFile {
  private:
   int descriptor_;
   std::string path_;
+};
+
+/// What a program writes to a FILE.
+class MemoryOutput {
+ public:
+  MemoryOutput() : file_(::fdopen(memfd_create("output", MFD_CLOEXEC), "w+")) {
+    require(file_ != nullptr, "a file in memory");
+  }
+  ~MemoryOutput() { std::fclose(file_); }
+  MemoryOutput(const MemoryOutput&) = delete;
+  MemoryOutput& operator=(const MemoryOutput&) = delete;
+
+  std::FILE* file() noexcept { return file_; }
+  /// All that was written, also past the FILE's buffer.
+  std::string text() {
+    std::fflush(file_);
+    const off_t size = ::lseek(::fileno(file_), 0, SEEK_END);
+    require(size >= 0, "it has a size");
+    std::string out(static_cast<std::size_t>(size), '\0');
+    require(::pread(::fileno(file_), out.data(), out.size(), 0) == size, "it is read back");
+    return out;
+  }
+
+ private:
+  std::FILE* file_;
 };
 
 }  // namespace fuzz

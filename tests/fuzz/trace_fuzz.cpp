@@ -1,9 +1,6 @@
 // `cansync trace FILE` over logs of candump, traces of the simulated line and flight recordings, in all three
 // outputs. The first byte chooses the options, the rest is the file.
 #include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,40 +22,17 @@ struct Output {
   std::string remarks;
 };
 
-/// What a program writes to a FILE.
-class Text {
- public:
-  Text() : file_(open_memstream(&text_, &size_)) { require(file_ != nullptr, "a file in memory"); }
-  ~Text() {
-    std::fclose(file_);
-    std::free(text_);
-  }
-  Text(const Text&) = delete;
-  Text& operator=(const Text&) = delete;
-
-  std::FILE* file() noexcept { return file_; }
-  std::string get() {
-    std::fflush(file_);
-    return {text_, size_};
-  }
-
- private:
-  char* text_ = nullptr;
-  std::size_t size_ = 0;
-  std::FILE* file_;
-};
-
 Output trace(const std::vector<const char*>& options, const std::uint8_t* data, std::size_t size) {
   const fuzz::MemoryFile file(data, size);
   std::vector<const char*> arguments = {"cansync", "trace", file.path()};
   arguments.insert(arguments.end(), options.begin(), options.end());
-  Text out;
-  Text remarks;
+  fuzz::MemoryOutput out;
+  fuzz::MemoryOutput remarks;
   Output output;
   output.code =
       cansync::cli::run(static_cast<int>(arguments.size()), arguments.data(), out.file(), remarks.file());
-  output.data = out.get();
-  output.remarks = remarks.get();
+  output.data = out.text();
+  output.remarks = remarks.text();
   return output;
 }
 
