@@ -7,6 +7,7 @@
 
 #include "daemon/gateway_requests.h"
 #include "daemon/profile_rules.h"
+#include "daemon/refusal_text.h"
 #include "dds/malformed.h"
 
 /// Requests on their way in; their answers are in gateway_results.cpp.
@@ -174,10 +175,7 @@ ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& co
         "yet; choose an identity at random at every start");
   }
   if (admission == ClientTable::Admission::full) {
-    refuse(job, Rejection::full,
-           fmt::format("too many clients: {}, at most {} are allowed; try again when another has ended",
-                       clients_.size(), ClientTable::kClients),
-           context);
+    refuse(job, Rejection::full, too_many_clients(clients_.size(), ClientTable::kClients), context);
     forget(job.key.client, context.now);
     return nullptr;
   }
@@ -224,22 +222,11 @@ bool JobDesk::fill(const cansync_Command& sample, JobId id, Job& job) {
 }
 
 std::optional<std::string> JobDesk::no_room(const ClientEntry& client, std::size_t bytes) const {
-  if (client.open >= kPerClient) {
-    return fmt::format(
-        "queue full: this client has {} requests open, at most {} are allowed; wait for a reply first",
-        client.open, kPerClient);
-  }
-  if (client.transfer_bytes + bytes > kClientTransferMemory) {
-    return fmt::format(
-        "length {}: open transfers of this client have {} bytes, at most {} are allowed; wait for a reply "
-        "first",
-        bytes, client.transfer_bytes, kClientTransferMemory);
-  }
-  if (transfer_bytes_ + bytes > kTransferMemory) {
-    return fmt::format(
-        "length {}: open transfers have {} bytes, at most {} are allowed together; try again later", bytes,
-        transfer_bytes_, kTransferMemory);
-  }
+  if (client.open >= kPerClient) return too_many_requests(client.open, kPerClient);
+  if (client.transfer_bytes + bytes > kClientTransferMemory)
+    return too_many_bytes_of_client(bytes, client.transfer_bytes, kClientTransferMemory);
+  if (transfer_bytes_ + bytes > kTransferMemory)
+    return too_many_bytes(bytes, transfer_bytes_, kTransferMemory);
   return std::nullopt;
 }
 

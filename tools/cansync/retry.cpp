@@ -11,7 +11,7 @@ namespace {
 constexpr std::chrono::milliseconds kLongestPause{1000};
 
 /// How the reasons of refusals begin that pass by themselves, or when somebody else has done his part. Those
-/// of the daemon are in daemon/refusal_text.cpp and daemon/gateway_jobs.cpp; a test compares.
+/// of the daemon are in daemon/refusal_text.cpp and daemon/rejections.cpp; a test compares.
 constexpr std::array<std::string_view, 5> kPassing = {"queue full", "state: ", "slaves: not yet",
                                                       "too many clients", "stale: "};
 /// Likewise, with a name or a number before.
