@@ -2,6 +2,8 @@
 
 import statistics
 
+REMEMBERED = 9  # instants whose phase tells that of the next
+
 
 def steps(times, interval):
     """(nanoseconds, whole intervals) from each instant to the next."""
@@ -23,17 +25,24 @@ def shortest(times):
     return min(later - earlier for earlier, later in zip(times, times[1:]))
 
 
-def phase_growth(times, interval):
-    """How much the phase against the ideal grid has moved from the first tenth to the last, in ns.
+def phases(times, interval):
+    """How far each instant is from the ideal grid, in ns.
 
-    The grid has the given interval and begins with the first instant; slots without an instant count as passed.
+    The grid has the given interval and begins with the first instant. An instant belongs to the slot that is nearest by the
+    phase of those before it, so that one that is late by more than half an interval changes nothing for those behind it.
     """
-    phases, slot = [0], 0
-    for at, (_, count) in zip(times[1:], steps(times, interval)):
-        slot += count
-        phases.append(at - times[0] - slot * interval)
-    tenth = max(len(phases) // 10, 1)
-    return statistics.median(phases[-tenth:]) - statistics.median(phases[:tenth])
+    found = []
+    for at in times:
+        expected = times[0] + (statistics.median(found[-REMEMBERED:]) if found else 0)
+        found.append(at - times[0] - round((at - expected) / interval) * interval)
+    return found
+
+
+def phase_growth(times, interval):
+    """How much the phase against the ideal grid has moved from the first tenth to the last, in ns."""
+    found = phases(times, interval)
+    tenth = max(len(found) // 10, 1)
+    return statistics.median(found[-tenth:]) - statistics.median(found[:tenth])
 
 
 def bunched(times, interval):

@@ -22,7 +22,7 @@ import tempfile
 
 SKIPPED = 77
 MEMORY = 448  # MiB of the kernel inside
-LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "900"))  # seconds for boot and tests together; two minutes are usual, on a busy machine many more
+LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "1500"))  # seconds for boot and tests together; five minutes are usual, on a busy machine many more
 MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan")
 # Queueing disciplines: vcan has no back-pressure of its own.
 OPTIONAL_MODULES = ("net/sched/sch_tbf", "net/sched/sch_plug")
