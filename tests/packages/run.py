@@ -145,8 +145,7 @@ def boot(work, number):
     command = [kernel, f"mem={MEMORY}M", f"ubda={work}/boot-{number}.cow,{work}/root.img", "root=/dev/ubda", "rw", "quiet",
                "con=null", "con0=null,fd:1", "ssl=null", f"uml_dir={work}/uml/", "umid=cansync",
                "init=/lib/systemd/systemd", "systemd.show_status=0"]
-    with contextlib.suppress(PermissionError):
-        os.nice(-15)  # inherited: what else runs here must not make the kernel inside miss its slots
+    run_uml.prefer_kernel()
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=dict(os.environ, TMPDIR=run_uml.memory_folder()),
                                start_new_session=True)
     try:
