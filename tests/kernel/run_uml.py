@@ -22,7 +22,7 @@ import tempfile
 
 SKIPPED = 77
 MEMORY = 448  # MiB of the kernel inside
-LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "1500"))  # seconds for boot and tests together; five minutes are usual, on a busy machine many more
+LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "1500"))  # seconds for boot and tests together; four minutes are usual, on a busy machine many more
 MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan")
 # Queueing disciplines: vcan has no back-pressure of its own.
 OPTIONAL_MODULES = ("net/sched/sch_tbf", "net/sched/sch_plug")
@@ -89,7 +89,7 @@ def prefer_kernel():
     with contextlib.suppress(PermissionError):
         os.nice(-15)  # what else runs here must not make the kernel inside miss its slots
     # The kernel and its processes take turns at every system call. On a virtual machine waking another processor for that
-    # costs much, and on a busy one what stands still for seconds.
+    # costs much; when the machine is busy the kernel has stood still for seconds.
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 

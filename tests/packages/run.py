@@ -22,7 +22,7 @@ REPOSITORY = HERE.parent.parent
 sys.path.insert(0, str(REPOSITORY / "tests/kernel"))
 import run_uml  # noqa: E402  (its folder is named above)
 
-LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "900"))  # seconds from power-on to power-off; five minutes are usual
+LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "900"))  # seconds from power-on to power-off; two minutes are usual
 BOOTS = 2  # what is wrong fails again; what a busy machine has held up for too long does not
 MEMORY = 640  # MiB
 IMAGE = 2048  # MiB, sparse
