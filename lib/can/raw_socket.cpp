@@ -96,9 +96,16 @@ SocketResult RawSocket::open(const std::string& interface) noexcept {
   return SocketResult::done;
 }
 
+void RawSocket::adopt(int descriptor) noexcept {
+  close();
+  dropped_ = 0;
+  descriptor_ = descriptor;
+}
+
 void RawSocket::close() noexcept {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
+  index_ = 0;
 }
 
 SocketResult RawSocket::receive(ReceivedFrame& out) noexcept {
@@ -142,6 +149,7 @@ SocketResult RawSocket::send(const Frame& frame) noexcept {
 
 SocketResult RawSocket::link() noexcept {
   if (!is_open()) return SocketResult::interface_gone;
+  if (index_ == 0) return SocketResult::done;
   // By the index: another interface of the same name is not the one this socket is bound to.
   ifreq request{};
   request.ifr_ifindex = index_;

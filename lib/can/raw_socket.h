@@ -32,6 +32,9 @@ class RawSocket {
   /// Opens and binds to `interface` (1..15 characters); closes what was open before. `done`,
   /// `interface_gone`, `no_can` or `failed`. An interface that is down can be opened.
   SocketResult open(const std::string& interface) noexcept;
+  /// Takes over a socket of somebody else that carries frames as those of the kernel do and belongs to no
+  /// interface: a stand-in for a bus. It must not block; its link is always up.
+  void adopt(int descriptor) noexcept;
   void close() noexcept;
   bool is_open() const noexcept { return descriptor_ >= 0; }
 
@@ -57,7 +60,7 @@ class RawSocket {
   SocketResult failure(int error) noexcept;
 
   int descriptor_ = -1;
-  int index_ = 0;
+  int index_ = 0;  // of the interface; 0: none
   int error_ = 0;
   std::uint64_t dropped_ = 0;
 };

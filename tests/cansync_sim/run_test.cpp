@@ -3,7 +3,14 @@
 #include "cansync_sim/run.h"
 
 #include <gtest/gtest.h>
+#include <linux/can.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
+#include <csignal>
+
+#include "cansync_sim/socket_port.h"
 #include "rig.h"
 
 namespace {
@@ -90,6 +97,32 @@ TEST_F(RunTest, VerboseTellsEveryChangeOfADrive) {
   EXPECT_EQ(said_, (std::vector<std::string>{
                        "SYNC 0: drive 3 was activated", "SYNC 5: drive 3 is synchronized",
                        "SYNC 7: drive 3 has control word 0x0003", "SYNC 7: drive 3 has fault 5"}));
+}
+
+/// The real port on a pair of sockets. SIGTERM comes while `frames` frames wait to be taken; the process ends
+/// with 0 when the loop does.
+void stop_while_frames_wait(int frames) {
+  ::alarm(20);  // what hangs is killed
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0, ends.data()) != 0) ::_exit(2);
+  cansync_sim::SocketPort port("pair", ends[0]);
+  Bench bench(bench_settings(), drives({3}));
+  const can_frame sync{.can_id = 0x080, .len = 0};
+  for (int i = 0; i < frames; ++i) {
+    if (::write(ends[1], &sync, sizeof sync) != sizeof sync) ::_exit(3);
+  }
+  ::raise(SIGTERM);
+  cansync_sim::run(bench, port, {"pair", false, [](const std::string&) {}});
+  ::_exit(0);
+}
+
+TEST(SocketPort, StopsAtOnceWithNothingToReceive) {
+  EXPECT_EXIT(stop_while_frames_wait(0), testing::ExitedWithCode(0), "");
+}
+
+// A signal is not delivered to a wait that has something to return, so the loop must look at what is pending.
+TEST(SocketPort, StopsAtOnceWhileFramesWait) {
+  EXPECT_EXIT(stop_while_frames_wait(5), testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

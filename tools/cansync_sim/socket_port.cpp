@@ -31,6 +31,24 @@ sigset_t stop_signals() noexcept {
   return signals;
 }
 
+/// A wish to stop that the handler has seen, or that waits outside of `wait`.
+bool stop_asked() noexcept {
+  if (stop_wanted.load()) return true;
+  sigset_t pending;
+  return ::sigpending(&pending) == 0 &&
+         (::sigismember(&pending, SIGTERM) == 1 || ::sigismember(&pending, SIGINT) == 1);
+}
+
+void listen_for_stop() noexcept {
+  struct sigaction action {};
+  action.sa_handler = want_stop;
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGINT, &action, nullptr);
+  // Blocked but for `wait`, so that no signal falls between the look at the wish and the sleep.
+  const sigset_t signals = stop_signals();
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
 timespec to_timespec(can::Time span) noexcept {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(span);
   return {seconds.count(), (span - seconds).count()};
@@ -39,13 +57,13 @@ timespec to_timespec(can::Time span) noexcept {
 }  // namespace
 
 SocketPort::SocketPort(std::string interface) : interface_(std::move(interface)) {
-  struct sigaction action {};
-  action.sa_handler = want_stop;
-  ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGINT, &action, nullptr);
-  // Blocked but for `wait`, so that no signal falls between the look at the wish and the sleep.
-  const sigset_t signals = stop_signals();
-  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  listen_for_stop();
+  look();
+}
+
+SocketPort::SocketPort(std::string interface, int descriptor) : interface_(std::move(interface)) {
+  listen_for_stop();
+  socket_.adopt(descriptor);
   look();
 }
 
@@ -96,7 +114,9 @@ bool SocketPort::wait(can::Time deadline) noexcept {
   pollfd ready{socket_.descriptor(), POLLIN, 0};
   // A socket whose interface is down would be ready for ever with its error: only time is waited for then.
   ::ppoll(&ready, link_ == Link::up ? 1 : 0, deadline == can::Time::max() ? nullptr : &timeout, &mask);
-  if (stop_wanted.load()) return false;
+  // Linux delivers a signal to `ppoll` only when no descriptor is ready: with a frame waiting it stays
+  // pending.
+  if (stop_asked()) return false;
   if (link_ != Link::up && now() >= looked_at_ + kLookAgain) look();
   return true;
 }
@@ -104,10 +124,7 @@ bool SocketPort::wait(can::Time deadline) noexcept {
 bool SocketPort::receive(can::ReceivedFrame& out) noexcept {
   if (link_ != Link::up) return false;
   // Under a flood of frames `wait` may not be reached for long.
-  sigset_t pending;
-  if (::sigpending(&pending) == 0 &&
-      (::sigismember(&pending, SIGTERM) == 1 || ::sigismember(&pending, SIGINT) == 1))
-    return false;
+  if (stop_asked()) return false;
   const can::SocketResult result = socket_.receive(out);
   take(result);
   return result == can::SocketResult::done;

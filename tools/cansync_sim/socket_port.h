@@ -12,6 +12,8 @@ namespace cansync_sim {
 class SocketPort final : public Port {
  public:
   explicit SocketPort(std::string interface);
+  /// `descriptor`: a socket that stands in for the interface (can::RawSocket::adopt).
+  SocketPort(std::string interface, int descriptor);
 
   can::Time now() noexcept override;
   bool wait(can::Time deadline) noexcept override;
