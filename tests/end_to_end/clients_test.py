@@ -6,7 +6,7 @@ import sys
 import tempfile
 import unittest
 
-from gateway import Gateway
+from gateway import LONG, Gateway
 
 DATA = 0x1000
 
@@ -25,7 +25,7 @@ class Killed(unittest.TestCase):
         before = len(self.events("client_gone"))
         process = self.gateway.start_job("open_transfers", *arguments)
         process.kill()
-        process.communicate()
+        process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, -signal.SIGKILL)
         # DDS notices that a program is dead when its lease (5 s) is over.
         self.gateway.wait_status("its transfer has ended", lambda status: status["open_transfers"] == 0)

@@ -67,7 +67,7 @@ class Examples(unittest.TestCase):
     def moving(self):
         """A lead axis that gives reference values, so that actual values come, until the test is over."""
         process = self.start("lead_axis", 60, 1000)
-        self.addCleanup(process.communicate)
+        self.addCleanup(process.communicate, timeout=LONG)
         self.addCleanup(process.kill)
         return process
 

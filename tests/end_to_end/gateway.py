@@ -8,7 +8,6 @@ import os
 import pty
 import random
 import select
-import signal
 import subprocess
 import tempfile
 import time
@@ -34,6 +33,17 @@ def wait_for(what, condition, seconds=None):
     raise AssertionError(f"not within {seconds} s: {what}")
 
 
+def end(process, seconds=None):
+    """SIGTERM, and the exit code; what does not end is killed, and an error."""
+    process.terminate()
+    try:
+        return process.wait(LONG if seconds is None else seconds)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait(LONG)
+        raise
+
+
 class Verb(subprocess.Popen):
     """`cansync` running; what it writes with --json is compared with the schemas of docs/json."""
 
@@ -43,8 +53,13 @@ class Verb(subprocess.Popen):
         options.setdefault("bufsize", 0)
         super().__init__([CANSYNC, *map(str, arguments)], **options)
 
-    def communicate(self, *arguments, **options):
-        out, err = super().communicate(*arguments, **options)
+    def wait(self, timeout=None):
+        """As that of Popen, but never without a limit; the end of a `with` waits by this one, too."""
+        return super().wait(LONG if timeout is None else timeout)
+
+    def communicate(self, input=None, timeout=None):
+        """As that of Popen, but never without a limit."""
+        out, err = super().communicate(input, LONG if timeout is None else timeout)
         if isinstance(out, bytes):
             # The last line of a program that was killed may be cut.
             expect_lines(self.arguments, out[: out.rfind(b"\n") + 1] if (self.returncode or 0) < 0 else out)
@@ -52,6 +67,8 @@ class Verb(subprocess.Popen):
 
     def next_object(self):
         """The next object of one that goes on."""
+        if not select.select([self.stdout], [], [], LONG)[0]:
+            raise AssertionError(f"{self.arguments}: nothing came within {LONG} s")
         found = json.loads(self.stdout.readline())
         expect(self.arguments, found)
         return found
@@ -156,14 +173,7 @@ factor = 0.001
 
     def stop(self):
         """Ends the daemon in order; its exit code."""
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-        try:
-            return self.process.wait(LONG)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
-            raise
+        return end(self.process)
 
     def log_text(self):
         with open(self.log, encoding="utf-8", errors="replace") as file:

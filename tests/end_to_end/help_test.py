@@ -140,7 +140,7 @@ class Completion(VerbTest):
             self.fail("TAB did not complete the slave's name")
         finally:
             shell.kill()
-            shell.wait()
+            shell.wait(LONG)
             os.close(terminal)
 
     def read_for(self, terminal, seconds):

@@ -14,6 +14,7 @@ import tempfile
 import time
 
 THREAD = "cansync-rt"
+PATIENCE = 60  # seconds; for strace to let go of the thread
 LINE = re.compile(r"^(\d+\.\d+) (?:<\.\.\. )?(\w+)")
 
 
@@ -45,7 +46,11 @@ def trace(thread, seconds):
                 time.sleep(0.05)
             if tracer.poll() is None:
                 tracer.send_signal(signal.SIGINT)
-            complaint = tracer.communicate()[1]
+            try:
+                complaint = tracer.communicate(timeout=PATIENCE)[1]
+            except subprocess.TimeoutExpired:
+                tracer.kill()
+                raise
         lines = log.read().splitlines()
     calls = []
     for line in lines:

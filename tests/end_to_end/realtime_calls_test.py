@@ -6,7 +6,7 @@ Run it by hand to see the figures: ctest --preset dev -R realtime_calls -V
 import sys
 import unittest
 
-from gateway import Gateway
+from gateway import LONG, Gateway
 from realtime_calls import CannotTrace, Counts, count_calls
 
 BIT_RATE = 250000  # intervals of 4 ms: tracing takes time for each call
@@ -37,7 +37,7 @@ class RealtimeCalls(unittest.TestCase):
                 self.skipTest(str(reason))
             finally:
                 writer.terminate()
-                writer.communicate()
+                writer.communicate(timeout=LONG)
         print(counts.text())
         self.assertGreater(counts.intervals, 100)
         self.assertLessEqual(counts.median, MOST, counts.text())

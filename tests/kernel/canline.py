@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import socket
 import struct
 import subprocess
@@ -10,7 +9,7 @@ import tempfile
 import time
 
 import gateway
-from gateway import CANSYNC, ACTIVE, CANSYNCD, Place, wait_for
+from gateway import CANSYNC, ACTIVE, CANSYNCD, Place, end, wait_for
 
 LONG = 90  # seconds; one wait; run_uml.py has the limit for all together
 gateway.LONG = LONG
@@ -24,7 +23,7 @@ PROBE = "1FFFFFF0#"  # nobody takes it; it shows that candump listens
 
 
 def ip(*arguments):
-    subprocess.run(["ip", *arguments], check=True)
+    subprocess.run(["ip", *arguments], check=True, timeout=LONG)
 
 
 def interface_exists():
@@ -108,8 +107,7 @@ class Candump:
         return self
 
     def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait(LONG)
+        end(self.process)
         self.reader.close()
 
     def _read(self):
@@ -166,8 +164,7 @@ class Process:
 
     def stop(self):
         """SIGTERM; the exit code."""
-        self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(LONG)
+        return end(self.process)
 
     def kill(self):
         self.process.kill()

@@ -83,7 +83,7 @@ class Interface(DisturbanceTest):
 
     @staticmethod
     def tc(what, *discipline):
-        subprocess.run(["tc", "qdisc", what, "dev", INTERFACE, "root", *discipline], check=True)
+        subprocess.run(["tc", "qdisc", what, "dev", INTERFACE, "root", *discipline], check=True, timeout=LONG)
 
 
 class InterfaceMissingAtStart(unittest.TestCase):
@@ -132,7 +132,7 @@ class Strangers(DisturbanceTest):
         before = self.count("second_master_frames")
         events = len(self.daemon.events("second_master"))
         for _ in range(5):
-            subprocess.run(["cansend", INTERFACE, "502#70670000"], check=True)
+            subprocess.run(["cansend", INTERFACE, "502#70670000"], check=True, timeout=LONG)
         self.daemon.wait_status("it is seen", lambda s: s["second_master_frames"] >= before + 5)
         self.assertEqual(self.events_since(events, "second_master"), 1, "told once")
         self.daemon.wait_status("it is gone", lambda s: not s["second_master"])

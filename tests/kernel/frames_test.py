@@ -5,7 +5,7 @@ import re
 import tempfile
 import unittest
 
-from canline import Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
+from canline import LONG, Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
 from gateway import wait_for
 
 CANCEL = "9000000000000000"  # telegram that ends a transfer on the slave
@@ -102,7 +102,7 @@ class Frames(unittest.TestCase):
             found = wait_for("20 whole intervals", lambda: self.whole_intervals(before))
         finally:
             values.terminate()
-            values.communicate()
+            values.communicate(timeout=LONG)
         for frames in found:
             self.assertEqual(slave(frames[0]), slave(frames[1]), "RDC1 is of the slave that WRC1 asked")
             self.assertEqual(slave(frames[2]), slave(frames[3]), "RDC2 is of the slave that WRC2 asked")

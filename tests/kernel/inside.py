@@ -9,49 +9,45 @@ import sys
 import traceback
 import unittest
 
+import once_more
+
 POWER_OFF = 0x4321FEDC
-AGAIN = 2  # further tries of a test that failed
+LONG = 90  # seconds; one command
 
 
 def set_up():
     for module in filter(None, os.environ["MODULE_FILES"].split(":")):
-        subprocess.run(["insmod", module], check=True)
-    subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
-    subprocess.run(["ip", "route", "add", "224.0.0.0/4", "dev", "lo"], check=True)
+        subprocess.run(["insmod", module], check=True, timeout=LONG)
+    subprocess.run(["ip", "link", "set", "lo", "up"], check=True, timeout=LONG)
+    subprocess.run(["ip", "route", "add", "224.0.0.0/4", "dev", "lo"], check=True, timeout=LONG)
 
 
-def fresh(test):
-    """The same test anew; a class or module whose set-up failed: all its tests."""
-    name, _, rest = test.id().partition(" ")  # behind the blank: the class whose set-up it was, or the values of a subtest
-    if name in ("setUpClass", "tearDownClass"):
-        name = rest.strip("()")
-    return unittest.defaultTestLoader.loadTestsFromName(name)
+class Choice(unittest.TestProgram):
+    """Finds the tests by the arguments of unittest's own program, and does not run them."""
+
+    def __init__(self, arguments):
+        super().__init__(module=None, argv=arguments)
+
+    def runTests(self):  # noqa: N802: unittest's name
+        pass
 
 
 def run_tests():
-    """Runs the tests; those that fail run again, alone. A machine whose processor others use may stand still for
-    seconds in one of them; what is wrong fails each time."""
+    """Runs the tests of this folder that the arguments choose; the exit code."""
     here = os.path.dirname(os.path.abspath(__file__))
     sys.path[:0] = [here, os.path.join(here, "..", "end_to_end")]
     os.chdir(here)
     arguments = ["kernel", "discover", "-s", here, "-p", "*_test.py", *shlex.split(os.environ["ARGUMENTS"])]
-    runner = unittest.TextTestRunner(stream=sys.stdout, verbosity=2)
-    result = unittest.main(module=None, argv=arguments, exit=False, testRunner=runner).result
-    for _ in range(AGAIN):
-        failed = [test for test, _ in result.failures + result.errors]
-        if not failed:
-            break
-        print(f"again, alone: {', '.join(test.id() for test in failed)}", flush=True)
-        result = runner.run(unittest.TestSuite(map(fresh, failed)))
-    return 0 if result.wasSuccessful() and result.testsRun > 0 else 1
+    chosen = Choice(arguments).test
+    return 0 if once_more.run(chosen, unittest.TextTestRunner(stream=sys.stdout, verbosity=2)) else 1
 
 
 def run_script(output):
     """The program that was given in the place of the tests."""
-    subprocess.run(["ip", "link", "add", "dev", "vcan0", "type", "vcan"], check=True)
-    subprocess.run(["ip", "link", "set", "vcan0", "up"], check=True)
+    subprocess.run(["ip", "link", "add", "dev", "vcan0", "type", "vcan"], check=True, timeout=LONG)
+    subprocess.run(["ip", "link", "set", "vcan0", "up"], check=True, timeout=LONG)
     command = [sys.executable, "-B", os.environ["SCRIPT"], *shlex.split(os.environ["ARGUMENTS"]), f"{output}/result"]
-    return subprocess.run(command, check=False).returncode
+    return subprocess.run(command, check=False, timeout=int(os.environ["LIMIT"])).returncode
 
 
 def main():

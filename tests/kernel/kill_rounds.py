@@ -47,13 +47,13 @@ class Client:
 
     def __enter__(self):
         self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        if self.process.stdout.readline() != "ready\n":
+        if not select.select([self.process.stdout], [], [], LONG)[0] or self.process.stdout.readline() != "ready\n":
             raise AssertionError("a client found no daemon")
         return self
 
     def __exit__(self, *_):
         self.process.kill()
-        self.process.communicate()
+        self.process.communicate(timeout=LONG)
 
     def begin(self, *job):
         """Gives it a job; `end` takes the result."""
@@ -164,7 +164,9 @@ class Rounds:
         killed_at = time.monotonic()
         self.kill(victim)
         ended = {"download": self.loading.end(), "upload": self.storing.end()}
-        writer.join()
+        writer.join(2 * LONG)  # its job ends by itself within LONG
+        if writer.is_alive():
+            raise AssertionError("the writer has not ended")
         self.sent = writer.sent
         for client in self.clients:
             client.revive()

@@ -13,11 +13,13 @@ import tempfile
 import threading
 import unittest
 
+import once_more
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "end_to_end"))
 
 import gateway  # noqa: E402: found on the path that was set above
-from gateway import CANSYNCD, Place, wait_for  # noqa: E402
+from gateway import CANSYNCD, Place, end, wait_for  # noqa: E402
 
 CANSYNC_SIM = os.environ["CANSYNC_SIM"]
 gateway.LONG = LONG = 60
@@ -28,7 +30,7 @@ EVERY = (1 << SLAVES) - 1
 
 
 def shell(command):
-    subprocess.run(command, shell=True, check=True)
+    subprocess.run(command, shell=True, check=True, timeout=LONG)
 
 
 def bring_up(interface, bit_rate=BIT_RATE):
@@ -60,7 +62,7 @@ class SyncFrames:
 
     def __exit__(self, *_):
         self.end.set()
-        self.thread.join()
+        self.thread.join(LONG)
 
 
 class Daemon(Place):
@@ -83,8 +85,7 @@ class Daemon(Place):
         return self
 
     def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait(LONG)
+        end(self.process)
         self.folder.cleanup()
 
     def text(self):
@@ -122,8 +123,7 @@ class Drives(unittest.TestCase):
         for interface in ("can0", "can1"):
             bring_up(interface)
         simulator = drives()
-        self.addCleanup(simulator.wait)
-        self.addCleanup(simulator.terminate)
+        self.addCleanup(end, simulator)
         with SyncFrames("can0"), socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as master:
             master.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, struct.pack("=II", 0x581, 0x7FF))
             master.settimeout(0.2)
@@ -166,8 +166,7 @@ class OneBus(unittest.TestCase):
         for interface in ("can0", "can1"):
             bring_up(interface)
         cls.drives = drives()
-        cls.addClassCleanup(cls.drives.wait)
-        cls.addClassCleanup(cls.drives.terminate)
+        cls.addClassCleanup(end, cls.drives)
         cls.daemon = cls.enterClassContext(Daemon())
 
     def all_respond(self):
@@ -232,4 +231,9 @@ class OneBus(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    # Arguments name tests, as those of unittest do; without any: all.
+    names = sys.argv[1:]
+    module = sys.modules["__main__"]
+    loader = unittest.defaultTestLoader
+    suite = loader.loadTestsFromNames(names, module) if names else loader.loadTestsFromModule(module)
+    sys.exit(0 if once_more.run(suite, unittest.TextTestRunner(verbosity=2)) else 1)

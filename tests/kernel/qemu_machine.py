@@ -15,6 +15,7 @@ import tempfile
 CACHE = os.environ.get("CANSYNC_KERNEL_CACHE", os.path.expanduser("~/.cache/cansyncd-kernel"))
 MODULES = ["virtio_pci", "9pnet_virtio", "9p", "can", "can_raw", "can_dev", "kvaser_pci"]
 BUSYBOX = "/bin/busybox"
+LONG = 300  # seconds; one command, a download too
 QEMU = "qemu-system-x86_64"
 
 INIT = """#!/bin/busybox sh
@@ -45,7 +46,8 @@ class Missing(Exception):
 
 def kernel_folder():
     """Folder with boot/vmlinuz-* and lib/modules/* of Debian's current kernel, fetched when it is not there."""
-    depends = subprocess.run(["apt-cache", "depends", "linux-image-amd64"], capture_output=True, text=True, check=False)
+    depends = subprocess.run(["apt-cache", "depends", "linux-image-amd64"], capture_output=True, text=True, check=False,
+                             timeout=LONG)
     found = re.search(r"Depends: (linux-image-\S+-amd64)$", depends.stdout, re.MULTILINE)
     if not found:
         raise Missing("apt-cache knows no linux-image-amd64; is the package list there (apt-get update)?")
@@ -57,11 +59,13 @@ def kernel_folder():
     # Everything happens in a folder of its own, so that two tests at once do not see half a kernel.
     with tempfile.TemporaryDirectory(dir=CACHE) as work:
         os.chmod(work, 0o755)  # apt downloads as another user
-        fetched = subprocess.run(["apt-get", "download", package], cwd=work, capture_output=True, text=True, check=False)
+        fetched = subprocess.run(["apt-get", "download", package], cwd=work, capture_output=True, text=True, check=False,
+                                 timeout=LONG)
         if fetched.returncode != 0:
             raise Missing(f"{package} cannot be downloaded: {fetched.stderr.strip()}")
         unpacked = os.path.join(work, "unpacked")
-        subprocess.run(["dpkg-deb", "-x", glob.glob(os.path.join(work, "*.deb"))[0], unpacked], check=True)
+        subprocess.run(["dpkg-deb", "-x", glob.glob(os.path.join(work, "*.deb"))[0], unpacked], check=True,
+                       timeout=LONG)
         try:
             os.rename(unpacked, folder)
         except OSError:
@@ -130,12 +134,12 @@ def need_tools():
     if not shutil.which(QEMU):
         raise Missing(f"{QEMU} is not installed (Debian package qemu-system-x86)")
     for module in ("virtfs",):
-        helped = subprocess.run([QEMU, "-help"], capture_output=True, text=True, check=False)
+        helped = subprocess.run([QEMU, "-help"], capture_output=True, text=True, check=False, timeout=LONG)
         if module not in helped.stdout:
             raise Missing(f"{QEMU} was built without {module}")
     if not os.path.exists(BUSYBOX):
         raise Missing(f"{BUSYBOX} is not there (Debian package busybox-static)")
-    linked = subprocess.run(["ldd", BUSYBOX], capture_output=True, text=True, check=False)
+    linked = subprocess.run(["ldd", BUSYBOX], capture_output=True, text=True, check=False, timeout=LONG)
     if linked.returncode == 0 and "=>" in linked.stdout:
         raise Missing(f"{BUSYBOX} is not statically linked (Debian package busybox-static)")
 
@@ -165,13 +169,13 @@ def run(command, shared, timeout, show=print):
             arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
         ) as machine:
             # `timeout` of the whole machine, also while it is silent.
-            watchdog = subprocess.Popen(["sh", "-c", f"sleep {timeout}; kill {machine.pid}"], start_new_session=True)
+            watchdog = subprocess.Popen(["sh", "-c", f"sleep {timeout}; kill -9 {machine.pid}"], start_new_session=True)
             try:
                 for line in machine.stdout:
                     show(line.decode(errors="replace").rstrip())
             finally:
                 os.killpg(watchdog.pid, 15)
-                watchdog.wait()
+                watchdog.wait(LONG)
                 machine.kill()
     try:
         with open(os.path.join(shared, "exit_code"), encoding="utf-8") as file:

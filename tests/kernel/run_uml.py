@@ -112,7 +112,7 @@ def boot(work, kernel):
             os.killpg(process.pid, signal.SIGKILL)
         except ProcessLookupError:
             pass
-        process.wait()
+        process.wait(60)  # after SIGKILL
 
 
 def main():

@@ -22,6 +22,7 @@ REPOSITORY = HERE.parent.parent
 sys.path.insert(0, str(REPOSITORY / "tests/kernel"))
 import run_uml  # noqa: E402  (its folder is named above)
 
+COMMAND_LIMIT = 7200  # seconds; one step: building on a busy machine takes the longest
 LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "900"))  # seconds from power-on to power-off; two minutes are usual
 BOOTS = 2  # what is wrong fails again; what a busy machine has held up for too long does not
 MEMORY = 640  # MiB
@@ -36,7 +37,7 @@ MODULES = ("kernel/net/can", "kernel/drivers/net/can", "kernel/fs/autofs", "modu
 def run(*command, **options):
     """Runs a command; its output only when it fails."""
     done = subprocess.run([str(part) for part in command], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          check=False, **options)
+                          check=False, timeout=COMMAND_LIMIT, **options)
     if done.returncode != 0:
         sys.exit(f"run.py: {' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout[-6000:]}")
     return done.stdout.strip()
@@ -52,7 +53,7 @@ def stage(name):
 
 def git(*arguments):
     return subprocess.run(["git", "-C", REPOSITORY, *arguments], text=True, stdout=subprocess.PIPE,
-                          stderr=subprocess.DEVNULL, check=False).stdout.strip()
+                          stderr=subprocess.DEVNULL, check=False, timeout=60).stdout.strip()
 
 
 def commit_before():
@@ -155,7 +156,7 @@ def boot(work, number):
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        process.wait(60)  # after SIGKILL
     try:
         return int((out / "exit_code").read_text(encoding="ascii"))
     except (OSError, ValueError):

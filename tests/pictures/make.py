@@ -82,7 +82,7 @@ class Leading:
 
     def __exit__(self, *_):
         self.process.kill()
-        self.process.wait()
+        self.process.wait(LONG)
 
 
 def make_timing(line, folder):

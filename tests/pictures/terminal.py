@@ -62,7 +62,7 @@ class Terminal:
     def __exit__(self, *_):
         if self.process.poll() is None:
             self.process.kill()
-        self.process.wait()
+        self.process.wait(LONG)
         os.close(self.other)
         os.close(self.side)
 

@@ -21,13 +21,13 @@ def main():
         result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2, failfast=True).run(suite)
         code = 0 if result.wasSuccessful() and result.testsRun > 0 else 1
         if code != 0:
-            subprocess.run(["journalctl", "--no-pager", "--lines=60", "--boot"], check=False)
+            subprocess.run(["journalctl", "--no-pager", "--lines=60", "--boot"], check=False, timeout=60)
     except BaseException:  # whatever it is, the machine must end and tell
         traceback.print_exc(file=sys.stdout)
     sys.stdout.flush()
     pathlib.Path(sys.argv[1]).write_text(str(code), encoding="ascii")
     os.sync()
-    subprocess.run(["systemctl", "poweroff", "--force"], check=False)
+    subprocess.run(["systemctl", "poweroff", "--force"], check=False, timeout=60)
 
 
 main()
