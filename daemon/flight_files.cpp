@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
-#include <memory>
 #include <string_view>
 #include <system_error>
 
@@ -19,6 +17,7 @@
 #include "can/candump.h"
 #include "cansync/mode.h"
 #include "daemon/flight_tap.h"
+#include "daemon/replace_file.h"
 
 namespace cansyncd {
 namespace {
@@ -131,29 +130,31 @@ bool on_bus(const rt::FlightEntry& entry) noexcept {
   return entry.kind == Kind::received || entry.kind == Kind::echo;
 }
 
-/// Writes a file under another name and gives it its own when it is whole. errno, 0 when all went well.
-int write_whole(const fs::path& path, const std::string& text) {
-  const fs::path part = path.string() + ".part";
-  std::FILE* file = std::fopen(part.c_str(), "we");
-  if (file == nullptr) return errno;
-  int error = std::fwrite(text.data(), 1, text.size(), file) == text.size() ? 0 : errno;
-  if (std::fclose(file) != 0 && error == 0) error = errno;
-  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) (void)std::remove(part.c_str());
-  return error;
+/// True for the name of a recording's header of this bus: the buses "a" and "a-b" may share a folder.
+bool is_header(std::string_view file, const std::string& prefix) {
+  constexpr std::string_view kTime = "ddddddddTdddddd.dddZ-";
+  if (!file.starts_with(prefix) || !file.ends_with(".json")) return false;
+  file.remove_prefix(prefix.size());
+  return file.size() > kTime.size() &&
+         std::equal(kTime.begin(), kTime.end(), file.begin(), [](char wanted, char found) {
+           return wanted == 'd' ? std::isdigit(static_cast<unsigned char>(found)) != 0 : wanted == found;
+         });
 }
 
-/// Removes the oldest recordings of this bus. What cannot be removed stays.
-void prune(const FlightFileSettings& settings) {
+/// Removes the oldest recordings of this bus; `newest` has just been written. What cannot be removed stays.
+void prune(const FlightFileSettings& settings, const fs::path& newest) {
   std::error_code error;
   std::vector<fs::path> headers;
   for (fs::directory_iterator entry(settings.folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    const std::string file = entry->path().filename().string();
-    if (file.starts_with(prefix(settings)) && file.ends_with(".json")) headers.push_back(entry->path());
+    if (is_header(entry->path().filename().string(), prefix(settings))) headers.push_back(entry->path());
   }
-  // The names begin with the time.
-  std::sort(headers.begin(), headers.end());
+  // The names begin with the time. One later than the newest was made before the wall clock was set back.
+  std::sort(headers.begin(), headers.end(), [&](const fs::path& a, const fs::path& b) {
+    const bool a_before = a.filename() > newest.filename();
+    const bool b_before = b.filename() > newest.filename();
+    return a_before != b_before ? a_before : a < b;
+  });
   const std::size_t keep = std::max(settings.files, 1U);
   for (std::size_t i = 0; i + keep < headers.size(); ++i) {
     fs::remove(fs::path(headers[i]).replace_extension(".log"), error);
@@ -207,19 +208,19 @@ FlightFileResult write_flight(const FlightRecording& recording, const FlightFile
   const std::string log = path.string() + ".log";
   const std::string header = path.string() + ".json";
   FlightFileResult result;
-  const auto failed = [&](const std::string& file, int error) {
-    result.problem = fmt::format("{}: {}", file, std::generic_category().message(error));
+  const auto written = [&](const std::string& file, const std::string& text) {
+    const auto problem = replace_file(file, text);
+    if (!problem) return true;
+    result.problem = fmt::format("{}: {}", file, *problem);
     (void)std::remove(log.c_str());
-    return result;
+    return false;
   };
-  if (const int error = write_whole(log, flight_candump(recording, settings)); error != 0)
-    return failed(log, error);
-  const std::string text = flight_header(recording, settings, fs::path(log).filename().string());
-  if (const int error = write_whole(header, text); error != 0) return failed(header, error);
+  if (!written(log, flight_candump(recording, settings))) return result;
+  if (!written(header, flight_header(recording, settings, fs::path(log).filename().string()))) return result;
   result.log = log;
   result.frames =
       static_cast<std::size_t>(std::count_if(recording.entries.begin(), recording.entries.end(), on_bus));
-  prune(settings);
+  prune(settings, header);
   return result;
 }
 

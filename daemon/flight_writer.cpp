@@ -15,12 +15,20 @@ namespace cansyncd {
 
 std::string prepare_flight_folder(const std::string& folder) {
   constexpr mode_t kForOwnerAndGroup = 0750;
-  if (::mkdir(folder.c_str(), kForOwnerAndGroup) != 0 && errno != EEXIST) {
-    return fmt::format("{}: {}", folder, std::generic_category().message(errno));
+  const auto failed = [&](int error) {
+    return fmt::format("{}: {}", folder, std::generic_category().message(error));
+  };
+  if (::mkdir(folder.c_str(), kForOwnerAndGroup) != 0 && errno != EEXIST) return failed(errno);
+  struct stat facts = {};
+  if (::stat(folder.c_str(), &facts) != 0) return failed(errno);
+  if (!S_ISDIR(facts.st_mode)) return failed(ENOTDIR);
+  if (facts.st_uid != 0 && facts.st_uid != ::geteuid()) {
+    return fmt::format("{}: belongs to user {}; allowed: root, or the daemon's own user {}", folder,
+                       facts.st_uid, ::geteuid());
   }
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    return fmt::format("{}: {}", folder, std::generic_category().message(errno));
-  }
+  if ((facts.st_mode & S_IWOTH) != 0 && (facts.st_mode & S_ISVTX) == 0)
+    return folder + ": every user may replace files in it; take that right away (chmod o-w)";
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) return failed(errno);
   return {};
 }
 

@@ -36,7 +36,8 @@ class FlightWriter {
   std::thread thread_;  // last: it uses everything above
 };
 
-/// Makes `folder` ready for recordings: its last part is created when only that is missing. Empty: it is
+/// Makes `folder` ready for recordings: its last part is created when only that is missing. One that belongs
+/// to neither root nor this process's user, or in which everybody may replace files, is refused. Empty: it is
 /// ready; else why it is not, in words.
 std::string prepare_flight_folder(const std::string& folder);
 

@@ -52,7 +52,4 @@ class MetricsFile {
   std::thread thread_;
 };
 
-/// Writes `text` to `path` by way of `path`.new, readable for everybody. Returns nothing, or why not.
-std::optional<std::string> replace_file(const std::string& path, const std::string& text);
-
 }  // namespace cansyncd

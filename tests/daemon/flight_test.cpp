@@ -1,6 +1,7 @@
 // The flight recorder behind the realtime loop, in virtual time: what is kept around a fault, and its files.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -260,6 +261,73 @@ TEST_F(FlightFolder, KeepsTheNewestRecordingsOfItsBusAndTouchesNothingElse) {
                          mine + "2Z-requested.json", mine + "2Z-requested.log", mine + "3Z-requested.json",
                          mine + "3Z-requested.log", mine + "4Z-requested.json", mine + "4Z-requested.log",
                          "flight-other-20000101T000000.000Z-bus_off.json", "notes.json"}));
+}
+
+/// What a test of many recordings tells them apart by: the seconds of their names.
+std::vector<std::string> seconds_of(const std::vector<std::string>& files) {
+  std::vector<std::string> out;
+  for (const std::string& file : files) {
+    if (file.ends_with(".json")) out.push_back(file.substr(file.rfind('T') + 1, 6));
+  }
+  return out;
+}
+
+TEST_F(FlightFolder, ARecordingMadeAfterTheWallClockWasSetBackStays) {
+  auto keep_two = settings();
+  keep_two.files = 2;
+  FlightRecording recording;
+  FlightFileResult last;
+  for (const int second : {30, 31, 10, 11}) {
+    recording.trigger.at = std::chrono::seconds(second);
+    last = write_flight(recording, keep_two);
+    EXPECT_EQ(last.problem, "");
+    EXPECT_TRUE(fs::exists(last.log)) << second;
+    EXPECT_TRUE(fs::exists(fs::path(last.log).replace_extension(".json"))) << second;
+  }
+  EXPECT_EQ(seconds_of(files()), (std::vector<std::string>{"000010", "000011"}));
+}
+
+TEST_F(FlightFolder, BusesWhoseNamesBeginAlikeKeepTheirOwn) {
+  auto one = settings();
+  auto other = settings();
+  one.bus = "a";
+  other.bus = "a-b";
+  one.files = other.files = 1;
+  for (const auto& of : {other, one, other}) EXPECT_EQ(write_flight({}, of).problem, "");
+  const std::string rest = "-19700101T000000.000Z-requested";
+  EXPECT_EQ(files(), (std::vector<std::string>{"flight-a" + rest + ".json", "flight-a" + rest + ".log",
+                                               "flight-a-b" + rest + ".json", "flight-a-b" + rest + ".log"}));
+}
+
+TEST_F(FlightFolder, NothingIsWrittenThroughALink) {
+  const fs::path victim = folder / "victim";
+  std::ofstream(victim) << "precious";
+  for (const char* ending : {".log", ".json", ".log.part", ".json.part", ".log.new", ".json.new"}) {
+    fs::create_symlink(victim,
+                       folder / (std::string("flight-line_1-19700101T000000.000Z-requested") + ending));
+  }
+  EXPECT_EQ(write_flight({}, settings()).problem, "");
+  EXPECT_EQ(text_of(victim), "precious");
+}
+
+TEST_F(FlightFolder, AFolderInWhichOthersMayReplaceFilesIsRefused) {
+  const auto everybody = fs::perms::all;
+  fs::permissions(folder, everybody);
+  EXPECT_EQ(prepare_flight_folder(folder.string()),
+            folder.string() + ": every user may replace files in it; take that right away (chmod o-w)");
+  fs::permissions(folder, everybody | fs::perms::sticky_bit);
+  EXPECT_EQ(prepare_flight_folder(folder.string()), "");
+  if (::geteuid() != 0) return;
+  constexpr uid_t kSomebody = 65533;
+  ASSERT_EQ(::chown(folder.c_str(), kSomebody, kSomebody), 0);
+  EXPECT_EQ(prepare_flight_folder(folder.string()),
+            folder.string() + ": belongs to user 65533; allowed: root, or the daemon's own user 0");
+}
+
+TEST_F(FlightFolder, AFileIsNoFolder) {
+  const std::string file = (folder / "file").string();
+  std::ofstream(file) << "mine";
+  EXPECT_EQ(prepare_flight_folder(file), file + ": Not a directory");
 }
 
 /// A recorder that has frozen `count` frames.

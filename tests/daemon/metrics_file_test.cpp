@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/replace_file.h"
+
 namespace cansyncd {
 namespace {
 
