@@ -19,6 +19,7 @@
 #include "daemon/flight_desk.h"
 #include "daemon/gateway.h"
 #include "daemon/heartbeat.h"
+#include "daemon/journal_queue.h"
 #include "daemon/realtime_loop.h"
 #include "daemon/realtime_text.h"
 #include "daemon/service.h"
@@ -84,16 +85,17 @@ class Daemon {
  public:
   /// Throws std::runtime_error (of the SYNC line), std::system_error or cansync::dds::SetupError for what
   /// cannot be had.
-  explicit Daemon(ConfigFile file)
+  Daemon(ConfigFile file, JournalSink& journal)
       : file_(std::move(file)),
-        log_(file_.config.bus.name),
+        log_(file_.config.bus.name, journal),
         bus_(file_.config),
         sync_line_(make_sync_line(file_)),
         exchange_(exchange_sizes(file_.config)),
         participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
                       file_.config.dds.xml, file_.config.dds.security}),
-        gateway_(file_.config, exchange_, participant_),
-        flight_(file_.config, bus_.bus(), [this](const EventText& event) { gateway_.post(event); }),
+        gateway_(file_.config, exchange_, participant_, journal),
+        flight_(
+            file_.config, bus_.bus(), [this](const EventText& event) { gateway_.post(event); }, journal),
         loop_(file_.config.master, loop_settings(file_.config, flight_.tap(), sync_line_.get()),
               flight_.bus(), exchange_) {}
 
@@ -282,13 +284,15 @@ ConfigFile load_checked(const std::string& path, const std::vector<std::string>&
 
 int run_daemon(ConfigFile file, const std::vector<std::string>& overrides) {
   const SignalWait signals;
-  const ServiceLog log(file.config.bus.name);
-  if (!rt::set_default_stack_size(kThreadStack)) {
+  const bool small_stacks = rt::set_default_stack_size(kThreadStack);
+  JournalQueue journal(process_journal(), file.config.bus.name);
+  const ServiceLog log(file.config.bus.name, journal);
+  if (!small_stacks) {
     log.say(LogPriority::warning, "stack_size_kept",
             "thread stacks keep the system's size; locked memory will be larger");
   }
   try {
-    Daemon daemon(std::move(file));
+    Daemon daemon(std::move(file), journal);
     daemon.start();
     serve(daemon, signals, overrides, log);
     daemon.stop();

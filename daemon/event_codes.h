@@ -34,6 +34,7 @@ inline constexpr EventKind kEventKinds[] = {
     {"flight_recording_failed", "4d9f876a6c6e4a01894a61664c064b60"},
     {"trace_ended", "563af7dc8a1e44b487256e44ba5099e3"},
     {"trace_failed", "4f72754c1cd547c1bd5ba9df858a48e3"},
+    {"journal_entries_lost", "dc5610fb208141c49df916a8094e20ef"},
     {"event_not_published", "1098b59a2c8b4367852f768a525810ae"},
     {"metrics_not_written", "0c247d9974d14332af5b42849b9d5e08"},
     {"metrics_written_again", "9d8f81e7805e42b6a6e126d0ee7fe541"},

@@ -20,12 +20,14 @@ std::string flight_folder(const Config& config, const char* state_directory) {
   return "/var/lib/cansync/" + config.bus.name;
 }
 
-FlightDesk::FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::Tell& tell) : bus_(bus) {
+FlightDesk::FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::Tell& tell,
+                       JournalSink& journal)
+    : bus_(bus) {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing in this process changes its environment
   const std::string folder = flight_folder(config, std::getenv("STATE_DIRECTORY"));
   if (folder.empty()) return;
   if (const std::string problem = prepare_flight_folder(folder); !problem.empty()) {
-    ServiceLog(config.bus.name)
+    ServiceLog(config.bus.name, journal)
         .say(config.recorder.folder ? LogPriority::warning : LogPriority::info, "recorder_off",
              fmt::format("the flight recorder is off: {}; create that folder for the daemon's user, or set "
                          "recorder.folder",

@@ -7,6 +7,7 @@
 #include "daemon/config.h"
 #include "daemon/flight_tap.h"
 #include "daemon/flight_writer.h"
+#include "daemon/journal.h"
 #include "rt/flight_recorder.h"
 
 namespace cansyncd {
@@ -19,9 +20,10 @@ std::string flight_folder(const Config& config, const char* state_directory);
 class FlightDesk {
  public:
   /// Takes the memory and starts the writing thread, unless there is no folder that can be written, which is
-  /// said in the journal once. `bus` must outlive the desk; `tell` is called on the writing thread. Throws
+  /// said in `journal` once. `bus` must outlive the desk; `tell` is called on the writing thread. Throws
   /// std::system_error without a thread or a file descriptor.
-  FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::Tell& tell);
+  FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::Tell& tell,
+             JournalSink& journal = process_journal());
 
   /// The bus the realtime loop is to drive, and its tap (null: off).
   can::Bus& bus() noexcept { return parts_ ? static_cast<can::Bus&>(parts_->bus) : bus_; }

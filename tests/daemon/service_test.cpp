@@ -1,6 +1,8 @@
 // What the daemon tells the service manager that started it.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/un.h>
 
@@ -104,6 +106,42 @@ TEST_F(ServiceTest, FeedsNoWatchdogThatNobodyAskedFor) {
     ASSERT_NE(message, "WATCHDOG=1");
     ASSERT_FALSE(message.empty());
   }
+}
+
+/// A pipe with a name into which nothing fits any more.
+class FullPipe {
+ public:
+  explicit FullPipe(const std::string& path) {
+    EXPECT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    pipe_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    const std::string page(4096, '-');
+    while (::write(pipe_, page.data(), page.size()) > 0) {
+    }
+    EXPECT_EQ(::write(pipe_, "-", 1), -1);
+  }
+  ~FullPipe() { ::close(pipe_); }
+  FullPipe(const FullPipe&) = delete;
+  FullPipe& operator=(const FullPipe&) = delete;
+
+ private:
+  int pipe_ = -1;
+};
+
+TEST_F(ServiceTest, WhoDoesNotReadStandardErrorHoldsNothingUp) {
+  const NotifySocket manager(folder_ / "notify");
+  const std::string path = (folder_ / "errors").string();
+  const FullPipe nobody_reads(path);
+  Program program("/bin/sh",
+                  {"-c", "exec \"$0\" \"$@\" 2>" + path, CANSYNCD, write("line.toml", kTwoSlaves),
+                   "--domain=" + std::to_string(domain_.get())},
+                  {notify_socket(), "WATCHDOG_USEC=2000000"});
+  ASSERT_EQ(manager.next_state(), "READY=1");
+  EXPECT_TRUE(
+      manager.comes("STATUS=active operation: 2 of 2 slaves respond; bus two (sim) at 1000000 bit/s"));
+  EXPECT_TRUE(manager.comes("WATCHDOG=1"));
+  program.signal(SIGTERM);
+  EXPECT_TRUE(manager.comes("STOPPING=1"));
+  EXPECT_EQ(program.exit_code(), 0);
 }
 
 }  // namespace
