@@ -193,7 +193,10 @@ void RealtimeThread::prepare() noexcept {
 }
 
 void RealtimeThread::move_to(Start start) noexcept {
-  start_.store(start, std::memory_order_release);
+  // notify_all wakes nobody when it sees no waiter. A mere release may become visible after that look: the
+  // waiter would then have missed both. With seq_cst on all of it either we see the waiter or it sees the
+  // value.
+  start_.store(start, std::memory_order_seq_cst);
   start_.notify_all();
 }
 
