@@ -89,6 +89,11 @@ class Running(unittest.TestCase):
         self.assertIn((60, 1), [scheduling(task) for task in tasks(pid)])  # SCHED_FIFO
         locked = re.search(r"VmLck:\s+(\d+) kB", pathlib.Path(f"/proc/{pid}/status").read_text(encoding="ascii"))
         self.assertGreater(int(locked.group(1)), 1000)
+        # No more than that, and not for ever.
+        limits = pathlib.Path(f"/proc/{pid}/limits").read_text(encoding="ascii")
+        self.assertRegex(limits, r"Max realtime priority\s+60\s+60\s")
+        self.assertRegex(limits, r"Max realtime timeout\s+1000000\s+2000000\s+us")
+        self.assertEqual(properties("MemoryMax")["MemoryMax"], str(1 << 30))
         change_configuration(enforced, normal)
         run("systemctl", "restart", SERVICE)
         wait_until_active()
