@@ -198,7 +198,14 @@ factor = 0.001
         # The status comes up to a second late: an earlier job must not be taken for this one.
         self.wait_status("no job is open", lambda status: status[counter] == 0)
         process = self.start(*arguments)
-        self.wait_status("the job is open", lambda status: status[counter] == 1)
+
+        def is_open(status):
+            if process.poll() is not None:
+                out, err = process.communicate(timeout=LONG)
+                raise AssertionError(f"{arguments} has ended with {process.returncode}:\n{out}\n{err}")
+            return status[counter] == 1
+
+        self.wait_status("the job is open", is_open)
         return process
 
     def wait_active(self):
