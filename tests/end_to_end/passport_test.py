@@ -193,15 +193,17 @@ class Killed(Passports):
         self.check_resumed(before)
 
 
+RELEASE = 100000  # intervals: longer than any machine stalls
+
+
 class Undisturbed(unittest.TestCase):
     """Restores beside reference values that go out in every interval.
 
-    A machine that stalls leaves telegrams out by itself, now and then. What a restore left out would be missing in each
-    of them, because all are the same on the bus; so one without a gap shows that it leaves out none.
+    A machine that stalls leaves telegrams out by itself, which the daemon counts. A telegram for which a restore had taken
+    the place would be missing and not counted. In virtual time, where nothing stalls, restore_traffic_test shows the same.
     """
 
-    RESTORES = 6  # with each daemon
-    DAEMONS = 6
+    RESTORES = 6
 
     def backups(self, gateway, folder):
         """Two passports of one drive that differ by CHANGES."""
@@ -213,13 +215,13 @@ class Undisturbed(unittest.TestCase):
         return files
 
     def record(self, folder):
-        """The telegrams of a line on which values were restored again and again."""
+        """The telegrams of a line on which values were restored again and again, and how many the daemon left out."""
         trace = os.path.join(folder, "line.log")
-        options = ("--trace", trace, "--set", f"slave.1.profile={PROFILE}")
+        options = ("--trace", trace, "--set", f"slave.1.profile={PROFILE}", "--set", f"process.release_limit={RELEASE}")
         with Gateway(slaves=2, bit_rate=125000, options=options) as gateway:
             gateway.environment["CANSYNC_PROFILES"] = PROFILES
             files = self.backups(gateway, folder)
-            writer = gateway.start("set", "target=1000", "4=5", "--rate", "10", "--release", "1000")
+            writer = gateway.start("set", "target=1000", "4=5", "--rate", "10", "--release", RELEASE)
             try:
                 for telegram in (0, 1):
                     gateway.wait_status(
@@ -229,36 +231,39 @@ class Undisturbed(unittest.TestCase):
                 for attempt in range(self.RESTORES):
                     self.assertEqual(gateway.run("write", 0, BUSY_REPLIES, 1000 + attempt).returncode, 0)
                     self.assertEqual(gateway.json("restore", SLAVE, files[attempt % 2])[-1]["written"], len(CHANGES))
+                end = gateway.status()["interval"]
+                # The status comes once a second.
+                left_out = gateway.wait_status("a later status", lambda s: s["interval"] > end)["left_out"]
             finally:
                 writer.terminate()
                 writer.communicate(timeout=LONG)
             gateway.stop()
-            return gateway.json("trace", trace)
+            return gateway.json("trace", trace), left_out
 
-    def gaps(self, frames):
-        """For each restore: how many of its intervals do not have both reference value telegrams."""
+    def missing(self, frames):
+        """How many reference value telegrams the intervals of the restores do not have."""
         marks = [i for i, f in enumerate(frames) if f["text"].startswith(f"write parameter {BUSY_REPLIES} = 10")]
         self.assertEqual(len(marks), self.RESTORES)
+        missing = 0
         for begin, end in zip(marks, marks[1:] + [len(frames)]):
             jobs = [i for i in range(begin, end) if frames[i]["channel"] == "CC" and frames[i]["slave"] == 1]
             jobs = [i for i in jobs if "parameter" in frames[i]["text"]]
             self.assertGreater(len(jobs), 2 * len(CHANGES))
             edges = [i for i in range(jobs[0], jobs[-1]) if frames[i]["channel"] == "SYNC"]
             self.assertGreater(len(edges), 2 * len(CHANGES))
-            bad = 0
             for first, last in zip(edges, edges[1:]):
                 channels = [frame["channel"] for frame in frames[first + 1 : last]]
-                bad += (channels.count("WRC1"), channels.count("WRC2")) != (1, 1)
-            yield bad
+                for channel in ("WRC1", "WRC2"):
+                    self.assertLessEqual(channels.count(channel), 1)
+                    missing += 1 - channels.count(channel)
+        return missing
 
-    def test_not_one_reference_telegram_is_missed(self):
-        found = []
-        for _ in range(self.DAEMONS):
-            with tempfile.TemporaryDirectory() as folder:
-                found += self.gaps(self.record(folder))
-            if 0 in found:
-                return
-        self.fail(f"every restore has intervals without their reference value telegrams: {found}")
+    def test_no_reference_telegram_is_missed_but_those_that_came_too_late(self):
+        with tempfile.TemporaryDirectory() as folder:
+            frames, left_out = self.record(folder)
+        missing = self.missing(frames)
+        print(f"{missing} telegrams missing, {left_out} left out")
+        self.assertLessEqual(missing, left_out)
 
 
 if __name__ == "__main__":
