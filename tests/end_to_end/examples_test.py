@@ -48,7 +48,7 @@ class Examples(unittest.TestCase):
         # Its values are 8 ms ahead; on a machine that stalls it takes a while until some arrive in time.
         leading = self.moving()
         for slave in range(3):
-            wait_for(f"drive {slave} moves", lambda n=slave: self.position(n) != before[n])
+            self.wait_while(leading, f"drive {slave} moves", lambda n=slave: self.position(n) != before[n])
         leading.kill()
         out = self.run_example("lead_axis", 300, 1)
         self.assertEqual(re.findall(r"^slave (\d): -?\d+ increments behind$", out, re.MULTILINE), ["0", "1", "2"])
@@ -73,6 +73,16 @@ class Examples(unittest.TestCase):
         self.addCleanup(process.kill)
         return process
 
+    def wait_while(self, process, what, condition):
+        """Waits for `condition` while `process` lives."""
+
+        def look():
+            if process.poll() is not None:
+                self.fail(f"{process.args} has ended before {what}: {process.communicate(timeout=LONG)}")
+            return condition()
+
+        return wait_for(what, look)
+
     def test_data_logger_writes_every_slave(self):
         self.moving()
         out = self.run_example("data_logger", 300)
@@ -84,8 +94,7 @@ class Examples(unittest.TestCase):
         self.assertEqual({row[1] for row in cells}, {"0", "1", "2"})
 
     def test_ros_style_consumer_spins(self):
-        self.moving()
-        wait_for("the drives move", lambda: self.position(1) != self.position(1))
+        self.wait_while(self.moving(), "the drives move", lambda: self.position(1) != self.position(1))
         out = self.run_example("ros_style_consumer", 5)
         lines = out.splitlines()
         self.assertEqual(len(lines), 5)
