@@ -75,4 +75,9 @@ std::string bit_rate_command(const Config& config) {
       name, bits_per_second(config), sample_point);
 }
 
+std::string one_shot_command(const Config& config) {
+  return fmt::format("ip link set {0} down; ip link set {0} type can one-shot on; ip link set {0} up",
+                     config.bus.interface);
+}
+
 }  // namespace cansyncd

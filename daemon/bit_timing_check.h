@@ -25,4 +25,7 @@ std::uint16_t wanted_sample_point(const Config& config);
 /// Shell command that sets the interface to the configured bit timing and up.
 std::string bit_rate_command(const Config& config);
 
+/// Shell command that sets the interface to one-shot mode and up.
+std::string one_shot_command(const Config& config);
+
 }  // namespace cansyncd

@@ -25,6 +25,9 @@ class BusChoice {
   /// Belongs to the realtime thread once that runs.
   can::Bus& bus() noexcept { return simulated_ ? simulated_->bus() : socketcan_->bus(); }
 
+  /// What people should know of the interface as it was found; empty: nothing.
+  std::string advice() const { return socketcan_ ? socketcan_->advice() : std::string(); }
+
   /// Once the realtime thread runs; it must be stopped before `exchange` goes.
   void start(Exchange& exchange) {
     if (socketcan_) socketcan_->start(exchange);

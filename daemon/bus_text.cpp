@@ -41,7 +41,8 @@ void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_
   cansync::dds::copy_text(name(bus.state), out.controller_state);
   out.transmit_errors = bus.transmit_errors;
   out.receive_errors = bus.receive_errors;
-  cansync::dds::copy_text(name(bus.link), out.link_state);
+  const bool delivers = bus.link != can::LinkState::up || bus.delivery == can::Delivery::normal;
+  cansync::dds::copy_text(delivers ? name(bus.link) : name(bus.delivery), out.link_state);
   cansync::dds::copy_text(name(master.timestamps), out.timestamp_source);
   out.interface_bit_rate = bus.bits_per_second;
   out.sample_point = link.timing ? link.timing->sample_point : 0u;
@@ -83,6 +84,12 @@ EventText describe_link(const LinkChanged& report, const Config& config) {
           fmt::format("{} is set to {} bit/s instead of {}, nothing is sent; set it with: {}", interface,
                       report.bits_per_second, cansync::slot_times(config.master.bit_rate).bits_per_second,
                       bit_rate_command(config)));
+    case can::LinkState::not_one_shot:
+      return event(
+          cansync_SEVERITY_ERROR, "not_one_shot",
+          fmt::format("{0} is not in one-shot mode, which bus.one_shot demands, nothing is sent; set it "
+                      "with: {1}",
+                      interface, one_shot_command(config)));
   }
   return event(cansync_SEVERITY_ERROR, "interface_down", fmt::format("{} is in an unknown state", interface));
 }
@@ -95,6 +102,34 @@ EventText describe_fault(const BusFault& report) {
   }
   return {cansync_SEVERITY_WARNING, words.begun, -1, fmt::format("{}; {}", words.what, words.remedy),
           report.when};
+}
+
+EventText describe_delivery(const DeliveryChanged& report, const Config& config) {
+  const std::string& interface = config.bus.interface;
+  switch (report.to) {
+    case can::Delivery::normal:
+      return {cansync_SEVERITY_INFO, "delivered_again", -1,
+              fmt::format("telegrams are on the bus again; {} were handed over in vain, {} were left out",
+                          report.never_sent, report.left_out),
+              report.when};
+    case can::Delivery::unacknowledged:
+      return {
+          cansync_SEVERITY_ERROR, "not_delivered", -1,
+          fmt::format("nobody on the bus of {} acknowledges: no telegram was on it for two intervals; check "
+                      "the cable, both terminating resistors, the power and the bit rate of the drives",
+                      interface),
+          report.when};
+    case can::Delivery::not_emptied:
+      break;
+  }
+  return {
+      cansync_SEVERITY_ERROR, "not_emptied", -1,
+      fmt::format("{0} could not be reset: what was handed over before nobody acknowledged stands in its "
+                  "controller and goes out when somebody does, and nothing else is sent before; empty it as "
+                  "root: ip link set {0} down && ip link set {0} up; for the next time: one-shot mode ({1}), "
+                  "or CAP_NET_ADMIN for the daemon",
+                  interface, one_shot_command(config)),
+      report.when};
 }
 
 std::string reset_not_permitted(const Config& config) {

@@ -19,6 +19,9 @@ EventText describe_link(const LinkChanged& report, const Config& config);
 /// The event that stands for a fault that began or is over.
 EventText describe_fault(const BusFault& report);
 
+/// The event that says that nobody acknowledges, or somebody does again, and the remedy.
+EventText describe_delivery(const DeliveryChanged& report, const Config& config);
+
 /// Why the controller could not be reset, and the commands that do it.
 std::string reset_not_permitted(const Config& config);
 std::string reset_unavailable(const Config& config);

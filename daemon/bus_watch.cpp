@@ -20,9 +20,13 @@ void BusWatch::begin() noexcept {
 }
 
 void BusWatch::sent(can::SendResult result) noexcept {
-  // The interface has reports of its own.
+  // The interface has reports of its own, and so has a bus on which nobody acknowledges.
   if (result == can::SendResult::interface_down) {
     ++without_link_;
+    return;
+  }
+  if (result == can::SendResult::not_delivered) {
+    ++held_back_;
     return;
   }
   const can::SendResult before = last_send_;
@@ -36,8 +40,10 @@ void BusWatch::sent(can::SendResult result) noexcept {
 void BusWatch::look(can::Time now) noexcept {
   const can::ControllerState state = status_.state;
   const can::LinkState link = status_.link;
+  const can::Delivery delivery = status_.delivery;
   status_ = bus_.status();
   watch_link(link);
+  watch_delivery(delivery);
   // A controller without its interface has no state worth a report.
   if (status_.state != state && status_.state != can::ControllerState::stopped &&
       state != can::ControllerState::stopped) {
@@ -55,6 +61,21 @@ void BusWatch::watch_link(can::LinkState before) noexcept {
   reporter_.report(
       LinkChanged{reporter_.moment(), before, status_.link, status_.bits_per_second, up ? without_link_ : 0});
   if (up) without_link_ = 0;
+}
+
+void BusWatch::watch_delivery(can::Delivery before) noexcept {
+  const bool normal = status_.delivery == can::Delivery::normal;
+  if (status_.delivery != before) {
+    DeliveryChanged change{reporter_.moment(), before, status_.delivery, 0, 0};
+    if (normal) {
+      change.never_sent = status_.unacknowledged - never_sent_;
+      change.left_out = held_back_;
+    }
+    reporter_.report(change);
+  }
+  // What a late echo has held back is told by nobody: it was an interval's.
+  if (normal) held_back_ = 0;
+  if (normal) never_sent_ = status_.unacknowledged;
 }
 
 void BusWatch::watch_row(BusFaultKind kind, std::uint64_t counter, can::Time now) noexcept {

@@ -25,6 +25,11 @@ class BusWatch {
   /// Looks at the bus, once an interval; `now` is the bus's time.
   void look(can::Time now) noexcept;
 
+  /// True when telegrams reach the bus, as far as is known: the interface is up and somebody acknowledges.
+  bool connected() const noexcept {
+    return status_.link == can::LinkState::up && status_.delivery == can::Delivery::normal;
+  }
+
   /// As of the last look.
   const can::ControllerStatus& status() const noexcept { return status_; }
   can::SendResult last_send() const noexcept { return last_send_; }
@@ -37,6 +42,7 @@ class BusWatch {
   };
 
   void watch_link(can::LinkState before) noexcept;
+  void watch_delivery(can::Delivery before) noexcept;
   void watch_row(BusFaultKind kind, std::uint64_t counter, can::Time now) noexcept;
 
   can::Bus& bus_;
@@ -46,6 +52,8 @@ class BusWatch {
   can::SendResult last_send_ = can::SendResult::queued;
   std::uint64_t failed_sends_ = 0;  ///< in a row, the interface being up
   std::uint64_t without_link_ = 0;  ///< telegrams since the interface is not up
+  std::uint64_t held_back_ = 0;     ///< telegrams since nobody acknowledges
+  std::uint64_t never_sent_ = 0;    ///< all such telegrams when everything was well
 };
 
 }  // namespace cansyncd

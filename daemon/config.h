@@ -26,12 +26,21 @@ enum class BusKind : std::uint8_t {
   socketcan,  ///< a CAN network interface of the kernel
 };
 
+/// What the daemon asks of a controller's one-shot mode, in which a frame that nobody acknowledges is not
+/// repeated.
+enum class OneShot : std::uint8_t {
+  prefer,   ///< without it, say so and send
+  enforce,  ///< without it, refuse to start, and send nothing
+  ignore,   ///< without it, send
+};
+
 /// The bus. Bit rate and send margin are in `Config::master`.
 struct BusConfig {
   std::string name = "sim";  ///< name for people, log lines and the default DDS partition; 1..63 characters
   BusKind kind = BusKind::simulated;
-  std::string interface = "sim";     ///< "sim", or the network interface's name
-  bool wake_on_frame = false;        ///< CAN interface: wake for each frame instead of at the slots
+  std::string interface = "sim";  ///< "sim", or the network interface's name
+  bool wake_on_frame = false;     ///< CAN interface: wake for each frame instead of at the slots
+  OneShot one_shot = OneShot::prefer;
   std::optional<std::uint8_t> btr0;  ///< bit timing registers of the controller the line was set up with;
   std::optional<std::uint8_t> btr1;  ///< both or none
   can::Controller registers_of = can::Controller::plc;  ///< whose clock the registers count in

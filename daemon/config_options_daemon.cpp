@@ -30,6 +30,15 @@ constexpr auto kRows = std::to_array<Option>({
           "CAN interface: wake for every frame, for lower latency and more system calls; false = look for "
           "frames at the SYNC edge and after WRC2.",
           [](Draft& d, const Value& v) { d.config.bus.wake_on_frame = flag(v); }),
+    choice(
+        "bus.one_shot", "\"prefer\"", "enforce|prefer|ignore",
+        "One-shot mode of the controller, in which no telegram goes out late: enforce = send nothing without "
+        "it, prefer = say so, ignore = do not ask.",
+        [](Draft& d, const Value& v) {
+          d.config.bus.one_shot = words(v) == "enforce"  ? OneShot::enforce
+                                  : words(v) == "ignore" ? OneShot::ignore
+                                                         : OneShot::prefer;
+        }),
     whole_number(
         "bus.btr0", "(not given)", 0, 255, "",
         "Bit timing register 0 the line was set up with; with btr1. They must give bit_rate, and fix "

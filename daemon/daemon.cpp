@@ -113,6 +113,8 @@ class Daemon {
     for (const std::string& missing : thread_->grants().missing)
       log_.say(LogPriority::warning, "realtime_missing", missing);
     gateway_.set_realtime(settings, thread_->grants());
+    if (const std::string advice = bus_.advice(); !advice.empty())
+      log_.say(LogPriority::warning, "not_one_shot", advice);
     bus_.start(exchange_);
     gateway_.start();
     wait_until_running();

@@ -107,6 +107,8 @@ std::string_view remedy_of(can::SendResult result) noexcept {
       return "the controller is bus-off; check the wiring, then give mode reset-can";
     case can::SendResult::interface_down:
       return "the interface is missing or not up; plug it in and set it up";
+    case can::SendResult::not_delivered:
+      return "nobody on the bus acknowledges";
   }
   return "unknown reason";
 }
@@ -160,6 +162,9 @@ struct Describer {
     return describe_link(report, config);
   }
   std::optional<EventText> operator()(const BusFault& report) const { return describe_fault(report); }
+  std::optional<EventText> operator()(const DeliveryChanged& report) const {
+    return describe_delivery(report, config);
+  }
   std::optional<EventText> operator()(const TransferProgress&) const { return std::nullopt; }
   std::optional<EventText> operator()(const ReferenceRefused&) const { return std::nullopt; }
 };

@@ -207,6 +207,16 @@ struct LinkChanged {
   std::uint64_t left_out = 0;         ///< up again: telegrams that could not be sent meanwhile
 };
 
+/// Telegrams that were handed over do not come on the bus, or do again. Reported on the edge.
+struct DeliveryChanged {
+  Moment when;
+  can::Delivery from = can::Delivery::normal;
+  can::Delivery to = can::Delivery::normal;
+  std::uint64_t never_sent =
+      0;                       ///< to normal: telegrams that were handed over meanwhile and never on the bus
+  std::uint64_t left_out = 0;  ///< to normal: telegrams that were not handed over
+};
+
 /// What can go wrong on a bus again and again.
 enum class BusFaultKind : std::uint8_t {
   not_acknowledged,  ///< a telegram was acknowledged by nobody
@@ -226,7 +236,7 @@ struct BusFault {
 
 using Report = std::variant<StateChanged, TransferProgress, EventReport, ReferenceRefused, SyncsMissed,
                             ControllerChanged, SendingChanged, SyncSourceChanged, SyncDeviceChanged,
-                            LinkChanged, BusFault>;
+                            LinkChanged, BusFault, DeliveryChanged>;
 
 // --- realtime thread -> gateway: newest value only
 

@@ -76,6 +76,8 @@ const char* name_of(can::SendResult result) noexcept {
       return "bus_off";
     case can::SendResult::interface_down:
       return "interface_down";
+    case can::SendResult::not_delivered:
+      return "not_delivered";
   }
   return "unknown";
 }

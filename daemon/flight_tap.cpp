@@ -62,6 +62,9 @@ void FlightTap::report(const Report& report) noexcept {
   } else if (const auto* link = std::get_if<LinkChanged>(&report)) {
     fault(triggers_.sending_failed && link->to != can::LinkState::up, FlightReason::sending_failed,
           static_cast<std::uint64_t>(can::SendResult::interface_down), link->when);
+  } else if (const auto* delivery = std::get_if<DeliveryChanged>(&report)) {
+    fault(triggers_.sending_failed && delivery->from == can::Delivery::normal, FlightReason::sending_failed,
+          static_cast<std::uint64_t>(can::SendResult::not_delivered), delivery->when);
   } else if (const auto* event = std::get_if<EventReport>(&report)) {
     using Code = cansync::MasterEvent::Code;
     fault(triggers_.slave_lost && event->event.code == Code::slave_lost, FlightReason::slave_lost,

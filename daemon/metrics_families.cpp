@@ -42,7 +42,8 @@ void link_state(const MetricsSource& from, MetricSamples& to) {
   using can::LinkState;
   add_states(to, "",
              std::array{name(LinkState::up), name(LinkState::down), name(LinkState::missing),
-                        name(LinkState::wrong_bit_rate)},
+                        name(LinkState::wrong_bit_rate), name(LinkState::not_one_shot),
+                        name(can::Delivery::unacknowledged), name(can::Delivery::not_emptied)},
              text(from.master.link_state));
 }
 

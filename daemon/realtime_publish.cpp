@@ -13,9 +13,9 @@ void RealtimeLoop::publish() noexcept {
   const can::Time now = bus_.now();
   MasterSnapshot snapshot;
   reporter_.at(number_, now);
-  const bool was_up = watch_.status().link == can::LinkState::up;
+  const bool was_connected = watch_.connected();
   watch_.look(now);
-  if (was_up && watch_.status().link != can::LinkState::up) master_.bus_lost();
+  if (was_connected && !watch_.connected()) master_.bus_lost();
   snapshot.when = reporter_.moment();
   snapshot.state = master_.state();
   snapshot.cansync_status = cansync_status();

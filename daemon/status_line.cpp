@@ -46,6 +46,14 @@ std::string link_problem(const MasterSnapshot& master, const Config& config) {
     case can::LinkState::wrong_bit_rate:
       return fmt::format("nothing is sent: interface {} has another bit rate than the configured one",
                          interface);
+    case can::LinkState::not_one_shot:
+      return fmt::format("nothing is sent: interface {} is not in one-shot mode", interface);
+  }
+  if (master.controller.delivery != can::Delivery::normal) {
+    return fmt::format(
+        "nobody on the bus of interface {} acknowledges: check cable, terminating resistors and "
+        "the power of the drives",
+        interface);
   }
   if (master.controller.state == can::ControllerState::bus_off)
     return fmt::format("nothing is sent: the controller of {} is bus-off", interface);

@@ -23,6 +23,7 @@ enum class SendResult : std::uint8_t {
   queue_full,      ///< leave this telegram out; never retry in the same slot
   bus_off,         ///< the controller takes no part in the bus; reset it
   interface_down,  ///< the interface is missing or not up
+  not_delivered,   ///< held back: nobody acknowledges what was handed over before
 };
 
 /// Why `wait_until` came back.
@@ -37,6 +38,14 @@ enum class LinkState : std::uint8_t {
   down,            ///< there, but not set up
   missing,         ///< no such interface now
   wrong_bit_rate,  ///< set up with another bit rate than the configured one: nothing is sent
+  not_one_shot,    ///< not in one-shot mode, which the configuration demands: nothing is sent
+};
+
+/// What becomes of the frames that are handed to the controller, as their echoes tell.
+enum class Delivery : std::uint8_t {
+  normal,          ///< they are on the bus, or none was handed over
+  unacknowledged,  ///< none of them; nothing more is handed over before the controller has been emptied
+  not_emptied,     ///< likewise, and the controller cannot be reset: they go out when somebody acknowledges
 };
 
 /// Where the time of a received frame comes from.
@@ -60,6 +69,8 @@ struct ControllerStatus {
   std::uint64_t restarts = 0;            ///< times the controller left bus-off
   std::uint64_t queue_full = 0;          ///< telegrams refused because the send queue was full
   std::uint64_t dropped = 0;             ///< received frames lost because nobody had taken them in time
+  Delivery delivery = Delivery::normal;
+  std::uint64_t unacknowledged = 0;  ///< frames handed over that were never on the bus
 
   friend bool operator==(const ControllerStatus&, const ControllerStatus&) = default;
 };

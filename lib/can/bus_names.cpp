@@ -28,6 +28,20 @@ std::string_view name(LinkState state) noexcept {
       return "missing";
     case LinkState::wrong_bit_rate:
       return "wrong-bit-rate";
+    case LinkState::not_one_shot:
+      return "not-one-shot";
+  }
+  return "unknown";
+}
+
+std::string_view name(Delivery delivery) noexcept {
+  switch (delivery) {
+    case Delivery::normal:
+      return "normal";
+    case Delivery::unacknowledged:
+      return "unacknowledged";
+    case Delivery::not_emptied:
+      return "not-emptied";
   }
   return "unknown";
 }

@@ -11,6 +11,8 @@ namespace can {
 std::string_view name(ControllerState state) noexcept;
 /// E.g. "wrong-bit-rate".
 std::string_view name(LinkState state) noexcept;
+/// E.g. "unacknowledged".
+std::string_view name(Delivery delivery) noexcept;
 /// E.g. "kernel".
 std::string_view name(TimestampSource source) noexcept;
 

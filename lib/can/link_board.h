@@ -33,6 +33,8 @@ class LinkBoard {
   void set_bit_rate(std::uint32_t bits_per_second) noexcept {
     bits_per_second_.store(bits_per_second, std::memory_order_relaxed);
   }
+  /// The controller tries each frame once.
+  void set_one_shot(bool on) noexcept { one_shot_.store(on, std::memory_order_relaxed); }
   /// To be taken before the driver is asked; an error frame that comes meanwhile knows better.
   std::uint32_t era() const noexcept { return era_.load(std::memory_order_acquire); }
   void set_controller(const Controller& controller, std::uint32_t era) noexcept {
@@ -57,6 +59,7 @@ class LinkBoard {
     return {static_cast<std::uint32_t>(word >> 32), static_cast<LinkState>(word & 0xFFu)};
   }
   std::uint32_t bit_rate() const noexcept { return bits_per_second_.load(std::memory_order_relaxed); }
+  bool one_shot() const noexcept { return one_shot_.load(std::memory_order_relaxed); }
   /// An error frame has told the controller's state: what the driver was asked before is out of date.
   void begin_era() noexcept { era_.fetch_add(1, std::memory_order_acq_rel); }
   /// What the driver said, if nothing newer is known.
@@ -78,6 +81,7 @@ class LinkBoard {
  private:
   std::atomic<std::uint64_t> link_{static_cast<std::uint64_t>(LinkState::missing)};
   std::atomic<std::uint32_t> bits_per_second_{0};
+  std::atomic<bool> one_shot_{false};
   std::atomic<std::uint64_t> controller_{0};
   std::atomic<std::uint32_t> era_{0};
   std::atomic<std::uint32_t> reset_wanted_{0};

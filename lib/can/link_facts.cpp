@@ -73,6 +73,16 @@ void read_controller(Bytes data, LinkFacts& facts) noexcept {
       }
     } else if (type == IFLA_CAN_STATE) {
       if (const auto state = front<std::uint32_t>(payload)) facts.state = to_state(*state);
+    } else if (type == IFLA_CAN_CTRLMODE) {
+      if (const auto mode = front<can_ctrlmode>(payload)) {
+        facts.one_shot = (mode->flags & CAN_CTRLMODE_ONE_SHOT) != 0;
+      }
+    } else if (type == IFLA_CAN_CTRLMODE_EXT) {
+      for_each_attribute(payload, [&facts](unsigned part, Bytes modes) {
+        const auto supported = front<std::uint32_t>(modes);
+        if (part != IFLA_CAN_CTRLMODE_SUPPORTED || !supported) return;
+        facts.can_one_shot = (*supported & CAN_CTRLMODE_ONE_SHOT) != 0;
+      });
     } else if (type == IFLA_CAN_RESTART_MS) {
       facts.restart_ms = front<std::uint32_t>(payload);
     } else if (type == IFLA_CAN_BERR_COUNTER) {
@@ -105,6 +115,7 @@ std::optional<LinkFacts> read_link(Bytes message, std::string_view name) noexcep
   facts.index = static_cast<std::uint32_t>(link->ifi_index);
   facts.is_can = link->ifi_type == ARPHRD_CAN;
   facts.up = (link->ifi_flags & IFF_UP) != 0;
+  facts.echoes = (link->ifi_flags & IFF_ECHO) != 0;
   bool named = false;
   for_each_attribute(after(message, aligned(sizeof(ifinfomsg))), [&](unsigned type, Bytes payload) {
     if (type == IFLA_IFNAME) named = text(payload) == name;

@@ -32,6 +32,10 @@ struct LinkFacts {
   bool has_counters = false;                ///< the two error counters are known
   std::uint16_t transmit_errors = 0;
   std::uint16_t receive_errors = 0;
+  bool echoes = false;           ///< its driver tells when a frame was on the bus, not when it was given one
+  std::optional<bool> one_shot;  ///< each frame is tried once; nothing: no real controller
+  std::optional<bool>
+      can_one_shot;  ///< its driver has that mode; nothing: the kernel does not tell (before 5.17)
   friend bool operator==(const LinkFacts&, const LinkFacts&) = default;
 };
 

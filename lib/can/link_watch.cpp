@@ -20,16 +20,19 @@ ResetResult outcome_of(int error) noexcept {
 
 }  // namespace
 
-LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second) noexcept {
+LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool one_shot) noexcept {
   if (!facts.present || !facts.is_can) return LinkState::missing;
   if (!facts.up) return LinkState::down;
   if (facts.timing && facts.timing->bits_per_second != bits_per_second) return LinkState::wrong_bit_rate;
+  if (one_shot && !facts.one_shot.value_or(true)) return LinkState::not_one_shot;
   return LinkState::up;
 }
 
 void LinkWatch::publish(const LinkFacts& facts, std::uint32_t era) {
   board_.set_bit_rate(facts.timing ? facts.timing->bits_per_second : 0);
-  board_.set_link({facts.is_can ? facts.index : 0, link_state(facts, settings_.bits_per_second)});
+  board_.set_one_shot(facts.one_shot.value_or(false));
+  board_.set_link(
+      {facts.is_can ? facts.index : 0, link_state(facts, settings_.bits_per_second, settings_.one_shot)});
   LinkBoard::Controller controller;
   controller.state = facts.state.value_or(ControllerState::error_active);
   controller.transmit_errors = counter(facts.transmit_errors);

@@ -18,6 +18,7 @@ class LinkWatch {
   struct Settings {
     std::string interface;              ///< its name; it may come, go, and come back as another one
     std::uint32_t bits_per_second = 0;  ///< the bit rate it must have
+    bool one_shot = false;              ///< it must be in one-shot mode, when it is a real controller
   };
 
   /// Both must outlive the watch.
@@ -41,7 +42,8 @@ class LinkWatch {
   Settings settings_;
 };
 
-/// What stands in the way of a bus of `bits_per_second` on an interface.
-LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second) noexcept;
+/// What stands in the way of a bus of `bits_per_second` on an interface; with `one_shot`, also a real
+/// controller that repeats frames.
+LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool one_shot = false) noexcept;
 
 }  // namespace can

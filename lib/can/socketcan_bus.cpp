@@ -45,7 +45,8 @@ SocketcanBus::SocketcanBus(const SocketcanSettings& settings, LinkBoard& board, 
       wake_on_frame_(settings.wake_on_frame),
       filters_(to_filters(settings.filters)),
       socket_(opened(kernel)),
-      clock_(kernel) {
+      clock_(kernel),
+      guard_(settings.interval) {
   try {
     set_options();
   } catch (...) {
@@ -106,7 +107,11 @@ bool SocketcanBus::receive(ReceivedFrame& out) noexcept {
     while (batch_next_ < batch_size_) {
       const bool last = batch_next_ + 1 == batch_size_;
       const bool taken = take(batch_.message(batch_next_++), out);
-      if (last) clock_.end_batch(batch_size_ < ReceiveBatch::kFrames);
+      if (last) {
+        const bool everything = batch_size_ < ReceiveBatch::kFrames;
+        clock_.end_batch(everything);
+        guard_.end_look(everything && status_.state != ControllerState::bus_off);
+      }
       if (taken) return true;
     }
     if (looked_ || bound_ == 0) return false;
@@ -120,11 +125,15 @@ void SocketcanBus::look() noexcept {
   looked_ = true;
   batch_size_ = batch_next_ = 0;
   clock_.begin_batch();
+  guard_.begin_look(kernel_.monotonic(), board_.one_shot());
   const int count = batch_.receive(kernel_, socket_);
   if (count > 0) {
     batch_size_ = static_cast<unsigned>(count);
   } else if (count == -EAGAIN) {
     clock_.end_batch(true);
+    guard_.end_look(status_.state != ControllerState::bus_off);
+  } else if (count == -ENETDOWN) {
+    went_down(kernel_.monotonic());
   }
 }
 
@@ -138,10 +147,12 @@ bool SocketcanBus::take(const RawMessage& message, ReceivedFrame& out) noexcept 
   const StampedTime time = clock_.translate(message.stamps);
   source_ = time.source;
   out = {from_kernel(message.frame), time.at, message.own};
+  if (message.own) guard_.echo(out.frame);
   return true;
 }
 
 void SocketcanBus::count_drops(std::uint32_t total) noexcept {
+  if (total != drops_seen_) guard_.echoes_lost();
   status_.dropped += static_cast<std::uint32_t>(total - drops_seen_);
   drops_seen_ = total;
 }
@@ -150,7 +161,10 @@ void SocketcanBus::account(const can_frame& frame) noexcept {
   const ErrorFrame error = read_error_frame(frame);
   ++status_.error_frames;
   if (error.not_acknowledged) ++status_.acknowledge_errors;
-  if (error.restarted) ++status_.restarts;
+  if (error.restarted) {
+    ++status_.restarts;
+    guard_.emptied(kernel_.monotonic());
+  }
   if (error.overrun) ++status_.overruns;
   if (error.counters) {
     status_.transmit_errors = error.counters->transmit;
@@ -165,14 +179,19 @@ void SocketcanBus::account(const can_frame& frame) noexcept {
 SendResult SocketcanBus::send(const Frame& frame) noexcept {
   if (bound_ == 0 || status_.link != LinkState::up) return SendResult::interface_down;
   if (status_.state == ControllerState::bus_off) return SendResult::bus_off;
+  const Time now = kernel_.monotonic();
+  if (!guard_.may_send(now)) return SendResult::not_delivered;
   switch (kernel_.send_frame(socket_, to_kernel(frame))) {
     case -ENETDOWN:
     case -ENODEV:
     case -ENXIO:
+      went_down(now);
       return SendResult::interface_down;
     case static_cast<int>(sizeof(can_frame)):
+      guard_.handed_over(frame, now);
       return SendResult::queued;
     default:  // no room, or a reason that does not last either
+      guard_.queue_full();
       ++status_.queue_full;
       return SendResult::queue_full;
   }
@@ -185,7 +204,35 @@ ControllerStatus SocketcanBus::status() noexcept {
     status_.transmit_errors = controller->transmit_errors;
     status_.receive_errors = controller->receive_errors;
   }
+  guard_controller();
+  status_.delivery = guard_.delivery();
+  status_.unacknowledged = guard_.unacknowledged();
   return status_;
+}
+
+/// The socket tells it once, before anything else can be handed over, also when the interface is up again:
+/// its queues were emptied.
+void SocketcanBus::went_down(Time now) noexcept {
+  down_seen_ = true;
+  guard_.emptied(now);
+}
+
+/// Tells the guard when the controller has been emptied, and has it reset when the guard wants that.
+void SocketcanBus::guard_controller() noexcept {
+  const Time now = kernel_.monotonic();
+  const bool bus_off = status_.state == ControllerState::bus_off;
+  if (status_.link != LinkState::up || (was_bus_off_ && !bus_off)) guard_.emptied(now);
+  was_bus_off_ = bus_off;
+  if (reset_asked_) {
+    const ResetResult result = reset_result();
+    reset_asked_ = result == ResetResult::pending;
+    if (result == ResetResult::done && !down_seen_) guard_.emptied(now);
+    if (result == ResetResult::not_permitted || result == ResetResult::unavailable) {
+      guard_.reset_failed();
+      next_reset_ = now + EchoGuard::kPause;
+    }
+  }
+  if (guard_.wants_reset() && !reset_asked_ && now >= next_reset_) reset();
 }
 
 /// An interface that has gone takes the socket's filters along: both are set anew on the one that came back.
@@ -207,6 +254,8 @@ void SocketcanBus::take_up_link() noexcept {
 
 ResetResult SocketcanBus::reset() noexcept {
   if (reset_result() == ResetResult::pending) return ResetResult::pending;
+  reset_asked_ = true;
+  down_seen_ = false;
   board_.want_reset(++resets_);
   links_.interrupt();
   return ResetResult::pending;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "can/bus.h"
+#include "can/echo_guard.h"
 #include "can/frame_clock.h"
 #include "can/kernel.h"
 #include "can/link_board.h"
@@ -23,6 +24,7 @@ struct IdentifierFilter {
 struct SocketcanSettings {
   std::vector<IdentifierFilter> filters;  ///< what is received, at most 512; own frames need one as well
   bool wake_on_frame = false;             ///< `wait_until` comes back for each frame, for more system calls
+  Time interval{0};  ///< after which the echo of a frame is missed, see EchoGuard; 0: never
 };
 
 /// A CAN network interface of the kernel as a bus. The bus's clock is CLOCK_MONOTONIC.
@@ -32,8 +34,9 @@ struct SocketcanSettings {
 ///
 /// System calls of the realtime thread: `wait_until` sleeps once, or not at all when the deadline has passed;
 /// `receive` asks the kernel at most once after each `wait_until`, for up to `ReceiveBatch::kFrames` frames;
-/// `send` is one call, and none while nothing can be sent. `status` makes none, but for two when the
-/// interface has come back. With `wake_on_frame` each frame can cost one sleep and one look more.
+/// `send` is one call, and none while nothing can be sent or frames are held back. `status` makes none, but
+/// for two when the interface has come back, and one when a controller that nobody acknowledges is to be
+/// reset. With `wake_on_frame` each frame can cost one sleep and one look more.
 ///
 /// A frame's time is that of its end: when the driver was told that it had been sent or received, by the
 /// controller's clock, the kernel's, or at worst that of the look. Error frames are counted and not handed
@@ -66,6 +69,8 @@ class SocketcanBus final : public Bus {
   int set_filters() noexcept;
   void take_up_link() noexcept;
   void look() noexcept;
+  void guard_controller() noexcept;
+  void went_down(Time now) noexcept;
   bool take(const RawMessage& message, ReceivedFrame& out) noexcept;
   void account(const can_frame& error) noexcept;
   void count_drops(std::uint32_t total) noexcept;
@@ -84,6 +89,11 @@ class SocketcanBus final : public Bus {
   std::uint32_t bound_ = 0;  ///< index of the interface the socket is bound to
   std::uint32_t drops_seen_ = 0;
   std::uint32_t resets_ = 0;  ///< number of the last reset asked for
+  bool reset_asked_ = false;  ///< and not answered when last looked at
+  bool down_seen_ = false;    ///< since then the socket has told that the interface was down
+  Time next_reset_{};         ///< the guard's, after one that failed
+  bool was_bus_off_ = false;
+  EchoGuard guard_;
   ControllerStatus status_;
   TimestampSource source_ = TimestampSource::thread;
 };

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -148,6 +149,7 @@ class FakeLinks final : public LinkKernel {
   int set_up_result = 0;
   unsigned interrupts = 0;
   std::vector<std::string> asked;
+  std::function<void(bool)> on_set_up = [](bool) {};
 
   LinkFacts read(const std::string&) noexcept override { return facts; }
   void wait(std::chrono::milliseconds) noexcept override {}
@@ -159,7 +161,10 @@ class FakeLinks final : public LinkKernel {
   }
   int set_up(std::uint32_t index, bool up) noexcept override {
     asked.push_back((up ? "up " : "down ") + std::to_string(index));
-    if (set_up_result == 0) facts.up = up;
+    if (set_up_result == 0) {
+      facts.up = up;
+      on_set_up(up);
+    }
     return set_up_result;
   }
 };

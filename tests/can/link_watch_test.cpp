@@ -24,7 +24,7 @@ class Message {
     ifinfomsg link{};
     link.ifi_index = index;
     link.ifi_type = type;
-    link.ifi_flags = up ? IFF_UP : 0;
+    link.ifi_flags = (up ? IFF_UP : 0) | IFF_ECHO;
     nlmsghdr header{};
     header.nlmsg_type = RTM_NEWLINK;
     append(header);
@@ -77,6 +77,10 @@ Bytes real_controller() {
   timing.sample_point = 875;
   message.add_value(IFLA_CAN_BITTIMING, timing);
   message.add_value(IFLA_CAN_STATE, std::uint32_t{CAN_STATE_ERROR_PASSIVE});
+  message.add_value(IFLA_CAN_CTRLMODE, can_ctrlmode{0, CAN_CTRLMODE_ONE_SHOT | CAN_CTRLMODE_BERR_REPORTING});
+  const std::size_t modes = message.open(IFLA_CAN_CTRLMODE_EXT);
+  message.add_value(IFLA_CAN_CTRLMODE_SUPPORTED, std::uint32_t{CAN_CTRLMODE_ONE_SHOT});
+  message.close(modes);
   message.add_value(IFLA_CAN_RESTART_MS, std::uint32_t{100});
   message.add_value(IFLA_CAN_BERR_COUNTER, can_berr_counter{130, 7});
   message.close(data);
@@ -93,6 +97,9 @@ TEST(LinkMessage, TellsEverythingAboutARealController) {
   expected.driver_kind = {'c', 'a', 'n'};
   expected.state = ControllerState::error_passive;
   expected.restart_ms = 100;
+  expected.echoes = true;
+  expected.one_shot = true;
+  expected.can_one_shot = true;
   expected.has_counters = true;
   expected.transmit_errors = 130;
   expected.receive_errors = 7;
@@ -112,6 +119,7 @@ TEST(LinkMessage, AVirtualInterfaceHasNeitherTimingNorController) {
   EXPECT_FALSE(facts->timing);
   EXPECT_FALSE(facts->state);
   EXPECT_FALSE(facts->restart_ms);
+  EXPECT_FALSE(facts->one_shot);
 }
 
 TEST(LinkMessage, AnotherInterfaceOrNoneTellsNothing) {
@@ -148,6 +156,10 @@ TEST(LinkState, SaysWhatStandsInTheWay) {
   EXPECT_EQ(link_state({}, 500'000), LinkState::missing);
   EXPECT_EQ(link_state(facts, 500'000), LinkState::up);
   EXPECT_EQ(link_state(facts, 250'000), LinkState::wrong_bit_rate);
+  EXPECT_EQ(link_state(facts, 500'000, true), LinkState::up) << "nothing is known of one-shot";
+  facts.one_shot = false;
+  EXPECT_EQ(link_state(facts, 500'000), LinkState::up);
+  EXPECT_EQ(link_state(facts, 500'000, true), LinkState::not_one_shot);
   facts.timing.reset();
   EXPECT_EQ(link_state(facts, 250'000), LinkState::up) << "a virtual interface has no bit rate";
   facts.up = false;

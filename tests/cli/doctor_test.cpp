@@ -105,6 +105,8 @@ DoctorInput healthy() {
   in.link.timing = can::LinkTiming{500'000, 600};
   in.link.state = can::ControllerState::error_active;
   in.link.restart_ms = 100;
+  in.link.one_shot = true;
+  in.link.echoes = true;
   in.link.has_counters = true;
   client::MasterStatus status = {};
   put(status.bus, "can0");
@@ -201,6 +203,14 @@ INSTANTIATE_TEST_SUITE_P(
               "0.600 instead of 0.875", "sample-point 0.875"},
         Fault{"restart-ms", Level::warning, [](In& in) { in.link.restart_ms = 0; }, "stays silent",
               "down && ip link set can0 type can restart-ms 100 && ip link set can0 up"},
+        Fault{"one-shot", Level::warning, [](In& in) { in.link.one_shot = false; }, "go out late",
+              "type can one-shot on && ip link set can0 up   (with systemd-networkd: OneShot=yes in [CAN])"},
+        Fault{"echo", Level::warning, [](In& in) { in.link.echoes = false; }, "does not tell",
+              "another adapter"},
+        Fault{"controller", Level::error, [](In& in) { put(in.status->link_state, "unacknowledged"); },
+              "nobody on the bus acknowledges", "120 ohm"},
+        Fault{"controller", Level::error, [](In& in) { put(in.status->link_state, "not-emptied"); },
+              "cannot be reset", "ip link set can0 down && ip link set can0 up"},
         Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1000; }, "1000 frames",
               "ip link set can0 txqueuelen 10"},
         Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1; }, "do not fit",
@@ -282,7 +292,7 @@ TEST(Doctor, ASimulatedLineHasNoInterface) {
   in.link = {};
   const auto findings = diagnose(in);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
-  for (const char* topic : {"bit rate", "sample point", "restart-ms", "txqueuelen"})
+  for (const char* topic : {"bit rate", "sample point", "restart-ms", "one-shot", "echo", "txqueuelen"})
     EXPECT_EQ(find(findings, topic), nullptr) << topic;
 }
 
@@ -294,10 +304,19 @@ TEST(Doctor, AVirtualInterfaceHasNothingToSet) {
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
   ASSERT_NE(find(findings, "interface"), nullptr);
   EXPECT_EQ(find(findings, "interface")->found, "can0 is up, virtual (vcan): nothing to set");
-  for (const char* topic : {"bit rate", "sample point", "restart-ms", "txqueuelen"})
+  for (const char* topic : {"bit rate", "sample point", "restart-ms", "one-shot", "echo", "txqueuelen"})
     EXPECT_EQ(find(findings, topic), nullptr) << topic;
   in.link.up = false;
   EXPECT_EQ(find(diagnose(in), "interface")->remedy, "ip link set can0 up");
+}
+
+TEST(Doctor, ADriverWithoutOneShotHasNothingToSet) {
+  DoctorInput in = healthy();
+  in.link.one_shot = false;
+  in.link.can_one_shot = false;
+  EXPECT_EQ(find(diagnose(in), "one-shot")->level, Level::ok);
+  in.link.one_shot.reset();
+  EXPECT_EQ(find(diagnose(in), "one-shot"), nullptr);
 }
 
 TEST(Doctor, ASamplePointAsNearAsAControllerComesIsWell) {

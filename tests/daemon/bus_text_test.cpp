@@ -84,6 +84,52 @@ TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
   EXPECT_EQ(up.text, "can0 is up again; 42 telegrams were left out");
 }
 
+TEST(BusLine, OneShotModeIsAskedForAsTheConfigurationSays) {
+  Config config = can_config();
+  can::LinkFacts facts = can::test::can0(500'000);
+  EXPECT_EQ(one_shot_advice(config, facts), "") << "a virtual interface, or a driver that does not tell";
+  facts.one_shot = false;
+  EXPECT_EQ(interface_refusal(config, facts), "");
+  EXPECT_EQ(
+      one_shot_advice(config, facts),
+      "can0 is not in one-shot mode: with nobody on the bus telegrams wait in the controller until the "
+      "daemon has reset it; set it with: ip link set can0 down; ip link set can0 type can one-shot on; ip "
+      "link set can0 up");
+  facts.can_one_shot = false;
+  EXPECT_NE(one_shot_advice(config, facts).find("its driver has none"), std::string::npos);
+  config.bus.one_shot = OneShot::enforce;
+  EXPECT_EQ(
+      interface_refusal(config, facts),
+      "can0 is not in one-shot mode, bus.one_shot is \"enforce\"; its driver has none: set bus.one_shot to "
+      "\"ignore\", and let the daemon reset the controller (CAP_NET_ADMIN, see the example reset.conf)");
+  EXPECT_EQ(one_shot_advice(config, facts), "");
+  facts.one_shot = true;
+  EXPECT_EQ(interface_refusal(config, facts), "");
+  config.bus.one_shot = OneShot::ignore;
+  facts.one_shot = false;
+  EXPECT_EQ(interface_refusal(config, facts), "");
+  EXPECT_EQ(one_shot_advice(config, facts), "");
+}
+
+TEST(BusEvents, NobodyAcknowledges) {
+  const Config config = can_config();
+  using can::Delivery;
+  const EventText begun = describe_delivery({{}, Delivery::normal, Delivery::unacknowledged, 0, 0}, config);
+  EXPECT_EQ(begun.code, "not_delivered");
+  EXPECT_EQ(begun.severity, cansync_SEVERITY_ERROR);
+  EXPECT_NE(begun.text.find("check the cable, both terminating resistors, the power"), std::string::npos);
+  const EventText kept =
+      describe_delivery({{}, Delivery::unacknowledged, Delivery::not_emptied, 0, 0}, config);
+  EXPECT_EQ(kept.code, "not_emptied");
+  EXPECT_NE(kept.text.find("ip link set can0 down && ip link set can0 up"), std::string::npos);
+  const EventText over = describe_delivery({{}, Delivery::unacknowledged, Delivery::normal, 6, 70}, config);
+  EXPECT_EQ(over.code, "delivered_again");
+  EXPECT_EQ(over.severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(over.text, "telegrams are on the bus again; 6 were handed over in vain, 70 were left out");
+  EXPECT_EQ(describe_link({{}, can::LinkState::up, can::LinkState::not_one_shot, 0, 0}, config).code,
+            "not_one_shot");
+}
+
 TEST(BusEvents, FaultsBeginAndEnd) {
   const EventText begun = describe_fault({{}, BusFaultKind::not_acknowledged, false, 1});
   EXPECT_EQ(begun.code, "not_acknowledged");
@@ -115,6 +161,12 @@ TEST(BusStatus, TellsInterfaceControllerAndCounts) {
   fill_bus(master, link, status);
   EXPECT_STREQ(status.controller_state, "error-passive");
   EXPECT_STREQ(status.link_state, "wrong-bit-rate");
+  master.controller.delivery = can::Delivery::unacknowledged;
+  fill_bus(master, link, status);
+  EXPECT_STREQ(status.link_state, "wrong-bit-rate") << "the interface comes first";
+  master.controller.link = can::LinkState::up;
+  fill_bus(master, link, status);
+  EXPECT_STREQ(status.link_state, "unacknowledged");
   EXPECT_STREQ(status.timestamp_source, "hardware");
   EXPECT_EQ(status.interface_bit_rate, 500'000u);
   EXPECT_EQ(status.sample_point, 600u);

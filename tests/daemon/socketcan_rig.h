@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -31,6 +32,36 @@ class LineKernel final : public can::Kernel {
   std::vector<can_filter> filters;
   int send_error = 0;
 
+  /// A frame that waited in the controller or its queue while nobody acknowledged, and went out afterwards.
+  struct Late {
+    can::Frame frame;
+    can::Time waited;
+  };
+  static constexpr std::size_t kQueue = 8;  ///< frames that controller and queue keep
+  bool one_shot = false;                    ///< the controller tries each frame once
+  bool deaf = false;                        ///< nothing that was received is there yet
+  std::vector<Late> late;
+  unsigned attempts = 0;  ///< frames handed over while the cable was off
+
+  /// Without the cable nobody acknowledges: frames stay until it is back, and go out then.
+  void cable(bool on) {
+    cable_ = on;
+    if (!on) return;
+    for (const Kept& kept : kept_) {
+      late.push_back({kept.frame, line_.now() - kept.at});
+      line_.send(kept.frame);
+    }
+    kept_.clear();
+  }
+  std::size_t kept() const { return kept_.size(); }
+  /// The interface goes down or up: its queues are emptied, and the socket tells it once.
+  void set_up(bool up) {
+    up_ = up;
+    if (up) return;
+    kept_.clear();
+    told_down_ = false;
+  }
+
   int open_socket() noexcept override { return 3; }
   void close_socket(int) noexcept override {}
   int set_option(int, int level, int name, const void* value, std::size_t size) noexcept override {
@@ -47,14 +78,22 @@ class LineKernel final : public can::Kernel {
   int send_frame(int, const can_frame& frame) noexcept override {
     ++calls["send"];
     if (send_error != 0) return send_error;
+    if (!up_ || !std::exchange(told_down_, true)) return -ENETDOWN;
     can::Frame out;
     out.id = frame.can_id;
     out.dlc = frame.len;
     std::copy_n(frame.data, frame.len, out.data.begin());
+    if (!cable_) {
+      if (kept_.size() == kQueue) return -ENOBUFS;
+      ++attempts;
+      if (!one_shot) kept_.push_back({out, line_.now()});
+      return sizeof(frame);
+    }
     return line_.send(out) == can::SendResult::queued ? static_cast<int>(sizeof(frame)) : -ENOBUFS;
   }
   int receive(int, mmsghdr* messages, unsigned count) noexcept override {
     ++calls["recvmmsg"];
+    if (!std::exchange(told_down_, true)) return -ENETDOWN;
     while (!errors.empty()) {
       can::test::Arriving error;
       error.frame = errors.front();
@@ -62,6 +101,7 @@ class LineKernel final : public can::Kernel {
       errors.pop_front();
     }
     drain();
+    if (deaf) return -EAGAIN;
     return fake_.receive(3, messages, count);
   }
   int sleep_until(can::Time deadline) noexcept override {
@@ -97,8 +137,17 @@ class LineKernel final : public can::Kernel {
     }
   }
 
+  struct Kept {
+    can::Frame frame;
+    can::Time at;
+  };
+
   sim::Line& line_;
   can::test::FakeKernel fake_;
+  std::deque<Kept> kept_;
+  bool cable_ = true;
+  bool up_ = true;
+  bool told_down_ = true;
 };
 
 /// The SYNC wire, which is no part of the CAN interface.
@@ -139,6 +188,7 @@ inline Config config_for(const cansync::MasterSettings& settings) {
 struct Rig {
   explicit Rig(const can::LinkFacts& facts = can::test::can0())
       : bus((links.facts = facts, watch.look(), socketcan_settings(config)), board, links, kernel) {
+    links.on_set_up = [this](bool up) { kernel.set_up(up); };
     wired.on_edge = [this](std::uint64_t edge) {
       static_cast<void>(exchange.master.read(latest));
       on_edge(edge);

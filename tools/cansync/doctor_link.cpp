@@ -152,6 +152,30 @@ void look_at_restart(const DoctorInput& in, FindingList& out) {
     out.ok("restart-ms", fmt::format("{} ms after bus-off the kernel restarts it", *in.link.restart_ms));
 }
 
+/// Without one-shot a frame that nobody acknowledges is repeated for ever, and goes out late.
+void look_at_one_shot(const DoctorInput& in, FindingList& out) {
+  if (!in.link.one_shot) return;
+  if (*in.link.one_shot)
+    out.ok("one-shot", "on: no telegram goes out late");
+  else if (in.link.can_one_shot.value_or(true))
+    out.warning(
+        "one-shot", "off: with nobody on the bus telegrams wait in the controller and go out late",
+        set_link(in.interface_name, "one-shot on") + "   (with systemd-networkd: OneShot=yes in [CAN])");
+  else
+    out.ok("one-shot",
+           "its driver has none: the daemon holds telegrams back and resets the controller (CAP_NET_ADMIN)");
+}
+
+/// Without echoes of its driver the kernel takes a frame for sent when it is handed over.
+void look_at_echo(const DoctorInput& in, FindingList& out) {
+  if (in.link.echoes)
+    out.ok("echo", "its driver tells when a frame was on the bus");
+  else
+    out.warning("echo",
+                "its driver does not tell when a frame was on the bus: nobody can know that it was not",
+                "use another adapter; ip link show " + in.interface_name + " says ECHO for those that do");
+}
+
 void look_at_queue(const DoctorInput& in, FindingList& out) {
   const std::uint32_t length = in.link.queue_length;
   const std::string found = fmt::format("{} frames", length);
@@ -178,12 +202,27 @@ void look_at_state(const DoctorInput& in, std::string_view state, const std::str
     out.warning("controller", std::string(state), wiring);
 }
 
+/// Does anybody acknowledge what the daemon sends?
+void look_at_delivery(const DoctorInput& in, const std::string& wiring, FindingList& out) {
+  const std::string_view state = in.status->link_state;
+  if (state == can::name(can::Delivery::unacknowledged))
+    out.error("controller", "nobody on the bus acknowledges what the daemon sends", wiring);
+  else if (state == can::name(can::Delivery::not_emptied))
+    out.error(
+        "controller",
+        "nobody on the bus acknowledges, and it cannot be reset: telegrams stand in it and go out later",
+        fmt::format("before the cable is back: ip link set {0} down && ip link set {0} up",
+                    in.interface_name));
+}
+
 }  // namespace
 
 void look_at_link(const DoctorInput& in, FindingList& out) {
   if (!look_at_presence(in, out)) return;
   look_at_timing(in, out);
   look_at_restart(in, out);
+  look_at_one_shot(in, out);
+  look_at_echo(in, out);
   look_at_queue(in, out);
 }
 
@@ -195,6 +234,7 @@ void look_at_controller(const DoctorInput& in, FindingList& out) {
   std::uint32_t transmit = in.link.transmit_errors;
   std::uint32_t receive = in.link.receive_errors;
   if (in.status) {
+    look_at_delivery(in, wiring, out);
     look_at_state(in, in.status->controller_state, wiring, out);
     transmit = in.status->transmit_errors;
     receive = in.status->receive_errors;
