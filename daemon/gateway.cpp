@@ -162,6 +162,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
 void Gateway::take_reports(const JobContext& context) {
   Terminal terminal;
   while (exchange_.terminals.try_pop(terminal)) {
+    state_.tell_settings(exchange_, context.now);
     if (!failsafe_.finish(terminal, config_, context.line, context.now)) jobs_.finish(terminal, context);
   }
   Report report;

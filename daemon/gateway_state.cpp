@@ -183,6 +183,11 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
   return next;
 }
 
+void StatePublisher::tell_settings(Exchange& exchange, SteadyTime now) {
+  take_settings(exchange);
+  if (master_dirty_) publish_master(now);
+}
+
 ToldStatus StatePublisher::told() const {
   ToldStatus told{&told_master_, {}, told_timing_ ? &*told_timing_ : nullptr, &timing_};
   for (const Slave& slave : slaves_) {

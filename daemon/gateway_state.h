@@ -59,6 +59,9 @@ class StatePublisher {
   /// Takes what is new from `exchange` and publishes what is due. Returns when to call again at the latest.
   SteadyTime step(Exchange& exchange, SteadyTime now);
 
+  /// Publishes changed settings at once: before the reply to the command that has changed them.
+  void tell_settings(Exchange& exchange, SteadyTime now);
+
   /// Newest state of the master, as far as it was told.
   const MasterSnapshot& master() const noexcept { return master_; }
   /// The samples of MasterStatus, SlaveStatus and Timing that were told last; after the first `step`. Valid

@@ -128,6 +128,23 @@ TEST(GatewayReferences, ThoseForAnotherStartOfTheDaemonAreRefused) {
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
 }
 
+// Whoever has the reply can give values for the new mapping.
+TEST(GatewayReferences, TheNumberOfAChangedMappingIsToldBeforeItsReply) {
+  GatewayRig rig;
+  auto command = TestClient::request<cansync_Command>(1);
+  command.kind = cansync_COMMAND_REFERENCE_MAPPING;
+  rig.client.write(command);
+  const auto request = rig.expect_request<SetReferenceMapping>();
+  SettingsSnapshot settings;
+  settings.mapping_number = 2;
+  rig.exchange.settings.write(settings);
+  rig.answer(CommandDone{request.id});
+  ASSERT_TRUE(rig.client.reply<cansync_CommandReply>(1));
+  const auto& told = rig.client.all<cansync_MasterStatus>();
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.back().mapping_number, 2u);
+}
+
 TEST(GatewayReferences, BadOnesAreToldAsAnEvent) {
   struct Case {
     void (*spoil)(cansync_ReferenceValues&);
