@@ -147,7 +147,8 @@ std::optional<std::string> ReferenceGate::age_problem(const ReferenceSample& sam
         age, maximum_age_.count());
   }
   const std::int64_t not_before = telegrams_[sample.telegram - 1].not_before;
-  if (sample.written >= not_before) return std::nullopt;
+  // A wall clock that was set back since then tells nothing about it.
+  if (sample.written >= not_before || wall < not_before) return std::nullopt;
   return fmt::format(
       "written {} ms before the telegram was given up by its writer then; write fresh values, and set the "
       "clocks of the computers",

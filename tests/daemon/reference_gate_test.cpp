@@ -59,6 +59,16 @@ TEST_F(Gate, WhatWasWrittenBeforeTheGivingUpIsNotTakenAfterIt) {
   EXPECT_EQ(on_bus(5), (Seen{12}));
 }
 
+TEST_F(Gate, AClockThatWasSetBackAfterTheGivingUpKeepsNobodyOut) {
+  take(values(kStrong, 22, 5));
+  EXPECT_EQ(count_on_bus(10, 22), 5u);
+  take(last_of(kStrong));
+  ReferenceSample sample = values(kWeak, 11);
+  sample.written -= 3'600'000'000'000;
+  gate.take(sample, wall() - 3'600'000'000'000, now());
+  EXPECT_EQ(on_bus(3), (Seen{11}));
+}
+
 TEST_F(Gate, GivingUpOfAWeakerWriterChangesNothing) {
   take(values(kStrong, 22, 5));
   take(last_of(kWeak));

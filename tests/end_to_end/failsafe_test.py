@@ -100,6 +100,34 @@ class WriterLost(FailsafeTest):
         self.assertIn("for 700 ms", missed[0]["text"])
 
 
+class Restart(FailsafeTest):
+    def test_a_daemon_that_was_started_anew_gets_nothing_from_the_programs_before(self):
+        process = self.start_set("0=5000")
+        self.given_by(process)
+        before = self.gateway.status()["daemon"]
+        self.gateway.process.kill()
+        self.gateway.process.wait()
+        self.gateway.__enter__()  # within the lease after which DDS tells that a peer has gone
+        _, remarks = process.communicate(timeout=LONG)
+        self.assertEqual(process.returncode, 6)
+        # On a computer that is too slow for that, the daemon is missed first.
+        self.assertRegex(remarks.decode(), "the daemon was started anew|the daemon has gone|no daemon takes reference values")
+        status = self.gateway.status()
+        self.assertNotEqual(status["daemon"], before)
+        self.assertEqual(status["reference_release"][0]["updates"], 0)
+
+    def test_a_writer_that_ends_gives_its_telegram_up_also_while_a_weaker_one_lives(self):
+        weak = self.start_set("0=700", "--strength", 2, "--rate", 0.01, "--release", 1)
+        self.given_by(weak)
+        strong = self.start_set("0=900", "--strength", 9, "--release", 1000)
+        self.given_by(strong)
+        self.interrupt(strong, code=0)
+        given_up = self.wait_event("reference_given_up", f"process {strong.pid} ")
+        self.assertEqual(len(given_up), 1)
+        release = self.release("nobody gives them", lambda release: release["cause"] == "given_up")
+        self.assertEqual((release["state"], release["writer"]), ("stopped", ""))
+
+
 class Hold(FailsafeTest):
     EXTRA = '[failsafe]\nreaction = "hold"\nhold_intervals = 5000\nreference_max_intervals = 400\n'
 
