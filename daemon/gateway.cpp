@@ -122,7 +122,11 @@ void Gateway::run() {
 
 JobContext Gateway::context(SteadyTime now) {
   const MasterSnapshot& master = state_.master();
-  return {exchange_, config_, {master.state, master.when.interval, master.responding, master.released}, now};
+  return {exchange_,
+          config_,
+          {master.state, master.when.interval, master.responding, master.released,
+           state_.settings().reference_mapping},
+          now};
 }
 
 SteadyTime Gateway::pass(bool samples_may_wait) {

@@ -25,6 +25,7 @@ struct RefusalContext {
   cansync::IntervalNumber interval = 0;
   cansync::SlaveMask responding;
   cansync::SlaveMask released;
+  cansync::ProcessMapping reference_mapping = {};
 };
 
 /// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.
