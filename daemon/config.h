@@ -136,12 +136,14 @@ struct FailsafeConfig {
   std::chrono::milliseconds reference_max_age{500};
 };
 
-/// Name, unit and scaling of one value: scaled = raw (as signed 32 bits) * factor + offset, in `unit`.
+/// Name, unit and scaling of one value: scaled = number * factor + offset, in `unit`. The number has 16 bits
+/// when the mapping carries the value's low word alone, else 32.
 struct ValueConfig {
   std::string name;  ///< empty: no name; else 1..64 characters
   std::string unit;  ///< 0..16 characters
   double factor = 1.0;
   double offset = 0.0;
+  bool is_signed = true;  ///< the number is two's complement
   friend bool operator==(const ValueConfig&, const ValueConfig&) = default;
 };
 using ValueConfigs = std::array<ValueConfig, cansync::kValues>;

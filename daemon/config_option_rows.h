@@ -157,6 +157,13 @@ inline constexpr std::string_view kHighHelp =
 inline constexpr std::string_view kCommonMappingHelp =
     "Mapping of the first actual value telegram, for slaves that do not give their own; forms as above.";
 inline constexpr std::string_view kSecondHelp = "As above, for the second telegram.";
+inline constexpr std::string_view kFactorHelp =
+    "scaled = number * factor + offset; the number is the raw value, read with its width and sign (see "
+    "signed).";
+inline constexpr std::string_view kSignedHelp =
+    "The number is two's complement, of 16 bits when the mapping in force carries the value's low word "
+    "alone, "
+    "else of 32; false: it has no sign.";
 inline constexpr std::string_view kMappingOne = "(doubleword values 0 and 1, low word first)";
 inline constexpr std::string_view kMappingTwo = "(doubleword values 4 and 5, low word first)";
 

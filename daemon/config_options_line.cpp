@@ -127,11 +127,12 @@ constexpr auto kRows = std::to_array<Option>({
                       [](Draft& d, const Value& v) { reference_value(d).name = words(v); })),
     reloadable(string("reference.unit", OptionType::text, "\"\"", 0, 16, "Unit of the scaled value.",
                       [](Draft& d, const Value& v) { reference_value(d).unit = words(v); })),
-    reloadable(real_number("reference.factor", "1.0", true,
-                           "scaled = raw (as signed 32 bits) * factor + offset.",
+    reloadable(real_number("reference.factor", "1.0", true, kFactorHelp,
                            [](Draft& d, const Value& v) { reference_value(d).factor = real(v); })),
     reloadable(real_number("reference.offset", "0.0", false, "See factor.",
                            [](Draft& d, const Value& v) { reference_value(d).offset = real(v); })),
+    reloadable(plain("reference.signed", OptionType::boolean, "true", kSignedHelp,
+                     [](Draft& d, const Value& v) { reference_value(d).is_signed = flag(v); })),
     // --- [actual]
     whole_number("actual.number", "(required)", 0, 7, "", "Actual value this section names, of all slaves.",
                  [](Draft&, const Value&) {}),
@@ -142,11 +143,14 @@ constexpr auto kRows = std::to_array<Option>({
         string("actual.unit", OptionType::text, "\"\"", 0, 16, "Unit of the scaled value.",
                [](Draft& d, const Value& v) { for_all(d, [&](ValueConfig& x) { x.unit = words(v); }); })),
     reloadable(real_number(
-        "actual.factor", "1.0", true, "scaled = raw (as signed 32 bits) * factor + offset.",
+        "actual.factor", "1.0", true, kFactorHelp,
         [](Draft& d, const Value& v) { for_all(d, [&](ValueConfig& x) { x.factor = real(v); }); })),
     reloadable(real_number(
         "actual.offset", "0.0", false, "See factor.",
         [](Draft& d, const Value& v) { for_all(d, [&](ValueConfig& x) { x.offset = real(v); }); })),
+    reloadable(
+        plain("actual.signed", OptionType::boolean, "true", kSignedHelp,
+              [](Draft& d, const Value& v) { for_all(d, [&](ValueConfig& x) { x.is_signed = flag(v); }); })),
     // --- [slave]
     whole_number("slave.number", "(required)", 0, 31, "",
                  "Slave number on the bus; makes this slave part of the line.",
@@ -185,11 +189,12 @@ constexpr auto kRows = std::to_array<Option>({
     reloadable(string("slave.value.unit", OptionType::text, "(the same of [[actual]])", 0, 16,
                       "Unit of the scaled value.",
                       [](Draft& d, const Value& v) { actual_value(d).unit = words(v); })),
-    reloadable(real_number("slave.value.factor", "(the same of [[actual]])", true,
-                           "scaled = raw (as signed 32 bits) * factor + offset.",
+    reloadable(real_number("slave.value.factor", "(the same of [[actual]])", true, kFactorHelp,
                            [](Draft& d, const Value& v) { actual_value(d).factor = real(v); })),
     reloadable(real_number("slave.value.offset", "(the same of [[actual]])", false, "See factor.",
                            [](Draft& d, const Value& v) { actual_value(d).offset = real(v); })),
+    reloadable(plain("slave.value.signed", OptionType::boolean, "(the same of [[actual]])", kSignedHelp,
+                     [](Draft& d, const Value& v) { actual_value(d).is_signed = flag(v); })),
 });
 
 }  // namespace

@@ -87,6 +87,7 @@ std::string_view example(const Option& option) {
   if (option.key == "slave.value.unit") return "\"rpm\"";
   if (option.key == "slave.value.factor") return "1.0";
   if (option.key == "slave.value.offset") return "0.0";
+  if (option.key == "slave.value.signed") return "true";
   if (option.key == "failsafe.control_word") return "0x0000";
   if (option.key == "failsafe.control_word_slaves") return "[0]";
   if (option.key == "bus.btr0") return "0x40";

@@ -117,7 +117,7 @@ class Writer {
                mapping.word[at].high == high;
       };
       if (!word.high && is(i + 1, true)) {
-        told(signal(name, "", {16 * i, 32, true}, value, receiver), value.name);
+        told(signal(name, "", {16 * i, 32, value.is_signed}, value, receiver), value.name);
         ++i;
         continue;
       }
@@ -133,8 +133,10 @@ class Writer {
     ValueConfig scaled = value;
     if (word.high) scaled.factor *= 65536.0;
     if (other && word.high) scaled.offset = 0.0;
+    // The sign stands in the high word, or in a low word that is all there is of the value.
+    const bool carries_sign = value.is_signed && (word.high || !other);
     const std::string got =
-        signal(name + (word.high ? "_high" : "_low"), "", {16 * at, 16, word.high}, scaled, receiver);
+        signal(name + (word.high ? "_high" : "_low"), "", {16 * at, 16, carries_sign}, scaled, receiver);
     if (other)
       signal_comment(got, fmt::format("{}: the value is the sum of its low and its high word", name));
     else

@@ -125,7 +125,7 @@ JobContext Gateway::context(SteadyTime now) {
   return {exchange_,
           config_,
           {master.state, master.when.interval, master.responding, master.released,
-           state_.settings().mapping_number},
+            state_.settings().mapping_number, state_.settings().reference_mapping},
           now};
 }
 

@@ -14,13 +14,17 @@ namespace {
 namespace dds = cansync::dds;
 using cansync::SlaveNumber;
 
-std::array<cansync_ValueName, cansync::kValues> names_of(const ValueConfigs& values) {
+std::array<cansync_ValueName, cansync::kValues> names_of(const ValueConfigs& values,
+                                                         const cansync::ProcessMapping& mapping) {
+  const unsigned words = cansync::word_mask(mapping);
   std::array<cansync_ValueName, cansync::kValues> names = {};
   for (std::size_t i = 0; i < names.size(); ++i) {
     dds::copy_text(values[i].name, names[i].name);
     dds::copy_text(values[i].unit, names[i].unit_symbol);
     names[i].factor = values[i].factor;
     names[i].offset = values[i].offset;
+    names[i].width = ((words >> i) & 1u) != 0 ? 16 : 32;
+    names[i].is_signed = values[i].is_signed;
   }
   return names;
 }
@@ -142,7 +146,7 @@ void StatePublisher::set_names(const Config& config) {
   config_.slaves = config.slaves;
   config_.access = config.access;
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
-    slaves_[i].names = names_of(config.slaves[i].actual);
+    slaves_[i].names = names_of(config.slaves[i].actual, settings_.actual_mapping[i]);
     slaves_[i].dirty = config_.master.slaves[i].configured;
   }
   master_dirty_ = true;
@@ -199,7 +203,10 @@ ToldStatus StatePublisher::told() const {
 void StatePublisher::take_settings(Exchange& exchange) {
   if (!exchange.settings.read(settings_)) return;
   master_dirty_ = true;
-  for (unsigned i = 0; i < cansync::kSlaves; ++i) slaves_[i].dirty = config_.master.slaves[i].configured;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    slaves_[i].names = names_of(config_.slaves[i].actual, settings_.actual_mapping[i]);
+    slaves_[i].dirty = config_.master.slaves[i].configured;
+  }
 }
 
 void StatePublisher::take_master(Exchange& exchange) {
@@ -264,7 +271,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.clients = clients_;
   fill_rejections(rejections_, sample);
   if (givers_ != nullptr) fill_references(master_.release, *givers_, sample);
-  const auto names = names_of(config_.references);
+  const auto names = names_of(config_.references, settings_.reference_mapping);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
   (void)master_writer_.write(sample);
   master_dirty_ = false;

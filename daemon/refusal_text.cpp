@@ -100,6 +100,23 @@ std::string mapping_changed(const Request& request, const RefusalContext& contex
       update != nullptr ? update->mapping_number : 0, context.mapping_number);
 }
 
+std::string value_too_wide(const cansync::ReferenceUpdate& update, const RefusalContext& context) {
+  const unsigned first = cansync::index(update.channel) * 4;
+  const unsigned words = cansync::word_mask(context.reference_mapping);
+  constexpr std::string_view remedy =
+      "-32768..65535, because its low word alone is mapped; map its high word too, see `cansync map`";
+  for (unsigned v = 0; v < 4; ++v) {
+    if (((words >> (first + v)) & 1u) == 0 || ((update.valid_mask >> v) & 1u) == 0) continue;
+    const auto value = static_cast<std::int32_t>(update.value[v]);
+    if (cansync::fits_word(update.value[v])) continue;
+    return fmt::format("value[{}] {}: reference value {} allows {}", v, value, first + v, remedy);
+  }
+  return fmt::format(
+      "value: one that keeps what it got under another mapping is wider than a word; give every value, each "
+      "{}",
+      remedy);
+}
+
 std::string block_size(const Request& request, const Config& config) {
   const auto* transfer = std::get_if<cansync::TransferRequest>(&request);
   if (transfer == nullptr) return "block_size: out of range";
@@ -161,6 +178,11 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
       return mapping_changed(request, context);
     case Refusal::block_size:
       return block_size(request, config);
+    case Refusal::value_too_wide:
+      if (const auto* update = std::get_if<cansync::ReferenceUpdate>(&request)) {
+        return value_too_wide(*update, context);
+      }
+      break;
     case Refusal::slave_not_configured:
       if (const auto slave = slave_of(request)) {
         return fmt::format("slave {}: not configured; configured are {}", *slave,

@@ -26,6 +26,7 @@ struct RefusalContext {
   cansync::SlaveMask responding;
   cansync::SlaveMask released;
   std::uint64_t mapping_number = 1;
+  cansync::ProcessMapping reference_mapping = {};
 };
 
 /// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.

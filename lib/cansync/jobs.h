@@ -99,7 +99,7 @@ enum class Refusal : std::uint8_t {
   none,
   slave_not_configured,
   element_not_writable,  ///< only element 7 may be written
-  value_too_wide,        ///< a word holds 0..0xFFFF
+  value_too_wide,        ///< a word holds 0..0xFFFF; a reference value sent as a word -32768..65535
   length_zero,
   block_size,        ///< 1..4092 and not over the slave's limit
   address_reserved,  ///< 0x00..0xFF

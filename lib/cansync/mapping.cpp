@@ -29,6 +29,18 @@ std::uint8_t TelegramMapping::value_mask() const noexcept {
   return static_cast<std::uint8_t>(mask);
 }
 
+std::uint8_t TelegramMapping::word_mask() const noexcept {
+  unsigned high = 0;
+  for (const WordMapping& entry : word) {
+    if (entry.assigned && entry.high && entry.value < kValues) high |= 1u << entry.value;
+  }
+  return static_cast<std::uint8_t>(value_mask() & ~high);
+}
+
+std::uint8_t word_mask(const ProcessMapping& mapping) noexcept {
+  return static_cast<std::uint8_t>(mapping[0].word_mask() | mapping[1].word_mask());
+}
+
 std::uint8_t to_register(const WordMapping& word) noexcept {
   if (!word.assigned) return 0;
   return static_cast<std::uint8_t>(kAssigned | (word.high ? kHigh : 0u) |
@@ -78,6 +90,13 @@ std::array<std::uint16_t, kWords> pack(const TelegramMapping& mapping, const Val
 
 void unpack(const TelegramMapping& mapping, std::span<const std::uint16_t> words, Values& values) noexcept {
   const std::size_t count = std::min<std::size_t>(words.size(), kWords);
+  std::array<std::uint32_t, kValues> carried = {};
+  for (const WordMapping& entry : mapping.word) {
+    if (entry.assigned) carried[entry.value % kValues] |= entry.high ? 0xFFFF0000u : 0xFFFFu;
+  }
+  for (unsigned i = 0; i < kValues; ++i) {
+    if (carried[i] != 0 && count != 0) values[i] &= carried[i];
+  }
   for (std::size_t i = 0; i < count; ++i) {
     const WordMapping& entry = mapping.word[i];
     if (!entry.assigned) continue;

@@ -32,6 +32,8 @@ struct TelegramMapping {
   std::uint8_t used_words() const noexcept;
   /// Bit n: value n has at least one word here.
   std::uint8_t value_mask() const noexcept;
+  /// Bit n: of value n the low word alone stands here, so it is a value of 16 bits.
+  std::uint8_t word_mask() const noexcept;
   friend constexpr bool operator==(const TelegramMapping&, const TelegramMapping&) = default;
 };
 
@@ -55,10 +57,29 @@ std::optional<TelegramMapping> from_arrays(std::span<const int, kWords> numbers,
 /// second.
 bool values_fit(const TelegramMapping& mapping, Channel channel) noexcept;
 
+/// Bit n: value n is carried as its low word alone, 16 bits; a value that is not mapped is none.
+std::uint8_t word_mask(const ProcessMapping& mapping) noexcept;
+
+/// True when the low word of `value` alone says it all: -32768..65535, as a word with or without a sign.
+constexpr bool fits_word(std::uint32_t value) noexcept {
+  return value <= 0xFFFFu || value >= 0xFFFF8000u;
+}
+
+/// The number that `raw` stands for. `word`: its low 16 bits alone count; `is_signed`: two's complement of
+/// that width (word actual values, M 3.2.1.2).
+constexpr std::int64_t number_of(std::uint32_t raw, bool word, bool is_signed) noexcept {
+  if (word) {
+    const auto bits = static_cast<std::uint16_t>(raw);
+    return is_signed ? std::int64_t{static_cast<std::int16_t>(bits)} : std::int64_t{bits};
+  }
+  return is_signed ? std::int64_t{static_cast<std::int32_t>(raw)} : std::int64_t{raw};
+}
+
 /// The telegram words for `values`; words not assigned are 0.
 std::array<std::uint16_t, kWords> pack(const TelegramMapping& mapping, const Values& values) noexcept;
 
-/// Takes the first `words` telegram words into `values`; what is not assigned stays as it was.
+/// Takes the first `words` telegram words into `values`. Of a value with one word in the telegram the other
+/// becomes 0, whatever a mapping before this one brought; values without a word stay as they were.
 void unpack(const TelegramMapping& mapping, std::span<const std::uint16_t> words, Values& values) noexcept;
 
 /// The mapping a line starts with: doubleword values 0 and 1 (4 and 5) of the telegram, low word first.

@@ -27,6 +27,7 @@ struct ActualValues {
   std::array<bool, kChannels> arrived = {};             ///< which telegram brought this update
   std::array<IntervalNumber, kChannels> interval = {};  ///< interval in which each telegram came last
   std::array<std::uint64_t, kChannels> count = {};      ///< telegrams so far; 0 = never
+  std::uint8_t words = 0;  ///< bit n: value n came as its low word alone, 16 bits
 };
 
 /// How far a slave may be used.

@@ -46,11 +46,24 @@ Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
   if (update.release_intervals == 0 || update.release_intervals > settings_.release_limit) {
     return Refusal::release_too_long;
   }
+  if (!fits_words(update)) return Refusal::value_too_wide;
   const bool next = update.from_interval == 0;
   if (!next && (update.from_interval < now_ || update.from_interval > now_ + settings_.ahead_limit)) {
     return Refusal::interval_passed;
   }
   return output_[index(update.channel)].release.add(update) ? Refusal::none : Refusal::queue_full;
+}
+
+bool ProcessData::fits_words(const ReferenceUpdate& update) const noexcept {
+  const unsigned first = index(update.channel) * 4;
+  const unsigned words = settings_.reference_mapping[index(update.channel)].word_mask();
+  for (unsigned v = 0; v < 4; ++v) {
+    if (((words >> (first + v)) & 1u) == 0) continue;
+    const bool is_new = ((update.valid_mask >> v) & 1u) != 0;
+    // One that keeps its value may have got it under another mapping.
+    if (!fits_word(is_new ? update.value[v] : references_[first + v])) return false;
+  }
+  return true;
 }
 
 void ProcessData::stop_release(Channel channel, std::uint32_t hold) noexcept {
@@ -112,8 +125,10 @@ bool ProcessData::receive(const ActualTelegram& telegram) noexcept {
   output.asked.reset();
   const unsigned channel = index(telegram.channel);
   ActualValues& actual = actual_[telegram.slave.value()];
-  unpack(actual_mapping_[telegram.slave.value()][channel], std::span(telegram.word).first(telegram.words),
-         actual.value);
+  const TelegramMapping& mapping = actual_mapping_[telegram.slave.value()][channel];
+  unpack(mapping, std::span(telegram.word).first(telegram.words), actual.value);
+  const unsigned others = telegram.channel == Channel::one ? 0xF0u : 0x0Fu;
+  actual.words = static_cast<std::uint8_t>((actual.words & others) | mapping.word_mask());
   actual.arrived = {};
   actual.arrived[channel] = true;
   actual.interval[channel] = now_;

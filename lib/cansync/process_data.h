@@ -74,6 +74,8 @@ class ProcessData {
   };
 
   std::uint8_t polled(const Output& output, Channel channel) const noexcept;
+  /// No value of which the low word alone is sent would be cut.
+  bool fits_words(const ReferenceUpdate& update) const noexcept;
 
   ProcessSettings settings_;
   MasterListener& listener_;

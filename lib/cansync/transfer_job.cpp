@@ -30,11 +30,16 @@ TransferJob::TransferJob(const TransferRequest& request, const TransferLimits& l
 void TransferJob::begin_block() noexcept {
   block_length_ =
       static_cast<std::uint16_t>(std::min<std::uint32_t>(limits_.block_size, total() - block_start_));
-  offset_ = 0;
-  refusals_ = 0;
-  phase_ = Phase::initialise;
+  ends_here_ = false;
+  take_up(Phase::initialise, 0);
   on_slave_ = false;
-  timed_ = false;
+}
+
+void TransferJob::take_up(Phase phase, std::uint16_t offset) noexcept {
+  phase_ = phase;
+  offset_ = offset;
+  refusals_ = 0;
+  silence_ = false;
 }
 
 Telegram TransferJob::telegram() const noexcept {
@@ -78,7 +83,11 @@ Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexc
     told_ = true;
     return cancelled(now);
   }
-  if (reply.error) return refused(static_cast<TransferError>(load_word(reply.payload.data())), now);
+  if (reply.error) {
+    const auto error = static_cast<TransferError>(load_word(reply.payload.data()));
+    if (silence_ && about_order(error)) return refused_after_silence(reply, now);
+    return refused(error, now);
+  }
   return phase_ == Phase::initialise ? initialised(reply, now) : block_answered(reply, now);
 }
 
@@ -94,8 +103,7 @@ Step TransferJob::initialised(const TransferReply& reply, IntervalNumber now) no
     ends_here_ = fixed < block_length_;
     block_length_ = fixed;
   }
-  phase_ = Phase::blocks;
-  refusals_ = 0;
+  take_up(Phase::blocks, 0);
   return Step::again;
 }
 
@@ -107,9 +115,12 @@ Step TransferJob::block_answered(const TransferReply& reply, IntervalNumber now)
     const std::ptrdiff_t bytes = std::min<std::ptrdiff_t>(6, block_length_ - offset_);
     std::copy_n(reply.payload.begin(), bytes, request_.data.begin() + block_start_ + offset_);
   }
-  refusals_ = 0;
+  return advance(now);
+}
+
+Step TransferJob::advance(IntervalNumber now) noexcept {
   if (last()) return block_complete(now);
-  offset_ = static_cast<std::uint16_t>(offset_ + 6);
+  take_up(Phase::blocks, static_cast<std::uint16_t>(offset_ + 6));
   result_.bytes = block_start_ + offset_;
   return Step::again;
 }
@@ -122,6 +133,7 @@ Step TransferJob::block_complete(IntervalNumber now) noexcept {
     end(Outcome::done, now);
     return Step::ended;
   }
+  timed_ = false;
   begin_block();
   return Step::again;
 }
@@ -137,14 +149,27 @@ Step TransferJob::refused(TransferError error, IntervalNumber now) noexcept {
   return fail_block(Outcome::slave_error, about_order(error), now);
 }
 
+Step TransferJob::refused_after_silence(const TransferReply& reply, IntervalNumber now) noexcept {
+  const auto error = static_cast<TransferError>(load_word(reply.payload.data()));
+  // Not the last one: a slave that refused it has closed the block as well, and what it said was not heard.
+  const bool taken = request_.direction == TransferRequest::Direction::download && phase_ == Phase::blocks &&
+                     !last() && error == TransferError::other_block_expected &&
+                     reply.offset.value() == offset_ + 6;
+  if (taken) return advance(now);
+  ++result_.repeated_blocks;
+  result_.bytes = block_start_;
+  return abort(Outcome::done, now);
+}
+
 Step TransferJob::unanswered(IntervalNumber now) noexcept {
   if (phase_ == Phase::cancel) return cancels_++ == 0 ? Step::again : cancelled(now);
+  silence_ = true;
   ++result_.repeated_telegrams;
   return Step::again;
 }
 
 Step TransferJob::check_time(IntervalNumber now) noexcept {
-  if (phase_ == Phase::cancel) return now < deadline_ ? Step::again : cancelled(now);
+  if (phase_ == Phase::cancel) return now < cancel_deadline_ ? Step::again : cancelled(now);
   if (!timed_) {
     timed_ = true;
     deadline_ = now + limits_.monitoring;
@@ -159,6 +184,7 @@ Step TransferJob::fail_block(Outcome outcome, bool may_retry, IntervalNumber now
   if (may_retry && retries_ < limits_.block_retries) {
     ++retries_;
     ++result_.repeated_blocks;
+    timed_ = false;
     outcome = Outcome::done;
   } else {
     retries_ = limits_.block_retries;
@@ -171,7 +197,7 @@ Step TransferJob::abort(Outcome outcome, IntervalNumber now) noexcept {
   after_cancel_ = outcome;
   if (!on_slave_) return cancelled(now);
   // Cancelled once more while it is told already: that time goes on.
-  if (phase_ != Phase::cancel) deadline_ = now + limits_.cancel_patience;
+  if (phase_ != Phase::cancel) cancel_deadline_ = now + limits_.cancel_patience;
   phase_ = Phase::cancel;
   cancels_ = 0;
   told_ = false;
@@ -181,7 +207,9 @@ Step TransferJob::abort(Outcome outcome, IntervalNumber now) noexcept {
 Step TransferJob::cancelled(IntervalNumber now) noexcept {
   if (after_cancel_ == Outcome::done) {
     result_.error = TransferError::none;
+    const bool may_be_open = on_slave_ && !told_;
     begin_block();
+    silence_ = may_be_open;
     return Step::again;
   }
   end(after_cancel_, now);

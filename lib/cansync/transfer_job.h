@@ -25,6 +25,11 @@ inline constexpr std::uint16_t kLongestBlock = 4092;
 
 /// One upload or download on its way: blocks of initialise, body and last telegrams, repeats, cancel
 /// (M 3.2.1.3, 4.24). Pure state machine, realtime safe; touches the request's data only.
+///
+/// A telegram without an answer is sent again, and a slave that took it the first time may refuse it as out
+/// of order. A download then goes on where the slave says it stands (0x0100, M 3.2.2.6), when that is the
+/// next offset; otherwise the block is begun anew at once, as often as its time allows, beside the block
+/// retries.
 class TransferJob {
  public:
   TransferJob() = default;
@@ -72,10 +77,13 @@ class TransferJob {
   std::uint32_t total() const noexcept { return static_cast<std::uint32_t>(request_.data.size()); }
   bool last() const noexcept { return offset_ + 6u >= block_length_; }
   void begin_block() noexcept;
+  void take_up(Phase phase, std::uint16_t offset) noexcept;
   Step initialised(const TransferReply& reply, IntervalNumber now) noexcept;
   Step block_answered(const TransferReply& reply, IntervalNumber now) noexcept;
   Step block_complete(IntervalNumber now) noexcept;
+  Step advance(IntervalNumber now) noexcept;
   Step refused(TransferError error, IntervalNumber now) noexcept;
+  Step refused_after_silence(const TransferReply& reply, IntervalNumber now) noexcept;
   Step fail_block(Outcome outcome, bool may_retry, IntervalNumber now) noexcept;
   Step cancelled(IntervalNumber now) noexcept;
 
@@ -88,7 +96,9 @@ class TransferJob {
   std::uint32_t block_start_ = 0;
   std::uint16_t block_length_ = 0;
   std::uint16_t offset_ = 0;
-  bool ends_here_ = false;  ///< the slave fixed a shorter length: no block follows
+  bool ends_here_ = false;  ///< the slave fixed a shorter length for this block: no block follows
+  /// This telegram, or the cancel before it, went without an answer: what the slave made of it is not known.
+  bool silence_ = false;
   std::uint8_t refusals_ = 0;
   std::uint8_t retries_ = 0;
   std::uint8_t cancels_ = 0;
@@ -97,7 +107,8 @@ class TransferJob {
   bool timed_ = false;
   bool told_ = false;  ///< the slave has answered the cancel telegram
   IntervalNumber first_sent_ = 0;
-  IntervalNumber deadline_ = 0;  ///< of the block, or of the cancel telegram
+  IntervalNumber deadline_ = 0;         ///< of the block, however often it is begun anew after silence
+  IntervalNumber cancel_deadline_ = 0;  ///< of the cancel telegram
 };
 
 }  // namespace cansync

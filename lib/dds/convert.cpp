@@ -149,9 +149,11 @@ cansync_ActualValues actual_values(SlaveNumber slave, std::string_view name, con
   copy_text(name, out.slave_name);
   for (unsigned i = 0; i < kValues; ++i) {
     out.raw[i] = values.value[i];
-    const double value = static_cast<std::int32_t>(values.value[i]);
-    out.scaled[i] = value * names[i].factor + names[i].offset;
+    const bool word = ((values.words >> i) & 1u) != 0;
+    const auto number = static_cast<double>(number_of(values.value[i], word, names[i].is_signed));
+    out.scaled[i] = number * names[i].factor + names[i].offset;
   }
+  out.words = values.words;
   out.arrived = bits(values.arrived[0], values.arrived[1]);
   out.ever = bits(values.count[0] != 0, values.count[1] != 0);
   for (unsigned channel = 0; channel < kChannels; ++channel) {

@@ -137,6 +137,9 @@ std::string explain(Refusal refusal, const Limits& limits) {
       return fmt::format(
           "from_interval: passed, or too far ahead; allowed up to {} intervals ahead, 0 = the next",
           limits.ahead_limit);
+    case Refusal::value_too_wide:
+      return "value: too wide; a word takes 0..65535, a reference value sent as its low word alone "
+             "-32768..65535";
     case Refusal::slave_not_configured:
       return fmt::format("slave: not configured; allowed {}", list_of(limits.configured));
     default:

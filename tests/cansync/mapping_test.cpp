@@ -90,14 +90,42 @@ TEST(Fit, ValuesBelongToTheirTelegram) {
   EXPECT_TRUE(values_fit({}, Channel::two));
 }
 
-TEST(Pack, UnassignedWordsAreZeroAndUnpackLeavesTheirValues) {
+TEST(Pack, UnassignedWordsAreZeroAndWhatIsNotCarriedOfAValueBecomesZero) {
   TelegramMapping mapping;
   mapping.word[1] = {true, true, 6};
-  Values values = {0, 0, 0, 0, 0, 0, 0xCAFE1234, 0};
+  Values values = {0, 0, 0, 0, 0, 0x77777777, 0xCAFE1234, 0};
   EXPECT_EQ(pack(mapping, values), (std::array<std::uint16_t, 4>{0, 0xCAFE, 0, 0}));
   const std::array<std::uint16_t, 4> words = {1, 0xBEEF, 3, 4};
   unpack(mapping, words, values);
-  EXPECT_EQ(values, (Values{0, 0, 0, 0, 0, 0, 0xBEEF1234, 0}));
+  EXPECT_EQ(values, (Values{0, 0, 0, 0, 0, 0x77777777, 0xBEEF0000, 0}));
+}
+
+TEST(WordMask, ALowWordAloneIsAWord) {
+  EXPECT_EQ(word_mask({default_mapping(Channel::one), default_mapping(Channel::two)}), 0);
+  ProcessMapping mapping;
+  mapping[0].word[0] = {true, false, 0};  // low word alone
+  mapping[0].word[1] = {true, true, 1};   // high word alone
+  mapping[0].word[2] = {true, true, 2};   // both, not side by side
+  mapping[1].word[0] = {true, false, 7};  // low word twice
+  mapping[1].word[3] = {true, false, 7};
+  mapping[0].word[3] = {true, false, 2};
+  EXPECT_EQ(word_mask(mapping), 0b1000'0001);
+}
+
+TEST(NumberOf, HasTheWidthAndTheSignOfTheValue) {
+  EXPECT_EQ(number_of(0xFF9C, true, true), -100);
+  EXPECT_EQ(number_of(0xFF9C, true, false), 65436);
+  EXPECT_EQ(number_of(0x1234FF9C, true, true), -100);
+  EXPECT_EQ(number_of(0xFF9C, false, true), 65436);
+  EXPECT_EQ(number_of(0xFFFFFF9C, false, true), -100);
+  EXPECT_EQ(number_of(0xFFFFFF9C, false, false), 4294967196);
+}
+
+TEST(FitsWord, TakesSixteenBitsWithAndWithoutSign) {
+  for (const std::uint32_t value : {0u, 0xFFFFu, 0xFFFF8000u, 0xFFFFFFFFu}) EXPECT_TRUE(fits_word(value));
+  for (const std::uint32_t value : {0x10000u, 70'000u, 0xFFFF7FFFu, 0x80000000u}) {
+    EXPECT_FALSE(fits_word(value)) << value;
+  }
 }
 
 TEST(Pack, ShortTelegramLeavesTheRest) {

@@ -89,6 +89,18 @@ TEST_F(Recording, ARowHoldsWhatCameInOneInterval) {
   EXPECT_EQ(rows.counts().rows, 3u);
 }
 
+TEST_F(Recording, ARawWordHasItsOwnSign) {
+  const RecordPlan plan(slaves, {"position", "torque"}, true);
+  RecordRows rows(plan, 1);
+  rows.take(sample(0, 4, 3));
+  newest[0].words = 0x10;
+  client::ActualValues word = sample(0, 8, 3);
+  word.raw[4] = 0xFF9C;
+  rows.take(word);
+  EXPECT_EQ(rows.lines(true),
+            "1970-01-01T12:00:00.008000000Z,0.000000,43200008000000,8,0,unwinder,-8,-100\n");
+}
+
 TEST_F(Recording, ATelegramWhoseOwnSampleWasOvertakenIsNotLost) {
   const RecordPlan plan(slaves, {"position", "torque"}, true);
   RecordRows rows(plan, 1);

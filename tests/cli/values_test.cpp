@@ -135,17 +135,36 @@ TEST(ParseAssignment, CutsAtTheFirstEqualsSign) {
 }
 
 TEST(Unscale, IsTheInverseOfTheScaling) {
-  EXPECT_EQ(unscale(12.5, 0.1, 0.0, "speed"), 125);
-  EXPECT_EQ(unscale(-1.0, 0.5, 1.0, "speed"), -4);
-  EXPECT_EQ(unscale(0.26, 0.1, 0.0, "speed"), 3);
-  EXPECT_EQ(unscale(-2147483648.0, 1.0, 0.0, "speed"), std::numeric_limits<std::int32_t>::min());
+  EXPECT_EQ(unscale(12.5, 0.1, 0.0, RawForm{}, "speed"), 125);
+  EXPECT_EQ(unscale(-1.0, 0.5, 1.0, RawForm{}, "speed"), -4);
+  EXPECT_EQ(unscale(0.26, 0.1, 0.0, RawForm{}, "speed"), 3);
+  EXPECT_EQ(unscale(-2147483648.0, 1.0, 0.0, RawForm{}, "speed"), std::numeric_limits<std::int32_t>::min());
+}
+
+TEST(RawNumber, HasTheWidthAndSignOfTheValue) {
+  EXPECT_EQ(raw_number(0xFF9C, {Width::word, true}), -100);
+  EXPECT_EQ(raw_number(0xFF9C, {Width::word, false}), 65436);
+  EXPECT_EQ(raw_number(0xFFFFFF9C, {Width::doubleword, true}), -100);
+  EXPECT_EQ(raw_number(0xFFFFFF9C, {Width::doubleword, false}), 4294967196);
+}
+
+TEST(Unscale, StaysWithinTheWidthAndSignOfTheValue) {
+  const auto torque = [](double scaled, RawForm form) { return unscale(scaled, 0.01, 0.0, form, "torque"); };
+  EXPECT_EQ(torque(-1.0, {Width::word, true}), -100);
+  EXPECT_EQ(torque(655.35, {Width::word, false}), 65535);
+  EXPECT_EQ(torque(42949672.95, {Width::doubleword, false}), 4294967295);
+  EXPECT_EQ(complaint([&] {
+              return torque(700.0, {Width::word, true});
+            }),
+            "torque: found '700'; allowed: -327.68..327.67, because its low word alone is mapped");
+  EXPECT_NE(complaint([&] { return torque(-0.01, {Width::word, false}); }), "");
 }
 
 TEST(Unscale, RefusesWhatDoesNotFit) {
-  EXPECT_EQ(complaint([] { return unscale(1e12, 0.5, 0.0, "speed"); }),
+  EXPECT_EQ(complaint([] { return unscale(1e12, 0.5, 0.0, RawForm{}, "speed"); }),
             "speed: found '1000000000000'; allowed: -1.07374e+09..1.07374e+09");
-  EXPECT_NE(complaint([] { return unscale(-2147483649.0, 1.0, 0.0, "speed"); }), "");
-  EXPECT_NE(complaint([] { return unscale(1.0, 0.0, 0.0, "speed"); }), "");
+  EXPECT_NE(complaint([] { return unscale(-2147483649.0, 1.0, 0.0, RawForm{}, "speed"); }), "");
+  EXPECT_NE(complaint([] { return unscale(1.0, 0.0, 0.0, RawForm{}, "speed"); }), "");
 }
 
 }  // namespace

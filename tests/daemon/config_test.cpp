@@ -226,6 +226,19 @@ TEST(Config, ActualValuesOfAllSlavesAndTheirExceptions) {
   EXPECT_EQ(config.master.slaves[1].actual_mapping[0], cansync::default_mapping(cansync::Channel::one));
 }
 
+TEST(Config, ValuesHaveASignUnlessTheyAreSaidToHaveNone) {
+  const Config config = good(
+      "[[reference]]\nnumber = 1\nsigned = false\n[[actual]]\nnumber = 2\nsigned = false\n"
+      "[[slave]]\nnumber = 0\n[[slave.value]]\nnumber = 2\nsigned = true\n[[slave.value]]\nnumber = 3\n"
+      "signed = false\n[[slave]]\nnumber = 1\n");
+  EXPECT_TRUE(config.references[0].is_signed);
+  EXPECT_FALSE(config.references[1].is_signed);
+  EXPECT_TRUE(config.slaves[0].actual[2].is_signed);
+  EXPECT_FALSE(config.slaves[0].actual[3].is_signed);
+  EXPECT_FALSE(config.slaves[1].actual[2].is_signed);
+  EXPECT_TRUE(config.slaves[1].actual[3].is_signed);
+}
+
 TEST(Config, ASocketCanInterfaceNamesTheBus) {
   const Config config = good("[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 0\n");
   EXPECT_EQ(config.bus.kind, BusKind::socketcan);

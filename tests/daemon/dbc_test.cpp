@@ -64,8 +64,25 @@ TEST(Dbc, AWordThatIsSentTwiceHasTwoNames) {
   Config config = one_slave();
   config.master.slaves[5].actual_mapping[0].word = {{{true, false, 2}, {true, false, 2}}};
   const std::string text = dbc_text(config);
-  EXPECT_TRUE(has(text, " SG_ value2_low : 0|16@1+ ")) << text;
-  EXPECT_TRUE(has(text, " SG_ value2_low_2 : 16|16@1+ ")) << text;
+  EXPECT_TRUE(has(text, " SG_ value2_low : 0|16@1- ")) << text;
+  EXPECT_TRUE(has(text, " SG_ value2_low_2 : 16|16@1- ")) << text;
+}
+
+TEST(Dbc, AWordHasASignUnlessTheConfigurationSaysOtherwise) {
+  Config config = one_slave();
+  config.master.slaves[5].actual_mapping[0].word = {{{true, false, 0}, {true, true, 1}, {true, false, 2}}};
+  config.master.slaves[5].actual_mapping[1].word = {
+      {{true, true, 5}, {true, false, 5}, {true, false, 6}, {true, true, 6}}};
+  config.slaves[5].actual[0] = {"torque", "%", 0.01, 0.0};
+  config.slaves[5].actual[2] = {"bits", "", 1.0, 0.0, false};
+  config.slaves[5].actual[6].is_signed = false;
+  const std::string text = dbc_text(config);
+  EXPECT_TRUE(has(text, " SG_ torque_low : 0|16@1- (0.01,0) [-327.68|327.67] ")) << text;
+  EXPECT_TRUE(has(text, " SG_ value1_high : 16|16@1- (65536,0) ")) << text;
+  EXPECT_TRUE(has(text, " SG_ bits_low : 32|16@1+ (1,0) [0|65535] ")) << text;
+  EXPECT_TRUE(has(text, " SG_ value5_high : 0|16@1- ")) << text;
+  EXPECT_TRUE(has(text, " SG_ value5_low : 16|16@1+ ")) << "the sign is in the high word\n" << text;
+  EXPECT_TRUE(has(text, " SG_ value6 : 32|32@1+ (1,0) [0|4294967295] ")) << text;
 }
 
 TEST(Dbc, OfNoSlavesIsStillAFile) {

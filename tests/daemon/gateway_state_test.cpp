@@ -164,6 +164,26 @@ TEST(GatewayState, MasterStatusComesAtOnceWhenSettingsChange) {
       [](const auto& s) { return s.slave == 1 && s.actual_mapping[4] == 0x15; }));
 }
 
+TEST(GatewayState, TheWidthOfAValueFollowsTheMappingInForce) {
+  GatewayRig rig;
+  const auto first = rig.client.wait_for<cansync_SlaveStatus>([](const auto& s) { return s.slave == 1; });
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->actual_value[0].width, 32);
+  EXPECT_TRUE(first->actual_value[0].is_signed);
+  SettingsSnapshot settings;
+  settings.reference_mapping[0].word[0] = {true, false, 1};
+  settings.actual_mapping[1][0].word = {{{true, false, 0}, {true, true, 2}}};
+  rig.exchange.settings.write(settings);
+  rig.exchange.gateway_wake.signal();
+  const auto word = rig.client.wait_for<cansync_SlaveStatus>(
+      [](const auto& s) { return s.slave == 1 && s.actual_value[0].width == 16; });
+  ASSERT_TRUE(word);
+  EXPECT_EQ(word->actual_value[2].width, 32) << "a high word alone";
+  EXPECT_EQ(word->actual_value[3].width, 32) << "not mapped";
+  EXPECT_TRUE(rig.client.wait_for<cansync_MasterStatus>(
+      [](const auto& s) { return s.reference_value[0].width == 32 && s.reference_value[1].width == 16; }));
+}
+
 TEST(GatewayState, SlaveStatusTellsTheNewestInTheEnd) {
   GatewayRig rig;
   // Every configured slave is told from the start, with its names.

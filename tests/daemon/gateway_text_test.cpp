@@ -65,6 +65,22 @@ TEST(RefusalText, EachRefusalOfTheMasterSaysWhatIsAllowed) {
   EXPECT_NE(text(Refusal::queue_full, update), text(Refusal::queue_full, SetPolling{}));
 }
 
+TEST(RefusalText, AReferenceValueThatIsTooWideIsNamed) {
+  RefusalContext context;
+  context.reference_mapping[1].word[0] = {true, false, 5};
+  cansync::ReferenceUpdate update;
+  update.channel = cansync::Channel::two;
+  update.value = {70'000, 70'000};
+  update.valid_mask = 3;
+  EXPECT_EQ(
+      refusal_text(Refusal::value_too_wide, update, line(), context),
+      "value[1] 70000: reference value 5 allows -32768..65535, because its low word alone is mapped; map its "
+      "high word too, see `cansync map`");
+  update.valid_mask = 1;
+  EXPECT_EQ(refusal_text(Refusal::value_too_wide, update, line(), context).substr(0, 40),
+            "value: one that keeps what it got under ");
+}
+
 TEST(EventText, ReportsBecomeEventsWithNames) {
   const Config config = line();
   const auto told = [&](const Report& report) { return *describe(report, config); };

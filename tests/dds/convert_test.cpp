@@ -208,7 +208,10 @@ TEST(Replies, RefusalsCarryTheReasonAndNothingElse) {
 
 TEST(State, ActualValuesAreScaledAsSignedNumbers) {
   std::array<cansync_ValueName, kValues> names = {};
-  for (cansync_ValueName& name : names) name.factor = 1.0;
+  for (cansync_ValueName& name : names) {
+    name.factor = 1.0;
+    name.is_signed = true;
+  }
   names[1].factor = 0.5;
   names[1].offset = 10.0;
   ActualValues values;
@@ -229,6 +232,28 @@ TEST(State, ActualValuesAreScaledAsSignedNumbers) {
   EXPECT_EQ(sample.interval[0], 100u);
   EXPECT_EQ(sample.age[0], 3u);
   EXPECT_EQ(sample.receive_time, 123456789);
+}
+
+// Torque in 0.01 % as a word: -100 is -1.00 %, not +654.36 %.
+TEST(State, AWordIsScaledWithItsOwnSign) {
+  std::array<cansync_ValueName, kValues> names = {};
+  for (cansync_ValueName& name : names) {
+    name.factor = 0.01;
+    name.is_signed = true;
+  }
+  names[1].is_signed = false;
+  names[3].is_signed = false;
+  ActualValues values;
+  values.value = {0xFF9C, 0xFF9C, 0xFF9C, 0xFFFFFF9C};
+  values.words = 0b0011;
+  const cansync_ActualValues sample =
+      actual_values(*SlaveNumber::from(6), "feeder", values, names, 103, 123456789);
+  EXPECT_EQ(sample.raw[0], 0xFF9Cu) << "as on the bus";
+  EXPECT_EQ(sample.words, 0b0011);
+  EXPECT_DOUBLE_EQ(sample.scaled[0], -1.0);
+  EXPECT_DOUBLE_EQ(sample.scaled[1], 654.36);
+  EXPECT_DOUBLE_EQ(sample.scaled[2], 654.36) << "a doubleword";
+  EXPECT_DOUBLE_EQ(sample.scaled[3], 42949671.96);
 }
 
 TEST(State, SlaveStatus) {

@@ -19,7 +19,8 @@ class Looking(VerbTest):
         self.assertEqual(status["bit_rate"], 1000000)
         self.assertEqual(status["interval_length_ns"], 1000000)
         self.assertEqual(status["slaves_configured"], 0xF)
-        self.assertEqual(status["reference_values"][0], {"name": "target", "unit": "mm", "factor": 0.001, "offset": 0})
+        self.assertEqual(status["reference_values"][0], {"name": "target", "unit": "mm", "factor": 0.001, "offset": 0,
+                                                         "width": 32, "signed": True})
         text = self.text("status")
         self.assertRegex(text, r"(?m)^state +.*active.*\(0x0080\)$")
         self.assertRegex(text, r"(?m)^slaves synchronized +0-3 \(4 of 4\)$")

@@ -315,10 +315,11 @@ class Run {
             "what passes is in range");
     require(index(core.channel) + 1u == values.telegram && core.valid_mask == values.valid, "without loss");
     const Refusal refusal = master_.submit(core);
-    require(refusal == Refusal::none || refusal == Refusal::interval_passed,
-            "only its interval may be wrong");
+    require(
+        refusal == Refusal::none || refusal == Refusal::interval_passed || refusal == Refusal::value_too_wide,
+        "only its interval, or a value for its word may be wrong");
     if (refusal != Refusal::none)
-      static_cast<void>(passed(dds::explain(refusal, limits_), {"from_interval:"}));
+      static_cast<void>(passed(dds::explain(refusal, limits_), {"from_interval:", "value:"}));
   }
 
   Bytes& in_;

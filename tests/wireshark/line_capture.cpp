@@ -97,8 +97,10 @@ void print_actual(Exchange& exchange, const Config& config) {
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     ActualReport report;
     if (!config.master.slaves[i].configured || !exchange.actual[i].read(report)) continue;
-    for (unsigned n = 0; n < cansync::kValues; ++n)
-      fmt::print("{} {} {}\n", i, n, static_cast<std::int32_t>(report.values.value[n]));
+    for (unsigned n = 0; n < cansync::kValues; ++n) {
+      const bool word = ((report.values.words >> n) & 1u) != 0;
+      fmt::print("{} {} {}\n", i, n, cansync::number_of(report.values.value[n], word, true));
+    }
   }
 }
 

@@ -20,7 +20,7 @@ void take_values(LiveSlave& slave, const WatchRow& row, bool alive) {
     value.scaled.reset();
     if (((row.shown >> i) & 1u) != 0) {
       value.scaled = row.values->scaled[i];
-      value.raw = signed_raw(*row.values, i);
+      value.raw = raw_number(*row.values, i, raw_form(row.status.actual_value[i]).is_signed);
     }
     // What a slave that does not answer said last is no point of a trend.
     value.trend.add(alive ? value.scaled : std::nullopt);

@@ -38,7 +38,7 @@ struct LiveValue {
   std::string unit;
   bool mapped = false;
   std::optional<double> scaled;  ///< nothing: not mapped, or never came
-  std::int32_t raw = 0;
+  std::int64_t raw = 0;          ///< the number on the bus
   Trend trend;
 };
 

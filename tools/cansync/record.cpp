@@ -209,7 +209,7 @@ void add_record_verb(CLI::App& app, Verb& chosen) {
   verb->add_option("--every", texts->every, "each Nth row of a slave, 1..1000000 (default 1)")
       ->type_name("N");
   verb->add_option("--duration", texts->duration, "how long (default: until Ctrl-C)")->type_name("SECONDS");
-  verb->add_flag("--raw", texts->raw, "numbers as on the bus (signed 32 bits) instead of scaled ones");
+  verb->add_flag("--raw", texts->raw, "numbers as on the bus instead of scaled ones");
   verb->footer(
       "A row holds what came from one slave in one interval. Rows are written as they come: a line with its\n"
       "end is complete, whatever happens to the program. Missing are turns of a slave without a row.\n" +

@@ -58,6 +58,7 @@ RecordPlan::RecordPlan(std::span<const client::SlaveStatus> slaves, const std::v
       std::erase_if(unknown, fits);
       const std::string text = heading(slave, i, raw);
       const auto found = std::find(headings_.begin(), headings_.end(), text);
+      signed_[{slave.slave, i}] = raw_form(slave.actual_value[i]).is_signed;
       columns_[{slave.slave, i}] = static_cast<std::size_t>(found - headings_.begin());
       if (found == headings_.end()) headings_.push_back(text);
     }
@@ -111,8 +112,11 @@ void RecordRows::take_telegram(const client::ActualValues& sample, unsigned tele
   newest_ = std::max(newest_, interval);
   Row& row = open_[{interval, sample.slave}];
   row.time = sample.receive_time;
-  for (unsigned i = 4 * telegram; i < 4 * telegram + 4; ++i)
-    if (plan_.column(sample.slave, i)) row.values[i] = plan_.raw() ? signed_raw(sample, i) : sample.scaled[i];
+  for (unsigned i = 4 * telegram; i < 4 * telegram + 4; ++i) {
+    if (!plan_.column(sample.slave, i)) continue;
+    row.values[i] = plan_.raw() ? static_cast<double>(raw_number(sample, i, plan_.is_signed(sample.slave, i)))
+                                : sample.scaled[i];
+  }
 }
 
 void RecordRows::take(const client::ActualValues& sample) {

@@ -32,6 +32,8 @@ class RecordPlan {
   bool raw() const noexcept { return raw_; }
   /// Where a slave's value 0..7 stands among the headings; nothing: it is not recorded.
   std::optional<std::size_t> column(unsigned slave, unsigned value) const;
+  /// Whether the number of a value that is recorded has a sign.
+  bool is_signed(unsigned slave, unsigned value) const { return signed_.at({slave, value}); }
   const std::string& name(unsigned slave) const { return names_.at(slave); }
   bool records(unsigned slave) const { return names_.contains(slave); }
   std::vector<unsigned> slaves() const;
@@ -41,6 +43,7 @@ class RecordPlan {
  private:
   std::vector<std::string> headings_;
   std::map<std::pair<unsigned, unsigned>, std::size_t> columns_;
+  std::map<std::pair<unsigned, unsigned>, bool> signed_;
   std::map<unsigned, std::string> names_;
   bool raw_;
 };

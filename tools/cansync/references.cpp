@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 
@@ -39,10 +40,20 @@ struct Pace {
   std::optional<double> seconds;  ///< nothing: until Ctrl-C
 };
 
+/// A raw value of which the low word alone is sent: what 16 bits hold, with or without a sign.
+std::int32_t parse_word(const Assignment& assignment) {
+  return static_cast<std::int32_t>(
+      parse_integer(assignment.number, assignment.value + " (its low word alone is mapped)",
+                    std::numeric_limits<std::int16_t>::min(), std::numeric_limits<std::uint16_t>::max()));
+}
+
 std::int32_t parse_value(const Assignment& assignment, const cansync_ValueName& name, bool scaled) {
+  const RawForm form = raw_form(name);
+  // The bits count: what has no sign may need the highest one.
   if (scaled)
-    return unscale(parse_real(assignment.number, assignment.value), name.factor, name.offset,
-                   assignment.value);
+    return static_cast<std::int32_t>(unscale(parse_real(assignment.number, assignment.value), name.factor,
+                                             name.offset, form, assignment.value));
+  if (form.width == Width::word) return parse_word(assignment);
   return as_signed(parse_raw(assignment.number, assignment.value, Width::doubleword), Width::doubleword);
 }
 

@@ -122,6 +122,12 @@ ExitCode Session::finish(const client::Reply& reply, JsonObject object, std::str
   return exit_code(reply.code);
 }
 
+RawForm raw_form(const cansync_ValueName& name) noexcept {
+  // A daemon older than these members says 0 and false.
+  if (name.width == 0) return {};
+  return {name.width == 16 ? Width::word : Width::doubleword, name.is_signed};
+}
+
 ValueLookup value_lookup(const cansync_ValueName (&names)[8]) {
   std::array<std::string, 8> copy;
   for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = names[i].name;

@@ -149,6 +149,9 @@ class Session {
 };
 
 /// Which of the eight values has this name.
+/// How the number of a value stands in its raw value, by what the daemon says of it.
+RawForm raw_form(const cansync_ValueName& name) noexcept;
+
 ValueLookup value_lookup(const cansync_ValueName (&names)[8]);
 
 /// Register bytes as the client takes them.

@@ -22,7 +22,9 @@ JsonObject value_names(const cansync_ValueName& value) {
       .add("name", value.name)
       .add("unit", value.unit_symbol)
       .add("factor", value.factor)
-      .add("offset", value.offset);
+      .add("offset", value.offset)
+      .add("width", raw_form(value).width == Width::word ? 16 : 32)
+      .add("signed", raw_form(value).is_signed);
 }
 
 /// 32 digits.

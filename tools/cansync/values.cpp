@@ -144,18 +144,25 @@ Assignment parse_assignment(std::string_view text) {
   return {std::string(text.substr(0, equals)), std::string(text.substr(equals + 1))};
 }
 
-std::int32_t unscale(double scaled, double factor, double offset, std::string_view what) {
+std::int64_t raw_number(std::uint32_t raw, RawForm form) noexcept {
+  if (form.is_signed) return as_signed(raw, form.width);
+  return form.width == Width::word ? raw & 0xFFFFu : raw;
+}
+
+std::int64_t unscale(double scaled, double factor, double offset, RawForm form, std::string_view what) {
   if (factor == 0.0) throw UsageError(fmt::format("{}: its factor is 0, so it has no scaled value", what));
-  const double raw = std::round((scaled - offset) / factor);
-  constexpr double minimum = std::numeric_limits<std::int32_t>::min();
-  constexpr double maximum = std::numeric_limits<std::int32_t>::max();
-  if (!(raw >= minimum && raw <= maximum)) {
+  const double number = std::round((scaled - offset) / factor);
+  const int bits = form.width == Width::word ? 16 : 32;
+  const double minimum = form.is_signed ? -std::ldexp(1.0, bits - 1) : 0.0;
+  const double maximum = std::ldexp(1.0, form.is_signed ? bits - 1 : bits) - 1.0;
+  if (!(number >= minimum && number <= maximum)) {
     const double one = minimum * factor + offset;
     const double other = maximum * factor + offset;
-    throw UsageError(fmt::format("{}: found '{}'; allowed: {:g}..{:g}", what, scaled, std::min(one, other),
-                                 std::max(one, other)));
+    throw UsageError(fmt::format("{}: found '{}'; allowed: {:g}..{:g}{}", what, scaled, std::min(one, other),
+                                 std::max(one, other),
+                                 bits == 16 ? ", because its low word alone is mapped" : ""));
   }
-  return static_cast<std::int32_t>(raw);
+  return static_cast<std::int64_t>(number);
 }
 
 }  // namespace cansync::cli

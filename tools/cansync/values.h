@@ -69,8 +69,17 @@ struct Assignment {
 };
 Assignment parse_assignment(std::string_view text);
 
-/// Raw value whose scaled value is nearest to `scaled`: (scaled - offset) / factor, rounded. Throws when the
-/// result does not fit 32 bits signed, or `factor` is 0.
-std::int32_t unscale(double scaled, double factor, double offset, std::string_view what);
+/// How the number of a process data value stands in its raw value.
+struct RawForm {
+  Width width = Width::doubleword;
+  bool is_signed = true;
+};
+
+/// The number that stands in `raw`.
+std::int64_t raw_number(std::uint32_t raw, RawForm form) noexcept;
+
+/// Number whose scaled value is nearest to `scaled`: (scaled - offset) / factor, rounded. Throws when `form`
+/// does not hold the result, or `factor` is 0.
+std::int64_t unscale(double scaled, double factor, double offset, RawForm form, std::string_view what);
 
 }  // namespace cansync::cli

@@ -47,7 +47,7 @@ JsonObject row_object(const WatchRow& row, std::int64_t now) {
     values.add_json(JsonObject()
                         .add("value", i)
                         .add("name", name.name)
-                        .add("raw", signed_raw(*row.values, i))
+                        .add("raw", raw_number(*row.values, i, raw_form(name).is_signed))
                         .add("scaled", row.values->scaled[i])
                         .add("unit", name.unit_symbol)
                         .text());
@@ -119,8 +119,9 @@ class WatchTable {
 
   std::string cell(const WatchRow& row, unsigned value) const {
     if (((row.shown >> value) & 1u) == 0) return "-";
-    if (raw_) return fmt::format("{}", signed_raw(*row.values, value));
-    const std::string_view unit = row.status.actual_value[value].unit_symbol;
+    const auto& name = row.status.actual_value[value];
+    if (raw_) return fmt::format("{}", raw_number(*row.values, value, raw_form(name).is_signed));
+    const std::string_view unit = name.unit_symbol;
     // Ten digits hold every 32-bit number, and hide the last bits of a factor such as 0.1.
     return fmt::format("{:.10g}{}{}", row.values->scaled[value], unit.empty() ? "" : " ", unit);
   }
@@ -221,7 +222,7 @@ void add_watch_verb(CLI::App& app, Verb& chosen) {
                    "milliseconds from one look to the next, 1..3600000 (default 500)")
       ->type_name("MS");
   watch->add_option("--count", texts->count, "how often to look; 0 = until Ctrl-C (default)")->type_name("N");
-  watch->add_flag("--raw", texts->raw, "numbers as on the bus (signed 32 bits) instead of scaled ones");
+  watch->add_flag("--raw", texts->raw, "numbers as on the bus instead of scaled ones");
   watch->add_flag("--plain", texts->plain, "lines, also on a terminal, instead of the full-screen view");
   watch->footer(
       "On a terminal: a full-screen view with trends, bus load, timing and events, until q; ? explains its "

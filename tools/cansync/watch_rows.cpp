@@ -38,8 +38,10 @@ std::vector<WatchRow> watch_rows(const client::Client& client, std::uint32_t wan
   return rows;
 }
 
-std::int32_t signed_raw(const client::ActualValues& values, unsigned value) {
-  return as_signed(values.raw[value], Width::doubleword);
+std::int64_t raw_number(const client::ActualValues& values, unsigned value, bool is_signed) {
+  // The sample knows its own width; what the status says follows the mapping a little later.
+  const bool word = ((values.words >> value) & 1u) != 0;
+  return raw_number(values.raw[value], {word ? Width::word : Width::doubleword, is_signed});
 }
 
 }  // namespace cansync::cli

@@ -28,7 +28,7 @@ void await_values(const client::Client& client, std::uint32_t wanted);
 /// The rows of these slaves, in rising order. Waits for nothing.
 std::vector<WatchRow> watch_rows(const client::Client& client, std::uint32_t wanted);
 
-/// Value 0..7 as it is on the bus, read as two's complement of 32 bits.
-std::int32_t signed_raw(const client::ActualValues& values, unsigned value);
+/// The number on the bus of value 0..7, with the width it came with.
+std::int64_t raw_number(const client::ActualValues& values, unsigned value, bool is_signed);
 
 }  // namespace cansync::cli

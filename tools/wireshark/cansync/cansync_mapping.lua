@@ -30,8 +30,10 @@ function M.parse(text)
   return #out == 4 and out or nil
 end
 
+local function signed(word) return word >= 0x8000 and word - 0x10000 or word end
+
 -- The values in the words of a telegram, in the order of their numbers: { number, text }; `number` is the signed
--- doubleword when both words are there, else the word that is.
+-- doubleword, of a low word alone the signed word, and of a high word alone the doubleword with a low word of 0.
 function M.values(map, words)
   local low, high = {}, {}
   for i, place in ipairs(map or {}) do
@@ -41,12 +43,13 @@ function M.values(map, words)
   for n = 0, 7 do
     local value = (low[n] or 0) + (high[n] or 0) * 65536
     if value >= 2 ^ 31 then value = value - 2 ^ 32 end
+    if not high[n] and low[n] then value = signed(low[n]) end
     if low[n] and high[n] then
       out[#out + 1] = { number = value, text = string.format("Value %d: %.0f", n, value) }
     elseif low[n] then
-      out[#out + 1] = { number = value, text = string.format("Value %d: low word %d", n, low[n]) }
+      out[#out + 1] = { number = value, text = string.format("Value %d: low word %d", n, signed(low[n])) }
     elseif high[n] then
-      out[#out + 1] = { number = value, text = string.format("Value %d: high word %d", n, high[n]) }
+      out[#out + 1] = { number = value, text = string.format("Value %d: high word %d", n, signed(high[n])) }
     end
   end
   return out
