@@ -138,7 +138,7 @@ TEST(Doctor, AllWell) {
     EXPECT_EQ(finding.remedy, "") << finding.topic;
     EXPECT_TRUE(topics.insert(finding.topic).second) << finding.topic << " twice";
   }
-  EXPECT_EQ(topics.size(), 20u);
+  EXPECT_EQ(topics.size(), 22u);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
 }
 
