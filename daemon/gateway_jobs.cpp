@@ -360,6 +360,8 @@ void JobDesk::count_dropped(SteadyTime now) {
         now, keys);
   }
   const dds::Malformed malformed = dds::take_malformed();
+  for (const std::string& line : malformed.further)
+    events_.publish({cansync_SEVERITY_WARNING, "dds_message", -1, "DDS says: " + line, std::nullopt}, now);
   if (malformed.count != 0) {
     rejections_.add(
         Rejection::malformed, "",

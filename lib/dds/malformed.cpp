@@ -4,21 +4,32 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <cstdio>
 #include <mutex>
 #include <string_view>
 
 namespace cansync::dds {
 namespace {
 
+constexpr std::size_t kLines = 20;
+constexpr std::size_t kLength = 200;
+
+struct Line {
+  std::array<char, kLength> text = {};
+  std::size_t length = 0;
+
+  void set(std::string_view message) noexcept {
+    length = std::min(message.size(), text.size());
+    std::copy_n(message.begin(), length, text.begin());
+  }
+  std::string string() const { return {text.data(), length}; }
+};
+
 struct Counted {
   std::mutex mutex;
   std::uint64_t count = 0;
-  std::array<char, 200> newest = {};
-  std::size_t length = 0;
-  std::chrono::steady_clock::time_point second;
-  unsigned lines = 0;
+  Line newest;
+  std::array<Line, kLines> further;
+  std::size_t lines = 0;
 };
 
 Counted& counted() noexcept {
@@ -36,24 +47,16 @@ bool tells_of_malformed(std::string_view message) noexcept {
 
 /// Called by whichever thread logs, and never with an exception out of it.
 void on_log(void* /*argument*/, const dds_log_data_t* data) {
-  constexpr unsigned kLines = 20;
   Counted& all = counted();
   std::string_view message(data->message, data->size);
   while (message.ends_with('\n')) message.remove_suffix(1);
   const std::lock_guard lock(all.mutex);
   if (tells_of_malformed(message)) {
     ++all.count;
-    all.length = std::min(message.size(), all.newest.size());
-    std::copy_n(message.begin(), all.length, all.newest.begin());
-    return;
+    all.newest.set(message);
+  } else if (all.lines < kLines) {
+    all.further[all.lines++].set(message);
   }
-  const auto now = std::chrono::steady_clock::now();
-  if (now - all.second >= std::chrono::seconds(1)) {
-    all.second = now;
-    all.lines = 0;
-  }
-  if (all.lines++ >= kLines) return;
-  (void)std::fprintf(stderr, "%.*s\n", static_cast<int>(message.size()), message.data());
 }
 
 }  // namespace
@@ -65,9 +68,11 @@ void count_malformed() noexcept {
 Malformed take_malformed() {
   Counted& all = counted();
   const std::lock_guard lock(all.mutex);
-  Malformed taken{all.count, std::string(all.newest.data(), all.length)};
+  Malformed taken{all.count, all.newest.string(), {}};
+  for (std::size_t i = 0; i < all.lines; ++i) taken.further.push_back(all.further[i].string());
   all.count = 0;
-  all.length = 0;
+  all.newest.length = 0;
+  all.lines = 0;
   return taken;
 }
 

@@ -1,3 +1,4 @@
+#include <dds/ddsrt/log.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -150,6 +151,17 @@ TEST(GatewayBadSamples, ANameOverItsBoundIsDroppedAndCounted) {
   parameters.write(parameter);
   EXPECT_TRUE(eventually_rejected(rig, [](const auto& status) { return status.rejected_malformed == 1; }));
   expect_served(rig, 1);
+}
+
+/// DDS must not wait for whoever reads standard error.
+TEST(GatewayBadSamples, WhatElseDdsLogsIsAnEvent) {
+  GatewayRig rig;
+  DDS_WARNING("out of paper\n");
+  const auto told = rig.client.wait_for<cansync_Event>(
+      [](const auto& event) { return std::string_view(event.code) == "dds_message"; });
+  ASSERT_TRUE(told);
+  EXPECT_EQ(std::string_view(told->text), "DDS says: out of paper");
+  EXPECT_EQ(rig.journal.with("EVENT", "dds_message").size(), 1u);
 }
 
 /// A program that invents an identity for every request would fill the reader with keys, and so hold up
