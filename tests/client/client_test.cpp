@@ -91,7 +91,9 @@ TEST(Connect, WaitsForADaemonThatComesLater) {
 TEST(Connect, WorksInTheDaemonsOwnProcess) {
   const TwoPlaces places;
   const FakeDaemon daemon(places.here);
-  Client client = Client::connect(options_for(places.here));
+  Options options = options_for(places.here);
+  options.xml = dds::configuration(places.here);  // one process has one
+  Client client = Client::connect(options);
   EXPECT_EQ(client.write(1, 2, 3).code, ReplyCode::done);
   EXPECT_EQ(client.read(1, 2).value, 3u);
 }
