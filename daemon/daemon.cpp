@@ -92,7 +92,7 @@ class Daemon {
         sync_line_(make_sync_line(file_)),
         exchange_(exchange_sizes(file_.config)),
         participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
-                      file_.config.dds.xml, file_.config.dds.security}),
+                      file_.config.dds.xml, file_.config.dds.security, true}),
         gateway_(file_.config, exchange_, participant_, journal),
         flight_(
             file_.config, bus_.bus(), [this](const EventText& event) { gateway_.post(event); }, journal),

@@ -56,16 +56,27 @@ Requester who_of(std::string_view name, const dds::RequestKey& key, const Place&
   return who;
 }
 
+template <class Sample>
+dds::KeyGuard::Content content_of(const void* sample) {
+  const auto& request = *static_cast<const Sample*>(sample);
+  dds::KeyGuard::Content content{dds::key_of(request)};
+  if constexpr (requires { request.data; }) content.bytes = request.data._length;
+  return content;
+}
+
 }  // namespace
 
 JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, EventPublisher& events,
                  const Config& config, AuditTrail& audit)
-    : guards_{dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal), dds::KeyGuard(signal),
-              dds::KeyGuard(signal)},
-      parameters_(participant, &signal, &guards_[0]),
-      transfers_(participant, &signal, &guards_[1]),
-      commands_(participant, &signal, &guards_[2]),
-      cancels_(participant, &signal, &guards_[3]),
+    : guards_{dds::KeyGuard(content_of<cansync_ParameterRequest>, signal),
+              dds::KeyGuard(content_of<cansync_TransferRequest>, signal),
+              dds::KeyGuard(content_of<cansync_Command>, signal),
+              dds::KeyGuard(content_of<cansync_JobCancel>, signal),
+              dds::KeyGuard(content_of<cansync_Command>, signal)},
+      parameters_(participant, &signal, &guards_[kParameters]),
+      transfers_(participant, &signal, &guards_[kTransfers]),
+      commands_(participant, &signal, &guards_[kCommands]),
+      cancels_(participant, &signal, &guards_[kCancels]),
       parameter_replies_(participant, signal),
       transfer_replies_(participant, signal),
       command_replies_(participant, signal),
@@ -76,29 +87,81 @@ JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, E
       rejections_(events),
       lanes_(lane_limits(config.master.command_channel)) {
   if (!config.dds.security.empty())
-    engineer_commands_.emplace(participant, dds::engineer_command_topic(), &signal, &guards_[4]);
+    engineer_commands_.emplace(participant, dds::engineer_command_topic(), &signal, &guards_[kEngineer]);
 }
 
 bool JobDesk::take_requests(const JobContext& context) {
   // Permissions of DDS Security are by topic; without it everybody may do everything.
-  bool more = accept(commands_, engineer_commands_ ? Right::operate : Right::engineer, context);
-  if (engineer_commands_) more = accept(*engineer_commands_, Right::engineer, context) || more;
-  more = accept(parameters_, Right::engineer, context) || more;
-  more = accept(transfers_, Right::engineer, context) || more;
+  // Control words first, and few of the others before they are looked at again.
+  bool more = accept(commands_, kCommands, engineer_commands_ ? Right::operate : Right::engineer, context);
+  if (engineer_commands_) more = accept(*engineer_commands_, kEngineer, Right::engineer, context) || more;
   more = take_cancels(context) || more;
+  more = take_parameters(context) || more;
+  more = accept(transfers_, kTransfers, Right::engineer, context) || more;
+  more = refuse_turned_away(context) || more;
   // After the samples: what a client left behind is cancelled before it is handed on.
   look_for_clients(context);
   return more;
 }
 
 template <class Sample>
-bool JobDesk::accept(dds::Reader<Sample>& reader, Right right, const JobContext& context) {
+bool JobDesk::accept(dds::Reader<Sample>& reader, ReaderIndex index, Right right, const JobContext& context) {
   const auto count = reader.take_batch([&](const Sample& sample, const dds_sample_info_t& info) {
     if (!info.valid_data) return;
+    guards_[index].taken(info.instance_handle, content_of<Sample>(&sample).bytes);
     accept(sample, places_.find(reader.handle(), info.publication_handle), right, info.source_timestamp,
            context);
   });
   return count == dds::ReaderBase::kBatch;
+}
+
+bool JobDesk::take_parameters(const JobContext& context) {
+  if (parameters_taken_.empty()) {
+    (void)parameters_.take_batch([&](const cansync_ParameterRequest& sample, const dds_sample_info_t& info) {
+      if (!info.valid_data) return;
+      guards_[kParameters].taken(info.instance_handle, 0);
+      parameters_taken_.push_back(
+          {sample, places_.find(parameters_.handle(), info.publication_handle), info.source_timestamp});
+    });
+  }
+  const auto most = stopping_ ? parameters_taken_.size() : kParametersAtOnce;
+  for (std::size_t i = 0; i < most && !parameters_taken_.empty(); ++i) {
+    const TakenParameter& next = parameters_taken_.front();
+    accept(next.sample, next.place, Right::engineer, next.written, context);
+    parameters_taken_.pop_front();
+    if (parameters_taken_.empty()) return true;  // there may be more in the reader
+  }
+  return !parameters_taken_.empty();
+}
+
+bool JobDesk::refuse_turned_away(const JobContext& context) {
+  const std::array<dds_entity_t, kReaders> readers = reader_handles();
+  constexpr std::array<Kind, kReaders> kKinds = {Kind::parameter, Kind::transfer, Kind::command,
+                                                 Kind::internal, Kind::command};
+  bool more = false;
+  for (std::size_t i = 0; i < kReaders; ++i) {
+    const auto refused = guards_[i].take_turned_away(kRefusedAtOnce);
+    more = more || refused.size() == kRefusedAtOnce;
+    for (const dds::KeyGuard::TurnedAway& sample : refused) {
+      Job job;
+      job.kind = kKinds[i];
+      job.key = sample.key;
+      job.place = places_.find(readers[i], sample.writer);
+      const ClientEntry* client = clients_.find(job.key.client);
+      job.who = who_of("", job.key, job.place);
+      if (client != nullptr) job.who.label = client->who;
+      const std::string reason = too_many_requests(dds::KeyGuard::kSamplesPerKey, kPerClient);
+      if (job.kind == Kind::internal || (client != nullptr && client->place != job.place)) {
+        // A cancel has no reply of its own, and who uses another's identity gets none.
+        rejections_.add(Rejection::full, job.who.name,
+                        fmt::format("request {} of {}: {}", job.key.request, job.who.label, reason),
+                        context.now);
+      } else {
+        refuse(job, Rejection::full, reason, context);
+      }
+    }
+  }
+  return more;
 }
 
 template <class Sample>
@@ -264,6 +327,7 @@ void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, 
 bool JobDesk::take_cancels(const JobContext& context) {
   const auto count = cancels_.take_batch([&](const cansync_JobCancel& sample, const dds_sample_info_t& info) {
     if (!info.valid_data) return;
+    guards_[kCancels].taken(info.instance_handle, 0);
     take_cancel(dds::key_of(sample), places_.find(cancels_.handle(), info.publication_handle), context);
   });
   return count == dds::ReaderBase::kBatch;
@@ -337,6 +401,8 @@ std::optional<SteadyTime> JobDesk::retry(const JobContext& context) {
   const auto earlier = [&next](std::optional<SteadyTime> time) {
     if (time && (!next || *time < *next)) next = time;
   };
+  earlier(show_open_transfers(context.now));
+  if (dropped_ != 0) earlier(tell_dropped_at_);
   earlier(parameter_replies_.next(context.now));
   earlier(transfer_replies_.next(context.now));
   earlier(command_replies_.next(context.now));
@@ -359,6 +425,16 @@ void JobDesk::count_dropped(SteadyTime now) {
                     keys, dds::KeyGuard::kKeysPerWriter, dds::KeyGuard::kKeys),
         now, keys);
   }
+  std::uint64_t forgotten = 0;
+  for (dds::KeyGuard& guard : guards_) forgotten += guard.take_forgotten();
+  if (forgotten != 0) {
+    rejections_.add(
+        Rejection::full, "",
+        fmt::format("{} requests were dropped without a reply: their program writes on while {} of "
+                    "its requests wait and {} are being refused",
+                    forgotten, kPerClient, dds::KeyGuard::kTurnedAwayPerKey),
+        now, forgotten);
+  }
   const dds::Malformed malformed = dds::take_malformed();
   for (const std::string& line : malformed.further)
     events_.publish({cansync_SEVERITY_WARNING, "dds_message", -1, "DDS says: " + line, std::nullopt}, now);
@@ -376,12 +452,16 @@ void JobDesk::count_dropped(SteadyTime now) {
 void JobDesk::tell_dropped(SteadyTime now) {
   const std::uint64_t dropped =
       parameter_replies_.take_dropped() + transfer_replies_.take_dropped() + command_replies_.take_dropped();
-  if (dropped == 0) return;
+  dropped_ += dropped;
+  // Summed up for a while: an event for each would be held back, and their number lost.
+  if (dropped_ == 0 || now < tell_dropped_at_) return;
   events_.publish(
       {cansync_SEVERITY_ERROR, "replies_dropped", -1,
-       fmt::format("{} replies could not be delivered; a client does not read its replies", dropped),
+       fmt::format("{} replies could not be delivered; a client does not read its replies", dropped_),
        std::nullopt},
       now);
+  dropped_ = 0;
+  tell_dropped_at_ = now + kDroppedPeriod;
 }
 
 }  // namespace cansyncd

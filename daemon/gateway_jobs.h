@@ -49,7 +49,7 @@ struct JobContext {
 class JobDesk {
  public:
   /// Most open requests of one client: no client can take the queues from the others.
-  static constexpr unsigned kPerClient = 64;
+  static constexpr unsigned kPerClient = cansync::dds::kOpenRequests;
   /// Most bytes of all open transfers together, and of those of one client.
   static constexpr std::size_t kTransferMemory = 128u << 20;
   static constexpr std::size_t kClientTransferMemory = 32u << 20;
@@ -57,6 +57,13 @@ class JobDesk {
   static constexpr std::size_t kEarlyCancels = 64;
   /// Least time between two samples of TransferProgress of one transfer.
   static constexpr std::chrono::milliseconds kProgressPeriod{50};
+  /// Longest time between two, also while it waits: its client sees that it is not lost.
+  static constexpr std::chrono::seconds kSignPeriod{1};
+  /// Parameter requests, and requests that are refused unread, in one pass.
+  static constexpr std::size_t kParametersAtOnce = 16;
+  static constexpr std::size_t kRefusedAtOnce = 16;
+  /// Replies that were lost are told at most so often, with their sum.
+  static constexpr std::chrono::seconds kDroppedPeriod{1};
   /// A cancel may overtake its request on the way; it is remembered so long.
   static constexpr std::chrono::seconds kEarlyCancel{10};
 
@@ -111,16 +118,30 @@ class JobDesk {
     bool understood = false;  ///< `request` is what was asked for
     std::vector<std::uint8_t> data;
     bool cancel_wanted = false;
+    std::uint32_t done = 0;  ///< bytes of a transfer
     SteadyTime next_progress;
   };
   using Jobs = std::map<cansync::JobId, Job>;
 
+  struct TakenParameter {
+    cansync_ParameterRequest sample;
+    Place place;
+    std::int64_t written = 0;
+  };
+  enum ReaderIndex : std::uint8_t { kParameters, kTransfers, kCommands, kCancels, kEngineer, kReaders };
+  std::array<dds_entity_t, kReaders> reader_handles() const;
+
   /// Takes a sample of a request topic.
   template <class Sample>
-  bool accept(cansync::dds::Reader<Sample>& reader, Right right, const JobContext& context);
+  bool accept(cansync::dds::Reader<Sample>& reader, ReaderIndex index, Right right,
+              const JobContext& context);
   template <class Sample>
   void accept(const Sample& sample, const Place& place, Right right, std::int64_t written,
               const JobContext& context);
+  /// A few at a time: a pass over 128 would keep control words waiting.
+  bool take_parameters(const JobContext& context);
+  /// Answers those for which a client had too many waiting.
+  bool refuse_turned_away(const JobContext& context);
   /// The client of a request that may be taken; null: it was answered, or must not be.
   ClientEntry* admit(Job& job, std::int64_t written, const JobContext& context);
   /// Completes `job` from a sample that passed its checks; false: it is no request.
@@ -144,6 +165,8 @@ class JobDesk {
   void count_data(const Job& job, std::size_t ended);
   void record_end(const Job& job, cansync::Outcome outcome, const JobContext& context);
   void tell_dropped(SteadyTime now);
+  /// Publishes the progress of transfers that are open and have had none for long. When to call again.
+  std::optional<SteadyTime> show_open_transfers(SteadyTime now);
 
   void reply(Job& job, const ParameterDone& done, const JobContext& context);
   void reply(Job& job, const TransferDone& done, const JobContext& context);
@@ -153,9 +176,7 @@ class JobDesk {
   /// Counts what was dropped before it could be taken: keys too many, samples DDS could not read.
   void count_dropped(SteadyTime now);
 
-  static constexpr std::size_t kReaders = 5;
-  std::array<cansync::dds::KeyGuard, kReaders>
-      guards_;  ///< parameters, transfers, commands, cancels, engineer
+  std::array<cansync::dds::KeyGuard, kReaders> guards_;
   cansync::dds::Reader<cansync_ParameterRequest> parameters_;
   cansync::dds::Reader<cansync_TransferRequest> transfers_;
   cansync::dds::Reader<cansync_Command> commands_;
@@ -174,11 +195,15 @@ class JobDesk {
   Rejections rejections_;
 
   Jobs jobs_;
+  std::deque<TakenParameter> parameters_taken_;  ///< from the reader, not looked at yet; at most a batch
   FairLanes lanes_;
   std::map<Key, cansync::JobId> open_;                ///< requests of clients that are not answered
   std::deque<Request> own_;                           ///< requests of the daemon itself that wait for room
   std::vector<std::vector<std::uint8_t>> abandoned_;  ///< data the realtime thread may still have
   std::size_t transfer_bytes_ = 0;
+  std::uint64_t dropped_ = 0;  ///< replies, not told yet
+  SteadyTime tell_dropped_at_;
+  SteadyTime next_sign_;
   cansync::JobId next_id_ = 1;
   bool cancels_waiting_ = false;
   bool lanes_blocked_ = false;  ///< a request has its turn, but there is no room on the way

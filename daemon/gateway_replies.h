@@ -82,10 +82,7 @@ class ReplyOutbox {
       ++dropped_;
       return;
     }
-    if (waiting_.size() == kWaiting) {
-      ++dropped_;
-      erase(waiting_.begin());
-    }
+    make_room();
     ++per_place_[place];
     waiting_data_ += data.size();
     waiting_.push_back({reply, place, now + kMatchTime, std::move(data), false});
@@ -96,6 +93,7 @@ class ReplyOutbox {
   /// The client `key` names is gone: after the replies that still wait, nothing of it is kept here or, by
   /// DDS, in the readers.
   void forget(const Reply& key, SteadyTime now) {
+    make_room();
     ++per_place_[Place{}];
     waiting_.push_back({key, Place{}, now, {}, true});
     if (waiting_.size() == 1) retry(now);
@@ -146,6 +144,15 @@ class ReplyOutbox {
     std::vector<std::uint8_t> data;
     bool forget;  ///< no reply: the client is gone
   };
+
+  /// Before one more waits: drops the oldest when there are too many.
+  void make_room() {
+    while (waiting_.size() >= kWaiting) {
+      // A key that is not given up costs its readers a little memory until they leave.
+      if (!waiting_.front().forget) ++dropped_;
+      erase(waiting_.begin());
+    }
+  }
 
   auto erase(typename std::deque<Item>::iterator item) {
     const auto place_waits = per_place_.find(item->place);

@@ -97,10 +97,23 @@ void JobDesk::progress(const TransferProgress& report, SteadyTime now) {
   const auto found = jobs_.find(report.id);
   if (found == jobs_.end() || found->second.kind != Kind::transfer) return;
   Job& job = found->second;
+  job.done = report.bytes;
   if (now < job.next_progress) return;
   job.next_progress = now + kProgressPeriod;
   const auto total = static_cast<std::uint32_t>(job.data.size());
   (void)progress_.write(dds::transfer_progress(job.key, report.bytes, total));
+}
+
+std::optional<SteadyTime> JobDesk::show_open_transfers(SteadyTime now) {
+  if (transfer_bytes_ == 0) return std::nullopt;
+  if (now < next_sign_) return next_sign_;
+  next_sign_ = now + kSignPeriod;
+  for (const auto& [id, job] : jobs_) {
+    if (job.kind != Kind::transfer) continue;
+    (void)progress_.write(
+        dds::transfer_progress(job.key, job.done, static_cast<std::uint32_t>(job.data.size())));
+  }
+  return next_sign_;
 }
 
 void JobDesk::count_data(const Job& job, std::size_t ended) {
@@ -129,11 +142,13 @@ void JobDesk::cancel(Jobs::iterator job, const JobContext& context) {
   cancels_waiting_ = true;
 }
 
+std::array<dds_entity_t, JobDesk::kReaders> JobDesk::reader_handles() const {
+  return {parameters_.handle(), transfers_.handle(), commands_.handle(), cancels_.handle(),
+          engineer_commands_ ? engineer_commands_->handle() : cancels_.handle()};
+}
+
 void JobDesk::look_for_clients(const JobContext& context) {
-  const std::array readers = {parameters_.handle(), transfers_.handle(), commands_.handle(),
-                              cancels_.handle(),
-                              engineer_commands_ ? engineer_commands_->handle() : cancels_.handle()};
-  static_assert(readers.size() == kReaders);
+  const std::array<dds_entity_t, kReaders> readers = reader_handles();
   if (living_.look(readers, places_)) {
     for (std::size_t i = 0; i < kReaders; ++i) guards_[i].keep(living_.writers(i));
   }

@@ -128,8 +128,8 @@ CANSYNC_C_API int cansync_upload(cansync_client* client, uint32_t slave, uint32_
 CANSYNC_C_API int cansync_download(cansync_client* client, uint32_t slave, uint32_t address, const void* data,
                                    uint32_t size, cansync_progress progress, void* user) CANSYNC_C_NOEXCEPT;
 
-/* Cancels the transfer that another thread waits for with this handle, or does nothing. From any thread, also
- * from a signal handler. */
+/* Cancels the transfer that another thread waits for with this handle; without one the next that is begun, so
+ * that a cancel which comes just before is not lost. From any thread, also from a signal handler. */
 CANSYNC_C_API void cansync_cancel_transfer(cansync_client* client) CANSYNC_C_NOEXCEPT;
 
 /* Actual values of one slave. */

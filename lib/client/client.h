@@ -30,6 +30,8 @@ struct CANSYNC_PUBLIC Options {
   std::string xml = {};                  ///< Cyclone DDS configuration instead of the built one; empty: none
   std::chrono::milliseconds wait{5000};  ///< how long to look for the daemon
   std::string security = {};             ///< DDS Security: folder of this program's identity; empty: without
+  std::chrono::milliseconds grace =
+      kGrace;  ///< how long after its monitoring time a request ends at the latest
 };
 
 /// Result of looking up a slave.
@@ -105,7 +107,8 @@ class CANSYNC_PUBLIC Client {
   /// Only when the daemon's configuration switches the Interval topic on.
   [[nodiscard]] Subscription on_interval(std::function<void(const Interval&)> callback);
 
-  // --- jobs: submit returns at once, the others wait for the terminal reply
+  // --- jobs: submit returns at once, the others wait for the terminal reply. Beyond `kOpenRequests` open at
+  // a time a request is refused here.
 
   ParameterJob submit(const ParameterRequest& request);
   TransferJob submit(const TransferRequest& request);

@@ -17,8 +17,16 @@ constexpr milliseconds kCancelGrace(5000);  // a cancelled job's reply comes wit
 template <class R>
 R Job<R>::wait() const {
   std::unique_lock lock(state_->mutex);
-  state_->changed.wait(lock, [&] { return state_->reply.has_value(); });
-  return *state_->reply;
+  for (;;) {
+    if (state_->reply) return *state_->reply;
+    if (state_->abandoned(std::chrono::steady_clock::now())) {
+      lock.unlock();
+      state_->end_unheard();
+      lock.lock();
+      continue;
+    }
+    state_->changed.wait_until(lock, state_->last_moment());
+  }
 }
 
 template <class R>
@@ -44,6 +52,12 @@ R Job<R>::wait(const std::atomic<bool>& stop, const OnProgress& on_progress) con
     }
     if (state_->reply) return *state_->reply;
     const auto now = std::chrono::steady_clock::now();
+    if (state_->abandoned(now)) {
+      lock.unlock();
+      state_->end_unheard();
+      lock.lock();
+      continue;
+    }
     if (give_up && now >= *give_up) {
       R reply;
       reply.reason =

@@ -28,8 +28,9 @@ using OnProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 template <class R>
 class CANSYNC_PUBLIC Job {
  public:
-  /// Waits for the terminal reply. Always ends: with the daemon's reply, or `no_reply` when the daemon is
-  /// gone.
+  /// Waits for the terminal reply. Always ends: with the daemon's reply; with `no_reply` when the daemon is
+  /// gone; at the latest `Options::grace` after the monitoring time with `timeout` (it was cancelled) or
+  /// `no_reply` (nothing is known of it). A reply that comes after that is ignored.
   R wait() const;
 
   /// Waits at most `time`; nothing when the request is still open.

@@ -132,10 +132,11 @@ Daemons Link::matched_daemons() const {
 }
 
 void Link::receive() {
-  // Signals wake the loop; the period is for what might never signal.
-  constexpr int kPeriodMs = 500;
+  // Signals wake the loop; the period is for what might never signal, and for replies that do not come.
+  constexpr std::int64_t kPeriodMs = 500;
+  const auto period = static_cast<int>(std::clamp<std::int64_t>(options_.grace.count() / 4, 1, kPeriodMs));
   while (!stop_) {
-    (void)signal_.wait(kPeriodMs);
+    (void)signal_.wait(period);
     signal_.clear();
     // Looked at before the replies: what a daemon wrote before it left is taken first.
     const Daemons alive = matched_daemons();
@@ -143,6 +144,7 @@ void Link::receive() {
     take_replies();
     dispatch_feeds();
     end_lost_jobs(alive);
+    end_overdue_jobs();
     // A request is written only when every daemon hears it, and its reply gets here: one that has just
     // started may be known by half of its topics.
     const bool ready = !alive.empty() && everything_matched(alive.size());
@@ -154,6 +156,31 @@ void Link::receive() {
       ready_changed_.notify_all();
     }
   }
+}
+
+void Link::end_overdue_jobs() {
+  constexpr std::chrono::milliseconds kLook(100);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - looked_at_time_ < std::min(kLook, options_.grace / 8)) return;
+  looked_at_time_ = now;
+  std::vector<std::uint64_t> late;
+  std::vector<std::shared_ptr<JobState<ParameterReply>>> parameters;
+  std::vector<std::shared_ptr<JobState<TransferReply>>> transfers;
+  std::vector<std::shared_ptr<JobState<CommandReply>>> commands;
+  {
+    const std::lock_guard lock(mutex_);
+    parameter_jobs_.look_at_time(now, late, parameters);
+    transfer_jobs_.look_at_time(now, late, transfers);
+    command_jobs_.look_at_time(now, late, commands);
+  }
+  // A daemon that takes no cancel is not asked again and again: each may take a second.
+  (void)std::all_of(late.begin(), late.end(), [this](std::uint64_t request) { return cancel(request); });
+  const auto end = [](const auto& jobs) {
+    for (const auto& job : jobs) job->end_unheard();
+  };
+  end(parameters);
+  end(transfers);
+  end(commands);
 }
 
 void Link::dispatch_feeds() {

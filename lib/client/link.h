@@ -68,8 +68,11 @@ class Link : public std::enable_shared_from_this<Link> {
  private:
   using Identity = std::array<std::uint8_t, 16>;
 
+  /// A new job; ended already when too many are open.
   template <class R>
-  std::shared_ptr<JobState<R>> begin(OpenJobs<R>& jobs);
+  std::shared_ptr<JobState<R>> begin(OpenJobs<R>& jobs, std::chrono::milliseconds monitoring);
+  /// The monitoring time of a request: its own, or that of the daemon.
+  static std::chrono::milliseconds monitoring(std::uint32_t own_ms, std::chrono::milliseconds otherwise);
   template <class Request>
   void address(Request& request, std::uint64_t number) const;
   template <class R, class Request>
@@ -86,6 +89,8 @@ class Link : public std::enable_shared_from_this<Link> {
   void take_progress();
   void dispatch_feeds();
   void end_lost_jobs(const Daemons& alive);
+  /// Cancels and ends the jobs whose reply does not come.
+  void end_overdue_jobs();
   Daemons matched_daemons() const;
   /// True when all of so many daemons hear what is written on every topic, and have been heard.
   bool everything_matched(std::size_t daemons) const;
@@ -125,6 +130,7 @@ class Link : public std::enable_shared_from_this<Link> {
   OpenJobs<TransferReply> transfer_jobs_;
   OpenJobs<CommandReply> command_jobs_;
 
+  std::chrono::steady_clock::time_point looked_at_time_;  // receiver thread only
   std::atomic<bool> stop_ = false;
   std::thread receiver_;
 };

@@ -8,6 +8,11 @@
 namespace cansync::client::detail {
 namespace {
 
+static_assert(kOpenRequests == dds::kOpenRequests);
+
+constexpr std::chrono::milliseconds kParameterTime(3000);
+constexpr std::chrono::milliseconds kTransferTime(30000);
+
 ReplyCode code_of(cansync_ReplyCode code) {
   switch (code) {
     case cansync_REPLY_DONE:
@@ -115,19 +120,37 @@ void Link::address(Request& request, std::uint64_t number) const {
 }
 
 template <class R>
-std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs) {
+std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::milliseconds monitoring) {
   auto state = std::make_shared<JobState<R>>();
   state->link = weak_from_this();
+  state->monitoring = monitoring;
+  state->grace = options_.grace;
+  state->since = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
+  const std::size_t open = parameter_jobs_.size() + transfer_jobs_.size() + command_jobs_.size();
+  if (open >= kOpenRequests) {
+    // The daemon's words (daemon/refusal_text.cpp), who would refuse it too.
+    state->end(
+        ReplyCode::refused,
+        fmt::format("queue full: this client has {} requests open, at most {} are allowed; wait for a reply "
+                    "first",
+                    open, kOpenRequests));
+    return state;
+  }
   state->request = ++last_request_;
   if (reachable_) state->daemons = daemons_;
   jobs.add(state);
   return state;
 }
 
+std::chrono::milliseconds Link::monitoring(std::uint32_t own_ms, std::chrono::milliseconds otherwise) {
+  return own_ms != 0 ? std::chrono::milliseconds(own_ms) : otherwise;
+}
+
 template <class R, class Request>
 void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Request& request,
                 OpenJobs<R>& jobs, JobState<R>& state) {
+  if (state.ended()) return;
   if (state.daemons.empty()) {
     const std::lock_guard lock(mutex_);
     jobs.remove(state.request);
@@ -153,7 +176,7 @@ void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Requ
 }
 
 std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& request) {
-  auto state = begin(parameter_jobs_);
+  auto state = begin(parameter_jobs_, monitoring(request.timeout_ms, kParameterTime));
   cansync_ParameterRequest sample = {};
   address(sample, state->request);
   sample.write = request.write;
@@ -169,7 +192,7 @@ std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& r
 }
 
 std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& request) {
-  auto state = begin(transfer_jobs_);
+  auto state = begin(transfer_jobs_, monitoring(request.timeout_ms, kTransferTime));
   if (request.data.size() > cansync_MAXIMUM_TRANSFER) {
     const std::lock_guard lock(mutex_);
     transfer_jobs_.remove(state->request);
@@ -197,7 +220,7 @@ std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& req
 }
 
 std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
-  auto state = begin(command_jobs_);
+  auto state = begin(command_jobs_, kCommandTime);
   address(command, state->request);
   if (engineer_writer_ && dds::for_engineers(command.kind))
     send(*engineer_writer_, dds::engineer_command_topic().name, command, command_jobs_, *state);
@@ -224,6 +247,8 @@ void Link::take_progress() {
     if (!job) return;
     {
       const std::lock_guard lock(job->mutex);
+      job->since = std::chrono::steady_clock::now();
+      if (sample.done == job->done) return;  // only a sign that the daemon has it
       job->done = sample.done;
       job->total = sample.total;
       ++job->progress;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -50,6 +51,20 @@ class CANSYNC_PUBLIC SetupError : public std::runtime_error {
   ~SetupError() override;
 };
 
+/// Most requests of all kinds that a client may have open. One more is refused here, at once, with the
+/// daemon's own words: wait for a reply first.
+inline constexpr std::size_t kOpenRequests = 64;
+
+/// How long after its monitoring time a request of the library has ended at the latest, whatever becomes of
+/// its reply (`Options::grace`). When half of it is over the library cancels the request, so that it is not
+/// done later: it ends as `timeout`, or as `no_reply` when nothing is heard of it. The time counts from the
+/// submit; for transfers from the last sign that the daemon has them, which comes once a second while they
+/// wait.
+inline constexpr std::chrono::milliseconds kGrace{10000};
+
+/// Monitoring time of commands.
+inline constexpr std::chrono::milliseconds kCommandTime{5000};
+
 /// How a request ended. All but `no_reply` are those of the IDL (docs/dds-api.md).
 enum class ReplyCode : std::uint8_t {
   done,
@@ -63,7 +78,8 @@ enum class ReplyCode : std::uint8_t {
   cancelled,
   master_stopped,
   slave_lost,  ///< the slave stopped answering; what was under way may have been taken or not
-  no_reply,    ///< the daemon has gone or did not take the request; whether it was done is not known
+  no_reply,    ///< the daemon has gone, did not take the request, or gave no reply in time; whether it was
+               ///< done is not known
 };
 
 /// Stable word for a code, e.g. "slave_error".

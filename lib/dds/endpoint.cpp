@@ -1,6 +1,5 @@
 #include "dds/endpoint.h"
 
-#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -12,25 +11,6 @@ namespace {
 constexpr const char* kRemedy =
     "look for programs with another version of the data model, or with less memory than they need, in this "
     "domain";
-
-void raise_on_data(dds_entity_t /*reader*/, void* signal) {
-  static_cast<DataSignal*>(signal)->raise();
-}
-
-void raise_on_reader_match(dds_entity_t /*reader*/, const dds_subscription_matched_status_t /*status*/,
-                           void* signal) {
-  static_cast<DataSignal*>(signal)->raise();
-}
-
-void raise_on_liveliness(dds_entity_t /*reader*/, const dds_liveliness_changed_status_t /*status*/,
-                         void* signal) {
-  static_cast<DataSignal*>(signal)->raise();
-}
-
-void raise_on_writer_match(dds_entity_t /*writer*/, const dds_publication_matched_status_t /*status*/,
-                           void* signal) {
-  static_cast<DataSignal*>(signal)->raise();
-}
 
 struct ListenerDeleter {
   void operator()(dds_listener_t* listener) const noexcept { dds_delete_listener(listener); }
@@ -55,19 +35,27 @@ Entity make_topic(const Participant& participant, const TopicInfo& info) {
 
 ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal,
                        KeyGuard* guard)
-    : EndpointBase(make_topic(participant, info)) {
+    : EndpointBase(make_topic(participant, info), signal) {
   if (guard != nullptr) {
     const dds_return_t installed = guard->install(topic());
     if (installed != DDS_RETCODE_OK) {
       participant.fail("guard of topic " + std::string(info.name), installed, kRemedy);
     }
   }
-  Listener listener(nullptr);
+  const Listener listener(dds_create_listener(matches()));
+  dds_lset_subscription_matched(
+      listener.get(),
+      [](dds_entity_t /*reader*/, const dds_subscription_matched_status_t status, void* matches) {
+        static_cast<Matches*>(matches)->count = status.current_count;
+        static_cast<Matches*>(matches)->raise();
+      });
   if (signal != nullptr) {
-    listener.reset(dds_create_listener(signal));
-    dds_lset_data_available(listener.get(), raise_on_data);
-    dds_lset_subscription_matched(listener.get(), raise_on_reader_match);
-    dds_lset_liveliness_changed(listener.get(), raise_on_liveliness);
+    dds_lset_data_available(listener.get(), [](dds_entity_t /*reader*/, void* matches) {
+      static_cast<Matches*>(matches)->raise();
+    });
+    dds_lset_liveliness_changed(listener.get(),
+                                [](dds_entity_t /*reader*/, const dds_liveliness_changed_status_t /*status*/,
+                                   void* matches) { static_cast<Matches*>(matches)->raise(); });
   }
   const dds_entity_t reader =
       dds_create_reader(participant.subscriber(), topic(), reader_qos(info).get(), listener.get());
@@ -75,28 +63,22 @@ ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, Da
   set_endpoint(Entity(reader));
 }
 
-std::uint32_t ReaderBase::matched() const noexcept {
-  return static_cast<std::uint32_t>(std::max(0, dds_get_matched_publications(handle(), nullptr, 0)));
-}
-
 WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength,
                        DataSignal* signal, std::string_view name)
-    : EndpointBase(may_write(participant, info) ? make_topic(participant, info) : Entity()) {
+    : EndpointBase(may_write(participant, info) ? make_topic(participant, info) : Entity(), signal) {
   if (topic() <= 0) return;
-  Listener listener(nullptr);
-  if (signal != nullptr) {
-    listener.reset(dds_create_listener(signal));
-    dds_lset_publication_matched(listener.get(), raise_on_writer_match);
-  }
+  const Listener listener(dds_create_listener(matches()));
+  dds_lset_publication_matched(
+      listener.get(),
+      [](dds_entity_t /*writer*/, const dds_publication_matched_status_t status, void* matches) {
+        static_cast<Matches*>(matches)->count = status.current_count;
+        static_cast<Matches*>(matches)->raise();
+      });
   const Qos qos = writer_qos(info, strength);
   if (!name.empty()) dds_qset_userdata(qos.get(), name.data(), name.size());
   const dds_entity_t writer = dds_create_writer(participant.publisher(), topic(), qos.get(), listener.get());
   if (writer < 0) participant.fail("writer of topic " + std::string(info.name), writer, kRemedy);
   set_endpoint(Entity(writer));
-}
-
-std::uint32_t WriterBase::matched() const noexcept {
-  return static_cast<std::uint32_t>(std::max(0, dds_get_matched_subscriptions(handle(), nullptr, 0)));
 }
 
 }  // namespace cansync::dds

@@ -3,7 +3,9 @@
 #include <dds/dds.h>
 
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -20,22 +22,38 @@ class EndpointBase {
  public:
   dds_entity_t handle() const noexcept { return endpoint_.get(); }
 
+  /// How many readers (of a writer) or writers (of a reader) are matched now, as DDS told last. Never waits:
+  /// asking DDS would wait for a write in progress.
+  std::uint32_t matched() const noexcept { return matches_->count; }
+
  protected:
-  explicit EndpointBase(Entity topic) noexcept : topic_(std::move(topic)) {}
+  /// What the listener of an endpoint knows.
+  struct Matches {
+    DataSignal* signal = nullptr;
+    std::atomic<std::uint32_t> count{0};
+    void raise() const noexcept {
+      if (signal != nullptr) signal->raise();
+    }
+  };
+
+  EndpointBase(Entity topic, DataSignal* signal)
+      : topic_(std::move(topic)), matches_(std::make_unique<Matches>()) {
+    matches_->signal = signal;
+  }
+  Matches* matches() const noexcept { return matches_.get(); }
   dds_entity_t topic() const noexcept { return topic_.get(); }
   void set_endpoint(Entity endpoint) noexcept { endpoint_ = std::move(endpoint); }
 
  private:
-  Entity topic_;  // declared first: the endpoint goes before its topic
+  Entity
+      topic_;  // declared first: the endpoint goes before its topic, and before what its listener writes to
+  std::unique_ptr<Matches> matches_;
   Entity endpoint_;
 };
 
 /// Reader without the type.
 class ReaderBase : public EndpointBase {
  public:
-  /// How many writers are matched now.
-  std::uint32_t matched() const noexcept;
-
   /// Samples taken at a time, and places of every array that samples are lent to: Cyclone fills as many as
   /// the reader's largest loan so far had, whatever is asked. More than a reader of requests keeps of one
   /// client, so that the next call gets to another.
@@ -118,9 +136,6 @@ class WriterBase : public EndpointBase {
   /// False: with DDS Security on, the identity has no right to write the topic; every write fails with
   /// DDS_RETCODE_NOT_ALLOWED_BY_SECURITY.
   bool permitted() const noexcept { return static_cast<bool>(handle() > 0); }
-
-  /// How many readers are matched now.
-  std::uint32_t matched() const noexcept;
 
  protected:
   /// Throws SetupError. `signal` is raised when a reader comes or goes.

@@ -120,15 +120,18 @@ std::string configuration(const ParticipantOptions& options) {
   constexpr std::string_view kFrame =
       "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
       "<AllowMulticast>{}</AllowMulticast></General>"
-      "<Discovery><LeaseDuration>5 s</LeaseDuration>{}</Discovery>"
+      "<Discovery><LeaseDuration>5 s</LeaseDuration>{}</Discovery>{}"
       "</Domain></CycloneDDS>";
+  constexpr std::string_view kServes =
+      "<Internal><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 MiB</WhcHighInit>"
+      "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
   // Index 119 is the last whose ports belong to the domain.
   constexpr std::string_view kUnicastPeers =
       "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
       "<Peers><Peer Address=\"127.0.0.1\"/></Peers>";
   const bool loopback = options.interface == "lo";
-  return fmt::format(kFrame, options.interface, loopback ? "false" : "default",
-                     loopback ? kUnicastPeers : "");
+  return fmt::format(kFrame, options.interface, loopback ? "false" : "default", loopback ? kUnicastPeers : "",
+                     options.serves ? kServes : "");
 }
 
 struct Participant::Impl {

@@ -18,6 +18,10 @@ struct ParticipantOptions {
   std::string interface = "lo";  ///< network interface; `lo`: this computer alone, without multicast
   std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
   std::string security;          ///< folder of an identity (dds/security.h); empty: without DDS Security
+  /// It answers others: its writers go on while readers have not acknowledged up to 64 MiB of a topic, so
+  /// that one that stands still, is dead or slow holds nobody else up. False: up to 500 KiB, as Cyclone has
+  /// it.
+  bool serves = false;
 };
 
 /// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, and the peers

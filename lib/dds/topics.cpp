@@ -23,24 +23,27 @@ constexpr TopicQos exclusive() {
   return {.depth = 16, .exclusive = true, .lease = DDS_SECS(1), .offered_lease = DDS_MSECS(500)};
 }
 
-/// Nothing is lost, and no peer can make a reader grow without end. One client's samples leave room for those
-/// of every other, and there are more keys than a KeyGuard lets in, because those of writers that have left
-/// are taken a little later.
-constexpr TopicQos request(std::int32_t samples, std::int32_t per_client) {
+/// No peer can make a reader grow without end. A client's samples have room for as many requests as it may
+/// have open. There is more room than a KeyGuard lets in, for samples and keys, because those of writers that
+/// have left are taken a little later: a reader that got full would hold up all topics.
+constexpr TopicQos request() {
+  constexpr auto kOpen = static_cast<std::int32_t>(kOpenRequests);
   return {.keep_all = true,
-          .max_samples = samples,
+          .max_samples = 512 * kOpen,
           .max_instances = 512,
-          .max_samples_per_instance = per_client,
+          .max_samples_per_instance = kOpen,
           .blocking = DDS_SECS(1)};
 }
 
-/// Replies go to every client of the bus, so a reader has room for those to the others too. The daemon tries
-/// again soon: its thread has other things to do than to wait.
-constexpr TopicQos reply(std::int32_t samples) {
+/// Replies go to every client of the bus, so a reader has room for those to the others too. Their writer
+/// keeps `depth` of each client until every reader has them: a client that has `kOpenRequests` open
+/// at most misses none. The daemon tries again soon: its thread has other things to do than to wait.
+constexpr TopicQos reply(std::int32_t samples, std::int32_t depth) {
   return {.keep_all = true,
           .max_samples = samples,
           .max_instances = 1024,
           .max_samples_per_instance = samples,
+          .writer_depth = depth,
           .blocking = DDS_MSECS(2)};
 }
 
@@ -50,17 +53,15 @@ constexpr bool kClient = false;
 const TopicInfo kActualValues{"ActualValues", &cansync_ActualValues_desc, kDaemon, state()};
 const TopicInfo kReferenceValues{"ReferenceValues", &cansync_ReferenceValues_desc, kClient, exclusive()};
 const TopicInfo kInterval{"Interval", &cansync_Interval_desc, kDaemon, latest()};
-const TopicInfo kParameterRequest{"ParameterRequest", &cansync_ParameterRequest_desc, kClient,
-                                  request(16384, 64)};
-const TopicInfo kParameterReply{"ParameterReply", &cansync_ParameterReply_desc, kDaemon, reply(4096)};
-// A transfer carries up to 16 MiB, so few samples are let in at a time.
-const TopicInfo kTransferRequest{"TransferRequest", &cansync_TransferRequest_desc, kClient, request(16, 4)};
+const TopicInfo kParameterRequest{"ParameterRequest", &cansync_ParameterRequest_desc, kClient, request()};
+const TopicInfo kParameterReply{"ParameterReply", &cansync_ParameterReply_desc, kDaemon, reply(4096, 8192)};
+const TopicInfo kTransferRequest{"TransferRequest", &cansync_TransferRequest_desc, kClient, request()};
 const TopicInfo kTransferProgress{"TransferProgress", &cansync_TransferProgress_desc, kDaemon, latest()};
-const TopicInfo kTransferReply{"TransferReply", &cansync_TransferReply_desc, kDaemon, reply(16)};
-const TopicInfo kJobCancel{"JobCancel", &cansync_JobCancel_desc, kClient, request(16384, 64)};
-const TopicInfo kCommand{"Command", &cansync_Command_desc, kClient, request(16384, 64)};
-const TopicInfo kEngineerCommand{"EngineerCommand", &cansync_Command_desc, kClient, request(16384, 64)};
-const TopicInfo kCommandReply{"CommandReply", &cansync_CommandReply_desc, kDaemon, reply(4096)};
+const TopicInfo kTransferReply{"TransferReply", &cansync_TransferReply_desc, kDaemon, reply(16, 64)};
+const TopicInfo kJobCancel{"JobCancel", &cansync_JobCancel_desc, kClient, request()};
+const TopicInfo kCommand{"Command", &cansync_Command_desc, kClient, request()};
+const TopicInfo kEngineerCommand{"EngineerCommand", &cansync_Command_desc, kClient, request()};
+const TopicInfo kCommandReply{"CommandReply", &cansync_CommandReply_desc, kDaemon, reply(4096, 8192)};
 const TopicInfo kMasterStatus{"MasterStatus", &cansync_MasterStatus_desc, kDaemon, state()};
 const TopicInfo kSlaveStatus{"SlaveStatus", &cansync_SlaveStatus_desc, kDaemon, state()};
 const TopicInfo kTiming{"Timing", &cansync_Timing_desc, kDaemon, latest()};
@@ -187,6 +188,7 @@ Qos writer_qos(const TopicInfo& topic, std::int32_t strength) {
     // A writer that leaves gives its keys up; disposing of them would take them from the others too.
     dds_qset_writer_data_lifecycle(qos.get(), false);
   }
+  if (topic.qos.writer_depth > 0) dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, topic.qos.writer_depth);
   // Giving up a key leaves nothing behind; disposing of it would make it anew in readers that never had it.
   if (topic.from_daemon && !topic.qos.transient_local) dds_qset_writer_data_lifecycle(qos.get(), false);
   if (topic.qos.transient_local) {

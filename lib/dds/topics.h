@@ -12,6 +12,9 @@
 /// The one table of topics: name, type and QoS. docs/dds-api.md shows the same table; a test compares both.
 namespace cansync::dds {
 
+/// Most requests of all kinds that one client may have open. The daemon refuses more, the client library too.
+inline constexpr std::uint32_t kOpenRequests = 64;
+
 /// QoS of one topic, for its readers and writers alike unless said otherwise.
 struct TopicQos {
   bool reliable = true;
@@ -26,6 +29,9 @@ struct TopicQos {
   std::int32_t max_samples = 0;
   std::int32_t max_instances = 0;
   std::int32_t max_samples_per_instance = 0;
+  /// Keep all: what a writer keeps of each key until readers have it, the newest alone beyond; a reader that
+  /// stands still is then left behind and holds nobody up. 0: all, and the write waits.
+  std::int32_t writer_depth = 0;
   dds_duration_t blocking = DDS_MSECS(100);  ///< longest a reliable write waits for room (ns)
 };
 

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <deque>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <random>
@@ -91,7 +93,9 @@ TEST(Connect, WaitsForADaemonThatComesLater) {
 TEST(Connect, WorksInTheDaemonsOwnProcess) {
   const TwoPlaces places;
   const FakeDaemon daemon(places.here);
-  Client client = Client::connect(options_for(places.here));
+  Options options = options_for(places.here);
+  options.xml = dds::configuration(places.here);  // one process has one
+  Client client = Client::connect(options);
   EXPECT_EQ(client.write(1, 2, 3).code, ReplyCode::done);
   EXPECT_EQ(client.read(1, 2).value, 3u);
 }
@@ -117,27 +121,114 @@ TEST_F(ClientTest, RefusalAndSlaveErrorCarryTheirReason) {
   EXPECT_EQ(client_->control_word(9, 1).wait().reason, "slave 9: not configured; allowed 0..3");
 }
 
-TEST_F(ClientTest, ManyOpenRequestsOfSeveralThreadsGetTheirOwnReply) {
+/// With as little room for replies as there may be: writes of the daemon wait for acknowledgements again and
+/// again.
+TEST(ManyRequests, OfSeveralThreadsGetTheirOwnReply) {
   constexpr std::uint32_t kThreads = 4;
   constexpr std::uint32_t kEach = 200;
+  constexpr std::size_t kOpen = kOpenRequests / kThreads;
+  TwoPlaces places;
+  places.here.serves = false;
+  places.here.xml = dds::configuration(places.here);
+  const std::string end = "</Domain>";
+  places.here.xml.insert(
+      places.here.xml.find(end),
+      "<Internal><Watermarks><WhcHigh>4 kB</WhcHigh><WhcHighInit>4 kB</WhcHighInit></Watermarks>"
+      "</Internal>");
+  const FakeDaemon daemon(places.here);
+  Client client = Client::connect(options_for(places.there));
   std::vector<std::thread> threads;
   std::atomic<unsigned> wrong = 0;
   for (std::uint32_t slave = 0; slave < kThreads; ++slave) {
     threads.emplace_back([&, slave] {
-      std::vector<ParameterJob> jobs;
-      for (std::uint32_t i = 0; i < kEach; ++i) {
-        jobs.push_back(client_->submit(
-            ParameterRequest{.write = true, .slave = slave, .number = i, .value = slave * 1000 + i}));
-      }
-      for (std::uint32_t i = 0; i < kEach; ++i) {
-        const ParameterReply reply = jobs[i].wait();
-        if (!reply.ok() || reply.value != slave * 1000 + i) ++wrong;
+      std::deque<ParameterJob> jobs;
+      for (std::uint32_t i = 0; i < kEach + kOpen; ++i) {
+        if (i < kEach) {
+          jobs.push_back(client.submit(
+              ParameterRequest{.write = true, .slave = slave, .number = i, .value = slave * 1000 + i}));
+        }
+        if (i + 1 < kOpen || jobs.empty()) continue;
+        const std::uint32_t number = std::min(i + 1, kEach) - static_cast<std::uint32_t>(jobs.size());
+        const ParameterReply reply = jobs.front().wait();
+        jobs.pop_front();
+        if (!reply.ok() || reply.value != slave * 1000 + number) ++wrong;
       }
     });
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, 0u);
-  EXPECT_EQ(daemon_->requests(), kThreads * kEach);  // each came exactly once
+  EXPECT_EQ(daemon.requests(), kThreads * kEach);  // each came exactly once
+}
+
+TEST_F(ClientTest, OneRequestMoreThanMayBeOpenIsRefusedHere) {
+  const ParameterRequest silent{.slave = 1, .number = FakeDaemon::kSilentNumber};
+  std::vector<ParameterJob> open;
+  for (std::size_t i = 0; i < kOpenRequests; ++i) open.push_back(client_->submit(silent));
+  const ParameterReply one_more = client_->read(0, 1);
+  EXPECT_EQ(one_more.code, ReplyCode::refused);
+  EXPECT_EQ(one_more.speaker, Speaker::client);
+  EXPECT_EQ(one_more.reason,
+            "queue full: this client has 64 requests open, at most 64 are allowed; wait for a reply first");
+  EXPECT_EQ(client_->control_word(1, 0).wait().reason, one_more.reason);  // all kinds together
+  // As soon as one has ended there is room.
+  EXPECT_TRUE(open.front().cancel());
+  EXPECT_EQ(open.front().wait().code, ReplyCode::cancelled);
+  EXPECT_TRUE(client_->read(0, 1).ok());
+  EXPECT_EQ(daemon_->requests(), kOpenRequests + 1);
+}
+
+/// A client whose requests end soon.
+class ImpatientClient : public ::testing::Test {
+ protected:
+  static Options impatient(const TwoPlaces& places) {
+    Options options = options_for(places.there);
+    options.grace = milliseconds(600);
+    return options;
+  }
+  TwoPlaces places_;
+  FakeDaemon daemon_{places_.here};
+  Client client_{Client::connect(impatient(places_))};
+};
+
+TEST_F(ImpatientClient, ARequestThatNothingIsHeardOfEndsByItself) {
+  const ParameterJob lost =
+      client_.submit(ParameterRequest{.slave = 1, .number = FakeDaemon::kLostNumber, .timeout_ms = 50});
+  Watched<std::optional<ParameterReply>> told;
+  lost.then([&](const ParameterReply& reply) { told.change([&](auto& value) { value = reply; }); });
+  EXPECT_TRUE(told.wait([](const auto& value) { return value.has_value(); }));
+  const ParameterReply reply = lost.wait();
+  EXPECT_EQ(reply.code, ReplyCode::no_reply);
+  EXPECT_EQ(reply.reason,
+            "the daemon gave no reply within 650 ms (monitoring time 50 ms and 600 ms of grace); whether the "
+            "request "
+            "was done is not known");
+  // It was to be cancelled before, so that it is not done later; and what comes now is nobody's.
+  while (daemon_.cancels_in_vain() == 0) std::this_thread::yield();
+  daemon_.answer_lost();
+  EXPECT_TRUE(client_.read(0, 1).ok());
+  EXPECT_EQ(lost.wait().code, ReplyCode::no_reply);
+}
+
+TEST_F(ImpatientClient, ARequestThatComesNotToItsTurnIsCancelledAndSaysSo) {
+  const ParameterReply reply = client_.read(1, FakeDaemon::kSilentNumber, 50);
+  EXPECT_EQ(reply.code, ReplyCode::timeout);
+  EXPECT_EQ(reply.speaker, Speaker::client);
+  EXPECT_EQ(reply.reason,
+            "no reply within 350 ms (monitoring time 50 ms): the line has too much to do; the request was "
+            "cancelled");
+}
+
+TEST_F(ImpatientClient, WaitEndsAlsoWhileTheReceiverStandsInACallback) {
+  std::promise<void> go_on;
+  Watched<bool> stands;
+  const Subscription subscription = client_.on_actual_values([&](const ActualValues& /*values*/) {
+    stands.change([](bool& value) { value = true; });
+    go_on.get_future().wait();
+  });
+  daemon_.publish_actual(1, 1);
+  ASSERT_TRUE(stands.wait([](bool value) { return value; }));
+  EXPECT_EQ(client_.read(0, 1, 1).code, ReplyCode::no_reply);
+  go_on.set_value();
 }
 
 TEST_F(ClientTest, ClientsDoNotSeeEachOthersReplies) {

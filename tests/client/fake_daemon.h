@@ -4,7 +4,10 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -18,14 +21,16 @@
 /// Answers like the daemon, without a bus: slaves 0..3 ("slave0" .. "slave3"), parameters that keep what is
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
 ///
-/// Parameter 4000 never answers (until it is cancelled), 4001 answers with "below minimum"; a transfer at
-/// address 0xDEAD00 stays open half done; a broadcast of action 199 is never answered. Each object is a start
+/// Parameter 4000 never answers (until it is cancelled), 4001 answers with "below minimum", 4002 is lost, and
+/// nothing is ever heard of it, but with `answer_lost`; a transfer at address 0xDEAD00 stays open half done;
+/// a broadcast of action 199 is never answered. Each object is a start
 /// of its own; reference values that are not meant for it, or for another mapping than the newest, are only
 /// counted.
 class FakeDaemon {
  public:
   static constexpr std::uint32_t kSilentNumber = 4000;
   static constexpr std::uint32_t kErrorNumber = 4001;
+  static constexpr std::uint32_t kLostNumber = 4002;
   static constexpr std::uint32_t kEndlessAddress = 0xDEAD00;
   static constexpr std::uint32_t kSilentAction = 199;
 
@@ -74,6 +79,13 @@ class FakeDaemon {
     set_mapping({0x01});
   }
   std::size_t requests() const { return requests_; }
+  /// Cancels of requests that nothing is known of any more.
+  std::size_t cancels_in_vain() const { return cancels_in_vain_; }
+  /// Answers what was lost, now.
+  void answer_lost() {
+    answer_lost_ = true;
+    signal_.raise();
+  }
 
   void publish_actual(std::uint8_t slave, std::uint32_t first) {
     cansync_ActualValues values = {};
@@ -90,11 +102,17 @@ class FakeDaemon {
  private:
   using Key = cansync::dds::RequestKey;
 
-  /// A full reader refuses a reply for a while; it is kept and tried again, as the daemon does.
+  /// Replies wait until everything was taken, as in the daemon: while a write waits for acknowledgements no
+  /// reader may be full, or DDS does not get to them.
   template <class Reply>
-  void answer(cansync::dds::Writer<Reply>& writer, const Reply& reply) {
-    while (writer.write(reply) == DDS_RETCODE_TIMEOUT && !stop_) {
-    }
+  void answer(cansync::dds::Writer<Reply>& writer, Reply reply, std::vector<std::uint8_t> data = {}) {
+    auto kept = std::make_shared<std::vector<std::uint8_t>>(std::move(data));
+    if constexpr (requires { reply.data; }) reply.data._buffer = kept->data();
+    outbox_.push_back([&writer, reply, kept] { return writer.write(reply); });
+  }
+
+  void deliver() {
+    while (!outbox_.empty() && outbox_.front()() != DDS_RETCODE_TIMEOUT) outbox_.pop_front();
   }
 
   void publish_state() {
@@ -124,14 +142,19 @@ class FakeDaemon {
   void serve() {
     const cansync::dds::Limits limits = cansync::dds::limits_of(settings_);
     while (!stop_) {
-      (void)signal_.wait(1000);
+      (void)signal_.wait(outbox_.empty() ? 1000 : 10);
       signal_.clear();
+      if (answer_lost_.exchange(false)) {
+        for (const Key& key : std::exchange(lost_, {}))
+          answer(parameter_writer_, cansync::dds::parameter_reply(key, {}));
+      }
       (void)parameter_reader_.take([&](const cansync_ParameterRequest& request) { answer(request, limits); });
       (void)transfer_reader_.take([&](const cansync_TransferRequest& request) { answer(request, limits); });
       (void)command_reader_.take([&](const cansync_Command& command) { answer(command, limits); });
       (void)cancel_reader_.take(
           [&](const cansync_JobCancel& cancel) { end_open(cansync::dds::key_of(cancel)); });
       take_references();
+      deliver();
     }
   }
 
@@ -144,6 +167,10 @@ class FakeDaemon {
     }
     if (request.number == kSilentNumber) {
       open_parameters_.push_back(key);
+      return;
+    }
+    if (request.number == kLostNumber) {
+      lost_.push_back(key);
       return;
     }
     cansync::ParameterResult result;
@@ -180,7 +207,9 @@ class FakeDaemon {
       answer(transfer_writer_, cansync::dds::transfer_reply(key, result, {}));
     } else {
       memory.resize(request.length);
-      answer(transfer_writer_, cansync::dds::transfer_reply(key, result, memory));
+      std::vector<std::uint8_t> data = memory;
+      const auto reply = cansync::dds::transfer_reply(key, result, data);
+      answer(transfer_writer_, reply, std::move(data));
     }
   }
 
@@ -201,6 +230,7 @@ class FakeDaemon {
   }
 
   void end_open(const Key& key) {
+    if (std::find(lost_.begin(), lost_.end(), key) != lost_.end()) ++cancels_in_vain_;
     if (std::erase(open_parameters_, key) != 0) {
       answer(parameter_writer_, cansync::dds::parameter_reply(key, {.outcome = cansync::Outcome::cancelled}));
     }
@@ -248,6 +278,8 @@ class FakeDaemon {
   std::map<std::uint32_t, std::vector<std::uint8_t>> memory_;
   std::vector<Key> open_parameters_;
   std::vector<Key> open_transfers_;
+  std::vector<Key> lost_;
+  std::deque<std::function<dds_return_t()>> outbox_;
 
   mutable std::mutex mutex_;
   std::vector<cansync_Command> commands_;
@@ -258,6 +290,8 @@ class FakeDaemon {
   std::array<std::uint8_t, 8> mapping_ = {};
   std::uint64_t mapping_number_ = 1;
   std::atomic<std::size_t> requests_ = 0;
+  std::atomic<std::size_t> cancels_in_vain_ = 0;
+  std::atomic<bool> answer_lost_ = false;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

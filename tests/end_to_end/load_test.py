@@ -1,5 +1,5 @@
-"""Many clients at once: nobody stays without an answer, and the daemon does not grow. How late it gets is measured by
-bench/load, not judged here."""
+"""Many clients at once: nobody stays without an answer, and the daemon does not grow; floods, and clients that are stopped,
+killed or slow, cost the others little. How late it gets is measured by bench/load; here ratios of one run are judged."""
 
 import os
 import sys
@@ -7,10 +7,14 @@ import unittest
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "bench"))
 
+import flood_run  # noqa: E402
+from gateway import Gateway  # noqa: E402
 from load_run import Clients, Daemon  # noqa: E402
 
 READERS, REQUESTERS, OPEN = 20, 5, 16
-SECONDS = 3
+SECONDS = 2
+FLOOD_SECONDS = 2
+MISHAP_SECONDS = 6  # a client that stands still is given up by DDS after 5 s
 # What a client costs in the daemon: readers, writers and their matches; about 120 KiB were seen.
 KIB_FOR_A_CLIENT = 512
 KIB_FOR_WORK = 4096  # buffers that grow to what the work needs; what leaks a byte a sample or more would not fit
@@ -37,6 +41,34 @@ class Load(unittest.TestCase):
             self.assertLess(sizes[0], before + (READERS + REQUESTERS) * KIB_FOR_A_CLIENT + KIB_FOR_WORK, sizes)
             self.assertLess(sizes[1], sizes[0] + KIB_FOR_WORK, sizes)
             print(f"resident KiB: before {before}, after each round {sizes}; {found}")
+
+    def test_a_flood_keeps_no_control_word_and_no_reference_value_waiting(self):
+        program = os.environ["FLOOD_CLIENTS"]
+        with Gateway(slaves=4) as daemon:
+            found = {name: flood_run.beside(program, daemon, flood_run.FLOODS[name], FLOOD_SECONDS)
+                     for name in ("alone", "library", "raw parameters")}
+        print(flood_run.table({"floods": found, "mishaps": {}}))
+        alone = found["alone"]["command"]["median_ms"]
+        for name, of in found.items():
+            with self.subTest(name):
+                self.assertEqual(of["command"]["ends"], {"done": of["command"]["requests"]})
+                self.assertLessEqual(of["command"]["median_ms"], 3 * alone)
+                self.assertEqual(of["references"]["ends"], {"refused": 0})
+        flood = found["library"]["others"]
+        self.assertEqual(flood["open"], 0, "every request of the library ends")
+        self.assertGreater(flood["ends"]["refused here"], 0)
+        # What has left the program is within the daemon's limit.
+        self.assertNotIn("refused", flood["ends"])
+        self.assertNotIn("no_reply", flood["ends"])
+
+    def test_a_client_that_is_stopped_killed_or_slow_costs_the_others_one_write_at_most(self):
+        program = os.environ["FLOOD_CLIENTS"]
+        with Gateway(slaves=4) as daemon:
+            found = {name: flood_run.mishap(program, daemon, name, MISHAP_SECONDS) for name in flood_run.MISHAPS}
+        print(flood_run.table({"floods": {}, "mishaps": found}))
+        longest = {name: of["read"]["longest_ms"] for name, of in found.items()}
+        for name in longest:
+            self.assertLess(longest[name], 100 + 3 * longest["none"], longest)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ class TwoPlaces {
     there.xml = cansync::dds::configuration(here);
     there.xml.insert(there.xml.find(discovery) + discovery.size(),
                      "<ExternalDomainId>" + std::to_string(network_.get()) + "</ExternalDomainId>");
+    here.serves = true;
   }
 
  private:
@@ -27,7 +28,7 @@ class TwoPlaces {
   FreeDomain inside_;
 
  public:
-  cansync::dds::ParticipantOptions here;
+  cansync::dds::ParticipantOptions here;  ///< where the daemon is
   cansync::dds::ParticipantOptions there;
 };
 

@@ -16,7 +16,12 @@ using cansync::client::c_face::result_of;
 
 TransferReply transfer(cansync_client& open, Client& client, const TransferRequest& request,
                        cansync_progress progress, void* user) {
-  open.stop = false;
+  // Not reset here: a cancel that has just come is for this transfer.
+  struct Reset {
+    std::atomic<bool>& stop;
+    ~Reset() { stop = false; }
+  };
+  const Reset reset{open.stop};
   const OnProgress on_progress = [&](std::uint32_t done, std::uint32_t total) {
     if (progress != nullptr && progress(user, done, total) != 0) open.stop = true;
   };
