@@ -208,6 +208,7 @@ class Master {
 
   // --- settings that may change while running; effective with the next interval
 
+  /// Another mapping than the one in force ends what is released, and forgets what waits.
   Refusal set_reference_mapping(const ProcessMapping& mapping) noexcept;
   Refusal set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept;
   Refusal set_polling(Channel channel, const Cursor& cursor) noexcept;

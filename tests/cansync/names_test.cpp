@@ -42,7 +42,7 @@ TEST(Names, Outcomes) {
   expect_names(Outcome::slave_held);
 }
 TEST(Names, Refusals) {
-  expect_names(Refusal::not_held);
+  expect_names(Refusal::mapping_changed);
 }
 TEST(Names, Events) {
   expect_names(MasterEvent::Code::slave_released);
