@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cansync/timing.h"
 #include "daemon/access.h"
 #include "dds/convert.h"
 
@@ -24,7 +25,7 @@ ReferenceInput::ReferenceInput(const dds::Participant& participant, dds::DataSig
     : reader_(participant, &signal),
       events_(events),
       limits_(dds::limits_of(config.master)),
-      maximum_age_(config.failsafe.reference_max_age),
+      age_(config.failsafe.reference_max_age, cansync::slot_times(config.master.bit_rate).interval),
       hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0),
       deadline_(config.failsafe.reference_deadline),
       writers_(participant, reader_.handle()),
@@ -70,13 +71,16 @@ void ReferenceInput::take(const cansync_ReferenceValues& sample, const dds_sampl
     return;
   }
   if (!info.valid_data) return;
-  if (auto reason = problem(sample, info)) {
+  const auto steady = std::chrono::steady_clock::now();
+  const ReferenceAge::Verdict age = age_.judge(info.source_timestamp, {steady, wall_clock_now()});
+  if (auto reason = problem(sample, age)) {
     count_refused(channel, std::move(*reason), std::nullopt, now);
     return;
   }
   push_stops(exchange);
   Telegram& telegram = telegrams_[channel];
   cansync::ReferenceUpdate update = dds::to_core(sample);
+  update.too_old_from = age.too_old_from;
   update.takes_over = telegram.owner != 0 && telegram.owner != info.publication_handle;
   if (telegram.stop_wanted || !exchange.requests.try_push(update)) {
     count_refused(
@@ -125,22 +129,10 @@ void ReferenceInput::announce(unsigned channel, dds_instance_handle_t writer, St
 }
 
 std::optional<std::string> ReferenceInput::problem(const cansync_ReferenceValues& sample,
-                                                   const dds_sample_info_t& info) const {
+                                                   const ReferenceAge::Verdict& age) const {
   if (auto reason = dds::check(sample, limits_)) return reason;
   if (refusal_) return refusal_;
-  if (maximum_age_.count() == 0) return std::nullopt;
-  const std::int64_t age = (wall_clock_now() - info.source_timestamp) / 1'000'000;
-  if (age < -maximum_age_.count()) {
-    return fmt::format(
-        "written {} ms in the future: at most {} ms are allowed (failsafe.reference_max_age_ms); set the "
-        "clocks of both computers",
-        -age, maximum_age_.count());
-  }
-  if (age <= maximum_age_.count()) return std::nullopt;
-  return fmt::format(
-      "age {} ms: at most {} ms are allowed (failsafe.reference_max_age_ms); write fresh values, and "
-      "set the clocks of both computers",
-      age, maximum_age_.count());
+  return age.problem;
 }
 
 void ReferenceInput::look_for_owners(SteadyTime now) {

@@ -9,6 +9,7 @@
 #include "daemon/config.h"
 #include "daemon/exchange.h"
 #include "daemon/gateway_events.h"
+#include "daemon/reference_age.h"
 #include "daemon/reference_status.h"
 #include "daemon/refusal_text.h"
 #include "daemon/writer_watch.h"
@@ -40,7 +41,10 @@ class ReferenceInput {
                  EventPublisher& events, const Config& config);
 
   /// Values whose source time lies further away are refused; 0: not looked at.
-  void set_maximum_age(std::chrono::milliseconds age) noexcept { maximum_age_ = age; }
+  void set_maximum_age(std::chrono::milliseconds age) noexcept { age_.set_limit(age); }
+
+  /// The line as last heard of: by it the age of values is told as a number of an interval.
+  void set_line(const Moment& heard) noexcept { age_.set_line(heard); }
 
   /// Takes note of values that grew too old.
   void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release);
@@ -85,7 +89,7 @@ class ReferenceInput {
   void take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info, Exchange& exchange,
             SteadyTime now);
   std::optional<std::string> problem(const cansync_ReferenceValues& sample,
-                                     const dds_sample_info_t& info) const;
+                                     const ReferenceAge::Verdict& age) const;
   void look_for_owners(SteadyTime now);
   void accepted(unsigned channel, dds_instance_handle_t writer, SteadyTime now);
   void announce(unsigned channel, dds_instance_handle_t writer, SteadyTime now);
@@ -98,7 +102,7 @@ class ReferenceInput {
   cansync::dds::Reader<cansync_ReferenceValues> reader_;
   EventPublisher& events_;
   cansync::dds::Limits limits_;
-  std::chrono::milliseconds maximum_age_;
+  ReferenceAge age_;
   std::uint32_t hold_;  ///< intervals for which the values of a lost writer go on; 0: not at all
   std::chrono::milliseconds deadline_;  ///< 0: not looked at
   WriterWatch writers_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -74,6 +75,14 @@ struct ReferenceUpdate {
   std::uint32_t release_intervals =
       1;                    ///< intervals in a row in which the telegram is released; 1 = exactly once
   bool takes_over = false;  ///< from another giver: what the one before gave for later intervals is forgotten
+  /// First interval in which the values are too old for their release to begin; 0: they never are.
+  IntervalNumber too_old_from = 0;
+
+  /// First interval in which the release may no longer begin, 0: none. Values for a later interval may wait
+  /// for it, however old they are then, but not longer.
+  constexpr IntervalNumber begins_before() const noexcept {
+    return too_old_from == 0 ? 0 : std::max(too_old_from, from_interval + 1);
+  }
 };
 
 /// How a job ended.
@@ -117,6 +126,7 @@ enum class Refusal : std::uint8_t {
   slave_lost,        ///< the slave does not answer
   slave_held,        ///< the control word would enable a slave that is held out
   not_held,          ///< release of a slave that is not held out
+  too_old,           ///< reference values whose `ReferenceUpdate::too_old_from` has come
 };
 
 std::string_view name(Outcome outcome) noexcept;
