@@ -59,6 +59,8 @@ inline constexpr EventKind kEventKinds[] = {
     {"reference_writer_began", "70c75b63f2824ba1a1ec03ace7b52203"},
     {"reference_writer_taken_over", "377dda9fea624c7a8527bdc95f32fee5"},
     {"reference_writer_lost", "0d28bfa8fac54b1388e00014670402df"},
+    {"reference_given_up", "202bd98cefbe47a4a828f17411258056"},
+    {"reference_mapping_changed", "3f8c7f957eaa48fb92279c4ba43a0f7d"},
     {"reference_deadline_missed", "31ccae87e7974928a619614b5ed46d55"},
     {"reference_refused", "5410165bf8504fffad4b25ab1f3ceec2"},
     {"reference_refusals_over", "ff20721e58704ff8bd5af862bc71c2de"},

@@ -284,6 +284,7 @@ struct MasterSnapshot {
 /// Settings in force that can change while running; written at the start and after each change.
 struct SettingsSnapshot {
   cansync::ProcessMapping reference_mapping = {};
+  std::uint64_t mapping_number = 1;  ///< of that mapping
   std::array<cansync::ProcessMapping, cansync::kSlaves> actual_mapping = {};
   std::array<cansync::Cursor, cansync::kChannels> polling = {};
   cansync::SlaveNumber maximum_slave;

@@ -46,14 +46,14 @@ int milliseconds_to(SteadyTime due) {
 }  // namespace
 
 Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
-                 JournalSink& journal)
+                 JournalSink& journal, const DaemonIdentity& identity)
     : config_(config),
       exchange_(exchange),
       events_(participant, journal, config.bus.name),
-      state_(participant, config),
+      state_(participant, config, identity),
       audit_(journal, events_, config),
       failsafe_(events_, audit_, config),
-      references_(participant, signal_, events_, config),
+      references_(participant, signal_, events_, config, identity, exchange_),
       jobs_(participant, signal_, events_, config, audit_),
       status_line_(service::status) {
   state_.set_givers(references_.givers());
@@ -122,7 +122,11 @@ void Gateway::run() {
 
 JobContext Gateway::context(SteadyTime now) {
   const MasterSnapshot& master = state_.master();
-  return {exchange_, config_, {master.state, master.when.interval, master.responding, master.released}, now};
+  return {exchange_,
+          config_,
+          {master.state, master.when.interval, master.responding, master.released,
+           state_.settings().mapping_number},
+          now};
 }
 
 SteadyTime Gateway::pass(bool samples_may_wait) {
@@ -133,17 +137,17 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   const JobContext jobs = context(now);
   take_reports(jobs);
   references_.set_line(state_.master().when);
-  references_.watch(state_.master().release);
+  references_.watch(state_.master().release, now);
   publish_posted(now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
     // Both take a bounded number, so that no writer keeps this thread from the rest of its work.
-    const bool more_references = references_.take_samples(exchange_, now);
+    const bool more_references = references_.take_samples(now);
     const bool more_requests = jobs_.take_requests(jobs);
     if (more_references || more_requests) signal_.raise();
   }
   const auto references_due = references_.tick(now);
-  references_.push_stops(exchange_);
+  references_.push_stops();
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     if (references_.take_reaction(channel)) failsafe_.start(channel, config_, now);
   }
@@ -159,6 +163,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
 void Gateway::take_reports(const JobContext& context) {
   Terminal terminal;
   while (exchange_.terminals.try_pop(terminal)) {
+    state_.tell_settings(exchange_, context.now);
     if (!failsafe_.finish(terminal, config_, context.line, context.now)) jobs_.finish(terminal, context);
   }
   Report report;

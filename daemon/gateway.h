@@ -8,6 +8,7 @@
 
 #include "daemon/audit.h"
 #include "daemon/config.h"
+#include "daemon/daemon_identity.h"
 #include "daemon/exchange.h"
 #include "daemon/failsafe_commands.h"
 #include "daemon/gateway_events.h"
@@ -32,9 +33,9 @@ class Gateway {
   static constexpr std::chrono::seconds kSyncQuiet{10};
 
   /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
-  /// `journal` must outlive the gateway. Throws cansync::dds::SetupError.
+  /// `journal` must outlive the gateway. `identity`: of this start. Throws cansync::dds::SetupError.
   Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
-          JournalSink& journal = process_journal());
+          JournalSink& journal = process_journal(), const DaemonIdentity& identity = random_daemon_identity());
 
   /// Stops. The realtime thread must have ended before, because it may hold the data of transfers; a gateway
   /// that was only stopped still keeps it.

@@ -9,8 +9,7 @@
 #include "daemon/config.h"
 #include "daemon/exchange.h"
 #include "daemon/gateway_events.h"
-#include "daemon/reference_age.h"
-#include "daemon/reference_status.h"
+#include "daemon/reference_gate.h"
 #include "daemon/refusal_text.h"
 #include "daemon/writer_watch.h"
 #include "dds/endpoint.h"
@@ -21,48 +20,44 @@ namespace cansyncd {
 
 /// Takes reference values from DDS to the realtime thread. Gateway thread only.
 ///
-/// DDS delivers those of the strongest living writer of each telegram. When that writer leaves, dies or
-/// misses its deadline, the telegram's release is stopped, or held first, until new values come; the
-/// configured reaction runs once until then, whatever else is lost meanwhile. Values that grow too old are
-/// seen by the realtime thread, which needs nobody for it. A change of the writer is told as an event.
+/// DDS delivers those of the strongest living writer of each telegram; what becomes of them is decided by
+/// ReferenceGate. Here it is fed with samples, with the writers that have left or died, and with the clocks.
 ///
-/// The deadline is counted here, by the clock of the gateway, and not by the QoS of DDS: that one is agreed
-/// upon with every writer, and clients that do not offer it would not be matched at all.
-///
-/// Values that cannot be taken have no reply: the first of a row is told as an event, the rest is counted,
-/// and a second event tells when it is over.
-class ReferenceInput {
+/// The deadline is counted by the clock of the gateway, and not by the QoS of DDS: that one is agreed upon
+/// with every writer, and clients that do not offer it would not be matched at all.
+class ReferenceInput : private ReferenceSurroundings {
  public:
-  /// A row of refused values is over when none was refused for so long.
-  static constexpr std::chrono::seconds kQuiet{1};
-
-  /// Throws cansync::dds::SetupError. `signal` and `events` must outlive this object.
+  /// `daemon`: this start. Throws cansync::dds::SetupError. `signal`, `events` and `exchange` must outlive
+  /// this object.
   ReferenceInput(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal,
-                 EventPublisher& events, const Config& config);
+                 EventPublisher& events, const Config& config, const DaemonIdentity& daemon,
+                 Exchange& exchange);
 
   /// Values whose source time lies further away are refused; 0: not looked at.
-  void set_maximum_age(std::chrono::milliseconds age) noexcept { age_.set_limit(age); }
+  void set_maximum_age(std::chrono::milliseconds age) noexcept { gate_.set_maximum_age(age); }
 
   /// The line as last heard of: by it the age of values is told as a number of an interval.
-  void set_line(const Moment& heard) noexcept { age_.set_line(heard); }
+  void set_line(const Moment& heard) noexcept { gate_.set_line(heard); }
 
-  /// Takes note of values that grew too old.
-  void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release);
+  /// Takes note of what the realtime thread has ended by itself.
+  void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release, SteadyTime now) {
+    gate_.watch(release, now);
+  }
 
   /// True once for each loss after which the reaction is due.
-  bool take_reaction(unsigned channel) noexcept;
+  bool take_reaction(unsigned channel) noexcept { return gate_.take_reaction(channel); }
 
   /// Who gives the values of each telegram.
-  const std::array<ReferenceGiver, cansync::kChannels>& givers() const noexcept { return givers_; }
+  const std::array<ReferenceGiver, cansync::kChannels>& givers() const noexcept { return gate_.givers(); }
 
   /// With a reason every value is refused for it, and the release of what was given before is stopped.
-  void set_refusal(std::optional<std::string> reason);
+  void set_refusal(std::optional<std::string> reason) { gate_.set_refusal(std::move(reason)); }
 
   /// Takes what is new and hands it on; needed only after the signal was raised. True: there may be more.
-  bool take_samples(Exchange& exchange, SteadyTime now);
+  bool take_samples(SteadyTime now);
 
   /// Hands on the withdrawals for which there was no room yet.
-  void push_stops(Exchange& exchange);
+  void push_stops() { gate_.push_stops(); }
 
   /// The master refused what was handed on last.
   void refused(const ReferenceRefused& report, const Config& config, const RefusalContext& context,
@@ -70,45 +65,25 @@ class ReferenceInput {
 
   /// Tells missed deadlines, and rows of refused values that are over. Returns when to call again; nothing:
   /// no need.
-  std::optional<SteadyTime> tick(SteadyTime now);
+  std::optional<SteadyTime> tick(SteadyTime now) { return gate_.tick(now); }
 
  private:
-  struct Telegram {
-    dds_instance_handle_t owner = 0;  ///< writer of the values handed on last; 0: none
-    SteadyTime given;                 ///< when they were
-    bool stop_wanted = false;         ///< StopRelease waits for room
-    bool deadline_missed = false;     ///< since then
-    bool reacted = false;             ///< to a loss, since the values handed on last
-    bool reaction_due = false;
-    std::uint64_t too_old = 0;        ///< as last told by the realtime thread
-    cansync::ReferenceUpdate newest;  ///< handed on last
-    FaultRow refused{kQuiet};
-    std::string reason;  ///< of the event that was told
-  };
+  std::string hand_on(const Request& request) override;
+  void tell(const EventText& event, SteadyTime now) override { events_.publish(event, now); }
+  Writer identify(WriterHandle writer) override;
+  bool yielded(WriterHandle /*owner*/) override { return true; }
+  bool left(WriterHandle writer) override { return writers_.left(writer); }
 
-  void take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info, Exchange& exchange,
-            SteadyTime now);
-  std::optional<std::string> problem(const cansync_ReferenceValues& sample,
-                                     const ReferenceAge::Verdict& age) const;
+  void take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info, SteadyTime now);
   void look_for_owners(SteadyTime now);
-  void accepted(unsigned channel, dds_instance_handle_t writer, SteadyTime now);
-  void announce(unsigned channel, dds_instance_handle_t writer, SteadyTime now);
-  void writer_lost(unsigned channel, SteadyTime now);
-  void lose(unsigned channel, Loss loss);
-  std::optional<SteadyTime> look_at_deadline(unsigned channel, SteadyTime now);
-  std::string reaction_text() const;
-  void count_refused(unsigned channel, std::string reason, std::optional<Moment> when, SteadyTime now);
 
   cansync::dds::Reader<cansync_ReferenceValues> reader_;
   EventPublisher& events_;
+  Exchange& exchange_;
   cansync::dds::Limits limits_;
-  ReferenceAge age_;
-  std::uint32_t hold_;  ///< intervals for which the values of a lost writer go on; 0: not at all
-  std::chrono::milliseconds deadline_;  ///< 0: not looked at
   WriterWatch writers_;
-  std::optional<std::string> refusal_;  ///< of everything
-  std::array<Telegram, cansync::kChannels> telegrams_;
-  std::array<ReferenceGiver, cansync::kChannels> givers_;
+  std::array<bool, cansync::kChannels> without_writer_ = {};  ///< in the batch that is taken
+  ReferenceGate gate_;
 };
 
 }  // namespace cansyncd

@@ -123,8 +123,10 @@ void fill_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted
 
 }  // namespace
 
-StatePublisher::StatePublisher(const dds::Participant& participant, const Config& config)
+StatePublisher::StatePublisher(const dds::Participant& participant, const Config& config,
+                               const DaemonIdentity& daemon)
     : config_(config),
+      daemon_(daemon),
       actual_writer_(participant),
       slave_writer_(participant),
       master_writer_(participant),
@@ -179,6 +181,11 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
     }
   }
   return next;
+}
+
+void StatePublisher::tell_settings(Exchange& exchange, SteadyTime now) {
+  take_settings(exchange);
+  if (master_dirty_) publish_master(now);
 }
 
 ToldStatus StatePublisher::told() const {
@@ -249,6 +256,8 @@ void StatePublisher::publish_master(SteadyTime now) {
   dds::copy_text(config_.bus.interface, sample.bus_interface);
   if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
   sample.secured = !config_.dds.security.empty();
+  std::copy(daemon_.begin(), daemon_.end(), std::begin(sample.daemon));
+  sample.mapping_number = settings_.mapping_number;
   sample.read_only = config_.access.read_only;
   fill_realtime(realtime_wanted_, realtime_granted_, sample);
   fill_sync(config_.sync, master_.sync, sample);

@@ -7,6 +7,7 @@
 
 #include "cansync.h"
 #include "daemon/config.h"
+#include "daemon/daemon_identity.h"
 #include "daemon/exchange.h"
 #include "daemon/gateway_events.h"
 #include "daemon/reference_status.h"
@@ -35,7 +36,8 @@ class StatePublisher {
   static constexpr std::chrono::seconds kMasterPeriod{1};
 
   /// Throws cansync::dds::SetupError.
-  StatePublisher(const cansync::dds::Participant& participant, const Config& config);
+  StatePublisher(const cansync::dds::Participant& participant, const Config& config,
+                 const DaemonIdentity& daemon);
 
   /// Takes names, units and scaling from `config`; they are published with the next `step`.
   void set_names(const Config& config);
@@ -56,6 +58,9 @@ class StatePublisher {
 
   /// Takes what is new from `exchange` and publishes what is due. Returns when to call again at the latest.
   SteadyTime step(Exchange& exchange, SteadyTime now);
+
+  /// Publishes changed settings at once: before the reply to the command that has changed them.
+  void tell_settings(Exchange& exchange, SteadyTime now);
 
   /// Newest state of the master, as far as it was told.
   const MasterSnapshot& master() const noexcept { return master_; }
@@ -83,6 +88,7 @@ class StatePublisher {
   void publish_slave(cansync::SlaveNumber number, SteadyTime now);
 
   Config config_;
+  DaemonIdentity daemon_;
   cansync::dds::Writer<cansync_ActualValues> actual_writer_;
   cansync::dds::Writer<cansync_SlaveStatus> slave_writer_;
   cansync::dds::Writer<cansync_MasterStatus> master_writer_;

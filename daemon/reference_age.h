@@ -28,6 +28,7 @@ class ReferenceAge {
 
   /// 0: age is not looked at.
   void set_limit(std::chrono::milliseconds limit) noexcept { limit_ = limit; }
+  bool looked_at() const noexcept { return limit_.count() != 0; }
   /// An instant of the line, as last heard; its clock and the gateway's are one (CLOCK_MONOTONIC).
   void set_line(const Moment& heard) noexcept { heard_ = heard; }
 

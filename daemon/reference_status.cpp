@@ -29,6 +29,8 @@ std::string_view name(ReleaseStatus::Cause cause) noexcept {
       return "too_old";
     case ReleaseStatus::Cause::withdrawn:
       return "withdrawn";
+    case ReleaseStatus::Cause::mapping_changed:
+      return "mapping_changed";
   }
   return "unknown";
 }
@@ -40,6 +42,10 @@ std::string_view release_cause(const ReleaseStatus& release, Loss loss) noexcept
   switch (loss) {
     case Loss::writer_lost:
       return "writer_lost";
+    case Loss::given_up:
+      return "given_up";
+    case Loss::mapping_changed:
+      return "mapping_changed";
     case Loss::deadline_missed:
       return "deadline_missed";
     case Loss::too_old:

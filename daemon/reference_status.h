@@ -16,8 +16,10 @@ namespace cansyncd {
 enum class Loss : std::uint8_t {
   none,
   writer_lost,      ///< it has left or died
+  given_up,         ///< by its writer
   deadline_missed,  ///< it lives and gives nothing new
   too_old,          ///< nothing new came within failsafe.reference_max_intervals
+  mapping_changed,  ///< they were given for another mapping than the one in force
 };
 
 /// Who gives the reference values of a telegram.
@@ -27,8 +29,8 @@ struct ReferenceGiver {
   Loss loss = Loss::none;
 };
 
-/// Why values are held or stopped, as a stable word: writer_lost, deadline_missed, too_old, used_up,
-/// none_given, withdrawn; empty when they are released.
+/// Why values are held or stopped, as a stable word: writer_lost, given_up, deadline_missed, too_old,
+/// mapping_changed, used_up, withdrawn, none_given; empty when they are released.
 std::string_view release_cause(const cansync::ReleaseStatus& release, Loss loss) noexcept;
 
 /// Fills the members `reference_release`.

@@ -90,6 +90,16 @@ std::string interval_passed(const Request& request, const Config& config, const 
       context.interval + config.master.process.ahead_limit, config.master.process.ahead_limit);
 }
 
+std::string mapping_changed(const Request& request, const RefusalContext& context) {
+  const auto* update = std::get_if<cansync::ReferenceUpdate>(&request);
+  return fmt::format(
+      "mapping_number {}: the values were made for another mapping of the reference values than the one in "
+      "force, which is number {} (MasterStatus.mapping_number); look at `cansync map`, and let the program "
+      "take "
+      "up its telegrams again (ReferenceWriter::take_up), or start it again",
+      update != nullptr ? update->mapping_number : 0, context.mapping_number);
+}
+
 std::string block_size(const Request& request, const Config& config) {
   const auto* transfer = std::get_if<cansync::TransferRequest>(&request);
   if (transfer == nullptr) return "block_size: out of range";
@@ -153,6 +163,8 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
           "are "
           "allowed (failsafe.reference_max_age_ms); write fresh values",
           config.failsafe.reference_max_age.count(), config.failsafe.reference_max_age.count());
+    case Refusal::mapping_changed:
+      return mapping_changed(request, context);
     case Refusal::block_size:
       return block_size(request, config);
     case Refusal::slave_not_configured:

@@ -25,6 +25,7 @@ struct RefusalContext {
   cansync::IntervalNumber interval = 0;
   cansync::SlaveMask responding;
   cansync::SlaveMask released;
+  std::uint64_t mapping_number = 1;
 };
 
 /// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.

@@ -161,6 +161,7 @@ void RequestIntake::publish_settings() noexcept {
   const cansync::MasterSettings& settings = master_.settings();
   SettingsSnapshot snapshot;
   snapshot.reference_mapping = settings.process.reference_mapping;
+  snapshot.mapping_number = master_.mapping_number();
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     snapshot.actual_mapping[i] = settings.slaves[i].actual_mapping;
   }

@@ -73,8 +73,11 @@ struct ReferenceUpdate {
   std::uint8_t valid_mask = 0;              ///< bit n: value[n] is new; the others keep their last value
   IntervalNumber from_interval = 0;         ///< first interval to release in; 0 = the next
   std::uint32_t release_intervals =
-      1;                    ///< intervals in a row in which the telegram is released; 1 = exactly once
-  bool takes_over = false;  ///< from another giver: what the one before gave for later intervals is forgotten
+      1;  ///< intervals in a row in which the telegram is released; 1 = exactly once
+  bool takes_over =
+      false;  ///< from another giver: what the one before gave is forgotten, also when this one is refused
+  std::uint64_t mapping_number =
+      1;  ///< of the reference mapping the values were made for; 1: that of the settings
   /// First interval in which the values are too old for their release to begin; 0: they never are.
   IntervalNumber too_old_from = 0;
 
@@ -127,6 +130,7 @@ enum class Refusal : std::uint8_t {
   slave_held,        ///< the control word would enable a slave that is held out
   not_held,          ///< release of a slave that is not held out
   too_old,           ///< reference values whose `ReferenceUpdate::too_old_from` has come
+  mapping_changed,   ///< reference values for another mapping than the one in force
 };
 
 std::string_view name(Outcome outcome) noexcept;

@@ -276,6 +276,10 @@ Refusal Master::set_reference_mapping(const ProcessMapping& mapping) noexcept {
   return refusal;
 }
 
+std::uint64_t Master::mapping_number() const noexcept {
+  return impl_->process.mapping_number();
+}
+
 Refusal Master::set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept {
   const Refusal refusal = impl_->process.set_actual_mapping(slave, mapping);
   if (refusal == Refusal::none) impl_->settings.slaves[slave.value()].actual_mapping = mapping;

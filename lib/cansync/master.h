@@ -220,6 +220,8 @@ class Master {
   State state() const noexcept;
   IntervalNumber interval() const noexcept;
   const MasterSettings& settings() const noexcept;
+  /// Of the reference mapping in force: 1 at first, rises by one with each change.
+  std::uint64_t mapping_number() const noexcept;
   const SlaveStatus& slave(SlaveNumber slave) const noexcept;
   const ActualValues& actual(SlaveNumber slave) const noexcept;
   const ReleaseStatus& release(Channel channel) const noexcept;

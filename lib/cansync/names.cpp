@@ -174,6 +174,8 @@ std::string_view name(Refusal refusal) noexcept {
       return "not held out";
     case Refusal::too_old:
       return "too old";
+    case Refusal::mapping_changed:
+      return "made for another mapping";
   }
   return "unknown refusal";
 }

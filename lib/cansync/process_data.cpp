@@ -39,6 +39,9 @@ std::array<std::optional<SlaveNumber>, kChannels> ProcessData::begin_interval(In
 }
 
 Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
+  // Whatever becomes of this update: the giver before gives no longer.
+  if (update.takes_over) output_[index(update.channel)].release.withdraw(0);
+  if (update.mapping_number != mapping_number_) return Refusal::mapping_changed;
   if (update.valid_mask == 0 || update.valid_mask > 0x0F) return Refusal::nothing_valid;
   if (update.release_intervals == 0 || update.release_intervals > settings_.release_limit) {
     return Refusal::release_too_long;
@@ -130,7 +133,10 @@ bool fits(const ProcessMapping& mapping) noexcept {
 
 Refusal ProcessData::set_reference_mapping(const ProcessMapping& mapping) noexcept {
   if (!fits(mapping)) return Refusal::mapping;
+  if (mapping == settings_.reference_mapping) return Refusal::none;
   settings_.reference_mapping = mapping;
+  ++mapping_number_;
+  for (Output& output : output_) output.release.mapping_changed();
   return Refusal::none;
 }
 

@@ -54,6 +54,8 @@ class ProcessData {
   Refusal set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept;
 
   const ProcessSettings& settings() const noexcept { return settings_; }
+  /// Of the reference mapping in force.
+  std::uint64_t mapping_number() const noexcept { return mapping_number_; }
   const ReleaseStatus& release(Channel channel) const noexcept {
     return output_[index(channel)].release.status();
   }
@@ -80,6 +82,7 @@ class ProcessData {
   std::array<ActualValues, kSlaves> actual_ = {};
   Values references_ = {};
   std::array<Output, kChannels> output_;
+  std::uint64_t mapping_number_ = 1;
   IntervalNumber now_ = 0;
   bool first_ = true;
   std::uint64_t not_released_ = 0;

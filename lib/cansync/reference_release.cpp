@@ -18,9 +18,7 @@ void ReferenceRelease::stop() noexcept {
 }
 
 bool ReferenceRelease::add(const ReferenceUpdate& update) noexcept {
-  const std::size_t kept = update.takes_over ? 0 : pending_count_;
-  if (kept == kPendingUpdates) return false;
-  pending_count_ = kept;
+  if (pending_count_ == kPendingUpdates) return false;
   pending_[pending_count_++] = update;
   return true;
 }
@@ -30,10 +28,23 @@ void ReferenceRelease::withdraw(std::uint32_t hold) noexcept {
   watched_ = false;
   if (hold != 0 && status_.state == State::held) return;
   hold_wanted_ = status_.state == State::released ? hold : 0;
-  if (hold_wanted_ != 0) return;
+  if (hold_wanted_ == 0) end(Cause::withdrawn);
+}
+
+void ReferenceRelease::mapping_changed() noexcept {
+  pending_count_ = 0;
+  watched_ = false;
+  hold_wanted_ = 0;
+  if (status_.state == State::stopped) return;
+  ++status_.mapping_changed;
+  end(Cause::mapping_changed);
+}
+
+void ReferenceRelease::end(Cause cause) noexcept {
   remaining_ = 0;
-  end_cause_ = Cause::withdrawn;
+  end_cause_ = cause;
   hold_until_ = 0;
+  if (status_.state == State::held) status_.cause = cause;
 }
 
 /// Values are for so many intervals in a row: those that were skipped are over.

@@ -37,6 +37,9 @@ class ReferenceRelease {
   /// that runs already is not made longer.
   void withdraw(std::uint32_t hold) noexcept;
 
+  /// The values that were given mean something else from now on: forgets what waits, and stops the release.
+  void mapping_changed() noexcept;
+
   /// Once an interval, before the telegram is built: the next update that is due, to be taken into use.
   std::optional<ReferenceUpdate> next_due(IntervalNumber now) noexcept;
   /// Once an interval, after all that is due: is the telegram sent in this interval?
@@ -53,6 +56,7 @@ class ReferenceRelease {
   static constexpr std::size_t kPendingUpdates = 16;
   static constexpr IntervalNumber kQuietIntervals = 1000;
 
+  void end(Cause cause) noexcept;
   void skip_missed(IntervalNumber now) noexcept;
   void never_begin(IntervalNumber now) noexcept;
   void tell_came_too_old(IntervalNumber now) noexcept;

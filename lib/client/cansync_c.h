@@ -39,7 +39,8 @@ enum cansync_result {
   CANSYNC_SETUP_FAILED = 13, /* DDS could not be set up, or this program's identity has no right to */
   CANSYNC_NO_DATA = 14,      /* nothing is known yet */
   CANSYNC_INVALID = 15,      /* a wrong argument, or the handle is not connected */
-  CANSYNC_FAILED = 16        /* memory or threads are used up, or the values could not be written */
+  CANSYNC_FAILED = 16,       /* memory or threads are used up, or the values could not be written */
+  CANSYNC_TAKE_UP = 17 /* the daemon was started anew, or the reference mapping changed: nothing was given */
 };
 
 /* One connection to one bus. */
@@ -177,12 +178,14 @@ CANSYNC_C_API int cansync_take_references(cansync_client* client, int32_t streng
 /* Gives values of telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`: value[n] is new. They are
  * released in `release_intervals` intervals in a row (1: exactly once), from interval `from_interval` on (0:
  * the next). Bad values are reported by the daemon as an event. CANSYNC_INVALID before
- * cansync_take_references(). */
+ * cansync_take_references(). CANSYNC_TAKE_UP: the daemon was started anew, or the mapping of the reference
+ * values was changed; nothing is given until cansync_take_references() is called again, after a look at the
+ * line. */
 CANSYNC_C_API int cansync_give_references(cansync_client* client, uint8_t telegram, const int32_t value[4],
                                           uint8_t valid, uint32_t release_intervals,
                                           uint64_t from_interval) CANSYNC_C_NOEXCEPT;
 
-/* Gives both telegrams up: a weaker writer takes over, or their release stops. */
+/* Gives both telegrams up: their release ends at once, and the next values of a weaker writer are taken. */
 CANSYNC_C_API int cansync_leave_references(cansync_client* client) CANSYNC_C_NOEXCEPT;
 
 /* The next four wait until the telegram was sent, or the mode is in effect. */

@@ -126,6 +126,10 @@ MasterStatus Client::master_status() const {
   return link_->open<MasterStatus>().known().front();
 }
 
+Validity Client::validity() const {
+  return link_->validity();
+}
+
 std::optional<MasterStatus> Client::wait_status(const std::function<bool(const MasterStatus&)>& fits,
                                                 std::chrono::milliseconds time) const {
   std::optional<MasterStatus> found;

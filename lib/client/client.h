@@ -15,6 +15,10 @@
 #include "types.h"
 
 /// C++ access to a bus that a daemon serves, over the DDS topics (docs/dds-api.md).
+namespace cansync::client::function_blocks {
+class SettingSlot;
+}
+
 namespace cansync::client {
 
 /// Where the daemon is looked for.
@@ -127,36 +131,59 @@ class CANSYNC_PUBLIC Client {
   CommandJob map_references(const MappingBytes& mapping);
   CommandJob map_actuals(std::uint32_t slave, const MappingBytes& mapping);
 
+  /// What settings and reference values hold for now, as the daemon has told last.
+  Validity validity() const;
+
   /// "DDS domain 3, partition can0, interface lo", for messages.
   std::string place() const;
 
  private:
   friend class ReferenceWriter;
+  friend class function_blocks::SettingSlot;
   explicit Client(std::shared_ptr<detail::Link> link);
   std::shared_ptr<detail::Link> link_;
 };
 
 /// Gives reference values. The living writer with the highest strength wins, per telegram; what a weaker one
-/// writes has no effect. When this object is destroyed or its process dies (lease 500 ms), a weaker writer
+/// writes has no effect. When this object is destroyed it gives its telegrams up: their release ends at once,
+/// and the next values of a weaker writer are taken. When its process dies (lease 500 ms), a weaker writer
 /// takes over, or release stops. That is noticed for a dead process, not for one that hangs:
 /// `release_intervals` bounds how long the last values of a hanging one are released.
+///
+/// What is written holds for one start of the daemon and one mapping of the reference values: those of the
+/// construction, or of the last `take_up`. After the daemon was started anew, or the mapping was changed,
+/// nothing is taken any more until the program has looked at the line and calls `take_up`. One thread at a
+/// time.
 class CANSYNC_PUBLIC ReferenceWriter {
  public:
   /// `strength`: 0 and more. Throws SetupError, also when the identity has no right to. Waits at most 2
   /// s until the daemon is matched; throws NoDaemon.
   explicit ReferenceWriter(Client& client, std::int32_t strength = 0);
+  /// Gives up what was written; may take 300 ms when the daemon does not take samples.
   ~ReferenceWriter();
   ReferenceWriter(ReferenceWriter&&) noexcept;
   ReferenceWriter& operator=(ReferenceWriter&&) noexcept;
 
   /// Gives values of telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`: value[n] is new. They are
   /// released in `release_intervals` intervals in a row (1: exactly once), from `from_interval` on (0: the
-  /// next). Empty, or what failed. Bad values are reported by the daemon as an event.
+  /// next). Empty, or what failed: with a standing other than `current` nothing is written, and telegrams
+  /// given before are given up. Bad values are reported by the daemon as an event.
   std::string write(std::uint8_t telegram, const std::array<std::int32_t, 4>& value, std::uint8_t valid,
                     std::uint32_t release_intervals = 1, std::uint64_t from_interval = 0);
 
-  /// Gives the telegram up: a weaker writer takes over, or its release stops. A later `write` takes it again.
+  /// Gives the telegram up: its release ends at once, and the next values of a weaker writer are taken. A
+  /// later `write` takes it again. May take 300 ms when the daemon does not take samples.
   void release(std::uint8_t telegram);
+
+  /// Whether what is written is still meant for the daemon and the mapping in force.
+  ReferenceStanding standing() const;
+
+  /// What is written from now on is meant for the daemon and the mapping in force now. Make settings and look
+  /// at the line before.
+  void take_up();
+  /// Likewise, for what the program has looked at (Client::validity); is that over already, the standing says
+  /// so.
+  void take_up(const Validity& meant_for);
 
  private:
   struct Impl;

@@ -70,6 +70,20 @@ bool Link::daemon_present() const {
   return !daemons_.empty();
 }
 
+Validity Link::validity(MappingBytes* mapping) const {
+  Validity validity;
+  (void)master_.wait(std::chrono::milliseconds(0), [&](const std::vector<MasterStatus>& known) {
+    if (known.empty()) return true;
+    std::copy(std::begin(known.front().daemon), std::end(known.front().daemon), validity.daemon.begin());
+    validity.mapping_number = known.front().mapping_number;
+    if (mapping != nullptr)
+      std::copy(std::begin(known.front().reference_mapping), std::end(known.front().reference_mapping),
+                mapping->begin());
+    return true;
+  });
+  return validity;
+}
+
 std::string Link::not_found(std::chrono::milliseconds waited) const {
   const std::string place = fmt::format("looked for {} on {}", waited, participant_.place());
   if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0 && !options_.security.empty()) {

@@ -18,6 +18,7 @@
 #include "client/client.h"
 #include "client/feed.h"
 #include "client/job_state.h"
+#include "client/settings_book.h"
 #include "dds/convert.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
@@ -42,6 +43,10 @@ class Link : public std::enable_shared_from_this<Link> {
   void close();
 
   bool daemon_present() const;
+  /// As the daemon has told last; after `connect`. `mapping` (null: not wanted): the reference mapping of it.
+  Validity validity(MappingBytes* mapping = nullptr) const;
+  /// Of the function blocks.
+  SettingsBook& settings() noexcept { return settings_; }
   /// Why nothing was written to a topic that the identity may not write.
   std::string not_permitted(std::string_view topic) const;
   const dds::Participant& participant() const noexcept { return participant_; }
@@ -77,6 +82,7 @@ class Link : public std::enable_shared_from_this<Link> {
 
   void receive();
   void take_replies();
+  void take_command_replies();
   void take_progress();
   void dispatch_feeds();
   void end_lost_jobs(const Daemons& alive);
@@ -100,6 +106,7 @@ class Link : public std::enable_shared_from_this<Link> {
   dds::Reader<cansync_TransferProgress> progress_reader_{participant_, &signal_};
   dds::Reader<cansync_CommandReply> command_reader_{participant_, &signal_};
 
+  SettingsBook settings_;
   Feed<MasterStatus> master_;
   Feed<SlaveStatus> slaves_;
   Feed<ActualValues> actual_;

@@ -232,6 +232,19 @@ void Link::take_progress() {
   });
 }
 
+void Link::take_command_replies() {
+  std::vector<std::pair<std::shared_ptr<JobState<CommandReply>>, CommandReply>> ended;
+  (void)command_reader_.take([&](const cansync_CommandReply& sample) {
+    if (!mine(sample)) return;
+    const std::lock_guard lock(mutex_);
+    if (auto job = command_jobs_.remove(sample.request)) ended.emplace_back(std::move(job), reply_of(sample));
+  });
+  if (ended.empty()) return;
+  // The daemon tells the number of a changed mapping before the reply: whoever has the reply knows it too.
+  master_.dispatch();
+  for (auto& [job, reply] : ended) job->finish(std::move(reply));
+}
+
 void Link::take_replies() {
   const auto take = [this](auto& reader, auto& jobs) {
     (void)reader.take([&](const auto& sample) {
@@ -244,7 +257,7 @@ void Link::take_replies() {
   };
   take(parameter_reader_, parameter_jobs_);
   take(transfer_reader_, transfer_jobs_);
-  take(command_reader_, command_jobs_);
+  take_command_replies();
 }
 
 }  // namespace cansync::client::detail

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 namespace cansync::client {
 namespace {
@@ -25,24 +26,47 @@ struct ReferenceRepeater::Impl {
     auto next = std::chrono::steady_clock::now();
     std::unique_lock lock(mutex);
     while (!stopped) {
+      if (std::exchange(wanted_again, false)) {
+        writer.take_up();
+        standing = ReferenceStanding::current;
+      }
       const std::array<Telegram, 2> now = telegrams;
       lock.unlock();
       std::string failed = write(now);
+      const ReferenceStanding seen = writer.standing();
       lock.lock();
-      error = std::move(failed);
+      if (standing == ReferenceStanding::current) error = std::move(failed);
+      if (seen != ReferenceStanding::current && !wanted_again) lose(seen);
       // What was missed is not made up for.
       next = std::max(next + period, std::chrono::steady_clock::now());
       changed.wait_until(lock, next, [&] { return stopped; });
     }
   }
 
+  /// Each telegram, also when the one before failed; what failed first.
   std::string write(const std::array<Telegram, 2>& now) {
     std::string failed;
-    for (std::size_t i = 0; i < now.size() && failed.empty(); ++i) {
+    for (std::size_t i = 0; i < now.size(); ++i) {
       if (now[i].valid == 0) continue;
-      failed = writer.write(static_cast<std::uint8_t>(i + 1), now[i].value, now[i].valid, release_intervals);
+      std::string problem =
+          writer.write(static_cast<std::uint8_t>(i + 1), now[i].value, now[i].valid, release_intervals);
+      if (failed.empty()) failed = std::move(problem);
     }
     return failed;
+  }
+
+  /// Nothing that was set before goes out again.
+  void lose(ReferenceStanding now) {
+    if (standing == ReferenceStanding::current) {
+      writer.release(1);
+      writer.release(2);
+      error = now == ReferenceStanding::daemon_restarted
+                  ? "the daemon was started anew, and settings that clients had made are lost"
+                  : "the mapping of the reference values was changed";
+      error += ": nothing is repeated until the program calls take_up()";
+    }
+    standing = now;
+    telegrams = {};
   }
 
   ReferenceWriter writer;
@@ -52,6 +76,8 @@ struct ReferenceRepeater::Impl {
   std::condition_variable changed;
   std::array<Telegram, 2> telegrams;
   bool stopped = false;
+  bool wanted_again = false;  ///< take_up was called
+  ReferenceStanding standing = ReferenceStanding::current;
   std::string error;
   std::thread thread;
 };
@@ -85,6 +111,17 @@ void ReferenceRepeater::stop() {
   thread.join();
   impl_->writer.release(1);
   impl_->writer.release(2);
+}
+
+ReferenceStanding ReferenceRepeater::standing() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->standing;
+}
+
+void ReferenceRepeater::take_up() {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->telegrams = {};
+  impl_->wanted_again = true;
 }
 
 std::string ReferenceRepeater::error() const {

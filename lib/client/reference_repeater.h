@@ -15,7 +15,8 @@ namespace cansync::client {
 /// those are written one for each interval (ReferenceWriter, `from_interval`).
 ///
 /// A value goes on being repeated while its program hangs; stop, destruction and the end of the process end
-/// it. `set`, `stop` and `error` may be called from any thread.
+/// it. After the daemon was started anew, or the mapping was changed, nothing is written until `take_up`.
+/// Every function may be called from any thread.
 class CANSYNC_PUBLIC ReferenceRepeater {
  public:
   /// `period`: 100 us and more, shorter counts as 100 us. `strength` as in ReferenceWriter;
@@ -33,9 +34,17 @@ class CANSYNC_PUBLIC ReferenceRepeater {
   /// value[n] counts, 0: the telegram is no longer written. Another telegram than 1 and 2 changes nothing.
   void set(std::uint8_t telegram, const std::array<std::int32_t, 4>& value, std::uint8_t valid);
 
-  /// Ends the thread and gives both telegrams up: a weaker writer takes over, or their release stops. Nothing
-  /// is written afterwards. Further calls do nothing.
+  /// Ends the thread and gives both telegrams up: their release ends at once, and the next values of a weaker
+  /// writer are taken. Nothing is written afterwards. Further calls do nothing.
   void stop();
+
+  /// Other than `current`: the repeater has stopped by itself and forgotten its values, because the daemon
+  /// was started anew or the mapping was changed; `error` says so.
+  ReferenceStanding standing() const;
+
+  /// Values that are set from now on are repeated again, for the daemon and the mapping in force now. Make
+  /// settings and look at the line before.
+  void take_up();
 
   /// Why the last write failed; empty when it did not.
   std::string error() const;

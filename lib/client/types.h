@@ -167,4 +167,19 @@ struct CANSYNC_PUBLIC Cursors {
 /// Register bytes of the words 0..3 of telegram 1, then of telegram 2 (M 3.1.1.1; 0x0D: low word of value 3).
 using MappingBytes = std::array<std::uint8_t, 8>;
 
+/// What settings made by clients, and reference values, hold for: one start of the daemon, and one mapping of
+/// the reference values. All zero: the daemon is older than this.
+struct Validity {
+  std::array<std::uint8_t, 16> daemon = {};
+  std::uint64_t mapping_number = 0;  ///< 1 after the start, rises with each change
+  friend bool operator==(const Validity&, const Validity&) = default;
+};
+
+/// Whether the values of a writer are still taken.
+enum class ReferenceStanding : std::uint8_t {
+  current,           ///< they are meant for the daemon and the mapping in force
+  daemon_restarted,  ///< the daemon was started anew: settings that clients have made are lost
+  mapping_changed,   ///< the mapping of the reference values was changed
+};
+
 }  // namespace cansync::client

@@ -104,6 +104,7 @@ ReferenceUpdate to_core(const cansync_ReferenceValues& values) noexcept {
   update.valid_mask = values.valid;
   update.from_interval = values.from_interval;
   update.release_intervals = std::max(values.release_intervals, 1u);
+  update.mapping_number = values.mapping_number;
   return update;
 }
 

@@ -147,7 +147,9 @@ void Course::look_at_values() {
   }
   scene_.mapping_before = scene_.mapping_now;
   SettingsSnapshot settings;
-  if (exchange_.settings.read(settings)) scene_.mapping_now = settings.actual_mapping;
+  if (!exchange_.settings.read(settings)) return;
+  scene_.mapping_now = settings.actual_mapping;
+  player_.learn_mapping(settings.mapping_number);
 }
 
 void Course::look_at_drives(bool all) {

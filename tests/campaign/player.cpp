@@ -175,6 +175,7 @@ void Player::write_references(const MasterSnapshot& now, bool steady) {
     const std::uint32_t number = stage_.witness.references.next_number();
     cansync::ReferenceUpdate update;
     update.channel = channel;
+    update.mapping_number = mapping_number_;
     update.value.fill(ReferenceTruth::value_of(number));
     update.valid_mask =
         steady || dice_.chance(900) ? 0x0F : static_cast<std::uint8_t>(1 + 2 * dice_.below(8));

@@ -48,6 +48,9 @@ class Player {
   /// What clients and operator do between the interval that has just ended and the next one.
   void act(std::uint64_t tick, const MasterSnapshot& now);
 
+  /// The realtime thread has told which reference mapping is in force.
+  void learn_mapping(std::uint64_t number) noexcept { mapping_number_ = number; }
+
   /// Between two telegrams: a request may come at any time.
   void moment();
 
@@ -96,6 +99,7 @@ class Player {
   std::vector<Terminal> popped_;
   unsigned writer_ = 0;                                    ///< client that writes reference values
   std::uint64_t writer_back_ = 0;                          ///< it is gone until this interval
+  std::uint64_t mapping_number_ = 1;                       ///< as last told
   std::array<bool, cansync::kChannels> withdrawing_ = {};  ///< there was no room for it yet
   std::set<cansync::JobId> mode_jobs_;
   std::set<cansync::JobId> probes_;

@@ -244,7 +244,10 @@ TEST(ProcessData, MappingsChangeWhileRunning) {
   mapping[1].word[3] = {true, false, 7};
   EXPECT_EQ(rig->master.set_reference_mapping(mapping), Refusal::none);
   EXPECT_EQ(rig->master.set_actual_mapping(slave(0), mapping), Refusal::none);
-  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {0, 0, 0xAABBCCDD}, .valid_mask = 4}), Refusal::none);
+  EXPECT_EQ(rig->master.mapping_number(), 2u);
+  ASSERT_EQ(
+      rig->master.submit(ReferenceUpdate{.value = {0, 0, 0xAABBCCDD}, .valid_mask = 4, .mapping_number = 2}),
+      Refusal::none);
   rig->answer = [](const Telegram&) { return ActualTelegram{Channel::one, slave(0), 4, {0x7788, 0, 0, 0}}; };
   rig->step();
   EXPECT_EQ(references(*rig)[0].data, (std::array<std::uint8_t, 8>{0xBB, 0xAA}));
@@ -253,6 +256,97 @@ TEST(ProcessData, MappingsChangeWhileRunning) {
   EXPECT_EQ(rig->master.set_reference_mapping(mapping), Refusal::mapping);
   EXPECT_EQ(rig->master.set_actual_mapping(slave(0), mapping), Refusal::mapping);
   EXPECT_EQ(rig->master.set_actual_mapping(slave(9), {}), Refusal::slave_not_configured);
+}
+
+/// Reference telegrams that go out within so many intervals: the first byte of each.
+std::vector<unsigned> on_bus(MasterRig& rig, unsigned intervals) {
+  std::vector<unsigned> bytes;
+  for (unsigned i = 0; i < intervals; ++i) {
+    rig.step();
+    for (const can::Frame& frame : references(rig)) bytes.push_back(frame.data[0]);
+  }
+  return bytes;
+}
+using Bytes = std::vector<unsigned>;
+
+// What was given for one mapping means something else under another: none of it goes out.
+TEST(ProcessData, NoValueIsReleasedUnderAnotherMappingThanItWasGivenFor) {
+  auto rig = active_line(settings_for(1));
+  ReferenceUpdate update{.value = {0x11, 0x22}, .valid_mask = 3, .release_intervals = 100};
+  ASSERT_EQ(rig->master.submit(update), Refusal::none);
+  update.from_interval = rig->next_interval + 5;
+  ASSERT_EQ(rig->master.submit(update), Refusal::none);
+  EXPECT_EQ(on_bus(*rig, 2), (Bytes{0x11, 0x11}));
+  ProcessMapping mapping = rig->master.settings().process.reference_mapping;
+  ASSERT_EQ(rig->master.set_reference_mapping(mapping), Refusal::none) << "the same: nothing changes";
+  EXPECT_EQ(on_bus(*rig, 1), (Bytes{0x11}));
+  EXPECT_EQ(rig->master.mapping_number(), 1u);
+
+  mapping[0].word[0] = {true, false, 1};
+  ASSERT_EQ(rig->master.set_reference_mapping(mapping), Refusal::none);
+  EXPECT_EQ(rig->master.mapping_number(), 2u);
+  EXPECT_EQ(on_bus(*rig, 20), Bytes{});
+  const ReleaseStatus& release = rig->master.release(Channel::one);
+  EXPECT_EQ(release.state, ReleaseStatus::State::stopped);
+  EXPECT_EQ(release.cause, ReleaseStatus::Cause::mapping_changed);
+  EXPECT_EQ(release.mapping_changed, 1u);
+  EXPECT_EQ(rig->master.release(Channel::two).mapping_changed, 0u) << "nothing was given there";
+
+  update.from_interval = 0;
+  EXPECT_EQ(rig->master.submit(update), Refusal::mapping_changed);
+  EXPECT_EQ(on_bus(*rig, 2), Bytes{});
+  update.mapping_number = 2;
+  ASSERT_EQ(rig->master.submit(update), Refusal::none);
+  EXPECT_EQ(on_bus(*rig, 1), (Bytes{0x22}));
+}
+
+// The giver that takes over counts from the moment it is seen, whatever its first values are refused for.
+TEST(ProcessData, NothingOfTheGiverBeforeGoesOutAfterATakeOverThatIsRefused) {
+  struct Case {
+    const char* name;
+    ReferenceUpdate first;
+    Refusal refusal;
+  };
+  const Case cases[] = {
+      {"interval passed", {.value = {0x22}, .valid_mask = 1, .from_interval = 1}, Refusal::interval_passed},
+      {"nothing valid", {.value = {0x22}, .valid_mask = 0}, Refusal::nothing_valid},
+      {"too long", {.value = {0x22}, .valid_mask = 1, .release_intervals = 9999}, Refusal::release_too_long},
+      {"other mapping", {.value = {0x22}, .valid_mask = 1, .mapping_number = 7}, Refusal::mapping_changed},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    auto rig = active_line(settings_for(1));
+    rig->run(3);
+    ReferenceUpdate weak{.value = {0x11}, .valid_mask = 1, .release_intervals = 50};
+    ASSERT_EQ(rig->master.submit(weak), Refusal::none);
+    EXPECT_EQ(on_bus(*rig, 2), (Bytes{0x11, 0x11}));
+    weak.release_intervals = 1;
+    for (unsigned i = 0; i < 16; ++i) {  // as many as may wait
+      weak.from_interval = rig->next_interval + 4 + i;
+      ASSERT_EQ(rig->master.submit(weak), Refusal::none);
+    }
+
+    ReferenceUpdate strong = c.first;
+    strong.takes_over = true;
+    EXPECT_EQ(rig->master.submit(strong), c.refusal);
+    EXPECT_EQ(on_bus(*rig, 3), Bytes{}) << "of the weaker after the take-over";
+    // The stronger one's next values find room and go out.
+    ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {0x33}, .valid_mask = 1}), Refusal::none);
+    EXPECT_EQ(on_bus(*rig, 60), (Bytes{0x33}));
+  }
+}
+
+TEST(ProcessData, ATakeOverForALaterIntervalEndsTheReleaseAtOnce) {
+  auto rig = active_line(settings_for(1));
+  ASSERT_EQ(rig->master.submit(ReferenceUpdate{.value = {0x11}, .valid_mask = 1, .release_intervals = 50}),
+            Refusal::none);
+  EXPECT_EQ(on_bus(*rig, 2), (Bytes{0x11, 0x11}));
+  ASSERT_EQ(
+      rig->master.submit(ReferenceUpdate{
+          .value = {0x22}, .valid_mask = 1, .from_interval = rig->next_interval + 5, .takes_over = true}),
+      Refusal::none);
+  EXPECT_EQ(on_bus(*rig, 5), Bytes{});
+  EXPECT_EQ(on_bus(*rig, 5), (Bytes{0x22}));
 }
 
 TEST(ProcessData, AReferenceTelegramLeftOutIsNotSentLater) {

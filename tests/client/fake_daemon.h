@@ -19,7 +19,9 @@
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
 ///
 /// Parameter 4000 never answers (until it is cancelled), 4001 answers with "below minimum"; a transfer at
-/// address 0xDEAD00 stays open half done; a broadcast of action 199 is never answered.
+/// address 0xDEAD00 stays open half done; a broadcast of action 199 is never answered. Each object is a start
+/// of its own; reference values that are not meant for it, or for another mapping than the newest, are only
+/// counted.
 class FakeDaemon {
  public:
   static constexpr std::uint32_t kSilentNumber = 4000;
@@ -28,6 +30,8 @@ class FakeDaemon {
   static constexpr std::uint32_t kSilentAction = 199;
 
   explicit FakeDaemon(const cansync::dds::ParticipantOptions& options) : participant_(options) {
+    static std::atomic<std::uint8_t> starts = 0;
+    identity_[0] = ++starts;
     for (const unsigned slave : {0u, 1u, 2u, 3u}) settings_.slaves[slave].configured = true;
     publish_state();
     thread_ = std::thread([this] { serve(); });
@@ -53,6 +57,21 @@ class FakeDaemon {
   int references_gone() const {
     const std::lock_guard lock(mutex_);
     return references_gone_;
+  }
+  /// Samples that gave a telegram up.
+  int references_given_up() const {
+    const std::lock_guard lock(mutex_);
+    return given_up_;
+  }
+  /// Samples of reference values for another start or mapping.
+  int references_refused() const {
+    const std::lock_guard lock(mutex_);
+    return refused_;
+  }
+  /// Another program changes the mapping of the reference values.
+  void change_mapping() {
+    const std::lock_guard lock(mutex_);
+    set_mapping({0x01});
   }
   std::size_t requests() const { return requests_; }
 
@@ -82,6 +101,9 @@ class FakeDaemon {
     cansync_MasterStatus master = {};
     cansync::dds::fill_master_status(settings_, {}, cansync::State::active_master, master);
     cansync::dds::copy_text(participant_.options().partition, master.bus);
+    std::copy(identity_.begin(), identity_.end(), std::begin(master.daemon));
+    std::copy(mapping_.begin(), mapping_.end(), std::begin(master.reference_mapping));
+    master.mapping_number = mapping_number_;
     (void)master_writer_.write(master);
     for (std::uint8_t slave = 0; slave < 4; ++slave) {
       cansync_SlaveStatus status = {};
@@ -89,6 +111,14 @@ class FakeDaemon {
       cansync::dds::copy_text("slave" + std::to_string(slave), status.name);
       (void)slave_writer_.write(status);
     }
+  }
+
+  /// Under the lock.
+  void set_mapping(const std::array<std::uint8_t, 8>& mapping) {
+    if (mapping == mapping_) return;
+    mapping_ = mapping;
+    ++mapping_number_;
+    publish_state();
   }
 
   void serve() {
@@ -164,6 +194,7 @@ class FakeDaemon {
     {
       const std::lock_guard lock(mutex_);
       commands_.push_back(command);
+      if (command.kind == cansync_COMMAND_REFERENCE_MAPPING) set_mapping(std::to_array(command.mapping));
     }
     if (command.kind == cansync_COMMAND_BROADCAST && command.action == kSilentAction) return;
     answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::done));
@@ -182,11 +213,21 @@ class FakeDaemon {
   void take_references() {
     const std::lock_guard lock(mutex_);
     (void)reference_reader_.take(
-        [&](const cansync_ReferenceValues& values) { references_.push_back(values.value[0]); },
+        [&](const cansync_ReferenceValues& values) {
+          if (values.given_up) {
+            ++given_up_;
+          } else if (!std::equal(identity_.begin(), identity_.end(), std::begin(values.daemon)) ||
+                     values.mapping_number != mapping_number_) {
+            ++refused_;
+          } else {
+            references_.push_back(values.value[0]);
+          }
+        },
         [&](const cansync_ReferenceValues&) { ++references_gone_; });
   }
 
   cansync::MasterSettings settings_;
+  std::array<std::uint8_t, 16> identity_ = {};
   cansync::dds::Participant participant_;
   cansync::dds::DataSignal signal_;
   cansync::dds::Reader<cansync_ParameterRequest> parameter_reader_{participant_, &signal_};
@@ -212,6 +253,10 @@ class FakeDaemon {
   std::vector<cansync_Command> commands_;
   std::vector<std::int32_t> references_;
   int references_gone_ = 0;
+  int given_up_ = 0;
+  int refused_ = 0;
+  std::array<std::uint8_t, 8> mapping_ = {};
+  std::uint64_t mapping_number_ = 1;
   std::atomic<std::size_t> requests_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -108,6 +108,8 @@ cansync_ReferenceValues reference_values(std::uint8_t telegram) {
   sample.telegram = telegram;
   sample.valid = 1;
   sample.release_intervals = 1000;
+  std::copy(kTestDaemon.begin(), kTestDaemon.end(), std::begin(sample.daemon));
+  sample.mapping_number = 1;
   return sample;
 }
 

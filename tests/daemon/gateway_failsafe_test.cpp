@@ -32,15 +32,15 @@ class InputRig {
       : exchange(ExchangeSizes{}),
         participant_(places.here),
         events_(participant_, journal_, "testbus"),
-        input(participant_, signal_, events_, config) {}
+        input(participant_, signal_, events_, config, kTestDaemon, exchange) {}
 
   /// Takes what has come until a request is there.
   template <class T>
   std::optional<T> take(SteadyTime now) {
     Request request;
     const bool found = eventually(signal_, [&] {
-      input.take_samples(exchange, now);
-      input.push_stops(exchange);
+      input.take_samples(now);
+      input.push_stops();
       return exchange.requests.try_pop(request);
     });
     const T* typed = found ? std::get_if<T>(&request) : nullptr;
@@ -106,7 +106,7 @@ TEST(GatewayFailsafe, AMissedDeadlineStopsTheReleaseOnceAndNewValuesEndIt) {
 
   EXPECT_EQ(rig.input.tick(kStart + milliseconds(99)), kStart + milliseconds(100));
   EXPECT_FALSE(rig.input.take_reaction(0));
-  rig.input.push_stops(rig.exchange);
+  rig.input.push_stops();
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 
   EXPECT_EQ(rig.input.tick(kStart + milliseconds(100)), std::nullopt);
@@ -155,7 +155,7 @@ TEST(GatewayFailsafe, TheReactionRunsOnceForEveryCauseOfOneOutage) {
   ASSERT_TRUE(rig.take<cansync::ReferenceUpdate>(kStart));
   std::array<cansync::ReleaseStatus, cansync::kChannels> release = {};
   release[0].too_old = 1;
-  rig.input.watch(release);
+  rig.input.watch(release, kStart);
   EXPECT_EQ(rig.input.givers()[0].loss, Loss::too_old);
   EXPECT_TRUE(rig.input.take_reaction(0));
   (void)rig.input.tick(kStart + milliseconds(100));
@@ -163,10 +163,10 @@ TEST(GatewayFailsafe, TheReactionRunsOnceForEveryCauseOfOneOutage) {
   writer.reset();
   ASSERT_TRUE(rig.take<StopRelease>(kStart + milliseconds(200)));
   ASSERT_TRUE(eventually(rig.signal(), [&] {
-    rig.input.take_samples(rig.exchange, kStart + milliseconds(200));
+    rig.input.take_samples(kStart + milliseconds(200));
     return rig.input.givers()[0].loss == Loss::writer_lost;
   }));
-  rig.input.watch(release);
+  rig.input.watch(release, kStart);
   EXPECT_FALSE(rig.input.take_reaction(0));
   EXPECT_EQ(rig.input.givers()[0].who, "");
 }

@@ -73,6 +73,78 @@ TEST(GatewayReferences, AWriterThatGivesATelegramUpStopsIt) {
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
 }
 
+// DDS does not tell that one of several writers unregisters.
+TEST(GatewayReferences, AStrongWriterThatGivesUpStopsItAlsoWhileAWeakerOneLives) {
+  GatewayRig rig;
+  ReferenceWriter weak(rig, 1);
+  weak.write(values(1, 1));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 1u);
+  ReferenceWriter strong(rig, 2);
+  strong.write(values(1, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+  weak.deliver(values(1, 3));
+  strong.give_up(1);
+  const auto stop = rig.expect_request<StopRelease>();
+  EXPECT_EQ(stop.channel, Channel::one);
+  EXPECT_EQ(stop.hold, 0u);
+  ASSERT_TRUE(event(rig, "reference_given_up"));
+  EXPECT_TRUE(rig.client.wait_for<cansync_MasterStatus>(
+      [](const auto& s) { return cansync::dds::text(s.reference_release[0].cause) == "given_up"; }));
+  weak.write(values(1, 4));
+  const auto next = rig.expect_request<cansync::ReferenceUpdate>();
+  EXPECT_EQ(next.value[0], 4u) << "never one it wrote before";
+  EXPECT_FALSE(next.takes_over);
+}
+
+TEST(GatewayReferences, AWeakerWriterThatGivesUpChangesNothing) {
+  GatewayRig rig;
+  ReferenceWriter weak(rig, 1);
+  weak.write(values(1, 1));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 1u);
+  ReferenceWriter strong(rig, 2);
+  strong.write(values(1, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+  weak.give_up(1);
+  strong.write(values(1, 3));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 3u);
+}
+
+TEST(GatewayReferences, ThoseForAnotherStartOfTheDaemonAreRefused) {
+  GatewayRig rig;
+  const auto status = rig.client.wait_for<cansync_MasterStatus>([](const auto&) { return true; });
+  ASSERT_TRUE(status);
+  EXPECT_TRUE(std::equal(kTestDaemon.begin(), kTestDaemon.end(), std::begin(status->daemon)));
+  EXPECT_EQ(status->mapping_number, 1u);
+  ReferenceWriter writer(rig, 0);
+  auto old = values(1, 1);
+  old.daemon[0] = 0x77;
+  writer.write(old);
+  const auto refused = event(rig, "reference_refused");
+  ASSERT_TRUE(refused);
+  EXPECT_NE(cansync::dds::text(refused->text).find("another start of the daemon"), std::string_view::npos)
+      << refused->text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  writer.write(values(1, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+}
+
+// Whoever has the reply can give values for the new mapping.
+TEST(GatewayReferences, TheNumberOfAChangedMappingIsToldBeforeItsReply) {
+  GatewayRig rig;
+  auto command = TestClient::request<cansync_Command>(1);
+  command.kind = cansync_COMMAND_REFERENCE_MAPPING;
+  rig.client.write(command);
+  const auto request = rig.expect_request<SetReferenceMapping>();
+  SettingsSnapshot settings;
+  settings.mapping_number = 2;
+  rig.exchange.settings.write(settings);
+  rig.answer(CommandDone{request.id});
+  ASSERT_TRUE(rig.client.reply<cansync_CommandReply>(1));
+  const auto& told = rig.client.all<cansync_MasterStatus>();
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.back().mapping_number, 2u);
+}
+
 TEST(GatewayReferences, BadOnesAreToldAsAnEvent) {
   struct Case {
     void (*spoil)(cansync_ReferenceValues&);

@@ -28,6 +28,9 @@
 
 namespace cansyncd {
 
+/// This start of the daemon.
+inline constexpr DaemonIdentity kTestDaemon = {0xDA, 0xE0, 0x01};
+
 /// A line of four named slaves, 0..3.
 inline Config gateway_config() {
   Config config;
@@ -216,7 +219,8 @@ class GatewayRig {
                       JournalSink* sink = nullptr)
       : exchange(sizes),
         participant_(places_.here),
-        gateway(std::make_unique<Gateway>(config, exchange, participant_, sink != nullptr ? *sink : journal)),
+        gateway(std::make_unique<Gateway>(config, exchange, participant_, sink != nullptr ? *sink : journal,
+                                          kTestDaemon)),
         client(places_.there),
         transfer_replies_(client.participant(), &client.signal()) {
     gateway->set_realtime(wanted, granted);

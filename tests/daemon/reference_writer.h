@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string_view>
 
@@ -21,6 +23,8 @@ inline cansync_ReferenceValues values(std::uint8_t telegram, std::int32_t first)
   sample.value[3] = -4;
   sample.valid = 0b1001;
   sample.release_intervals = 20;
+  std::copy(kTestDaemon.begin(), kTestDaemon.end(), std::begin(sample.daemon));
+  sample.mapping_number = 1;
   return sample;
 }
 
@@ -41,6 +45,15 @@ class ReferenceWriter {
   /// Writes, and waits until the gateway's reader has it.
   void deliver(const cansync_ReferenceValues& sample) {
     write(sample);
+    ASSERT_EQ(dds_wait_for_acks(writer_.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
+  }
+  /// Says that the telegram is given up and no longer writes it; waits until the gateway's reader knows.
+  void give_up(std::uint8_t telegram) {
+    cansync_ReferenceValues sample = {};
+    sample.telegram = telegram;
+    sample.given_up = true;
+    write(sample);
+    unregister(sample);
     ASSERT_EQ(dds_wait_for_acks(writer_.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
   }
   void unregister(const cansync_ReferenceValues& sample) {

@@ -307,6 +307,7 @@ class Run {
     values.valid = in_.byte();
     fill(in_, values.from_interval);
     fill(in_, values.release_intervals);
+    values.mapping_number = master_.mapping_number();
     const ReferenceUpdate core = dds::to_core(values);
     if (!passed(dds::check(values, limits_), {"telegram", "valid", "release_intervals"})) return;
     require(values.telegram >= 1 && values.telegram <= 2 && values.valid >= 1 && values.valid <= 15 &&

@@ -237,6 +237,7 @@ class Run {
     const std::uint8_t ahead = in_.byte();
     update.from_interval = ahead == 0 ? 0 : interval_ + ahead - 10;
     update.release_intervals = in_.number<std::uint16_t>();
+    update.mapping_number = master_->mapping_number();
     if (master_->submit(update) == Refusal::none) rules_.update_accepted(update);
   }
 

@@ -149,6 +149,18 @@ void give_up(client::ReferenceWriter& writer, const Telegrams& telegrams) {
   }
 }
 
+/// Why the values are not given any more.
+client::Reply ended(client::ReferenceStanding standing) {
+  if (standing == client::ReferenceStanding::daemon_restarted)
+    return {
+        client::ReplyCode::no_reply,
+        "the daemon was started anew: settings that clients had made are lost, and no value is given to it; "
+        "look at the line, then call `cansync set` again"};
+  return {client::ReplyCode::refused,
+          "the mapping of the reference values was changed: no value is given under another one; look at "
+          "`cansync map`, then call `cansync set` again"};
+}
+
 /// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up.
 ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, std::int32_t strength) {
   using Clock = std::chrono::steady_clock;
@@ -163,6 +175,10 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
   std::uint64_t samples = 0;
   for (auto next = start; next < end;) {
     std::string problem = write_once(writer, telegrams, pace.release);
+    if (const auto standing = writer.standing(); standing != client::ReferenceStanding::current) {
+      reply = ended(standing);
+      break;
+    }
     if (problem.empty() && !client.daemon_present()) problem = "the daemon has gone (" + client.place() + ")";
     if (!problem.empty()) {
       reply = {client::ReplyCode::no_reply, problem};

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdint>
 #include <memory>
@@ -22,6 +23,11 @@ JsonObject value_names(const cansync_ValueName& value) {
       .add("unit", value.unit_symbol)
       .add("factor", value.factor)
       .add("offset", value.offset);
+}
+
+/// 32 digits.
+std::string hexadecimal(const cansync_DaemonIdentity& identity) {
+  return fmt::format("{:02x}", fmt::join(identity, ""));
 }
 
 JsonArray release_objects(const client::MasterStatus& status) {
@@ -126,7 +132,9 @@ JsonObject status_object(const client::MasterStatus& status) {
   return object.add("reference_values", names)
       .add("reference_release", release_objects(status))
       .add("read_only", status.read_only)
-      .add("secured", status.secured);
+      .add("secured", status.secured)
+      .add("daemon", hexadecimal(status.daemon))
+      .add("mapping_number", status.mapping_number);
 }
 
 ExitCode status_verb(Session& session) {

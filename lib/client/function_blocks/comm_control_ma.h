@@ -2,15 +2,16 @@
 
 #include <optional>
 
-#include "command_slot.h"
+#include "setting_slot.h"
 #include "types.h"
 
 namespace cansync::client::function_blocks {
 
 /// CANsync_COMM_CONTROL_MA (M 4.6): which slave the command channel serves, for each kind of job.
 ///
-/// A setting is sent when it differs from the one sent last, not in every call. A slave that no cursor names
-/// gets no answer to its jobs; they end when their monitoring time is over.
+/// A setting is sent when it differs from the one sent last, and when the daemon was started anew, not in
+/// every call. A slave that no cursor names gets no answer to its jobs; they end when their monitoring time
+/// is over.
 class CANSYNC_PUBLIC COMM_CONTROL_MA {
  public:
   SINT si_SL_NR_CTRL = kAutomaticNumber;  ///< control words: -128 automatic, 0..31
@@ -28,14 +29,15 @@ class CANSYNC_PUBLIC COMM_CONTROL_MA {
     return cursors_slot_.refused() ? cursors_slot_.error() : maximum_slot_.error();
   }
 
-  explicit COMM_CONTROL_MA(Client& client) : cursors_slot_(client), maximum_slot_(client) {}
+  explicit COMM_CONTROL_MA(Client& client)
+      : cursors_slot_(client, "COMM_CONTROL_MA"), maximum_slot_(client, "COMM_CONTROL_MA") {}
   void call();
 
  private:
   std::optional<std::array<std::int32_t, 3>> cursors_;  ///< entered last
   std::optional<SINT> maximum_;
-  CommandSlot cursors_slot_;
-  CommandSlot maximum_slot_;
+  SettingSlot cursors_slot_;
+  SettingSlot maximum_slot_;
 };
 
 }  // namespace cansync::client::function_blocks

@@ -12,7 +12,8 @@ void PD_CFG_MA::call() {
     entered_ = inputs;
     Mapping mapping = mapping_of(a_WRC1, a_HL_WRC1, a_WRC2, a_HL_WRC2);
     if (mapping.problem.empty())
-      slot_.enter([bytes = mapping.bytes](Client& client) { return client.map_references(bytes); });
+      slot_.enter([bytes = mapping.bytes](Client& client) { return client.map_references(bytes); },
+                  mapping.bytes);
     else
       slot_.refuse(std::move(mapping.problem));
   }

@@ -2,13 +2,14 @@
 
 #include <optional>
 
-#include "command_slot.h"
+#include "setting_slot.h"
 #include "types.h"
 
 namespace cansync::client::function_blocks {
 
 /// CANsync_PD_CFG_MA (M 4.15): which word of which reference value stands where in the reference value
-/// telegrams. The mapping is sent when it differs from the one sent last, not in every call.
+/// telegrams. The mapping is sent when it differs from the one sent last, and when the daemon was started
+/// anew, not in every call.
 class CANSYNC_PUBLIC PD_CFG_MA {
  public:
   SINT_4_BMARRAY a_WRC1 = {-1, -1, -1, -1};  ///< [word] := reference value 0..3; -1 none
@@ -21,7 +22,7 @@ class CANSYNC_PUBLIC PD_CFG_MA {
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
 
-  explicit PD_CFG_MA(Client& client) : slot_(client) {}
+  explicit PD_CFG_MA(Client& client) : slot_(client, "PD_CFG_MA") {}
   void call();
 
  private:
@@ -31,7 +32,7 @@ class CANSYNC_PUBLIC PD_CFG_MA {
     friend bool operator==(const Inputs&, const Inputs&) = default;
   };
   std::optional<Inputs> entered_;
-  CommandSlot slot_;
+  SettingSlot slot_;
 };
 
 }  // namespace cansync::client::function_blocks

@@ -2,13 +2,14 @@
 
 #include <optional>
 
-#include "command_slot.h"
+#include "setting_slot.h"
 #include "types.h"
 
 namespace cansync::client::function_blocks {
 
 /// CANsync_PD_CFG_READ_MA (M 4.16): which actual value the words of a slave's actual value telegrams belong
-/// to. The mapping is sent when it differs from the one sent last, not in every call.
+/// to. The mapping is sent when it differs from the one sent last, and when the daemon was started anew, not
+/// in every call.
 class CANSYNC_PUBLIC PD_CFG_READ_MA {
  public:
   SINT si_SL_NR = 0;                         ///< 0..31
@@ -22,7 +23,7 @@ class CANSYNC_PUBLIC PD_CFG_READ_MA {
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
 
-  explicit PD_CFG_READ_MA(Client& client) : client_(&client), slot_(client) {}
+  explicit PD_CFG_READ_MA(Client& client) : client_(&client), slot_(client, "PD_CFG_READ_MA") {}
   void call();
 
  private:
@@ -34,7 +35,7 @@ class CANSYNC_PUBLIC PD_CFG_READ_MA {
   };
   Client* client_;
   std::optional<Inputs> entered_;
-  CommandSlot slot_;
+  SettingSlot slot_;
 };
 
 }  // namespace cansync::client::function_blocks

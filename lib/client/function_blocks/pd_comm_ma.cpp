@@ -11,9 +11,11 @@ constexpr SINT kValid = 5;  // M 4.19
 
 void PD_COMM_MA::call() {
   error_.clear();
-  give(si_WRC1_SEND, 1);
-  give(si_WRC2_SEND, 2);
   ask();
+  if (may_give()) {
+    give(si_WRC1_SEND, 1);
+    give(si_WRC2_SEND, 2);
+  }
   if (slot_.refused()) error_ = slot_.error();
 
   const ActualValueInbox::News news = inbox_.take();
@@ -25,6 +27,37 @@ void PD_COMM_MA::call() {
       if (((news.arrived[slave] >> (i / 4)) & 1u) != 0) a_RD_ARRAY[slave][i] = news.values[slave][i];
     }
   }
+}
+
+/// False: no value may be given in this call; `error_` says why when one is wanted.
+bool PD_COMM_MA::may_give() {
+  const bool wanted = si_WRC1_SEND == kValid || si_WRC2_SEND == kValid;
+  const bool restarted = client_->validity().daemon != meant_for_.daemon;
+  const std::string missing = SettingSlot::missing(*client_);
+  if (missing.empty() && !restarted && writer_.standing() == ReferenceStanding::mapping_changed) {
+    // The program's own mapping is the one its values are made for.
+    if (const auto own = SettingSlot::with_own_mapping(*client_)) writer_.take_up(*own);
+  }
+  if (restarted || (missing.empty() && writer_.standing() != ReferenceStanding::current)) {
+    if (!locked_) {
+      writer_.release(1);
+      writer_.release(2);
+    }
+    locked_ = true;
+  }
+  if (locked_ && !wanted) {
+    locked_ = false;
+    writer_.take_up();
+    meant_for_ = client_->validity();
+  }
+  if (!wanted) return false;
+  if (!missing.empty()) error_ = "client: no reference values are given, " + missing;
+  if (locked_) {
+    error_ =
+        "client: the daemon was started anew, or the mapping of the reference values was changed: no values "
+        "are given until si_WRC1_SEND and si_WRC2_SEND had another value than 5 in a call";
+  }
+  return error_.empty();
 }
 
 void PD_COMM_MA::give(SINT command, std::uint8_t telegram) {

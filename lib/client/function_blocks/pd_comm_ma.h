@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "actual_value_inbox.h"
-#include "command_slot.h"
+#include "setting_slot.h"
 #include "types.h"
 
 namespace cansync::client::function_blocks {
@@ -14,7 +14,14 @@ namespace cansync::client::function_blocks {
 /// released once, in the next interval after they have arrived in the daemon; what was received is what came
 /// since the last call, and the slave numbers show the newest. A program that has to hit an interval uses
 /// ReferenceWriter::write with `from_interval`. Call it not more often than once an interval: the
-/// daemon refuses values when too many wait. Which slave is asked is sent when it changes.
+/// daemon refuses values when too many wait. Which slave is asked is sent when it changes, and when the
+/// daemon was started anew.
+///
+/// Values are given only while every setting that blocks of this client have entered (PD_CFG_MA,
+/// PD_CFG_READ_MA, COMM_CONTROL_MA, and the polling of this block) is in effect; until then `error` names the
+/// one that is not. After the daemon was started anew, or another program has changed the mapping of the
+/// reference values, none is given until both inputs si_WRCx_SEND had another value than 5 in a call; `error`
+/// says so.
 class CANSYNC_PUBLIC PD_COMM_MA {
  public:
   CANsync_RD_BMARRAY a_RD_ARRAY = {};    ///< values 0..7 of each slave are filled, 8..15 stay
@@ -38,16 +45,24 @@ class CANSYNC_PUBLIC PD_COMM_MA {
   /// `strength`: of the writer of reference values, see ReferenceWriter. Waits at most 2 s for the daemon;
   /// throws NoDaemon, SetupError.
   explicit PD_COMM_MA(Client& client, std::int32_t strength = 0)
-      : inbox_(client), writer_(client, strength), slot_(client) {}
+      : inbox_(client),
+        writer_(client, strength),
+        client_(&client),
+        slot_(client, "PD_COMM_MA"),
+        meant_for_(client.validity()) {}
   void call();
 
  private:
+  bool may_give();
   void give(SINT command, std::uint8_t telegram);
   void ask();
 
   ActualValueInbox inbox_;
   ReferenceWriter writer_;
-  CommandSlot slot_;
+  Client* client_;
+  SettingSlot slot_;
+  Validity meant_for_;   ///< the daemon that values are given to
+  bool locked_ = false;  ///< nothing is given until neither input is 5
   std::optional<std::array<SINT, 3>> asked_;
   std::string error_;
 };

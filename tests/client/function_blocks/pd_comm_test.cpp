@@ -1,4 +1,7 @@
 // CANsync_PD_COMM_MA and CANsync_PD_COMM_READ_MA, sections 4.19 and 4.20 of the application manual.
+#include <map>
+#include <optional>
+
 #include "block_rig.h"
 
 namespace cansync::client::function_blocks {
@@ -86,6 +89,57 @@ TEST_F(PdComm, ReadMaShowsOneSlave) {
   read.si_SL_NR = -1;
   read.call();
   EXPECT_EQ(read.si_RD_SL_NR2_RECEIVED, 0);
+}
+
+// Settings that the daemon has lost with a restart are entered again, and no value is given before.
+TEST(PdCommRestart, AfterANewStartOfTheDaemonSettingsAreEnteredAgainAndValuesWaitForTheProgram) {
+  TwoPlaces places;
+  std::optional<FakeDaemon> daemon(std::in_place, places.here);
+  Client client = Client::connect(options_at(places.there));
+  PD_CFG_MA mapping(client);
+  mapping.a_WRC1 = {1, 1, 0, 2};
+  mapping.a_HL_WRC1 = {false, true, false, false};
+  PD_CFG_READ_MA actual(client);
+  actual.si_SL_NR = 3;
+  COMM_CONTROL_MA cursors(client);
+  cursors.si_SL_NR_PAR = 2;
+  cursors.x_EN_PAR = true;
+  cursors.si_MAX_SL_NR = 3;
+  PD_COMM_MA block(client);
+  block.si_WRC1_SEND = 5;
+  block.a_WR_VALUES_SEND[0] = 77;
+  const auto call_all = [&] {
+    mapping.call();
+    actual.call();
+    cursors.call();
+    block.call();
+  };
+  const auto kinds = [&] {
+    std::map<int, int> count;
+    for (const cansync_Command& command : daemon->commands()) ++count[command.kind];
+    return count;
+  };
+  ASSERT_TRUE(repeat_until(call_all, [&] { return !daemon->references().empty(); }));
+  EXPECT_EQ(daemon->references_refused(), 0) << "given for the mapping of PD_CFG_MA alone";
+  EXPECT_EQ(block.error(), "");
+  const auto before = kinds();
+
+  daemon.reset();
+  daemon.emplace(places.here);
+  ASSERT_TRUE(repeat_until(call_all, [&] { return kinds() == before; })) << "every setting once more";
+  ASSERT_TRUE(repeat_until(call_all, [&] { return mapping.in_effect() && cursors.in_effect(); }));
+  for (int i = 0; i < 100; ++i) call_all();
+  EXPECT_TRUE(client.read(0, 1).ok());
+  EXPECT_EQ(daemon->references().size(), 0u);
+  EXPECT_EQ(daemon->references_refused(), 0);
+  EXPECT_NE(block.error().find("started anew"), std::string::npos) << block.error();
+
+  block.si_WRC1_SEND = 0;
+  call_all();
+  EXPECT_EQ(block.error(), "");
+  block.si_WRC1_SEND = 5;
+  ASSERT_TRUE(repeat_until(call_all, [&] { return !daemon->references().empty(); }));
+  EXPECT_EQ(daemon->references_refused(), 0);
 }
 
 }  // namespace
