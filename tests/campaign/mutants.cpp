@@ -258,24 +258,12 @@ class AnyStart final : public Tamper {
   void sample(ReferenceSample& sample, const DaemonIdentity& start) override { sample.daemon = start; }
 };
 
-/// The age of values is looked at by nobody after they came.
-class ForgottenAge final : public Tamper {
- public:
-  void update(cansync::ReferenceUpdate& update) override { update.too_old_from = 0; }
-};
-
 /// Values always come as fresh ones.
 class FreshByName final : public Tamper {
  public:
   void sample(ReferenceSample& sample, const DaemonIdentity& /*start*/) override {
     sample.written = now().count();
   }
-};
-
-/// Control words that stop wait as if for a cursor.
-class WaitingStop final : public Tamper {
- public:
-  std::uint64_t held_back(const cansync::ControlWordRequest& /*request*/) override { return 8; }
 };
 
 template <class T>
@@ -317,9 +305,7 @@ constexpr Mutant kMutants[] = {
     {"unheard stop", kGiver, &make<UnheardStop>},
     {"take over that ends nothing", kGiver, &make<NoTakeOver>},
     {"values for any start", kGiver, &make<AnyStart>},
-    {"age forgotten", kAge, &make<ForgottenAge>},
     {"fresh by name", kAge, &make<FreshByName>},
-    {"word that stops waits", "a_word_that_stops_is_sent_in_two_intervals", &make<WaitingStop>},
     {"deaf after the faults", "back_in_normal_operation_in_time", &make<Deaf>},
 };
 

@@ -149,9 +149,7 @@ void draw_mix(Dice& dice, Mix& mix) {
 
 /// From dice of its own: a schedule without any of this takes the course it took before there was any.
 void draw_writers_and_stops(Plan& plan) {
-  constexpr std::chrono::milliseconds kAges[] = {std::chrono::milliseconds(0), std::chrono::milliseconds(40),
-                                                 std::chrono::milliseconds(100),
-                                                 std::chrono::milliseconds(500)};
+  constexpr int kAges[] = {0, 3, 6, 40};  // intervals, which are whole milliseconds
   constexpr std::chrono::milliseconds kDeadlines[] = {
       std::chrono::milliseconds(0), std::chrono::milliseconds(0), std::chrono::milliseconds(60)};
   constexpr unsigned kOften[] = {10, 50, 200};
@@ -161,8 +159,13 @@ void draw_writers_and_stops(Plan& plan) {
       plan.writers.strengths.push_back(static_cast<std::int32_t>(dice.below(4)));
     }
     if (dice.chance(200)) plan.writers.hold = static_cast<std::uint32_t>(dice.between(5, 40));
-    plan.writers.maximum_age = dice.one_of(kAges);
+    plan.writers.maximum_age =
+        std::chrono::duration_cast<std::chrono::milliseconds>(dice.one_of(kAges) * plan.interval());
     plan.writers.deadline = dice.one_of(kDeadlines);
+    // Values grow old in the queue when the thread that takes them is held up.
+    if (dice.chance(300)) {
+      plan.lateness.push_back({draw_window(dice, plan.last_fault, 100), 20, 30 * plan.interval()});
+    }
   }
   if (!dice.chance(400)) return;
   plan.mix.stop_words = dice.one_of(kOften);

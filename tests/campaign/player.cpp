@@ -25,6 +25,7 @@ Player::Player(const Stage& stage) : stage_(stage), dice_(stage.plan.seed ^ 0x91
   writers_ = std::make_unique<Writers>(stage.plan, stage.exchange, stage.line, stage.witness.references,
                                        stage.tamper);
   writers_->on_event = stage.tell;
+  stage.witness.references.set_hold(stage.plan.writers.hold);
   stage.witness.references.set_maximum_age(stage.plan.writers.maximum_age);
 }
 

@@ -3,9 +3,9 @@
 namespace cansyncd::campaign {
 
 void ReferenceTruth::pushed(std::uint32_t number, const cansync::ReferenceUpdate& update,
-                            const Origin& origin) {
-  updates_[number % kKnown] = {number, update.channel, update.from_interval, update.release_intervals, 0,
-                               0,      origin};
+                            const ReferenceOrigin& origin) {
+  updates_[number % kKnown] = {
+      number, update.channel, update.from_interval, update.release_intervals + hold_, 0, 0, origin};
 }
 
 void ReferenceTruth::look_at_giver(const Update& update) {

@@ -12,18 +12,18 @@
 
 namespace cansyncd::campaign {
 
+/// Who gives an update.
+struct ReferenceOrigin {
+  unsigned program = 0;
+  bool of_daemon_before = false;
+  std::optional<can::Time> written = {};  ///< nothing: its age is not looked at
+};
+
 /// Which reference values may still be released. Each update carries its own number in both words of every
 /// value, so that a telegram tells whose values it has.
 class ReferenceTruth {
  public:
   static constexpr unsigned kPrograms = 8;
-
-  /// Who gives an update.
-  struct Origin {
-    unsigned program = 0;
-    bool of_daemon_before = false;
-    std::optional<can::Time> written;  ///< nothing: its age is not looked at
-  };
 
   ReferenceTruth() : updates_(kKnown) {}
 
@@ -34,8 +34,11 @@ class ReferenceTruth {
   }
 
   /// An update with these values was pushed.
-  void pushed(std::uint32_t number, const cansync::ReferenceUpdate& update, const Origin& origin = {});
+  void pushed(std::uint32_t number, const cansync::ReferenceUpdate& update,
+              const ReferenceOrigin& origin = {});
 
+  /// The values of a writer that was lost go on for so many intervals more.
+  void set_hold(std::uint32_t intervals) noexcept { hold_ = intervals; }
   /// No release begins with values older than this; 0: not looked at.
   void set_maximum_age(can::Time age) noexcept { maximum_age_ = age; }
 
@@ -82,7 +85,7 @@ class ReferenceTruth {
     std::uint32_t intervals = 0;
     std::uint32_t count = 0;
     std::uint64_t first = 0;  ///< interval of the first release
-    Origin origin = {};
+    ReferenceOrigin origin = {};
   };
   using Ended = std::array<std::array<std::uint32_t, kPrograms>, cansync::kChannels>;
 
@@ -101,6 +104,7 @@ class ReferenceTruth {
   Ended ended_handed_on_ = {};  ///< as far as the gateway has said so
   Ended ended_in_force_ = {};   ///< as far as the realtime thread has taken it
   can::Time maximum_age_{0};
+  std::uint32_t hold_ = 0;
   std::string complaint_;
   std::string giver_complaint_;
   std::string age_complaint_;
