@@ -80,10 +80,17 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
     case Code::references_released:
       return fmt::format("reference values of telegram {} are released", event.detail);
     case Code::references_too_old:
+      if (event.expected == 0) {
+        return fmt::format(
+            "reference values of telegram {} are too old: before their release began they had waited until "
+            "they "
+            "were older than {} ms (failsafe.reference_max_age_ms)",
+            event.detail, config.failsafe.reference_max_age.count());
+      }
       return fmt::format(
           "reference values of telegram {} are too old: no newer ones came within {} intervals "
           "(failsafe.reference_max_intervals)",
-          event.detail, config.master.process.too_old_after);
+          event.detail, event.expected);
     case Code::references_held:
       return fmt::format(
           "the last reference values of telegram {} are still released, for {} intervals at most",

@@ -136,6 +136,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   events_.set_interval(state_.master().when.interval);
   const JobContext jobs = context(now);
   take_reports(jobs);
+  references_.set_line(state_.master().when);
   references_.watch(state_.master().release, now);
   publish_posted(now);
   // Asking every reader costs more than all the rest of a pass.

@@ -36,6 +36,9 @@ class ReferenceInput : private ReferenceSurroundings {
   /// Values whose source time lies further away are refused; 0: not looked at.
   void set_maximum_age(std::chrono::milliseconds age) noexcept { gate_.set_maximum_age(age); }
 
+  /// The line as last heard of: by it the age of values is told as a number of an interval.
+  void set_line(const Moment& heard) noexcept { gate_.set_line(heard); }
+
   /// Takes note of what the realtime thread has ended by itself.
   void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release, SteadyTime now) {
     gate_.watch(release, now);

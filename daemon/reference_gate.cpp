@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cansync/timing.h"
+
 namespace cansyncd {
 namespace {
 
@@ -22,7 +24,7 @@ constexpr std::string_view kTakeUp =
 ReferenceGate::ReferenceGate(const DaemonIdentity& daemon, const Config& config,
                              ReferenceSurroundings& around, std::optional<std::string> refusal)
     : daemon_(daemon),
-      maximum_age_(config.failsafe.reference_max_age),
+      age_(config.failsafe.reference_max_age, cansync::slot_times(config.master.bit_rate).interval),
       hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0),
       deadline_(config.failsafe.reference_deadline),
       around_(around),
@@ -60,13 +62,15 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
   if (another) facts = around_.identify(sample.writer);
   if (takes_over && facts.strength < givers_[channel].strength && !around_.yielded(telegram.owner)) return;
 
-  std::optional<std::string> reason = problem(sample, wall);
+  const ReferenceAge::Verdict age = age_.judge(sample.written, {now, wall});
+  std::optional<std::string> reason = problem(sample, age);
   push_stops();
   if (!reason && telegram.stop_wanted) reason = "request queue full: the stop of its release waits for room";
   if (!reason) {
     cansync::ReferenceUpdate update = sample.update;
     update.channel = channel_of(channel);
     update.takes_over = takes_over;
+    update.too_old_from = age.too_old_from;
     if (std::string full = around_.hand_on(update); !full.empty()) {
       reason = std::move(full);
     } else {
@@ -111,7 +115,8 @@ void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
   telegram.deadline_missed = false;
 }
 
-std::optional<std::string> ReferenceGate::problem(const ReferenceSample& sample, std::int64_t wall) const {
+std::optional<std::string> ReferenceGate::problem(const ReferenceSample& sample,
+                                                  const ReferenceAge::Verdict& age) const {
   if (sample.problem) return sample.problem;
   if (refusal_) return refusal_;
   if (sample.daemon == DaemonIdentity{}) {
@@ -127,25 +132,7 @@ std::optional<std::string> ReferenceGate::problem(const ReferenceSample& sample,
         "be lost; {}",
         fmt::join(sample.daemon, ""), kTakeUp);
   }
-  return age_problem(sample, wall);
-}
-
-std::optional<std::string> ReferenceGate::age_problem(const ReferenceSample& sample,
-                                                      std::int64_t wall) const {
-  if (maximum_age_.count() == 0) return std::nullopt;
-  const std::int64_t age = (wall - sample.written) / 1'000'000;
-  if (age < -maximum_age_.count()) {
-    return fmt::format(
-        "written {} ms in the future: at most {} ms are allowed (failsafe.reference_max_age_ms); set the "
-        "clocks of both computers",
-        -age, maximum_age_.count());
-  }
-  if (age > maximum_age_.count()) {
-    return fmt::format(
-        "age {} ms: at most {} ms are allowed (failsafe.reference_max_age_ms); write fresh values, and "
-        "set the clocks of both computers",
-        age, maximum_age_.count());
-  }
+  if (age.problem || !age_.looked_at()) return age.problem;
   const std::int64_t not_before = telegrams_[sample.telegram - 1].not_before;
   // A wall clock that was set back since then tells nothing about it.
   if (sample.written >= not_before || wall < not_before) return std::nullopt;

@@ -12,6 +12,7 @@
 #include "daemon/event_text.h"
 #include "daemon/exchange.h"
 #include "daemon/gateway_events.h"
+#include "daemon/reference_age.h"
 #include "daemon/reference_status.h"
 
 namespace cansyncd {
@@ -78,12 +79,15 @@ class ReferenceGate {
                 std::optional<std::string> refusal = std::nullopt);
 
   /// Values whose source time lies further away are refused; 0: not looked at.
-  void set_maximum_age(std::chrono::milliseconds age) noexcept { maximum_age_ = age; }
+  void set_maximum_age(std::chrono::milliseconds age) noexcept { age_.set_limit(age); }
+
+  /// The line as last heard of: by it the age of values is told as a number of an interval.
+  void set_line(const Moment& heard) noexcept { age_.set_line(heard); }
 
   /// With a reason every value is refused for it, and the release of what was given before is stopped.
   void set_refusal(std::optional<std::string> reason);
 
-  /// A sample came. `wall`: CLOCK_REALTIME, ns since 1970.
+  /// A sample came. `wall`: CLOCK_REALTIME, ns since 1970, read after `now`.
   void take(const ReferenceSample& sample, std::int64_t wall, SteadyTime now);
 
   /// The telegram has no writer any more, or its owner has left or died.
@@ -131,8 +135,7 @@ class ReferenceGate {
     std::string reason;  ///< of the event that was told
   };
 
-  std::optional<std::string> problem(const ReferenceSample& sample, std::int64_t wall) const;
-  std::optional<std::string> age_problem(const ReferenceSample& sample, std::int64_t wall) const;
+  std::optional<std::string> problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age) const;
   void take_values(const ReferenceSample& sample, unsigned channel, std::int64_t wall, SteadyTime now);
   void given_up(unsigned channel, std::int64_t written, SteadyTime now);
   void new_owner(unsigned channel, WriterHandle writer, const ReferenceSurroundings::Writer& facts,
@@ -146,7 +149,7 @@ class ReferenceGate {
   std::string reaction_text() const;
 
   DaemonIdentity daemon_;
-  std::chrono::milliseconds maximum_age_;
+  ReferenceAge age_;
   std::uint32_t hold_;  ///< intervals for which the values of a lost writer go on; 0: not at all
   std::chrono::milliseconds deadline_;  ///< 0: not looked at
   ReferenceSurroundings& around_;

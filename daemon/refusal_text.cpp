@@ -174,6 +174,12 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
       return fmt::format("slave: {} is not held out; there is nothing to release", who(request, config));
     case Refusal::interval_passed:
       return interval_passed(request, config, context);
+    case Refusal::too_old:
+      return fmt::format(
+          "age: more than {} ms when they came to the line, as when the daemon was suspended; at most {} ms "
+          "are "
+          "allowed (failsafe.reference_max_age_ms); write fresh values",
+          config.failsafe.reference_max_age.count(), config.failsafe.reference_max_age.count());
     case Refusal::mapping_changed:
       return mapping_changed(request, context);
     case Refusal::block_size:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -77,6 +78,14 @@ struct ReferenceUpdate {
       false;  ///< from another giver: what the one before gave is forgotten, also when this one is refused
   std::uint64_t mapping_number =
       1;  ///< of the reference mapping the values were made for; 1: that of the settings
+  /// First interval in which the values are too old for their release to begin; 0: they never are.
+  IntervalNumber too_old_from = 0;
+
+  /// First interval in which the release may no longer begin, 0: none. Values for a later interval may wait
+  /// for it, however old they are then, but not longer.
+  constexpr IntervalNumber begins_before() const noexcept {
+    return too_old_from == 0 ? 0 : std::max(too_old_from, from_interval + 1);
+  }
 };
 
 /// How a job ended.
@@ -120,6 +129,7 @@ enum class Refusal : std::uint8_t {
   slave_lost,        ///< the slave does not answer
   slave_held,        ///< the control word would enable a slave that is held out
   not_held,          ///< release of a slave that is not held out
+  too_old,           ///< reference values whose `ReferenceUpdate::too_old_from` has come
   mapping_changed,   ///< reference values for another mapping than the one in force
 };
 

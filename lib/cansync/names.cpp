@@ -172,6 +172,8 @@ std::string_view name(Refusal refusal) noexcept {
       return "slave held out";
     case Refusal::not_held:
       return "not held out";
+    case Refusal::too_old:
+      return "too old";
     case Refusal::mapping_changed:
       return "made for another mapping";
   }

@@ -51,6 +51,7 @@ Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
   if (!next && (update.from_interval < now_ || update.from_interval > now_ + settings_.ahead_limit)) {
     return Refusal::interval_passed;
   }
+  if (update.begins_before() != 0 && update.begins_before() <= now_) return Refusal::too_old;
   return output_[index(update.channel)].release.add(update) ? Refusal::none : Refusal::queue_full;
 }
 
@@ -109,13 +110,13 @@ std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept
 void ProcessData::sent(Channel channel) noexcept {
   Output& output = output_[index(channel)];
   output.on_bus = false;
-  output.release.used();
+  output.release.sent();
   const auto slave = SlaveNumber::from(polled(output, channel));
   if (slave && configured_.has(*slave)) output.asked = slave;
 }
 
 void ProcessData::left_out(Channel channel) noexcept {
-  output_[index(channel)].release.used();
+  output_[index(channel)].release.left_out();
 }
 
 bool ProcessData::receive(const ActualTelegram& telegram) noexcept {

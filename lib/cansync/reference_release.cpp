@@ -8,11 +8,13 @@ void ReferenceRelease::stop() noexcept {
   pending_count_ = 0;
   remaining_ = 0;
   watched_ = false;
+  begins_before_ = 0;
   hold_wanted_ = 0;
   status_.state = State::stopped;
   status_.cause = Cause::none;
   told_released_ = false;
   quiet_until_ = 0;
+  too_old_quiet_until_ = 0;
 }
 
 bool ReferenceRelease::add(const ReferenceUpdate& update) noexcept {
@@ -48,6 +50,8 @@ void ReferenceRelease::end(Cause cause) noexcept {
 /// Values are for so many intervals in a row: those that were skipped are over.
 void ReferenceRelease::skip_missed(IntervalNumber now) noexcept {
   const IntervalNumber missed = now > last_ + 1 ? now - last_ - 1 : 0;
+  // A release that ended meanwhile is not held either.
+  if (missed > remaining_) hold_wanted_ = 0;
   remaining_ -= static_cast<std::uint32_t>(std::min<IntervalNumber>(missed, remaining_));
   last_ = now;
 }
@@ -62,6 +66,10 @@ std::optional<ReferenceUpdate> ReferenceRelease::next_due(IntervalNumber now) no
     ReferenceUpdate due = pending_[i];
     --pending_count_;
     for (std::size_t later = i; later < pending_count_; ++later) pending_[later] = pending_[later + 1];
+    if (due.begins_before() != 0 && due.begins_before() <= now) {
+      tell_came_too_old(now);
+      continue;
+    }
     if (due.from_interval != 0) {
       const IntervalNumber late = now - due.from_interval;
       if (late >= due.release_intervals) continue;
@@ -72,6 +80,7 @@ std::optional<ReferenceUpdate> ReferenceRelease::next_due(IntervalNumber now) no
     end_cause_ = Cause::used_up;
     hold_wanted_ = 0;
     watched_ = too_old_after_ != 0;
+    begins_before_ = due.begins_before();
     status_.state = State::released;
     status_.cause = Cause::none;
     status_.given = now;
@@ -82,7 +91,8 @@ std::optional<ReferenceUpdate> ReferenceRelease::next_due(IntervalNumber now) no
 }
 
 bool ReferenceRelease::decide(IntervalNumber now) noexcept {
-  if (watched_ && now - status_.given >= too_old_after_) grow_old(now);
+  if (begins_before_ != 0 && begins_before_ <= now) never_begin(now);
+  if (watched_ && now - status_.given >= too_old_after_) grow_old();
   if (hold_wanted_ != 0) hold(now + hold_wanted_, Cause::withdrawn);
   if (status_.state == State::held && now >= hold_until_) {
     remaining_ = 0;
@@ -96,13 +106,32 @@ bool ReferenceRelease::decide(IntervalNumber now) noexcept {
   return status_.state != State::stopped;
 }
 
-void ReferenceRelease::grow_old(IntervalNumber now) noexcept {
+/// The values in use grew too old before they were on the bus at all.
+void ReferenceRelease::never_begin(IntervalNumber now) noexcept {
+  begins_before_ = 0;
+  watched_ = false;
+  hold_wanted_ = 0;
+  hold_until_ = 0;
+  remaining_ = 0;
+  end_cause_ = Cause::too_old;
+  ++status_.too_old;
+  tell_came_too_old(now);
+}
+
+/// Tells the first, and then at most one in `kQuietIntervals`: what is always late would fill the journal.
+void ReferenceRelease::tell_came_too_old(IntervalNumber now) noexcept {
+  if (now < too_old_quiet_until_) return;
+  too_old_quiet_until_ = now + kQuietIntervals;
+  tell(MasterEvent::Code::references_too_old);
+}
+
+void ReferenceRelease::grow_old() noexcept {
   watched_ = false;
   ++status_.too_old;
-  tell(MasterEvent::Code::references_too_old);
+  tell(MasterEvent::Code::references_too_old, too_old_after_);
   if (status_.state != State::released || hold_wanted_ != 0) return;
   if (hold_too_old_ != 0) {
-    hold(now + hold_too_old_, Cause::too_old);
+    hold(status_.given + too_old_after_ + hold_too_old_, Cause::too_old);
   } else {
     remaining_ = 0;
     end_cause_ = Cause::too_old;
@@ -117,12 +146,17 @@ void ReferenceRelease::hold(IntervalNumber until, Cause cause) noexcept {
   tell(MasterEvent::Code::references_held);
 }
 
-void ReferenceRelease::used() noexcept {
+void ReferenceRelease::sent() noexcept {
+  begins_before_ = 0;
+  left_out();
+}
+
+void ReferenceRelease::left_out() noexcept {
   if (remaining_ > 0) --remaining_;
 }
 
-void ReferenceRelease::tell(MasterEvent::Code code) noexcept {
-  listener_.event({code, std::nullopt, index(channel_) + 1});
+void ReferenceRelease::tell(MasterEvent::Code code, std::uint32_t expected) noexcept {
+  listener_.event({code, std::nullopt, index(channel_) + 1, expected});
 }
 
 /// Tells the first change at once; a release that keeps stopping is told once in `kQuietIntervals`.

@@ -15,8 +15,9 @@ namespace cansync {
 
 /// How long the reference values of one telegram are released: as often as each update says, no longer than
 /// they are young enough, and a little longer when they are to be held. Intervals that were skipped count as
-/// used. A release that has ended is never taken up again without new values. Counts interval numbers alone.
-/// Realtime safe; not thread safe.
+/// used and as held. A release that has ended is never taken up again without new values, and none begins
+/// with values that have grown too old, wherever they waited. Counts interval numbers alone. Realtime safe;
+/// not thread safe.
 class ReferenceRelease {
  public:
   /// `listener` must outlive this object.
@@ -44,7 +45,8 @@ class ReferenceRelease {
   /// Once an interval, after all that is due: is the telegram sent in this interval?
   bool decide(IntervalNumber now) noexcept;
   /// The telegram was handed to the bus or left out: its values are used once.
-  void used() noexcept;
+  void sent() noexcept;
+  void left_out() noexcept;
 
   const ReleaseStatus& status() const noexcept { return status_; }
 
@@ -56,9 +58,11 @@ class ReferenceRelease {
 
   void end(Cause cause) noexcept;
   void skip_missed(IntervalNumber now) noexcept;
-  void grow_old(IntervalNumber now) noexcept;
+  void never_begin(IntervalNumber now) noexcept;
+  void tell_came_too_old(IntervalNumber now) noexcept;
+  void grow_old() noexcept;
   void hold(IntervalNumber until, Cause cause) noexcept;
-  void tell(MasterEvent::Code code) noexcept;
+  void tell(MasterEvent::Code code, std::uint32_t expected = 0) noexcept;
   void tell_release(IntervalNumber now) noexcept;
 
   Channel channel_;
@@ -68,14 +72,16 @@ class ReferenceRelease {
   std::array<ReferenceUpdate, kPendingUpdates> pending_ = {};
   std::size_t pending_count_ = 0;
   ReleaseStatus status_;
-  IntervalNumber last_ = 0;           ///< interval looked at last
-  Cause end_cause_ = Cause::used_up;  ///< why `remaining_` came to 0
-  std::uint32_t remaining_ = 0;       ///< intervals for which the values are still released
-  bool watched_ = false;              ///< the values' age is looked at
-  std::uint32_t hold_wanted_ = 0;     ///< intervals to hold, from the next telegram on
-  IntervalNumber hold_until_ = 0;     ///< first interval no longer held
-  bool told_released_ = false;        ///< as last told to the listener
-  IntervalNumber quiet_until_ = 0;    ///< no further "stopped" is told before
+  IntervalNumber last_ = 0;                 ///< interval looked at last
+  Cause end_cause_ = Cause::used_up;        ///< why `remaining_` came to 0
+  std::uint32_t remaining_ = 0;             ///< intervals for which the values are still released
+  bool watched_ = false;                    ///< the values' age is looked at
+  IntervalNumber begins_before_ = 0;        ///< of values that were not on the bus yet; 0: no limit
+  std::uint32_t hold_wanted_ = 0;           ///< intervals to hold, from the next telegram on
+  IntervalNumber hold_until_ = 0;           ///< first interval no longer held
+  bool told_released_ = false;              ///< as last told to the listener
+  IntervalNumber quiet_until_ = 0;          ///< no further "stopped" is told before
+  IntervalNumber too_old_quiet_until_ = 0;  ///< no further values that came too old are told before
 };
 
 }  // namespace cansync

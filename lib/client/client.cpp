@@ -198,6 +198,17 @@ Subscription Client::on_actual_values(std::function<void(const ActualValues&)> c
 Subscription Client::on_master_status(std::function<void(const MasterStatus&)> callback) {
   return link_->subscribe<MasterStatus>(std::move(callback));
 }
+Subscription Client::on_restart(std::function<void(const MasterStatus&)> callback) {
+  using Identity = std::array<std::uint8_t, 16>;
+  return on_master_status(
+      [callback = std::move(callback), known = Identity{}](const MasterStatus& status) mutable {
+        Identity now{};
+        std::copy(std::begin(status.daemon), std::end(status.daemon), now.begin());
+        if (now == Identity{}) return;
+        const Identity before = std::exchange(known, now);
+        if (before != Identity{} && before != now) callback(status);
+      });
+}
 Subscription Client::on_slave_status(std::function<void(const SlaveStatus&)> callback) {
   return link_->subscribe<SlaveStatus>(std::move(callback));
 }

@@ -100,6 +100,10 @@ class CANSYNC_PUBLIC Client {
 
   [[nodiscard]] Subscription on_actual_values(std::function<void(const ActualValues&)> callback);
   [[nodiscard]] Subscription on_master_status(std::function<void(const MasterStatus&)> callback);
+  /// The daemon was started anew: settings that clients made before are lost, interval and event numbers
+  /// begin again. Noticed by MasterStatus.daemon, however short it was away; counted from this call. Never
+  /// for a daemon that is older than this.
+  [[nodiscard]] Subscription on_restart(std::function<void(const MasterStatus&)> callback);
   [[nodiscard]] Subscription on_slave_status(std::function<void(const SlaveStatus&)> callback);
   /// The last 100 events first, then each as it happens.
   [[nodiscard]] Subscription on_event(std::function<void(const Event&)> callback);

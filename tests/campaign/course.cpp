@@ -121,6 +121,7 @@ void Course::interval_ended() {
   was_active_ = cansync::is_active(scene_.now.state);
   look_at_values();
   player_.read();
+  look_at_stops();
   look_at_drives(false);
   follow_phases();
   judge();
@@ -150,6 +151,13 @@ void Course::look_at_values() {
   if (!exchange_.settings.read(settings)) return;
   scene_.mapping_now = settings.actual_mapping;
   player_.learn_mapping(settings.mapping_number);
+}
+
+/// In an interval with an edge in which nothing was left out, a command could go out.
+void Course::look_at_stops() {
+  const bool ran = cansync::is_synchronous(scene_.before.state) && cansync::is_synchronous(scene_.now.state);
+  const bool left_out = scene_.now.counters.left_out != scene_.before.counters.left_out;
+  witness_.stops.interval_ended(ran && !left_out && witness_.edges.size() == 1 && !player_.hangs());
 }
 
 void Course::look_at_drives(bool all) {

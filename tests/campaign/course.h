@@ -56,6 +56,7 @@ class Course {
   void waits();
   void interval_ended();
   void look_at_values();
+  void look_at_stops();
   void look_at_drives(bool all);
   void judge();
   void follow_phases();

@@ -162,6 +162,14 @@ Verdict reference_values_are_released_as_often_as_allowed(const Scene& scene) {
   return complaint(scene.witness.references.complaint());
 }
 
+Verdict reference_values_are_of_who_may_give_them(const Scene& scene) {
+  return complaint(scene.witness.references.giver_complaint());
+}
+
+Verdict no_release_begins_with_old_values(const Scene& scene) {
+  return complaint(scene.witness.references.age_complaint());
+}
+
 /// The arrival that brought these values, if there was one.
 bool brought(const Scene& scene, const ActualSeen& seen, Channel channel) {
   const cansync::ActualValues& values = seen.report.values;
@@ -257,6 +265,8 @@ constexpr Invariant kInvariants[] = {
     {"sync_comes_exactly_on_time", &sync_comes_exactly_on_time},
     {"no_value_is_fresh_that_is_not", &no_value_is_fresh_that_is_not},
     {"reference_values_are_released_as_often_as_allowed", &reference_values_are_released_as_often_as_allowed},
+    {"reference_values_are_of_who_may_give_them", &reference_values_are_of_who_may_give_them},
+    {"no_release_begins_with_old_values", &no_release_begins_with_old_values},
     {"counters_are_consistent", &counters_are_consistent},
     {"back_in_normal_operation_in_time", &back_in_normal_operation_in_time},
 };

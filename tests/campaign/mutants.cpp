@@ -238,6 +238,34 @@ class Deaf final : public Tamper {
   can::Time from_;
 };
 
+// --- the gate
+
+/// No telegram is stopped.
+class UnheardStop final : public Tamper {
+ public:
+  bool swallows(const StopRelease& /*stop*/) override { return true; }
+};
+
+/// What the one before gave for later intervals stays when another takes over.
+class NoTakeOver final : public Tamper {
+ public:
+  void update(cansync::ReferenceUpdate& update) override { update.takes_over = false; }
+};
+
+/// Values meant for the daemon before count as meant for this one.
+class AnyStart final : public Tamper {
+ public:
+  void sample(ReferenceSample& sample, const DaemonIdentity& start) override { sample.daemon = start; }
+};
+
+/// Values always come as fresh ones.
+class FreshByName final : public Tamper {
+ public:
+  void sample(ReferenceSample& sample, const DaemonIdentity& /*start*/) override {
+    sample.written = now().count();
+  }
+};
+
 template <class T>
 std::unique_ptr<Tamper> make(const Plan& plan) {
   if constexpr (std::is_constructible_v<T, const Plan&>) {
@@ -252,6 +280,9 @@ constexpr const char* kReply = "one_terminal_reply_per_request";
 constexpr const char* kParameter = "a_written_parameter_holds_what_was_confirmed";
 constexpr const char* kBlock = "a_transferred_block_equals_the_memory";
 constexpr const char* kFresh = "no_value_is_fresh_that_is_not";
+
+constexpr const char* kGiver = "reference_values_are_of_who_may_give_them";
+constexpr const char* kAge = "no_release_begins_with_old_values";
 
 constexpr Mutant kMutants[] = {
     {"late command", "no_telegram_outside_its_slot", &make<LateCommand>},
@@ -271,6 +302,10 @@ constexpr Mutant kMutants[] = {
     {"old actual value as fresh", kFresh, &make<StaleValue>},
     {"wrong actual value", kFresh, &make<WrongValue>},
     {"overfull queue", "queues_are_bounded", &make<OverfullQueue>},
+    {"unheard stop", kGiver, &make<UnheardStop>},
+    {"take over that ends nothing", kGiver, &make<NoTakeOver>},
+    {"values for any start", kGiver, &make<AnyStart>},
+    {"fresh by name", kAge, &make<FreshByName>},
     {"deaf after the faults", "back_in_normal_operation_in_time", &make<Deaf>},
 };
 

@@ -147,6 +147,31 @@ void draw_mix(Dice& dice, Mix& mix) {
   mix.references = dice.one_of(kReferences);
 }
 
+/// From dice of its own: a schedule without any of this takes the course it took before there was any.
+void draw_writers_and_stops(Plan& plan) {
+  constexpr int kAges[] = {0, 3, 6, 40};  // intervals, which are whole milliseconds
+  constexpr std::chrono::milliseconds kDeadlines[] = {
+      std::chrono::milliseconds(0), std::chrono::milliseconds(0), std::chrono::milliseconds(60)};
+  constexpr unsigned kOften[] = {10, 50, 200};
+  Dice dice(plan.seed ^ 0x57095);
+  if (dice.chance(500)) {
+    for (std::uint64_t i = dice.between(2, 4); i > 0; --i) {
+      plan.writers.strengths.push_back(static_cast<std::int32_t>(dice.below(4)));
+    }
+    if (dice.chance(200)) plan.writers.hold = static_cast<std::uint32_t>(dice.between(5, 40));
+    plan.writers.maximum_age =
+        std::chrono::duration_cast<std::chrono::milliseconds>(dice.one_of(kAges) * plan.interval());
+    plan.writers.deadline = dice.one_of(kDeadlines);
+    // Values grow old in the queue when the thread that takes them is held up.
+    if (dice.chance(300)) {
+      plan.lateness.push_back({draw_window(dice, plan.last_fault, 100), 20, 30 * plan.interval()});
+    }
+  }
+  if (!dice.chance(400)) return;
+  plan.mix.stop_words = dice.one_of(kOften);
+  if (dice.chance(300)) plan.settings.command_channel.control_word = {Cursor::Kind::nobody, {}};
+}
+
 bool moves_telegrams(FaultKind kind) noexcept {
   return kind == FaultKind::late || kind == FaultKind::corrupted || kind == FaultKind::duplicated ||
          kind == FaultKind::inject;
@@ -209,6 +234,7 @@ Plan draw_plan(std::uint64_t seed, std::uint64_t intervals) {
   if (dice.chance(150)) plan.stop_at = dice.between(1, plan.last_fault);
   draw_disturbances(dice, plan);
   draw_mix(dice, plan.mix);
+  draw_writers_and_stops(plan);
   return plan;
 }
 

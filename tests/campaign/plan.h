@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -35,6 +36,14 @@ struct PowerCycle {
   std::uint64_t at = 0;
 };
 
+/// The programs that give reference values through the gate.
+struct WriterPlan {
+  std::vector<std::int32_t> strengths;  ///< one each; empty: there is one, which needs no gate
+  std::uint32_t hold = 0;               ///< intervals for which the values of a lost one go on
+  std::chrono::milliseconds maximum_age{0};
+  std::chrono::milliseconds deadline{0};
+};
+
 /// How often the clients ask for what, in a thousand intervals.
 struct Mix {
   unsigned parameters = 0;
@@ -47,6 +56,7 @@ struct Mix {
   unsigned departures = 0;  ///< a client leaves: its jobs are cancelled, its reference values withdrawn
   unsigned bursts = 0;      ///< as many requests as go in at once
   unsigned references = 0;  ///< updates of reference values
+  unsigned stop_words = 0;  ///< control words that stop
 };
 
 /// One schedule: everything that is decided before the first interval. Intervals are counted as SYNC edges,
@@ -67,6 +77,7 @@ struct Plan {
   std::uint64_t stop_at = 0;         ///< the daemon is stopped in this interval, whatever runs; 0: at the end
   std::uint64_t restless_until = 0;  ///< up to this interval `disturbed` holds anyway
   Mix mix;
+  WriterPlan writers;
 
   can::Time interval() const noexcept { return cansync::slot_times(settings.bit_rate).interval; }
   /// Something was or is on the bus, or was late, that moves telegrams: they may begin after their slot.

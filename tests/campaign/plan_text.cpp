@@ -70,7 +70,14 @@ std::string describe(const Plan& plan) {
   out << "in a thousand intervals: parameters " << mix.parameters << ", transfers " << mix.transfers
       << ", control words " << mix.control_words << ", broadcasts " << mix.broadcasts << ", settings "
       << mix.settings << ", modes " << mix.modes << ", cancels " << mix.cancels << ", departures "
-      << mix.departures << ", bursts " << mix.bursts << ", reference values " << mix.references << "\n";
+      << mix.departures << ", bursts " << mix.bursts << ", reference values " << mix.references
+      << ", words that stop " << mix.stop_words << "\n";
+  const WriterPlan& writers = plan.writers;
+  if (writers.strengths.empty()) return out.str();
+  out << "programs that give reference values, with their strengths:";
+  for (const std::int32_t strength : writers.strengths) out << " " << strength;
+  out << "; hold " << writers.hold << ", maximum age " << writers.maximum_age.count() << " ms, deadline "
+      << writers.deadline.count() << " ms\n";
   return out.str();
 }
 

@@ -20,7 +20,14 @@ constexpr std::uint64_t kLongestHang = 500;
 
 }  // namespace
 
-Player::Player(const Stage& stage) : stage_(stage), dice_(stage.plan.seed ^ 0x9147E4) {}
+Player::Player(const Stage& stage) : stage_(stage), dice_(stage.plan.seed ^ 0x9147E4) {
+  if (stage.plan.writers.strengths.empty()) return;
+  writers_ = std::make_unique<Writers>(stage.plan, stage.exchange, stage.line, stage.witness.references,
+                                       stage.tamper);
+  writers_->on_event = stage.tell;
+  stage.witness.references.set_hold(stage.plan.writers.hold);
+  stage.witness.references.set_maximum_age(stage.plan.writers.maximum_age);
+}
 
 bool Player::hangs() const noexcept {
   const auto& hangs = stage_.plan.hangs;
@@ -63,7 +70,11 @@ void Player::read(bool whatever_happens) {
   if (stage_.tamper != nullptr) stage_.tamper->terminals(popped_);
   for (const Terminal& each : popped_) answered(each);
   Report report;
-  while (stage_.exchange.reports.try_pop(report)) stage_.witness.digest(report.index());
+  while (stage_.exchange.reports.try_pop(report)) {
+    stage_.witness.digest(report.index());
+    const auto* refused = std::get_if<ReferenceRefused>(&report);
+    if (refused != nullptr && writers_) writers_->refused(*refused);
+  }
 }
 
 void Player::answered(const Terminal& terminal) {
@@ -72,6 +83,7 @@ void Player::answered(const Terminal& terminal) {
   if (!job) return;
   stage_.witness.digest(job->id);
   mode_jobs_.erase(job->id);
+  stage_.witness.stops.answered(job->id);
   settle(*job, terminal);
   if (probes_.erase(job->id) == 0) return;
   const auto* done = std::get_if<ParameterDone>(&terminal);
@@ -144,18 +156,21 @@ void Player::act(std::uint64_t tick, const MasterSnapshot& now) {
   ReferenceTruth& references = stage_.witness.references;
   if (stage_.exchange.requests.size() == 0) {
     references.all_taken();
+    stage_.witness.stops.all_taken();
     if (!cansync::is_active(now.state)) references.left_active();
   }
+  if (writers_) live_writers(now);
   if (hangs()) return;
+  hand_on_held_back();
   for (const Channel channel : {Channel::one, Channel::two}) {
     if (withdrawing_[index(channel)]) withdraw();
   }
   operate(tick, now);
   if (over()) {
-    write_references(now, true);
+    if (!writers_) write_references(now, true);
     return;
   }
-  if (dice_.chance(stage_.plan.mix.references)) write_references(now, false);
+  if (!writers_ && dice_.chance(stage_.plan.mix.references)) write_references(now, false);
   ask(tick);
 }
 
@@ -185,6 +200,16 @@ void Player::write_references(const MasterSnapshot& now, bool steady) {
     if (!push(update, nullptr, "reference values " + std::to_string(number))) continue;
     stage_.witness.references.pushed(number, update);
   }
+}
+
+/// Programs go on while the gateway hangs.
+void Player::live_writers(const MasterSnapshot& now) {
+  if (over()) {
+    writers_->settle_down(now.when.interval, mapping_number_);
+  } else {
+    writers_->live(now.when.interval, mapping_number_);
+  }
+  if (!hangs()) writers_->gateway(now);
 }
 
 void Player::withdraw() {

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coverage.h"
@@ -18,6 +20,7 @@
 #include "sim/line.h"
 #include "tamper.h"
 #include "witness.h"
+#include "writers.h"
 
 namespace cansyncd::campaign {
 
@@ -54,13 +57,15 @@ class Player {
   /// Between two telegrams: a request may come at any time.
   void moment();
 
+  /// The gateway neither reads nor writes.
+  bool hangs() const noexcept;
+
   /// The loop has ended: what it has not begun is answered here.
   void take_back();
 
  private:
   static constexpr unsigned kClients = 4;
 
-  bool hangs() const noexcept;
   bool over() const noexcept { return stage_.recovery.phase() != Recovery::Phase::faults; }
   bool push(const Request& request, const Job* job, const std::string& text);
   void answered(const Terminal& terminal);
@@ -74,6 +79,8 @@ class Player {
   void ask_parameter();
   void ask_transfer();
   void ask_control_word();
+  void ask_stop_word();
+  void hand_on_held_back();
   void ask_broadcast();
   void ask_setting();
   void ask_mode();
@@ -84,7 +91,8 @@ class Player {
   Job new_job(Job::Kind kind);
   void command(const Job& job, const Request& request, const std::string& text);
 
-  // the writer of reference values
+  // the writers of reference values
+  void live_writers(const MasterSnapshot& now);
   void write_references(const MasterSnapshot& now, bool steady);
   void withdraw();
 
@@ -101,6 +109,8 @@ class Player {
   std::uint64_t writer_back_ = 0;                          ///< it is gone until this interval
   std::uint64_t mapping_number_ = 1;                       ///< as last told
   std::array<bool, cansync::kChannels> withdrawing_ = {};  ///< there was no room for it yet
+  std::unique_ptr<Writers> writers_;                       ///< null: there is one, and no gate
+  std::vector<std::pair<std::uint64_t, cansync::ControlWordRequest>> held_back_;  ///< by a tamper, until when
   std::set<cansync::JobId> mode_jobs_;
   std::set<cansync::JobId> probes_;
   std::size_t next_probe_ = 0;

@@ -16,6 +16,9 @@ constexpr std::uint16_t kReadOnly[] = {sim::parameter::device_type,      sim::pa
                                        sim::parameter::position,         sim::parameter::not_available,
                                        sim::parameter::position_setpoint};
 
+/// The realtime thread takes so many requests before a slot.
+constexpr std::size_t kTakenAtOnce = 30;
+
 std::string slave_text(SlaveNumber slave) {
   return " slave " + std::to_string(slave.value());
 }
@@ -48,6 +51,7 @@ void Player::ask(std::uint64_t /*tick*/) {
   if (dice_.chance(mix.cancels)) cancel_one();
   if (dice_.chance(mix.departures)) depart();
   if (dice_.chance(mix.bursts)) burst();
+  if (mix.stop_words != 0 && dice_.chance(mix.stop_words)) ask_stop_word();
 }
 
 void Player::ask_parameter() {
@@ -101,6 +105,29 @@ void Player::ask_control_word() {
   const Job job = new_job(Job::Kind::command);
   const cansync::ControlWordRequest request{job.id, any_slave(), dice_.one_of(kWords)};
   command(job, request, "control word" + slave_text(request.slave));
+}
+
+void Player::ask_stop_word() {
+  constexpr std::uint16_t kWords[] = {0x0000, 0x0006};
+  const Job job = new_job(Job::Kind::command);
+  const cansync::ControlWordRequest request{job.id, any_slave(), dice_.one_of(kWords)};
+  const bool soon = stage_.exchange.requests.size() < kTakenAtOnce;
+  if (stage_.exchange.requests.size() == stage_.exchange.requests.capacity()) return;
+  stage_.witness.stops.pushed(job.id, request.slave, request.control_word, soon);
+  const std::uint64_t later = stage_.tamper != nullptr ? stage_.tamper->held_back(request) : 0;
+  if (later != 0) {
+    stage_.ledger.opened(job);
+    held_back_.emplace_back(stage_.line.intervals() + later, request);
+    return;
+  }
+  command(job, request, "control word that stops" + slave_text(request.slave));
+}
+
+void Player::hand_on_held_back() {
+  while (!held_back_.empty() && held_back_.front().first <= stage_.line.intervals()) {
+    if (!push(held_back_.front().second, nullptr, "control word held back")) return;
+    held_back_.erase(held_back_.begin());
+  }
 }
 
 void Player::ask_broadcast() {
@@ -159,7 +186,7 @@ void Player::depart() {
     if (job.client == client) left.push_back(id);
   }
   for (const cansync::JobId id : left) push(Cancel{id}, nullptr, "cancel " + std::to_string(id));
-  if (client != writer_) return;
+  if (client != writer_ || writers_) return;
   withdraw();
   writer_ = static_cast<unsigned>(dice_.below(kClients));
   writer_back_ = stage_.line.intervals() + dice_.below(60);

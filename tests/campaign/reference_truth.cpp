@@ -2,11 +2,34 @@
 
 namespace cansyncd::campaign {
 
-void ReferenceTruth::pushed(std::uint32_t number, const cansync::ReferenceUpdate& update) {
-  updates_[number % kKnown] = {number, update.channel, update.from_interval, update.release_intervals, 0, 0};
+void ReferenceTruth::pushed(std::uint32_t number, const cansync::ReferenceUpdate& update,
+                            const ReferenceOrigin& origin) {
+  updates_[number % kKnown] = {
+      number, update.channel, update.from_interval, update.release_intervals + hold_, 0, 0, origin};
 }
 
-void ReferenceTruth::released(const cansync::ReferenceTelegram& telegram, std::uint64_t now) {
+void ReferenceTruth::look_at_giver(const Update& update) {
+  const std::string program = "of program " + std::to_string(update.origin.program);
+  if (update.origin.of_daemon_before) {
+    note(giver_complaint_, update.number, program + " are released, and meant for the daemon before");
+  }
+  if (update.number <= ended_in_force_[index(update.channel)][update.origin.program]) {
+    note(giver_complaint_, update.number,
+         program + " are released after it gave the telegram up, or another one took over");
+  }
+}
+
+/// Values for a later interval may wait for it.
+void ReferenceTruth::look_at_age(const Update& update, std::uint64_t now, can::Time at) {
+  if (maximum_age_.count() == 0 || !update.origin.written || now == update.from) return;
+  const can::Time age = at - *update.origin.written;
+  if (age <= maximum_age_) return;
+  note(age_complaint_, update.number,
+       "are " + std::to_string(age.count()) + " ns old when their release begins, allowed are " +
+           std::to_string(maximum_age_.count()));
+}
+
+void ReferenceTruth::released(const cansync::ReferenceTelegram& telegram, std::uint64_t now, can::Time at) {
   if (telegram.words == 0) return;  // asks for actual values alone
   Update& update = updates_[telegram.word[0] % kKnown];
   const std::uint32_t number = update.number;
@@ -16,7 +39,11 @@ void ReferenceTruth::released(const cansync::ReferenceTelegram& telegram, std::u
   }
   if (number <= in_force_[index(telegram.channel)])
     complain(number, "are released after they were withdrawn");
-  if (update.count == 0) update.first = now;
+  look_at_giver(update);
+  if (update.count == 0) {
+    update.first = now;
+    look_at_age(update, now, at);
+  }
   if (++update.count > update.intervals) {
     complain(number, "are released " + std::to_string(update.count) + " times, allowed are " +
                          std::to_string(update.intervals));

@@ -4,6 +4,7 @@
 
 #include "can/bus.h"
 #include "daemon/exchange.h"
+#include "daemon/reference_gate.h"
 
 namespace cansyncd::campaign {
 
@@ -29,6 +30,14 @@ class Tamper : public can::Bus {
   virtual void snapshot(MasterSnapshot& /*snapshot*/) {}
   /// `fresh`: the master has written the report in this interval. Returns whether the gateway sees it.
   virtual bool actual(ActualReport& /*report*/, bool fresh) { return fresh; }
+
+  /// A sample that the gate is about to look at, in this start of the daemon.
+  virtual void sample(ReferenceSample& /*sample*/, const DaemonIdentity& /*start*/) {}
+  /// What the gate hands on. True: it does not arrive.
+  virtual void update(cansync::ReferenceUpdate& /*update*/) {}
+  virtual bool swallows(const StopRelease& /*stop*/) { return false; }
+  /// True: the control word is handed on so many intervals later.
+  virtual std::uint64_t held_back(const cansync::ControlWordRequest& /*request*/) { return 0; }
 
  protected:
   can::Bus& below() noexcept { return *below_; }

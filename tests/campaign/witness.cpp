@@ -79,8 +79,11 @@ void Witness::handed_over(const can::Frame& frame, can::Time now, can::SendResul
   ++(hand_over.accepted ? accepted : refused);
   if (hand_over.accepted && hand_over.telegram) {
     if (const auto* reference = std::get_if<cansync::ReferenceTelegram>(&*hand_over.telegram)) {
-      references.released(*reference, hand_over.interval);
+      references.released(*reference, hand_over.interval, now);
       keep(questions, Question{reference->channel, reference->polled, hand_over.interval, frame});
+    }
+    if (const auto* action = std::get_if<cansync::ActionCommand>(&*hand_over.telegram)) {
+      stops.handed_over(*action);
     }
   }
   handed.push_back(hand_over);

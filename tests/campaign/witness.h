@@ -14,6 +14,7 @@
 #include "reference_truth.h"
 #include "sim/line.h"
 #include "stage_bus.h"
+#include "stop_truth.h"
 
 namespace cansyncd::campaign {
 
@@ -88,6 +89,7 @@ class Witness final : public BusObserver, private sim::TraceSink {
   std::uint64_t refused = 0;      ///< and those it refused
   std::uint64_t frames_seen = 0;  ///< frames on the bus
   ReferenceTruth references;
+  StopTruth stops;
 
   void forget_interval() noexcept {
     handed.clear();

@@ -161,5 +161,26 @@ TEST_F(Recording, WhatIsNotYetWrittenIsBounded) {
   EXPECT_LE(std::count(rest.begin(), rest.end(), '\n'), 4);
 }
 
+TEST_F(Recording, AnotherStartOfTheDaemonIsACommentAndNothingIsMissingInBetween) {
+  const RecordPlan plan(slaves, {"position"}, true);
+  RecordRows rows(plan, 1);
+  rows.set_polling(status);
+  rows.take(sample(0, 1000, 1));
+  rows.take(sample(0, 1004, 1));
+  rows.take(sample(0, 1008, 1));
+  const std::string before = rows.restarted(kNoon);
+  EXPECT_EQ(std::count(before.begin(), before.end(), '\n'), 3);
+  EXPECT_NE(before.find(",1008,0,"), std::string::npos);
+  EXPECT_EQ(before.substr(before.find('#')),
+            "# " + utc_text(kNoon) + " the daemon was started anew, interval numbers begin again\n");
+  rows.take(sample(0, 256, 1));
+  rows.take(sample(0, 264, 1));
+  const std::string after = rows.lines(true);
+  EXPECT_NE(after.find(",256,0,"), std::string::npos);
+  EXPECT_NE(after.find(",264,0,"), std::string::npos);
+  EXPECT_EQ(rows.counts().rows, 4U);
+  EXPECT_EQ(rows.counts().missing, 1U) << "the turn in interval 260";
+}
+
 }  // namespace
 }  // namespace cansync::cli

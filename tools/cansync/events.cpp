@@ -6,6 +6,7 @@
 
 #include "cansync/column_help.h"
 #include "cansync/interrupt.h"
+#include "cansync/restarts.h"
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
@@ -100,9 +101,11 @@ ExitCode follow(Session& session) {
   client::Client& client = session.client();
   EventQueue queue;
   EventLines lines(session.output());
+  Restarts restarts(client);
   const auto subscription = client.on_event([&queue](const client::Event& event) { queue.put(event); });
   for (;;) {
     const bool stop = wait_until(std::chrono::steady_clock::now() + kLook);
+    if (restarts.take()) session.output().remark(kStartedAnew);
     for (const client::Event& event : queue.take_all()) lines.show(event);
     if (stop) return ExitCode::done;
     if (!client.daemon_present()) {

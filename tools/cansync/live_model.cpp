@@ -99,6 +99,11 @@ void LiveModel::take(const client::Event& event) {
   if (events_.size() > kLiveEvents) events_.pop_front();
 }
 
+void LiveModel::tell_restart(std::int64_t time, std::string text) {
+  events_.push_back({time, cansync_SEVERITY_WARNING, "daemon_restarted", std::move(text)});
+  if (events_.size() > kLiveEvents) events_.pop_front();
+}
+
 void LiveModel::set_daemon(bool present, std::string place) {
   present_ = present;
   place_ = std::move(place);

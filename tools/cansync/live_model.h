@@ -80,6 +80,8 @@ class LiveModel {
   /// A sample of timing. Figures are those of the last kTimingSeconds samples, once there are two.
   void take(const client::Timing& timing);
   void take(const client::Event& event);
+  /// An event of this program itself: the daemon was started anew, and its own begin again.
+  void tell_restart(std::int64_t time, std::string text);
   /// Whether a daemon is there; where it is looked for is told while it is not, and trends have gaps.
   void set_daemon(bool present, std::string place);
 

@@ -48,6 +48,7 @@ class Reading {
         data_.broken_off = true;
         break;
       }
+      if (fields_.front().text.starts_with('#')) continue;  // a comment
       take_row();
     }
     finish(slaves);

@@ -12,6 +12,7 @@
 #include "cansync/interrupt.h"
 #include "cansync/progress.h"
 #include "cansync/recording.h"
+#include "cansync/restarts.h"
 #include "cansync/verbs.h"
 
 namespace cansync::cli {
@@ -93,6 +94,11 @@ class RecordProgress {
   RecordProgress(const RecordProgress&) = delete;
   RecordProgress& operator=(const RecordProgress&) = delete;
 
+  /// Makes room for a remark.
+  void clear() {
+    if (std::exchange(drawn_, false)) static_cast<void>(std::fputs("\r\x1b[K", stderr));
+  }
+
   void update(double seconds, const RecordCounts& counts) {
     if (!terminal_) return;
     drawn_ = true;
@@ -119,14 +125,16 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Recorded record(client::Client& client, const RecordPlan& plan, RecordFile& file, std::uint64_t every,
+Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std::uint64_t every,
                 double duration) {
+  client::Client& client = session.client();
   Recorded recorded;
   RecordRows rows(plan, every);
   file.write(plan.header());
   RecordProgress progress;
   const auto start = Clock::now();
   Samples samples(client);
+  Restarts restarts(client);
   while (recorded.ended.empty()) {
     const auto left = std::chrono::duration<double>(duration - seconds_since(start));
     const auto next =
@@ -137,6 +145,11 @@ Recorded record(client::Client& client, const RecordPlan& plan, RecordFile& file
       recorded.ended = "duration";
     else if (!client.daemon_present())
       recorded.ended = "daemon_gone";
+    if (restarts.take()) {
+      progress.clear();
+      session.output().remark(kStartedAnew);
+      file.write(rows.restarted(wall_clock()));
+    }
     rows.set_polling(client.master_status());
     for (const client::ActualValues& sample : samples.take_all()) rows.take(sample);
     file.write(rows.lines(!recorded.ended.empty()));
@@ -191,7 +204,7 @@ ExitCode record_verb(Session& session, const RecordTexts& texts) {
                 [wanted](const client::SlaveStatus& slave) { return ((wanted >> slave.slave) & 1u) == 0; });
   const RecordPlan plan(slaves, texts.values, texts.raw);
   RecordFile file(texts.file);
-  return tell(session, texts, plan, record(client, plan, file, every, duration));
+  return tell(session, texts, plan, record(session, plan, file, every, duration));
 }
 
 }  // namespace

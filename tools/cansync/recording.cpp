@@ -140,6 +140,18 @@ std::string RecordRows::lines(bool all) {
   return out;
 }
 
+std::string RecordRows::restarted(std::int64_t now) {
+  std::string out = lines(true);
+  out += fmt::format("# {} the daemon was started anew, interval numbers begin again\n", utc_text(now));
+  constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  for (auto& [slave, seen] : seen_) {
+    seen.row.reset();
+    seen.interval.fill(kNone);
+  }
+  newest_ = 0;
+  return out;
+}
+
 std::string RecordRows::line(const Place& place, const Row& row) {
   std::vector<std::optional<double>> cells(plan_.headings().size());
   for (unsigned i = 0; i < kSlaveValues; ++i)

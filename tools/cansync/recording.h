@@ -66,6 +66,9 @@ class RecordRows {
   void set_polling(const client::MasterStatus& status);
   /// The first sample of a slave tells what was before the recording; its values are not written.
   void take(const client::ActualValues& sample);
+  /// The daemon was started anew at `now` (CLOCK_REALTIME, ns): interval numbers begin again. The lines that
+  /// were not written yet, and a comment that says so. No turns are missing in between.
+  std::string restarted(std::int64_t now);
   /// The lines that are complete, each with its end. With `all`: those of the newest intervals too.
   std::string lines(bool all);
   const RecordCounts& counts() const noexcept { return counts_; }

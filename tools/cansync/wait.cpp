@@ -7,6 +7,7 @@
 
 #include "cansync/column_help.h"
 #include "cansync/interrupt.h"
+#include "cansync/restarts.h"
 #include "cansync/slave_list.h"
 #include "cansync/verbs.h"
 #include "cansync/wait_states.h"
@@ -104,11 +105,13 @@ class Wait {
     if (state_.of == WaitState::Of::daemon) return true;
     mask_ = state_.of == WaitState::Of::slaves ? session_.configured_slaves(texts_.slaves) : 0;
     Changes changes(*client);
+    Restarts restarts(*client);
     for (;;) {
       if (!client->daemon_present()) {
         seen_ = "no daemon";
         return wants_none;
       }
+      if (restarts.take()) session_.output().remark(kStartedAnew);
       const WaitLook now{client->master_status(), client->slaves(std::chrono::milliseconds(0)), mask_};
       seen_ = seen(state_, now);
       if (is_reached(state_, now)) return true;

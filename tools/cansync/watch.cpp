@@ -5,6 +5,7 @@
 
 #include "cansync/column_help.h"
 #include "cansync/interrupt.h"
+#include "cansync/restarts.h"
 #include "cansync/verbs.h"
 #include "cansync/watch_live.h"
 #include "cansync/watch_rows.h"
@@ -170,11 +171,16 @@ class Display {
 ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_t count, bool in_place) {
   client::Client& client = session.client();
   Display display(session.output(), settings.raw, in_place);
+  Restarts restarts(client);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {
     if (!client.daemon_present()) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
       return ExitCode::not_reachable;
+    }
+    if (restarts.take()) {
+      if (!session.json() && !in_place) session.output().line("");
+      session.output().remark(kStartedAnew);
     }
     display.show(client.master_status(), watch_rows(client, settings.slaves));
     ++shown;

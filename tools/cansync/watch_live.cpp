@@ -8,6 +8,7 @@
 #include "cansync/interrupt.h"
 #include "cansync/live_layout.h"
 #include "cansync/live_model.h"
+#include "cansync/restarts.h"
 
 namespace cansync::cli {
 namespace {
@@ -48,7 +49,7 @@ class Arrivals {
 class LiveView {
  public:
   LiveView(client::Client& client, LiveScreen& screen, const LiveSettings& settings)
-      : client_(client), screen_(screen), settings_(settings), arrivals_(client) {
+      : client_(client), screen_(screen), settings_(settings), arrivals_(client), restarts_(client) {
     state_.raw = settings.raw;
   }
 
@@ -63,6 +64,7 @@ class LiveView {
     if (present)
       rows_ = watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves);
     model_.look(status, rows_, wall_clock());
+    if (restarts_.take()) model_.tell_restart(wall_clock(), std::string(kStartedAnew));
     arrivals_.give_to(model_);
   }
 
@@ -96,6 +98,7 @@ class LiveView {
   std::vector<WatchRow> rows_;       ///< the newest from a living daemon
   ViewState state_;
   Arrivals arrivals_;
+  Restarts restarts_;
 };
 
 }  // namespace

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cansync/jobs.h"
+#include "cansync/telegram.h"
+
+namespace cansyncd::campaign {
+
+/// Control words that stop: each is on the bus in the next interval but one after its request, whatever else
+/// waits, or has its answer by then. Where several slaves have one waiting, it is twice as many intervals as
+/// there are words. An interval in which no command could go out does not count.
+class StopTruth {
+ public:
+  /// The word was pushed; `room`: few enough requests were before it to be taken in the next interval.
+  void pushed(cansync::JobId id, cansync::SlaveNumber slave, std::uint16_t word, bool room) {
+    waiting_.push_back({id, slave, word, room});
+    for (Waiting& each : waiting_) each.beside = std::max(each.beside, waiting_.size());
+  }
+  /// The realtime thread has taken everything that was pushed before this interval.
+  void all_taken() noexcept {
+    for (Waiting& each : waiting_) each.taken = true;
+  }
+  /// A control word or broadcast was handed to the bus.
+  void handed_over(const cansync::ActionCommand& action) {
+    std::erase_if(waiting_, [&](const Waiting& each) {
+      return action.command == 1 && action.data_word == each.word && action.slaves.has(each.slave);
+    });
+  }
+  void answered(cansync::JobId id) {
+    std::erase_if(waiting_, [id](const Waiting& each) { return each.id == id; });
+  }
+  /// An interval has ended. `free`: a command could go out in it, and the answers of it were read.
+  void interval_ended(bool free) {
+    for (Waiting& each : waiting_) {
+      if (free && (each.taken || each.room)) ++each.intervals;
+      if (each.intervals < 2 * each.beside || !complaint_.empty()) continue;
+      complaint_ =
+          "the control word of request " + std::to_string(each.id) + " to slave " +
+          std::to_string(each.slave.value()) + " stops it, and is neither on the bus nor answered after " +
+          std::to_string(each.intervals) + " intervals beside " + std::to_string(each.beside - 1) + " others";
+    }
+  }
+
+  /// What was wrong first; empty: nothing.
+  const std::string& complaint() const noexcept { return complaint_; }
+
+ private:
+  struct Waiting {
+    cansync::JobId id = 0;
+    cansync::SlaveNumber slave;
+    std::uint16_t word = 0;
+    bool room = false;
+    bool taken = false;
+    std::size_t beside = 1;     ///< most words that waited at the same time, with this one
+    std::size_t intervals = 0;  ///< in which it could have gone out
+  };
+
+  std::vector<Waiting> waiting_;
+  std::string complaint_;
+};
+
+}  // namespace cansyncd::campaign

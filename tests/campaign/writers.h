@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "daemon/exchange.h"
+#include "daemon/reference_gate.h"
+#include "dice.h"
+#include "plan.h"
+#include "reference_truth.h"
+#include "sim/line.h"
+#include "tamper.h"
+
+namespace cansyncd::campaign {
+
+/// The programs that give reference values, and what DDS does between them and the gate: samples of the
+/// strongest living writer that holds a telegram come through, the last few are kept while the gateway hangs,
+/// and a writer that died is noticed a lease later. Some of the programs wrote to the daemon before and go
+/// on.
+class Writers final : private ReferenceSurroundings {
+ public:
+  /// All must outlive the object; `tamper` may be null.
+  Writers(const Plan& plan, Exchange& exchange, sim::Line& line, ReferenceTruth& truth, Tamper* tamper);
+
+  /// Told everything in words; empty: nobody wants to know.
+  std::function<void(const std::string&)> on_event;
+
+  /// One interval: programs live, write, give up and die.
+  void live(std::uint64_t interval, std::uint64_t mapping_number);
+  /// The faults are over: one program with everything new goes on alone.
+  void settle_down(std::uint64_t interval, std::uint64_t mapping_number);
+  /// The gateway looks at what has come. Not called while it hangs.
+  void gateway(const MasterSnapshot& now);
+  /// The master refused what was handed on last.
+  void refused(const ReferenceRefused& report);
+
+ private:
+  static constexpr std::size_t kKept = 16;  ///< of a telegram, as the topic's QoS says
+
+  struct Program {
+    WriterHandle handle = 0;  ///< as DDS knows it; 0: not at all
+    bool runs = false;
+    std::uint64_t noticed_at = 0;  ///< its death, when it does not run
+    std::int32_t strength = 0;
+    bool of_daemon_before = false;  ///< it has not taken up its telegrams since
+    std::uint64_t mapping_number = 1;
+    std::array<bool, cansync::kChannels> holds = {};
+  };
+  struct Sample {
+    ReferenceSample sample;
+    unsigned program = 0;
+    bool of_daemon_before = false;
+  };
+
+  void live_one(unsigned number, std::uint64_t interval, std::uint64_t mapping_number);
+  void write(unsigned number, cansync::Channel channel, std::uint64_t interval, bool steady);
+  void give_up(unsigned number, cansync::Channel channel);
+  void send(Sample written, cansync::Channel channel);
+  void deliver(const Sample& sample);
+  const Program* strongest(cansync::Channel channel) const noexcept;
+  std::int64_t wall() noexcept { return line_.now().count(); }
+  SteadyTime steady() noexcept { return SteadyTime(line_.now()); }
+
+  // ReferenceSurroundings
+  std::string hand_on(const Request& request) override;
+  void tell(const EventText& event, SteadyTime now) override;
+  Writer identify(WriterHandle writer) override;
+  bool yielded(WriterHandle /*owner*/) override { return true; }
+  bool left(WriterHandle writer) override;
+
+  const Plan& plan_;
+  Exchange& exchange_;
+  sim::Line& line_;
+  ReferenceTruth& truth_;
+  Tamper* tamper_;
+  Dice dice_;
+  std::vector<Program> programs_;
+  WriterHandle last_handle_ = 0;
+  std::array<std::deque<Sample>, cansync::kChannels> samples_;  ///< not yet taken by the gateway
+  std::vector<WriterHandle> dead_;                              ///< not yet told to it
+  const Sample* current_ = nullptr;                             ///< that the gate is looking at
+  ReferenceGate gate_;
+};
+
+}  // namespace cansyncd::campaign

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <atomic>
+#include <string_view>
+#include <utility>
+
+#include "client/client.h"
+
+namespace cansync::cli {
+
+/// What is said when the daemon has another start than before.
+inline constexpr std::string_view kStartedAnew =
+    "the daemon was started anew: its intervals and events begin again, and settings that clients made are "
+    "lost";
+
+/// Notices that the daemon was started anew, however short it was away, for a verb that goes on with it. Main
+/// thread only.
+class Restarts {
+ public:
+  explicit Restarts(client::Client& client)
+      : subscription_(client.on_restart([this](const client::MasterStatus&) { ++seen_; })) {}
+
+  /// True when it was since the last call; however often.
+  bool take() noexcept {
+    const unsigned seen = seen_;
+    return std::exchange(told_, seen) != seen;
+  }
+
+ private:
+  std::atomic<unsigned> seen_ = 0;
+  unsigned told_ = 0;
+  client::Subscription subscription_;  // ends before what its callback needs
+};
+
+}  // namespace cansync::cli
