@@ -43,6 +43,10 @@ bool ReferenceInput::take_reaction(unsigned channel) noexcept {
   return std::exchange(telegrams_[channel].reaction_due, false);
 }
 
+bool ReferenceInput::take_return(unsigned channel) noexcept {
+  return std::exchange(telegrams_[channel].returned, false);
+}
+
 void ReferenceInput::set_refusal(std::optional<std::string> reason) {
   if (reason && !refusal_) {
     for (Telegram& telegram : telegrams_) telegram.stop_wanted = true;
@@ -96,6 +100,7 @@ void ReferenceInput::accepted(unsigned channel, dds_instance_handle_t writer, St
   telegram.owner = writer;
   telegram.given = now;
   telegram.deadline_missed = false;
+  telegram.returned = telegram.returned || telegram.reacted;
   telegram.reacted = false;
   givers_[channel].loss = Loss::none;
 }
@@ -169,6 +174,7 @@ void ReferenceInput::lose(unsigned channel, Loss loss) {
   Telegram& telegram = telegrams_[channel];
   givers_[channel].loss = loss;
   telegram.reaction_due = telegram.reaction_due || !telegram.reacted;
+  telegram.returned = false;
   telegram.reacted = true;
 }
 

@@ -48,6 +48,9 @@ class ReferenceInput {
   /// True once for each loss after which the reaction is due.
   bool take_reaction(unsigned channel) noexcept;
 
+  /// True once when new values came after a loss.
+  bool take_return(unsigned channel) noexcept;
+
   /// Who gives the values of each telegram.
   const std::array<ReferenceGiver, cansync::kChannels>& givers() const noexcept { return givers_; }
 
@@ -76,6 +79,7 @@ class ReferenceInput {
     bool deadline_missed = false;     ///< since then
     bool reacted = false;             ///< to a loss, since the values handed on last
     bool reaction_due = false;
+    bool returned = false;            ///< new values came after the loss
     std::uint64_t too_old = 0;        ///< as last told by the realtime thread
     cansync::ReferenceUpdate newest;  ///< handed on last
     FaultRow refused{kQuiet};

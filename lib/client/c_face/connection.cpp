@@ -44,6 +44,8 @@ const char* cansync_result_name(int result) noexcept {
       return "invalid";
     case CANSYNC_FAILED:
       return "failed";
+    case CANSYNC_REPLACED:
+      return client::name(client::ReplyCode::replaced).data();
     default:
       break;
   }
