@@ -34,6 +34,7 @@ constexpr auto kOptionOfField = std::to_array<std::pair<std::string_view, std::s
     {"command_channel.transfer", "command_channel.transfer_cursor"},
     {"command_channel.parameter_monitoring", "command_channel.parameter_timeout_ms"},
     {"command_channel.transfer_monitoring", "command_channel.transfer_timeout_ms"},
+    {"command_channel.command_monitoring", "command_channel.command_timeout_ms"},
 });
 
 /// The checks, with the places of all options given.

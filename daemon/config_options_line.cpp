@@ -74,10 +74,10 @@ constexpr auto kRows = std::to_array<Option>({
            }),
     whole_number("command_channel.minimum_share", "8", 0, 65535, "intervals",
                  "Parameter jobs, and likewise transfers, get at least one in so many intervals while they "
-                 "wait; 0 = strict priority as in the manuals.",
+                 "wait, except for control words that stop; 0 = strict priority as in the manuals.",
                  [](Draft& d, const Value& v) { channel(d).minimum_share = whole<std::uint32_t>(v); }),
     reloadable(plain("command_channel.control_word_cursor", OptionType::cursor, "\"automatic\"",
-                     "Slave whose control words are served.",
+                     "Slave whose control words that enable are served; those that stop wait for no cursor.",
                      [](Draft& d, const Value& v) { channel(d).control_word = to_cursor(d.config, v); })),
     reloadable(plain("command_channel.parameter_cursor", OptionType::cursor, "\"automatic\"",
                      "Slave whose parameter jobs are served.",
@@ -91,8 +91,11 @@ constexpr auto kRows = std::to_array<Option>({
     whole_number("command_channel.transfer_queue", "32", 1, 1024, "jobs",
                  "Open uploads and downloads of all slaves together.",
                  [](Draft& d, const Value& v) { channel(d).transfer_queue = whole<std::uint16_t>(v); }),
-    whole_number("command_channel.control_word_queue", "8", 1, 64, "jobs", "Waiting control words per slave.",
-                 [](Draft& d, const Value& v) { channel(d).control_word_queue = whole<std::uint16_t>(v); }),
+    whole_number(
+        "command_channel.control_word_queue", "8", 1, 64, "jobs",
+        "Without effect, and read so that older files are taken: one control word of a slave waits, and "
+        "a newer one replaces it.",
+        [](Draft& /*d*/, const Value& /*v*/) {}),
     whole_number("command_channel.broadcast_queue", "8", 1, 64, "jobs", "Waiting broadcasts per priority.",
                  [](Draft& d, const Value& v) { channel(d).broadcast_queue = whole<std::uint16_t>(v); }),
     whole_number("command_channel.parameter_timeout_ms", "3000", 1, 3'600'000, "ms",
@@ -101,6 +104,11 @@ constexpr auto kRows = std::to_array<Option>({
     whole_number("command_channel.transfer_timeout_ms", "30000", 1, 3'600'000, "ms",
                  "Monitoring time per block of a transfer that gives none.",
                  [](Draft& d, const Value& v) { channel(d).transfer_monitoring = milliseconds(v); }),
+    whole_number(
+        "command_channel.command_timeout_ms", "1000", 1, 3'600'000, "ms",
+        "Monitoring time of a control word or broadcast that gives none: what was not sent by then ends "
+        "as \"timeout\".",
+        [](Draft& d, const Value& v) { channel(d).command_monitoring = milliseconds(v); }),
     plain("command_channel.repeat_unanswered_writes", OptionType::boolean, "false",
           "Send a parameter write again when its answer is missing; false: it ends as \"no answer\".",
           [](Draft& d, const Value& v) { channel(d).repeat_unanswered_writes = flag(v); }),

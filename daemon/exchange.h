@@ -111,7 +111,8 @@ struct TransferDone {
   cansync::TransferResult result;
 };
 
-/// A control word or broadcast was sent, or a mode, polling, cursor or mapping command took effect.
+/// A control word or broadcast was seen on the bus, or a mode, polling, cursor or mapping command took
+/// effect.
 struct CommandDone {
   cansync::JobId id = 0;
   cansync::Outcome outcome = cansync::Outcome::done;
@@ -331,9 +332,10 @@ struct ExchangeSizes {
 constexpr std::size_t terminals_for(const cansync::CommandChannelSettings& channel,
                                     std::size_t requests = ExchangeSizes{}.requests) noexcept {
   constexpr std::size_t kBroadcastPriorities = 3;
-  return std::size_t{channel.parameter_queue} + channel.transfer_queue +
-         cansync::kSlaves * std::size_t{channel.control_word_queue} +
-         kBroadcastPriorities * channel.broadcast_queue + requests;
+  constexpr std::size_t kControlWords = cansync::kSlaves;  // one of each slave waits
+  constexpr std::size_t kOnTheWay = 1;                     // handed over, and its echo not yet seen
+  return std::size_t{channel.parameter_queue} + channel.transfer_queue + kControlWords +
+         kBroadcastPriorities * channel.broadcast_queue + kOnTheWay + requests;
 }
 
 /// The shared structures. Constructed before both threads, destroyed after both.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,8 +23,16 @@ class FailsafeCommands {
   /// `events` and `audit` must outlive this object.
   FailsafeCommands(EventPublisher& events, AuditTrail& audit, const Config& config);
 
-  /// Begins a round. While one runs, another is not begun: it would carry the same word to the same slaves.
+  /// The slaves it sends its control word to; none unless that is the configured reaction.
+  cansync::SlaveMask slaves() const noexcept { return slaves_; }
+
+  /// Values of a telegram (0 or 1) are missing: begins a round. One that runs ends, because a slave that has
+  /// had its word may have got another one since; nothing happens when none of its words has been handed on.
   void start(unsigned channel, const Config& config, SteadyTime now);
+
+  /// New values of the telegram came. When those of no other one are missing, words that were not sent yet
+  /// are withdrawn.
+  void values_back(unsigned channel, const Config& config, SteadyTime now);
 
   /// Hands on what there was no room for. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> push(Exchange& exchange, SteadyTime now);
@@ -32,6 +41,7 @@ class FailsafeCommands {
   bool finish(const Terminal& terminal, const Config& config, const RefusalContext& line, SteadyTime now);
 
  private:
+  cansync::JobId id_of(cansync::SlaveNumber slave, std::uint64_t round) const noexcept;
   cansync::ControlWordRequest request_to(cansync::SlaveNumber slave) const;
   void end(const Config& config, SteadyTime now);
 
@@ -39,9 +49,13 @@ class FailsafeCommands {
   AuditTrail& audit_;
   std::optional<std::uint16_t> word_;  ///< nothing: another reaction is configured
   cansync::SlaveMask slaves_;
-  cansync::SlaveMask waiting_;  ///< not handed on yet
-  cansync::SlaveMask open_;     ///< no outcome yet
+  std::array<bool, cansync::kChannels> missing_ = {};  ///< values of these telegrams
+  std::uint64_t round_ = 0;
+  cansync::SlaveMask waiting_;    ///< not handed on yet
+  cansync::SlaveMask open_;       ///< no outcome yet
+  cansync::SlaveMask to_cancel_;  ///< handed on, and to be withdrawn
   cansync::SlaveMask sent_;
+  cansync::SlaveMask withdrawn_;
   std::string failed_;  ///< outcomes of the slaves that did not get it
 };
 

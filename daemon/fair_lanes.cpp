@@ -21,7 +21,7 @@ LaneLimits lane_limits(const cansync::CommandChannelSettings& settings) noexcept
   limits.in_lane[index_of(LaneKind::parameter)] = kAhead;
   // A transfer is long: the next is begun when it has ended.
   limits.in_lane[index_of(LaneKind::transfer)] = 1;
-  limits.in_lane[index_of(LaneKind::control_word)] = at_most(kAhead, settings.control_word_queue);
+  limits.in_lane[index_of(LaneKind::control_word)] = kAhead;
   limits.in_lane[index_of(LaneKind::broadcast)] = at_most(kAhead, settings.broadcast_queue);
   limits.in_lane[index_of(LaneKind::line)] = kAhead;
   limits.together.fill(kAny);

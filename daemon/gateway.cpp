@@ -149,7 +149,12 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   const auto references_due = references_.tick(now);
   references_.push_stops();
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
-    if (references_.take_reaction(channel)) failsafe_.start(channel, config_, now);
+    if (references_.take_reaction(channel)) {
+      failsafe_.start(channel, config_, now);
+      // What they had asked for before the loss must not follow the word.
+      jobs_.replace_waiting(failsafe_.slaves(), failsafe_.slaves(), jobs);
+    }
+    if (references_.take_return(channel)) failsafe_.values_back(channel, config_, now);
   }
   const auto failsafe_due = failsafe_.push(exchange_, now);
   state_.set_clients(jobs_.clients(), jobs_.rejections());

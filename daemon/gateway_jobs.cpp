@@ -202,6 +202,7 @@ void JobDesk::accept(const Sample& sample, const Place& place, Right right, std:
   if (take_early_cancel(*client, job.key.request, context.now)) {
     return end(job, cansync::Outcome::cancelled, context);
   }
+  replace_waiting(job.request, context);
   ++client->open;
   client->transfer_bytes += job.data.size();
   transfer_bytes_ += job.data.size();

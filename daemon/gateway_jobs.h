@@ -81,6 +81,10 @@ class JobDesk {
   /// A transfer came further.
   void progress(const TransferProgress& report, SteadyTime now);
 
+  /// Ends what waits here and has lost its turn to newer control words: those to `words` as replaced by them,
+  /// and what would enable one of `stopped` after its stop.
+  void replace_waiting(cansync::SlaveMask words, cansync::SlaveMask stopped, const JobContext& context);
+
   /// Gives a request of the daemon itself; a refusal becomes an event.
   void give(Request request);
 
@@ -155,6 +159,7 @@ class JobDesk {
   bool take_cancels(const JobContext& context);
   void take_cancel(const cansync::dds::RequestKey& key, const Place& place, const JobContext& context);
   static bool take_early_cancel(ClientEntry& client, std::uint64_t request, SteadyTime now);
+  void replace_waiting(const Request& newer, const JobContext& context);
   /// Ends a job that waits; one that the master has ends by itself, soon.
   void cancel(Jobs::iterator job, const JobContext& context);
   void look_for_clients(const JobContext& context);

@@ -47,6 +47,9 @@ class ReferenceInput : private ReferenceSurroundings {
   /// True once for each loss after which the reaction is due.
   bool take_reaction(unsigned channel) noexcept { return gate_.take_reaction(channel); }
 
+  /// True once when new values came after a loss.
+  bool take_return(unsigned channel) noexcept { return gate_.take_return(channel); }
+
   /// Who gives the values of each telegram.
   const std::array<ReferenceGiver, cansync::kChannels>& givers() const noexcept { return gate_.givers(); }
 

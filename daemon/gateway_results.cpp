@@ -13,6 +13,7 @@ namespace cansyncd {
 namespace {
 
 namespace dds = cansync::dds;
+using cansync::SlaveMask;
 
 /// Puts the slave's name into the reason, where it matters.
 template <class Reply>
@@ -20,6 +21,17 @@ void name_slave(Reply& reply, cansync::Outcome outcome, const Request& request, 
   if (const std::string text = outcome_text(outcome, request, config); !text.empty()) {
     dds::copy_text(text, reply.reason);
   }
+}
+
+/// The control word in a request, to one slave or to many.
+std::optional<cansync::ActionCommand> action_of(const Request& request) {
+  if (const auto* word = std::get_if<cansync::ControlWordRequest>(&request)) {
+    return cansync::ActionCommand{SlaveMask::of(word->slave), cansync::kCommandControlWord, 0,
+                                  word->control_word};
+  }
+  const auto* broadcast = std::get_if<cansync::BroadcastRequest>(&request);
+  if (broadcast == nullptr || broadcast->action.command != cansync::kCommandControlWord) return std::nullopt;
+  return broadcast->action;
 }
 
 }  // namespace
@@ -145,6 +157,32 @@ void JobDesk::cancel(Jobs::iterator job, const JobContext& context) {
 std::array<dds_entity_t, JobDesk::kReaders> JobDesk::reader_handles() const {
   return {parameters_.handle(), transfers_.handle(), commands_.handle(), cancels_.handle(),
           engineer_commands_ ? engineer_commands_->handle() : cancels_.handle()};
+}
+
+void JobDesk::replace_waiting(SlaveMask words, SlaveMask stopped, const JobContext& context) {
+  for (auto next = jobs_.begin(); next != jobs_.end();) {
+    const auto job = next++;
+    const auto action = action_of(job->second.request);
+    if (!action || !lanes_.waits(job->first)) continue;
+    const bool word = std::holds_alternative<cansync::ControlWordRequest>(job->second.request);
+    const bool enables = cansync::enables(context.config.master.startup, action->data_word);
+    if ((!word || (action->slaves.bits & words.bits) == 0) &&
+        (!enables || (action->slaves.bits & stopped.bits) == 0)) {
+      continue;
+    }
+    end(job->second, cansync::Outcome::replaced, context);
+    erase(job, context.now);
+  }
+}
+
+/// Clients take turns in a lane: without this, what was given earlier could go out later.
+void JobDesk::replace_waiting(const Request& newer, const JobContext& context) {
+  const auto action = action_of(newer);
+  if (!action) return;
+  const bool word = std::holds_alternative<cansync::ControlWordRequest>(newer);
+  const bool enables = cansync::enables(context.config.master.startup, action->data_word);
+  if (word || !enables)
+    replace_waiting(word ? action->slaves : SlaveMask{}, enables ? SlaveMask{} : action->slaves, context);
 }
 
 void JobDesk::look_for_clients(const JobContext& context) {

@@ -87,6 +87,7 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
   }
   telegram.given = now;
   telegram.deadline_missed = false;
+  telegram.returned = telegram.returned || telegram.reacted;
   telegram.reacted = false;
   givers_[channel].loss = Loss::none;
 }
@@ -201,11 +202,16 @@ void ReferenceGate::lose(unsigned channel, Loss loss) {
   Telegram& telegram = telegrams_[channel];
   givers_[channel].loss = loss;
   telegram.reaction_due = telegram.reaction_due || !telegram.reacted;
+  telegram.returned = false;
   telegram.reacted = true;
 }
 
 bool ReferenceGate::take_reaction(unsigned channel) noexcept {
   return std::exchange(telegrams_[channel].reaction_due, false);
+}
+
+bool ReferenceGate::take_return(unsigned channel) noexcept {
+  return std::exchange(telegrams_[channel].returned, false);
 }
 
 std::string ReferenceGate::reaction_text() const {

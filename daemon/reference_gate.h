@@ -112,6 +112,9 @@ class ReferenceGate {
   /// True once for each loss after which the reaction is due.
   bool take_reaction(unsigned channel) noexcept;
 
+  /// True once when new values were handed on after a loss.
+  bool take_return(unsigned channel) noexcept;
+
   /// Tells missed deadlines, and rows of refused values that are over. Returns when to call again; nothing:
   /// no need.
   std::optional<SteadyTime> tick(SteadyTime now);
@@ -128,6 +131,7 @@ class ReferenceGate {
     bool deadline_missed = false;              ///< since then
     bool reacted = false;                      ///< to a loss, since the values handed on last
     bool reaction_due = false;
+    bool returned = false;              ///< values were handed on after a loss
     std::uint64_t too_old = 0;          ///< as last told by the realtime thread
     std::uint64_t mapping_changed = 0;  ///< likewise
     cansync::ReferenceUpdate newest;    ///< handed on last

@@ -57,9 +57,6 @@ std::string queue_full(const Request& request, const Config& config) {
   }
   if (std::holds_alternative<cansync::TransferRequest>(request))
     return full("transfers", channel.transfer_queue);
-  if (const auto* word = std::get_if<cansync::ControlWordRequest>(&request)) {
-    return full("control words for " + slave_label(config, word->slave.value()), channel.control_word_queue);
-  }
   if (const auto* broadcast = std::get_if<cansync::BroadcastRequest>(&request)) {
     return full(fmt::format("broadcasts of priority {}", broadcast->priority), channel.broadcast_queue);
   }

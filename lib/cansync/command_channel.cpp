@@ -1,6 +1,7 @@
 #include "cansync/command_channel.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "cansync/timing.h"
 
@@ -21,10 +22,9 @@ CommandChannel::CommandChannel(const MasterSettings& settings, Supervision& supe
       listener_(listener),
       configured_(settings.configured()),
       maximum_slave_(settings.process.maximum_slave),
-      broadcasts_{FixedQueue<BroadcastRequest>(at_least_one(settings_.broadcast_queue)),
-                  FixedQueue<BroadcastRequest>(at_least_one(settings_.broadcast_queue)),
-                  FixedQueue<BroadcastRequest>(at_least_one(settings_.broadcast_queue))},
-      control_words_(kSlaves, FixedQueue<ControlWordRequest>(at_least_one(settings_.control_word_queue))),
+      broadcasts_{FixedQueue<WaitingBroadcast>(at_least_one(settings_.broadcast_queue)),
+                  FixedQueue<WaitingBroadcast>(at_least_one(settings_.broadcast_queue)),
+                  FixedQueue<WaitingBroadcast>(at_least_one(settings_.broadcast_queue))},
       parameters_(at_least_one(settings_.parameter_queue)),
       transfers_(at_least_one(settings_.transfer_queue)) {
   control_word_scan_.cursor = settings_.control_word;
@@ -54,190 +54,6 @@ Refusal CommandChannel::set_cursors(const Cursor& control_word, const Cursor& pa
   settings_.parameter = parameter_scan_.cursor = parameter;
   settings_.transfer = transfer_scan_.cursor = transfer;
   return Refusal::none;
-}
-
-// --- which command goes out
-
-std::optional<SlaveNumber> CommandChannel::next_slave(const Scan& scan, SlaveMask waiting) const noexcept {
-  if (waiting.empty() || scan.cursor.kind == Cursor::Kind::nobody) return std::nullopt;
-  if (scan.cursor.kind == Cursor::Kind::fixed) {
-    return waiting.has(scan.cursor.slave) ? std::optional(scan.cursor.slave) : std::nullopt;
-  }
-  if (settings_.serving == Serving::scan) {
-    const SlaveNumber slave = *SlaveNumber::from(scan.rising);
-    return waiting.has(slave) ? std::optional(slave) : std::nullopt;
-  }
-  for (unsigned step = 1; step <= kSlaves; ++step) {
-    const SlaveNumber slave = *SlaveNumber::from((scan.last + step) % kSlaves);
-    if (waiting.has(slave)) return slave;
-  }
-  return std::nullopt;
-}
-
-bool CommandChannel::share_due(const Scan& scan, SlaveMask waiting) const noexcept {
-  return settings_.minimum_share != 0 && !waiting.empty() && scan.passed_over + 1 >= settings_.minimum_share;
-}
-
-void CommandChannel::count_share(Scan& scan, SlaveMask waiting, bool served) noexcept {
-  if (served || waiting.empty()) {
-    scan.passed_over = 0;
-  } else if (scan.passed_over < settings_.minimum_share) {
-    ++scan.passed_over;
-  }
-}
-
-std::optional<Telegram> CommandChannel::take() noexcept {
-  settle_unanswered();
-  check_times();
-  chosen_.kind = Kind::none;
-  choose();
-  count_share(parameter_scan_, parameters_.waiting(), chosen_.kind == Kind::parameter);
-  count_share(transfer_scan_, transfers_waiting(), chosen_.kind == Kind::transfer);
-  count_share(check_scan_, supervision_.checking(), chosen_.kind == Kind::check);
-  count_share(supervision_scan_, pressing(), chosen_.kind == Kind::supervision);
-  if (chosen_.kind == Kind::none) return std::nullopt;
-  return chosen_.telegram;
-}
-
-SlaveMask CommandChannel::pressing() const noexcept {
-  return supervision_.pressing() ? SlaveMask::all() : SlaveMask{};
-}
-
-void CommandChannel::choose() noexcept {
-  if (choose_broadcast(0)) return;
-  if (supervision_.urgent() && choose_supervision()) return;
-  if (choose_cancel()) return;
-  if (share_due(supervision_scan_, pressing()) && choose_supervision()) return;
-  if (share_due(parameter_scan_, parameters_.waiting()) && choose_parameter()) return;
-  if (share_due(transfer_scan_, transfers_waiting()) && choose_transfer()) return;
-  if (share_due(check_scan_, supervision_.checking()) && choose_check()) return;
-  if (choose_broadcast(1) || choose_broadcast(2) || choose_control_word()) return;
-  if (choose_parameter() || choose_transfer() || choose_check()) return;
-  choose_supervision();
-}
-
-/// What a control word ends with that was taken and would be refused by now.
-Outcome CommandChannel::ended_by(Refusal refused) noexcept {
-  return refused == Refusal::slave_lost ? Outcome::slave_lost : Outcome::slave_held;
-}
-
-bool CommandChannel::choose_broadcast(std::uint8_t priority) noexcept {
-  auto& queue = broadcasts_[priority];
-  // Since it was taken a slave may have been lost or held out.
-  for (; !queue.empty(); queue.pop()) {
-    const Refusal refused = enabling_refused(queue.front().action);
-    if (refused == Refusal::none) break;
-    listener_.command_done(queue.front().id, ended_by(refused));
-  }
-  if (queue.empty()) return false;
-  chosen_ = {Kind::broadcast, {}, priority, queue.front().action};
-  return true;
-}
-
-bool CommandChannel::choose_control_word() noexcept {
-  while (const auto slave = next_slave(control_word_scan_, control_words_waiting_)) {
-    auto& queue = control_words_[slave->value()];
-    const ActionCommand action{SlaveMask::of(*slave), kCommandControlWord, 0, queue.front().control_word};
-    const Refusal refused = enabling_refused(action);
-    if (refused == Refusal::none) {
-      chosen_ = {Kind::control_word, *slave, 0, action};
-      return true;
-    }
-    listener_.command_done(queue.front().id, ended_by(refused));
-    queue.pop();
-    control_words_waiting_.set(*slave, !queue.empty());
-  }
-  return false;
-}
-
-bool CommandChannel::choose_parameter() noexcept {
-  const auto slave = next_slave(parameter_scan_, parameters_.waiting());
-  if (!slave) return false;
-  chosen_ = {Kind::parameter, *slave, 0, parameters_.front(*slave)->telegram()};
-  return true;
-}
-
-bool CommandChannel::choose_transfer() noexcept {
-  const auto slave = next_slave(transfer_scan_, transfers_waiting());
-  if (!slave) return false;
-  chosen_ = {Kind::transfer, *slave, 0, transfers_.front(*slave)->telegram()};
-  return true;
-}
-
-/// Transfers wait until the slave has been told to forget what it may have open.
-SlaveMask CommandChannel::transfers_waiting() const noexcept {
-  return {transfers_.waiting().bits & ~open_transfers_.unknown().bits};
-}
-
-bool CommandChannel::choose_cancel() noexcept {
-  const std::uint32_t slaves = open_transfers_.unknown().bits & supervision_.responding().bits;
-  if (slaves == 0) return false;
-  const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(slaves)));
-  chosen_ = {Kind::cancel, slave, 0, cancel_transfer(slave)};
-  return true;
-}
-
-bool CommandChannel::choose_check() noexcept {
-  const auto slave = next_slave(check_scan_, supervision_.checking());
-  if (!slave) return false;
-  chosen_ = {Kind::check, *slave, 0, supervision_.check_telegram(*slave)};
-  return true;
-}
-
-bool CommandChannel::choose_supervision() noexcept {
-  const auto telegram = supervision_.telegram();
-  if (!telegram) return false;
-  const auto* command = std::get_if<ParameterCommand>(&*telegram);
-  chosen_ = {Kind::supervision, command != nullptr ? command->slave : SlaveNumber{}, 0, *telegram};
-  return true;
-}
-
-void CommandChannel::sent() noexcept {
-  asked_.kind = Kind::none;
-  command_end_ = Duration(-1);
-  const SlaveNumber slave = chosen_.slave;
-  switch (chosen_.kind) {
-    case Kind::none:
-      return;
-    case Kind::broadcast: {
-      const JobId id = broadcasts_[chosen_.priority].front().id;
-      broadcasts_[chosen_.priority].pop();
-      listener_.command_done(id, Outcome::done);
-      break;
-    }
-    case Kind::control_word: {
-      auto& queue = control_words_[slave.value()];
-      const JobId id = queue.front().id;
-      queue.pop();
-      control_words_waiting_.set(slave, !queue.empty());
-      control_word_scan_.last = slave.value();
-      listener_.command_done(id, Outcome::done);
-      break;
-    }
-    case Kind::parameter:
-      parameters_.front(slave)->sent(now_);
-      parameter_scan_.last = slave.value();
-      asked_ = chosen_;
-      break;
-    case Kind::transfer:
-      transfers_.front(slave)->sent(now_);
-      transfer_scan_.last = slave.value();
-      asked_ = chosen_;
-      break;
-    case Kind::cancel:
-      asked_ = chosen_;
-      break;
-    case Kind::check:
-      supervision_.check_sent(slave);
-      check_scan_.last = slave.value();
-      asked_ = chosen_;
-      break;
-    case Kind::supervision:
-      supervision_.sent(chosen_.telegram);
-      if (std::get_if<ParameterCommand>(&chosen_.telegram) != nullptr) asked_ = chosen_;
-      break;
-  }
-  chosen_.kind = Kind::none;
 }
 
 // --- answers
@@ -317,7 +133,19 @@ bool CommandChannel::receive(const TransferReply& reply, Duration end) noexcept 
   return true;
 }
 
+void CommandChannel::transmitted(Duration end) noexcept {
+  command_end_ = end;
+  settle_echo(Outcome::done);
+}
+
+/// Ends the control word or broadcast that was handed over last.
+void CommandChannel::settle_echo(Outcome outcome) noexcept {
+  if (const auto id = std::exchange(echo_of_, std::nullopt)) listener_.command_done(*id, outcome);
+}
+
 void CommandChannel::settle_unanswered() noexcept {
+  // It may stand in the controller and go out later: sending it again could make two of it.
+  settle_echo(Outcome::no_answer);
   const Chosen asked = asked_;
   asked_.kind = Kind::none;
   if (asked.kind == Kind::none) return;
@@ -338,6 +166,7 @@ void CommandChannel::settle_unanswered() noexcept {
 
 void CommandChannel::check_times() noexcept {
   supervision_.check_times();
+  check_words();
   for (std::uint32_t left = parameters_.waiting().bits; left != 0; left &= left - 1) {
     const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
     ParameterJob& job = *parameters_.front(slave);
@@ -353,6 +182,16 @@ void CommandChannel::check_times() noexcept {
   for (std::uint32_t left = transfers_.waiting().bits; left != 0; left &= left - 1) {
     const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
     if (transfers_.front(slave)->check_time(now_) == Step::ended) finish_transfer(slave);
+  }
+}
+
+/// Ends the control words and broadcasts that were not sent in time.
+void CommandChannel::check_words() noexcept {
+  const auto over = [this](const auto& waiting) { return now_ > waiting.last; };
+  control_words_.remove_if(over, [this](JobId id) { listener_.command_done(id, Outcome::timeout); });
+  for (auto& queue : broadcasts_) {
+    queue.remove_each(
+        over, [this](const auto& waiting) { listener_.command_done(waiting.request.id, Outcome::timeout); });
   }
 }
 

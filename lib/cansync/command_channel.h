@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "cansync/control_words.h"
 #include "cansync/jobs.h"
 #include "cansync/master.h"
 #include "cansync/numbers.h"
@@ -36,20 +38,19 @@ class FixedQueue {
     first_ = (first_ + 1) % items_.size();
     --count_;
   }
-  /// Takes out the first item for which `match` holds; false when there is none.
-  template <class Match>
-  bool remove_if(Match match) noexcept {
-    bool found = false;
-    for (std::size_t i = 0; i < count_; ++i) {
-      T& item = items_[(first_ + i) % items_.size()];
-      if (found) {
-        items_[(first_ + i - 1) % items_.size()] = item;
+  /// Takes out every item for which `match` holds and calls `gone` with it; how many there were.
+  template <class Match, class Gone>
+  std::size_t remove_each(Match match, Gone gone) noexcept {
+    const std::size_t before = std::exchange(count_, 0);
+    for (std::size_t i = 0; i < before; ++i) {
+      const T item = items_[(first_ + i) % items_.size()];
+      if (match(item)) {
+        gone(item);
       } else {
-        found = match(item);
+        push(item);
       }
     }
-    if (found) --count_;
-    return found;
+    return before - count_;
   }
 
  private:
@@ -60,11 +61,21 @@ class FixedQueue {
 
 /// Decides which one command goes out in an interval, and brings the answers to their jobs (M 3.2.2.6).
 ///
-/// Order: broadcast 0; then status words, parameters and transfers whose minimum share is due; broadcast 1;
-/// broadcast 2; control word; parameter; transfer; lists of parameters of slaves that were away; status
-/// words. In start-up the activation and the first status words go right after broadcast 0; then to each
-/// slave that answers the telegram that cancels what another master may have left open. Memory is taken in
-/// the constructor; everything else is realtime safe. Not thread safe.
+/// Order: broadcast 0; control words that stop; then status words, parameters and transfers whose minimum
+/// share is due, longest waiting first; broadcast 1; broadcast 2; control words that enable; parameter;
+/// transfer; lists of parameters of slaves that were away; status words. In start-up the activation and the
+/// first status words go right after words that stop; then to each slave that answers the telegram that
+/// cancels what another master may have left open.
+///
+/// Control words that stop are those that do not have all enabling bits, and those of the failsafe reaction.
+/// They wait for no cursor. Those of several slaves go one an interval, round robin. Before a second one in a
+/// row of the same slave one other command may go, and before each one broadcast 0, but never two. So a word
+/// that waits alone is sent in the next interval but one at the latest, whatever else waits, and n of them
+/// within 2n intervals, n when no broadcast 0 is given; an interval in which the command is left out comes
+/// on top of it. A stop also ends as `replaced` what was given before it and would enable its slaves after
+/// it. Broadcasts that stop keep their place among those of their priority.
+///
+/// Memory is taken in the constructor; everything else is realtime safe. Not thread safe.
 class CommandChannel {
  public:
   CommandChannel(const MasterSettings& settings, Supervision& supervision, MasterListener& listener);
@@ -93,7 +104,7 @@ class CommandChannel {
   void left_out() noexcept { chosen_.kind = Kind::none; }
 
   /// End of the last command on the bus, as a time since the start of the timeline.
-  void transmitted(Duration end) noexcept { command_end_ = end; }
+  void transmitted(Duration end) noexcept;
 
   /// Answers, with the end of the frame as a time since the start of the timeline. False: nobody asked.
   bool receive(const ParameterReply& reply, Duration end) noexcept;
@@ -130,6 +141,12 @@ class CommandChannel {
     Telegram telegram;
   };
 
+  /// A broadcast that waits, and the interval in which it may be sent last.
+  struct WaitingBroadcast {
+    BroadcastRequest request;
+    IntervalNumber last = 0;
+  };
+
   /// Where a job kind looks for its next slave.
   struct Scan {
     Cursor cursor;
@@ -139,13 +156,17 @@ class CommandChannel {
   };
 
   std::optional<SlaveNumber> next_slave(const Scan& scan, SlaveMask waiting) const noexcept;
+  std::optional<SlaveNumber> next_in_turn(const Scan& scan, SlaveMask waiting) const noexcept;
   bool share_due(const Scan& scan, SlaveMask waiting) const noexcept;
   void count_share(Scan& scan, SlaveMask waiting, bool served) noexcept;
 
   SlaveMask pressing() const noexcept;
   void choose() noexcept;
   bool choose_broadcast(std::uint8_t priority) noexcept;
+  bool choose_due_share() noexcept;
+  bool choose_stop(SlaveMask slaves) noexcept;
   bool choose_control_word() noexcept;
+  bool choose_word_of(SlaveNumber slave) noexcept;
   bool choose_parameter() noexcept;
   bool choose_transfer() noexcept;
   bool choose_cancel() noexcept;
@@ -153,13 +174,21 @@ class CommandChannel {
   bool choose_supervision() noexcept;
 
   SlaveMask transfers_waiting() const noexcept;
-  bool enables(std::uint16_t control_word) const noexcept;
+  bool enables(const ActionCommand& action) const noexcept;
+  static ActionCommand action_of(const ControlWordRequest& request) noexcept;
+  static ActionCommand action_of(const BroadcastRequest& request) noexcept { return request.action; }
+  static bool is_failsafe(const ControlWordRequest& request) noexcept { return request.failsafe; }
+  static bool is_failsafe(const BroadcastRequest& /*request*/) noexcept { return false; }
   static Outcome ended_by(Refusal refused) noexcept;
+  IntervalNumber last_interval(Duration monitoring_time) const noexcept;
+  void replace_enabling(SlaveMask slaves) noexcept;
   Refusal enabling_refused(const ActionCommand& action) const noexcept;
   unsigned end_jobs(SlaveNumber slave) noexcept;
   bool belongs_to_a_write(const ParameterReply& reply) noexcept;
   void settle_unanswered() noexcept;
+  void settle_echo(Outcome outcome) noexcept;
   void check_times() noexcept;
+  void check_words() noexcept;
   std::optional<Duration> note_response(SlaveNumber slave, Duration end, unsigned data_bytes) noexcept;
   void finish_parameter(SlaveNumber slave) noexcept;
   void finish_transfer(SlaveNumber slave) noexcept;
@@ -173,9 +202,11 @@ class CommandChannel {
   SlaveMask configured_;
   SlaveMask sends_sub_slave_;  ///< sent the sub-slave address along since synchronous operation began
   SlaveNumber maximum_slave_;
-  std::array<FixedQueue<BroadcastRequest>, 3> broadcasts_;
-  std::vector<FixedQueue<ControlWordRequest>> control_words_;
-  SlaveMask control_words_waiting_;
+  std::array<FixedQueue<WaitingBroadcast>, 3> broadcasts_;
+  ControlWords control_words_;
+  SlaveMask stopped_in_a_row_;    ///< their words that stop went out since another command did
+  bool stops_gave_way_ = false;   ///< another command went out while a word that stops waited
+  std::optional<JobId> echo_of_;  ///< control word or broadcast handed over, not yet seen on the bus
   SlaveQueues<ParameterJob> parameters_;
   SlaveQueues<TransferJob> transfers_;
   Scan control_word_scan_;

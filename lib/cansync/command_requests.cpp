@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "cansync/command_channel.h"
 
@@ -26,16 +27,37 @@ void CommandChannel::bus_lost() noexcept {
   open_transfers_.forget(slaves);
 }
 
-/// True for a control word that would enable a slave that is held out.
-bool CommandChannel::enables(std::uint16_t control_word) const noexcept {
-  const std::uint16_t bits = master_.startup.enabling_control_bits;
-  return bits != 0 && (control_word & bits) == bits;
+bool CommandChannel::enables(const ActionCommand& action) const noexcept {
+  return action.command == kCommandControlWord && cansync::enables(master_.startup, action.data_word);
+}
+
+ActionCommand CommandChannel::action_of(const ControlWordRequest& request) noexcept {
+  return {SlaveMask::of(request.slave), kCommandControlWord, 0, request.control_word};
+}
+
+/// The last interval in which a control word or broadcast may be sent that is given now.
+IntervalNumber CommandChannel::last_interval(Duration monitoring_time) const noexcept {
+  const Duration time = monitoring_time > Duration(0) ? monitoring_time : settings_.command_monitoring;
+  return now_ + std::max<IntervalNumber>(intervals(time), 1);
+}
+
+/// Ends what waits and would enable one of these slaves after the stop that is given now.
+void CommandChannel::replace_enabling(SlaveMask slaves) noexcept {
+  const auto replaced = [this](JobId id) { listener_.command_done(id, Outcome::replaced); };
+  const auto enabling = [&](const auto& waiting) {
+    const ActionCommand action = action_of(waiting.request);
+    return (action.slaves.bits & slaves.bits) != 0 && enables(action) && !is_failsafe(waiting.request);
+  };
+  control_words_.remove_if(enabling, replaced);
+  for (auto& queue : broadcasts_) {
+    queue.remove_each(enabling, [&](const auto& waiting) { replaced(waiting.request.id); });
+  }
 }
 
 /// Why this control word, which enables drives, is not for one of its slaves now. What stops a drive
 /// passes always, also to one whose answers do not come.
 Refusal CommandChannel::enabling_refused(const ActionCommand& action) const noexcept {
-  if (action.command != kCommandControlWord || !enables(action.data_word)) return Refusal::none;
+  if (!enables(action)) return Refusal::none;
   if ((action.slaves.bits & supervision_.given_up().bits) != 0) return Refusal::slave_lost;
   if ((action.slaves.bits & supervision_.held_out().bits) != 0) return Refusal::slave_held;
   return Refusal::none;
@@ -78,10 +100,20 @@ Refusal CommandChannel::submit(const TransferRequest& request) noexcept {
 
 Refusal CommandChannel::submit(const ControlWordRequest& request) noexcept {
   if (!configured_.has(request.slave)) return Refusal::slave_not_configured;
-  const ActionCommand action{SlaveMask::of(request.slave), kCommandControlWord, 0, request.control_word};
+  const ActionCommand action = action_of(request);
   if (const Refusal refused = enabling_refused(action); refused != Refusal::none) return refused;
-  if (!control_words_[request.slave.value()].push(request)) return Refusal::queue_full;
-  control_words_waiting_.set(request.slave);
+  if (!request.failsafe && control_words_.failsafe().has(request.slave)) {
+    listener_.command_done(request.id, Outcome::replaced);
+    return Refusal::none;
+  }
+  const bool stops = !enables(action) || request.failsafe;
+  if (stops) replace_enabling(action.slaves);
+  if (control_words_.waiting().has(request.slave)) {
+    listener_.command_done(control_words_.remove(request.slave), Outcome::replaced);
+  }
+  const IntervalNumber last =
+      request.failsafe ? std::numeric_limits<IntervalNumber>::max() : last_interval(request.monitoring_time);
+  control_words_.put({request, last, stops});
   return Refusal::none;
 }
 
@@ -91,24 +123,31 @@ Refusal CommandChannel::submit(const BroadcastRequest& request) noexcept {
   if (command != kCommandControlWord && command < 128) return Refusal::command_reserved;
   if (request.action.slaves.empty()) return Refusal::no_slaves;
   if (const Refusal refused = enabling_refused(request.action); refused != Refusal::none) return refused;
-  return broadcasts_[request.priority].push(request) ? Refusal::none : Refusal::queue_full;
+  const bool stops = command == kCommandControlWord && !enables(request.action);
+  if (stops) replace_enabling(request.action.slaves);  // also when there is no room for it: the safe side
+  if (broadcasts_[request.priority].full()) return Refusal::queue_full;
+  if (enables(request.action) && (control_words_.failsafe().bits & request.action.slaves.bits) != 0) {
+    listener_.command_done(request.id, Outcome::replaced);
+    return Refusal::none;
+  }
+  broadcasts_[request.priority].push({request, last_interval(request.monitoring_time)});
+  return Refusal::none;
 }
 
 Refusal CommandChannel::cancel(JobId id) noexcept {
-  const auto is = [id](const auto& item) { return item.id == id; };
+  const auto is = [id](const auto& waiting) { return waiting.request.id == id; };
   const auto is_job = [id](const auto& job) { return job.request().id == id; };
-  // What was taken for this interval's slot is on its way; it ends as sent.
+  // What was handed over is on its way; it ends by its echo.
+  bool found = false;
+  const auto cancelled = [&](JobId ended) {
+    listener_.command_done(ended, Outcome::cancelled);
+    found = true;
+  };
+  control_words_.remove_if(is, cancelled);
   for (auto& queue : broadcasts_) {
-    if (!queue.remove_if(is)) continue;
-    listener_.command_done(id, Outcome::cancelled);
-    return Refusal::none;
+    queue.remove_each(is, [&](const auto& waiting) { cancelled(waiting.request.id); });
   }
-  for (std::uint8_t slave = 0; slave < kSlaves; ++slave) {
-    if (!control_words_[slave].remove_if(is)) continue;
-    control_words_waiting_.set(*SlaveNumber::from(slave), !control_words_[slave].empty());
-    listener_.command_done(id, Outcome::cancelled);
-    return Refusal::none;
-  }
+  if (found) return Refusal::none;
   const bool parameter = parameters_.remove_if(is_job, true, [this](ParameterJob& job) {
     if (asked_.kind == Kind::parameter && parameters_.front(asked_.slave) == &job) asked_.kind = Kind::none;
     job.end(Outcome::cancelled, now_);
@@ -134,14 +173,13 @@ Refusal CommandChannel::cancel(JobId id) noexcept {
 /// Ends what is open for a slave that is gone; how many jobs there were. Control words that stop it stay.
 unsigned CommandChannel::end_jobs(SlaveNumber slave) noexcept {
   unsigned ended = 0;
-  auto& words = control_words_[slave.value()];
-  const auto end_enabling = [this](const ControlWordRequest& request) {
-    if (!enables(request.control_word)) return false;
-    listener_.command_done(request.id, Outcome::slave_lost);
-    return true;
+  const auto its_enabling = [&](const ControlWords::Word& word) {
+    return word.request.slave == slave && enables(action_of(word.request));
   };
-  while (words.remove_if(end_enabling)) ++ended;
-  control_words_waiting_.set(slave, !words.empty());
+  control_words_.remove_if(its_enabling, [&](JobId id) {
+    listener_.command_done(id, Outcome::slave_lost);
+    ++ended;
+  });
   for (; ParameterJob* job = parameters_.front(slave); ++ended) {
     job->slave_lost(now_);
     finish_parameter(slave);
@@ -158,13 +196,14 @@ void CommandChannel::end_all(Outcome outcome) noexcept {
   chosen_.kind = Kind::none;
   asked_.kind = Kind::none;
   sends_sub_slave_ = {};
+  settle_echo(Outcome::no_answer);
   for (auto& queue : broadcasts_) {
-    for (; !queue.empty(); queue.pop()) listener_.command_done(queue.front().id, outcome);
+    for (; !queue.empty(); queue.pop()) listener_.command_done(queue.front().request.id, outcome);
   }
-  for (auto& queue : control_words_) {
-    for (; !queue.empty(); queue.pop()) listener_.command_done(queue.front().id, outcome);
-  }
-  control_words_waiting_ = {};
+  control_words_.remove_if([](const auto&) { return true; },
+                           [&](JobId id) { listener_.command_done(id, outcome); });
+  stopped_in_a_row_ = {};
+  stops_gave_way_ = false;
   for (unsigned number = 0; number < kSlaves; ++number) {
     const SlaveNumber slave = *SlaveNumber::from(number);
     for (ParameterJob* job = parameters_.front(slave); job != nullptr; job = parameters_.front(slave)) {

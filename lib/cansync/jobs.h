@@ -52,18 +52,23 @@ struct TransferRequest {
   std::span<std::uint8_t> data;
 };
 
-/// Control word to one slave.
+/// Control word to one slave. One waits for each slave; a newer one replaces it (M 3.2.2.6).
 struct ControlWordRequest {
   JobId id = 0;
   SlaveNumber slave;
   std::uint16_t control_word = 0;
+  Duration monitoring_time{0};  ///< in which it is sent or ends as `timeout`; 0: the setting's default (1 s)
+  /// The failsafe reaction's: waits for no cursor whatever its bits are and without a time limit, and no
+  /// other word replaces it.
+  bool failsafe = false;
 };
 
 /// Action command to a group of slaves.
 struct BroadcastRequest {
   JobId id = 0;
-  std::uint8_t priority = 2;  ///< 0 (before everything else), 1 or 2
-  ActionCommand action;       ///< command 1 or 128..255
+  std::uint8_t priority = 2;    ///< 0 (before everything else), 1 or 2
+  ActionCommand action;         ///< command 1 or 128..255
+  Duration monitoring_time{0};  ///< as of a control word
 };
 
 /// Gives new reference values of one telegram.
@@ -90,10 +95,12 @@ struct ReferenceUpdate {
 
 /// How a job ended.
 enum class Outcome : std::uint8_t {
-  done,
-  slave_error,          ///< the slave answered with an error code
-  timeout,              ///< no (final) answer within the monitoring time
-  no_answer,            ///< a write was not answered; whether the slave took the value is not known
+  done,         ///< a control word or broadcast: its frame was seen on the bus
+  slave_error,  ///< the slave answered with an error code
+  timeout,      ///< no (final) answer within the monitoring time; a control word or broadcast: not sent
+  /// A write was not answered, or a control word or broadcast was handed over and not seen on the bus within
+  /// its interval; whether the slave took it is not known.
+  no_answer,
   word_expected,        ///< the slave's parameter is a word, doubleword was asked
   doubleword_expected,  ///< the slave's parameter is a doubleword, word was asked
   value_too_wide,       ///< write "as the slave says": the slave's word cannot hold the value
@@ -101,6 +108,7 @@ enum class Outcome : std::uint8_t {
   master_stopped,  ///< the master left the operating state while the job was open
   slave_lost,      ///< the slave stopped answering; nothing of a write was sent (else `no_answer`)
   slave_held,      ///< a control word that was not sent: meanwhile the slave was held out
+  replaced,        ///< a control word or broadcast that was not sent: a newer word, or a stop, took its place
 };
 
 /// Why a request is not taken at all; nothing was sent.

@@ -125,7 +125,7 @@ class MasterListener {
   virtual void parameter_done(JobId id, const ParameterResult& result) noexcept = 0;
   virtual void transfer_progress(JobId id, std::uint32_t bytes) noexcept = 0;
   virtual void transfer_done(JobId id, const TransferResult& result) noexcept = 0;
-  /// A control word or broadcast was sent (`done`), or ended otherwise.
+  /// A control word or broadcast was seen on the bus (`done`), or ended otherwise.
   virtual void command_done(JobId id, Outcome outcome) noexcept = 0;
   virtual void event(const MasterEvent& event) noexcept = 0;
 };
@@ -173,7 +173,7 @@ class Master {
 
   /// The master's own frame was on the bus until `since_sync` (after the running interval's edge). Must be
   /// told of every frame in the order of the bus: answers that come before it are not taken for answers to
-  /// it.
+  /// it. A control word or broadcast that was not told of when the next command is taken ends as `no_answer`.
   void transmitted(const can::Frame& frame, Duration since_sync) noexcept;
 
   /// A frame of somebody else arrived at `since_sync` (after the running interval's edge).

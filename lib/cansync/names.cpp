@@ -118,6 +118,8 @@ std::string_view name(Outcome outcome) noexcept {
       return "slave lost";
     case Outcome::slave_held:
       return "slave held out";
+    case Outcome::replaced:
+      return "replaced";
   }
   return "unknown outcome";
 }

@@ -64,17 +64,18 @@ struct SlaveSettings {
 struct CommandChannelSettings {
   Serving serving = Serving::work_conserving;
   /// Parameter jobs, and likewise transfers, get at least one in so many intervals while they wait, before
-  /// control words and broadcasts 1 and 2 (never before broadcast 0); 0 = strict priority as in the manuals.
+  /// control words that enable and broadcasts 1 and 2 (never before broadcast 0 and control words that stop);
+  /// 0 = strict priority as in the manuals.
   std::uint32_t minimum_share = 8;
-  Cursor control_word;
+  Cursor control_word;  ///< of words that enable; those that stop wait for no cursor
   Cursor parameter;
   Cursor transfer;
-  std::uint16_t parameter_queue = 256;   ///< open parameter jobs of all slaves together
-  std::uint16_t transfer_queue = 32;     ///< open transfers of all slaves together
-  std::uint16_t control_word_queue = 8;  ///< waiting control words per slave
-  std::uint16_t broadcast_queue = 8;     ///< waiting broadcasts per priority
+  std::uint16_t parameter_queue = 256;  ///< open parameter jobs of all slaves together
+  std::uint16_t transfer_queue = 32;    ///< open transfers of all slaves together
+  std::uint16_t broadcast_queue = 8;    ///< waiting broadcasts per priority
   Duration parameter_monitoring = std::chrono::seconds(3);
   Duration transfer_monitoring = std::chrono::seconds(30);  ///< per block
+  Duration command_monitoring = std::chrono::seconds(1);    ///< of control words and broadcasts
   bool repeat_unanswered_writes =
       false;  ///< false: a write without an answer ends as `no_answer`, never sent twice
   std::uint8_t telegram_repeats = 1;      ///< times a failed transfer telegram is sent again
@@ -95,9 +96,15 @@ struct StartupSettings {
       std::chrono::seconds(1);  ///< active operation: status word of each slave; 0 = never
   std::uint8_t lost_after = 3;  ///< unanswered telegrams in a row until a slave counts as lost
   /// A control word with all of these bits enables a drive (unconfirmed): it is refused for a slave that is
-  /// lost or held out (`SlaveState`). 0: none is.
+  /// lost or held out (`SlaveState`), and waits for the cursor. Every other one stops. 0: none enables.
   std::uint16_t enabling_control_bits = 0x000F;
 };
+
+/// True for a control word that enables a drive; every other one stops it.
+constexpr bool enables(const StartupSettings& settings, std::uint16_t control_word) noexcept {
+  const std::uint16_t bits = settings.enabling_control_bits;
+  return bits != 0 && (control_word & bits) == bits;
+}
 
 /// Reference and actual values.
 struct ProcessSettings {

@@ -128,11 +128,12 @@ void check_command_channel(Problems& problems, const MasterSettings& settings, D
   check_cursor(problems, "command_channel.transfer", channel.transfer, configured);
   expect_range(problems, "command_channel.parameter_queue", channel.parameter_queue, 1, 65535);
   expect_range(problems, "command_channel.transfer_queue", channel.transfer_queue, 1, 65535);
-  expect_range(problems, "command_channel.control_word_queue", channel.control_word_queue, 1, 65535);
   expect_range(problems, "command_channel.broadcast_queue", channel.broadcast_queue, 1, 65535);
   expect_duration(problems, "command_channel.parameter_monitoring", channel.parameter_monitoring, interval,
                   kLongestMonitoring);
   expect_duration(problems, "command_channel.transfer_monitoring", channel.transfer_monitoring, interval,
+                  kLongestMonitoring);
+  expect_duration(problems, "command_channel.command_monitoring", channel.command_monitoring, interval,
                   kLongestMonitoring);
   expect(problems, channel.address_step == 1 || channel.address_step == 4, "command_channel.address_step",
          std::to_string(channel.address_step), "1 or 4 bytes per start address");

@@ -21,13 +21,14 @@ extern "C" {
 #endif
 #define CANSYNC_C_API __attribute__((visibility("default")))
 
-/* How a call ended; the numbers stay. 1 to 11 are what the daemon or the slave said. */
+/* How a call ended; the numbers stay. 1 to 11 and 17 are what the daemon or the slave said. */
 enum cansync_result {
   CANSYNC_DONE = 0,
-  CANSYNC_REFUSED = 1,             /* not accepted, nothing was sent */
-  CANSYNC_SLAVE_ERROR = 2,         /* the slave answered with an error code */
-  CANSYNC_TIMEOUT = 3,             /* no (final) answer of the slave within the monitoring time */
-  CANSYNC_NO_ANSWER = 4,           /* a write was not answered; whether the slave took it is not known */
+  CANSYNC_REFUSED = 1,     /* not accepted, nothing was sent */
+  CANSYNC_SLAVE_ERROR = 2, /* the slave answered with an error code */
+  CANSYNC_TIMEOUT = 3,   /* no (final) answer of the slave within the monitoring time; a command: not sent */
+  CANSYNC_NO_ANSWER = 4, /* a write was not answered, or a control word or broadcast not seen on the bus;
+                          * whether the slave took it is not known */
   CANSYNC_WORD_EXPECTED = 5,       /* the parameter is a word */
   CANSYNC_DOUBLEWORD_EXPECTED = 6, /* the parameter is a doubleword */
   CANSYNC_VALUE_TOO_WIDE = 7,      /* the parameter is a word that cannot hold the value */
@@ -40,7 +41,9 @@ enum cansync_result {
   CANSYNC_NO_DATA = 14,      /* nothing is known yet */
   CANSYNC_INVALID = 15,      /* a wrong argument, or the handle is not connected */
   CANSYNC_FAILED = 16,       /* memory or threads are used up, or the values could not be written */
-  CANSYNC_TAKE_UP = 17 /* the daemon was started anew, or the reference mapping changed: nothing was given */
+  CANSYNC_TAKE_UP = 17, /* the daemon was started anew, or the reference mapping changed: nothing was given */
+  CANSYNC_REPLACED =
+      18 /* a control word or broadcast that was not sent: a newer word, or a stop, took its place */
 };
 
 /* One connection to one bus. */
@@ -188,7 +191,9 @@ CANSYNC_C_API int cansync_give_references(cansync_client* client, uint8_t telegr
 /* Gives both telegrams up: their release ends at once, and the next values of a weaker writer are taken. */
 CANSYNC_C_API int cansync_leave_references(cansync_client* client) CANSYNC_C_NOEXCEPT;
 
-/* The next four wait until the telegram was sent, or the mode is in effect. */
+/* The next four wait until the telegram was on the bus, or the mode is in effect. A control word or broadcast
+ * that is not sent within the daemon's default time (command_channel.command_timeout_ms) ends as
+ * CANSYNC_TIMEOUT. */
 
 CANSYNC_C_API int cansync_control_word(cansync_client* client, uint32_t slave,
                                        uint32_t word) CANSYNC_C_NOEXCEPT;

@@ -53,6 +53,8 @@ std::string_view name(ReplyCode code) noexcept {
       return "master_stopped";
     case ReplyCode::slave_lost:
       return "slave_lost";
+    case ReplyCode::replaced:
+      return "replaced";
     case ReplyCode::no_reply:
       break;
   }

@@ -124,9 +124,11 @@ class CANSYNC_PUBLIC Client {
   TransferReply download(std::uint32_t slave, std::uint32_t address, std::vector<std::uint8_t> data,
                          const OnProgress& on_progress = {});
 
-  // --- commands: answered when sent or in effect
+  // --- commands: answered when they were on the bus, or are in effect
 
-  CommandJob control_word(std::uint32_t slave, std::uint32_t word);
+  /// A newer word of the slave, of any client, replaces one that waits (`replaced`). What is not sent within
+  /// `timeout_ms` ends as `timeout`; 0: the daemon's default.
+  CommandJob control_word(std::uint32_t slave, std::uint32_t word, std::uint32_t timeout_ms = 0);
   CommandJob broadcast(const Broadcast& broadcast);
   /// `force`: MODE_RUN also when slaves are missing.
   CommandJob mode(Mode mode, bool force = false);

@@ -35,6 +35,8 @@ ReplyCode code_of(cansync_ReplyCode code) {
       return ReplyCode::cancelled;
     case cansync_REPLY_SLAVE_LOST:
       return ReplyCode::slave_lost;
+    case cansync_REPLY_REPLACED:
+      return ReplyCode::replaced;
     case cansync_REPLY_MASTER_STOPPED:
       break;
   }

@@ -54,10 +54,11 @@ TransferReply Client::download(std::uint32_t slave, std::uint32_t address, std::
       .wait(kNeverStop, on_progress);
 }
 
-CommandJob Client::control_word(std::uint32_t slave, std::uint32_t word) {
+CommandJob Client::control_word(std::uint32_t slave, std::uint32_t word, std::uint32_t timeout_ms) {
   cansync_Command command = command_of(cansync_COMMAND_CONTROL_WORD);
   command.slave = slave;
   command.control_word = word;
+  command.timeout = timeout_ms;
   return CommandJob(link_->submit(command));
 }
 
@@ -68,6 +69,7 @@ CommandJob Client::broadcast(const Broadcast& broadcast) {
   command.action = broadcast.action;
   command.data_byte = broadcast.data_byte;
   command.data_word = broadcast.data_word;
+  command.timeout = broadcast.timeout_ms;
   return CommandJob(link_->submit(command));
 }
 

@@ -68,11 +68,12 @@ inline constexpr std::chrono::milliseconds kCommandTime{5000};
 /// How a request ended. All but `no_reply` are those of the IDL (docs/dds-api.md).
 enum class ReplyCode : std::uint8_t {
   done,
-  refused,              ///< not accepted, nothing was sent; `reason` names field, value and allowed range
-  slave_error,          ///< the slave answered with `error_code`
-  timeout,              ///< no (final) answer of the slave within the monitoring time
-  no_answer,            ///< a write was not answered; whether the slave took the value is not known
-  word_expected,        ///< the parameter is a word
+  refused,        ///< not accepted, nothing was sent; `reason` names field, value and allowed range
+  slave_error,    ///< the slave answered with `error_code`
+  timeout,        ///< no (final) answer of the slave within the monitoring time; a command: not sent
+  no_answer,      ///< a write was not answered, or a control word or broadcast not seen on the bus; whether
+                  ///< the slave took it is not known
+  word_expected,  ///< the parameter is a word
   doubleword_expected,  ///< the parameter is a doubleword
   value_too_wide,       ///< the parameter is a word that cannot hold the value
   cancelled,
@@ -80,6 +81,7 @@ enum class ReplyCode : std::uint8_t {
   slave_lost,  ///< the slave stopped answering; what was under way may have been taken or not
   no_reply,    ///< the daemon has gone, did not take the request, or gave no reply in time; whether it was
                ///< done is not known
+  replaced,    ///< a control word or broadcast that was not sent: a newer word, or a stop, took its place
 };
 
 /// Stable word for a code, e.g. "slave_error".
@@ -159,6 +161,7 @@ struct CANSYNC_PUBLIC Broadcast {
   std::uint32_t action = 0;      ///< 1 (control word in data_word) or 128..255
   std::uint32_t data_byte = 0;   ///< 0..255
   std::uint32_t data_word = 0;   ///< 0..65535
+  std::uint32_t timeout_ms = 0;  ///< in which it is sent or ends as `timeout`; 0: the daemon's default
 };
 
 /// Polling codes and slave cursors besides a slave number 0..31.

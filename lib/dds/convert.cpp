@@ -85,7 +85,8 @@ TransferRequest to_core(const cansync_TransferRequest& request, JobId id,
 }
 
 ControlWordRequest to_control_word(const cansync_Command& command, JobId id) noexcept {
-  return {id, bounded<SlaveNumber>(command.slave), static_cast<std::uint16_t>(command.control_word)};
+  return {id, bounded<SlaveNumber>(command.slave), static_cast<std::uint16_t>(command.control_word),
+          monitoring_time(command.timeout)};
 }
 
 BroadcastRequest to_broadcast(const cansync_Command& command, JobId id) noexcept {
@@ -93,7 +94,8 @@ BroadcastRequest to_broadcast(const cansync_Command& command, JobId id) noexcept
                              static_cast<std::uint8_t>(command.action),
                              static_cast<std::uint8_t>(command.data_byte),
                              static_cast<std::uint16_t>(command.data_word)};
-  return {id, static_cast<std::uint8_t>(std::min(command.priority, 2u)), action};
+  return {id, static_cast<std::uint8_t>(std::min(command.priority, 2u)), action,
+          monitoring_time(command.timeout)};
 }
 
 ReferenceUpdate to_core(const cansync_ReferenceValues& values) noexcept {

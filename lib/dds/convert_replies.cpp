@@ -58,8 +58,24 @@ std::string_view reason_of(Outcome outcome) noexcept {
              "the bus cable, and read back what was written";
     case Outcome::slave_held:
       return "not sent: the slave lost SYNC or was away, and is held out until it is released";
+    case Outcome::replaced:
+      return "not sent: a newer control word for the slave, or a stop, took its place";
   }
   return "unknown outcome";
+}
+
+/// What slaves do not answer ends for other reasons than what they do.
+std::string_view reason_of_command(Outcome outcome) noexcept {
+  if (outcome == Outcome::timeout) {
+    return "not sent within the monitoring time; check the cursor of control words, and that the bus takes "
+           "telegrams";
+  }
+  if (outcome == Outcome::no_answer) {
+    return "handed over, but not seen on the bus within its interval; whether the slave took it is not "
+           "known: "
+           "read its status word, and give it again";
+  }
+  return reason_of(outcome);
 }
 
 template <std::size_t N>
@@ -112,6 +128,8 @@ cansync_ReplyCode to_reply_code(Outcome outcome) noexcept {
       return cansync_REPLY_SLAVE_LOST;
     case Outcome::slave_held:
       return cansync_REPLY_REFUSED;
+    case Outcome::replaced:
+      return cansync_REPLY_REPLACED;
     case Outcome::master_stopped:
       break;
   }
@@ -146,7 +164,7 @@ cansync_TransferReply transfer_reply(const RequestKey& key, const TransferResult
 
 cansync_CommandReply command_reply(const RequestKey& key, Outcome outcome) noexcept {
   auto reply = reply_to<cansync_CommandReply>(key, to_reply_code(outcome));
-  copy_text(reason_of(outcome), reply.reason);
+  copy_text(reason_of_command(outcome), reply.reason);
   return reply;
 }
 

@@ -29,7 +29,8 @@ Problem check_broadcast(const cansync_Command& command, const Limits& limits) {
                        command.action);
   }
   if (Problem problem = in_range("data_byte", command.data_byte, 0, 0xFF)) return problem;
-  return in_range("data_word", command.data_word, 0, 0xFFFF);
+  if (Problem problem = in_range("data_word", command.data_word, 0, 0xFFFF)) return problem;
+  return timeout_in_range(command.timeout);
 }
 
 Problem check_cursor(std::string_view field, std::int32_t code, const Limits& limits) {
@@ -89,7 +90,8 @@ Problem check(const cansync_Command& command, const Limits& limits) {
   switch (command.kind) {
     case cansync_COMMAND_CONTROL_WORD:
       if (Problem problem = configured_slave("slave", command.slave, limits)) return problem;
-      return in_range("control_word", command.control_word, 0, 0xFFFF);
+      if (Problem problem = in_range("control_word", command.control_word, 0, 0xFFFF)) return problem;
+      return timeout_in_range(command.timeout);
     case cansync_COMMAND_BROADCAST:
       return check_broadcast(command, limits);
     case cansync_COMMAND_MODE:

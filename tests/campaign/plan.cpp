@@ -47,7 +47,7 @@ void draw_command_channel(Dice& dice, Plan& plan, const std::vector<unsigned>& n
   channel.transfer = draw_cursor(dice, numbers, 50);
   channel.parameter_queue = static_cast<std::uint16_t>(dice.between(2, 40));
   channel.transfer_queue = static_cast<std::uint16_t>(dice.between(1, 6));
-  channel.control_word_queue = static_cast<std::uint16_t>(dice.between(1, 4));
+  channel.command_monitoring = dice.between(10, 400) * plan.interval();
   channel.broadcast_queue = static_cast<std::uint16_t>(dice.between(1, 4));
   channel.parameter_monitoring = dice.between(10, 200) * plan.interval();
   channel.transfer_monitoring = dice.between(50, 500) * plan.interval();

@@ -16,9 +16,9 @@ void describe_settings(std::ostream& out, const Plan& plan) {
   for (const sim::DriveSettings& drive : plan.drives) out << " " << +drive.slave.number.value();
   out << "\ncommand channel: " << (channel.serving == cansync::Serving::scan ? "scan" : "work conserving")
       << ", minimum share " << channel.minimum_share << ", queues " << channel.parameter_queue << "/"
-      << channel.transfer_queue << "/" << channel.control_word_queue << "/" << channel.broadcast_queue
-      << ", monitoring " << intervals(channel.parameter_monitoring) << "/"
-      << intervals(channel.transfer_monitoring) << " intervals, repeat writes "
+      << channel.transfer_queue << "/" << channel.broadcast_queue << ", monitoring "
+      << intervals(channel.parameter_monitoring) << "/" << intervals(channel.transfer_monitoring) << "/"
+      << intervals(channel.command_monitoring) << " intervals, repeat writes "
       << channel.repeat_unanswered_writes << ", repeats " << +channel.telegram_repeats << ", block retries "
       << +channel.block_retries << ", address step " << +channel.address_step << "\nstart: enable rule "
       << static_cast<int>(settings.startup.enable) << ", status period "

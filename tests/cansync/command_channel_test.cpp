@@ -198,18 +198,16 @@ TEST(CommandChannel, RefusesBroadcastsThatAreNotAllowed) {
   for (int i = 0; i < 8; ++i) {
     EXPECT_EQ(rig->master.submit(BroadcastRequest{static_cast<JobId>(i), 1, {SlaveMask{1}, 1, 0, 0}}),
               Refusal::none);
-    EXPECT_EQ(rig->master.submit(ControlWordRequest{static_cast<JobId>(100 + i), slave(0), 0}),
-              Refusal::none);
   }
+  EXPECT_EQ(rig->master.submit(ControlWordRequest{100, slave(0), 0}), Refusal::none);
   EXPECT_EQ(submit(1, 1, 200), Refusal::queue_full);
-  EXPECT_EQ(rig->master.submit(ControlWordRequest{1, slave(0), 0}), Refusal::queue_full);
   EXPECT_EQ(rig->master.submit(ControlWordRequest{1, slave(9), 0}), Refusal::slave_not_configured);
   EXPECT_EQ(rig->master.cancel(3), Refusal::none);
-  EXPECT_EQ(rig->master.cancel(105), Refusal::none);
+  EXPECT_EQ(rig->master.cancel(100), Refusal::none);
   rig->run(20);
   EXPECT_EQ(rig->told.commands.at(3), Outcome::cancelled);
-  EXPECT_EQ(rig->told.commands.at(105), Outcome::cancelled);
-  EXPECT_EQ(rig->told.commands.size(), 16u);
+  EXPECT_EQ(rig->told.commands.at(100), Outcome::cancelled);
+  EXPECT_EQ(rig->told.commands.size(), 9u);
 }
 
 TEST(CommandChannel, ACommandLeftOutIsSentInALaterInterval) {

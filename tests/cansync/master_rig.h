@@ -90,8 +90,10 @@ class MasterRig {
   };
   /// Every telegram sent in the last interval, in slot order.
   std::vector<Telegram> sent;
-  /// Slots for which the next interval's telegram is left out.
+  /// The next interval's command is left out.
   bool leave_out_command = false;
+  /// Commands are handed over and never seen on the bus, as when nobody acknowledges.
+  bool lose_echoes = false;
   IntervalNumber next_interval = 0;
 
   static std::optional<Telegram> status_only(const Telegram& telegram) {
@@ -181,7 +183,9 @@ class MasterRig {
       return;
     }
     master.sent(slot);
-    master.transmitted(*frame, master.planned_start(slot) + std::chrono::microseconds(100));
+    if (slot != Slot::command || !lose_echoes) {
+      master.transmitted(*frame, master.planned_start(slot) + std::chrono::microseconds(100));
+    }
     const Decoded decoded = decode(*frame);
     ASSERT_TRUE(std::holds_alternative<Telegram>(decoded));
     sent.push_back(std::get<Telegram>(decoded));

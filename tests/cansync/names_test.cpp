@@ -39,7 +39,7 @@ TEST(Names, UnexpectedTelegrams) {
   EXPECT_EQ(static_cast<unsigned>(Unexpected::unasked) + 1, kUnexpectedKinds);
 }
 TEST(Names, Outcomes) {
-  expect_names(Outcome::slave_held);
+  expect_names(Outcome::replaced);
 }
 TEST(Names, Refusals) {
   expect_names(Refusal::mapping_changed);

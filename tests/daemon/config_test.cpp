@@ -116,10 +116,10 @@ TEST(Config, DefaultsOfTheCommandChannelAreThoseOfTheStruct) {
   EXPECT_EQ(channel.transfer, plain.transfer);
   EXPECT_EQ(channel.parameter_queue, plain.parameter_queue);
   EXPECT_EQ(channel.transfer_queue, plain.transfer_queue);
-  EXPECT_EQ(channel.control_word_queue, plain.control_word_queue);
   EXPECT_EQ(channel.broadcast_queue, plain.broadcast_queue);
   EXPECT_EQ(channel.parameter_monitoring, plain.parameter_monitoring);
   EXPECT_EQ(channel.transfer_monitoring, plain.transfer_monitoring);
+  EXPECT_EQ(channel.command_monitoring, plain.command_monitoring);
   EXPECT_EQ(channel.repeat_unanswered_writes, plain.repeat_unanswered_writes);
   EXPECT_EQ(channel.telegram_repeats, plain.telegram_repeats);
   EXPECT_EQ(channel.block_retries, plain.block_retries);

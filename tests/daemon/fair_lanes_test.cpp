@@ -133,7 +133,6 @@ TEST(FairLanes, NoQueueOfTheMasterFillsUp) {
   cansync::CommandChannelSettings settings;
   settings.parameter_queue = 3;
   settings.transfer_queue = 1;
-  settings.control_word_queue = 2;
   settings.broadcast_queue = 1;
   Line line(settings);
   JobId next = 1;
@@ -146,7 +145,7 @@ TEST(FairLanes, NoQueueOfTheMasterFillsUp) {
   }
   for (int i = 0; i < 4; ++i) line.lanes.add(next++, client(1), {LaneKind::broadcast, 2});
   line.hand_over();
-  EXPECT_EQ(line.given.size(), 3u + 1 + 4 * 2 + 1);
+  EXPECT_EQ(line.given.size(), 3u + 1 + 4 * 4 + 1);
   // Everything still gets through, and slaves share the limit they have together.
   while (line.ended < line.given.size()) line.end_first();
   EXPECT_EQ(line.given.size(), next - 1);

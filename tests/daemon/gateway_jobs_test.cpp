@@ -94,6 +94,7 @@ TEST(GatewayJobs, EveryOutcomeHasItsReplyCode) {
       {Outcome::master_stopped, cansync_REPLY_MASTER_STOPPED},
       {Outcome::slave_lost, cansync_REPLY_SLAVE_LOST},
       {Outcome::slave_held, cansync_REPLY_REFUSED},
+      {Outcome::replaced, cansync_REPLY_REPLACED},
   };
   std::uint64_t number = 1;
   for (const auto& [outcome, code] : outcomes) {
@@ -158,6 +159,55 @@ TEST(GatewayJobs, AnUploadBringsWhatTheRealtimeThreadWrote) {
   const auto answer = rig.transfer_reply(1);
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->data, expected);
+}
+
+TEST(GatewayJobs, TheNewestControlWordOfASlaveReplacesWhatWaitsForItsTurn) {
+  GatewayRig rig;
+  std::vector<cansync::JobId> given;
+  for (std::uint64_t number = 1; number <= 4; ++number) {
+    rig.client.write(control_word(number));
+    given.push_back(rig.expect_request<cansync::ControlWordRequest>().id);
+  }
+  rig.client.write(control_word(5));
+  rig.client.write(control_word(6));
+  auto stop = control_word(7);
+  stop.control_word = 0x0006;
+  stop.timeout = 250;
+  rig.client.write(stop);
+  for (const std::uint64_t number : {5u, 6u}) {
+    const auto reply = rig.client.reply<cansync_CommandReply>(number);
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->code, cansync_REPLY_REPLACED);
+    EXPECT_NE(std::string_view(reply->reason).find("newer control word"), std::string_view::npos);
+  }
+  rig.answer(CommandDone{given[0], Outcome::replaced});
+  EXPECT_EQ(rig.client.reply<cansync_CommandReply>(1)->code, cansync_REPLY_REPLACED);
+  const auto last = rig.expect_request<cansync::ControlWordRequest>();
+  EXPECT_EQ(last.control_word, 0x0006);
+  EXPECT_EQ(last.monitoring_time, std::chrono::milliseconds(250));
+  EXPECT_FALSE(last.failsafe);
+}
+
+TEST(GatewayJobs, AStopReplacesWaitingBroadcastsThatWouldEnableItsSlave) {
+  GatewayRig rig;
+  auto broadcast = TestClient::request<cansync_Command>(1);
+  broadcast.kind = cansync_COMMAND_BROADCAST;
+  broadcast.priority = 2;
+  broadcast.slave_mask = 0b1010;
+  broadcast.action = 1;
+  broadcast.data_word = 0x000F;
+  for (; broadcast.request <= 4; ++broadcast.request) {
+    rig.client.write(broadcast);
+    rig.expect_request<cansync::BroadcastRequest>();
+  }
+  rig.client.write(broadcast);  // the fifth waits for its turn
+  auto stop = control_word(6);
+  stop.control_word = 0;
+  rig.client.write(stop);
+  const auto reply = rig.client.reply<cansync_CommandReply>(5);
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->code, cansync_REPLY_REPLACED);
+  EXPECT_EQ(rig.expect_request<cansync::ControlWordRequest>().control_word, 0);
 }
 
 TEST(GatewayJobs, CommandsBecomeRequests) {

@@ -190,6 +190,7 @@ TEST(Replies, EveryOutcomeHasItsCodeAndAllButDoneAReason) {
       {Outcome::master_stopped, cansync_REPLY_MASTER_STOPPED},
       {Outcome::slave_lost, cansync_REPLY_SLAVE_LOST},
       {Outcome::slave_held, cansync_REPLY_REFUSED},
+      {Outcome::replaced, cansync_REPLY_REPLACED},
   };
   for (const auto& [outcome, code] : table) {
     const cansync_CommandReply reply = command_reply(key_with(1), outcome);

@@ -47,7 +47,6 @@ MasterSettings settings(Bytes& in) {
   out.startup.enable = static_cast<EnableRule>((bits >> 6) % 3);
   out.command_channel.parameter_queue = 8;
   out.command_channel.transfer_queue = 4;
-  out.command_channel.control_word_queue = 2;
   out.command_channel.broadcast_queue = 2;
   out.command_channel.telegram_repeats = in.byte() & 3;
   out.command_channel.block_retries = in.byte() & 3;
@@ -280,8 +279,7 @@ class Run {
             "open parameter jobs are those not ended");
     require(transfers == ledger_.open(JobLedger::Kind::transfer), "open transfers are those not ended");
     require(parameters <= channel.parameter_queue && transfers <= channel.transfer_queue, "bounded queues");
-    require(ledger_.open(JobLedger::Kind::command) <=
-                3u * channel.broadcast_queue + kSlaves * channel.control_word_queue,
+    require(ledger_.open(JobLedger::Kind::command) <= 3u * channel.broadcast_queue + kSlaves + 1,
             "bounded queues of commands");
     if (!is_synchronous(master_->state()))
       require(parameters + transfers + ledger_.open(JobLedger::Kind::command) == 0,

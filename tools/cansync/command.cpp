@@ -52,8 +52,8 @@ ExitCode control_verb(Session& session, const ControlTexts& texts) {
   const std::vector<unsigned> slaves = session.slaves(texts.slave);
   return session.for_each(slaves, [&](std::size_t index) {
     const unsigned slave = slaves[index];
-    const client::CommandReply reply =
-        session.ask(Effect::changes, [&] { return session.client().control_word(slave, word); });
+    const client::CommandReply reply = session.ask(
+        Effect::changes, [&] { return session.client().control_word(slave, word, session.monitoring_ms()); });
     const std::string where = fmt::format("control word 0x{:04X} to slave {}", word, slave);
     return session.finish(reply, JsonObject().add("slave", slave).add("control_word", word), where,
                           where + " sent");
@@ -72,6 +72,7 @@ ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
   broadcast.data_byte = static_cast<std::uint32_t>(parse_integer(texts.byte, "--byte", 0, 255));
   broadcast.data_word = parse_raw(texts.word, "--word", Width::word);
   broadcast.slave_mask = parse_slaves(session, texts.slaves);
+  broadcast.timeout_ms = session.monitoring_ms();
   const client::CommandReply reply =
       session.ask(Effect::changes, [&] { return session.client().broadcast(broadcast); });
   JsonObject object;
@@ -108,7 +109,10 @@ void add_control(CLI::App& app, Verb& chosen) {
   auto texts = std::make_shared<ControlTexts>();
   control->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
   control->add_option("WORD", texts->word, "control word, 0..65535, also 0x.. or negative")->required();
-  control->footer("Done means sent: a slave does not answer a control word.");
+  control->footer(
+      "Done means that it was on the bus: a slave does not answer a control word. One that stops goes first; "
+      "a "
+      "newer\none of the same slave replaces one that waits.");
   control->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return control_verb(session, *texts); }; });
 }
@@ -143,7 +147,7 @@ void add_broadcast(CLI::App& app, Verb& chosen) {
       ->type_name("N");
   broadcast->add_option("--priority", texts->priority, "0 = before everything else, 1, or 2 (default)")
       ->type_name("0|1|2");
-  broadcast->footer("Done means sent: slaves do not answer an action command.");
+  broadcast->footer("Done means that it was on the bus: slaves do not answer an action command.");
   broadcast->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return broadcast_verb(session, *texts); }; });
 }

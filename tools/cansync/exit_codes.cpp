@@ -19,6 +19,7 @@ ExitCode exit_code(client::ReplyCode code) noexcept {
       return ExitCode::timeout;
     case client::ReplyCode::cancelled:
     case client::ReplyCode::master_stopped:
+    case client::ReplyCode::replaced:
       return ExitCode::cancelled;
     case client::ReplyCode::no_reply:
       return ExitCode::not_reachable;
@@ -33,9 +34,11 @@ const char* exit_code_help() noexcept {
          "  2  usage: the command line is wrong; nothing was sent\n"
          "  3  refused by the daemon, or by `restore` before its first write; nothing was changed\n"
          "  4  the slave answered with an error, or the parameter has another format\n"
-         "  5  timeout, a write was not answered, or the slave stopped answering\n"
+         "  5  timeout, a write was not answered, a control word or broadcast was not seen on the bus, or "
+         "the "
+         "slave stopped\n     answering\n"
          "  6  the daemon is not running, not reachable, or went away\n"
-         "  7  cancelled by Ctrl-C, or because the master stopped\n"
+         "  7  cancelled by Ctrl-C, because the master stopped, or replaced by a newer control word\n"
          "  8  `doctor` found an error (1: warnings alone)\n"
          "  9  `diff` or `verify` found a difference";
 }

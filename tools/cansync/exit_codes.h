@@ -16,7 +16,7 @@ enum class ExitCode : std::uint8_t {
   slave_error = 4,  ///< the slave answered with an error, or has the parameter in another format
   timeout = 5,      ///< no answer of the slave; after a write it is not known whether it was taken
   not_reachable = 6,  ///< no daemon, or it went away before it answered
-  cancelled = 7,      ///< by Ctrl-C, or because the master stopped
+  cancelled = 7,      ///< by Ctrl-C, because the master stopped, or replaced by a newer control word
   faults = 8,         ///< `doctor` found an error
   different = 9,      ///< `diff` or `verify` found a difference
 };

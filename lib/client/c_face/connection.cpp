@@ -46,6 +46,8 @@ const char* cansync_result_name(int result) noexcept {
       return "failed";
     case CANSYNC_TAKE_UP:
       return "take_up";
+    case CANSYNC_REPLACED:
+      return client::name(client::ReplyCode::replaced).data();
     default:
       break;
   }

@@ -18,7 +18,9 @@ constexpr std::uint16_t kActive = 0x0080;  // w_OPTION_STATUS
 namespace cansync::client::c_face {
 
 int result_of(cansync_client& handle, const Reply& reply) {
-  return fail(handle, static_cast<int>(reply.code), describe(reply));
+  const bool replaced = reply.code == ReplyCode::replaced;  // its number is another one here
+  return fail(handle, replaced ? static_cast<int>(CANSYNC_REPLACED) : static_cast<int>(reply.code),
+              describe(reply));
 }
 
 }  // namespace cansync::client::c_face
@@ -77,7 +79,7 @@ int cansync_control_word(cansync_client* handle, uint32_t slave, uint32_t word) 
 int cansync_broadcast(cansync_client* handle, uint32_t priority, uint32_t slave_mask, uint32_t action,
                       uint32_t data_byte, uint32_t data_word) noexcept {
   return connected(handle, [&](cansync_client& open, Client& client) {
-    return result_of(open, client.broadcast({priority, slave_mask, action, data_byte, data_word}).wait());
+    return result_of(open, client.broadcast({priority, slave_mask, action, data_byte, data_word, 0}).wait());
   });
 }
 

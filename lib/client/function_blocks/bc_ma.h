@@ -15,7 +15,7 @@ class CANSYNC_PUBLIC BroadcastBlock {
   DWORD d_SL_MASK = 0;  ///< bit n: slave n; 16#FFFFFFFF: every configured slave
   BOOL x_EN = false;
 
-  BOOL x_OK = false;  ///< the broadcast entered last was sent
+  BOOL x_OK = false;  ///< the broadcast entered last was seen on the bus
 
   /// Who refused the one entered last and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }

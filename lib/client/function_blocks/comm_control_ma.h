@@ -10,11 +10,11 @@ namespace cansync::client::function_blocks {
 /// CANsync_COMM_CONTROL_MA (M 4.6): which slave the command channel serves, for each kind of job.
 ///
 /// A setting is sent when it differs from the one sent last, and when the daemon was started anew, not in
-/// every call. A slave that no cursor names gets no answer to its jobs; they end when their monitoring time
-/// is over.
+/// every call. Parameter jobs, control words that enable and transfers of a slave that no cursor names wait
+/// and end when their monitoring time is over; control words that stop wait for no cursor.
 class CANSYNC_PUBLIC COMM_CONTROL_MA {
  public:
-  SINT si_SL_NR_CTRL = kAutomaticNumber;  ///< control words: -128 automatic, 0..31
+  SINT si_SL_NR_CTRL = kAutomaticNumber;  ///< control words that enable: -128 automatic, 0..31
   BOOL x_EN_CTRL = false;                 ///< si_SL_NR_CTRL counts
   SINT si_SL_NR_PAR = kAutomaticNumber;   ///< parameters
   BOOL x_EN_PAR = false;

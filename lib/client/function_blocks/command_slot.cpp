@@ -17,15 +17,19 @@ void CommandSlot::refuse(std::string reason) {
 }
 
 void CommandSlot::poll() {
+  constexpr std::chrono::milliseconds kNow{0};
+  if (older_ && older_->wait_for(kNow)) older_.reset();
   if (job_) {
-    const std::optional<CommandReply> reply = job_->wait_for(std::chrono::milliseconds(0));
-    if (!reply) return;
-    job_.reset();
-    // What was entered meanwhile counts, not what it has replaced.
-    if (!waiting_ && error_.empty()) {
+    const std::optional<CommandReply> reply = job_->wait_for(kNow);
+    if (!reply) {
+      if (!newest_at_once_ || !waiting_ || older_) return;
+      older_ = job_;
+    } else if (!waiting_ && error_.empty()) {
+      // What was entered meanwhile counts, not what it has replaced.
       sent_ = reply->ok();
       error_ = describe(*reply);
     }
+    job_.reset();
   }
   if (!waiting_) return;
   job_.emplace(std::exchange(waiting_, nullptr)(*client_));

@@ -10,11 +10,15 @@ namespace cansync::client::function_blocks {
 
 /// The transmission range of a block that gives commands: one command on its way, and the newest one entered
 /// meanwhile, which replaces an older one that waits, as in the option module's memory.
+///
+/// With `newest_at_once` the newest leaves while one before it is on its way, so that the daemon replaces
+/// what waits there; two are on their way at most.
 class CANSYNC_PUBLIC CommandSlot {
  public:
   using Submit = std::function<CommandJob(Client&)>;
 
-  explicit CommandSlot(Client& client) : client_(&client) {}
+  explicit CommandSlot(Client& client, bool newest_at_once = false)
+      : client_(&client), newest_at_once_(newest_at_once) {}
 
   /// Enters a command; it leaves with this or a later `poll`.
   void enter(Submit submit);
@@ -30,7 +34,9 @@ class CANSYNC_PUBLIC CommandSlot {
 
  private:
   Client* client_;
+  bool newest_at_once_;
   std::optional<CommandJob> job_;
+  std::optional<CommandJob> older_;  ///< on its way before `job_`; its reply is of no interest
   Submit waiting_;
   bool sent_ = false;
   std::string error_;

@@ -6,19 +6,21 @@
 namespace cansync::client::function_blocks {
 
 /// CANsync_CONTROLWORD_MA (M 4.7): sends a control word to one slave. Every call with x_EN = TRUE enters it
-/// for sending, so set x_EN for one cycle only. While one is on its way, the newest entered one waits for it.
+/// for sending, so set x_EN for one cycle only. The newest word replaces one that waits in the daemon; while
+/// two are on their way, the newest entered one waits here. One that enables and is not sent within the
+/// daemon's monitoring time ends with an error.
 class CANSYNC_PUBLIC CONTROLWORD_MA {
  public:
   SINT si_SL_NR_CTRL = 0;  ///< 0..31
   WORD w_CONTROLWORD = 0;
   BOOL x_EN = false;
 
-  BOOL x_OK = false;  ///< the control word entered last was sent
+  BOOL x_OK = false;  ///< the control word entered last was seen on the bus
 
   /// Who refused the one entered last and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
 
-  explicit CONTROLWORD_MA(Client& client) : client_(&client), slot_(client) {}
+  explicit CONTROLWORD_MA(Client& client) : client_(&client), slot_(client, true) {}
   void call();
 
  private:

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+
+#include "cansync/jobs.h"
+#include "cansync/numbers.h"
+
+namespace cansync {
+
+/// The control words that wait to be sent: one of each slave, the newest, as in the registers of the manuals
+/// (M 3.2.2.6). Plain values; realtime safe; not thread safe.
+class ControlWords {
+ public:
+  struct Word {
+    ControlWordRequest request;
+    IntervalNumber last = 0;  ///< interval in which it may be sent last
+    bool passes = false;      ///< waits for no cursor: it stops its slave, or is the failsafe reaction's
+  };
+
+  SlaveMask waiting() const noexcept { return waiting_; }
+  /// The slaves whose word waits for no cursor.
+  SlaveMask passing() const noexcept { return passing_; }
+  /// The slaves whose word is the failsafe reaction's.
+  SlaveMask failsafe() const noexcept { return failsafe_; }
+  /// Only for a slave of `waiting`.
+  const Word& of(SlaveNumber slave) const noexcept { return words_[slave.value()]; }
+
+  /// Puts a word in the place of the one that waits for its slave, if one does.
+  void put(const Word& word) noexcept {
+    const SlaveNumber slave = word.request.slave;
+    words_[slave.value()] = word;
+    waiting_.set(slave);
+    passing_.set(slave, word.passes);
+    failsafe_.set(slave, word.request.failsafe);
+  }
+
+  /// Takes a slave's word out and returns whose it was. Only for a slave of `waiting`.
+  JobId remove(SlaveNumber slave) noexcept {
+    for (SlaveMask* mask : {&waiting_, &passing_, &failsafe_}) mask->set(slave, false);
+    return words_[slave.value()].request.id;
+  }
+
+  /// Takes out every word for which `match` holds and calls `gone` with its job.
+  template <class Match, class Gone>
+  void remove_if(Match match, Gone gone) noexcept {
+    for (std::uint32_t left = waiting_.bits; left != 0; left &= left - 1) {
+      const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+      if (match(of(slave))) gone(remove(slave));
+    }
+  }
+
+ private:
+  std::array<Word, kSlaves> words_ = {};
+  SlaveMask waiting_;
+  SlaveMask passing_;
+  SlaveMask failsafe_;
+};
+
+}  // namespace cansync
