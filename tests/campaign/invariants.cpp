@@ -170,6 +170,10 @@ Verdict no_release_begins_with_old_values(const Scene& scene) {
   return complaint(scene.witness.references.age_complaint());
 }
 
+Verdict a_word_that_stops_is_sent_in_two_intervals(const Scene& scene) {
+  return complaint(scene.witness.stops.complaint());
+}
+
 /// The arrival that brought these values, if there was one.
 bool brought(const Scene& scene, const ActualSeen& seen, Channel channel) {
   const cansync::ActualValues& values = seen.report.values;
@@ -267,6 +271,7 @@ constexpr Invariant kInvariants[] = {
     {"reference_values_are_released_as_often_as_allowed", &reference_values_are_released_as_often_as_allowed},
     {"reference_values_are_of_who_may_give_them", &reference_values_are_of_who_may_give_them},
     {"no_release_begins_with_old_values", &no_release_begins_with_old_values},
+    {"a_word_that_stops_is_sent_in_two_intervals", &a_word_that_stops_is_sent_in_two_intervals},
     {"counters_are_consistent", &counters_are_consistent},
     {"back_in_normal_operation_in_time", &back_in_normal_operation_in_time},
 };

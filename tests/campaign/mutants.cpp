@@ -266,6 +266,12 @@ class FreshByName final : public Tamper {
   }
 };
 
+/// Control words that stop wait as if for a cursor.
+class WaitingStop final : public Tamper {
+ public:
+  std::uint64_t held_back(const cansync::ControlWordRequest& /*request*/) override { return 8; }
+};
+
 template <class T>
 std::unique_ptr<Tamper> make(const Plan& plan) {
   if constexpr (std::is_constructible_v<T, const Plan&>) {
@@ -306,6 +312,7 @@ constexpr Mutant kMutants[] = {
     {"take over that ends nothing", kGiver, &make<NoTakeOver>},
     {"values for any start", kGiver, &make<AnyStart>},
     {"fresh by name", kAge, &make<FreshByName>},
+    {"word that stops waits", "a_word_that_stops_is_sent_in_two_intervals", &make<WaitingStop>},
     {"deaf after the faults", "back_in_normal_operation_in_time", &make<Deaf>},
 };
 

@@ -104,7 +104,10 @@ void Player::ask_control_word() {
   constexpr std::uint16_t kWords[] = {0x0007, 0x0007, 0x0000, 0x0006, 0x0087};
   const Job job = new_job(Job::Kind::command);
   const cansync::ControlWordRequest request{job.id, any_slave(), dice_.one_of(kWords)};
-  command(job, request, "control word" + slave_text(request.slave));
+  const bool soon = stage_.exchange.requests.size() < kTakenAtOnce;
+  if (!push(request, &job, "control word" + slave_text(request.slave))) return;
+  // None of them has all enabling bits: each is one that stops.
+  stage_.witness.stops.pushed(job.id, request.slave, request.control_word, soon);
 }
 
 void Player::ask_stop_word() {
