@@ -10,9 +10,6 @@ namespace {
 
 static_assert(kOpenRequests == dds::kOpenRequests);
 
-constexpr std::chrono::milliseconds kParameterTime(3000);
-constexpr std::chrono::milliseconds kTransferTime(30000);
-
 ReplyCode code_of(cansync_ReplyCode code) {
   switch (code) {
     case cansync_REPLY_DONE:
@@ -145,8 +142,11 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::millise
   return state;
 }
 
-std::chrono::milliseconds Link::monitoring(std::uint32_t own_ms, std::chrono::milliseconds otherwise) {
-  return own_ms != 0 ? std::chrono::milliseconds(own_ms) : otherwise;
+std::chrono::milliseconds Link::monitoring(std::uint32_t own_ms,
+                                           std::uint32_t MasterStatus::*otherwise) const {
+  if (own_ms != 0) return std::chrono::milliseconds(own_ms);
+  const std::vector<MasterStatus> known = master_.known();
+  return std::chrono::milliseconds(known.empty() ? 0 : known.front().*otherwise);
 }
 
 template <class R, class Request>
@@ -178,7 +178,7 @@ void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Requ
 }
 
 std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& request) {
-  auto state = begin(parameter_jobs_, monitoring(request.timeout_ms, kParameterTime));
+  auto state = begin(parameter_jobs_, monitoring(request.timeout_ms, &MasterStatus::parameter_timeout));
   cansync_ParameterRequest sample = {};
   address(sample, state->request);
   sample.write = request.write;
@@ -194,7 +194,7 @@ std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& r
 }
 
 std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& request) {
-  auto state = begin(transfer_jobs_, monitoring(request.timeout_ms, kTransferTime));
+  auto state = begin(transfer_jobs_, monitoring(request.timeout_ms, &MasterStatus::transfer_timeout));
   if (request.data.size() > cansync_MAXIMUM_TRANSFER) {
     const std::lock_guard lock(mutex_);
     transfer_jobs_.remove(state->request);
@@ -222,7 +222,8 @@ std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& req
 }
 
 std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
-  auto state = begin(command_jobs_, kCommandTime);
+  auto state = begin(command_jobs_,
+                     std::max(kCommandTime, monitoring(command.timeout, &MasterStatus::command_timeout)));
   address(command, state->request);
   if (engineer_writer_ && dds::for_engineers(command.kind))
     send(*engineer_writer_, dds::engineer_command_topic().name, command, command_jobs_, *state);

@@ -62,7 +62,7 @@ inline constexpr std::size_t kOpenRequests = 64;
 /// wait.
 inline constexpr std::chrono::milliseconds kGrace{10000};
 
-/// Monitoring time of commands.
+/// Least monitoring time of commands here; longer where they or the daemon name a longer one.
 inline constexpr std::chrono::milliseconds kCommandTime{5000};
 
 /// How a request ended. All but `no_reply` are those of the IDL (docs/dds-api.md).

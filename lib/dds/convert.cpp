@@ -224,6 +224,15 @@ void fill_master_status(const MasterSettings& settings, const MasterCounters& co
   out.interval_length = static_cast<std::uint64_t>(times.interval.count());
   out.slaves_configured = settings.configured().bits;
   out.parameter_queue = settings.command_channel.parameter_queue;
+  out.parameter_timeout = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(settings.command_channel.parameter_monitoring)
+          .count());
+  out.transfer_timeout = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(settings.command_channel.transfer_monitoring)
+          .count());
+  out.command_timeout = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(settings.command_channel.command_monitoring)
+          .count());
   out.transfer_queue = settings.command_channel.transfer_queue;
   out.telegrams_sent = counters.telegrams_sent;
   out.left_out = counters.left_out;
