@@ -128,7 +128,7 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::millise
   const std::lock_guard lock(mutex_);
   const std::size_t open = parameter_jobs_.size() + transfer_jobs_.size() + command_jobs_.size();
   if (open >= kOpenRequests) {
-    // The daemon's words (daemon/refusal_text.cpp), who would refuse it too.
+    // The daemon's words (daemon/cansync/texts/refusal_text.cpp), who would refuse it too.
     state->end(
         ReplyCode::refused,
         fmt::format("queue full: this client has {} requests open, at most {} are allowed; wait for a reply "

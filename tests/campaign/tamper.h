@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "can/bus.h"
-#include "daemon/exchange.h"
-#include "daemon/reference_gate.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/gateway/reference_gate.h"
 
 namespace cansyncd::campaign {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "daemon/exchange.h"
-#include "daemon/reference_gate.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/gateway/reference_gate.h"
 #include "dice.h"
 #include "plan.h"
 #include "reference_truth.h"

@@ -1,0 +1,282 @@
+#include "daemon/cansync/gateway/reference_gate.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "cansync/timing.h"
+
+namespace cansyncd {
+namespace {
+
+cansync::Channel channel_of(unsigned index) noexcept {
+  return index == 0 ? cansync::Channel::one : cansync::Channel::two;
+}
+
+constexpr std::string_view kTakeUp =
+    "look at the line, then let the program take up its telegrams (ReferenceWriter::take_up), or start it "
+    "again";
+
+}  // namespace
+
+ReferenceGate::ReferenceGate(const DaemonIdentity& daemon, const Config& config,
+                             ReferenceSurroundings& around, std::optional<std::string> refusal)
+    : daemon_(daemon),
+      age_(config.failsafe.reference_max_age, cansync::slot_times(config.master.bit_rate).interval),
+      hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0),
+      deadline_(config.failsafe.reference_deadline),
+      around_(around),
+      refusal_(std::move(refusal)) {}
+
+void ReferenceGate::set_refusal(std::optional<std::string> reason) {
+  if (reason && !refusal_) {
+    for (unsigned channel = 0; channel < cansync::kChannels; ++channel) stop(channel, 0);
+  }
+  refusal_ = std::move(reason);
+}
+
+void ReferenceGate::take(const ReferenceSample& sample, std::int64_t wall, SteadyTime now) {
+  const bool known_telegram = sample.telegram == 1 || sample.telegram == 2;
+  // A key that is no telegram still needs a place to be counted.
+  const unsigned channel = sample.telegram == 2 ? 1 : 0;
+  if (sample.given_up) {
+    if (known_telegram && telegrams_[channel].owner == sample.writer)
+      given_up(channel, std::min(sample.written, wall), now);
+    return;
+  }
+  if (!known_telegram) {
+    refused(channel, sample.problem.value_or("no such telegram"), std::nullopt, now);
+    return;
+  }
+  take_values(sample, channel, wall, now);
+}
+
+void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel, std::int64_t wall,
+                                SteadyTime now) {
+  Telegram& telegram = telegrams_[channel];
+  const bool another = telegram.owner != sample.writer;
+  const bool takes_over = another && telegram.owner != 0;
+  ReferenceSurroundings::Writer facts;
+  if (another) facts = around_.identify(sample.writer);
+  if (takes_over && facts.strength < givers_[channel].strength && !around_.yielded(telegram.owner)) return;
+
+  const ReferenceAge::Verdict age = age_.judge(sample.written, {now, wall});
+  std::optional<std::string> reason = problem(sample, age);
+  push_stops();
+  if (!reason && telegram.stop_wanted) reason = "request queue full: the stop of its release waits for room";
+  if (!reason) {
+    cansync::ReferenceUpdate update = sample.update;
+    update.channel = channel_of(channel);
+    update.takes_over = takes_over;
+    update.too_old_from = age.too_old_from;
+    if (std::string full = around_.hand_on(update); !full.empty()) {
+      reason = std::move(full);
+    } else {
+      telegram.newest = update;
+    }
+  }
+  if (takes_over || (another && !reason)) new_owner(channel, sample.writer, facts, now);
+  if (reason) {
+    // A take-over counts whatever its first values are refused for.
+    if (takes_over) stop(channel, 0);
+    push_stops();
+    refused(channel, std::move(*reason), std::nullopt, now);
+    return;
+  }
+  telegram.given = now;
+  telegram.deadline_missed = false;
+  telegram.returned = telegram.returned || telegram.reacted;
+  telegram.reacted = false;
+  givers_[channel].loss = Loss::none;
+}
+
+void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
+                              const ReferenceSurroundings::Writer& facts, SteadyTime now) {
+  Telegram& telegram = telegrams_[channel];
+  ReferenceGiver& giver = givers_[channel];
+  if (telegram.owner != 0) {
+    tell(cansync_SEVERITY_WARNING, "reference_writer_taken_over",
+         fmt::format("{} (strength {}) has taken over the reference values of telegram {} from {} (strength "
+                     "{}){}",
+                     facts.who, facts.strength, channel + 1, giver.who, giver.strength,
+                     around_.left(telegram.owner) ? ", which has left" : ""),
+         facts.who, now);
+  } else {
+    tell(cansync_SEVERITY_INFO, "reference_writer_began",
+         fmt::format("{} (strength {}) gives the reference values of telegram {}", facts.who, facts.strength,
+                     channel + 1),
+         facts.who, now);
+  }
+  giver.who = facts.who;
+  giver.strength = facts.strength;
+  telegram.owner = writer;
+  telegram.given = now;
+  telegram.deadline_missed = false;
+}
+
+std::optional<std::string> ReferenceGate::problem(const ReferenceSample& sample,
+                                                  const ReferenceAge::Verdict& age) const {
+  if (sample.problem) return sample.problem;
+  if (refusal_) return refusal_;
+  if (sample.daemon == DaemonIdentity{}) {
+    return fmt::format(
+        "daemon: not given; write MasterStatus.daemon and MasterStatus.mapping_number into it, as libcansync "
+        "of "
+        "this version does");
+  }
+  if (sample.daemon != daemon_) {
+    return fmt::format(
+        "daemon {:02x}: the values are meant for another start of the daemon, and settings made before it "
+        "may "
+        "be lost; {}",
+        fmt::join(sample.daemon, ""), kTakeUp);
+  }
+  if (age.problem || !age_.looked_at()) return age.problem;
+  const std::int64_t not_before = telegrams_[sample.telegram - 1].not_before;
+  // A wall clock that was set back since then tells nothing about it.
+  if (sample.written >= not_before || wall < not_before) return std::nullopt;
+  return fmt::format(
+      "written {} ms before the telegram was given up by its writer then; write fresh values, and set the "
+      "clocks of the computers",
+      (not_before - sample.written) / 1'000'000);
+}
+
+void ReferenceGate::given_up(unsigned channel, std::int64_t written, SteadyTime now) {
+  Telegram& telegram = telegrams_[channel];
+  telegram.not_before = written;
+  stop(channel, 0);
+  const std::string who = givers_[channel].who;
+  tell(cansync_SEVERITY_INFO, "reference_given_up",
+       fmt::format("{} has given the reference values of telegram {} up; their release is stopped until new "
+                   "ones come",
+                   who, channel + 1),
+       who, now);
+  end_ownership(channel, Loss::given_up);
+}
+
+void ReferenceGate::lost(unsigned channel, SteadyTime now) {
+  if (telegrams_[channel].owner == 0) return;
+  stop(channel, hold_);
+  const std::string who = givers_[channel].who;
+  tell(cansync_SEVERITY_WARNING, "reference_writer_lost",
+       fmt::format("{}, which gave the reference values of telegram {}, has left or died; {}", who,
+                   channel + 1, reaction_text()),
+       who, now);
+  end_ownership(channel, Loss::writer_lost);
+}
+
+void ReferenceGate::end_ownership(unsigned channel, Loss loss) {
+  telegrams_[channel].owner = 0;
+  givers_[channel] = {};
+  lose(channel, loss);
+  push_stops();
+}
+
+void ReferenceGate::watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release,
+                          SteadyTime now) {
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    Telegram& telegram = telegrams_[channel];
+    // The realtime thread has stopped it already, and told what grew too old.
+    if (std::exchange(telegram.too_old, release[channel].too_old) != release[channel].too_old)
+      lose(channel, Loss::too_old);
+    const std::uint64_t changed = release[channel].mapping_changed;
+    if (std::exchange(telegram.mapping_changed, changed) == changed) continue;
+    const std::string who = givers_[channel].who;
+    tell(cansync_SEVERITY_WARNING, "reference_mapping_changed",
+         fmt::format("the mapping of the reference values was changed while those of telegram {} were "
+                     "released{}{}; their release is stopped; {}",
+                     channel + 1, who.empty() ? "" : ", given by ", who, kTakeUp),
+         who, now);
+    lose(channel, Loss::mapping_changed);
+  }
+}
+
+void ReferenceGate::stop(unsigned channel, std::uint32_t hold) {
+  std::optional<std::uint32_t>& wanted = telegrams_[channel].stop_wanted;
+  wanted = std::min(wanted.value_or(hold), hold);
+}
+
+void ReferenceGate::lose(unsigned channel, Loss loss) {
+  Telegram& telegram = telegrams_[channel];
+  givers_[channel].loss = loss;
+  telegram.reaction_due = telegram.reaction_due || !telegram.reacted;
+  telegram.returned = false;
+  telegram.reacted = true;
+}
+
+bool ReferenceGate::take_reaction(unsigned channel) noexcept {
+  return std::exchange(telegrams_[channel].reaction_due, false);
+}
+
+bool ReferenceGate::take_return(unsigned channel) noexcept {
+  return std::exchange(telegrams_[channel].returned, false);
+}
+
+std::string ReferenceGate::reaction_text() const {
+  if (hold_ == 0) return "their release is stopped until new ones come";
+  return fmt::format("their release is stopped after at most {} intervals until new ones come", hold_);
+}
+
+std::optional<SteadyTime> ReferenceGate::look_at_deadline(unsigned channel, SteadyTime now) {
+  Telegram& telegram = telegrams_[channel];
+  if (deadline_.count() == 0 || telegram.owner == 0) return std::nullopt;
+  if (telegram.deadline_missed) return std::nullopt;
+  if (now < telegram.given + deadline_) return telegram.given + deadline_;
+  telegram.deadline_missed = true;
+  stop(channel, hold_);
+  tell(cansync_SEVERITY_WARNING, "reference_deadline_missed",
+       fmt::format("{} lives, but has given no new reference values of telegram {} for {} ms "
+                   "(failsafe.reference_deadline_ms); {}",
+                   givers_[channel].who, channel + 1, deadline_.count(), reaction_text()),
+       givers_[channel].who, now);
+  lose(channel, Loss::deadline_missed);
+  return std::nullopt;
+}
+
+void ReferenceGate::push_stops() {
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    auto& wanted = telegrams_[channel].stop_wanted;
+    if (wanted && around_.hand_on(StopRelease{channel_of(channel), refusal_ ? 0 : *wanted}).empty())
+      wanted.reset();
+  }
+}
+
+void ReferenceGate::refused(unsigned channel, std::string reason, std::optional<Moment> when,
+                            SteadyTime now) {
+  Telegram& telegram = telegrams_[channel];
+  if (!telegram.refused.add(1, now)) return;
+  telegram.reason = std::move(reason);
+  EventText event{
+      cansync_SEVERITY_WARNING, "reference_refused", -1,
+      fmt::format("reference values of telegram {} are refused: {}", channel + 1, telegram.reason), when};
+  around_.tell(event, now);
+}
+
+std::optional<SteadyTime> ReferenceGate::tick(SteadyTime now) {
+  std::optional<SteadyTime> next;
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    Telegram& telegram = telegrams_[channel];
+    const std::uint64_t refused = telegram.refused.take_over(now);
+    for (const auto due : {telegram.refused.next(), look_at_deadline(channel, now)}) {
+      if (due) next = next ? std::min(*next, *due) : *due;
+    }
+    if (refused == 0) continue;
+    tell(cansync_SEVERITY_INFO, "reference_refusals_over",
+         fmt::format("no reference values of telegram {} were refused for {} s; {} were before, the first "
+                     "because of {}",
+                     channel + 1, kQuiet.count(), refused, telegram.reason),
+         {}, now);
+  }
+  return next;
+}
+
+void ReferenceGate::tell(cansync_EventSeverity severity, EventCode code, std::string text,
+                         const std::string& who, SteadyTime now) {
+  EventText event{severity, code, -1, std::move(text), std::nullopt};
+  event.client = who;
+  around_.tell(event, now);
+}
+
+}  // namespace cansyncd

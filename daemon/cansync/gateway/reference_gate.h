@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "cansync/release_status.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/gateway/reference_age.h"
+#include "daemon/cansync/status/reference_status.h"
+#include "daemon/cansync/texts/event_text.h"
+#include "daemon/config/config.h"
+#include "daemon/desk/gateway_events.h"
+#include "daemon/service/daemon_identity.h"
+
+namespace cansyncd {
+
+/// Names a writer of reference values while it is known; 0: none.
+using WriterHandle = std::uint64_t;
+
+/// One sample of reference values, as it came.
+struct ReferenceSample {
+  WriterHandle writer = 0;
+  unsigned telegram = 1;                 ///< as written: 1 or 2
+  bool given_up = false;                 ///< nothing else but writer, telegram and `written` counts
+  std::int64_t written = 0;              ///< source time, ns since 1970
+  DaemonIdentity daemon = {};            ///< the start of the daemon the values are meant for
+  std::optional<std::string> problem;    ///< a field that is out of range
+  cansync::ReferenceUpdate update = {};  ///< `takes_over` is decided here
+};
+
+/// What the gate needs of the world around it.
+class ReferenceSurroundings {
+ public:
+  struct Writer {
+    std::string who;            ///< for people
+    std::int32_t strength = 0;  ///< of its ownership
+  };
+
+  virtual ~ReferenceSurroundings() = default;
+  /// Hands `request` (ReferenceUpdate or StopRelease) to the realtime thread, in order. Empty: done; else why
+  /// there was no room.
+  virtual std::string hand_on(const Request& request) = 0;
+  virtual void tell(const EventText& event, SteadyTime now) = 0;
+  /// Who it is; asked when a writer is not the owner of its telegram.
+  virtual Writer identify(WriterHandle writer) = 0;
+  /// A weaker writer's sample has come: does the owner no longer hold the telegram (it has left, died, or
+  /// given the key up)? Where DDS decides on ownership before, always.
+  virtual bool yielded(WriterHandle owner) = 0;
+  /// Has the writer left? For texts alone.
+  virtual bool left(WriterHandle writer) = 0;
+};
+
+/// Decides what becomes of reference values: who owns a telegram, what a take-over ends, when a telegram is
+/// given up or lost, which samples are too old or meant for another start of the daemon, and what of it is
+/// told. Knows neither DDS nor a clock: it is told what came and when.
+///
+/// - The owner of a telegram is the strongest writer that holds it. One of the same or a greater strength
+/// takes
+///   over with its first sample, whatever that is refused for: what the one before gave ends first.
+/// - `given_up` of the owner ends the release at once, of anybody else changes nothing. What others have
+/// written
+///   before that is not taken afterwards (as far as ages are looked at).
+/// - An owner that is lost or misses its deadline ends the release too, after the configured hold.
+/// - After each of these the reaction is due once, until values are handed on again.
+/// - Refused samples are told on the edge and counted; they do not keep a deadline.
+///
+/// A StopRelease that finds no room is kept, and no values of its telegram are handed on before it.
+/// Not thread safe.
+class ReferenceGate {
+ public:
+  /// A row of refused values is over when none was refused for so long.
+  static constexpr std::chrono::seconds kQuiet{1};
+
+  /// `daemon`: this start. `around` must outlive the gate. `refusal`: as for `set_refusal`.
+  ReferenceGate(const DaemonIdentity& daemon, const Config& config, ReferenceSurroundings& around,
+                std::optional<std::string> refusal = std::nullopt);
+
+  /// Values whose source time lies further away are refused; 0: not looked at.
+  void set_maximum_age(std::chrono::milliseconds age) noexcept { age_.set_limit(age); }
+
+  /// The line as last heard of: by it the age of values is told as a number of an interval.
+  void set_line(const Moment& heard) noexcept { age_.set_line(heard); }
+
+  /// With a reason every value is refused for it, and the release of what was given before is stopped.
+  void set_refusal(std::optional<std::string> reason);
+
+  /// A sample came. `wall`: CLOCK_REALTIME, ns since 1970, read after `now`.
+  void take(const ReferenceSample& sample, std::int64_t wall, SteadyTime now);
+
+  /// The telegram has no writer any more, or its owner has left or died.
+  void lost(unsigned channel, SteadyTime now);
+
+  /// The writer whose values were handed on last; 0: none.
+  WriterHandle owner(unsigned channel) const noexcept { return telegrams_[channel].owner; }
+
+  /// Takes note of what the realtime thread has ended by itself.
+  void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release, SteadyTime now);
+
+  /// The master refused what was handed on last, for this reason.
+  void refused(unsigned channel, std::string reason, std::optional<Moment> when, SteadyTime now);
+  /// Values handed on last, for the text of a refusal.
+  const cansync::ReferenceUpdate& newest(unsigned channel) const noexcept {
+    return telegrams_[channel].newest;
+  }
+
+  /// Hands on the stops for which there was no room yet.
+  void push_stops();
+
+  /// True once for each loss after which the reaction is due.
+  bool take_reaction(unsigned channel) noexcept;
+
+  /// True once when new values were handed on after a loss.
+  bool take_return(unsigned channel) noexcept;
+
+  /// Tells missed deadlines, and rows of refused values that are over. Returns when to call again; nothing:
+  /// no need.
+  std::optional<SteadyTime> tick(SteadyTime now);
+
+  /// Who gives the values of each telegram.
+  const std::array<ReferenceGiver, cansync::kChannels>& givers() const noexcept { return givers_; }
+
+ private:
+  struct Telegram {
+    WriterHandle owner = 0;
+    SteadyTime given;                          ///< when its values were handed on last, or it took over
+    std::optional<std::uint32_t> stop_wanted;  ///< StopRelease with this hold waits for room
+    std::int64_t not_before = 0;               ///< source time; what was written earlier is not taken
+    bool deadline_missed = false;              ///< since then
+    bool reacted = false;                      ///< to a loss, since the values handed on last
+    bool reaction_due = false;
+    bool returned = false;              ///< values were handed on after a loss
+    std::uint64_t too_old = 0;          ///< as last told by the realtime thread
+    std::uint64_t mapping_changed = 0;  ///< likewise
+    cansync::ReferenceUpdate newest;    ///< handed on last
+    FaultRow refused{kQuiet};
+    std::string reason;  ///< of the event that was told
+  };
+
+  std::optional<std::string> problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age) const;
+  void take_values(const ReferenceSample& sample, unsigned channel, std::int64_t wall, SteadyTime now);
+  void given_up(unsigned channel, std::int64_t written, SteadyTime now);
+  void new_owner(unsigned channel, WriterHandle writer, const ReferenceSurroundings::Writer& facts,
+                 SteadyTime now);
+  void stop(unsigned channel, std::uint32_t hold);
+  void lose(unsigned channel, Loss loss);
+  void end_ownership(unsigned channel, Loss loss);
+  std::optional<SteadyTime> look_at_deadline(unsigned channel, SteadyTime now);
+  void tell(cansync_EventSeverity severity, EventCode code, std::string text, const std::string& who,
+            SteadyTime now);
+  std::string reaction_text() const;
+
+  DaemonIdentity daemon_;
+  ReferenceAge age_;
+  std::uint32_t hold_;  ///< intervals for which the values of a lost writer go on; 0: not at all
+  std::chrono::milliseconds deadline_;  ///< 0: not looked at
+  ReferenceSurroundings& around_;
+  std::optional<std::string> refusal_;  ///< of everything
+  std::array<Telegram, cansync::kChannels> telegrams_;
+  std::array<ReferenceGiver, cansync::kChannels> givers_;
+};
+
+}  // namespace cansyncd

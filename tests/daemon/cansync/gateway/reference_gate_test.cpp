@@ -1,0 +1,213 @@
+#include "daemon/cansync/gateway/reference_gate.h"
+
+#include <functional>
+
+#include "gate_rig.h"
+
+/// The gate and a master in virtual time: what becomes of the values of writers that come, give up and go.
+namespace cansyncd {
+namespace {
+
+using Seen = std::vector<unsigned>;
+constexpr WriterHandle kWeak = 1;
+constexpr WriterHandle kStrong = 2;
+
+/// A weak writer of strength 1 and a strong one of strength 2.
+class Gate : public ::testing::Test, public GateRig {
+ protected:
+  explicit Gate(const Config& config = default_config()) : GateRig(config) {
+    strength = {{kWeak, 1}, {kStrong, 2}};
+  }
+};
+
+TEST_F(Gate, AStrongWriterThatGivesUpEndsItsReleaseAlsoWhileAWeakerOneLives) {
+  take(values(kWeak, 11, 1000));
+  EXPECT_EQ(on_bus(2), (Seen{11, 11}));
+  const ReferenceSample old = values(kWeak, 12, 1000);
+  take(values(kStrong, 22, 1000));
+  EXPECT_EQ(count_on_bus(100, 22), 100u);
+  EXPECT_EQ(told("reference_writer_taken_over"), 1u);
+  EXPECT_EQ(cause(), "");
+
+  take(last_of(kStrong));
+  EXPECT_EQ(count_on_bus(1000, 22), 0u) << "telegrams with the value that was given up";
+  EXPECT_EQ(told("reference_given_up"), 1u);
+  EXPECT_NE(text("reference_given_up").find("writer 2"), std::string::npos);
+  EXPECT_EQ(told("reference_writer_lost"), 0u);
+  EXPECT_EQ(cause(), "given_up");
+  EXPECT_EQ(gate.owner(0), 0u);
+  EXPECT_TRUE(gate.take_reaction(0));
+  EXPECT_FALSE(gate.take_reaction(0)) << "once";
+
+  // What the weaker one wrote before is old, what it writes now is taken.
+  take(old);
+  EXPECT_EQ(on_bus(5), Seen{});
+  take(values(kWeak, 13));
+  EXPECT_EQ(on_bus(5), (Seen{13}));
+  EXPECT_EQ(cause(), "used_up");
+}
+
+TEST_F(Gate, WhatWasWrittenBeforeTheGivingUpIsNotTakenAfterIt) {
+  take(values(kStrong, 22, 1000));
+  const ReferenceSample on_its_way = values(kWeak, 11);
+  EXPECT_EQ(count_on_bus(10, 22), 10u);
+  take(last_of(kStrong));
+  take(on_its_way);  // 10 ms old: young enough by its age
+  EXPECT_EQ(on_bus(5), Seen{});
+  EXPECT_NE(text("reference_refused").find("before the telegram was given up"), std::string::npos);
+  take(values(kWeak, 12));
+  EXPECT_EQ(on_bus(5), (Seen{12}));
+}
+
+TEST_F(Gate, AClockThatWasSetBackAfterTheGivingUpKeepsNobodyOut) {
+  take(values(kStrong, 22, 5));
+  EXPECT_EQ(count_on_bus(10, 22), 5u);
+  take(last_of(kStrong));
+  ReferenceSample sample = values(kWeak, 11);
+  sample.written -= 3'600'000'000'000;
+  gate.take(sample, wall() - 3'600'000'000'000, now());
+  EXPECT_EQ(on_bus(3), (Seen{11}));
+}
+
+TEST_F(Gate, GivingUpOfAWeakerWriterChangesNothing) {
+  take(values(kStrong, 22, 5));
+  take(last_of(kWeak));
+  EXPECT_EQ(count_on_bus(10, 22), 5u);
+  EXPECT_EQ(told("reference_given_up"), 0u);
+  EXPECT_FALSE(gate.take_reaction(0));
+}
+
+TEST_F(Gate, GivingUpEndsAtOnceAlsoWhereLossesAreHeld) {
+  Config config = default_config();
+  config.failsafe.reaction = LossReaction::hold;
+  config.failsafe.hold_intervals = 50;
+  GateRig rig(config);
+  rig.take(rig.values(kStrong, 22, 1000));
+  EXPECT_EQ(rig.count_on_bus(3, 22), 3u);
+  rig.take(rig.last_of(kStrong));
+  EXPECT_EQ(rig.on_bus(60), Seen{});
+  rig.take(rig.values(kStrong, 23, 1000));
+  EXPECT_EQ(rig.count_on_bus(3, 23), 3u);
+  rig.gate.lost(0, rig.now());
+  EXPECT_EQ(rig.count_on_bus(60, 23), 50u) << "lost: held";
+}
+
+TEST_F(Gate, AWeakerWriterIsHeardWhenTheStrongOneHasYieldedAndNotBefore) {
+  take(values(kStrong, 22, 5));
+  take(values(kWeak, 11, 5));
+  EXPECT_EQ(count_on_bus(5, 22), 5u);
+  yielding.insert(kStrong);
+  take(values(kWeak, 12, 5));
+  EXPECT_EQ(count_on_bus(10, 12), 5u);
+  EXPECT_EQ(told("reference_writer_taken_over"), 1u);
+}
+
+struct Spoiled {
+  const char* name;
+  std::function<void(GateRig&, ReferenceSample&)> spoil;
+};
+
+// The stronger writer counts from its first sample, whatever that is refused for.
+TEST_F(Gate, NothingOfTheWeakerWriterGoesOutAfterATakeOver) {
+  const Spoiled cases[] = {
+      {"good", [](GateRig&, ReferenceSample&) {}},
+      {"interval passed", [](GateRig&, ReferenceSample& s) { s.update.from_interval = 1; }},
+      {"field out of range", [](GateRig&, ReferenceSample& s) { s.problem = "valid 0: out of range"; }},
+      {"too old", [](GateRig&, ReferenceSample& s) { s.written -= 2'000'000'000; }},
+      {"another start", [](GateRig&, ReferenceSample& s) { s.daemon = {9}; }},
+      {"no start", [](GateRig&, ReferenceSample& s) { s.daemon = {}; }},
+      {"another mapping", [](GateRig&, ReferenceSample& s) { s.update.mapping_number = 7; }},
+      {"no room", [](GateRig& rig, ReferenceSample&) { rig.full = true; }},
+  };
+  for (const Spoiled& c : cases) {
+    SCOPED_TRACE(c.name);
+    GateRig rig;
+    rig.strength = {{kWeak, 1}, {kStrong, 2}};
+    rig.take(rig.values(kWeak, 11, 3));
+    for (unsigned i = 0; i < 15; ++i) {
+      ReferenceSample later = rig.values(kWeak, 11);
+      later.update.from_interval = rig.line.next_interval + 4 + 2 * i;
+      rig.take(later);
+    }
+    EXPECT_EQ(rig.count_on_bus(1, 11), 1u);
+    ReferenceSample first = rig.values(kStrong, 22);
+    c.spoil(rig, first);
+    rig.take(first);
+    rig.full = false;
+    rig.gate.push_stops();
+    EXPECT_EQ(rig.count_on_bus(20, 11), 0u) << "of the weaker after the take-over";
+    EXPECT_EQ(rig.gate.owner(0), kStrong);
+    EXPECT_EQ(rig.told("reference_writer_taken_over"), 1u);
+    rig.take(rig.values(kStrong, 23));
+    EXPECT_EQ(rig.on_bus(30), (Seen{23}));
+  }
+}
+
+TEST_F(Gate, ValuesForAnotherStartOfTheDaemonMoveNothing) {
+  ReferenceSample old = values(kStrong, 22, 1000);
+  old.daemon = {0xAB, 0xCD};
+  for (int i = 0; i < 5; ++i) {
+    old.written = wall();
+    take(old);
+    EXPECT_EQ(on_bus(1), Seen{});
+  }
+  EXPECT_EQ(told("reference_refused"), 1u) << "on the edge";
+  const std::string why = text("reference_refused");
+  EXPECT_NE(why.find("abcd0000"), std::string::npos) << why;
+  EXPECT_NE(why.find("another start of the daemon"), std::string::npos) << why;
+  EXPECT_NE(why.find("take_up"), std::string::npos) << why;
+  EXPECT_EQ(told("reference_writer_began"), 0u);
+  (void)gate.tick(now() + std::chrono::seconds(2));
+  EXPECT_NE(text("reference_refusals_over").find("5 were before"), std::string::npos);
+
+  ReferenceSample none = values(kStrong, 22, 1000);
+  none.daemon = {};
+  take(none);
+  EXPECT_EQ(on_bus(1), Seen{});
+  take(values(kStrong, 23, 2));
+  EXPECT_EQ(on_bus(5), (Seen{23, 23}));
+}
+
+TEST_F(Gate, ASampleWithoutADaemonIsRefusedWithTheMembersName) {
+  ReferenceSample none = values(kStrong, 22);
+  none.daemon = {};
+  take(none);
+  EXPECT_NE(text("reference_refused").find("MasterStatus.daemon"), std::string::npos)
+      << text("reference_refused");
+}
+
+TEST_F(Gate, AChangedMappingEndsTheReleaseAndIsToldOnce) {
+  take(values(kStrong, 22, 1000));
+  EXPECT_EQ(count_on_bus(3, 22), 3u);
+  cansync::ProcessMapping mapping = line.master.settings().process.reference_mapping;
+  mapping[0].word[0] = {true, false, 1};
+  ASSERT_EQ(line.master.set_reference_mapping(mapping), cansync::Refusal::none);
+  EXPECT_EQ(on_bus(20), Seen{});
+  EXPECT_EQ(told("reference_mapping_changed"), 1u);
+  EXPECT_EQ(cause(), "mapping_changed");
+  EXPECT_TRUE(gate.take_reaction(0));
+  take(values(kStrong, 23, 1000));
+  EXPECT_EQ(on_bus(5), Seen{});
+  EXPECT_EQ(refusals, (std::vector{cansync::Refusal::mapping_changed}));
+}
+
+TEST_F(Gate, ATakeOverThatIsRefusedBeginsTheDeadlineAnew) {
+  Config config = default_config();
+  config.failsafe.reference_deadline = std::chrono::milliseconds(100);
+  GateRig rig(config);
+  rig.strength = {{kWeak, 1}, {kStrong, 2}};
+  rig.take(rig.values(kWeak, 11, 1000));
+  (void)rig.on_bus(50);
+  ReferenceSample first = rig.values(kStrong, 22);
+  first.problem = "valid 0";
+  rig.take(first);
+  (void)rig.on_bus(99);
+  (void)rig.gate.tick(rig.now());
+  EXPECT_FALSE(rig.gate.take_reaction(0));
+  (void)rig.on_bus(1);
+  (void)rig.gate.tick(rig.now());
+  EXPECT_TRUE(rig.gate.take_reaction(0));
+}
+
+}  // namespace
+}  // namespace cansyncd
