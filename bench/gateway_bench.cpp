@@ -6,10 +6,10 @@
 #include <exception>
 
 #include "bench/answering_bus.h"
-#include "daemon/config_file.h"
-#include "daemon/exchange.h"
-#include "daemon/gateway.h"
-#include "daemon/realtime_loop.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/gateway/gateway.h"
+#include "daemon/cansync/realtime/realtime_loop.h"
+#include "daemon/config/file.h"
 #include "dds/participant.h"
 #include "rt/realtime_thread.h"
 #include "rt/thread_stack.h"

@@ -109,7 +109,7 @@ class Daemon:
                 raise RuntimeError("the daemon did not reach active operation")
         # Reference values in every interval, so that each slave in turn answers with its actual values.
         self.writer = subprocess.Popen(
-            [f"{self.build}/tools/cansync/cansync", "--domain", str(self.domain), "--bus", self.bus, "set", "0=1", "4=1"],
+            [f"{self.build}/tools/cli/cansync", "--domain", str(self.domain), "--bus", self.bus, "set", "0=1", "4=1"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         return self
 
@@ -121,7 +121,7 @@ class Daemon:
 
     def cansync(self, *arguments):
         done = subprocess.run(
-            [f"{self.build}/tools/cansync/cansync", "--domain", str(self.domain), "--bus", self.bus, *arguments],
+            [f"{self.build}/tools/cli/cansync", "--domain", str(self.domain), "--bus", self.bus, *arguments],
             capture_output=True, text=True, check=False)
         return json.loads(done.stdout) if done.returncode == 0 and done.stdout else {}
 

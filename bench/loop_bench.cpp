@@ -10,11 +10,11 @@
 #include <thread>
 
 #include "bench/measured_bus.h"
-#include "daemon/bus_choice.h"
-#include "daemon/config_file.h"
-#include "daemon/exchange.h"
-#include "daemon/realtime_loop.h"
-#include "daemon/sync_line.h"
+#include "daemon/bus/bus_choice.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/realtime/realtime_loop.h"
+#include "daemon/config/file.h"
+#include "daemon/loop/sync_line.h"
 #include "rt/realtime_thread.h"
 #include "sync/system.h"
 

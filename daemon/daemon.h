@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config_file.h"
+#include "daemon/config/file.h"
 
 namespace cansyncd {
 

@@ -6,12 +6,12 @@
 #include <variant>
 
 #include "daemon/arguments.h"
-#include "daemon/bus_budget.h"
-#include "daemon/bus_budget_text.h"
-#include "daemon/config_print.h"
+#include "daemon/cansync/config/bus_budget.h"
+#include "daemon/cansync/config/bus_budget_text.h"
+#include "daemon/cansync/config/dbc.h"
+#include "daemon/config/print.h"
 #include "daemon/daemon.h"
-#include "daemon/dbc.h"
-#include "daemon/service_log.h"
+#include "daemon/service/service_log.h"
 
 namespace {
 

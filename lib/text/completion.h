@@ -12,7 +12,7 @@ class App;
 }
 
 /// What a shell offers at TAB: made of the program's own description of its command line, so that it cannot
-/// lag behind. completions/cansync asks for it. Main thread (allocates).
+/// lag behind. tools/completions/cansync asks for it. Main thread (allocates).
 namespace text {
 
 /// A command line that is being typed, up to the word at the cursor.

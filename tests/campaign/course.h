@@ -8,7 +8,7 @@
 #include <string>
 
 #include "coverage.h"
-#include "daemon/realtime_loop.h"
+#include "daemon/cansync/realtime/realtime_loop.h"
 #include "player.h"
 #include "scene.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "daemon/exchange.h"
+#include "daemon/cansync/exchange.h"
 
 namespace cansyncd::campaign {
 

@@ -7,8 +7,8 @@
 
 #include "can/bus.h"
 #include "cansync/settings.h"
-#include "daemon/config.h"
-#include "daemon/exchange.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/config/config.h"
 #include "dice.h"
 #include "sim/drive.h"
 #include "sim/faults.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "coverage.h"
-#include "daemon/exchange.h"
+#include "daemon/cansync/exchange.h"
 #include "dice.h"
 #include "ledger.h"
 #include "memory_truth.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "daemon/exchange.h"
+#include "daemon/cansync/exchange.h"
 #include "ledger.h"
 #include "plan.h"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/exchange.h"
+#include "daemon/cansync/exchange.h"
 #include "ledger.h"
 #include "memory_truth.h"
 #include "parameter_truth.h"

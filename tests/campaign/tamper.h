@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "can/bus.h"
-#include "daemon/exchange.h"
+#include "daemon/cansync/exchange.h"
 
 namespace cansyncd::campaign {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cansync/telegram.h"
-#include "daemon/exchange.h"
+#include "daemon/cansync/exchange.h"
 #include "plan.h"
 #include "reference_truth.h"
 #include "sim/line.h"

@@ -126,7 +126,7 @@ self_test() {
   plant dds/planted.cpp '#include "sync/phase_lock.h"' || bad=1
   plant dds/planted.cpp '#include "can/bus.h"' || bad=1
   plant dds/planted.cpp '#include "client/client.h"' || bad=1
-  plant client/planted.cpp '#include "daemon/exchange.h"' || bad=1
+  plant client/planted.cpp '#include "daemon/cansync/exchange.h"' || bad=1
   local empty
   empty=$(mktemp -d) || exit 2
   if check "$empty" >/dev/null; then

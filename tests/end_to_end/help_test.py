@@ -17,7 +17,7 @@ from gateway import CANSYNC, LONG
 from names_test import PROFILE, PROFILES
 from verb_case import VerbTest
 
-COMPLETIONS = os.path.join(os.path.dirname(__file__), "..", "..", "completions", "cansync")
+COMPLETIONS = os.path.join(os.path.dirname(__file__), "..", "..", "tools", "completions", "cansync")
 LOG = "(1.000000) can0 080#\n(1.000100) can0 300#\n"
 
 # A run of each verb that prints a table, and the lines above its heading. Verbs without a table say so with None.

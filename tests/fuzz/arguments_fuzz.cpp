@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "bytes.h"
-#include "cansync/application.h"
-#include "cansync_sim/arguments.h"
-#include "cansync_sim/setup.h"
+#include "cli/app/application.h"
 #include "daemon/arguments.h"
 #include "require.h"
+#include "simulator/arguments.h"
+#include "simulator/setup.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "bytes.h"
 #include "cansync/settings_check.h"
-#include "daemon/config_file.h"
+#include "daemon/config/file.h"
 #include "require.h"
 
 namespace {

@@ -10,7 +10,7 @@
 
 #include "bytes.h"
 #include "cansync/settings_check.h"
-#include "daemon/gateway_requests.h"
+#include "daemon/cansync/requests/gateway_requests.h"
 #include "dds/convert.h"
 #include "dds/validate.h"
 #include "master_model.h"

@@ -1,6 +1,6 @@
-// Drive passports (tools/cansync/passport.h): what is read is written and read again as the same.
+// Drive passports (tools/cli/cansync/passport.h): what is read is written and read again as the same.
 #include "bytes.h"
-#include "cansync/passport.h"
+#include "cli/cansync/passport.h"
 #include "require.h"
 
 namespace {

@@ -7,7 +7,7 @@
 
 #include "bytes.h"
 #include "can/candump.h"
-#include "cansync/application.h"
+#include "cli/app/application.h"
 #include "memory_file.h"
 #include "require.h"
 

@@ -1,4 +1,4 @@
-"""bash with completions/cansync loaded offers what the programs' help says, and never hangs, fails or complains."""
+"""bash with tools/completions/cansync loaded offers what the programs' help says, and never hangs, fails or complains."""
 
 import os
 import re
@@ -9,7 +9,7 @@ import unittest
 
 from help_text import helps
 
-COMPLETIONS = os.path.join(os.path.dirname(__file__), "..", "..", "completions", "cansync")
+COMPLETIONS = os.path.join(os.path.dirname(__file__), "..", "..", "tools", "completions", "cansync")
 PROGRAMS = {os.path.basename(os.environ[name]): os.environ[name] for name in ("CANSYNC", "CANSYNCD", "CANSYNC_SIM")}
 
 # Sets the variables that bash sets for a completion function, calls it, and prints what it offers.

@@ -16,7 +16,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.join(HERE, "..", "..")
 sys.path.insert(0, HERE)
 sys.path.insert(0, os.path.join(SOURCE, "tests", "end_to_end"))
-for variable, place in (("CANSYNC", "tools/cansync/cansync"), ("CANSYNCD", "daemon/cansyncd"), ("EXAMPLES", "tools/examples")):
+for variable, place in (("CANSYNC", "tools/cli/cansync"), ("CANSYNCD", "daemon/cansyncd"), ("EXAMPLES", "tools/examples")):
     os.environ.setdefault(variable, os.path.abspath(os.path.join(SOURCE, "build", "dev", place)))
 
 from gateway import CANSYNC, LONG, Gateway, wait_for

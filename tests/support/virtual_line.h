@@ -8,8 +8,8 @@
 
 #include "cansync/settings.h"
 #include "cansync/timing.h"
-#include "daemon/exchange.h"
-#include "daemon/realtime_loop.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/realtime/realtime_loop.h"
 #include "sim/drive.h"
 #include "sim/line.h"
 

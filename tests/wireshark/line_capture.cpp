@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "daemon/config_file.h"
-#include "daemon/drive_settings.h"
+#include "daemon/bus/drive_settings.h"
+#include "daemon/config/file.h"
 #include "sim/trace_file.h"
 #include "support/virtual_line.h"
 

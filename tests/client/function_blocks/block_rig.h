@@ -9,7 +9,7 @@
 #include "client/client.h"
 #include "client/fake_daemon.h"
 #include "client/function_blocks.h"
-#include "daemon/whole_rig.h"
+#include "daemon/whole/whole_rig.h"
 #include "support/dds_places.h"
 
 /// Function blocks against the gateway with simulated drives, or against a daemon without a bus.

@@ -1,0 +1,78 @@
+#include "daemon/bus/bit_timing_check.h"
+
+#include <fmt/format.h>
+
+#include "can/bit_timing.h"
+#include "cansync/timing.h"
+
+namespace cansyncd {
+namespace {
+
+std::uint32_t bits_per_second(const Config& config) {
+  return cansync::slot_times(config.master.bit_rate).bits_per_second;
+}
+
+can::BitTimingRegisters registers(const BusConfig& bus) {
+  return {bus.btr0.value_or(0), bus.btr1.value_or(0)};
+}
+
+/// The presets of this bit rate, as a hint.
+std::string presets(std::uint32_t wanted) {
+  std::string text;
+  for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
+    if (preset.bits_per_second != wanted) continue;
+    text += fmt::format("{}0x{:02X} and 0x{:02X} ({})", text.empty() ? "" : ", ", preset.registers.btr0,
+                        preset.registers.btr1, preset.controller == can::Controller::plc ? "plc" : "omega");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<BitTimingProblem> check_bit_timing(const Config& config) {
+  const BusConfig& bus = config.bus;
+  if (!bus.btr0 && !bus.btr1) return std::nullopt;
+  if (!bus.btr0 || !bus.btr1) {
+    const bool first = bus.btr0.has_value();
+    return BitTimingProblem{
+        first ? "bus.btr0" : "bus.btr1",
+        fmt::format("found without {}; allowed: both together", first ? "bus.btr1" : "bus.btr0")};
+  }
+  const std::uint32_t wanted = bits_per_second(config);
+  const std::uint32_t clock = can::clock_hz(bus.registers_of);
+  const auto timing = can::decode(registers(bus), clock);
+  if (timing && timing->exact && timing->bits_per_second == wanted) return std::nullopt;
+  const std::string found =
+      timing ? fmt::format("{} bit/s at {} MHz", timing->bits_per_second, clock / 1'000'000)
+             : std::string("a jump width over a segment");
+  return BitTimingProblem{
+      "bus.btr0",
+      fmt::format("found 0x{:02X} and 0x{:02X}, which give {}; allowed: registers that give bus.bit_rate, "
+                  "{} bit/s, as {} do",
+                  *bus.btr0, *bus.btr1, found, wanted, presets(wanted))};
+}
+
+std::uint16_t wanted_sample_point(const Config& config) {
+  can::BitTimingRegisters chosen = registers(config.bus);
+  can::Controller controller = config.bus.registers_of;
+  if (!config.bus.btr0 || !config.bus.btr1) {
+    controller = can::Controller::plc;
+    for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
+      if (preset.controller == controller && preset.bits_per_second == bits_per_second(config)) {
+        chosen = preset.registers;
+      }
+    }
+  }
+  const auto timing = can::decode(chosen, can::clock_hz(controller));
+  return timing ? timing->sample_point : std::uint16_t{0};
+}
+
+std::string bit_rate_command(const Config& config) {
+  const std::string& name = config.bus.interface;
+  const unsigned sample_point = wanted_sample_point(config);
+  return fmt::format(
+      "ip link set {0} down; ip link set {0} type can bitrate {1} sample-point 0.{2:03}; ip link set {0} up",
+      name, bits_per_second(config), sample_point);
+}
+
+}  // namespace cansyncd

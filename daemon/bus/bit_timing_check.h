@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "daemon/config/config.h"
+
+/// The bit timing a configuration asks for. Pure functions; not for the realtime thread (they allocate).
+namespace cansyncd {
+
+/// What is wrong with the bit timing registers of a configuration.
+struct BitTimingProblem {
+  const char* option;  ///< "bus.btr0" or "bus.btr1"
+  std::string text;    ///< what was found and what is allowed
+};
+
+/// Checks that the registers, when given, are complete, can work, and give the configured bit rate.
+std::optional<BitTimingProblem> check_bit_timing(const Config& config);
+
+/// Sample point the interface should have, in 1/1000 of a bit: of the registers when given, else of the PLC's
+/// preset (M 4.9).
+std::uint16_t wanted_sample_point(const Config& config);
+
+/// Shell command that sets the interface to the configured bit timing and up.
+std::string bit_rate_command(const Config& config);
+
+}  // namespace cansyncd

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+
+#include "daemon/bus/sim_bus.h"
+#include "daemon/bus/socketcan_line.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/config/config.h"
+
+namespace cansyncd {
+
+/// The bus a configuration names: the simulated line or a CAN interface. Main thread, but for what `bus`
+/// gives.
+class BusChoice {
+ public:
+  /// Throws what the chosen one throws; all of it is a std::exception that says what to do.
+  explicit BusChoice(const Config& config) {
+    if (config.bus.kind == BusKind::simulated) {
+      simulated_.emplace(config);
+    } else {
+      socketcan_.emplace(config);
+    }
+  }
+
+  /// Belongs to the realtime thread once that runs.
+  can::Bus& bus() noexcept { return simulated_ ? simulated_->bus() : socketcan_->bus(); }
+
+  /// Once the realtime thread runs; it must be stopped before `exchange` goes.
+  void start(Exchange& exchange) {
+    if (socketcan_) socketcan_->start(exchange);
+  }
+
+  /// After the realtime thread has ended.
+  void stop() noexcept {
+    if (socketcan_) socketcan_->stop();
+  }
+
+  /// Ends the simulated line's trace, when there is one. The realtime thread must have ended.
+  std::optional<sim::TraceSummary> close_trace() noexcept {
+    return simulated_ ? simulated_->close_trace() : std::nullopt;
+  }
+
+ private:
+  std::optional<SimBus> simulated_;
+  std::optional<SocketcanLine> socketcan_;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "can/bus.h"
+#include "daemon/config/config.h"
+#include "daemon/config/value.h"
+#include "sim/line.h"
+#include "sim/trace_file.h"
+
+namespace cansyncd {
+
+/// Everything wrong with the fault script that `config` names; empty when there is none. Main thread.
+std::vector<Problem> check_fault_script(const Config& config);
+
+/// The simulated line of a configuration in real time: drives, faults and trace. Built on the main thread;
+/// afterwards `bus` belongs to the realtime thread.
+class SimBus {
+ public:
+  /// Throws std::system_error when the trace file cannot be opened. The fault script must have passed
+  /// `check_fault_script`.
+  explicit SimBus(const Config& config);
+
+  can::Bus& bus() noexcept { return *line_; }
+
+  /// Ends the trace, when there is one. The realtime thread must have ended. Main thread.
+  std::optional<sim::TraceSummary> close_trace() noexcept;
+
+ private:
+  std::unique_ptr<sim::TraceFile> trace_;
+  std::unique_ptr<sim::Line> line_;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,73 @@
+#include "daemon/bus/socketcan_line.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "cansync/telegram.h"
+#include "cansync/timing.h"
+#include "daemon/bus/bit_timing_check.h"
+
+namespace cansyncd {
+namespace {
+
+/// The channel bits of an identifier; the others are a slave number, or what stands for none.
+constexpr std::uint32_t kChannelMask = 0x780;
+
+can::LinkWatch::Settings watch_settings(const Config& config) {
+  return {config.bus.interface, cansync::slot_times(config.master.bit_rate).bits_per_second};
+}
+
+}  // namespace
+
+can::SocketcanSettings socketcan_settings(const Config& config) {
+  namespace identifier = cansync::identifier;
+  can::SocketcanSettings settings;
+  settings.wake_on_frame = config.bus.wake_on_frame;
+  settings.filters = {{identifier::action, 0x7FF},
+                      {identifier::reference_one, kChannelMask},
+                      {identifier::reference_two, kChannelMask},
+                      {identifier::command, kChannelMask}};
+  if (config.sync.input == SyncInput::can) settings.filters.push_back({config.sync.can_identifier, 0x7FF});
+  for (std::uint32_t slave = 0; slave < cansync::kSlaves; ++slave) {
+    if (!config.master.slaves[slave].configured) continue;
+    settings.filters.push_back({identifier::actual_one + slave, 0x7FF});
+    settings.filters.push_back({identifier::actual_two + slave, 0x7FF});
+    settings.filters.push_back({identifier::response + slave, 0x7FF});
+  }
+  return settings;
+}
+
+std::string interface_refusal(const Config& config, const can::LinkFacts& facts) {
+  const std::string& name = config.bus.interface;
+  if (!facts.present) return "";
+  if (!facts.is_can) return fmt::format("{} is no CAN interface; give another one as bus.interface", name);
+  const std::uint32_t wanted = cansync::slot_times(config.master.bit_rate).bits_per_second;
+  if (!facts.timing || facts.timing->bits_per_second == wanted) return "";
+  return fmt::format("{} is set to {} bit/s, bus.bit_rate is {}; set it with: {}", name,
+                     facts.timing->bits_per_second, wanted, bit_rate_command(config));
+}
+
+SocketcanLine::SocketcanLine(const Config& config)
+    : links_(can::make_link_kernel()), watch_(*links_, board_, watch_settings(config)) {
+  const std::string refusal = interface_refusal(config, watch_.look());
+  if (!refusal.empty()) throw std::runtime_error(refusal);
+  bus_ = std::make_unique<can::SocketcanBus>(socketcan_settings(config), board_, *links_);
+}
+
+void SocketcanLine::start(Exchange& exchange) {
+  thread_ = std::jthread([this, &exchange](const std::stop_token& stop) {
+    watch_.run(stop, [&exchange](const can::LinkFacts& facts) {
+      exchange.link.write(facts);
+      exchange.gateway_wake.signal();
+    });
+  });
+}
+
+void SocketcanLine::stop() noexcept {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+}  // namespace cansyncd

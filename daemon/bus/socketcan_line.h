@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "can/link_board.h"
+#include "can/link_kernel.h"
+#include "can/link_watch.h"
+#include "can/socketcan_bus.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/config/config.h"
+
+namespace cansyncd {
+
+/// What the master has to receive: actual values and responses of the configured slaves; and the identifiers
+/// of a master, for its own echoes and to notice a second one;
+/// and the software SYNC frame, when the timeline follows it.
+can::SocketcanSettings socketcan_settings(const Config& config);
+
+/// Why the daemon must not start on this interface; empty when it may, also when it is missing or down.
+std::string interface_refusal(const Config& config, const can::LinkFacts& facts);
+
+/// The CAN interface of a configuration with the thread that watches it. Built on the main thread; afterwards
+/// `bus` belongs to the realtime thread.
+class SocketcanLine {
+ public:
+  /// Throws std::system_error when the kernel has no SocketCAN, std::runtime_error when the interface is set
+  /// up with another bit rate or is none for CAN.
+  explicit SocketcanLine(const Config& config);
+  ~SocketcanLine() { stop(); }
+  SocketcanLine(const SocketcanLine&) = delete;
+  SocketcanLine& operator=(const SocketcanLine&) = delete;
+
+  can::Bus& bus() noexcept { return *bus_; }
+
+  /// Starts the watching thread, which writes what it finds into `exchange`; it must live until `stop`.
+  void start(Exchange& exchange);
+
+  /// Ends that thread.
+  void stop() noexcept;
+
+ private:
+  std::unique_ptr<can::LinkKernel> links_;
+  can::LinkBoard board_;
+  can::LinkWatch watch_;
+  std::unique_ptr<can::SocketcanBus> bus_;
+  std::jthread thread_;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,258 @@
+#include "daemon/config/check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "cansync/mapping.h"
+#include "cansync/settings_check.h"
+#include "daemon/bus/bit_timing_check.h"
+#include "daemon/cansync/config/bus_budget.h"
+#include "daemon/options/check_profiles.h"
+#include "daemon/options/check_sync.h"
+
+namespace cansyncd {
+namespace {
+
+using Problems = std::vector<Problem>;
+
+/// Fields of `MasterSettings` whose option has another name.
+constexpr auto kOptionOfField = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"bit_rate", "bus.bit_rate"},
+    {"send_margin", "bus.send_margin_us"},
+    {"sync", "sync.can_identifier"},
+    {"startup.status_period", "startup.status_period_ms"},
+    {"process.polling[0]", "process.polling_1"},
+    {"process.polling[1]", "process.polling_2"},
+    {"command_channel.control_word", "command_channel.control_word_cursor"},
+    {"command_channel.parameter", "command_channel.parameter_cursor"},
+    {"command_channel.transfer", "command_channel.transfer_cursor"},
+    {"command_channel.parameter_monitoring", "command_channel.parameter_timeout_ms"},
+    {"command_channel.transfer_monitoring", "command_channel.transfer_timeout_ms"},
+});
+
+/// The checks, with the places of all options given.
+class Checker {
+ public:
+  Checker(Draft& draft, const std::vector<Setting>& settings, const std::string& path)
+      : draft_(draft), path_(path) {
+    for (const Setting& setting : settings) places_.emplace(setting.key(), &setting);
+  }
+
+  Problems run() {
+    mappings(draft_.reference, "process.reference", draft_.config.master.process.reference_mapping);
+    cansync::ProcessMapping common = cansync::SlaveSettings{}.actual_mapping;
+    mappings(draft_.actual_common, "process.actual", common);
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      cansync::SlaveSettings& slave = draft_.config.master.slaves[n];
+      slave.actual_mapping = common;
+      if (slave.configured)
+        mappings(draft_.actual[n], fmt::format("slave.{}.actual", n), slave.actual_mapping);
+    }
+    slave_names();
+    return_parameters();
+    fault_script();
+    finish_path("dds.security", draft_.config.dds.security);
+    finish_path("metrics.file", draft_.config.metrics.file);
+    failsafe();
+    profiles();
+    for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
+    if (const auto wrong = check_bit_timing(draft_.config)) problem(wrong->option, wrong->text);
+    if (problems_.empty()) master();
+    return std::move(problems_);
+  }
+
+ private:
+  const Setting* place(const std::string& key) const {
+    const auto found = places_.find(key);
+    return found == places_.end() ? nullptr : found->second;
+  }
+
+  void problem(const std::string& key, std::string text) {
+    const Setting* setting = place(key);
+    problems_.push_back({setting != nullptr ? setting->where : Position{path_, 0, 0}, key, std::move(text)});
+  }
+
+  void mappings(const MappingDrafts& drafts, const std::string& prefix, cansync::ProcessMapping& mapping) {
+    for (unsigned telegram = 0; telegram < cansync::kChannels; ++telegram) {
+      const MappingDraft& draft = drafts[telegram];
+      const unsigned number = telegram + 1;
+      const std::string registers = fmt::format("{}_registers_{}", prefix, number);
+      const std::string values = fmt::format("{}_values_{}", prefix, number);
+      const std::string high = fmt::format("{}_high_{}", prefix, number);
+      if (draft.registers && (draft.values || draft.high)) {
+        problem(registers, fmt::format("found beside {}; allowed: one form, registers or values and high",
+                                       draft.values ? values : high));
+      } else if (draft.registers) {
+        from_registers(registers, *draft.registers, mapping[telegram]);
+      } else if (draft.values && draft.high) {
+        from_arrays(values, draft, mapping[telegram]);
+      } else if (draft.values || draft.high) {
+        problem(draft.values ? values : high,
+                fmt::format("found without {}; allowed: both together", draft.values ? high : values));
+      }
+    }
+  }
+
+  void from_registers(const std::string& key, const std::array<std::uint8_t, cansync::kWords>& bytes,
+                      cansync::TelegramMapping& mapping) {
+    for (unsigned word = 0; word < cansync::kWords; ++word) {
+      const auto decoded = cansync::from_register(bytes[word]);
+      if (decoded) {
+        mapping.word[word] = *decoded;
+        continue;
+      }
+      problem(key, fmt::format(
+                       "found 0x{:02X} in word {}; allowed: 0 for an unused word, else bit 0 set, bit 1 for "
+                       "the high word, value number 0..7 in bits 2..6",
+                       bytes[word], word));
+      return;
+    }
+  }
+
+  void from_arrays(const std::string& key, const MappingDraft& draft, cansync::TelegramMapping& mapping) {
+    if (const auto decoded = cansync::from_arrays(*draft.values, *draft.high)) {
+      mapping = *decoded;
+    } else {
+      problem(key,
+              "found an unused word (-1) that is marked high; allowed: high only beside value numbers 0..7");
+    }
+  }
+
+  void slave_names() {
+    std::map<std::string_view, unsigned> seen;
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      if (!draft_.config.master.slaves[n].configured) continue;
+      const auto [first, fresh] = seen.emplace(draft_.config.slaves[n].name, n);
+      if (fresh) continue;
+      // A default name cannot be at fault: the one given says the same as it.
+      const std::string own = fmt::format("slave.{}.name", n);
+      const std::string other = fmt::format("slave.{}.name", first->second);
+      const bool own_given = place(own) != nullptr;
+      problem(own_given ? own : other,
+              fmt::format("found \"{}\", which is the name of slave {} too; allowed: each "
+                          "name once",
+                          first->first, own_given ? first->second : n));
+    }
+  }
+
+  void return_parameters() {
+    using cansync::OnReturn;
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      const cansync::SlaveSettings& slave = draft_.config.master.slaves[n];
+      const bool listed = slave.return_count != 0;
+      if (!slave.configured || listed == (slave.on_return != OnReturn::release)) continue;
+      const std::string key = fmt::format("slave.{}.on_return", n);
+      if (listed) {
+        problem(
+            place(key) != nullptr ? key : fmt::format("slave.{}.return_parameters", n),
+            "found return_parameters, but on_return = \"release\" uses none; allowed: on_return = \"check\" "
+            "or \"write\" beside them");
+      } else {
+        problem(key, fmt::format("found \"{}\" without return_parameters; allowed: a list with at least one",
+                                 slave.on_return == OnReturn::check ? "check" : "write"));
+      }
+    }
+  }
+
+  /// A relative path of the file starts at its folder, one of the command line where that was typed.
+  void finish_path(const std::string& key, std::string& path) {
+    const Setting* setting = place(key);
+    if (path.empty() || setting == nullptr || setting->overridden) return;
+    const std::filesystem::path file = path;
+    if (file.is_relative()) path = (std::filesystem::path(path_).parent_path() / file).string();
+  }
+
+  void fault_script() {
+    namespace fs = std::filesystem;
+    std::string& script = draft_.config.sim.fault_script;
+    if (script.empty()) return;
+    finish_path("sim.fault_script", script);
+    const fs::path file = script;
+    std::error_code error;
+    if (!fs::is_regular_file(file, error) || !std::ifstream(file)) {
+      problem("sim.fault_script",
+              fmt::format("found \"{}\", which cannot be read; allowed: a readable file", script));
+    }
+  }
+
+  void profiles() {
+    ProfileFiles files(std::filesystem::path(path_).parent_path().string());
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      SlaveConfig& slave = draft_.config.slaves[n];
+      if (slave.profile.empty()) continue;
+      const std::string key = fmt::format("slave.{}.profile", n);
+      const Setting* setting = place(key);
+      const bool typed = setting != nullptr && setting->overridden;
+      auto [parameters, problem_text, found] = files.load(slave.profile, typed);
+      slave.parameters = std::move(parameters);
+      if (!problem_text.empty()) problem(key, std::move(problem_text));
+      for (Problem& wrong : found) problems_.push_back(std::move(wrong));
+    }
+  }
+
+  void failsafe() {
+    const FailsafeConfig& failsafe = draft_.config.failsafe;
+    if (failsafe.reaction == LossReaction::control_word && !failsafe.control_word) {
+      problem("failsafe.reaction",
+              "found \"control_word\" without failsafe.control_word; allowed: both together");
+    }
+    const bool hold = failsafe.reaction == LossReaction::hold;
+    draft_.config.master.process.hold_too_old = hold ? failsafe.hold_intervals : 0;
+  }
+
+  /// The option a field of the master's settings came from.
+  std::string option_of(const std::string& field) const {
+    for (const auto& [name, option] : kOptionOfField) {
+      if (field == name) return std::string(option);
+    }
+    if (field == "slaves") return "slave";
+    std::string key = field;
+    if (key.starts_with("slaves[")) {
+      key.replace(0, 7, "slave.");
+      key.erase(key.find(']'), 1);
+    }
+    const std::size_t mapping = key.find("_mapping[");
+    if (mapping == std::string::npos) return key;
+    const std::string telegram = key.substr(mapping + 9, 1) == "0" ? "1" : "2";
+    std::string stem = key.substr(0, mapping);
+    for (const std::string& owner : {stem, std::string("process.actual")}) {
+      for (const std::string_view form : {"_registers_", "_values_"}) {
+        std::string option = fmt::format("{}{}{}", owner, form, telegram);
+        if (place(option) != nullptr) return option;
+      }
+    }
+    return stem;
+  }
+
+  void master() {
+    auto found_problems = cansync::check(draft_.config.master);
+    if (found_problems.empty()) found_problems = check_budget(budget_input(draft_.config));
+    for (const cansync::SettingProblem& found : found_problems) {
+      const std::string key = option_of(found.field);
+      const std::size_t word = found.field.find(".word[");
+      const std::string where =
+          word == std::string::npos ? "" : " in word " + found.field.substr(word + 6, 1);
+      problem(key, fmt::format("found {}{}; allowed: {}", found.found, where, found.allowed));
+    }
+  }
+
+  Draft& draft_;
+  const std::string& path_;
+  std::map<std::string, const Setting*> places_;
+  Problems problems_;
+};
+
+}  // namespace
+
+std::vector<Problem> check_and_finish(Draft& draft, const std::vector<Setting>& settings,
+                                      const std::string& path) {
+  return Checker(draft, settings, path).run();
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "cansync/jobs.h"
+#include "cansync/numbers.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/texts/refusal_text.h"
+#include "daemon/config/config.h"
+#include "daemon/desk/audit.h"
+#include "daemon/desk/gateway_events.h"
+
+namespace cansyncd {
+
+/// Sends the control word of the failsafe reaction to its slaves through the command channel, and tells how
+/// that ended: one event when it begins, one when every slave's outcome is known, and each control word in
+/// the audit trail. Does nothing unless that is the configured reaction. Gateway thread only.
+class FailsafeCommands {
+ public:
+  /// `events` and `audit` must outlive this object.
+  FailsafeCommands(EventPublisher& events, AuditTrail& audit, const Config& config);
+
+  /// Begins a round. While one runs, another is not begun: it would carry the same word to the same slaves.
+  void start(unsigned channel, const Config& config, SteadyTime now);
+
+  /// Hands on what there was no room for. Returns when to call again; nothing: no need.
+  std::optional<SteadyTime> push(Exchange& exchange, SteadyTime now);
+
+  /// Takes the answer to one of these control words; false: it belongs to somebody else.
+  bool finish(const Terminal& terminal, const Config& config, const RefusalContext& line, SteadyTime now);
+
+ private:
+  cansync::ControlWordRequest request_to(cansync::SlaveNumber slave) const;
+  void end(const Config& config, SteadyTime now);
+
+  EventPublisher& events_;
+  AuditTrail& audit_;
+  std::optional<std::uint16_t> word_;  ///< nothing: another reaction is configured
+  cansync::SlaveMask slaves_;
+  cansync::SlaveMask waiting_;  ///< not handed on yet
+  cansync::SlaveMask open_;     ///< no outcome yet
+  cansync::SlaveMask sent_;
+  std::string failed_;  ///< outcomes of the slaves that did not get it
+};
+
+}  // namespace cansyncd

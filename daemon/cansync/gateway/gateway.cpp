@@ -1,0 +1,227 @@
+#include "daemon/cansync/gateway/gateway.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "daemon/cansync/requests/gateway_requests.h"
+#include "daemon/desk/access.h"
+#include "daemon/service/service.h"
+#include "dds/malformed.h"
+
+namespace cansyncd {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Takes from `to` what may change while running.
+void take_changeable(const Config& to, Config& config) {
+  config.references = to.references;
+  config.slaves = to.slaves;
+  config.access = to.access;
+  config.failsafe.reference_max_age = to.failsafe.reference_max_age;
+  config.dds.request_max_age = to.dds.request_max_age;
+  config.master.process.reference_mapping = to.master.process.reference_mapping;
+  config.master.process.polling = to.master.process.polling;
+  config.master.process.maximum_slave = to.master.process.maximum_slave;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    config.master.slaves[i].actual_mapping = to.master.slaves[i].actual_mapping;
+  }
+  config.master.command_channel.control_word = to.master.command_channel.control_word;
+  config.master.command_channel.parameter = to.master.command_channel.parameter;
+  config.master.command_channel.transfer = to.master.command_channel.transfer;
+}
+
+/// Milliseconds from now to `due`, rounded up, at least 0.
+int milliseconds_to(SteadyTime due) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(due - steady_clock::now());
+  return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
+}
+
+}  // namespace
+
+Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
+                 JournalSink& journal)
+    : config_(config),
+      exchange_(exchange),
+      events_(participant, journal, config.bus.name),
+      state_(participant, config),
+      audit_(journal, events_, config),
+      failsafe_(events_, audit_, config),
+      references_(participant, signal_, events_, config),
+      jobs_(participant, signal_, events_, config, audit_),
+      status_line_(service::status) {
+  state_.set_givers(references_.givers());
+}
+
+Gateway::~Gateway() {
+  stop();
+}
+
+void Gateway::start() {
+  cansync::dds::count_malformed();
+  metrics_.emplace(config_.metrics, [this](const EventText& event) { post(event); });
+  thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "cansync-gateway");  // for `top -H` and whoever measures
+    run();
+  });
+}
+
+void Gateway::stop() noexcept {
+  if (!thread_.joinable()) return;
+  stop_ = true;
+  exchange_.gateway_wake.signal();
+  thread_.join();
+  metrics_.reset();
+}
+
+void Gateway::reload(const Config& config) {
+  {
+    const std::lock_guard lock(configuration_mutex_);
+    new_configuration_ = config;
+  }
+  exchange_.gateway_wake.signal();
+}
+
+void Gateway::post(const EventText& event) {
+  {
+    const std::lock_guard lock(posted_mutex_);
+    if (posted_.size() < kPosted) posted_.push_back(event);
+  }
+  exchange_.gateway_wake.signal();
+}
+
+void Gateway::publish_posted(SteadyTime now) {
+  std::vector<EventText> taken;
+  {
+    const std::lock_guard lock(posted_mutex_);
+    taken.swap(posted_);
+  }
+  for (const EventText& event : taken) events_.publish(event, now);
+}
+
+void Gateway::run() {
+  std::array<pollfd, 2> wake{{{exchange_.gateway_wake.descriptor(), POLLIN, 0}, {signal_.fd(), POLLIN, 0}}};
+  bool samples_may_wait = true;
+  while (!stop_) {
+    const SteadyTime due = pass(samples_may_wait);
+    passes_.fetch_add(1, std::memory_order_relaxed);
+    // An interrupted or failed poll only means one pass too many.
+    const int ready = ::poll(wake.data(), wake.size(), milliseconds_to(due));
+    if (ready > 0 && wake[0].revents != 0) exchange_.gateway_wake.clear();
+    samples_may_wait = ready <= 0 || wake[1].revents != 0;
+    if (samples_may_wait) signal_.clear();
+  }
+  end_jobs();
+}
+
+JobContext Gateway::context(SteadyTime now) {
+  const MasterSnapshot& master = state_.master();
+  return {exchange_, config_, {master.state, master.when.interval, master.responding, master.released}, now};
+}
+
+SteadyTime Gateway::pass(bool samples_may_wait) {
+  const SteadyTime now = steady_clock::now();
+  take_configuration(now);
+  SteadyTime due = state_.step(exchange_, now);
+  events_.set_interval(state_.master().when.interval);
+  const JobContext jobs = context(now);
+  take_reports(jobs);
+  references_.watch(state_.master().release);
+  publish_posted(now);
+  // Asking every reader costs more than all the rest of a pass.
+  if (samples_may_wait) {
+    // Both take a bounded number, so that no writer keeps this thread from the rest of its work.
+    const bool more_references = references_.take_samples(exchange_, now);
+    const bool more_requests = jobs_.take_requests(jobs);
+    if (more_references || more_requests) signal_.raise();
+  }
+  const auto references_due = references_.tick(now);
+  references_.push_stops(exchange_);
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    if (references_.take_reaction(channel)) failsafe_.start(channel, config_, now);
+  }
+  const auto failsafe_due = failsafe_.push(exchange_, now);
+  state_.set_clients(jobs_.clients(), jobs_.rejections());
+  for (const auto next : {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
+                          status_line_.step(state_.master(), config_, now), metrics_->step(state_, now)}) {
+    if (next) due = std::min(due, *next);
+  }
+  return due;
+}
+
+void Gateway::take_reports(const JobContext& context) {
+  Terminal terminal;
+  while (exchange_.terminals.try_pop(terminal)) {
+    if (!failsafe_.finish(terminal, config_, context.line, context.now)) jobs_.finish(terminal, context);
+  }
+  Report report;
+  while (exchange_.reports.try_pop(report)) {
+    if (const auto* progress = std::get_if<TransferProgress>(&report)) {
+      jobs_.progress(*progress, context.now);
+    } else if (const auto* refused = std::get_if<ReferenceRefused>(&report)) {
+      references_.refused(*refused, config_, context.line, context.now);
+    } else {
+      take_event(report, context.now);
+    }
+  }
+}
+
+void Gateway::take_event(const Report& report, SteadyTime now) {
+  // A computer that is too slow skips edges all the time; that must not push everything else out of the
+  // history.
+  const auto* missed = std::get_if<SyncsMissed>(&report);
+  if (missed != nullptr && !missed_syncs_.add(missed->count, now)) return;
+  if (const auto event = describe(report, config_)) events_.publish(*event, now);
+}
+
+std::optional<SteadyTime> Gateway::tell_syncs(SteadyTime now) {
+  const std::uint64_t missed = missed_syncs_.take_over(now);
+  if (missed != 0) {
+    events_.publish(
+        {cansync_SEVERITY_INFO, "syncs_kept", -1,
+         fmt::format("no SYNC edge was skipped for {} s; {} were before", kSyncQuiet.count(), missed),
+         std::nullopt},
+        now);
+  }
+  return missed_syncs_.next();
+}
+
+void Gateway::take_configuration(SteadyTime now) {
+  std::optional<Config> taken;
+  {
+    const std::lock_guard lock(configuration_mutex_);
+    taken = std::exchange(new_configuration_, std::nullopt);
+  }
+  if (!taken) return;
+  for (const Request& request : changes(config_, *taken)) jobs_.give(request);
+  take_changeable(*taken, config_);
+  state_.set_names(config_);
+  references_.set_maximum_age(config_.failsafe.reference_max_age);
+  references_.set_refusal(read_only_refusal_of_references(config_));
+  events_.publish(
+      {cansync_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
+}
+
+void Gateway::end_jobs() {
+  constexpr std::chrono::milliseconds kPatience{500};
+  constexpr int kLook = 20;
+  const SteadyTime end = steady_clock::now() + kPatience;
+  (void)state_.step(exchange_, steady_clock::now());
+  take_reports(context(steady_clock::now()));
+  publish_posted(steady_clock::now());
+  jobs_.stop(context(steady_clock::now()));
+  while (jobs_.replies_waiting() && steady_clock::now() < end) {
+    (void)signal_.wait(kLook);
+    signal_.clear();
+    (void)jobs_.retry(context(steady_clock::now()));
+  }
+  jobs_.wait_for_readers(DDS_MSECS(kPatience.count()));
+}
+
+}  // namespace cansyncd

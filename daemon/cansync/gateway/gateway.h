@@ -1,0 +1,109 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/gateway/failsafe_commands.h"
+#include "daemon/cansync/gateway/gateway_references.h"
+#include "daemon/cansync/status/gateway_state.h"
+#include "daemon/cansync/status/metrics_desk.h"
+#include "daemon/cansync/status/status_line.h"
+#include "daemon/config/config.h"
+#include "daemon/desk/audit.h"
+#include "daemon/desk/gateway_events.h"
+#include "daemon/desk/gateway_jobs.h"
+#include "dds/participant.h"
+#include "dds/signal.h"
+
+namespace cansyncd {
+
+/// Binds the exchange with the realtime thread to the DDS topics: one thread of normal priority that sleeps
+/// until the realtime thread or DDS has something, and the only one that touches DDS.
+///
+/// Every request of a client gets exactly one terminal reply; all those open when the gateway stops are
+/// answered with REPLY_MASTER_STOPPED.
+class Gateway {
+ public:
+  /// SYNC edges that are skipped again and again are one row until none was for so long.
+  static constexpr std::chrono::seconds kSyncQuiet{10};
+
+  /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
+  /// `journal` must outlive the gateway. Throws cansync::dds::SetupError.
+  Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
+          JournalSink& journal = process_journal());
+
+  /// Stops. The realtime thread must have ended before, because it may hold the data of transfers; a gateway
+  /// that was only stopped still keeps it.
+  ~Gateway();
+  Gateway(const Gateway&) = delete;
+  Gateway& operator=(const Gateway&) = delete;
+
+  /// What the realtime thread asked for and was granted, for MasterStatus. Before `start`.
+  void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
+    state_.set_realtime(wanted, granted);
+  }
+
+  /// Starts the thread; once. Throws std::system_error when there is no thread to be had.
+  void start();
+
+  /// Answers every open request, waits a little until the clients have the replies, and ends the thread.
+  /// Whether the realtime thread has ended before does not matter; results it has left in the exchange are
+  /// still told. Further calls do nothing.
+  void stop() noexcept;
+
+  /// Passes over everything that may have come, so far: stands still for longer than a second only when the
+  /// thread does. Any thread.
+  std::uint64_t passes() const noexcept { return passes_.load(std::memory_order_relaxed); }
+
+  /// Publishes an event of another thread. Any thread; returns at once. At most `kPosted` wait, more are
+  /// lost.
+  void post(const EventText& event);
+  static constexpr std::size_t kPosted = 16;
+
+  /// Takes over what can change while running: names, units and scaling, mappings, polling, cursors, greatest
+  /// age of reference values. Only what differs from the configuration before is changed on the line, so that
+  /// what clients have set meanwhile stays. Everything else in `config` is ignored. Any thread; returns at
+  /// once.
+  void reload(const Config& config);
+
+ private:
+  void run();
+  /// One pass over everything that may have come; returns when the next is due at the latest. The readers are
+  /// asked only when `samples_may_wait`.
+  SteadyTime pass(bool samples_may_wait);
+  void take_reports(const JobContext& context);
+  void take_event(const Report& report, SteadyTime now);
+  /// Tells when the row of skipped SYNC edges is over. Returns when to call again; nothing: no need.
+  std::optional<SteadyTime> tell_syncs(SteadyTime now);
+  void take_configuration(SteadyTime now);
+  void publish_posted(SteadyTime now);
+  void end_jobs();
+  JobContext context(SteadyTime now);
+
+  Config config_;  ///< gateway thread only, once it runs
+  Exchange& exchange_;
+  cansync::dds::DataSignal signal_;  ///< before everything that raises it
+  EventPublisher events_;
+  StatePublisher state_;
+  AuditTrail audit_;
+  FailsafeCommands failsafe_;
+  ReferenceInput references_;
+  JobDesk jobs_;
+  FaultRow missed_syncs_{kSyncQuiet};
+  StatusLine status_line_;
+  std::optional<MetricsDesk> metrics_;  ///< from `start` to `stop`
+
+  std::mutex configuration_mutex_;
+  std::optional<Config> new_configuration_;
+  std::mutex posted_mutex_;
+  std::vector<EventText> posted_;
+  std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> passes_{0};
+  std::thread thread_;
+};
+
+}  // namespace cansyncd

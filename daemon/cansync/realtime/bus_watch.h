@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "can/bus.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/realtime/reporter.h"
+
+namespace cansyncd {
+
+/// Reports on the edge what becomes of the bus: interface, controller, sending, and faults that repeat, which
+/// are counted until they have stayed away for 3 s. Realtime thread only; realtime safe.
+class BusWatch {
+ public:
+  /// Both must outlive the watch.
+  BusWatch(can::Bus& bus, Reporter& reporter) noexcept : bus_(bus), reporter_(reporter) {}
+
+  /// Takes the state the bus is in as the one that needs no report; an interface that is not up does.
+  void begin() noexcept;
+
+  /// A telegram was handed to the bus.
+  void sent(can::SendResult result) noexcept;
+
+  /// Looks at the bus, once an interval; `now` is the bus's time.
+  void look(can::Time now) noexcept;
+
+  /// As of the last look.
+  const can::ControllerStatus& status() const noexcept { return status_; }
+  can::SendResult last_send() const noexcept { return last_send_; }
+
+ private:
+  struct Row {
+    std::uint64_t seen = 0;   ///< counter at the last look
+    std::uint64_t count = 0;  ///< since the row began; 0: there is none
+    can::Time last{};
+  };
+
+  void watch_link(can::LinkState before) noexcept;
+  void watch_row(BusFaultKind kind, std::uint64_t counter, can::Time now) noexcept;
+
+  can::Bus& bus_;
+  Reporter& reporter_;
+  can::ControllerStatus status_;
+  std::array<Row, kBusFaultKinds> rows_ = {};
+  can::SendResult last_send_ = can::SendResult::queued;
+  std::uint64_t failed_sends_ = 0;  ///< in a row, the interface being up
+  std::uint64_t without_link_ = 0;  ///< telegrams since the interface is not up
+};
+
+}  // namespace cansyncd

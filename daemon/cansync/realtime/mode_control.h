@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+
+#include "can/bus.h"
+#include "cansync/master.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/config/config.h"
+
+namespace cansyncd {
+
+/// Leads the master through its states: to the start target by itself, and wherever an operator asks for.
+/// Realtime thread only; realtime safe.
+///
+/// | mode      | from    | what happens                                       | target then   |
+/// |-----------|---------|----------------------------------------------------|---------------|
+/// | set_up    | any     | to set-up; out of active operation the values stop | set-up        |
+/// | run       | set-up  | active operation, by the enable rule unless forced | active        |
+/// | run       | active  | nothing                                            | active        |
+/// | run       | others  | refused, `wrong_state`                             | as it was     |
+/// | stop      | any     | cold restart, then waiting for start: no SYNC      | none          |
+/// | reset_can | any     | resets the controller, or says why it cannot       | as it was     |
+/// | restart   | any     | cold restart, then to the configured target        | as configured |
+class ModeControl {
+ public:
+  /// Both must outlive the object.
+  ModeControl(cansync::Master& master, can::Bus& bus, StartTarget configured) noexcept
+      : master_(master), bus_(bus), configured_(configured), target_(configured) {}
+
+  /// Goes as far towards the target as is allowed now; call once an interval.
+  void pursue_target() noexcept;
+
+  /// Carries out an operator's request; a refusal means nothing has changed.
+  /// `Mode::reset_can` may take its time: `reset_pending` is true then, and `finish_reset` tells the end.
+  cansync::Refusal request(Mode mode, bool force) noexcept;
+
+  /// A reset of the controller is under way.
+  bool reset_pending() const noexcept { return reset_pending_; }
+
+  /// Waits for it no longer.
+  void forget_reset() noexcept { reset_pending_ = false; }
+
+  /// The outcome of that reset; nothing while it is under way.
+  std::optional<cansync::Refusal> finish_reset() noexcept;
+
+  /// Ends operation for good: every open job ends as `master_stopped`.
+  void shut_down() noexcept;
+
+ private:
+  void initialise() noexcept;
+  cansync::Refusal run(bool force) noexcept;
+  cansync::Refusal end_reset(can::ResetResult result) noexcept;
+  void set_up() noexcept;
+
+  cansync::Master& master_;
+  can::Bus& bus_;
+  const StartTarget configured_;
+  StartTarget target_;
+  bool reset_pending_ = false;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,102 @@
+// What the realtime loop tells the gateway about itself.
+#include <algorithm>
+#include <chrono>
+
+#include "daemon/cansync/realtime/realtime_loop.h"
+
+namespace cansyncd {
+
+using cansync::SlaveNumber;
+using cansync::Slot;
+
+void RealtimeLoop::publish() noexcept {
+  const can::Time now = bus_.now();
+  MasterSnapshot snapshot;
+  reporter_.at(number_, now);
+  const bool was_up = watch_.status().link == can::LinkState::up;
+  watch_.look(now);
+  if (was_up && watch_.status().link != can::LinkState::up) master_.bus_lost();
+  snapshot.when = reporter_.moment();
+  snapshot.state = master_.state();
+  snapshot.cansync_status = cansync_status();
+  snapshot.counters = master_.counters();
+  snapshot.controller = watch_.status();
+  snapshot.timestamps = bus_.timestamp_source();
+  snapshot.second_master = master_.second_master();
+  snapshot.configured = master_.settings().configured();
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    const SlaveNumber slave = *SlaveNumber::from(i);
+    const cansync::SlaveStatus& status = master_.slave(slave);
+    if (status.responds) snapshot.responding.set(slave);
+    if (status.synchronized) snapshot.synchronized.set(slave);
+    if (status.state == cansync::SlaveState::released) snapshot.released.set(slave);
+  }
+  snapshot.open_parameter_jobs = static_cast<std::uint32_t>(master_.open_parameter_jobs());
+  snapshot.open_transfers = static_cast<std::uint32_t>(master_.open_transfers());
+  for (const auto channel : {cansync::Channel::one, cansync::Channel::two}) {
+    snapshot.release[cansync::index(channel)] = master_.release(channel);
+  }
+  snapshot.missed_syncs = missed_syncs_;
+  snapshot.lost_reports = reporter_.lost_reports();
+  follow_sync();
+  snapshot.sync = line_;
+  // Nobody is woken for it alone: what changed in it has been reported.
+  exchange_.master.write(snapshot);
+  refresh_slave_counters();
+  if (now >= next_second_) publish_timing(now);
+}
+
+/// Slaves' counters change all the time; each slave's are told about once a second, one slave at a time.
+void RealtimeLoop::refresh_slave_counters() noexcept {
+  constexpr can::Time kSecond = std::chrono::seconds(1);
+  const auto turn = static_cast<cansync::IntervalNumber>(
+      std::max<can::Time::rep>(kSecond / interval_ / cansync::kSlaves, 1));
+  if (timeline_.next() % turn != 0) return;
+  const SlaveNumber slave = *SlaveNumber::from((timeline_.next() / turn) % cansync::kSlaves);
+  if (master_.slave(slave).configured) reporter_.slave_status(slave, master_.slave(slave));
+}
+
+void RealtimeLoop::publish_timing(can::Time now) noexcept {
+  constexpr can::Time kSecond = std::chrono::seconds(1);
+  const auto lateness = lateness_.take();
+  TimingSnapshot timing;
+  timing.intervals = master_.counters().intervals;
+  timing.lateness_minimum = lateness.minimum;
+  timing.lateness_mean = lateness.mean;
+  timing.lateness_maximum = lateness.maximum;
+  timing.histogram = lateness_.histogram();
+  timing.lateness_sum = lateness_.total();
+  timing.left_out = left_out_;
+  timing.missed_syncs = missed_syncs_;
+  timing.bus_load = load_.take(now);
+  timing.slots = slots_.take();
+  for (const Slot slot : {Slot::reference_one, Slot::reference_two, Slot::command}) {
+    timing.planned[static_cast<unsigned>(slot)] = master_.planned_start(slot);
+  }
+  exchange_.timing.write(timing);
+  reporter_.written();
+  overruns_before_ = watch_.status().overruns + watch_.status().dropped;
+  next_second_ = std::max(next_second_ + kSecond, now);
+  clock_.adjust(bus_);
+}
+
+/// Interface status register (M 3.2.2.3). Overrun: in the running second. Receiving: a frame of somebody else
+/// came in this interval.
+std::uint16_t RealtimeLoop::cansync_status() const noexcept {
+  using can::ControllerState;
+  const can::ControllerStatus& controller = watch_.status();
+  const ControllerState state = controller.state;
+  const can::SendResult last_send = watch_.last_send();
+  const bool warning = state == ControllerState::error_warning || state == ControllerState::error_passive;
+  unsigned bits = 0;
+  if (controller.overruns + controller.dropped != overruns_before_) bits |= 1u << 1;
+  if (last_send != can::SendResult::queue_full) bits |= 1u << 2;
+  if (!echo_due_ && last_send == can::SendResult::queued) bits |= 1u << 3;
+  if (heard_others_) bits |= 1u << 4;
+  if (echo_due_) bits |= 1u << 5;
+  if (warning) bits |= 1u << 6;
+  if (state == ControllerState::bus_off) bits |= 1u << 7;
+  return static_cast<std::uint16_t>(bits);
+}
+
+}  // namespace cansyncd

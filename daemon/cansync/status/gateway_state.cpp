@@ -1,0 +1,279 @@
+#include "daemon/cansync/status/gateway_state.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "daemon/bus/bit_timing_check.h"
+#include "daemon/cansync/texts/bus_text.h"
+#include "daemon/cansync/texts/sync_text.h"
+#include "dds/convert.h"
+
+namespace cansyncd {
+namespace {
+
+namespace dds = cansync::dds;
+using cansync::SlaveNumber;
+
+std::array<cansync_ValueName, cansync::kValues> names_of(const ValueConfigs& values) {
+  std::array<cansync_ValueName, cansync::kValues> names = {};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    dds::copy_text(values[i].name, names[i].name);
+    dds::copy_text(values[i].unit, names[i].unit_symbol);
+    names[i].factor = values[i].factor;
+    names[i].offset = values[i].offset;
+  }
+  return names;
+}
+
+SettingsSnapshot settings_of(const cansync::MasterSettings& master) {
+  SettingsSnapshot settings;
+  settings.reference_mapping = master.process.reference_mapping;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    settings.actual_mapping[i] = master.slaves[i].actual_mapping;
+  }
+  settings.polling = master.process.polling;
+  settings.maximum_slave = master.process.maximum_slave;
+  settings.control_word = master.command_channel.control_word;
+  settings.parameter = master.command_channel.parameter;
+  settings.transfer = master.command_channel.transfer;
+  return settings;
+}
+
+/// What is worth a sample of MasterStatus at once; counters wait for the next second.
+auto essence(const MasterSnapshot& master) {
+  // Overrun, warning and bus-off; "sending" and "receiving" change all the time.
+  constexpr unsigned kLastingBits = 0x00C2;
+  return std::tuple(master.state, master.cansync_status & kLastingBits, master.controller.state,
+                    master.sync.state, master.controller.link, master.second_master, master.timestamps,
+                    master.configured.bits, master.responding.bits, master.synchronized.bits,
+                    master.released.bits);
+}
+
+constexpr TelegramClass kSlotOrder[kTelegramClasses] = {
+    TelegramClass::response,      TelegramClass::reference_one, TelegramClass::actual_one,
+    TelegramClass::reference_two, TelegramClass::actual_two,    TelegramClass::command};
+
+/// -1 ns for what the slaves send.
+cansync::Duration planned_start(const TimingSnapshot& timing, TelegramClass slot) {
+  switch (slot) {
+    case TelegramClass::reference_one:
+      return timing.planned[static_cast<unsigned>(cansync::Slot::reference_one)];
+    case TelegramClass::reference_two:
+      return timing.planned[static_cast<unsigned>(cansync::Slot::reference_two)];
+    case TelegramClass::command:
+      return timing.planned[static_cast<unsigned>(cansync::Slot::command)];
+    default:
+      return cansync::Duration(-1);
+  }
+}
+
+void fill_sync(const SyncConfig& config, const SyncSnapshot& line, cansync_MasterStatus& sample) {
+  const bool follows = config.input != SyncInput::none || config.output == SyncOutput::phc;
+  dds::copy_text(name(config.output), sample.sync_output);
+  dds::copy_text(config.output == SyncOutput::phc ? name(config.output) : name(config.input),
+                 sample.sync_input);
+  if (follows) dds::copy_text(sync_line::name(line.state), sample.sync_state);
+  sample.sync_phase_error = line.phase_error.count();
+  sample.sync_holdover = static_cast<std::uint64_t>(line.holdover.count());
+  sample.sync_edges = line.edges;
+  sample.sync_rejected_edges = line.rejected_edges;
+  sample.sync_output_failures = line.output_failures;
+}
+
+cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& times,
+                      can::TimestampSource source) {
+  cansync_Timing sample = {};
+  sample.intervals = timing.intervals;
+  sample.lateness_minimum = timing.lateness_minimum.count();
+  sample.lateness_mean = timing.lateness_mean.count();
+  sample.lateness_maximum = timing.lateness_maximum.count();
+  // 32 bits on the topic, where readers take differences.
+  std::transform(timing.histogram.begin(), timing.histogram.end(), std::begin(sample.lateness_histogram),
+                 [](std::uint64_t count) { return static_cast<std::uint32_t>(count); });
+  std::copy(timing.left_out.begin(), timing.left_out.end(), std::begin(sample.left_out));
+  sample.missed_syncs = timing.missed_syncs;
+  sample.bus_load = timing.bus_load;
+  for (unsigned i = 0; i < kTelegramClasses; ++i) {
+    const TelegramClass slot = kSlotOrder[i];
+    const SlotSummary& seen = timing.slots[static_cast<unsigned>(slot)];
+    sample.slot[i] = {seen.count,
+                      seen.earliest.count(),
+                      seen.mean.count(),
+                      seen.latest.count(),
+                      planned_start(timing, slot).count(),
+                      latest_start(times, slot).count(),
+                      seen.late};
+  }
+  dds::copy_text(name(source), sample.timestamp_source);
+  return sample;
+}
+
+void fill_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted,
+                   cansync_MasterStatus& sample) {
+  sample.realtime_enforced = wanted.enforce;
+  sample.realtime_priority = granted.scheduling ? wanted.priority : 0;
+  sample.realtime_priority_wanted = wanted.priority;
+  sample.realtime_cpu = granted.affinity ? wanted.cpu : -1;
+  sample.realtime_cpu_wanted = wanted.cpu;
+  sample.memory_locked = wanted.lock_memory && granted.memory_locked;
+  sample.memory_lock_wanted = wanted.lock_memory;
+  // What was not asked for counts as granted.
+  sample.cpu_held_awake = wanted.hold_cpu_awake && granted.cpu_held_awake;
+}
+
+}  // namespace
+
+StatePublisher::StatePublisher(const dds::Participant& participant, const Config& config)
+    : config_(config),
+      actual_writer_(participant),
+      slave_writer_(participant),
+      master_writer_(participant),
+      timing_writer_(participant),
+      interval_writer_(participant),
+      settings_(settings_of(config.master)) {
+  master_.configured = config.master.configured();
+  set_names(config);
+}
+
+void StatePublisher::set_names(const Config& config) {
+  config_.references = config.references;
+  config_.slaves = config.slaves;
+  config_.access = config.access;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    slaves_[i].names = names_of(config.slaves[i].actual);
+    slaves_[i].dirty = config_.master.slaves[i].configured;
+  }
+  master_dirty_ = true;
+}
+
+void StatePublisher::set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
+  realtime_wanted_ = wanted;
+  realtime_granted_ = granted;
+  master_dirty_ = true;
+}
+
+SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
+  take_settings(exchange);
+  take_master(exchange);
+  take_actual(exchange);
+  IntervalReport interval;
+  if (exchange.interval.read(interval) && config_.dds.interval_topic) {
+    (void)interval_writer_.write(
+        {interval.sync.interval, interval.sync.wall_clock.count(), interval.time_left.count()});
+  }
+  if (exchange.timing.read(timing_)) {
+    told_timing_ = to_dds(timing_, cansync::slot_times(config_.master.bit_rate), master_.timestamps);
+    (void)timing_writer_.write(*told_timing_);
+  }
+
+  if (master_dirty_ || now - master_published_ >= kMasterPeriod) publish_master(now);
+  SteadyTime next = master_published_ + kMasterPeriod;
+  for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
+    Slave& slave = slaves_[i];
+    if (exchange.slave[i].read(slave.report)) slave.dirty = config_.master.slaves[i].configured;
+    if (!slave.dirty) continue;
+    if (now - slave.published >= kSlavePeriod) {
+      publish_slave(*SlaveNumber::from(i), now);
+    } else {
+      next = std::min(next, slave.published + kSlavePeriod);
+    }
+  }
+  return next;
+}
+
+ToldStatus StatePublisher::told() const {
+  ToldStatus told{&told_master_, {}, told_timing_ ? &*told_timing_ : nullptr, &timing_};
+  for (const Slave& slave : slaves_) {
+    if (slave.told_status) told.slaves.push_back(&*slave.told_status);
+  }
+  return told;
+}
+
+void StatePublisher::take_settings(Exchange& exchange) {
+  if (!exchange.settings.read(settings_)) return;
+  master_dirty_ = true;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) slaves_[i].dirty = config_.master.slaves[i].configured;
+}
+
+void StatePublisher::take_master(Exchange& exchange) {
+  const auto before = essence(master_);
+  if (exchange.link.read(link_)) master_dirty_ = true;
+  if (exchange.master.read(master_) && essence(master_) != before) master_dirty_ = true;
+}
+
+void StatePublisher::take_actual(Exchange& exchange) {
+  ActualReport report;
+  for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
+    if (!exchange.actual[i].read(report)) continue;
+    Slave& slave = slaves_[i];
+    cansync::IntervalNumber newest = master_.when.interval;
+    for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+      // Telegrams that came between two looks are told together.
+      report.values.arrived[channel] = report.values.count[channel] != slave.told[channel];
+      newest = std::max(newest, report.values.interval[channel]);
+    }
+    slave.told = report.values.count;
+    (void)actual_writer_.write(dds::actual_values(*SlaveNumber::from(i), config_.slaves[i].name,
+                                                  report.values, slave.names, newest,
+                                                  report.when.wall_clock.count()));
+  }
+}
+
+void StatePublisher::publish_master(SteadyTime now) {
+  cansync::MasterSettings settings = config_.master;
+  settings.process.reference_mapping = settings_.reference_mapping;
+  settings.process.polling = settings_.polling;
+  settings.process.maximum_slave = settings_.maximum_slave;
+  settings.command_channel.control_word = settings_.control_word;
+  settings.command_channel.parameter = settings_.parameter;
+  settings.command_channel.transfer = settings_.transfer;
+
+  cansync_MasterStatus& sample = told_master_;
+  sample = {};
+  dds::fill_master_status(settings, master_.counters, master_.state, sample);
+  dds::copy_text(config_.bus.name, sample.bus);
+  dds::copy_text(CANSYNC_VERSION, sample.version);
+  sample.cansync_status = master_.cansync_status;
+  sample.interval = master_.when.interval;
+  fill_bus(master_, link_, sample);
+  sample.sample_point_wanted = wanted_sample_point(config_);
+  sample.slaves_configured = master_.configured.bits;
+  sample.slaves_responding = master_.responding.bits;
+  sample.slaves_synchronized = master_.synchronized.bits;
+  sample.slaves_released = master_.released.bits;
+  sample.open_parameter_jobs = master_.open_parameter_jobs;
+  sample.open_transfers = master_.open_transfers;
+  sample.missed_syncs = master_.missed_syncs;
+  sample.lost_reports = master_.lost_reports;
+  sample.data_model = cansync_DATA_MODEL;
+  dds::copy_text(config_.bus.interface, sample.bus_interface);
+  if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
+  sample.secured = !config_.dds.security.empty();
+  sample.read_only = config_.access.read_only;
+  fill_realtime(realtime_wanted_, realtime_granted_, sample);
+  fill_sync(config_.sync, master_.sync, sample);
+  sample.clients = clients_;
+  fill_rejections(rejections_, sample);
+  if (givers_ != nullptr) fill_references(master_.release, *givers_, sample);
+  const auto names = names_of(config_.references);
+  std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
+  (void)master_writer_.write(sample);
+  master_dirty_ = false;
+  master_published_ = now;
+}
+
+void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
+  Slave& slave = slaves_[number.value()];
+  const SlaveConfig& config = config_.slaves[number.value()];
+  cansync_SlaveStatus& sample = slave.told_status.emplace(dds::slave_status(
+      number, config.name, slave.report.status, settings_.actual_mapping[number.value()], slave.names));
+  if (config.parameters != nullptr) {
+    dds::copy_text(config.parameters->name, sample.profile);
+    dds::copy_text(config.parameters->hash, sample.profile_hash);
+  }
+  (void)slave_writer_.write(sample);
+  slave.dirty = false;
+  slave.published = now;
+}
+
+}  // namespace cansyncd

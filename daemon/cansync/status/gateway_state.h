@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cansync.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/status/reference_status.h"
+#include "daemon/config/config.h"
+#include "daemon/desk/gateway_events.h"
+#include "daemon/desk/rejections.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+#include "rt/realtime_thread.h"
+
+namespace cansyncd {
+
+/// What was told last.
+struct ToldStatus {
+  const cansync_MasterStatus* master = nullptr;
+  std::vector<const cansync_SlaveStatus*> slaves;  ///< configured ones, in the order of their numbers
+  const cansync_Timing* timing = nullptr;          ///< null: none yet
+  const TimingSnapshot* timing_snapshot = nullptr;
+};
+
+/// Publishes what is known of the line: ActualValues, SlaveStatus, MasterStatus, Timing and, when the
+/// configuration switches it on, Interval. Gateway thread only.
+class StatePublisher {
+ public:
+  /// Least time between two samples of SlaveStatus of one slave; the newest status is always told in the end.
+  static constexpr std::chrono::milliseconds kSlavePeriod{100};
+  /// MasterStatus is told at least this often.
+  static constexpr std::chrono::seconds kMasterPeriod{1};
+
+  /// Throws cansync::dds::SetupError.
+  StatePublisher(const cansync::dds::Participant& participant, const Config& config);
+
+  /// Takes names, units and scaling from `config`; they are published with the next `step`.
+  void set_names(const Config& config);
+
+  /// What the realtime thread asked for and was granted; published with the next `step`.
+  void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted);
+
+  /// How many clients there are, and what of them was rejected; told with the next MasterStatus.
+  void set_clients(std::size_t clients, const RejectionCounts& rejections) noexcept {
+    clients_ = static_cast<std::uint32_t>(clients);
+    rejections_ = rejections;
+  }
+
+  /// Who gives the reference values, for MasterStatus; must outlive this object. Before `start`.
+  void set_givers(const std::array<ReferenceGiver, cansync::kChannels>& givers) noexcept {
+    givers_ = &givers;
+  }
+
+  /// Takes what is new from `exchange` and publishes what is due. Returns when to call again at the latest.
+  SteadyTime step(Exchange& exchange, SteadyTime now);
+
+  /// Newest state of the master, as far as it was told.
+  const MasterSnapshot& master() const noexcept { return master_; }
+  /// The samples of MasterStatus, SlaveStatus and Timing that were told last; after the first `step`. Valid
+  /// until the next call of this object.
+  ToldStatus told() const;
+
+  /// Newest settings in force.
+  const SettingsSnapshot& settings() const noexcept { return settings_; }
+
+ private:
+  struct Slave {
+    SlaveReport report;
+    std::array<std::uint64_t, cansync::kChannels> told = {};  ///< count of telegrams that were published
+    std::array<cansync_ValueName, cansync::kValues> names = {};
+    bool dirty = false;                              ///< something is to be told
+    std::optional<cansync_SlaveStatus> told_status;  ///< the newest sample
+    SteadyTime published;
+  };
+
+  void take_settings(Exchange& exchange);
+  void take_master(Exchange& exchange);
+  void take_actual(Exchange& exchange);
+  void publish_master(SteadyTime now);
+  void publish_slave(cansync::SlaveNumber number, SteadyTime now);
+
+  Config config_;
+  cansync::dds::Writer<cansync_ActualValues> actual_writer_;
+  cansync::dds::Writer<cansync_SlaveStatus> slave_writer_;
+  cansync::dds::Writer<cansync_MasterStatus> master_writer_;
+  cansync::dds::Writer<cansync_Timing> timing_writer_;
+  cansync::dds::Writer<cansync_Interval> interval_writer_;
+
+  std::array<Slave, cansync::kSlaves> slaves_;
+  MasterSnapshot master_;
+  const std::array<ReferenceGiver, cansync::kChannels>* givers_ = nullptr;
+  cansync_MasterStatus told_master_ = {};
+  TimingSnapshot timing_;
+  std::optional<cansync_Timing> told_timing_;
+  can::LinkFacts link_;
+  SettingsSnapshot settings_;
+  rt::RealtimeSettings realtime_wanted_;
+  rt::Grants realtime_granted_;
+  std::uint32_t clients_ = 0;
+  RejectionCounts rejections_ = {};
+  bool master_dirty_ = true;
+  SteadyTime master_published_;
+};
+
+}  // namespace cansyncd

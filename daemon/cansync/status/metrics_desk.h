@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "daemon/cansync/status/gateway_state.h"
+#include "daemon/config/config.h"
+#include "daemon/desk/gateway_events.h"
+#include "daemon/desk/metrics_file.h"
+
+namespace cansyncd {
+
+/// Has the metrics file written in time. Gateway thread only, apart from making and ending it.
+class MetricsDesk {
+ public:
+  /// Its end removes the file. Does nothing when no file is configured. `tell` is called on the writing
+  /// thread. Throws std::system_error when there is no thread to be had.
+  MetricsDesk(const MetricsConfig& config, MetricsFile::Tell tell);
+
+  /// Renders what `state` has told last when it is time. Returns when to call again; nothing: no need.
+  std::optional<SteadyTime> step(const StatePublisher& state, SteadyTime now);
+
+ private:
+  std::chrono::seconds period_;
+  std::unique_ptr<MetricsFile> file_;  ///< null: none configured
+  std::optional<SteadyTime> written_;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,337 @@
+#include "daemon/cansync/status/metrics_families.h"
+
+#include "can/bus_names.h"
+#include "cansync/master.h"
+#include "cansync/mode.h"
+#include "daemon/cansync/status/metrics_fill.h"
+#include "sync/phase_lock.h"
+
+namespace cansyncd {
+namespace {
+
+using namespace metrics;  // the table reads better without the prefix in every line
+using cansync::dds::text;
+
+void info(const MetricsSource& from, MetricSamples& to) {
+  const cansync_MasterStatus& master = from.master;
+  to.add(label("version", text(master.version)) + "," + label("interface", text(master.bus_interface)) + "," +
+             label("dds_interface", text(master.dds_interface)) + "," +
+             label("timestamp_source", text(master.timestamp_source)),
+         std::uint64_t{1});
+}
+
+void operating_state(const MetricsSource& from, MetricSamples& to) {
+  using cansync::State;
+  constexpr std::array kStates = {State::start_up, State::waiting_for_initialisation,
+                                  State::waiting_for_start, State::setting_up_master, State::active_master};
+  std::array<std::string_view, kStates.size()> words;
+  for (std::size_t i = 0; i < words.size(); ++i) words[i] = cansync::name(kStates[i]);
+  add_states(to, "", words, text(from.master.state));
+}
+
+void controller_state(const MetricsSource& from, MetricSamples& to) {
+  using can::ControllerState;
+  add_states(to, "",
+             std::array{name(ControllerState::error_active), name(ControllerState::error_warning),
+                        name(ControllerState::error_passive), name(ControllerState::bus_off),
+                        name(ControllerState::stopped)},
+             text(from.master.controller_state));
+}
+
+void link_state(const MetricsSource& from, MetricSamples& to) {
+  using can::LinkState;
+  add_states(to, "",
+             std::array{name(LinkState::up), name(LinkState::down), name(LinkState::missing),
+                        name(LinkState::wrong_bit_rate)},
+             text(from.master.link_state));
+}
+
+void sync_state(const MetricsSource& from, MetricSamples& to) {
+  using sync_line::LockState;
+  add_states(to, "",
+             std::array{std::string_view(sync_line::name(LockState::searching)),
+                        std::string_view(sync_line::name(LockState::locked)),
+                        std::string_view(sync_line::name(LockState::holdover)),
+                        std::string_view(sync_line::name(LockState::lost))},
+             text(from.master.sync_state));
+}
+
+void release_state(const MetricsSource& from, MetricSamples& to) {
+  constexpr std::array<std::string_view, 3> kWords = {"released", "held", "stopped"};
+  for (unsigned i = 0; i < cansync::kChannels; ++i) {
+    add_states(to, label("telegram", fmt::format("{}", i + 1)), kWords,
+               text(from.master.reference_release[i].state));
+  }
+}
+
+void slave_state(const MetricsSource& from, MetricSamples& to) {
+  using cansync::SlaveState;
+  for (const cansync_SlaveStatus* slave : from.slaves) {
+    add_states(to, slave_labels(*slave),
+               std::array{name(SlaveState::absent), name(SlaveState::starting), name(SlaveState::released),
+                          name(SlaveState::lost), name(SlaveState::returning), name(SlaveState::checking),
+                          name(SlaveState::held)},
+               text(slave->state));
+  }
+}
+
+void slave_status_word(const MetricsSource& from, MetricSamples& to) {
+  for (const cansync_SlaveStatus* slave : from.slaves) {
+    if (slave->status_known) add<1>(to, slave_labels(*slave), slave->status_word);
+  }
+}
+
+/// A counter that has parts.
+using Part = std::pair<std::string_view, std::uint64_t>;
+void add_parts(MetricSamples& to, std::string_view name, std::initializer_list<Part> parts) {
+  for (const auto& [value, count] : parts) to.add(label(name, value), count);
+}
+
+void rejected_frames(const MetricsSource& from, MetricSamples& to) {
+  const cansync_MasterStatus& master = from.master;
+  add_parts(to, "kind",
+            {{"foreign", master.frames_foreign},
+             {"extended", master.frames_extended},
+             {"remote", master.frames_remote},
+             {"error", master.frames_error},
+             {"slave_number", master.frames_slave_number},
+             {"length", master.frames_length},
+             {"reserved", master.frames_reserved}});
+}
+
+void unexpected_frames(const MetricsSource& from, MetricSamples& to) {
+  const cansync_MasterStatus& master = from.master;
+  add_parts(to, "kind",
+            {{"slave", master.unexpected_slave},
+             {"answer", master.unexpected_answer},
+             {"late", master.unexpected_late},
+             {"duplicate", master.unexpected_duplicate},
+             {"unasked", master.unexpected_unasked}});
+}
+
+void rejected_requests(const MetricsSource& from, MetricSamples& to) {
+  const cansync_MasterStatus& master = from.master;
+  add_parts(to, "reason",
+            {{"values", master.rejected_values},
+             {"full", master.rejected_full},
+             {"stale", master.rejected_stale},
+             {"numbers", master.rejected_numbers},
+             {"identities", master.rejected_identities},
+             {"malformed", master.rejected_malformed},
+             {"state", master.rejected_state}});
+}
+
+void left_out(const MetricsSource& from, MetricSamples& to) {
+  if (from.timing == nullptr) return;
+  add_parts(to, "slot",
+            {{"WRC1", from.timing->left_out[0]},
+             {"WRC2", from.timing->left_out[1]},
+             {"CC", from.timing->left_out[2]}});
+}
+
+void planned_start(const MetricsSource& from, MetricSamples& to) {
+  if (from.timing == nullptr) return;
+  for (std::size_t i = 0; i < kSlotNames.size(); ++i) {
+    const std::int64_t start = from.timing->slot[i].planned_start;
+    if (start >= 0) add<1'000'000'000>(to, label("slot", kSlotNames[i]), start);
+  }
+}
+
+/// The topic has a count for each bucket, in 32 bits; here each counts everything up to its bound.
+void lateness(const MetricsSource& from, MetricSamples& to) {
+  if (from.timing == nullptr) return;
+  const TimingSnapshot& timing = from.timing_snapshot;
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < timing.histogram.size(); ++i) {
+    count += timing.histogram[i];
+    const bool last = i + 1 == timing.histogram.size();
+    const double bound = static_cast<double>(std::uint64_t{1} << i) / 1'000'000;
+    to.add(label("le", last ? "+Inf" : fmt::format("{}", bound)), count, "_bucket");
+  }
+  to.add({}, count, "_count");
+  to.add({}, static_cast<double>(timing.lateness_sum.count()) / 1'000'000'000, "_sum");
+}
+
+void write_failures(const MetricsSource& from, MetricSamples& to) {
+  to.add({}, from.write_failures);
+}
+
+constexpr MetricFamily kFamilies[] = {
+    {"cansync_info", MetricType::gauge, "", "version, interface, dds_interface, timestamp_source",
+     "MasterStatus.version", "Always 1; the labels tell what runs.", info},
+    {"cansync_state", MetricType::gauge, "", "state", "MasterStatus.state",
+     "1 for the operating state of the master, 0 for the others.", operating_state},
+    {"cansync_bit_rate_bits_per_second", MetricType::gauge, "bits_per_second", "", "MasterStatus.bit_rate",
+     "Bit rate of the bus as configured.", master_value<&cansync_MasterStatus::bit_rate>},
+    {"cansync_interval_length_seconds", MetricType::gauge, "seconds", "", "MasterStatus.interval_length",
+     "Length of an interval.", master_value<&cansync_MasterStatus::interval_length, 1'000'000'000>},
+    {"cansync_interval", MetricType::gauge, "", "", "MasterStatus.interval",
+     "Number of the running interval.", master_value<&cansync_MasterStatus::interval>},
+    {"cansync_slaves_configured", MetricType::gauge, "", "", "MasterStatus.slaves_configured",
+     "Slaves in the configuration.", slaves_in<&cansync_MasterStatus::slaves_configured>},
+    {"cansync_slaves_responding", MetricType::gauge, "", "", "MasterStatus.slaves_responding",
+     "Slaves that answer.", slaves_in<&cansync_MasterStatus::slaves_responding>},
+    {"cansync_slaves_synchronized", MetricType::gauge, "", "", "MasterStatus.slaves_synchronized",
+     "Slaves that follow SYNC.", slaves_in<&cansync_MasterStatus::slaves_synchronized>},
+    {"cansync_slaves_released", MetricType::gauge, "", "", "MasterStatus.slaves_released",
+     "Slaves that may be used with references.", slaves_in<&cansync_MasterStatus::slaves_released>},
+    {"cansync_open_parameter_jobs", MetricType::gauge, "", "", "MasterStatus.open_parameter_jobs",
+     "Parameter jobs under way or waiting.", master_value<&cansync_MasterStatus::open_parameter_jobs>},
+    {"cansync_open_parameter_jobs_limit", MetricType::gauge, "", "", "MasterStatus.parameter_queue",
+     "Most open parameter jobs.", master_value<&cansync_MasterStatus::parameter_queue>},
+    {"cansync_open_transfers", MetricType::gauge, "", "", "MasterStatus.open_transfers",
+     "Transfers under way or waiting.", master_value<&cansync_MasterStatus::open_transfers>},
+    {"cansync_open_transfers_limit", MetricType::gauge, "", "", "MasterStatus.transfer_queue",
+     "Most open transfers.", master_value<&cansync_MasterStatus::transfer_queue>},
+    {"cansync_telegrams_sent", MetricType::counter, "", "", "MasterStatus.telegrams_sent",
+     "Telegrams handed to the bus.", master_value<&cansync_MasterStatus::telegrams_sent>},
+    {"cansync_references_not_released", MetricType::counter, "", "", "MasterStatus.references_not_released",
+     "Reference value telegrams left out for want of values.",
+     master_value<&cansync_MasterStatus::references_not_released>},
+    {"cansync_frames_rejected", MetricType::counter, "", "kind", "MasterStatus.frames_...",
+     "Received frames that are no telegrams, by kind.", rejected_frames},
+    {"cansync_frames_unexpected", MetricType::counter, "", "kind", "MasterStatus.unexpected_...",
+     "Received telegrams that nobody waits for, by kind.", unexpected_frames},
+    {"cansync_reports_lost", MetricType::counter, "", "", "MasterStatus.lost_reports",
+     "Reports of the realtime thread for which there was no room.",
+     master_value<&cansync_MasterStatus::lost_reports>},
+    {"cansync_controller_state", MetricType::gauge, "", "state", "MasterStatus.controller_state",
+     "1 for the state of the CAN controller, 0 for the others.", controller_state},
+    {"cansync_controller_transmit_errors", MetricType::gauge, "", "", "MasterStatus.transmit_errors",
+     "Error counter of the CAN controller for sending; it falls again.",
+     master_value<&cansync_MasterStatus::transmit_errors>},
+    {"cansync_controller_receive_errors", MetricType::gauge, "", "", "MasterStatus.receive_errors",
+     "Error counter of the CAN controller for receiving; it falls again.",
+     master_value<&cansync_MasterStatus::receive_errors>},
+    {"cansync_link_state", MetricType::gauge, "", "state", "MasterStatus.link_state",
+     "1 for the state of the CAN interface, 0 for the others.", link_state},
+    {"cansync_error_frames", MetricType::counter, "", "", "MasterStatus.error_frames",
+     "Error frames on the bus.", master_value<&cansync_MasterStatus::error_frames>},
+    {"cansync_acknowledge_errors", MetricType::counter, "", "", "MasterStatus.acknowledge_errors",
+     "Telegrams that nobody acknowledged.", master_value<&cansync_MasterStatus::acknowledge_errors>},
+    {"cansync_bus_off_restarts", MetricType::counter, "", "", "MasterStatus.restarts",
+     "Times the controller left bus-off.", master_value<&cansync_MasterStatus::restarts>},
+    {"cansync_send_queue_full", MetricType::counter, "", "", "MasterStatus.queue_full",
+     "Telegrams left out because the send queue was full.", master_value<&cansync_MasterStatus::queue_full>},
+    {"cansync_controller_overruns", MetricType::counter, "", "", "MasterStatus.overruns",
+     "Frames the controller had no room for.", master_value<&cansync_MasterStatus::overruns>},
+    {"cansync_frames_dropped", MetricType::counter, "", "", "MasterStatus.dropped_frames",
+     "Received frames lost before they were taken.", master_value<&cansync_MasterStatus::dropped_frames>},
+    {"cansync_second_master_frames", MetricType::counter, "", "", "MasterStatus.second_master_frames",
+     "Frames of another master.", master_value<&cansync_MasterStatus::second_master_frames>},
+    {"cansync_second_master", MetricType::gauge, "", "", "MasterStatus.second_master",
+     "1 while another master sends, else 0.", master_value<&cansync_MasterStatus::second_master>},
+    {"cansync_realtime_priority", MetricType::gauge, "", "", "MasterStatus.realtime_priority",
+     "SCHED_FIFO priority granted; 0 is normal scheduling.",
+     master_value<&cansync_MasterStatus::realtime_priority>},
+    {"cansync_realtime_priority_wanted", MetricType::gauge, "", "", "MasterStatus.realtime_priority_wanted",
+     "SCHED_FIFO priority as configured.", master_value<&cansync_MasterStatus::realtime_priority_wanted>},
+    {"cansync_memory_locked", MetricType::gauge, "", "", "MasterStatus.memory_locked",
+     "1 when all memory is locked, else 0.", master_value<&cansync_MasterStatus::memory_locked>},
+    {"cansync_sync_state", MetricType::gauge, "", "state", "MasterStatus.sync_state",
+     "1 for the state of the timeline towards its SYNC source, 0 for the others; all 0 when it follows "
+     "nothing.",
+     sync_state},
+    {"cansync_sync_phase_error_seconds", MetricType::gauge, "seconds", "", "MasterStatus.sync_phase_error",
+     "SYNC input after timeline, filtered.",
+     master_value<&cansync_MasterStatus::sync_phase_error, 1'000'000'000>},
+    {"cansync_sync_holdover_seconds", MetricType::gauge, "seconds", "", "MasterStatus.sync_holdover",
+     "For how long the edges of the SYNC input have been missing.",
+     master_value<&cansync_MasterStatus::sync_holdover, 1'000'000'000>},
+    {"cansync_sync_edges", MetricType::counter, "", "", "MasterStatus.sync_edges",
+     "Edges of the SYNC input that were used.", master_value<&cansync_MasterStatus::sync_edges>},
+    {"cansync_sync_rejected_edges", MetricType::counter, "", "", "MasterStatus.sync_rejected_edges",
+     "Edges of the SYNC input that were not used.", master_value<&cansync_MasterStatus::sync_rejected_edges>},
+    {"cansync_sync_output_failures", MetricType::counter, "", "", "MasterStatus.sync_output_failures",
+     "SYNC edges that could not be made.", master_value<&cansync_MasterStatus::sync_output_failures>},
+    {"cansync_clients", MetricType::gauge, "", "", "MasterStatus.clients",
+     "Programs with requests that the daemon knows.", master_value<&cansync_MasterStatus::clients>},
+    {"cansync_requests_rejected", MetricType::counter, "", "reason", "MasterStatus.rejected_...",
+     "Requests and samples of clients that were not taken, by reason.", rejected_requests},
+    {"cansync_reference_release_state", MetricType::gauge, "", "telegram, state",
+     "MasterStatus.reference_release.state",
+     "1 for what happens to the reference values of the telegram, 0 for the others.", release_state},
+    {"cansync_reference_updates", MetricType::counter, "", "telegram",
+     "MasterStatus.reference_release.updates", "Samples of reference values taken into use.",
+     release_value<&cansync_ReferenceRelease::updates>},
+    {"cansync_reference_too_old", MetricType::counter, "", "telegram",
+     "MasterStatus.reference_release.too_old", "Times that reference values grew too old.",
+     release_value<&cansync_ReferenceRelease::too_old>},
+    {"cansync_read_only", MetricType::gauge, "", "", "MasterStatus.read_only",
+     "1 when changes are refused, else 0.", master_value<&cansync_MasterStatus::read_only>},
+    {"cansync_secured", MetricType::gauge, "", "", "MasterStatus.secured",
+     "1 when DDS Security is on, else 0.", master_value<&cansync_MasterStatus::secured>},
+    {"cansync_slave_state", MetricType::gauge, "", "slave, name, state", "SlaveStatus.state",
+     "1 for the state of the slave, 0 for the others.", slave_state},
+    {"cansync_slave_responds", MetricType::gauge, "", "slave, name", "SlaveStatus.responds",
+     "1 when the slave answers, else 0.", slave_value<&cansync_SlaveStatus::responds>},
+    {"cansync_slave_synchronized", MetricType::gauge, "", "slave, name", "SlaveStatus.synchronized",
+     "1 when the slave follows SYNC, else 0.", slave_value<&cansync_SlaveStatus::synchronized>},
+    {"cansync_slave_status_word", MetricType::gauge, "", "slave, name", "SlaveStatus.status_word",
+     "Status word of the slave; left out until it was read.", slave_status_word},
+    {"cansync_slave_last_seen_interval", MetricType::gauge, "", "slave, name", "SlaveStatus.last_seen",
+     "Number of the interval in which the slave answered last.",
+     slave_value<&cansync_SlaveStatus::last_seen>},
+    {"cansync_slave_answers", MetricType::counter, "", "slave, name", "SlaveStatus.answers",
+     "Answers of the slave.", slave_value<&cansync_SlaveStatus::answers>},
+    {"cansync_slave_unanswered", MetricType::counter, "", "slave, name", "SlaveStatus.unanswered",
+     "Commands that the slave did not answer.", slave_value<&cansync_SlaveStatus::unanswered>},
+    {"cansync_slave_missed_actual", MetricType::counter, "", "slave, name", "SlaveStatus.missed_actual",
+     "Actual value telegrams that did not come when asked for.",
+     slave_value<&cansync_SlaveStatus::missed_actual>},
+    {"cansync_slave_slow_answers", MetricType::counter, "", "slave, name", "SlaveStatus.slow_answers",
+     "Answers that came late.", slave_value<&cansync_SlaveStatus::slow_answers>},
+    {"cansync_slave_last_response_seconds", MetricType::gauge, "seconds", "slave, name",
+     "SlaveStatus.last_response", "End of the newest command to the end of its answer.",
+     slave_value<&cansync_SlaveStatus::last_response, 1'000'000'000>},
+    {"cansync_slave_longest_response_seconds", MetricType::gauge, "seconds", "slave, name",
+     "SlaveStatus.longest_response", "Longest time from the end of a command to the end of its answer.",
+     slave_value<&cansync_SlaveStatus::longest_response, 1'000'000'000>},
+    {"cansync_slave_lost", MetricType::counter, "", "slave, name", "SlaveStatus.times_lost",
+     "Times the slave stopped answering.", slave_value<&cansync_SlaveStatus::times_lost>},
+    {"cansync_slave_returned", MetricType::counter, "", "slave, name", "SlaveStatus.times_returned",
+     "Times the slave answered again.", slave_value<&cansync_SlaveStatus::times_returned>},
+    {"cansync_slave_jobs_ended", MetricType::counter, "", "slave, name", "SlaveStatus.jobs_ended",
+     "Jobs that ended because the slave stopped answering.", slave_value<&cansync_SlaveStatus::jobs_ended>},
+    {"cansync_intervals", MetricType::counter, "", "", "Timing.intervals", "Intervals since the start.",
+     timing_value<&cansync_Timing::intervals>},
+    {"cansync_syncs_missed", MetricType::counter, "", "", "Timing.missed_syncs", "SYNC edges skipped.",
+     timing_value<&cansync_Timing::missed_syncs>},
+    {"cansync_telegrams_left_out", MetricType::counter, "", "slot", "Timing.left_out",
+     "Telegrams of the master that were left out, by slot.", left_out},
+    {"cansync_bus_load_ratio", MetricType::gauge, "ratio", "", "Timing.bus_load",
+     "Share of the last second in which the bus was busy.", timing_value<&cansync_Timing::bus_load, 1'000>},
+    {"cansync_sync_lateness_seconds", MetricType::histogram, "seconds", "le", "Timing.lateness_histogram",
+     "Wake-up of the realtime thread after the SYNC edge was due.", lateness},
+    {"cansync_sync_lateness_minimum_seconds", MetricType::gauge, "seconds", "", "Timing.lateness_minimum",
+     "Least lateness of the last second.", timing_value<&cansync_Timing::lateness_minimum, 1'000'000'000>},
+    {"cansync_sync_lateness_mean_seconds", MetricType::gauge, "seconds", "", "Timing.lateness_mean",
+     "Mean lateness of the last second.", timing_value<&cansync_Timing::lateness_mean, 1'000'000'000>},
+    {"cansync_sync_lateness_maximum_seconds", MetricType::gauge, "seconds", "", "Timing.lateness_maximum",
+     "Greatest lateness of the last second.", timing_value<&cansync_Timing::lateness_maximum, 1'000'000'000>},
+    {"cansync_slot_telegrams", MetricType::gauge, "", "slot", "Timing.slot.count",
+     "Telegrams in the slot in the last second.", slot_value<&cansync_SlotTiming::count>},
+    {"cansync_slot_start_earliest_seconds", MetricType::gauge, "seconds", "slot", "Timing.slot.earliest",
+     "Earliest start of a telegram after SYNC in the last second; left out when there was none.",
+     slot_start<&cansync_SlotTiming::earliest>},
+    {"cansync_slot_start_mean_seconds", MetricType::gauge, "seconds", "slot", "Timing.slot.mean",
+     "Mean start of the telegrams after SYNC in the last second.", slot_start<&cansync_SlotTiming::mean>},
+    {"cansync_slot_start_latest_seconds", MetricType::gauge, "seconds", "slot", "Timing.slot.latest",
+     "Latest start of a telegram after SYNC in the last second.", slot_start<&cansync_SlotTiming::latest>},
+    {"cansync_slot_planned_start_seconds", MetricType::gauge, "seconds", "slot", "Timing.slot.planned_start",
+     "When the master means to start the telegram; left out for telegrams of slaves.", planned_start},
+    {"cansync_slot_latest_start_seconds", MetricType::gauge, "seconds", "slot", "Timing.slot.latest_start",
+     "Latest start of the specification.", slot_value<&cansync_SlotTiming::latest_start, 1'000'000'000>},
+    {"cansync_slot_late", MetricType::counter, "", "slot", "Timing.slot.late",
+     "Telegrams that were started after the latest start.", slot_value<&cansync_SlotTiming::late>},
+    {"cansync_metrics_write_failures", MetricType::counter, "", "", "(no topic)",
+     "Times this file could not be written.", write_failures},
+};
+
+}  // namespace
+
+std::span<const MetricFamily> metric_families() noexcept {
+  return kFamilies;
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,69 @@
+#include "daemon/cansync/status/reference_status.h"
+
+#include "dds/convert.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::ReleaseStatus;
+
+std::string_view name(ReleaseStatus::State state) noexcept {
+  switch (state) {
+    case ReleaseStatus::State::stopped:
+      return "stopped";
+    case ReleaseStatus::State::released:
+      return "released";
+    case ReleaseStatus::State::held:
+      return "held";
+  }
+  return "unknown";
+}
+
+std::string_view name(ReleaseStatus::Cause cause) noexcept {
+  switch (cause) {
+    case ReleaseStatus::Cause::none:
+      return "none_given";
+    case ReleaseStatus::Cause::used_up:
+      return "used_up";
+    case ReleaseStatus::Cause::too_old:
+      return "too_old";
+    case ReleaseStatus::Cause::withdrawn:
+      return "withdrawn";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::string_view release_cause(const ReleaseStatus& release, Loss loss) noexcept {
+  if (release.state == ReleaseStatus::State::released) return "";
+  switch (loss) {
+    case Loss::writer_lost:
+      return "writer_lost";
+    case Loss::deadline_missed:
+      return "deadline_missed";
+    case Loss::too_old:
+      return "too_old";
+    case Loss::none:
+      break;
+  }
+  return name(release.cause);
+}
+
+void fill_references(const std::array<ReleaseStatus, cansync::kChannels>& release,
+                     const std::array<ReferenceGiver, cansync::kChannels>& givers,
+                     cansync_MasterStatus& sample) {
+  namespace dds = cansync::dds;
+  for (unsigned i = 0; i < cansync::kChannels; ++i) {
+    cansync_ReferenceRelease& out = sample.reference_release[i];
+    dds::copy_text(givers[i].who, out.writer);
+    out.strength = givers[i].strength;
+    dds::copy_text(name(release[i].state), out.state);
+    dds::copy_text(release_cause(release[i], givers[i].loss), out.cause);
+    out.interval = release[i].given;
+    out.updates = release[i].updates;
+    out.too_old = release[i].too_old;
+  }
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,78 @@
+#include "daemon/cansync/status/status_line.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "can/bus_names.h"
+#include "cansync/mode.h"
+#include "cansync/timing.h"
+
+namespace cansyncd {
+namespace {
+
+constexpr int kNamesShown = 4;
+
+/// "; no answer from winder, cutter and 3 more"; empty when every configured slave responds.
+std::string missing_slaves(const MasterSnapshot& master, const Config& config) {
+  std::string names;
+  int missing = 0;
+  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
+    const std::uint32_t bit = std::uint32_t{1} << i;
+    if ((config.master.configured().bits & bit) == 0 || (master.responding.bits & bit) != 0) continue;
+    if (++missing > kNamesShown) continue;
+    names += (names.empty() ? "" : ", ") + config.slaves[i].name;
+  }
+  if (missing == 0) return {};
+  if (missing > kNamesShown) names += fmt::format(" and {} more", missing - kNamesShown);
+  return "; no answer from " + names;
+}
+
+std::string_view state_text(cansync::State state) {
+  if (state == cansync::State::active_master) return "active operation";
+  if (state == cansync::State::setting_up_master) return "set-up";
+  return name(state);
+}
+
+std::string link_problem(const MasterSnapshot& master, const Config& config) {
+  const std::string& interface = config.bus.interface;
+  switch (master.controller.link) {
+    case can::LinkState::up:
+      break;
+    case can::LinkState::missing:
+      return fmt::format("waiting for interface {}: it is missing", interface);
+    case can::LinkState::down:
+      return fmt::format("waiting for interface {}: it is down", interface);
+    case can::LinkState::wrong_bit_rate:
+      return fmt::format("nothing is sent: interface {} has another bit rate than the configured one",
+                         interface);
+  }
+  if (master.controller.state == can::ControllerState::bus_off)
+    return fmt::format("nothing is sent: the controller of {} is bus-off", interface);
+  return {};
+}
+
+}  // namespace
+
+std::string status_text(const MasterSnapshot& master, const Config& config) {
+  if (std::string problem = link_problem(master, config); !problem.empty()) return problem;
+  const auto& times = cansync::slot_times(config.master.bit_rate);
+  return fmt::format("{}: {} of {} slaves respond{}; bus {} ({}) at {} bit/s{}", state_text(master.state),
+                     __builtin_popcount(master.responding.bits),
+                     __builtin_popcount(config.master.configured().bits), missing_slaves(master, config),
+                     config.bus.name, config.bus.interface, times.bits_per_second,
+                     master.second_master ? "; another master sends" : "");
+}
+
+std::optional<StatusLine::Time> StatusLine::step(const MasterSnapshot& master, const Config& config,
+                                                 Time now) {
+  if (last_ && now - *last_ < kPeriod) return *last_ + kPeriod;
+  std::string text = status_text(master, config);
+  if (text == told_) return std::nullopt;
+  told_ = std::move(text);
+  last_ = now;
+  tell_(told_);
+  return std::nullopt;
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,115 @@
+#include "daemon/cansync/texts/bus_text.h"
+
+#include <fmt/format.h>
+
+#include "cansync/timing.h"
+#include "daemon/bus/bit_timing_check.h"
+#include "dds/convert.h"
+
+namespace cansyncd {
+namespace {
+
+struct FaultWords {
+  EventCode begun;
+  EventCode over;
+  std::string_view what;
+  std::string_view remedy;
+};
+
+FaultWords words_of(BusFaultKind kind) {
+  switch (kind) {
+    case BusFaultKind::not_acknowledged:
+      return {"not_acknowledged", "acknowledged", "telegrams are acknowledged by nobody",
+              "is another node on the bus, switched on, with the same bit rate?"};
+    case BusFaultKind::error_frames:
+      return {"bus_errors", "bus_errors_over", "there are error frames on the bus",
+              "check bit rate, cable and both terminating resistors"};
+    case BusFaultKind::overrun:
+      return {"controller_overrun", "controller_overrun_over", "the controller loses received frames",
+              "the machine serves its interrupt too late"};
+    case BusFaultKind::dropped:
+      return {"frames_dropped", "frames_dropped_over", "received frames are lost before they are taken",
+              "the realtime thread comes too late: give it a realtime priority and a processor of its own"};
+  }
+  return {"bus_fault", "bus_fault_over", "unknown fault", ""};
+}
+
+}  // namespace
+
+void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_MasterStatus& out) {
+  const can::ControllerStatus& bus = master.controller;
+  cansync::dds::copy_text(name(bus.state), out.controller_state);
+  out.transmit_errors = bus.transmit_errors;
+  out.receive_errors = bus.receive_errors;
+  cansync::dds::copy_text(name(bus.link), out.link_state);
+  cansync::dds::copy_text(name(master.timestamps), out.timestamp_source);
+  out.interface_bit_rate = bus.bits_per_second;
+  out.sample_point = link.timing ? link.timing->sample_point : 0u;
+  out.restart_time = link.restart_ms ? static_cast<std::int32_t>(*link.restart_ms) : -1;
+  out.queue_length = link.queue_length;
+  out.error_frames = bus.error_frames;
+  out.acknowledge_errors = bus.acknowledge_errors;
+  out.restarts = bus.restarts;
+  out.queue_full = bus.queue_full;
+  out.overruns = bus.overruns;
+  out.dropped_frames = bus.dropped;
+  out.second_master_frames = master.counters.second_master;
+  out.second_master = master.second_master;
+}
+
+EventText describe_link(const LinkChanged& report, const Config& config) {
+  const std::string& interface = config.bus.interface;
+  const auto event = [&report](cansync_EventSeverity severity, EventCode code, std::string text) {
+    return EventText{severity, code, -1, std::move(text), report.when};
+  };
+  switch (report.to) {
+    case can::LinkState::up:
+      return event(cansync_SEVERITY_INFO, "interface_up",
+                   fmt::format("{} is up again; {} telegrams were left out", interface, report.left_out));
+    case can::LinkState::down:
+      return event(cansync_SEVERITY_ERROR, "interface_down",
+                   fmt::format("{0} is down, nothing is sent; set it up with: {1}", interface,
+                               report.bits_per_second == 0 ? fmt::format("ip link set {} up", interface)
+                                                           : bit_rate_command(config)));
+    case can::LinkState::missing:
+      return event(
+          cansync_SEVERITY_ERROR, "interface_missing",
+          fmt::format("there is no CAN interface {}, nothing is sent; plug the adapter in, or load its "
+                      "driver",
+                      interface));
+    case can::LinkState::wrong_bit_rate:
+      return event(
+          cansync_SEVERITY_ERROR, "wrong_bit_rate",
+          fmt::format("{} is set to {} bit/s instead of {}, nothing is sent; set it with: {}", interface,
+                      report.bits_per_second, cansync::slot_times(config.master.bit_rate).bits_per_second,
+                      bit_rate_command(config)));
+  }
+  return event(cansync_SEVERITY_ERROR, "interface_down", fmt::format("{} is in an unknown state", interface));
+}
+
+EventText describe_fault(const BusFault& report) {
+  const FaultWords words = words_of(report.kind);
+  if (report.over) {
+    return {cansync_SEVERITY_INFO, words.over, -1,
+            fmt::format("no longer: {}; it happened {} times", words.what, report.count), report.when};
+  }
+  return {cansync_SEVERITY_WARNING, words.begun, -1, fmt::format("{}; {}", words.what, words.remedy),
+          report.when};
+}
+
+std::string reset_not_permitted(const Config& config) {
+  return fmt::format(
+      "mode: the daemon may not reset {0} (it has not got CAP_NET_ADMIN); out of bus-off, give as root: ip "
+      "link set {0} type can restart; or let the kernel do it: while it is down, ip link set {0} type can "
+      "restart-ms 100",
+      config.bus.interface);
+}
+
+std::string reset_unavailable(const Config& config) {
+  return fmt::format(
+      "mode: {0} is missing or down, or its driver cannot be reset; look at it with: ip -details link show "
+      "{0}",
+      config.bus.interface);
+}
+
+}  // namespace cansyncd

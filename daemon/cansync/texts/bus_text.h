@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "can/bus_names.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/cansync/texts/event_text.h"
+#include "daemon/config/config.h"
+
+/// State and faults of the bus in words. Pure functions; not for the realtime thread (they allocate).
+namespace cansyncd {
+
+/// Fills what MasterStatus tells of interface, controller and their counters.
+void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_MasterStatus& out);
+
+/// The event that stands for a change of the interface: what happened, why nothing is sent, and the remedy.
+EventText describe_link(const LinkChanged& report, const Config& config);
+
+/// The event that stands for a fault that began or is over.
+EventText describe_fault(const BusFault& report);
+
+/// Why the controller could not be reset, and the commands that do it.
+std::string reset_not_permitted(const Config& config);
+std::string reset_unavailable(const Config& config);
+
+}  // namespace cansyncd

@@ -1,0 +1,209 @@
+#include "daemon/cansync/texts/event_text.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "daemon/cansync/texts/bus_text.h"
+#include "daemon/cansync/texts/profile_rules.h"
+#include "daemon/cansync/texts/refusal_text.h"
+#include "daemon/cansync/texts/sync_text.h"
+
+namespace cansyncd {
+namespace {
+
+using Code = cansync::MasterEvent::Code;
+
+cansync_EventSeverity severity_of(Code code) noexcept {
+  switch (code) {
+    case Code::slave_lost:
+    case Code::slave_check_failed:
+    case Code::second_master:
+      return cansync_SEVERITY_ERROR;
+    case Code::slave_not_synchronized:
+    case Code::references_stopped:
+    case Code::references_too_old:
+    case Code::references_held:
+      return cansync_SEVERITY_WARNING;
+    case Code::slave_responds:
+    case Code::slave_returned:
+    case Code::slave_checked:
+    case Code::slave_released:
+    case Code::slave_synchronized:
+    case Code::all_synchronized:
+    case Code::references_released:
+    case Code::second_master_gone:
+      break;
+  }
+  return cansync_SEVERITY_INFO;
+}
+
+std::string check_failed_text(const std::string& who, const cansync::MasterEvent& event,
+                              const Config& config) {
+  std::string found = fmt::format("found {} (0x{:X})", event.found, event.found);
+  if (event.outcome == cansync::Outcome::slave_error) {
+    found = fmt::format("slave error 0x{:04X}", event.found);
+  } else if (event.outcome != cansync::Outcome::done) {
+    found = cansync::name(event.outcome);
+  }
+  return fmt::format(
+      "{} stays held out: {}, expected {} (0x{:X}), {}; set it right, then: cansync "
+      "release {}",
+      who, parameter_label(config, event.slave->value(), event.detail), event.expected, event.expected, found,
+      event.slave->value());
+}
+
+std::string text_of(const cansync::MasterEvent& event, const Config& config) {
+  const std::string who = event.slave ? slave_label(config, event.slave->value()) : std::string("a slave");
+  switch (event.code) {
+    case Code::slave_responds:
+      return who + " responds";
+    case Code::slave_lost:
+      return fmt::format("{} no longer responds{}; check its power and the bus cable", who,
+                         event.detail != 0 ? fmt::format(", {} of its jobs ended", event.detail) : "");
+    case Code::slave_returned:
+      return who + " responds again; it is held out until it is released";
+    case Code::slave_checked:
+      return fmt::format("{} has the values of all its {} return parameters", who, event.detail);
+    case Code::slave_check_failed:
+      return check_failed_text(who, event, config);
+    case Code::slave_released:
+      return who + (event.detail != 0 ? " is released by command, unchecked" : " is released");
+    case Code::slave_synchronized:
+      return who + " is synchronized";
+    case Code::slave_not_synchronized:
+      return who + " is no longer synchronized";
+    case Code::all_synchronized:
+      return "all configured slaves are synchronized";
+    case Code::references_stopped:
+      return fmt::format("reference values of telegram {} are no longer released", event.detail);
+    case Code::references_released:
+      return fmt::format("reference values of telegram {} are released", event.detail);
+    case Code::references_too_old:
+      return fmt::format(
+          "reference values of telegram {} are too old: no newer ones came within {} intervals "
+          "(failsafe.reference_max_intervals)",
+          event.detail, config.master.process.too_old_after);
+    case Code::references_held:
+      return fmt::format(
+          "the last reference values of telegram {} are still released, for {} intervals at most",
+          event.detail, config.failsafe.hold_intervals);
+    case Code::second_master:
+      return fmt::format("another master sends on this bus (identifier 0x{:03X}); switch one of them off",
+                         event.detail);
+    case Code::second_master_gone:
+      return fmt::format("the other master is silent; {} of its frames were seen", event.detail);
+  }
+  return "unknown event";
+}
+
+std::string_view remedy_of(can::SendResult result) noexcept {
+  switch (result) {
+    case can::SendResult::queued:
+      return "telegrams are sent";
+    case can::SendResult::queue_full:
+      return "the controller's queue is full; is another node on the bus, with the same bit rate?";
+    case can::SendResult::bus_off:
+      return "the controller is bus-off; check the wiring, then give mode reset-can";
+    case can::SendResult::interface_down:
+      return "the interface is missing or not up; plug it in and set it up";
+  }
+  return "unknown reason";
+}
+
+struct Describer {
+  const Config& config;
+
+  std::optional<EventText> operator()(const StateChanged& report) const {
+    return EventText{cansync_SEVERITY_INFO, "state_changed", -1,
+                     fmt::format("state '{}' to '{}' on '{}'", cansync::name(report.from),
+                                 cansync::name(report.to), cansync::name(report.command)),
+                     report.when};
+  }
+  std::optional<EventText> operator()(const EventReport& report) const {
+    EventText event{severity_of(report.event.code), code_of(report.event.code),
+                    report.event.slave ? int{report.event.slave->value()} : -1, text_of(report.event, config),
+                    report.when};
+    if (report.event.code == Code::slave_check_failed)
+      event.parameter = static_cast<int>(report.event.detail);
+    return event;
+  }
+  std::optional<EventText> operator()(const SyncsMissed& report) const {
+    return EventText{cansync_SEVERITY_WARNING, "syncs_missed", -1,
+                     fmt::format("{} SYNC edges were skipped: the realtime thread came too late; give it a "
+                                 "realtime priority and a processor of its own",
+                                 report.count),
+                     report.when};
+  }
+  std::optional<EventText> operator()(const ControllerChanged& report) const {
+    auto severity = cansync_SEVERITY_WARNING;
+    if (report.to == can::ControllerState::bus_off) severity = cansync_SEVERITY_ERROR;
+    if (report.to == can::ControllerState::error_active) severity = cansync_SEVERITY_INFO;
+    return EventText{severity, "controller_changed", -1,
+                     fmt::format("CAN controller {} to {}", name(report.from), name(report.to)), report.when};
+  }
+  std::optional<EventText> operator()(const SendingChanged& report) const {
+    if (report.result == can::SendResult::queued) {
+      return EventText{cansync_SEVERITY_INFO, "sending_restored", -1,
+                       fmt::format("telegrams are sent again; {} were left out", report.failed), report.when};
+    }
+    return EventText{cansync_SEVERITY_ERROR, "sending_failed", -1,
+                     fmt::format("telegrams cannot be sent: {}", remedy_of(report.result)), report.when};
+  }
+  std::optional<EventText> operator()(const SyncSourceChanged& report) const {
+    return sync_event(report, config);
+  }
+  std::optional<EventText> operator()(const SyncDeviceChanged& report) const {
+    return sync_event(report, config);
+  }
+  std::optional<EventText> operator()(const LinkChanged& report) const {
+    return describe_link(report, config);
+  }
+  std::optional<EventText> operator()(const BusFault& report) const { return describe_fault(report); }
+  std::optional<EventText> operator()(const TransferProgress&) const { return std::nullopt; }
+  std::optional<EventText> operator()(const ReferenceRefused&) const { return std::nullopt; }
+};
+
+}  // namespace
+
+EventCode code_of(Code code) {
+  switch (code) {
+    case Code::slave_responds:
+      return "slave_responds";
+    case Code::slave_returned:
+      return "slave_returned";
+    case Code::slave_checked:
+      return "slave_checked";
+    case Code::slave_check_failed:
+      return "slave_check_failed";
+    case Code::slave_released:
+      return "slave_released";
+    case Code::slave_lost:
+      return "slave_lost";
+    case Code::slave_synchronized:
+      return "slave_synchronized";
+    case Code::slave_not_synchronized:
+      return "slave_not_synchronized";
+    case Code::all_synchronized:
+      return "all_synchronized";
+    case Code::references_stopped:
+      return "references_stopped";
+    case Code::references_released:
+      return "references_released";
+    case Code::references_too_old:
+      return "references_too_old";
+    case Code::references_held:
+      return "references_held";
+    case Code::second_master:
+      return "second_master";
+    case Code::second_master_gone:
+      break;
+  }
+  return "second_master_gone";
+}
+
+std::optional<EventText> describe(const Report& report, const Config& config) {
+  return std::visit(Describer{config}, report);
+}
+
+}  // namespace cansyncd

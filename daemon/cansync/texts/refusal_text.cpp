@@ -1,0 +1,197 @@
+#include "daemon/cansync/texts/refusal_text.h"
+
+#include <fmt/format.h>
+
+#include "cansync/mode.h"
+#include "daemon/cansync/texts/bus_text.h"
+#include "dds/validate.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Refusal;
+using cansync::SlaveMask;
+using cansync::SlaveNumber;
+
+/// The slave a request is for; nothing for a request to the whole line.
+std::optional<unsigned> slave_of(const Request& request) {
+  return std::visit(
+      [](const auto& r) -> std::optional<unsigned> {
+        if constexpr (requires { r.slave; }) return unsigned{r.slave.value()};
+        return std::nullopt;
+      },
+      request);
+}
+
+std::string wrong_state(const Request& request, const RefusalContext& context) {
+  const auto now = fmt::format("state: the master is '{}' (0x{:04X})", cansync::name(context.state),
+                               static_cast<unsigned>(context.state));
+  if (const auto* mode = std::get_if<ModeRequest>(&request)) {
+    if (mode->mode == Mode::run) {
+      return now + "; active operation can be enabled in set-up alone: give mode setup first";
+    }
+    return now + "; this mode cannot be entered from there: give mode restart";
+  }
+  if (std::holds_alternative<cansync::ReferenceUpdate>(request)) {
+    return now + "; reference values are taken in active operation (0x0080) alone: give mode run first";
+  }
+  return now + "; jobs are taken in set-up (0x0043) and active operation (0x0080): give mode setup first";
+}
+
+std::string slaves_missing(const Config& config, const RefusalContext& context) {
+  const bool synchronized = config.master.startup.enable == cansync::EnableRule::all_synchronized;
+  const SlaveMask there = synchronized ? context.released : context.responding;
+  const SlaveMask missing{config.master.configured().bits & ~there.bits};
+  return fmt::format("slaves: not yet {}: {}; wait for them, or give mode run with force",
+                     synchronized ? "synchronized and released" : "responding", slave_list(config, missing));
+}
+
+std::string queue_full(const Request& request, const Config& config) {
+  const auto& channel = config.master.command_channel;
+  const auto full = [](std::string_view queue, unsigned limit) {
+    return fmt::format("queue full: {} {} are open, at most {} are allowed; try again when one has ended",
+                       limit, queue, limit);
+  };
+  if (std::holds_alternative<cansync::ParameterRequest>(request)) {
+    return full("parameter jobs", channel.parameter_queue);
+  }
+  if (std::holds_alternative<cansync::TransferRequest>(request))
+    return full("transfers", channel.transfer_queue);
+  if (const auto* word = std::get_if<cansync::ControlWordRequest>(&request)) {
+    return full("control words for " + slave_label(config, word->slave.value()), channel.control_word_queue);
+  }
+  if (const auto* broadcast = std::get_if<cansync::BroadcastRequest>(&request)) {
+    return full(fmt::format("broadcasts of priority {}", broadcast->priority), channel.broadcast_queue);
+  }
+  if (std::holds_alternative<cansync::ReferenceUpdate>(request)) {
+    return "queue full: too many reference values wait for their interval; write them closer to it";
+  }
+  return "queue full: try again when an open request has ended";
+}
+
+/// "slave 3 'winder'" for a request to one slave; a broadcast names many.
+std::string who(const Request& request, const Config& config) {
+  const auto slave = slave_of(request);
+  return slave ? slave_label(config, *slave) : std::string("a slave of the mask");
+}
+
+std::string slave_held(const Request& request, const Config& config) {
+  return fmt::format(
+      "control word: {} was away or lost SYNC and is held out, so that no control word with all of the bits "
+      "0x{:04X} is sent to it; see `cansync slaves` and events for what is missing, then `cansync release`",
+      who(request, config), config.master.startup.enabling_control_bits);
+}
+
+std::string interval_passed(const Request& request, const Config& config, const RefusalContext& context) {
+  const auto* update = std::get_if<cansync::ReferenceUpdate>(&request);
+  return fmt::format(
+      "from_interval {}: allowed 0 (the next) or {}..{}, which is the running interval and {} ahead",
+      update != nullptr ? update->from_interval : 0, context.interval,
+      context.interval + config.master.process.ahead_limit, config.master.process.ahead_limit);
+}
+
+std::string block_size(const Request& request, const Config& config) {
+  const auto* transfer = std::get_if<cansync::TransferRequest>(&request);
+  if (transfer == nullptr) return "block_size: out of range";
+  const unsigned limit = config.master.slaves[transfer->slave.value()].block_limit;
+  const unsigned step = config.master.command_channel.address_step;
+  return fmt::format("block_size {}: allowed 1..{} in whole start addresses (multiples of {}), 0 = {}",
+                     transfer->block_size, limit, step, limit);
+}
+
+}  // namespace
+
+std::string slave_label(const Config& config, unsigned slave) {
+  if (slave >= config.slaves.size() || config.slaves[slave].name.empty())
+    return fmt::format("slave {}", slave);
+  return fmt::format("slave {} '{}'", slave, config.slaves[slave].name);
+}
+
+std::string slave_list(const Config& config, SlaveMask slaves) {
+  constexpr unsigned kSpelledOut = 8;
+  std::string list;
+  unsigned told = 0;
+  unsigned more = 0;
+  for (unsigned slave = 0; slave < cansync::kSlaves; ++slave) {
+    if (!slaves.has(*SlaveNumber::from(slave))) continue;
+    if (told == kSpelledOut) {
+      ++more;
+      continue;
+    }
+    if (told++ != 0) list += ", ";
+    list += slave_label(config, slave);
+  }
+  if (more != 0) list += fmt::format(" and {} more", more);
+  return told != 0 ? list : "none";
+}
+
+std::string refusal_text(Refusal refusal, const Request& request, const Config& config,
+                         const RefusalContext& context) {
+  switch (refusal) {
+    case Refusal::wrong_state:
+      return wrong_state(request, context);
+    case Refusal::slaves_missing:
+      return slaves_missing(config, context);
+    case Refusal::queue_full:
+      return queue_full(request, config);
+    case Refusal::not_permitted:
+      return reset_not_permitted(config);
+    case Refusal::bus_unavailable:
+      return reset_unavailable(config);
+    case Refusal::slave_lost:
+      return fmt::format("slave: {} does not answer; check its power and the bus cable",
+                         who(request, config));
+    case Refusal::slave_held:
+      return slave_held(request, config);
+    case Refusal::not_held:
+      return fmt::format("slave: {} is not held out; there is nothing to release", who(request, config));
+    case Refusal::interval_passed:
+      return interval_passed(request, config, context);
+    case Refusal::block_size:
+      return block_size(request, config);
+    case Refusal::slave_not_configured:
+      if (const auto slave = slave_of(request)) {
+        return fmt::format("slave {}: not configured; configured are {}", *slave,
+                           slave_list(config, config.master.configured()));
+      }
+      break;
+    default:
+      break;
+  }
+  return cansync::dds::explain(refusal, cansync::dds::limits_of(config.master));
+}
+
+std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config) {
+  if (outcome == cansync::Outcome::slave_held) return slave_held(request, config);
+  if (outcome != cansync::Outcome::slave_lost) return {};
+  const auto* parameter = std::get_if<cansync::ParameterRequest>(&request);
+  const bool writes = parameter != nullptr && parameter->write;
+  return fmt::format("{} stopped answering; check its power and the bus cable{}", who(request, config),
+                     writes ? "; if the value was on its way, whether the slave took it is not known" : "");
+}
+
+std::string too_many_clients(std::size_t clients, std::size_t most) {
+  return fmt::format("too many clients: {}, at most {} are allowed; try again when another has ended",
+                     clients, most);
+}
+
+std::string too_many_requests(std::size_t open, std::size_t most) {
+  return fmt::format(
+      "queue full: this client has {} requests open, at most {} are allowed; wait for a reply first", open,
+      most);
+}
+
+std::string too_many_bytes_of_client(std::size_t bytes, std::size_t open_bytes, std::size_t most) {
+  return fmt::format(
+      "length {}: open transfers of this client have {} bytes, at most {} are allowed; wait for a reply "
+      "first",
+      bytes, open_bytes, most);
+}
+
+std::string too_many_bytes(std::size_t bytes, std::size_t open_bytes, std::size_t most) {
+  return fmt::format(
+      "length {}: open transfers have {} bytes, at most {} are allowed together; try again later", bytes,
+      open_bytes, most);
+}
+
+}  // namespace cansyncd

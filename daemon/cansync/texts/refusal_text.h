@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "cansync/jobs.h"
+#include "cansync/mode.h"
+#include "cansync/numbers.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/config/config.h"
+
+/// What people read when the master does not take a request. Not for the realtime thread (allocates).
+namespace cansyncd {
+
+/// "slave 3 'feeder'", or "slave 3" when it has no name.
+std::string slave_label(const Config& config, unsigned slave);
+
+/// The slaves of a mask with their names, e.g. "slave 1 'unwinder', slave 4"; "none" when it is empty. At
+/// most eight are spelled out.
+std::string slave_list(const Config& config, cansync::SlaveMask slaves);
+
+/// State of the line that a refusal is explained with.
+struct RefusalContext {
+  cansync::State state = cansync::State::start_up;
+  cansync::IntervalNumber interval = 0;
+  cansync::SlaveMask responding;
+  cansync::SlaveMask released;
+};
+
+/// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.
+std::string refusal_text(cansync::Refusal refusal, const Request& request, const Config& config,
+                         const RefusalContext& context);
+
+/// Why an accepted job ended so, where the slave's name belongs into the reason; empty for other outcomes.
+std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config);
+
+/// Why the gateway has no room for one more client, for one more request of a client, or for the bytes of a
+/// transfer: what there is, what is allowed, and when to try again.
+std::string too_many_clients(std::size_t clients, std::size_t most);
+std::string too_many_requests(std::size_t open, std::size_t most);
+std::string too_many_bytes_of_client(std::size_t bytes, std::size_t open_bytes, std::size_t most);
+std::string too_many_bytes(std::size_t bytes, std::size_t open_bytes, std::size_t most);
+
+}  // namespace cansyncd

@@ -1,0 +1,90 @@
+#include "daemon/desk/audit.h"
+
+#include <fmt/format.h>
+
+#include "dds/convert.h"
+
+namespace cansyncd {
+namespace {
+
+constexpr std::chrono::seconds kWindow{1};
+
+std::string line_of(const Requester& who, const Change& change, const std::string& before,
+                    const std::string& result) {
+  std::string line(change.action);
+  if (change.slave >= 0) line += fmt::format(" slave {}", change.slave);
+  if (!change.what.empty()) line += " " + change.what;
+  return fmt::format("{} = {} (before: {}) by {}: {}", line, change.new_value, before, who.label, result);
+}
+
+}  // namespace
+
+void AuditTrail::ended(const Requester& who, const std::optional<Change>& change, const Request& request,
+                       cansync::State state_before, cansync::Outcome outcome, SteadyTime now) {
+  const bool done = outcome == cansync::Outcome::done;
+  if (change) {
+    write({who, *change, memory_.before(request, state_before), std::string(cansync::name(outcome)),
+           done ? EventCode("request_done") : EventCode("request_failed")},
+          now);
+  }
+  if (done) memory_.done(request);
+}
+
+void AuditTrail::refused(const Requester& who, const std::optional<Change>& change, const Request* request,
+                         cansync::State state_before, const std::string& reason, SteadyTime now) {
+  if (!change || !may_record_refusal(now)) return;
+  const std::string before =
+      request == nullptr ? AuditMemory::kNotKnown : memory_.before(*request, state_before);
+  write({who, *change, before, "refused: " + reason, "request_refused"}, now);
+}
+
+bool AuditTrail::may_record_refusal(SteadyTime now) {
+  (void)tick(now);
+  if (now - window_ >= kWindow) {
+    window_ = now;
+    recorded_ = 0;
+  }
+  if (recorded_ == kRefused) {
+    ++not_recorded_;
+    return false;
+  }
+  ++recorded_;
+  return true;
+}
+
+std::optional<SteadyTime> AuditTrail::tick(SteadyTime now) {
+  if (not_recorded_ == 0) return std::nullopt;
+  if (now - window_ < kWindow) return window_ + kWindow;
+  journal_.write(
+      LogPriority::notice, "requests_not_recorded",
+      fmt::format("{} more requests were refused within a second and not recorded one by one", not_recorded_),
+      {{"BUS", bus_}, {"CANSYNC_REFUSED", std::to_string(not_recorded_)}});
+  not_recorded_ = 0;
+  return std::nullopt;
+}
+
+void AuditTrail::write(const Entry& entry, SteadyTime now) {
+  const Change& change = entry.change;
+  std::string line = line_of(entry.who, change, entry.before, entry.result);
+  const auto number = [](int value) { return value < 0 ? std::string() : std::to_string(value); };
+  journal_.write(LogPriority::notice, entry.code, line,
+                 {{"BUS", bus_},
+                  {"SLAVE", number(change.slave)},
+                  {"PARAMETER", number(change.parameter)},
+                  {"CLIENT", entry.who.name},
+                  {"CANSYNC_PARTICIPANT", entry.who.participant},
+                  {"CANSYNC_REQUEST", std::to_string(entry.who.request)},
+                  {"CANSYNC_ACTION", std::string(change.action)},
+                  {"CANSYNC_WHAT", change.what},
+                  {"CANSYNC_OLD", entry.before},
+                  {"CANSYNC_NEW", change.new_value},
+                  {"CANSYNC_RESULT", entry.result}});
+  EventText event{entry.code == "request_done" ? cansync_SEVERITY_INFO : cansync_SEVERITY_WARNING, entry.code,
+                  change.slave < static_cast<int>(cansync::kSlaves) ? change.slave : -1, std::move(line),
+                  std::nullopt};
+  event.request = RequestRecord{entry.who.name, entry.who.participant, change.action,
+                                entry.before,   change.new_value,      entry.result};
+  events_.publish(event, now);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,59 @@
+#include "daemon/desk/client_table.h"
+
+#include <algorithm>
+
+namespace cansyncd {
+
+bool LivingPlaces::look(std::span<const dds_entity_t> readers, PlaceFinder& finder) {
+  std::vector<Seen> now;
+  for (const dds_entity_t reader : readers) {
+    dds_subscription_matched_status_t status = {};
+    (void)dds_get_subscription_matched_status(reader, &status);
+    now.push_back({status.current_count, status.total_count});
+  }
+  if (now == seen_) return false;
+  seen_ = now;
+  places_.clear();
+  writers_.clear();
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    // One that is matched only now is found by the next look: the counts have changed then.
+    std::vector<dds_instance_handle_t> writers(now[i].current);
+    const dds_return_t found = dds_get_matched_publications(readers[i], writers.data(), writers.size());
+    writers.resize(std::min(writers.size(), static_cast<std::size_t>(std::max(found, 0))));
+    for (const auto writer : writers) places_.insert(finder.find(readers[i], writer));
+    writers_.push_back(std::move(writers));
+  }
+  return true;
+}
+
+std::pair<ClientEntry*, ClientTable::Admission> ClientTable::enter(const ClientIdentity& identity,
+                                                                   const Place& place,
+                                                                   const std::string& who) {
+  if (ClientEntry* known = find(identity)) {
+    if (known->gone) return {nullptr, Admission::leaving};
+    if (known->place != place) return {nullptr, Admission::foreign};
+    return {known, Admission::admitted};
+  }
+  if (clients_.size() >= kClients) return {nullptr, Admission::full};
+  ClientEntry& entry = clients_[identity];
+  entry.place = place;
+  entry.who = who;
+  return {&entry, Admission::admitted};
+}
+
+ClientEntry* ClientTable::find(const ClientIdentity& identity) {
+  const auto found = clients_.find(identity);
+  return found == clients_.end() ? nullptr : &found->second;
+}
+
+std::vector<ClientIdentity> ClientTable::mark_gone(const LivingPlaces& living) {
+  std::vector<ClientIdentity> gone;
+  for (auto& [identity, client] : clients_) {
+    if (client.gone || living.has(client.place)) continue;
+    client.gone = true;
+    gone.push_back(identity);
+  }
+  return gone;
+}
+
+}  // namespace cansyncd

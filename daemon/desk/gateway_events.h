@@ -1,0 +1,115 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cansync.h"
+#include "daemon/cansync/texts/event_text.h"
+#include "daemon/service/journal.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+
+namespace cansyncd {
+
+/// Clock of everything on the gateway thread that waits or is limited in rate.
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+/// CLOCK_REALTIME, ns since 1970.
+std::int64_t wall_clock_now() noexcept;
+
+/// Holds back what repeats too fast: of one kind of event at most `kBurst` a second are told, the rest is
+/// counted and summed up in one when the second is over. Not thread safe.
+class FloodGuard {
+ public:
+  static constexpr unsigned kBurst = 5;
+  static constexpr std::chrono::seconds kWindow{1};
+
+  /// True: tell it now. False: it was counted.
+  bool pass(const EventText& event, SteadyTime now);
+
+  /// The next summary that is due, newest text of its kind with the count added; nothing when there is none.
+  std::optional<EventText> due(SteadyTime now);
+
+  /// When `due` has something at the earliest; nothing: it has nothing to wait for.
+  std::optional<SteadyTime> next() const;
+
+ private:
+  struct Window {
+    SteadyTime begin;
+    unsigned told = 0;
+    std::uint64_t held_back = 0;
+    std::optional<EventText> newest;  ///< when something is held back
+  };
+  std::map<std::pair<std::string_view, int>, Window> windows_;  ///< by code and slave
+};
+
+/// A fault that comes again and again: its first is told, the others are counted until it has stayed away for
+/// `quiet`. Not thread safe.
+class FaultRow {
+ public:
+  explicit FaultRow(std::chrono::seconds quiet) : quiet_(quiet) {}
+
+  /// `count` faults happened. True: they begin a row, and are to be told.
+  bool add(std::uint64_t count, SteadyTime now) {
+    const bool first = count_ == 0;
+    count_ += count;
+    last_ = now;
+    return first && count != 0;
+  }
+
+  /// Faults of the row that is over, and forgets them; 0: none is over.
+  std::uint64_t take_over(SteadyTime now) {
+    return count_ != 0 && now - last_ >= quiet_ ? std::exchange(count_, 0) : 0;
+  }
+
+  /// When the row is over at the earliest; nothing: there is none.
+  std::optional<SteadyTime> next() const {
+    return count_ != 0 ? std::optional(last_ + quiet_) : std::nullopt;
+  }
+
+  std::chrono::seconds quiet() const noexcept { return quiet_; }
+
+ private:
+  std::chrono::seconds quiet_;
+  std::uint64_t count_ = 0;
+  SteadyTime last_;
+};
+
+/// Numbers events, publishes them and writes each to the journal. Gateway thread only.
+class EventPublisher {
+ public:
+  /// `journal` must outlive the publisher; `bus` is the field BUS. Throws cansync::dds::SetupError.
+  EventPublisher(const cansync::dds::Participant& participant, JournalSink& journal, std::string bus)
+      : writer_(participant), journal_(journal), bus_(std::move(bus)) {}
+
+  /// Number of the running interval, for events that carry no moment of their own.
+  void set_interval(cansync::IntervalNumber interval) noexcept { interval_ = interval; }
+
+  /// Publishes `event` unless events of its kind come too fast. False: it is told in a sum, later.
+  bool publish(const EventText& event, SteadyTime now);
+
+  /// Writes `event` to the journal alone, unbounded: for what clients are told in sums.
+  void record(const EventText& event);
+
+  /// Publishes the summaries that are due. Returns when to call again; nothing: no need.
+  std::optional<SteadyTime> tick(SteadyTime now);
+
+ private:
+  void write(const EventText& event);
+  std::vector<JournalField> fields_of(const EventText& event) const;
+
+  cansync::dds::Writer<cansync_Event> writer_;
+  JournalSink& journal_;
+  const std::string bus_;
+  FloodGuard guard_;
+  std::uint64_t number_ = 0;
+  cansync::IntervalNumber interval_ = 0;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,104 @@
+#include "daemon/desk/rejections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace cansyncd {
+namespace {
+
+std::string_view name(Rejection kind) noexcept {
+  switch (kind) {
+    case Rejection::value:
+      return "a field out of range";
+    case Rejection::full:
+      return "a limit reached";
+    case Rejection::stale:
+      return "too old or from the future";
+    case Rejection::number:
+      return "a number used before";
+    case Rejection::identity:
+      return "the identity of another program, or too many";
+    case Rejection::malformed:
+      return "malformed";
+    case Rejection::state:
+      break;
+  }
+  return "not possible in this state";
+}
+
+}  // namespace
+
+bool Rejections::line_allowed(SteadyTime now) {
+  if (now - second_ >= std::chrono::seconds(1)) {
+    second_ = now;
+    lines_ = 0;
+  }
+  return lines_++ < kLines;
+}
+
+void Rejections::add(Rejection kind, const std::string& client, const std::string& text, SteadyTime now,
+                     std::uint64_t count) {
+  const auto index = static_cast<unsigned>(kind);
+  counts_[index] += count;
+  // Refusals for the state of the line are an everyday answer, and the reply tells.
+  if (kind != Rejection::state && rows_[index].add(count, now)) {
+    events_.publish(
+        {cansync_SEVERITY_WARNING, "requests_rejected", -1, text, std::nullopt, std::nullopt, client}, now);
+  } else if (line_allowed(now)) {
+    events_.record(
+        {cansync_SEVERITY_INFO, "requests_rejected", -1, text, std::nullopt, std::nullopt, client});
+  }
+}
+
+std::optional<SteadyTime> Rejections::tick(SteadyTime now) {
+  std::optional<SteadyTime> next;
+  for (unsigned i = 0; i < kRejections; ++i) {
+    if (const std::uint64_t count = rows_[i].take_over(now); count != 0) {
+      events_.publish({cansync_SEVERITY_INFO, "requests_rejected_before", -1,
+                       fmt::format("{} were rejected ({}); none for {} s", count,
+                                   name(static_cast<Rejection>(i)), kQuiet.count()),
+                       std::nullopt},
+                      now);
+    }
+    const auto due = rows_[i].next();
+    if (due && (!next || *due < *next)) next = due;
+  }
+  return next;
+}
+
+void fill_rejections(const RejectionCounts& counts, cansync_MasterStatus& sample) noexcept {
+  const auto of = [&counts](Rejection kind) { return counts[static_cast<unsigned>(kind)]; };
+  sample.rejected_values = of(Rejection::value);
+  sample.rejected_full = of(Rejection::full);
+  sample.rejected_stale = of(Rejection::stale);
+  sample.rejected_numbers = of(Rejection::number);
+  sample.rejected_identities = of(Rejection::identity);
+  sample.rejected_malformed = of(Rejection::malformed);
+  sample.rejected_state = of(Rejection::state);
+}
+
+std::optional<std::string> stale(std::int64_t written, std::int64_t now, std::chrono::milliseconds limit) {
+  if (limit.count() == 0) return std::nullopt;
+  constexpr std::int64_t kMillisecond = 1'000'000;
+  // A time before 1970 is none; this keeps the difference in range.
+  const std::int64_t age = (now - std::max<std::int64_t>(written, 0)) / kMillisecond;
+  if (age > limit.count()) {
+    return fmt::format(
+        "stale: written {} ms ago, at most {} ms are allowed (dds.request_max_age_ms); ask again, and set "
+        "the "
+        "clocks of both computers",
+        age, limit.count());
+  }
+  if (age < -limit.count()) {
+    return fmt::format(
+        "from the future: written {} ms ahead, at most {} ms are allowed (dds.request_max_age_ms); set the "
+        "clocks "
+        "of both computers",
+        -age, limit.count());
+  }
+  return std::nullopt;
+}
+
+}  // namespace cansyncd

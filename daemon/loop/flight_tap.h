@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+
+#include "can/bus.h"
+#include "cansync/master.h"
+#include "daemon/cansync/exchange.h"
+#include "daemon/config/flight_triggers.h"
+#include "rt/flight_recorder.h"
+
+namespace cansyncd {
+
+/// Why a flight recording is made.
+enum class FlightReason : std::uint8_t {
+  requested,
+  bus_off,
+  syncs_missed,
+  slave_lost,
+  second_master,
+  sending_failed
+};
+
+/// Name of a reason, as files and events carry it, e.g. "bus_off".
+const char* name(FlightReason reason) noexcept;
+
+/// Feeds the flight recorder on the realtime thread: from the bus, from the loop, and from its reports.
+/// Realtime safe; one thread.
+class FlightTap {
+ public:
+  /// `recorder` must outlive the tap.
+  FlightTap(rt::FlightRecorder& recorder, const FlightTriggers& triggers) noexcept
+      : recorder_(recorder), triggers_(triggers) {}
+
+  /// The instant that follows: number of the interval, and both clocks.
+  void at(const Moment& moment) noexcept;
+
+  void woke(can::Time due, can::Time at) noexcept { record(rt::FlightEntry::Kind::wake, at, due); }
+  void edge(can::Time due, can::Time at) noexcept { record(rt::FlightEntry::Kind::edge, at, due); }
+  void sent(can::Time at, const can::Frame& frame, can::SendResult result) noexcept;
+  void received(const can::ReceivedFrame& received) noexcept;
+  void left_out(cansync::Slot slot) noexcept;
+
+  /// Keeps what the report tells, and freezes the recorder when it is one of the faults.
+  void report(const Report& report) noexcept;
+
+ private:
+  void record(rt::FlightEntry::Kind kind, can::Time at, can::Time due, std::uint32_t value = 0,
+              const can::Frame& frame = {}) noexcept;
+  void fault(bool wanted, FlightReason reason, std::uint64_t detail, const Moment& when) noexcept;
+
+  rt::FlightRecorder& recorder_;
+  const FlightTriggers triggers_;
+  Moment moment_;
+};
+
+/// A bus seen by the flight recorder: passes everything on and keeps it. Realtime safe.
+class RecordedBus final : public can::Bus {
+ public:
+  /// Both must outlive this bus.
+  RecordedBus(can::Bus& bus, FlightTap& tap) noexcept : bus_(bus), tap_(tap) {}
+
+  can::Time now() noexcept override { return bus_.now(); }
+  can::Wake wait_until(can::Time deadline) noexcept override;
+  bool receive(can::ReceivedFrame& out) noexcept override;
+  can::SendResult send(const can::Frame& frame) noexcept override;
+  void sync_edge(can::Time due) noexcept override;
+  can::ControllerStatus status() noexcept override { return bus_.status(); }
+  can::ResetResult reset() noexcept override { return bus_.reset(); }
+  can::ResetResult reset_result() noexcept override { return bus_.reset_result(); }
+  can::TimestampSource timestamp_source() noexcept override { return bus_.timestamp_source(); }
+
+ private:
+  can::Bus& bus_;
+  FlightTap& tap_;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,226 @@
+#include "daemon/recorder/flight_files.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <string_view>
+#include <system_error>
+
+#include "can/bus_names.h"
+#include "can/candump.h"
+#include "cansync/mode.h"
+#include "daemon/loop/flight_tap.h"
+
+namespace cansyncd {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = rt::FlightEntry::Kind;
+
+constexpr can::Frame kSyncFrame{.id = 0x080};
+
+std::string safe(std::string_view name) {
+  std::string out(name);
+  for (char& c : out) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-') c = '_';
+  }
+  return out;
+}
+
+/// What the files of this bus begin with.
+std::string prefix(const FlightFileSettings& settings) {
+  return "flight-" + safe(settings.bus) + "-";
+}
+
+const char* reason_of(const FlightRecording& recording) noexcept {
+  return name(static_cast<FlightReason>(recording.trigger.reason));
+}
+
+std::string stem(const FlightRecording& recording, const FlightFileSettings& settings) {
+  const auto wall = recording.trigger.at + recording.trigger.wall_clock_offset;
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(wall);
+  const auto millis = std::chrono::floor<std::chrono::milliseconds>(wall - seconds);
+  const std::time_t time = seconds.count();
+  return fmt::format("{}{:%Y%m%dT%H%M%S}.{:03}Z-{}", prefix(settings), fmt::gmtime(time), millis.count(),
+                     reason_of(recording));
+}
+
+std::string json_string(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) {
+      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(c));
+      continue;
+    }
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+const char* name_of(can::SendResult result) noexcept {
+  switch (result) {
+    case can::SendResult::queued:
+      return "queued";
+    case can::SendResult::queue_full:
+      return "queue_full";
+    case can::SendResult::bus_off:
+      return "bus_off";
+    case can::SendResult::interface_down:
+      return "interface_down";
+  }
+  return "unknown";
+}
+
+const char* slot_name(std::uint32_t slot) noexcept {
+  constexpr std::array<const char*, cansync::kSlots> kNames = {"WRC1", "WRC2", "CC"};
+  return slot < kNames.size() ? kNames[slot] : "unknown";
+}
+
+/// One entry as a JSON object, for the list its kind has in the header.
+std::string object_of(const rt::FlightEntry& entry, can::Time offset) {
+  const auto at = (entry.at + offset).count();
+  switch (entry.kind) {
+    case Kind::wake:
+    case Kind::edge:
+      return fmt::format("{{\"interval\": {}, \"due_ns\": {}, \"actual_ns\": {}}}", entry.interval,
+                         (entry.due + offset).count(), at);
+    case Kind::sent:
+      return fmt::format("{{\"interval\": {}, \"time_ns\": {}, \"id\": {}, \"result\": \"{}\"}}",
+                         entry.interval, at, entry.frame.id,
+                         name_of(static_cast<can::SendResult>(entry.value)));
+    case Kind::left_out:
+      return fmt::format("{{\"interval\": {}, \"time_ns\": {}, \"slot\": \"{}\"}}", entry.interval, at,
+                         slot_name(entry.value));
+    case Kind::state:
+      return fmt::format("{{\"interval\": {}, \"time_ns\": {}, \"state\": \"{}\"}}", entry.interval, at,
+                         cansync::name(static_cast<cansync::State>(entry.value)));
+    case Kind::controller:
+      return fmt::format("{{\"interval\": {}, \"time_ns\": {}, \"controller\": \"{}\"}}", entry.interval, at,
+                         name(static_cast<can::ControllerState>(entry.value)));
+    case Kind::received:
+    case Kind::echo:
+      break;
+  }
+  return "{}";
+}
+
+void add_list(std::string& out, std::string_view key, const FlightRecording& recording,
+              std::initializer_list<Kind> kinds) {
+  fmt::format_to(std::back_inserter(out), ",\n  \"{}\": [", key);
+  const char* between = "\n    ";
+  for (const rt::FlightEntry& entry : recording.entries) {
+    if (std::find(kinds.begin(), kinds.end(), entry.kind) == kinds.end()) continue;
+    out += between;
+    out += object_of(entry, recording.trigger.wall_clock_offset);
+    between = ",\n    ";
+  }
+  out += "]";
+}
+
+bool on_bus(const rt::FlightEntry& entry) noexcept {
+  return entry.kind == Kind::received || entry.kind == Kind::echo;
+}
+
+/// Writes a file under another name and gives it its own when it is whole. errno, 0 when all went well.
+int write_whole(const fs::path& path, const std::string& text) {
+  const fs::path part = path.string() + ".part";
+  std::FILE* file = std::fopen(part.c_str(), "we");
+  if (file == nullptr) return errno;
+  int error = std::fwrite(text.data(), 1, text.size(), file) == text.size() ? 0 : errno;
+  if (std::fclose(file) != 0 && error == 0) error = errno;
+  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
+  if (error != 0) (void)std::remove(part.c_str());
+  return error;
+}
+
+/// Removes the oldest recordings of this bus. What cannot be removed stays.
+void prune(const FlightFileSettings& settings) {
+  std::error_code error;
+  std::vector<fs::path> headers;
+  for (fs::directory_iterator entry(settings.folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string file = entry->path().filename().string();
+    if (file.starts_with(prefix(settings)) && file.ends_with(".json")) headers.push_back(entry->path());
+  }
+  // The names begin with the time.
+  std::sort(headers.begin(), headers.end());
+  const std::size_t keep = std::max(settings.files, 1U);
+  for (std::size_t i = 0; i + keep < headers.size(); ++i) {
+    fs::remove(fs::path(headers[i]).replace_extension(".log"), error);
+    fs::remove(headers[i], error);
+  }
+}
+
+}  // namespace
+
+std::string flight_candump(const FlightRecording& recording, const FlightFileSettings& settings) {
+  std::vector<rt::FlightEntry> lines;
+  std::copy_if(recording.entries.begin(), recording.entries.end(), std::back_inserter(lines),
+               [](const rt::FlightEntry& entry) { return on_bus(entry) || entry.kind == Kind::edge; });
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const rt::FlightEntry& a, const rt::FlightEntry& b) { return a.at < b.at; });
+  std::string out;
+  std::array<char, can::kCandumpLineLimit> line{};
+  for (const rt::FlightEntry& entry : lines) {
+    const auto time =
+        std::chrono::floor<std::chrono::microseconds>(entry.at + recording.trigger.wall_clock_offset);
+    const bool edge = entry.kind == Kind::edge;
+    const std::size_t size = can::write_candump_line(
+        time, edge ? std::string_view("sync") : settings.interface, edge ? kSyncFrame : entry.frame, line);
+    out.append(line.data(), size);
+  }
+  return out;
+}
+
+std::string flight_header(const FlightRecording& recording, const FlightFileSettings& settings,
+                          const std::string& log) {
+  const rt::FlightTrigger& trigger = recording.trigger;
+  const auto frames = std::count_if(recording.entries.begin(), recording.entries.end(), on_bus);
+  std::string out = fmt::format(
+      "{{\n  \"format\": 1,\n  \"bus\": {},\n  \"interface\": {},\n  \"bit_rate\": {},\n  \"interval_ns\": "
+      "{},\n"
+      "  \"reason\": \"{}\",\n  \"detail\": {},\n  \"fault_interval\": {},\n  \"fault_time_ns\": {},\n"
+      "  \"faults_without_recording\": {},\n  \"candump\": {},\n  \"frames\": {}",
+      json_string(settings.bus), json_string(settings.interface), settings.bits_per_second,
+      settings.interval.count(), reason_of(recording), trigger.detail, trigger.interval,
+      (trigger.at + trigger.wall_clock_offset).count(), recording.further_faults, json_string(log), frames);
+  add_list(out, "states", recording, {Kind::state, Kind::controller});
+  add_list(out, "left_out", recording, {Kind::left_out});
+  add_list(out, "handed_over", recording, {Kind::sent});
+  add_list(out, "sync_edges", recording, {Kind::edge});
+  add_list(out, "wake_ups", recording, {Kind::wake});
+  return out + "\n}\n";
+}
+
+FlightFileResult write_flight(const FlightRecording& recording, const FlightFileSettings& settings) {
+  const fs::path path = fs::path(settings.folder) / stem(recording, settings);
+  const std::string log = path.string() + ".log";
+  const std::string header = path.string() + ".json";
+  FlightFileResult result;
+  const auto failed = [&](const std::string& file, int error) {
+    result.problem = fmt::format("{}: {}", file, std::generic_category().message(error));
+    (void)std::remove(log.c_str());
+    return result;
+  };
+  if (const int error = write_whole(log, flight_candump(recording, settings)); error != 0)
+    return failed(log, error);
+  const std::string text = flight_header(recording, settings, fs::path(log).filename().string());
+  if (const int error = write_whole(header, text); error != 0) return failed(header, error);
+  result.log = log;
+  result.frames =
+      static_cast<std::size_t>(std::count_if(recording.entries.begin(), recording.entries.end(), on_bus));
+  prune(settings);
+  return result;
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,196 @@
+#include "cli/base/output.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include "cli/text/progress.h"
+
+namespace cansync::cli {
+namespace {
+
+/// A temporary file that is read back.
+class Capture {
+ public:
+  std::FILE* file() { return file_.get(); }
+  std::string text() {
+    std::string out;
+    std::rewind(file());
+    for (int c = std::fgetc(file()); c != EOF; c = std::fgetc(file())) out += static_cast<char>(c);
+    return out;
+  }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_{std::tmpfile(), &std::fclose};
+};
+
+TEST(Json, KeepsTheOrderOfTheKeys) {
+  JsonObject object;
+  object.add("b", 1).add("a", "x").add("c", true).add_null("d");
+  object.add("e", JsonArray().add(1u).add("two").add(2.5).add_null().add(false));
+  object.add("f", JsonObject().add("g", std::uint64_t{18446744073709551615u}));
+  EXPECT_EQ(
+      object.text(),
+      R"({"b":1,"a":"x","c":true,"d":null,"e":[1,"two",2.5,null,false],"f":{"g":18446744073709551615}})");
+}
+
+TEST(Json, WritesBytesAsNumbers) {
+  EXPECT_EQ(JsonObject().add("byte", std::uint8_t{65}).text(), R"({"byte":65})");
+}
+
+TEST(Json, EscapesWhatMustNotStandInAString) {
+  EXPECT_EQ(json_string("a\"b\\c\n\r\t\x01\x1f"), R"("a\"b\\c\n\r\t\u0001\u001f")");
+  EXPECT_EQ(json_string("°C"), "\"°C\"");
+}
+
+TEST(Json, HasNoNumberForInfinity) {
+  EXPECT_EQ(json_number(std::numeric_limits<double>::infinity()), "null");
+  EXPECT_EQ(json_number(std::numeric_limits<double>::quiet_NaN()), "null");
+  EXPECT_EQ(json_number(-0.25), "-0.25");
+}
+
+TEST(Table, AlignsColumns) {
+  Table table({{"NAME"}, {"VALUE", Table::Align::right}});
+  table.add({"a", "10"});
+  table.add({"longer", "1234567"});
+  EXPECT_EQ(table.heading(), "NAME      VALUE");
+  EXPECT_EQ(table.lines(), (std::vector<std::string>{"a            10", "longer  1234567"}));
+}
+
+TEST(Table, CountsCharactersNotBytes) {
+  Table table({{"T", Table::Align::right}, {"X"}});
+  table.add({"20 °C", "x"});
+  table.add({"20 mm", "x"});
+  EXPECT_EQ(table.lines(), (std::vector<std::string>{"20 °C  x", "20 mm  x"}));
+}
+
+TEST(Table, KeepsItsWidthWhenRowsAreDropped) {
+  Table table({{"A"}, {"B"}});
+  table.add({"wide cell", "x"});
+  table.clear();
+  table.add({"a", "x"});
+  EXPECT_EQ(table.lines(), std::vector<std::string>{"a          x"});
+}
+
+TEST(Table, RefusesMoreCellsThanColumns) {
+  Table table({{"A"}});
+  EXPECT_THROW(table.add({"1", "2"}), std::logic_error);
+}
+
+TEST(Output, KeepsDataAndRemarksApart) {
+  Capture data;
+  Capture remarks;
+  Output output(data.file(), remarks.file(), true);
+  output.object(JsonObject().add("result", "done"));
+  output.remark("working");
+  EXPECT_EQ(data.text(), "{\"result\":\"done\"}\n");
+  EXPECT_EQ(remarks.text(), "cansync: working\n");
+}
+
+TEST(Output, SaysWhenDataCannotBeWritten) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> full(std::fopen("/dev/full", "w"), &std::fclose);
+  ASSERT_NE(full, nullptr);
+  Output output(full.get(), full.get(), false);
+  EXPECT_THROW(output.line("x"), std::system_error);
+}
+
+/// A pipe without room whose reader takes what is in it when a signal comes, as Ctrl-C may come while a
+/// program waits.
+class FullPipe {
+ public:
+  FullPipe() {
+    EXPECT_EQ(::pipe2(ends_.data(), O_NONBLOCK), 0);
+    while (::write(ends_[1], "....", 4) > 0) {
+    }
+    EXPECT_EQ(::fcntl(ends_[1], F_SETFL, 0), 0);
+    file_ = ::fdopen(ends_[1], "w");
+    reader = ends_[0];
+    struct sigaction action {};
+    action.sa_handler = [](int) { drain(); };
+    ::sigaction(SIGALRM, &action, &former_);
+    const itimerval soon{{0, 0}, {0, 20000}};
+    ::setitimer(ITIMER_REAL, &soon, nullptr);
+  }
+  ~FullPipe() {
+    ::sigaction(SIGALRM, &former_, nullptr);
+    std::fclose(file_);
+    ::close(ends_[0]);
+  }
+  FullPipe(const FullPipe&) = delete;
+  FullPipe& operator=(const FullPipe&) = delete;
+
+  std::FILE* file() { return file_; }
+  /// What came last.
+  static std::string drain() {
+    static std::array<char, 4096> part;
+    std::size_t last = 0;
+    for (ssize_t count = 1; count > 0;) {
+      count = ::read(reader, part.data(), part.size());
+      if (count > 0) last = static_cast<std::size_t>(count);
+    }
+    return {part.data(), std::min<std::size_t>(last, 15)};
+  }
+
+ private:
+  static inline int reader = -1;
+  std::array<int, 2> ends_{};
+  std::FILE* file_ = nullptr;
+  struct sigaction former_ {};
+};
+
+TEST(Output, GoesOnWhenASignalComesWhileItWaits) {
+  FullPipe pipe;
+  Output output(pipe.file(), pipe.file(), false);
+  output.line("after it");
+  EXPECT_EQ(FullPipe::drain(), "after it\n");
+}
+
+TEST(Output, RedrawsFromTheUpperLeft) {
+  Capture data;
+  Output output(data.file(), data.file(), false);
+  Table table({{"A"}});
+  table.add({"1"});
+  output.redraw("title", table);
+  output.redraw("title", table);
+  const std::string screen = "\x1b[Htitle\x1b[K\nA\x1b[K\n1\x1b[K\n\x1b[J";
+  EXPECT_EQ(data.text(), "\x1b[2J" + screen + screen);
+}
+
+TEST(Progress, ShowsTheShareDone) {
+  EXPECT_EQ(progress_line(0, 200, 40), "[....................]   0 %  0 of 200 B");
+  EXPECT_EQ(progress_line(100, 200, 40), "[#########.........]  50 %  100 of 200 B");
+  EXPECT_EQ(progress_line(200, 200, 40), "[##################] 100 %  200 of 200 B");
+}
+
+TEST(Progress, StaysInsideTheLine) {
+  for (unsigned width = 1; width < 100; ++width)
+    EXPECT_LE(progress_line(123456, 16777216, width).size(), width);
+}
+
+TEST(Progress, CopesWithNothingToDoAndTooMuchDone) {
+  EXPECT_NE(progress_line(0, 0, 60).find("100 %"), std::string::npos);
+  EXPECT_NE(progress_line(300, 200, 60).find("100 %  200 of 200 B"), std::string::npos);
+}
+
+TEST(Progress, SaysNothingWithoutATerminal) {
+  Capture file;
+  {
+    ProgressBar bar(file.file());
+    bar.update(1, 2);
+  }
+  EXPECT_EQ(file.text(), "");
+}
+
+}  // namespace
+}  // namespace cansync::cli

@@ -1,0 +1,366 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/doctor/doctor_facts.h"
+#include "cli/doctor/doctor_findings.h"
+
+namespace cansync::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A made-up root folder.
+class Tree {
+ public:
+  Tree()
+      : root_(fs::path(testing::TempDir()) /
+              (std::string("cansync_doctor_") +
+               testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(root_);
+  }
+  ~Tree() { fs::remove_all(root_); }
+  Tree(const Tree&) = delete;
+  Tree& operator=(const Tree&) = delete;
+  void write(const std::string& path, const std::string& text) const {
+    fs::create_directories((root_ / path).parent_path());
+    std::ofstream(root_ / path) << text;
+  }
+  const fs::path& root() const { return root_; }
+
+ private:
+  fs::path root_;
+};
+
+TEST(DoctorFacts, AreReadFromTheTree) {
+  const Tree tree;
+  tree.write("proc/sys/kernel/osrelease", "6.1.0-37-rt-amd64\n");
+  tree.write("proc/sys/kernel/version", "#1 SMP PREEMPT_RT Debian 6.1.140-1\n");
+  tree.write("sys/devices/system/cpu/isolated", "1,4-7\n");
+  const std::string idle = "sys/devices/system/cpu/cpu1/cpuidle/";
+  tree.write(idle + "state0/name", "POLL\n");
+  tree.write(idle + "state0/latency", "0\n");
+  tree.write(idle + "state1/name", "C1\n");
+  tree.write(idle + "state1/latency", "2\n");
+  tree.write(idle + "state1/disable", "0\n");
+  tree.write(idle + "state2/name", "C6\n");
+  tree.write(idle + "state2/latency", "133\n");
+  tree.write(idle + "state2/disable", "1\n");
+  const MachineFacts facts = read_machine(tree.root(), 1);
+  EXPECT_EQ(facts.kernel, "6.1.0-37-rt-amd64");
+  EXPECT_EQ(facts.preemption, "PREEMPT_RT");
+  EXPECT_EQ(facts.isolated, "1,4-7");
+  ASSERT_EQ(facts.idle_states.size(), 2u) << "the third is switched off";
+  EXPECT_EQ(facts.idle_states[1].name, "C1");
+  EXPECT_EQ(facts.idle_states[1].exit_latency, 2u);
+}
+
+TEST(DoctorFacts, OfAnEmptyTreeAreUnknown) {
+  const Tree tree;
+  const MachineFacts facts = read_machine(tree.root(), -1);
+  EXPECT_EQ(facts.kernel + facts.preemption + facts.isolated, "");
+  EXPECT_TRUE(facts.idle_states.empty());
+}
+
+TEST(DoctorFacts, ProcessorLists) {
+  EXPECT_TRUE(in_processor_list("1,4-7", 1));
+  EXPECT_TRUE(in_processor_list("1,4-7", 5));
+  EXPECT_FALSE(in_processor_list("1,4-7", 3));
+  EXPECT_FALSE(in_processor_list("", 0));
+  EXPECT_FALSE(in_processor_list("x-3", 3));
+  EXPECT_FALSE(in_processor_list("1-", 1));
+}
+
+template <std::size_t N>
+void put(char (&out)[N], const char* text) {
+  std::snprintf(out, N, "%s", text);
+}
+
+/// An interface that is up, of drivers of this kind.
+can::LinkFacts can_link(std::string_view kind) {
+  can::LinkFacts link;
+  link.present = link.is_can = link.up = true;
+  link.index = 3;
+  link.queue_length = 10;
+  std::copy(kind.begin(), kind.end(), link.driver_kind.begin());
+  return link;
+}
+
+/// Everything well: a real bus with all rights.
+DoctorInput healthy() {
+  DoctorInput in;
+  in.bus = "can0";
+  in.cli_version = "1.2.3";
+  in.data_model = 4;
+  in.participants = 2;
+  in.machine = {"6.1.0-rt", "PREEMPT_RT", "2-3", {{"C6", 133}}};
+  in.interface_name = "can0";
+  in.link = can_link("can");
+  in.link.timing = can::LinkTiming{500'000, 600};
+  in.link.state = can::ControllerState::error_active;
+  in.link.restart_ms = 100;
+  in.link.has_counters = true;
+  client::MasterStatus status = {};
+  put(status.bus, "can0");
+  put(status.state, "active");
+  put(status.version, "1.2.3");
+  put(status.controller_state, "error-active");
+  put(status.bus_interface, "can0");
+  put(status.dds_interface, "lo");
+  put(status.link_state, "up");
+  put(status.timestamp_source, "hardware");
+  put(status.sync_output, "gpio");
+  put(status.sync_input, "pps");
+  put(status.sync_state, "locked");
+  status.data_model = 4;
+  status.bit_rate = 500'000;
+  status.sample_point_wanted = 600;
+  status.realtime_priority = status.realtime_priority_wanted = 60;
+  status.realtime_cpu = status.realtime_cpu_wanted = 2;
+  status.memory_locked = status.memory_lock_wanted = status.cpu_held_awake = true;
+  in.status = status;
+  return in;
+}
+
+TEST(Doctor, AllWell) {
+  const auto findings = diagnose(healthy());
+  std::set<std::string> topics;
+  for (const Finding& finding : findings) {
+    EXPECT_EQ(finding.level, Level::ok) << finding.topic << ": " << finding.found;
+    EXPECT_EQ(finding.remedy, "") << finding.topic;
+    EXPECT_TRUE(topics.insert(finding.topic).second) << finding.topic << " twice";
+  }
+  EXPECT_EQ(topics.size(), 20u);
+  EXPECT_EQ(exit_code(findings, true), ExitCode::done);
+}
+
+/// One thing that is not well.
+struct Fault {
+  const char* topic;
+  Level level;
+  void (*spoil)(DoctorInput&);
+  const char* found;   ///< part of what is said
+  const char* remedy;  ///< part of the command
+};
+
+class OneFault : public testing::TestWithParam<Fault> {};
+
+TEST_P(OneFault, IsFoundAloneWithItsRemedy) {
+  DoctorInput in = healthy();
+  GetParam().spoil(in);
+  const auto findings = diagnose(in);
+  const auto bad = [](const Finding& finding) { return finding.level != Level::ok; };
+  ASSERT_EQ(std::count_if(findings.begin(), findings.end(), bad), 1);
+  const Finding& finding = *std::find_if(findings.begin(), findings.end(), bad);
+  EXPECT_EQ(finding.topic, GetParam().topic);
+  EXPECT_EQ(finding.level, GetParam().level);
+  EXPECT_NE(finding.found.find(GetParam().found), std::string::npos) << finding.found;
+  EXPECT_NE(finding.remedy.find(GetParam().remedy), std::string::npos) << finding.remedy;
+  EXPECT_EQ(exit_code(findings, true),
+            GetParam().level == Level::error ? ExitCode::faults : ExitCode::failed);
+}
+
+using In = DoctorInput;
+INSTANTIATE_TEST_SUITE_P(
+    All, OneFault,
+    testing::Values(
+        Fault{"version", Level::warning, [](In& in) { put(in.status->version, "1.2.2"); },
+              "cansyncd 1.2.2, but cansync 1.2.3", "systemctl restart"},
+        Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 3; },
+              "the daemon has number 3", "update cansyncd"},
+        Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 5; }, "this program 4",
+              "update cansync"},
+        Fault{"interface", Level::error, [](In& in) { in.link = {}; }, "no such interface",
+              "ip -br link show type can"},
+        Fault{"interface", Level::error, [](In& in) { in.link.is_can = false; }, "no CAN interface",
+              "bus.interface"},
+        Fault{"interface", Level::error, [](In& in) { in.link.up = false; }, "can0 is down",
+              "ip link set can0 up"},
+        Fault{"interface", Level::error,
+              [](In& in) {
+                in.link.up = false;
+                in.link.timing.reset();
+              },
+              "can0 is down",
+              "ip link set can0 type can bitrate 500000 sample-point 0.600 && ip link set can0 up"},
+        Fault{"interface", Level::warning, [](In& in) { in.kernel_silent = "no descriptor left"; },
+              "no descriptor left", "ip -details link show can0"},
+        Fault{"bit rate", Level::error, [](In& in) { in.link.timing->bits_per_second = 250'000; },
+              "250000 bit/s, but the bus has 500000", "type can bitrate 500000 sample-point 0.600"},
+        Fault{"bit rate", Level::warning, [](In& in) { in.link.timing.reset(); }, "does not tell",
+              "ip -details link show can0"},
+        Fault{"sample point", Level::warning, [](In& in) { in.link.timing->sample_point = 875; },
+              "0.875 instead of 0.600", "ip link set can0 type can bitrate 500000 sample-point 0.600"},
+        Fault{"sample point", Level::warning, [](In& in) { in.status->sample_point_wanted = 875; },
+              "0.600 instead of 0.875", "sample-point 0.875"},
+        Fault{"restart-ms", Level::warning, [](In& in) { in.link.restart_ms = 0; }, "stays silent",
+              "down && ip link set can0 type can restart-ms 100 && ip link set can0 up"},
+        Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1000; }, "1000 frames",
+              "ip link set can0 txqueuelen 10"},
+        Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1; }, "do not fit",
+              "txqueuelen 10"},
+        Fault{"controller", Level::error, [](In& in) { put(in.status->controller_state, "bus-off"); },
+              "bus-off", "cansync mode reset-can"},
+        Fault{"controller", Level::warning, [](In& in) { put(in.status->controller_state, "error-passive"); },
+              "error-passive", "120 ohm"},
+        Fault{"error counters", Level::warning, [](In& in) { in.status->transmit_errors = 8; }, "8 transmit",
+              "ip -details -statistics link show can0"},
+        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->timestamp_source, "thread"); },
+              "realtime thread", "ethtool -T can0"},
+        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->timestamp_source, ""); }, "not told",
+              "update cansyncd"},
+        Fault{"SYNC", Level::warning, [](In& in) { put(in.status->sync_state, "holdover"); },
+              "edges of the input pps are missing", "cansync events"},
+        Fault{"SYNC", Level::error, [](In& in) { put(in.status->sync_state, "lost"); }, "input pps: lost",
+              "cansync events"},
+        Fault{"SYNC", Level::warning,
+              [](In& in) {
+                put(in.status->sync_output, "none");
+                put(in.status->sync_state, "");
+              },
+              "put out nowhere", "sync.output"},
+        Fault{"controller", Level::error, [](In& in) { put(in.status->controller_state, "stopped"); },
+              "stopped", "ip link set can0 up"},
+        Fault{"second master", Level::error,
+              [](In& in) {
+                in.status->second_master = true;
+                in.status->second_master_frames = 12;
+              },
+              "sends on this bus: 12 frames", "switch the other master off"},
+        Fault{"second master", Level::warning, [](In& in) { in.status->second_master_frames = 12; },
+              "has sent 12 frames", "switch the other master off"}),
+    [](const auto& test) { return "Bus" + std::to_string(test.index); });
+
+INSTANTIATE_TEST_SUITE_P(
+    Machine, OneFault,
+    testing::Values(Fault{"priority", Level::warning, [](In& in) { in.status->realtime_priority = 0; },
+                          "SCHED_FIFO 60 was not granted", "LimitRTPRIO=60"},
+                    Fault{"locked memory", Level::warning, [](In& in) { in.status->memory_locked = false; },
+                          "not granted", "LimitMEMLOCK=infinity"},
+                    Fault{"isolated", Level::warning, [](In& in) { in.machine.isolated = "3"; },
+                          "processor 2 is shared", "isolcpus=2"},
+                    Fault{"isolated", Level::warning,
+                          [](In& in) { in.status->realtime_cpu = in.status->realtime_cpu_wanted = -1; },
+                          "not bound", "realtime.cpu = 2"},
+                    Fault{"processor", Level::warning, [](In& in) { in.status->realtime_cpu = -1; },
+                          "2 was not granted", "realtime.cpu"},
+                    Fault{"idle states", Level::warning, [](In& in) { in.status->cpu_held_awake = false; },
+                          "C6 takes 133 us", "60-cansyncd.rules"},
+                    Fault{"kernel", Level::warning, [](In& in) { in.machine.preemption = "PREEMPT_DYNAMIC"; },
+                          "PREEMPT_DYNAMIC", "linux-image-rt-amd64"},
+                    Fault{"DDS", Level::warning, [](In& in) { put(in.status->dds_interface, "eth0"); },
+                          "eth0", "dds.interface"},
+                    Fault{"DDS", Level::warning, [](In& in) { put(in.status->dds_interface, ""); },
+                          "dds.xml, DDS Security off", "docs/security.md"}),
+    [](const auto& test) { return "Machine" + std::to_string(test.index); });
+
+/// What is found of `topic`; nothing when it is not looked at.
+const Finding* find(const std::vector<Finding>& findings, std::string_view topic) {
+  const auto found =
+      std::find_if(findings.begin(), findings.end(), [topic](const Finding& f) { return f.topic == topic; });
+  return found == findings.end() ? nullptr : &*found;
+}
+
+TEST(Doctor, WithDdsSecurityAnotherInterfaceIsNoFault) {
+  DoctorInput in = healthy();
+  put(in.status->dds_interface, "eth0");
+  in.status->secured = true;
+  const auto findings = diagnose(in);
+  EXPECT_EQ(exit_code(findings, true), ExitCode::done);
+  EXPECT_NE(find(findings, "DDS")->found.find("eth0, DDS Security on"), std::string::npos);
+}
+
+TEST(Doctor, ASimulatedLineHasNoInterface) {
+  DoctorInput in = healthy();
+  in.interface_name = "sim";
+  in.link = {};
+  const auto findings = diagnose(in);
+  EXPECT_EQ(exit_code(findings, true), ExitCode::done);
+  for (const char* topic : {"bit rate", "sample point", "restart-ms", "txqueuelen"})
+    EXPECT_EQ(find(findings, topic), nullptr) << topic;
+}
+
+TEST(Doctor, AVirtualInterfaceHasNothingToSet) {
+  DoctorInput in = healthy();
+  in.link = can_link("vcan");
+  in.link.queue_length = 0;
+  const auto findings = diagnose(in);
+  EXPECT_EQ(exit_code(findings, true), ExitCode::done);
+  ASSERT_NE(find(findings, "interface"), nullptr);
+  EXPECT_EQ(find(findings, "interface")->found, "can0 is up, virtual (vcan): nothing to set");
+  for (const char* topic : {"bit rate", "sample point", "restart-ms", "txqueuelen"})
+    EXPECT_EQ(find(findings, topic), nullptr) << topic;
+  in.link.up = false;
+  EXPECT_EQ(find(diagnose(in), "interface")->remedy, "ip link set can0 up");
+}
+
+TEST(Doctor, ASamplePointAsNearAsAControllerComesIsWell) {
+  DoctorInput in = healthy();
+  in.link.timing->sample_point = 625;  // 10 of 16 quanta
+  EXPECT_EQ(exit_code(diagnose(in), true), ExitCode::done);
+  in.link.timing->sample_point = 633;
+  EXPECT_EQ(exit_code(diagnose(in), true), ExitCode::failed);
+}
+
+TEST(Doctor, AnOlderDaemonLeavesTheSamplePointsOfBothFamilies) {
+  DoctorInput in = healthy();
+  in.status->sample_point_wanted = 0;
+  for (const std::uint16_t point : {std::uint16_t{600}, std::uint16_t{875}}) {
+    in.link.timing->sample_point = point;
+    EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::ok) << point;
+  }
+  in.link.timing->sample_point = 750;
+  EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::warning);
+  // The Omega Drive-Line II has no 1 Mbit/s.
+  in.status->bit_rate = in.link.timing->bits_per_second = 1'000'000;
+  in.link.timing->sample_point = 875;
+  EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::warning);
+}
+
+TEST(Doctor, WithoutADaemonLooksAtTheInterfaceItself) {
+  DoctorInput in = healthy();
+  in.status.reset();
+  in.no_daemon = "no daemon found";
+  in.link.state = can::ControllerState::bus_off;
+  in.link.transmit_errors = 248;
+  auto findings = diagnose(in);
+  EXPECT_EQ(find(findings, "bit rate")->found, "500000 bit/s");
+  EXPECT_EQ(find(findings, "bit rate")->level, Level::ok);
+  EXPECT_EQ(find(findings, "controller")->level, Level::error);
+  EXPECT_EQ(find(findings, "controller")->remedy, "ip link set can0 down && ip link set can0 up");
+  EXPECT_EQ(find(findings, "error counters")->found, "248 transmit, 0 receive");
+  in.link.timing->bits_per_second = 800'000;
+  in.link.up = in.link.has_counters = false;
+  findings = diagnose(in);
+  EXPECT_EQ(find(findings, "bit rate")->level, Level::error);
+  EXPECT_NE(find(findings, "bit rate")->remedy.find("bitrate 1000000 sample-point 0.600"), std::string::npos);
+  EXPECT_EQ(find(findings, "controller"), nullptr) << "it is down";
+  EXPECT_EQ(find(findings, "error counters"), nullptr);
+}
+
+TEST(Doctor, WithoutADaemonSaysWhatItCouldNotSee) {
+  DoctorInput in = healthy();
+  in.status.reset();
+  in.no_daemon = "no daemon found";
+  const auto findings = diagnose(in);
+  EXPECT_EQ(findings[0].topic, "daemon");
+  EXPECT_EQ(findings[0].level, Level::error);
+  EXPECT_NE(findings[0].remedy.find("systemctl start cansyncd@can0"), std::string::npos);
+  EXPECT_NE(findings[1].found.find("realtime rights"), std::string::npos);
+  const auto has = [&findings](const char* topic) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [topic](const Finding& f) { return f.topic == topic; });
+  };
+  EXPECT_TRUE(has("interface") && has("txqueuelen") && has("kernel") && has("idle states"));
+  EXPECT_FALSE(has("priority") || has("DDS"));
+  EXPECT_EQ(exit_code(findings, false), ExitCode::not_reachable);
+}
+
+}  // namespace
+}  // namespace cansync::cli

@@ -1,0 +1,153 @@
+#include "cli/record/recording.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cli/text/values.h"
+#include "cli/watch/live_rig.h"
+
+namespace cansync::cli {
+namespace {
+
+/// Two slaves: 0 "unwinder" with position [mm] and torque [%], 3 without a name, whose values have none
+/// either.
+class Recording : public testing::Test {
+ protected:
+  Recording() {
+    LiveRig rig{{"unwinder", "x"}};
+    slaves = {rig.rows[0].status, rig.rows[1].status};
+    slaves[0].actual_mapping[2] = 0x11;  // value 4, which telegram 2 carries
+    slaves[0].actual_mapping[3] = 0x13;
+    put(slaves[0].actual_value[4].name, "torque");
+    put(slaves[0].actual_value[4].unit_symbol, "%");
+    slaves[1].slave = 3;
+    put(slaves[1].name, "");
+    slaves[1].actual_value[0] = {};
+    for (std::size_t i = 2; i < 4; ++i) slaves[1].actual_mapping[i] = 0;
+    status.polling_one = client::kAutomatic;
+    status.polling_two = client::kNobody;
+    status.maximum_slave = 3;
+  }
+
+  /// What comes of a slave in an interval; `telegrams`: bit 0 and 1.
+  client::ActualValues sample(unsigned slave, std::uint64_t interval, unsigned telegrams) {
+    client::ActualValues& values = newest[slave];
+    values.slave = static_cast<std::uint8_t>(slave);
+    values.arrived = static_cast<std::uint8_t>(telegrams);
+    values.ever = static_cast<std::uint8_t>(values.ever | telegrams);
+    values.receive_time = kNoon + static_cast<std::int64_t>(interval) * 1'000'000;
+    for (unsigned telegram = 0; telegram < 2; ++telegram) {
+      if (((telegrams >> telegram) & 1u) == 0) continue;
+      values.interval[telegram] = interval;
+      values.raw[4 * telegram] = static_cast<std::uint32_t>(-static_cast<std::int32_t>(interval));
+      values.scaled[4 * telegram] = -static_cast<double>(interval) / 10;
+    }
+    return values;
+  }
+
+  std::vector<client::SlaveStatus> slaves;
+  client::MasterStatus status = {};
+  std::map<unsigned, client::ActualValues> newest;
+};
+
+TEST_F(Recording, HasAColumnForEachNameAndUnit) {
+  EXPECT_EQ(RecordPlan(slaves, {}, false).header(),
+            "time,seconds,receive_time_ns,interval,slave,name,position [mm],value0,torque [%]\n");
+  EXPECT_EQ(RecordPlan(slaves, {"torque"}, true).header(),
+            "time,seconds,receive_time_ns,interval,slave,name,torque [raw]\n");
+  EXPECT_EQ(RecordPlan(slaves, {"0"}, false).headings(),
+            (std::vector<std::string>{"position [mm]", "value0"}));
+}
+
+TEST_F(Recording, RefusesAValueThatNobodyHas) {
+  try {
+    const RecordPlan plan(slaves, {"torque", "speed"}, false);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "--values: found 'speed'; allowed, of these slaves: position, torque, value0");
+  }
+}
+
+TEST_F(Recording, ARowHoldsWhatCameInOneInterval) {
+  const RecordPlan plan(slaves, {}, false);
+  RecordRows rows(plan, 1);
+  rows.take(sample(0, 4, 3));
+  rows.take(sample(3, 7, 1));
+  rows.take(sample(0, 8, 1));
+  rows.take(sample(0, 8, 2));
+  rows.take(sample(3, 11, 1));
+  rows.take(sample(0, 12, 2));
+  EXPECT_EQ(rows.lines(true),
+            "1970-01-01T12:00:00.008000000Z,0.000000,43200008000000,8,0,unwinder,-0.8,,-0.8\n"
+            "1970-01-01T12:00:00.011000000Z,0.003000,43200011000000,11,3,,,-1.1,\n"
+            "1970-01-01T12:00:00.012000000Z,0.004000,43200012000000,12,0,unwinder,,,-1.2\n");
+  EXPECT_EQ(rows.counts().rows, 3u);
+}
+
+TEST_F(Recording, ATelegramWhoseOwnSampleWasOvertakenIsNotLost) {
+  const RecordPlan plan(slaves, {"position", "torque"}, true);
+  RecordRows rows(plan, 1);
+  rows.take(sample(0, 4, 3));
+  static_cast<void>(sample(0, 8, 1));  // only the newest sample of a slave is kept on the way
+  rows.take(sample(0, 8, 2));
+  EXPECT_EQ(rows.lines(true), "1970-01-01T12:00:00.008000000Z,0.000000,43200008000000,8,0,unwinder,-8,-8\n");
+}
+
+TEST_F(Recording, RowsAreHeldBackUntilTheIntervalIsOver) {
+  const RecordPlan plan(slaves, {}, false);
+  RecordRows rows(plan, 1);
+  rows.take(sample(0, 4, 1));
+  rows.take(sample(0, 8, 1));
+  EXPECT_EQ(rows.lines(false), "");
+  rows.take(sample(0, 12, 1));
+  EXPECT_NE(rows.lines(false).find(",8,0,unwinder,"), std::string::npos);
+  EXPECT_NE(rows.lines(true).find(",12,0,unwinder,"), std::string::npos);
+}
+
+TEST_F(Recording, TakesEachNthRowOfASlave) {
+  const RecordPlan plan(slaves, {}, false);
+  RecordRows rows(plan, 3);
+  for (std::uint64_t interval = 0; interval < 44; interval += 4) {
+    rows.take(sample(0, interval, 1));
+    rows.take(sample(3, interval + 3, 1));
+  }
+  static_cast<void>(rows.lines(true));
+  EXPECT_EQ(rows.counts().rows, 8u) << "4 of 10 of each slave";
+}
+
+TEST_F(Recording, CountsTurnsWithoutARow) {
+  const RecordPlan plan(slaves, {}, false);
+  RecordRows rows(plan, 1);
+  rows.set_polling(status);
+  rows.take(sample(0, 4, 1));
+  for (const std::uint64_t interval : {8u, 12u, 17u, 20u, 32u}) rows.take(sample(0, interval, 1));
+  EXPECT_EQ(rows.counts().missing, 2u) << "24 and 28; a turn that comes an interval later is none";
+  status.polling_two = 0;
+  rows.set_polling(status);
+  rows.take(sample(0, 33, 2));
+  rows.take(sample(0, 36, 2));
+  EXPECT_EQ(rows.counts().missing, 4u) << "asked in each interval";
+  status.polling_one = status.polling_two = client::kNobody;
+  rows.set_polling(status);
+  rows.take(sample(0, 1000, 2));
+  EXPECT_EQ(rows.counts().missing, 4u) << "nobody is asked";
+}
+
+TEST_F(Recording, WhatIsNotYetWrittenIsBounded) {
+  const RecordPlan plan(slaves, {}, false);
+  RecordRows rows(plan, 1);
+  for (std::uint64_t interval = 0; interval < 1000; ++interval) {
+    rows.take(sample(0, interval, 3));
+    static_cast<void>(rows.lines(false));
+  }
+  const std::string rest = rows.lines(true);
+  EXPECT_LE(std::count(rest.begin(), rest.end(), '\n'), 4);
+}
+
+}  // namespace
+}  // namespace cansync::cli

@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include "support/reference_writer.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Channel;
+
+TEST(GatewayReferences, ReachTheRealtimeThread) {
+  GatewayRig rig;
+  ReferenceWriter writer(rig, 0);
+  auto sample = values(2, -100);
+  sample.from_interval = 1234;
+  writer.write(sample);
+  const auto update = rig.expect_request<cansync::ReferenceUpdate>();
+  EXPECT_EQ(update.channel, Channel::two);
+  EXPECT_EQ(update.value[0], static_cast<std::uint32_t>(-100));
+  EXPECT_EQ(update.value[3], static_cast<std::uint32_t>(-4));
+  EXPECT_EQ(update.valid_mask, 0b1001);
+  EXPECT_EQ(update.from_interval, 1234u);
+  EXPECT_EQ(update.release_intervals, 20u);
+}
+
+TEST(GatewayReferences, AWeakerWriterChangesNothingUntilTheStrongerIsGone) {
+  GatewayRig rig;
+  auto strong = std::make_optional<ReferenceWriter>(rig, 10);
+  strong->write(values(1, 111));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 111u);
+
+  ReferenceWriter weak(rig, 5);
+  weak.deliver(values(1, 222));
+  // What the stronger one writes after the weaker one's values were delivered is the next that comes through.
+  strong->write(values(1, 112));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 112u);
+
+  strong.reset();
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  ASSERT_TRUE(event(rig, "reference_writer_lost"));
+  weak.write(values(1, 333));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 333u);
+}
+
+TEST(GatewayReferences, ReleaseStopsForTheTelegramsOfTheWriterThatLeft) {
+  GatewayRig rig;
+  ReferenceWriter other(rig, 0);
+  other.write(values(2, 1));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().channel, Channel::two);
+  {
+    ReferenceWriter writer(rig, 0);
+    writer.write(values(1, 1));
+    EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().channel, Channel::one);
+  }
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  const auto lost = event(rig, "reference_writer_lost");
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->severity, cansync_SEVERITY_WARNING);
+  EXPECT_NE(cansync::dds::text(lost->text).find("telegram 1"), std::string_view::npos);
+  // Telegram 2 goes on.
+  other.write(values(2, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+}
+
+TEST(GatewayReferences, AWriterThatGivesATelegramUpStopsIt) {
+  GatewayRig rig;
+  ReferenceWriter writer(rig, 0);
+  writer.write(values(1, 1));
+  rig.expect_request<cansync::ReferenceUpdate>();
+  writer.unregister(values(1, 0));
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  // The same writer may take it again.
+  writer.write(values(1, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+}
+
+TEST(GatewayReferences, BadOnesAreToldAsAnEvent) {
+  struct Case {
+    void (*spoil)(cansync_ReferenceValues&);
+    std::string_view field;
+    std::string_view allowed;
+  };
+  const Case cases[] = {
+      {[](auto& v) { v.telegram = 0; }, "telegram 0", "1..2"},
+      {[](auto& v) { v.telegram = 3; }, "telegram 3", "1..2"},
+      {[](auto& v) { v.valid = 0; }, "valid 0", "1..15"},
+      {[](auto& v) { v.valid = 16; }, "valid 16", "1..15"},
+      {[](auto& v) { v.release_intervals = 1001; }, "release_intervals 1001", "0..1000"},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.field);
+    GatewayRig rig;
+    ReferenceWriter writer(rig, 0);
+    auto bad = values(1, 1);
+    c.spoil(bad);
+    writer.write(bad);
+    const auto refused = event(rig, "reference_refused");
+    ASSERT_TRUE(refused);
+    const auto text = cansync::dds::text(refused->text);
+    EXPECT_NE(text.find("telegram " + std::to_string(bad.telegram)), std::string_view::npos) << text;
+    EXPECT_NE(text.find(c.field), std::string_view::npos) << text;
+    EXPECT_NE(text.find(c.allowed), std::string_view::npos) << text;
+    EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  }
+}
+
+TEST(GatewayReferences, ThoseTheMasterRefusesAreToldOnceAndCounted) {
+  GatewayRig rig;
+  MasterSnapshot master;
+  master.state = cansync::State::setting_up_master;
+  rig.tell(master);
+  ReferenceWriter writer(rig, 0);
+  writer.write(values(2, 1));
+  rig.expect_request<cansync::ReferenceUpdate>();
+  for (cansync::IntervalNumber n = 50; n < 53; ++n) {
+    ASSERT_TRUE(rig.exchange.reports.try_push(
+        ReferenceRefused{moment(n), Channel::two, cansync::Refusal::wrong_state}));
+  }
+  rig.exchange.gateway_wake.signal();
+  const auto over = event(rig, "reference_refusals_over");
+  ASSERT_TRUE(over);
+  EXPECT_NE(cansync::dds::text(over->text).find("3 were before"), std::string_view::npos) << over->text;
+  const auto& events = rig.client.all<cansync_Event>();
+  const auto is_refusal = [](const auto& e) { return cansync::dds::text(e.code) == "reference_refused"; };
+  ASSERT_EQ(std::count_if(events.begin(), events.end(), is_refusal), 1);
+  const auto refused = std::find_if(events.begin(), events.end(), is_refusal);
+  EXPECT_EQ(refused->interval, 50u);
+  const auto text = cansync::dds::text(refused->text);
+  EXPECT_NE(text.find("telegram 2"), std::string_view::npos) << text;
+  EXPECT_NE(text.find("0x0043"), std::string_view::npos) << text;
+  EXPECT_NE(text.find("mode run"), std::string_view::npos) << text;
+}
+
+TEST(GatewayReferences, AHoldIsAskedForWhenTheWriterLeaves) {
+  Config config = gateway_config();
+  config.failsafe.reaction = LossReaction::hold;
+  config.failsafe.hold_intervals = 70;
+  GatewayRig rig(config);
+  {
+    ReferenceWriter writer(rig, 0);
+    writer.write(values(1, 1));
+    rig.expect_request<cansync::ReferenceUpdate>();
+  }
+  EXPECT_EQ(rig.expect_request<StopRelease>().hold, 70u);
+}
+
+TEST(GatewayReferences, AStrongerWriterReplacesWhatTheWeakerGaveForLater) {
+  GatewayRig rig;
+  ReferenceWriter weak(rig, 1);
+  weak.write(values(1, 1));
+  EXPECT_FALSE(rig.expect_request<cansync::ReferenceUpdate>().takes_over);
+  weak.write(values(1, 2));
+  EXPECT_FALSE(rig.expect_request<cansync::ReferenceUpdate>().takes_over);
+  ReferenceWriter strong(rig, 2);
+  strong.write(values(1, 3));
+  EXPECT_TRUE(rig.expect_request<cansync::ReferenceUpdate>().takes_over);
+}
+
+TEST(GatewayReferences, StaleOnesAreRefusedByDefault) {
+  Config config = gateway_config();
+  config.failsafe = {};
+  GatewayRig rig(config);
+  ReferenceWriter writer(rig, 0);
+  writer.write_late(values(1, 1), DDS_SECS(5));
+  const auto refused = event(rig, "reference_refused");
+  ASSERT_TRUE(refused);
+  EXPECT_NE(cansync::dds::text(refused->text).find("at most 500 ms"), std::string_view::npos)
+      << refused->text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+TEST(GatewayReferences, ThoseOfAClockThatIsAheadAreRefused) {
+  Config config = gateway_config();
+  config.failsafe = {};
+  GatewayRig rig(config);
+  ReferenceWriter writer(rig, 0);
+  writer.write_late(values(1, 1), -DDS_SECS(3600));
+  const auto refused = event(rig, "reference_refused");
+  ASSERT_TRUE(refused);
+  EXPECT_NE(cansync::dds::text(refused->text).find("in the future"), std::string_view::npos) << refused->text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+}  // namespace
+}  // namespace cansyncd

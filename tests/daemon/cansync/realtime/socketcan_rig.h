@@ -1,0 +1,207 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "can/fake_kernel.h"
+#include "can/link_watch.h"
+#include "can/socketcan_bus.h"
+#include "daemon/bus/socketcan_line.h"
+#include "daemon/cansync/realtime/realtime_loop.h"
+#include "support/virtual_line.h"
+
+namespace cansyncd::test {
+
+/// The kernel's side of SocketCAN, with drives behind it.
+class LineKernel final : public can::Kernel {
+ public:
+  explicit LineKernel(sim::Line& line) : line_(line) {}
+
+  std::map<std::string, unsigned> calls;
+  std::function<void()> on_sleep = [] {};
+  std::deque<can_frame> errors;  ///< error frames that come with the next look
+  std::vector<can_filter> filters;
+  int send_error = 0;
+
+  int open_socket() noexcept override { return 3; }
+  void close_socket(int) noexcept override {}
+  int set_option(int, int level, int name, const void* value, std::size_t size) noexcept override {
+    ++calls["setsockopt"];
+    if (level != SOL_CAN_RAW || name != CAN_RAW_FILTER) return 0;
+    const auto* first = static_cast<const can_filter*>(value);
+    filters.assign(first, first + size / sizeof(can_filter));
+    return 0;
+  }
+  int bind_to(int, int) noexcept override {
+    ++calls["bind"];
+    return 0;
+  }
+  int send_frame(int, const can_frame& frame) noexcept override {
+    ++calls["send"];
+    if (send_error != 0) return send_error;
+    can::Frame out;
+    out.id = frame.can_id;
+    out.dlc = frame.len;
+    std::copy_n(frame.data, frame.len, out.data.begin());
+    return line_.send(out) == can::SendResult::queued ? static_cast<int>(sizeof(frame)) : -ENOBUFS;
+  }
+  int receive(int, mmsghdr* messages, unsigned count) noexcept override {
+    ++calls["recvmmsg"];
+    while (!errors.empty()) {
+      can::test::Arriving error;
+      error.frame = errors.front();
+      fake_.arriving.push_back(error);
+      errors.pop_front();
+    }
+    drain();
+    return fake_.receive(3, messages, count);
+  }
+  int sleep_until(can::Time deadline) noexcept override {
+    ++calls["clock_nanosleep"];
+    on_sleep();
+    while (line_.wait_until(deadline) != can::Wake::deadline) {
+      drain();
+    }
+    return 0;
+  }
+  int wait_readable(int, can::Time) noexcept override { return 0; }
+  can::Time monotonic() noexcept override { return line_.now(); }
+  can::Time realtime() noexcept override { return line_.now() + fake_.wall_offset; }
+
+ private:
+  bool passes(const can::Frame& frame) const {
+    return std::any_of(filters.begin(), filters.end(), [&frame](const can_filter& filter) {
+      return (frame.id & filter.can_mask) == (filter.can_id & filter.can_mask);
+    });
+  }
+  /// The line wakes for each frame that waits; the kernel keeps them.
+  void drain() {
+    can::ReceivedFrame received;
+    while (line_.receive(received)) {
+      if (!passes(received.frame)) continue;
+      can::test::Arriving arriving;
+      arriving.frame.can_id = received.frame.id;
+      arriving.frame.len = received.frame.dlc;
+      std::copy_n(received.frame.data.begin(), received.frame.dlc, arriving.frame.data);
+      arriving.own = received.own;
+      arriving.software = received.end + fake_.wall_offset;
+      fake_.arriving.push_back(arriving);
+    }
+  }
+
+  sim::Line& line_;
+  can::test::FakeKernel fake_;
+};
+
+/// The SYNC wire, which is no part of the CAN interface.
+class WiredBus final : public can::Bus {
+ public:
+  WiredBus(can::SocketcanBus& bus, sim::Line& line) : bus_(bus), line_(line) {}
+  std::function<void(std::uint64_t)> on_edge = [](std::uint64_t) {};
+  std::uint64_t edges = 0;
+
+  can::Time now() noexcept override { return bus_.now(); }
+  can::Wake wait_until(can::Time deadline) noexcept override { return bus_.wait_until(deadline); }
+  bool receive(can::ReceivedFrame& out) noexcept override { return bus_.receive(out); }
+  can::SendResult send(const can::Frame& frame) noexcept override { return bus_.send(frame); }
+  void sync_edge(can::Time due) noexcept override {
+    line_.sync_edge(due);
+    on_edge(edges++);
+  }
+  can::ControllerStatus status() noexcept override { return bus_.status(); }
+  can::ResetResult reset() noexcept override { return bus_.reset(); }
+  can::ResetResult reset_result() noexcept override { return bus_.reset_result(); }
+  can::TimestampSource timestamp_source() noexcept override { return bus_.timestamp_source(); }
+
+ private:
+  can::SocketcanBus& bus_;
+  sim::Line& line_;
+};
+
+/// The configuration of a SocketCAN line with these settings.
+inline Config config_for(const cansync::MasterSettings& settings) {
+  Config config;
+  config.bus.kind = BusKind::socketcan;
+  config.bus.interface = "can0";
+  config.master = settings;
+  return config;
+}
+
+/// Four drives at 1 Mbit/s; the interface is watched by hand.
+struct Rig {
+  explicit Rig(const can::LinkFacts& facts = can::test::can0())
+      : bus((links.facts = facts, watch.look(), socketcan_settings(config)), board, links, kernel) {
+    wired.on_edge = [this](std::uint64_t edge) {
+      static_cast<void>(exchange.master.read(latest));
+      on_edge(edge);
+      if (edge >= last) loop.request_stop();
+    };
+  }
+
+  cansync::MasterSettings settings = support::line_settings(cansync::BitRate::mbit1, 4);
+  Config config = config_for(settings);
+  sim::Line line{sim::LineSettings{}, support::drives_for(settings)};
+  LineKernel kernel{line};
+  can::test::FakeLinks links;
+  can::LinkBoard board;
+  can::LinkWatch watch{links, board, {"can0", 1'000'000}};
+  can::SocketcanBus bus;
+  WiredBus wired{bus, line};
+  Exchange exchange{ExchangeSizes{}};
+  RealtimeLoop loop{settings, loop_settings(), wired, exchange};
+  std::function<void(std::uint64_t)> on_edge = [](std::uint64_t) {};
+  std::uint64_t last = 0;
+  MasterSnapshot latest;
+  std::vector<Report> reports;
+  std::multimap<cansync::JobId, Terminal> terminals;
+
+  static LoopSettings loop_settings() {
+    LoopSettings loop;
+    loop.wall_clock = nullptr;
+    loop.look_at_every_slot = false;
+    return loop;
+  }
+  void run(std::uint64_t edges) {
+    last = edges;
+    loop.run();
+    Report report;
+    while (exchange.reports.try_pop(report)) reports.push_back(report);
+    Terminal terminal;
+    while (exchange.terminals.try_pop(terminal)) {
+      terminals.emplace(std::visit([](const auto& t) { return t.id; }, terminal), terminal);
+    }
+  }
+  /// The master's state at the last edge, before it was stopped.
+  const MasterSnapshot& snapshot() const { return latest; }
+  void link(const can::LinkFacts& facts) {
+    links.facts = facts;
+    watch.look();
+  }
+  void give_references() {
+    for (const auto channel : {cansync::Channel::one, cansync::Channel::two}) {
+      cansync::ReferenceUpdate update;
+      update.channel = channel;
+      update.value = {1, 2, 3, 4};
+      update.valid_mask = 0x0F;
+      EXPECT_TRUE(exchange.requests.try_push(update));
+    }
+  }
+  template <class T>
+  std::vector<T> reported() const {
+    std::vector<T> found;
+    for (const Report& report : reports) {
+      if (const T* typed = std::get_if<T>(&report)) found.push_back(*typed);
+    }
+    return found;
+  }
+};
+
+}  // namespace cansyncd::test

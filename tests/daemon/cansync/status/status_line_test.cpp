@@ -1,0 +1,102 @@
+#include "daemon/cansync/status/status_line.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "daemon/service/heartbeat.h"
+
+namespace {
+
+using namespace cansyncd;
+using namespace std::chrono_literals;
+
+/// A line of `slaves` configured slaves "slave0", "slave1", ... on can0 at 500 kbit/s.
+Config line_of(unsigned slaves) {
+  Config config;
+  config.bus.name = "line";
+  config.bus.interface = "can0";
+  config.master.bit_rate = cansync::BitRate::kbit500;
+  for (unsigned i = 0; i < slaves; ++i) {
+    config.master.slaves[i].configured = true;
+    config.slaves[i].name = "slave" + std::to_string(i);
+  }
+  return config;
+}
+
+MasterSnapshot active_with(std::uint32_t responding) {
+  MasterSnapshot master;
+  master.state = cansync::State::active_master;
+  master.responding.bits = responding;
+  return master;
+}
+
+TEST(StatusText, TellsStateSlavesAndBus) {
+  EXPECT_EQ(status_text(active_with(0b11), line_of(2)),
+            "active operation: 2 of 2 slaves respond; bus line (can0) at 500000 bit/s");
+}
+
+TEST(StatusText, NamesFourOfThoseThatDoNotAnswer) {
+  EXPECT_EQ(
+      status_text(active_with(0b10), line_of(2)),
+      "active operation: 1 of 2 slaves respond; no answer from slave0; bus line (can0) at 500000 bit/s");
+  EXPECT_EQ(
+      status_text(active_with(0b1), line_of(7)),
+      "active operation: 1 of 7 slaves respond; no answer from slave1, slave2, slave3, slave4 and 2 more; "
+      "bus line (can0) at 500000 bit/s");
+}
+
+TEST(StatusText, TellsFirstWhatKeepsTheLineFromRunning) {
+  MasterSnapshot master = active_with(0);
+  master.controller.link = can::LinkState::missing;
+  EXPECT_EQ(status_text(master, line_of(2)), "waiting for interface can0: it is missing");
+  master.controller.link = can::LinkState::down;
+  EXPECT_EQ(status_text(master, line_of(2)), "waiting for interface can0: it is down");
+  master.controller.link = can::LinkState::wrong_bit_rate;
+  EXPECT_EQ(status_text(master, line_of(2)),
+            "nothing is sent: interface can0 has another bit rate than the configured one");
+  master.controller.link = can::LinkState::up;
+  master.controller.state = can::ControllerState::bus_off;
+  EXPECT_EQ(status_text(master, line_of(2)), "nothing is sent: the controller of can0 is bus-off");
+}
+
+TEST(StatusText, TellsOfAnotherMaster) {
+  MasterSnapshot master = active_with(1);
+  master.second_master = true;
+  EXPECT_EQ(status_text(master, line_of(1)),
+            "active operation: 1 of 1 slaves respond; bus line (can0) at 500000 bit/s; another master sends");
+}
+
+TEST(StatusLine, IsToldOnTheEdgeAndAtMostOnceASecond) {
+  std::vector<std::string> told;
+  StatusLine line([&](const std::string& text) { told.push_back(text); });
+  const Config config = line_of(2);
+  const StatusLine::Time start{};
+  EXPECT_FALSE(line.step(active_with(0b11), config, start));
+  EXPECT_EQ(told.size(), 1U);
+  EXPECT_EQ(line.step(active_with(0b01), config, start + 400ms), start + 1s);
+  EXPECT_EQ(told.size(), 1U);
+  EXPECT_FALSE(line.step(active_with(0b01), config, start + 1s));
+  EXPECT_EQ(told.size(), 2U);
+  EXPECT_FALSE(line.step(active_with(0b01), config, start + 5s));
+  EXPECT_EQ(told.size(), 2U);
+}
+
+TEST(Heartbeat, BeatsOnlyWhenBothThreadsHaveComeFurther) {
+  Heartbeat heart(4s);
+  EXPECT_EQ(heart.period(), 1s);
+  EXPECT_TRUE(heart.look({1, 1}));
+  EXPECT_FALSE(heart.look({1, 1}));
+  EXPECT_FALSE(heart.look({2, 1})) << "the gateway thread stands still";
+  EXPECT_FALSE(heart.look({3, 1}));
+  EXPECT_TRUE(heart.look({4, 2}));
+  EXPECT_FALSE(heart.look({4, 9})) << "the realtime thread stands still";
+  EXPECT_TRUE(heart.look({5, 9}));
+}
+
+TEST(Heartbeat, HasNoPeriodWithoutAWatchdog) {
+  EXPECT_FALSE(Heartbeat(std::nullopt).period());
+}
+
+}  // namespace

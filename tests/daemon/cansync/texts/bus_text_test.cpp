@@ -1,0 +1,137 @@
+#include "daemon/cansync/texts/bus_text.h"
+
+#include <gtest/gtest.h>
+
+#include "can/fake_kernel.h"
+#include "daemon/bus/bit_timing_check.h"
+#include "daemon/bus/socketcan_line.h"
+
+namespace cansyncd::test {
+namespace {
+
+Config can_config(cansync::BitRate rate = cansync::BitRate::kbit500) {
+  Config config;
+  config.bus.kind = BusKind::socketcan;
+  config.bus.interface = "can0";
+  config.master.bit_rate = rate;
+  return config;
+}
+
+TEST(BitTiming, PresetsOfBothControllersFitTheirBitRates) {
+  for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
+    Config config = can_config(cansync::slot_times_for(preset.bits_per_second)->bit_rate);
+    config.bus.btr0 = preset.registers.btr0;
+    config.bus.btr1 = preset.registers.btr1;
+    config.bus.registers_of = preset.controller;
+    EXPECT_FALSE(check_bit_timing(config)) << preset.bits_per_second;
+    EXPECT_EQ(wanted_sample_point(config), preset.controller == can::Controller::plc ? 600 : 875);
+  }
+}
+
+TEST(BitTiming, RegistersOfAnotherBitRateAreRefusedWithThoseThatFit) {
+  Config config = can_config();
+  config.bus.btr0 = 0x43;
+  config.bus.btr1 = 0x34;
+  const auto wrong = check_bit_timing(config);
+  ASSERT_TRUE(wrong);
+  EXPECT_STREQ(wrong->option, "bus.btr0");
+  EXPECT_EQ(
+      wrong->text,
+      "found 0x43 and 0x34, which give 250000 bit/s at 20 MHz; allowed: registers that give bus.bit_rate, "
+      "500000 bit/s, as 0x41 and 0x34 (plc), 0x00 and 0x1C (omega) do");
+}
+
+TEST(BitTiming, OneRegisterAloneIsRefused) {
+  Config config = can_config();
+  config.bus.btr1 = 0x34;
+  const auto wrong = check_bit_timing(config);
+  ASSERT_TRUE(wrong);
+  EXPECT_STREQ(wrong->option, "bus.btr1");
+  EXPECT_EQ(wrong->text, "found without bus.btr0; allowed: both together");
+}
+
+TEST(InterfaceRefusal, NamesTheCommandThatSetsTheBitRate) {
+  const Config config = can_config();
+  EXPECT_EQ(
+      interface_refusal(config, can::test::can0(250'000)),
+      "can0 is set to 250000 bit/s, bus.bit_rate is 500000; set it with: ip link set can0 down; ip link "
+      "set can0 type can bitrate 500000 sample-point 0.600; ip link set can0 up");
+  EXPECT_EQ(interface_refusal(config, can::test::can0(500'000)), "");
+  EXPECT_EQ(interface_refusal(config, {}), "") << "it may come later";
+  can::LinkFacts ethernet = can::test::can0(500'000);
+  ethernet.is_can = false;
+  EXPECT_EQ(interface_refusal(config, ethernet),
+            "can0 is no CAN interface; give another one as bus.interface");
+  can::LinkFacts virtual_one = can::test::can0();
+  virtual_one.timing.reset();
+  EXPECT_EQ(interface_refusal(config, virtual_one), "");
+}
+
+TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
+  const Config config = can_config();
+  using can::LinkState;
+  const EventText missing = describe_link({{}, LinkState::up, LinkState::missing, 0, 0}, config);
+  EXPECT_EQ(missing.code, "interface_missing");
+  EXPECT_EQ(missing.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(missing.text,
+            "there is no CAN interface can0, nothing is sent; plug the adapter in, or load its driver");
+  EXPECT_EQ(describe_link({{}, LinkState::up, LinkState::down, 0, 0}, config).text,
+            "can0 is down, nothing is sent; set it up with: ip link set can0 up");
+  EXPECT_EQ(describe_link({{}, LinkState::up, LinkState::wrong_bit_rate, 125'000, 0}, config).code,
+            "wrong_bit_rate");
+  const EventText up = describe_link({{}, LinkState::missing, LinkState::up, 500'000, 42}, config);
+  EXPECT_EQ(up.severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(up.text, "can0 is up again; 42 telegrams were left out");
+}
+
+TEST(BusEvents, FaultsBeginAndEnd) {
+  const EventText begun = describe_fault({{}, BusFaultKind::not_acknowledged, false, 1});
+  EXPECT_EQ(begun.code, "not_acknowledged");
+  EXPECT_EQ(begun.severity, cansync_SEVERITY_WARNING);
+  const EventText over = describe_fault({{}, BusFaultKind::not_acknowledged, true, 50});
+  EXPECT_EQ(over.code, "acknowledged");
+  EXPECT_EQ(over.text, "no longer: telegrams are acknowledged by nobody; it happened 50 times");
+}
+
+TEST(BusStatus, TellsInterfaceControllerAndCounts) {
+  MasterSnapshot master;
+  master.controller.state = can::ControllerState::error_passive;
+  master.controller.link = can::LinkState::wrong_bit_rate;
+  master.controller.bits_per_second = 500'000;
+  master.controller.transmit_errors = 130;
+  master.controller.error_frames = 1;
+  master.controller.acknowledge_errors = 2;
+  master.controller.restarts = 3;
+  master.controller.queue_full = 4;
+  master.controller.overruns = 5;
+  master.controller.dropped = 6;
+  master.counters.second_master = 7;
+  master.second_master = true;
+  master.timestamps = can::TimestampSource::hardware;
+  can::LinkFacts link = can::test::can0(500'000);
+  link.restart_ms = 100;
+  link.queue_length = 10;
+  cansync_MasterStatus status = {};
+  fill_bus(master, link, status);
+  EXPECT_STREQ(status.controller_state, "error-passive");
+  EXPECT_STREQ(status.link_state, "wrong-bit-rate");
+  EXPECT_STREQ(status.timestamp_source, "hardware");
+  EXPECT_EQ(status.interface_bit_rate, 500'000u);
+  EXPECT_EQ(status.sample_point, 600u);
+  EXPECT_EQ(status.restart_time, 100);
+  EXPECT_EQ(status.queue_length, 10u);
+  EXPECT_EQ(status.transmit_errors, 130u);
+  EXPECT_EQ(status.error_frames, 1u);
+  EXPECT_EQ(status.acknowledge_errors, 2u);
+  EXPECT_EQ(status.restarts, 3u);
+  EXPECT_EQ(status.queue_full, 4u);
+  EXPECT_EQ(status.overruns, 5u);
+  EXPECT_EQ(status.dropped_frames, 6u);
+  EXPECT_EQ(status.second_master_frames, 7u);
+  EXPECT_TRUE(status.second_master);
+  fill_bus(master, {}, status);
+  EXPECT_EQ(status.restart_time, -1) << "not known";
+}
+
+}  // namespace
+}  // namespace cansyncd::test

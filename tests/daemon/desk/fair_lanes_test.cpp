@@ -1,0 +1,225 @@
+#include "daemon/desk/fair_lanes.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "daemon/desk/rejections.h"
+#include "daemon/desk/request_numbers.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::JobId;
+
+constexpr Lane kSlaveOne{LaneKind::parameter, 1};
+
+ClientIdentity client(std::uint8_t n) {
+  ClientIdentity identity = {};
+  identity[0] = n;
+  return identity;
+}
+
+/// The master as far as lanes know it: what was given, in order.
+struct Line {
+  explicit Line(const cansync::CommandChannelSettings& settings = {}) : lanes(lane_limits(settings)) {}
+  void hand_over() {
+    EXPECT_TRUE(lanes.hand_over([this](JobId id) {
+      given.push_back(id);
+      return true;
+    }));
+  }
+  /// The oldest of what was given ends.
+  JobId end_first() {
+    const JobId id = given.at(ended++);
+    lanes.remove(id);
+    hand_over();
+    return id;
+  }
+  FairLanes lanes;
+  std::vector<JobId> given;
+  std::size_t ended = 0;
+};
+
+TEST(FairLanes, OneClientsRequestsKeepTheirOrder) {
+  Line line;
+  for (JobId id = 1; id <= 10; ++id) line.lanes.add(id, client(1), kSlaveOne);
+  line.hand_over();
+  EXPECT_EQ(line.given, (std::vector<JobId>{1, 2, 3, 4}));
+  for (JobId id = 1; id <= 10; ++id) EXPECT_EQ(line.end_first(), id);
+}
+
+/// One client keeps 64 of its 10,000 requests waiting all the time; the other's one is never further back
+/// than what the slave has already, and one more.
+TEST(FairLanes, TenThousandRequestsDoNotKeepAnotherClientWaiting) {
+  Line line;
+  JobId next = 1;
+  for (; next <= 64; ++next) line.lanes.add(next, client(1), kSlaveOne);
+  line.hand_over();
+  std::vector<JobId> of_second;
+  unsigned since = 0;
+  unsigned longest = 0;
+  while (next <= 10'000) {
+    if (of_second.empty() && next % 7 == 0) {
+      of_second.push_back(1'000'000 + next);
+      line.lanes.add(of_second.back(), client(2), kSlaveOne);
+      line.hand_over();
+      since = 0;
+    }
+    const JobId ended = line.end_first();
+    ++since;
+    if (ended < 1'000'000) {
+      line.lanes.add(next++, client(1), kSlaveOne);
+    } else {
+      longest = std::max(longest, since);
+      of_second.clear();
+    }
+  }
+  // Four the slave had, one of the other client, and its own.
+  EXPECT_GT(longest, 0u);
+  EXPECT_LE(longest, 6u);
+}
+
+TEST(FairLanes, EveryClientWithRequestsWaitingHasOneTurnInARound) {
+  Line line;
+  JobId next = 1;
+  for (std::uint8_t n = 1; n <= 5; ++n) {
+    for (int i = 0; i < 20; ++i) line.lanes.add(next++, client(n), kSlaveOne);
+  }
+  line.lanes.add(1000, client(6), kSlaveOne);
+  line.hand_over();
+  while (line.ended < line.given.size() && line.end_first() != 1000) {
+  }
+  // Nothing was given to anybody before, so it is the sixth; the bound says 4 + 5 + 1.
+  EXPECT_EQ(line.ended, 6u);
+}
+
+/// A client that asks again as soon as it is answered does not come in between again.
+TEST(FairLanes, AskingAgainAtOnceGainsNothing) {
+  Line line;
+  JobId quick = 1000;
+  line.lanes.add(quick, client(1), {LaneKind::transfer, 1});
+  line.lanes.add(quick + 1, client(2), {LaneKind::transfer, 1});
+  for (JobId id = 1; id <= 3; ++id) line.lanes.add(id, client(3), {LaneKind::transfer, 1});
+  line.hand_over();
+  quick += 2;
+  std::vector<std::size_t> done_at;
+  while (done_at.size() < 3) {
+    const JobId ended = line.given.at(line.ended);
+    if (ended >= 1000) line.lanes.add(quick++, client(ended % 2 == 0 ? 1 : 2), {LaneKind::transfer, 1});
+    line.end_first();
+    if (ended < 1000) done_at.push_back(line.ended);
+  }
+  EXPECT_LE(done_at[0], 4u);
+  EXPECT_LE(done_at[1] - done_at[0], 3u);
+  EXPECT_LE(done_at[2] - done_at[1], 3u);
+}
+
+TEST(FairLanes, SlavesAndKindsDoNotWaitForEachOther) {
+  Line line;
+  for (JobId id = 1; id <= 64; ++id) line.lanes.add(id, client(1), kSlaveOne);
+  line.lanes.add(100, client(1), {LaneKind::transfer, 1});
+  line.lanes.add(101, client(1), {LaneKind::transfer, 1});
+  line.lanes.add(102, client(1), {LaneKind::control_word, 1});
+  line.lanes.add(103, client(1), {LaneKind::broadcast, 0});
+  line.lanes.add(104, client(1), {LaneKind::line, 0});
+  line.lanes.add(105, client(1), {LaneKind::parameter, 2});
+  line.hand_over();
+  std::sort(line.given.begin(), line.given.end());
+  EXPECT_EQ(line.given, (std::vector<JobId>{1, 2, 3, 4, 100, 102, 103, 104, 105}));
+}
+
+TEST(FairLanes, NoQueueOfTheMasterFillsUp) {
+  cansync::CommandChannelSettings settings;
+  settings.parameter_queue = 3;
+  settings.transfer_queue = 1;
+  settings.control_word_queue = 2;
+  settings.broadcast_queue = 1;
+  Line line(settings);
+  JobId next = 1;
+  for (std::uint8_t slave = 0; slave < 4; ++slave) {
+    for (int i = 0; i < 4; ++i) {
+      for (const auto kind : {LaneKind::parameter, LaneKind::transfer, LaneKind::control_word}) {
+        line.lanes.add(next++, client(1), {kind, slave});
+      }
+    }
+  }
+  for (int i = 0; i < 4; ++i) line.lanes.add(next++, client(1), {LaneKind::broadcast, 2});
+  line.hand_over();
+  EXPECT_EQ(line.given.size(), 3u + 1 + 4 * 2 + 1);
+  // Everything still gets through, and slaves share the limit they have together.
+  while (line.ended < line.given.size()) line.end_first();
+  EXPECT_EQ(line.given.size(), next - 1);
+}
+
+TEST(FairLanes, WhatFindsNoRoomKeepsItsTurn) {
+  FairLanes lanes(lane_limits({}));
+  lanes.add(1, client(1), kSlaveOne);
+  EXPECT_FALSE(lanes.hand_over([](JobId) { return false; }));
+  EXPECT_TRUE(lanes.waits(1));
+  std::vector<JobId> given;
+  EXPECT_TRUE(lanes.hand_over([&](JobId id) {
+    given.push_back(id);
+    return true;
+  }));
+  EXPECT_EQ(given, std::vector<JobId>{1});
+  EXPECT_FALSE(lanes.waits(1));
+}
+
+TEST(FairLanes, ARemovedRequestIsNeverGiven) {
+  Line line;
+  for (JobId id = 1; id <= 6; ++id) line.lanes.add(id, client(static_cast<std::uint8_t>(id % 2)), kSlaveOne);
+  line.lanes.remove(3);
+  line.lanes.remove(99);
+  line.hand_over();
+  while (line.ended < line.given.size()) line.end_first();
+  EXPECT_EQ(line.given, (std::vector<JobId>{1, 2, 5, 4, 6}));
+}
+
+TEST(RequestNumbers, ANumberIsUsedOnce) {
+  RequestNumbers numbers;
+  EXPECT_TRUE(numbers.use(1));
+  EXPECT_FALSE(numbers.use(1));
+  EXPECT_TRUE(numbers.use(3));
+  // Requests of different kinds may overtake each other.
+  EXPECT_TRUE(numbers.use(2));
+  EXPECT_FALSE(numbers.use(2));
+  EXPECT_FALSE(numbers.use(3));
+  EXPECT_EQ(numbers.highest(), 3u);
+}
+
+TEST(RequestNumbers, OnlySoFarBack) {
+  RequestNumbers numbers;
+  EXPECT_TRUE(numbers.use(5000));
+  EXPECT_TRUE(numbers.use(5000 - RequestNumbers::kWidth + 1));
+  EXPECT_FALSE(numbers.use(5000 - RequestNumbers::kWidth));
+  EXPECT_FALSE(numbers.use(0));
+  // The window moves on: what it has left counts as used, what it comes to is new.
+  EXPECT_TRUE(numbers.use(5001));
+  EXPECT_FALSE(numbers.use(5000 - RequestNumbers::kWidth + 1));
+  EXPECT_TRUE(numbers.use(UINT64_MAX));
+  EXPECT_TRUE(numbers.use(UINT64_MAX - 5));
+  EXPECT_FALSE(numbers.use(5001));
+}
+
+TEST(Stale, OldAndFutureRequestsAreToldFromOthers) {
+  constexpr std::int64_t kNow = 1'700'000'000'000'000'000;
+  constexpr std::chrono::milliseconds kLimit{5000};
+  EXPECT_FALSE(stale(kNow, kNow, kLimit));
+  EXPECT_FALSE(stale(kNow - 5'000'000'000, kNow, kLimit));
+  EXPECT_FALSE(stale(kNow + 5'000'000'000, kNow, kLimit));
+  const auto old = stale(kNow - 5'001'000'000, kNow, kLimit);
+  ASSERT_TRUE(old);
+  EXPECT_NE(old->find("5001 ms ago, at most 5000 ms"), std::string::npos) << *old;
+  EXPECT_NE(old->find("dds.request_max_age_ms"), std::string::npos) << *old;
+  EXPECT_NE(old->find("clocks"), std::string::npos) << *old;
+  const auto future = stale(kNow + 5'001'000'000, kNow, kLimit);
+  ASSERT_TRUE(future);
+  EXPECT_NE(future->find("5001 ms ahead"), std::string::npos) << *future;
+  EXPECT_TRUE(stale(INT64_MIN, kNow, kLimit));
+  EXPECT_TRUE(stale(INT64_MAX, kNow, kLimit));
+  EXPECT_FALSE(stale(0, kNow, std::chrono::milliseconds(0)));
+}
+
+}  // namespace
+}  // namespace cansyncd

@@ -1,0 +1,182 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "support/gateway_rig.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Outcome;
+
+cansync_ParameterRequest read_request(std::uint64_t number, std::uint8_t client = 1,
+                                      std::uint32_t of_slave = 1) {
+  auto request = TestClient::request<cansync_ParameterRequest>(number, TestClient::identity(client));
+  request.slave = of_slave;
+  request.number = 301;
+  request.element = 7;
+  request.format = cansync_FORMAT_AS_SLAVE_SAYS;
+  return request;
+}
+
+/// Another program on the same bus.
+struct Other {
+  explicit Other(GatewayRig& rig) : client(rig.places().there) { EXPECT_TRUE(client.wait_for_gateway()); }
+  TestClient client;
+};
+
+std::optional<cansync_MasterStatus> status_with(
+    GatewayRig& rig, const std::function<bool(const cansync_MasterStatus&)>& fits) {
+  return rig.client.wait_for<cansync_MasterStatus>(fits);
+}
+
+std::optional<cansync_Event> event(GatewayRig& rig, std::string_view code) {
+  return rig.client.wait_for<cansync_Event>([&](const auto& e) { return std::string_view(e.code) == code; });
+}
+
+TEST(GatewayClients, WhoIsGoneHasItsRequestsCancelled) {
+  GatewayRig rig;
+  auto other = std::make_unique<Other>(rig);
+  for (std::uint64_t number = 1; number <= 6; ++number) other->client.write(read_request(number, 2));
+  std::vector<cansync::JobId> given;
+  given.reserve(4);
+  for (int i = 0; i < 4; ++i) given.push_back(rig.expect_request<cansync::ParameterRequest>().id);
+  rig.client.write(read_request(1, 1, 2));
+  const auto own = rig.expect_request<cansync::ParameterRequest>().id;
+  other.reset();
+  // What the master has is cancelled there; what waited never gets there. The client that lives keeps its
+  // job.
+  for (const auto id : given) EXPECT_EQ(rig.expect_request<Cancel>().id, id);
+  for (const auto id : given) rig.answer(ParameterDone{id, {.outcome = Outcome::cancelled}});
+  rig.answer(ParameterDone{own, {}});
+  ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
+  for (std::uint64_t number = 1; number <= 6; ++number) {
+    const auto reply = rig.client.reply<cansync_ParameterReply>(number, TestClient::identity(2));
+    ASSERT_TRUE(reply) << number;
+    EXPECT_EQ(reply->code, cansync_REPLY_CANCELLED);
+    EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(number, TestClient::identity(2)), 0u);
+  }
+  const auto gone = event(rig, "client_gone");
+  ASSERT_TRUE(gone);
+  EXPECT_NE(std::string_view(gone->text).find("'tester' (02000000) is gone; its 6 open requests"),
+            std::string_view::npos)
+      << gone->text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  // Nothing of it is kept.
+  EXPECT_TRUE(status_with(rig, [](const auto& status) { return status.clients == 1; }));
+}
+
+TEST(GatewayClients, ATransferOfWhoIsGoneIsCancelledOnTheSlave) {
+  GatewayRig rig;
+  auto other = std::make_unique<Other>(rig);
+  auto request = TestClient::request<cansync_TransferRequest>(1, TestClient::identity(2));
+  request.slave = 1;
+  request.address = 0x1000;
+  request.length = 5000;
+  other->client.write(request);
+  const auto job = rig.expect_request<cansync::TransferRequest>();
+  other.reset();
+  EXPECT_EQ(rig.expect_request<Cancel>().id, job.id);
+  // The data stays the realtime thread's until it has answered.
+  std::fill(job.data.begin(), job.data.end(), std::uint8_t{1});
+  rig.answer(TransferDone{job.id, {.outcome = Outcome::cancelled}});
+  const auto answer = rig.transfer_reply(1);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->reply.code, cansync_REPLY_CANCELLED);
+}
+
+TEST(GatewayClients, ProgramsThatComeAndGoLeaveNothingBehind) {
+  GatewayRig rig;
+  for (std::uint8_t n = 10; n < 14; ++n) {
+    Other other(rig);
+    other.client.write(read_request(1, n));
+    rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+    ASSERT_TRUE(other.client.reply<cansync_ParameterReply>(1, TestClient::identity(n)));
+  }
+  EXPECT_TRUE(status_with(rig, [](const auto& status) { return status.clients == 0; }));
+  // Also readers of replies are told that these clients are no more.
+  std::size_t left = 0;
+  EXPECT_TRUE(eventually(rig.client.signal(),
+                         [&] {
+                           const auto& replies = rig.client.all<cansync_ParameterReply>();
+                           left = static_cast<std::size_t>(
+                               std::count_if(replies.begin(), replies.end(),
+                                             [&](const auto& reply) { return rig.client.keeps_key(reply); }));
+                           return replies.size() == 4 && left == 0;
+                         }))
+      << rig.client.all<cansync_ParameterReply>().size() << " replies, " << left << " clients known";
+}
+
+TEST(GatewayClients, AnotherProgramsIdentityIsNoKeyToItsJobs) {
+  GatewayRig rig;
+  rig.client.write(read_request(1));
+  const auto job = rig.expect_request<cansync::ParameterRequest>();
+  Other other(rig);
+  other.client.deliver(TestClient::request<cansync_JobCancel>(1));
+  other.client.deliver(read_request(2));
+  EXPECT_TRUE(status_with(rig, [](const auto& status) { return status.rejected_identities == 2; }));
+  const auto told = event(rig, "requests_rejected");
+  ASSERT_TRUE(told);
+  EXPECT_NE(std::string_view(told->text).find("another program"), std::string_view::npos) << told->text;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  rig.answer(ParameterDone{job.id, {}});
+  const auto reply = rig.client.reply<cansync_ParameterReply>(1);
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(2), 0u);
+  // The owner goes on using its numbers.
+  rig.client.write(read_request(2));
+  rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+  EXPECT_TRUE(rig.client.reply<cansync_ParameterReply>(2));
+}
+
+TEST(GatewayClients, AStaleRequestIsRefusedAndCounted) {
+  GatewayRig rig;
+  auto request = read_request(1);
+  const dds_time_t now = dds_time();
+  rig.client.write_at(request, now - DDS_SECS(60));
+  const auto old = rig.client.reply<cansync_ParameterReply>(1);
+  ASSERT_TRUE(old);
+  EXPECT_EQ(old->code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(std::string_view(old->reason).find("stale: written 6"), 0u) << old->reason;
+  request.request = 2;
+  rig.client.write_at(request, now + DDS_SECS(600));
+  const auto future = rig.client.reply<cansync_ParameterReply>(2);
+  ASSERT_TRUE(future);
+  EXPECT_EQ(future->code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(std::string_view(future->reason).find("from the future"), 0u) << future->reason;
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  EXPECT_TRUE(status_with(rig, [](const auto& status) { return status.rejected_stale == 2; }));
+}
+
+TEST(GatewayClients, TheAgeOfARequestNeedNotBeLookedAt) {
+  Config config = gateway_config();
+  config.dds.request_max_age = std::chrono::milliseconds(0);
+  GatewayRig rig(config);
+  rig.client.write_at(read_request(1), dds_time() - DDS_SECS(60));
+  rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+  const auto reply = rig.client.reply<cansync_ParameterReply>(1);
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+}
+
+TEST(GatewayClients, RejectionsAreCountedByKind) {
+  GatewayRig rig;
+  auto bad = read_request(1);
+  bad.slave = 9;
+  rig.client.write(bad);
+  ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
+  rig.client.write(read_request(1));
+  ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
+  rig.client.write(read_request(2));
+  rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, cansync::Refusal::wrong_state});
+  ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(2));
+  for (std::uint64_t number = 3; number <= 70; ++number) rig.client.write(read_request(number));
+  EXPECT_TRUE(status_with(rig, [](const auto& status) {
+    return status.rejected_values == 1 && status.rejected_numbers == 1 && status.rejected_state == 1 &&
+           status.rejected_full == 4;
+  }));
+}
+
+}  // namespace
+}  // namespace cansyncd

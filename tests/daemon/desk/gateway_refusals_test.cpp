@@ -1,0 +1,350 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <string_view>
+
+#include "support/gateway_rig.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Refusal;
+
+cansync_ParameterRequest good_read(std::uint64_t number, std::uint8_t client = 1) {
+  auto request = TestClient::request<cansync_ParameterRequest>(number, TestClient::identity(client));
+  request.slave = 1;
+  request.number = 301;
+  request.element = 7;
+  request.format = cansync_FORMAT_AS_SLAVE_SAYS;
+  return request;
+}
+
+cansync_TransferRequest good_upload(std::uint64_t number) {
+  auto request = TestClient::request<cansync_TransferRequest>(number);
+  request.slave = 1;
+  request.address = 0x1000;
+  request.length = 100;
+  return request;
+}
+
+cansync_Command good_command(std::uint64_t number, cansync_CommandKind kind = cansync_COMMAND_CONTROL_WORD) {
+  auto command = TestClient::request<cansync_Command>(number);
+  command.kind = kind;
+  command.slave = 1;
+  command.priority = 1;
+  command.slave_mask = 0xF;
+  command.action = 128;
+  return command;
+}
+
+void expect_refused(cansync_ReplyCode code, std::string_view reason,
+                    std::initializer_list<std::string_view> pieces) {
+  EXPECT_EQ(code, cansync_REPLY_REFUSED) << reason;
+  for (const auto piece : pieces)
+    EXPECT_NE(reason.find(piece), std::string_view::npos) << piece << " in: " << reason;
+}
+
+/// The fields that the rows' reasons name first, without indices.
+template <class Cases>
+std::set<std::string_view> fields_of(const Cases& cases) {
+  std::set<std::string_view> fields;
+  for (const auto& row : cases) {
+    const std::string_view field = *row.pieces.begin();
+    fields.insert(field.substr(0, field.find('[')));
+  }
+  return fields;
+}
+using Fields = std::set<std::string_view>;
+
+/// Field, value and allowed range of each refusal of a parameter request.
+TEST(GatewayRefusals, ParameterFieldsOutOfRange) {
+  GatewayRig rig;
+  struct Case {
+    std::function<void(cansync_ParameterRequest&)> spoil;
+    std::initializer_list<std::string_view> pieces;
+  };
+  const Case cases[] = {
+      {[](auto& r) { r.slave = 9; }, {"slave", "9", "0..3"}},
+      {[](auto& r) { r.slave = 32; }, {"slave", "32"}},
+      {[](auto& r) { r.slave = 0xFFFFFFFF; }, {"slave", "4294967295"}},
+      {[](auto& r) { r.sub_slave = 65536; }, {"sub_slave", "65536", "0..65535"}},
+      {[](auto& r) { r.number = 4096; }, {"number", "4096", "0..4095"}},
+      {[](auto& r) { r.element = 8; }, {"element", "8", "0..7"}},
+      {[](auto& r) { r.write = true, r.element = 3; }, {"element", "3", "7"}},
+      {[](auto& r) { r.write = true, r.format = cansync_FORMAT_WORD, r.value = 65536; },
+       {"value", "65536", "0..65535"}},
+      {[](auto& r) { r.timeout = 3'600'001; }, {"timeout", "3600001", "3600000"}},
+  };
+  // What is no format is dropped by DDS.
+  EXPECT_EQ(fields_of(cases), (Fields{"slave", "sub_slave", "number", "element", "value", "timeout"}));
+  std::uint64_t number = 1;
+  for (const Case& c : cases) {
+    auto request = good_read(number);
+    c.spoil(request);
+    rig.client.write(request);
+    const auto reply = rig.client.reply<cansync_ParameterReply>(number++);
+    ASSERT_TRUE(reply);
+    expect_refused(reply->code, reply->reason, c.pieces);
+  }
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+TEST(GatewayRefusals, TransferFieldsOutOfRange) {
+  GatewayRig rig;
+  std::array<std::uint8_t, 4> four = {1, 2, 3, 4};
+  struct Case {
+    std::function<void(cansync_TransferRequest&)> spoil;
+    std::initializer_list<std::string_view> pieces;
+  };
+  const Case cases[] = {
+      {[](auto& r) { r.slave = 9; }, {"slave", "9", "0..3"}},
+      {[](auto& r) { r.slave = 32; }, {"slave", "32"}},
+      {[](auto& r) { r.sub_slave = 65536; }, {"sub_slave", "65536", "0..65535"}},
+      {[&](auto& r) {
+         r.data = {4, 4, four.data(), false};
+       },
+       {"data", "4 bytes", "upload"}},
+      {[](auto& r) { r.direction = cansync_DIRECTION_DOWNLOAD, r.length = 0; },
+       {"length", "0", "1..16777216"}},
+      {[](auto& r) { r.length = 0; }, {"length", "0", "1..16777216"}},
+      {[](auto& r) { r.length = 16'777'217; }, {"length", "16777217", "1..16777216"}},
+      {[&](auto& r) {
+         r.direction = cansync_DIRECTION_DOWNLOAD, r.data = {4, 4, four.data(), false};
+       },
+       {"length", "100", "4"}},
+      {[](auto& r) { r.address = 0xFF; }, {"address", "0xFF", "0x100..0xFFFFFFFF"}},
+      {[](auto& r) { r.address = 0xFFFFFFFF; }, {"address", "0xFFFFFFFF"}},
+      {[](auto& r) { r.block_size = 4093; }, {"block_size", "4093", "1..4092"}},
+      {[](auto& r) { r.block_size = 301; }, {"block_size", "301", "1..300"}},
+      {[](auto& r) { r.block_size = 0xFFFFFFFF; }, {"block_size", "4294967295", "1..4092"}},
+      {[](auto& r) { r.timeout = 3'600'001; }, {"timeout", "3600001", "3600000"}},
+  };
+  // What is no direction, and data over its bound, is dropped by DDS.
+  EXPECT_EQ(fields_of(cases),
+            (Fields{"slave", "sub_slave", "address", "length", "block_size", "timeout", "data"}));
+  std::uint64_t number = 1;
+  for (const Case& c : cases) {
+    auto request = good_upload(number);
+    c.spoil(request);
+    rig.client.write(request);
+    const auto answer = rig.transfer_reply(number++);
+    ASSERT_TRUE(answer);
+    expect_refused(answer->reply.code, answer->reply.reason, c.pieces);
+  }
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+TEST(GatewayRefusals, CommandFieldsOutOfRange) {
+  GatewayRig rig;
+  struct Case {
+    cansync_CommandKind kind;
+    std::function<void(cansync_Command&)> spoil;
+    std::initializer_list<std::string_view> pieces;
+  };
+  const Case cases[] = {
+      {cansync_COMMAND_CONTROL_WORD, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
+      {cansync_COMMAND_CONTROL_WORD,
+       [](auto& c) { c.control_word = 65536; },
+       {"control_word", "65536", "0..65535"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.priority = 3; }, {"priority", "3", "0..2"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.slave_mask = 0; }, {"slave_mask", "0x0", "0..3"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.slave_mask = 0x10; }, {"slave_mask", "0x10", "0..3"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 0; }, {"action", "0", "128..255"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 2; }, {"action", "2", "128..255"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 127; }, {"action", "127", "128..255"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 256; }, {"action", "256", "128..255"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.data_byte = 256; }, {"data_byte", "256", "0..255"}},
+      {cansync_COMMAND_BROADCAST, [](auto& c) { c.data_word = 65536; }, {"data_word", "65536", "0..65535"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_one = 32; }, {"polling_one", "32", "0..31"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_two = -3; }, {"polling_two", "-3", "-128"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.maximum_slave = 32; }, {"maximum_slave", "32", "0..31"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_one = 9; }, {"polling_one", "9", "0..3"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_two = -129; }, {"polling_two", "-129", "-128"}},
+      {cansync_COMMAND_POLLING, [](auto& c) { c.maximum_slave = -1; }, {"maximum_slave", "-1", "-2"}},
+      {cansync_COMMAND_CHANNEL_CURSORS,
+       [](auto& c) { c.cursor_control_word = 32; },
+       {"cursor_control_word", "32", "0..31"}},
+      {cansync_COMMAND_CHANNEL_CURSORS,
+       [](auto& c) { c.cursor_parameter = 9; },
+       {"cursor_parameter", "9", "0..3"}},
+      {cansync_COMMAND_CHANNEL_CURSORS,
+       [](auto& c) { c.cursor_transfer = -3; },
+       {"cursor_transfer", "-3", "-128"}},
+      {cansync_COMMAND_REFERENCE_MAPPING, [](auto& c) { c.mapping[0] = 0x80; }, {"mapping[0]", "0x80"}},
+      {cansync_COMMAND_REFERENCE_MAPPING,
+       [](auto& c) { c.mapping[0] = 0x11; },
+       {"mapping[0]", "0x11", "0..3"}},
+      {cansync_COMMAND_REFERENCE_MAPPING,
+       [](auto& c) { c.mapping[4] = 0x0D; },
+       {"mapping[4]", "0x0D", "4..7"}},
+      {cansync_COMMAND_ACTUAL_MAPPING, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
+      {cansync_COMMAND_ACTUAL_MAPPING, [](auto& c) { c.mapping[7] = 0x21; }, {"mapping[7]", "0x21"}},
+      {cansync_COMMAND_RELEASE, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
+      {cansync_COMMAND_RELEASE, [](auto& c) { c.slave = 32; }, {"slave", "32"}},
+  };
+  // What is no kind or mode is dropped by DDS.
+  EXPECT_EQ(fields_of(cases),
+            (Fields{"slave", "control_word", "priority", "slave_mask", "action", "data_byte", "data_word",
+                    "polling_one", "polling_two", "maximum_slave", "cursor_control_word", "cursor_parameter",
+                    "cursor_transfer", "mapping"}));
+  std::uint64_t number = 1;
+  for (const Case& c : cases) {
+    auto command = good_command(number, c.kind);
+    c.spoil(command);
+    rig.client.write(command);
+    const auto reply = rig.client.reply<cansync_CommandReply>(number++);
+    ASSERT_TRUE(reply);
+    expect_refused(reply->code, reply->reason, c.pieces);
+  }
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+TEST(GatewayRefusals, ANumberThatIsOpenIsNotExecutedTwice) {
+  GatewayRig rig;
+  rig.client.write(good_read(5));
+  const auto job = rig.expect_request<cansync::ParameterRequest>();
+  rig.client.write(good_read(5));
+  const auto refused = rig.client.reply<cansync_ParameterReply>(5);
+  ASSERT_TRUE(refused);
+  expect_refused(refused->code, refused->reason, {"request 5", "open already"});
+  // The numbers of all kinds of requests are one row.
+  rig.client.write(good_command(5));
+  const auto command = rig.client.reply<cansync_CommandReply>(5);
+  ASSERT_TRUE(command);
+  expect_refused(command->code, command->reason, {"request 5", "open already"});
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+
+  rig.answer(ParameterDone{job.id, {}});
+  const auto done = rig.client.reply<cansync_ParameterReply>(5);
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->code, cansync_REPLY_DONE);
+  EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(5), 0u);
+  // Also when it is answered.
+  rig.client.write(good_read(5));
+  const auto again = rig.client.reply<cansync_ParameterReply>(5);
+  ASSERT_TRUE(again);
+  expect_refused(again->code, again->reason, {"request 5", "used already", "highest, 5"});
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+TEST(GatewayRefusals, AClientHasALimitThatLeavesRoomForOthers) {
+  GatewayRig rig;
+  for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) rig.client.write(good_read(number));
+  rig.client.write(good_read(100));
+  const auto refused = rig.client.reply<cansync_ParameterReply>(100);
+  ASSERT_TRUE(refused);
+  expect_refused(refused->code, refused->reason, {"queue full", "64 requests", "at most 64"});
+  // Another client has its own, and its turn: behind the four the slave has, not behind all 64.
+  rig.client.deliver(good_read(1, 2));
+  std::vector<cansync::JobId> jobs;
+  for (unsigned i = 0; i < 4; ++i) jobs.push_back(rig.expect_request<cansync::ParameterRequest>().id);
+  cansync::JobId other = 0;
+  for (unsigned i = 0; i < 2; ++i) {
+    rig.answer(ParameterDone{jobs[i], {}});
+    other = rig.expect_request<cansync::ParameterRequest>().id;
+    rig.answer(ParameterDone{other, {}});
+    if (rig.client.replies<cansync_ParameterReply>(1, TestClient::identity(2)) > 0) break;
+  }
+  EXPECT_TRUE(rig.client.reply<cansync_ParameterReply>(1, TestClient::identity(2)));
+  // A reply makes room for one request.
+  ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
+  rig.client.deliver(good_read(101));
+  rig.client.write(TestClient::request<cansync_JobCancel>(101));
+  const auto cancelled = rig.client.reply<cansync_ParameterReply>(101);
+  ASSERT_TRUE(cancelled);
+  EXPECT_EQ(cancelled->code, cansync_REPLY_CANCELLED) << cancelled->reason;
+}
+
+TEST(GatewayRefusals, ARequestWaitsWhenTheWayToTheRealtimeThreadIsFull) {
+  ExchangeSizes sizes;
+  sizes.requests = 2;
+  GatewayRig rig(gateway_config(), sizes);
+  for (std::uint64_t number = 1; number <= 4; ++number) rig.client.write(good_read(number));
+  for (std::uint64_t number = 1; number <= 4; ++number) {
+    rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+    const auto reply = rig.client.reply<cansync_ParameterReply>(number);
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  }
+}
+
+TEST(GatewayRefusals, TransfersHaveALimitOfAClientAndOneOfAll) {
+  GatewayRig rig;
+  const auto ask = [&](std::uint64_t number, std::uint8_t client) {
+    auto request = good_upload(number);
+    request.client[0] = client;
+    request.length = 16u << 20;
+    rig.client.write(request);
+  };
+  for (std::uint64_t number = 1; number <= 3; ++number) ask(number, 1);
+  const auto own = rig.transfer_reply(3);
+  ASSERT_TRUE(own);
+  expect_refused(own->reply.code, own->reply.reason,
+                 {"length 16777216", "of this client have 33554432 bytes, at most 33554432"});
+  for (std::uint64_t number = 10; number < 16; ++number) ask(number, static_cast<std::uint8_t>(number / 2));
+  ask(20, 9);
+  const auto all = rig.transfer_reply(20);
+  ASSERT_TRUE(all);
+  expect_refused(all->reply.code, all->reply.reason,
+                 {"length 16777216", "134217728 bytes, at most 134217728"});
+}
+
+/// What only the master knows comes back as a number and leaves with field, value, range and remedy.
+TEST(GatewayRefusals, OfTheMasterAreExplained) {
+  GatewayRig rig;
+  MasterSnapshot master;
+  master.state = cansync::State::waiting_for_start;
+  master.configured = {0xF};
+  master.synchronized = {0x5};
+  master.released = {0x5};
+  rig.tell(master);
+  rig.client.write(good_read(1));
+  rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::wrong_state});
+  const auto state = rig.client.reply<cansync_ParameterReply>(1);
+  ASSERT_TRUE(state);
+  expect_refused(state->code, state->reason, {"waiting for start", "0x0003", "0x0043", "mode setup"});
+
+  rig.client.write(good_read(2));
+  rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::queue_full});
+  const auto queue = rig.client.reply<cansync_ParameterReply>(2);
+  ASSERT_TRUE(queue);
+  expect_refused(queue->code, queue->reason, {"queue full", "256 parameter jobs", "at most 256"});
+
+  auto mode = good_command(3, cansync_COMMAND_MODE);
+  mode.mode = cansync_MODE_RUN;
+  rig.client.write(mode);
+  rig.answer(Refused{rig.expect_request<ModeRequest>().id, Refusal::slaves_missing});
+  const auto missing = rig.client.reply<cansync_CommandReply>(3);
+  ASSERT_TRUE(missing);
+  expect_refused(missing->code, missing->reason, {"slave 1 'feeder', slave 3 'rewinder'", "force"});
+
+  auto control = good_command(4, cansync_COMMAND_CONTROL_WORD);
+  control.slave = 1;
+  rig.client.write(control);
+  rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::slave_held});
+  const auto held = rig.client.reply<cansync_CommandReply>(4);
+  ASSERT_TRUE(held);
+  expect_refused(held->code, held->reason, {"slave 1 'feeder'", "held out", "0x000F", "cansync release"});
+
+  rig.client.write(good_read(5));
+  rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::slave_lost});
+  const auto lost = rig.client.reply<cansync_ParameterReply>(5);
+  ASSERT_TRUE(lost);
+  expect_refused(lost->code, lost->reason, {"slave ", "does not answer", "bus cable"});
+
+  rig.client.write(good_upload(6));
+  rig.answer(Refused{rig.expect_request<cansync::TransferRequest>().id, Refusal::queue_full});
+  const auto transfer = rig.transfer_reply(6);
+  ASSERT_TRUE(transfer);
+  expect_refused(transfer->reply.code, transfer->reply.reason, {"32 transfers", "at most 32"});
+
+  rig.client.write(good_command(7));
+  rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::queue_full});
+  const auto word = rig.client.reply<cansync_CommandReply>(7);
+  ASSERT_TRUE(word);
+  expect_refused(word->code, word->reason, {"8 control words for slave 1 'feeder'", "at most 8"});
+}
+
+}  // namespace
+}  // namespace cansyncd

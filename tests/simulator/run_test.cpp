@@ -1,0 +1,95 @@
+// The simulator program's loop on a scripted interface in virtual time.
+
+#include "simulator/run.h"
+
+#include <gtest/gtest.h>
+
+#include "rig.h"
+
+namespace {
+
+using namespace std::chrono_literals;
+using cansync_sim::Bench;
+using cansync_sim::Link;
+using Sent = ScriptedPort::Sent;
+
+class RunTest : public testing::Test {
+ protected:
+  void run(Bench& bench, bool verbose = false) {
+    cansync_sim::run(bench, port_,
+                     {"vcan7", verbose, [&](const std::string& line) { said_.push_back(line); }});
+  }
+
+  ScriptedPort port_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(RunTest, AnswersAtOnceAndStopsWhenAsked) {
+  Bench bench(bench_settings(), drives({3}));
+  port_.arrives(1ms, "080#");
+  port_.arrives(2ms, "503#70670000");
+  port_.stops(10ms);
+  run(bench);
+  EXPECT_EQ(port_.sent(), (std::vector<Sent>{{2ms, "583#006703000000"}}));
+  EXPECT_EQ(said_, std::vector<std::string>{});
+  EXPECT_EQ(
+      cansync_sim::summary(bench, 4),
+      "1 drives, 1 SYNC, 1 frames received, 1 sent, 0 not sent, 0 answers too late, 0 error frames, 4 frames "
+      "lost by the kernel, 0 foreign frames without room");
+}
+
+TEST_F(RunTest, WakesForALateAnswer) {
+  sim::Fault late;
+  late.kind = sim::FaultKind::late;
+  late.delay = 300us;
+  Bench bench(bench_settings({late}), drives({3}));
+  port_.arrives(1ms, "080#");
+  port_.arrives(2ms, "503#70670000");
+  port_.stops(10ms);
+  run(bench);
+  EXPECT_EQ(port_.sent(), (std::vector<Sent>{{2300us, "583#006703000000"}}));
+}
+
+TEST_F(RunTest, ALostInterfaceIsToldOnceAndWaitedFor) {
+  Bench bench(bench_settings(), drives({3}));
+  port_.arrives(1ms, "080#");
+  port_.link_becomes(2ms, Link::down);
+  port_.link_becomes(3ms, Link::down);
+  port_.link_becomes(4ms, Link::missing);
+  port_.link_becomes(5ms, Link::up);
+  port_.arrives(6ms, "503#70670000");
+  port_.stops(10ms);
+  run(bench);
+  ASSERT_EQ(said_.size(), 3u);
+  EXPECT_EQ(said_[0].substr(0, 34), "vcan7 is down; waiting for it. An ");
+  EXPECT_NE(said_[1].find("vcan7 does not exist; waiting for it."), std::string::npos);
+  EXPECT_NE(said_[1].find("ip link add dev vcan7 type vcan"), std::string::npos);
+  EXPECT_EQ(said_[2], "vcan7 is up; the drives are on the bus");
+  EXPECT_EQ(port_.sent().size(), 1u);
+}
+
+TEST_F(RunTest, CountsWhatTheInterfaceDoesNotTake) {
+  Bench bench(bench_settings(), drives({3}));
+  port_.arrives(1ms, "503#70670000");
+  port_.sending_becomes(0ms, can::SendResult::queue_full);
+  port_.stops(10ms);
+  run(bench);
+  EXPECT_EQ(bench.counters().not_sent, 1u);
+  EXPECT_EQ(bench.counters().sent, 0u);
+}
+
+TEST_F(RunTest, VerboseTellsEveryChangeOfADrive) {
+  Bench bench(bench_settings(), drives({3}));
+  port_.arrives(0ms, "010#FFFFFFFF02010000");
+  for (int n = 0; n < 7; ++n) port_.arrives(1ms + n * 2ms, "080#");
+  port_.arrives(15ms, "010#0800000001000300");  // control word 0x0003
+  port_.arrives(15ms, "010#0800000080000500");  // provoke fault 5
+  port_.arrives(15ms, "080#");
+  port_.stops(100ms);
+  run(bench, true);
+  EXPECT_EQ(said_, (std::vector<std::string>{
+                       "SYNC 0: drive 3 was activated", "SYNC 5: drive 3 is synchronized",
+                       "SYNC 7: drive 3 has control word 0x0003", "SYNC 7: drive 3 has fault 5"}));
+}
+
+}  // namespace

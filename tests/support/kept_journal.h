@@ -1,0 +1,60 @@
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/service/journal.h"
+
+namespace cansyncd {
+
+/// Keeps what would go to the journal. Any thread.
+class KeptJournal : public JournalSink {
+ public:
+  struct Entry {
+    LogPriority priority = LogPriority::info;
+    std::string message;
+    std::vector<JournalField> fields;
+    /// Empty when there is no such field.
+    std::string field(std::string_view name) const {
+      for (const JournalField& field : fields) {
+        if (field.name == name) return field.value;
+      }
+      return {};
+    }
+  };
+
+  void write(LogPriority priority, EventCode event, const std::string& message,
+             const std::vector<JournalField>& fields) override {
+    const std::lock_guard lock(mutex_);
+    entries_.push_back({priority, message, fields});
+    entries_.back().fields.push_back({"EVENT", std::string(event.word())});
+  }
+  std::vector<Entry> all() const {
+    const std::lock_guard lock(mutex_);
+    return entries_;
+  }
+  /// Entries whose field has this value.
+  std::vector<Entry> with(std::string_view name, std::string_view value) const {
+    std::vector<Entry> out;
+    for (Entry& entry : all()) {
+      if (entry.field(name) == value) out.push_back(std::move(entry));
+    }
+    return out;
+  }
+  /// Entries that record what a client wanted to change, one by one.
+  std::vector<Entry> changes() const {
+    std::vector<Entry> out;
+    for (Entry& entry : all()) {
+      if (!entry.field("CANSYNC_ACTION").empty()) out.push_back(std::move(entry));
+    }
+    return out;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace cansyncd

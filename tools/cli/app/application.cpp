@@ -1,0 +1,27 @@
+#include "cli/app/application.h"
+
+#include "cli/app/command_line.h"
+#include "cli/base/endings.h"
+#include "text/completion.h"
+
+namespace cansync::cli {
+
+ExitCode run(int argc, const char* const* argv, std::FILE* data, std::FILE* remarks) {
+  Output output(data, remarks, false);
+  try {
+    if (const auto words = text::words_to_complete(argc, argv); !words.empty()) {
+      output.bytes(complete_command(words));
+      return ExitCode::done;
+    }
+    const Command command = parse_command({argv + (argc > 0 ? 1 : 0), argv + argc});
+    Output typed(data, remarks, command.globals.json);
+    Connection connection;
+    Session session(command.globals, typed, connection);
+    return command.verb(session);
+  } catch (const std::exception& error) {
+    output.remark(error.what());
+    return code_of(error);
+  }
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,217 @@
+#include "cli/app/command_line.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "cli/app/completion.h"
+#include "text/completion.h"
+
+namespace cansync::cli {
+namespace {
+
+/// The options of every verb, as they were typed.
+struct GlobalTexts {
+  std::string domain;
+  std::string timeout;
+  std::string retry;
+};
+
+constexpr std::int64_t kHighestDomain = 230;
+constexpr double kLongestTimeout = 3600.0;  // seconds; the daemon takes no longer monitoring time
+constexpr double kLongestRetry = 86400.0;   // seconds
+
+/// Where a command line stands.
+enum class Place : std::uint8_t { shell, batch };
+
+/// Options that say where the daemon is: a batch has them for all of its lines.
+constexpr std::array<const char*, 5> kOptionsOfPlace = {"--domain", "--bus", "--interface", "--security",
+                                                        "--profiles"};
+
+void add_place_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
+  app.add_option("--domain", texts.domain, "DDS domain of the daemon, 0..230 (default 0)")
+      ->envname("CANSYNC_DOMAIN")
+      ->type_name("N");
+  app.add_option("--bus", globals.bus, "name of the bus, which is the DDS partition (default sim)")
+      ->envname("CANSYNC_BUS")
+      ->type_name("BUS");
+  app.add_option("--interface", globals.interface, "network interface to look for the daemon on (default lo)")
+      ->envname("CANSYNC_INTERFACE")
+      ->type_name("INTERFACE");
+  app.add_option("--security", globals.security,
+                 "folder of this user's identity, for a daemon with DDS Security (default: without)")
+      ->envname("CANSYNC_SECURITY")
+      ->type_name("FOLDER");
+  app.add_option("--profiles", globals.profiles,
+                 "folder of drive profiles, before /etc/cansync/profiles and those of the installation")
+      ->envname("CANSYNC_PROFILES")
+      ->type_name("FOLDER");
+}
+
+void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
+  add_place_options(app, globals, texts);
+  app.add_option("--timeout", texts.timeout,
+                 "how long to look for the daemon (default 3, at least 1); with verbs that read or "
+                 "write parameters, and with upload and download, also the monitoring time of each job "
+                 "(default: the daemon's); with wait: how long to wait in all")
+      ->type_name("SECONDS");
+  app.add_option(
+         "--retry", texts.retry,
+         "try again for so long what surely did nothing: no daemon is there yet, or it refuses because of "
+         "what passes; what only reads also when no answer came (default: never)")
+      ->type_name("SECONDS");
+  app.add_flag("--json", globals.json,
+               "data as JSON, one object a line; docs/command-line.md lists the keys");
+}
+
+double parse_seconds(const std::string& text, const char* option, double longest) {
+  const double seconds = parse_real(text, option);
+  if (seconds > 0.0 && seconds <= longest) return seconds;
+  throw UsageError(
+      fmt::format("{}: found '{}'; allowed: over 0 and up to {:g} seconds", option, text, longest));
+}
+
+void take_global_texts(const GlobalTexts& texts, Globals& globals) {
+  if (!texts.domain.empty())
+    globals.domain = static_cast<std::uint32_t>(parse_integer(texts.domain, "--domain", 0, kHighestDomain));
+  if (!texts.timeout.empty()) globals.timeout = parse_seconds(texts.timeout, "--timeout", kLongestTimeout);
+  if (!texts.retry.empty()) globals.retry = parse_seconds(texts.retry, "--retry", kLongestRetry);
+}
+
+void add_verbs(CLI::App& app, Verb& chosen) {
+  add_status_verbs(app, chosen);
+  add_timing_verb(app, chosen);
+  add_doctor_verb(app, chosen);
+  add_watch_verb(app, chosen);
+  add_record_verb(app, chosen);
+  add_plot_verb(app, chosen);
+  add_event_verb(app, chosen);
+  add_trace_verb(app, chosen);
+  add_parameter_verbs(app, chosen);
+  add_params_verb(app, chosen);
+  add_passport_verbs(app, chosen);
+  add_restore_verb(app, chosen);
+  add_transfer_verbs(app, chosen);
+  add_command_verbs(app, chosen);
+  add_reference_verb(app, chosen);
+  add_polling_verb(app, chosen);
+  add_mapping_verb(app, chosen);
+  add_wait_verb(app, chosen);
+  add_batch_verb(app, chosen);
+  for (CLI::App* verb : app.get_subcommands({})) {
+    verb->group("Verbs");
+    verb->footer(verb->get_footer() +
+                 "\n\n`cansync --help` shows the options of every verb and the exit codes.");
+  }
+}
+
+/// CLI11's help in the words of this program.
+void name_help_parts(CLI::App& app) {
+  app.get_formatter()->label("SUBCOMMAND", "VERB");
+  app.get_formatter()->label("TEXT", "");
+  app.get_formatter()->label("REQUIRED", "");
+}
+
+std::string verb_list(const CLI::App& app) {
+  std::string list;
+  for (const CLI::App* verb : app.get_subcommands({})) list += (list.empty() ? "" : ", ") + verb->get_name();
+  return list;
+}
+
+/// The program's description of its command line, and where what was typed goes to. Stays where it is.
+class CommandLine {
+ public:
+  CommandLine(const Globals& globals, Place place)
+      : app_("Speaks to a running cansyncd: looks at a CANsync line and works with its slaves.", "cansync"),
+        place_(place) {
+    command_.globals = globals;
+    app_.set_version_flag("--version", "cansync " CANSYNC_VERSION);
+    app_.footer(exit_code_help());
+    // One at most: the word after a verb may be a slave that is named like a verb. None is told below.
+    app_.require_subcommand(0, 1);
+    app_.fallthrough();  // options of every verb may also stand after the verb
+    name_help_parts(app_);
+    add_global_options(app_, command_.globals, texts_);
+    if (place == Place::batch)
+      for (const char* option : kOptionsOfPlace) app_.get_option(option)->envname("");
+    add_verbs(app_, command_.verb);
+  }
+
+  const CLI::App& app() const noexcept { return app_; }
+
+  Command parse(const std::vector<std::string>& words) {
+    std::vector<const char*> arguments{"cansync"};
+    for (const std::string& word : words) arguments.push_back(word.c_str());
+    try {
+      app_.parse(static_cast<int>(arguments.size()), arguments.data());
+    } catch (const CLI::ExtrasError&) {
+      refuse_extra_words();
+    } catch (const CLI::ParseError& error) {
+      return parse_ended(error);
+    }
+    if (!command_.verb) throw UsageError("VERB: found nothing; allowed: " + verb_list(app_));
+    if (place_ == Place::batch) refuse_place_options();
+    take_global_texts(texts_, command_.globals);
+    command_.name = app_.get_subcommands().front()->get_name();
+    return command_;
+  }
+
+ private:
+  /// Help and version are data; everything else that CLI11 reports is a usage error.
+  Command parse_ended(const CLI::ParseError& error) const {
+    std::ostringstream text;
+    std::ostringstream complaint;
+    if (app_.exit(error, text, complaint) != 0)
+      throw UsageError(fmt::format("{}\nTry `cansync --help`, or `cansync VERB --help`.", error.what()));
+    Command help;
+    help.verb = [told = text.str()](Session& session) {
+      session.output().bytes(told);
+      return ExitCode::done;
+    };
+    return help;
+  }
+
+  /// Words that stand for nothing: throws UsageError with the first one.
+  [[noreturn]] void refuse_extra_words() const {
+    const auto verbs = app_.get_subcommands();
+    const std::vector<std::string> words = app_.remaining(true);
+    const std::string first = words.empty() ? "" : words.front();
+    if (verbs.empty() && !first.starts_with('-'))
+      throw UsageError(fmt::format("VERB: found '{}'; allowed: {}", first, verb_list(app_)));
+    throw UsageError(fmt::format("found '{}', which is no argument of {}; see `cansync {}--help`", first,
+                                 verbs.empty() ? "cansync" : verbs.front()->get_name(),
+                                 verbs.empty() ? "" : verbs.front()->get_name() + " "));
+  }
+
+  void refuse_place_options() const {
+    for (const char* option : kOptionsOfPlace) {
+      if (app_.get_option(option)->count() == 0) continue;
+      throw UsageError(
+          fmt::format("{}: not allowed in a line of a batch, which has one connection; give it to `cansync "
+                      "batch` itself",
+                      option));
+    }
+  }
+
+  CLI::App app_;
+  Place place_;
+  GlobalTexts texts_;
+  Command command_;
+};
+
+}  // namespace
+
+Command parse_command(const std::vector<std::string>& words) {
+  return CommandLine(Globals{}, Place::shell).parse(words);
+}
+
+Command parse_batch_command(const std::vector<std::string>& words, const Globals& globals) {
+  return CommandLine(globals, Place::batch).parse(words);
+}
+
+std::string complete_command(const std::vector<std::string_view>& words) {
+  const CommandLine line(Globals{}, Place::shell);
+  return text::completions(line.app(), words, completion_lookup());
+}
+
+}  // namespace cansync::cli

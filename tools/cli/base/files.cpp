@@ -1,0 +1,82 @@
+#include "cli/base/files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "cli/text/values.h"
+
+namespace cansync::cli {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// Permissions a newly created file gets.
+mode_t new_file_mode() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return 0666 & ~mask;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> read_file(const std::string& path, std::size_t most) {
+  const bool standard_input = path == "-";
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> opened(
+      standard_input ? nullptr : std::fopen(path.c_str(), "rb"), &std::fclose);
+  std::FILE* file = standard_input ? stdin : opened.get();
+  if (file == nullptr) fail(path);
+  std::vector<std::uint8_t> data;
+  std::array<std::uint8_t, 65536> part{};
+  for (std::size_t count = 1; count != 0 && data.size() <= most;) {
+    count = std::fread(part.data(), 1, part.size(), file);
+    data.insert(data.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  if (std::ferror(file) != 0) fail(path);
+  if (data.empty()) throw UsageError(fmt::format("FILE: '{}' is empty; allowed: 1..{} bytes", path, most));
+  if (data.size() > most)
+    throw UsageError(fmt::format("FILE: '{}' is too long; allowed: 1..{} bytes", path, most));
+  return data;
+}
+
+void write_all(int descriptor, std::string_view data, const std::string& name) {
+  while (!data.empty()) {
+    const ssize_t written = ::write(descriptor, data.data(), data.size());
+    if (written < 0 && errno != EINTR) fail(name);
+    if (written > 0) data.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+ReplacementFile::ReplacementFile(std::string target)
+    : target_(std::move(target)), temporary_(target_ + ".XXXXXX") {
+  // A device or a folder must not be replaced by a file.
+  struct stat found {};
+  if (::stat(target_.c_str(), &found) == 0 && !S_ISREG(found.st_mode))
+    throw UsageError(
+        fmt::format("FILE: '{}' is no file; allowed: a file, or - for standard output", target_));
+  descriptor_ = ::mkstemp(temporary_.data());
+  if (descriptor_ < 0) fail(target_);
+}
+
+ReplacementFile::~ReplacementFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+}
+
+void ReplacementFile::commit(std::span<const std::uint8_t> data) {
+  write_all(descriptor_, {reinterpret_cast<const char*>(data.data()), data.size()}, target_);
+  if (::fchmod(descriptor_, new_file_mode()) != 0 || ::fsync(descriptor_) != 0) fail(target_);
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(target_);
+  ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+}  // namespace cansync::cli

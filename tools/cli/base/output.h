@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/text/json.h"
+#include "cli/text/table.h"
+
+/// Where results and remarks go: data to stdout, everything else to stderr.
+namespace cansync::cli {
+
+class Output {
+ public:
+  /// Both files stay open and belong to the caller; data are not buffered. `json`: data as objects, one a
+  /// line.
+  Output(std::FILE* data, std::FILE* remarks, bool json) : data_(data), remarks_(remarks), json_(json) {}
+
+  /// To the same files, with another form and another place (set_place).
+  Output for_line(bool json, std::string place) const {
+    Output line(data_, remarks_, json);
+    line.set_place(std::move(place));
+    return line;
+  }
+
+  bool json() const noexcept { return json_; }
+  /// Data go to a terminal, which can be redrawn in place.
+  bool data_on_terminal() const noexcept;
+
+  /// What follows concerns this slave of several: a line begins with "slave 3: ", and a table stands below a
+  /// line "slave 3:". Objects and bytes stay as they are. Nothing: ends it.
+  void set_slave(std::optional<unsigned> slave);
+  /// What every remark begins with, after "cansync: "; empty: nothing.
+  void set_place(std::string place) { place_ = std::move(place); }
+  /// The last remark, without `place`.
+  const std::string& last_remark() const noexcept { return last_remark_; }
+
+  /// One line of data. Throws std::system_error when it cannot be written.
+  void line(std::string_view text);
+  void object(const JsonObject& object) { bytes(object.text() + '\n'); }
+  /// Heading and rows.
+  void table(const Table& table);
+  /// Characters of a line: the terminal's width less one (some wrap when the last column is written), or 79.
+  std::size_t data_width() const noexcept;
+  /// Draws these lines over the screen's former content; only for a terminal.
+  void redraw(const std::vector<std::string>& lines);
+  /// Draws `table` over the screen's former content; only for a terminal.
+  void redraw(std::string_view title, const Table& table);
+  /// Data without a line end, e.g. a file's bytes.
+  void bytes(std::string_view data);
+
+  /// "cansync: " and `text` on stderr.
+  void remark(std::string_view text);
+
+ private:
+  std::FILE* data_;
+  std::FILE* remarks_;
+  bool json_;
+  bool cleared_ = false;
+  std::string slave_;  ///< "slave 3:"; empty: none of several
+  std::string place_;
+  std::string last_remark_;
+};
+
+}  // namespace cansync::cli

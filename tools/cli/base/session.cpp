@@ -1,0 +1,171 @@
+#include "cli/base/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+
+namespace cansync::cli {
+namespace {
+
+constexpr double kDefaultSearch = 3.0;   // seconds
+constexpr double kShortestSearch = 1.0;  // discovery itself takes some 100 ms
+constexpr unsigned kHighestSlave = 31;
+
+}  // namespace
+
+Session::Session(const Globals& globals, Output& output, Connection& connection, Purpose purpose)
+    : globals_(globals),
+      output_(output),
+      connection_(connection),
+      purpose_(purpose),
+      retry_(globals.retry,
+             {Retry::Clock::now, [](Retry::Clock::time_point until) { return wait_until(until); },
+              [&output](std::string_view text) { output.remark(text); }}) {}
+
+void Session::expect_input(std::string_view path) const {
+  if (path == "-" && globals_.input_is_taken)
+    throw UsageError("FILE: found '-'; standard input holds the lines of the batch; allowed: a file");
+  if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+}
+
+client::Options Session::options(std::chrono::milliseconds wait) const {
+  client::Options options;
+  options.domain = globals_.domain;
+  options.bus = globals_.bus;
+  options.interface = globals_.interface;
+  options.client_name = "cansync";
+  options.security = globals_.security;
+  options.wait = wait;
+  return options;
+}
+
+client::Client& Session::client() {
+  if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+  std::optional<client::Client>& client = connection_.client;
+  // What a daemon that has gone told last would be taken for the present.
+  if (client && fresh_ && !client->daemon_present()) client.reset();
+  fresh_ = false;
+  while (!client) {
+    try {
+      client = client::Client::connect(options(search_time()));
+    } catch (const client::NoDaemon& error) {
+      const Retry::Verdict verdict =
+          interrupt_flag().load() ? Retry::Verdict::interrupted : retry_.failed(error.what());
+      if (verdict == Retry::Verdict::over) throw;
+      if (verdict == Retry::Verdict::interrupted) throw Interrupted();
+    }
+    if (interrupt_flag().load()) throw Interrupted();
+  }
+  return *client;
+}
+
+client::Client* Session::look_for_daemon(std::chrono::milliseconds wait) {
+  if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+  std::optional<client::Client>& client = connection_.client;
+  if (client && !client->daemon_present()) client.reset();
+  fresh_ = false;
+  try {
+    if (!client) client = client::Client::connect(options(wait));
+  } catch (const client::NoDaemon&) {
+    return nullptr;
+  }
+  return &*client;
+}
+
+bool Session::again(Effect effect, client::Reply& reply) {
+  if (!worth_repeating(effect, reply)) return false;
+  switch (retry_.failed(reply.reason.empty() ? client::name(reply.code) : std::string_view(reply.reason))) {
+    case Retry::Verdict::again:
+      return true;
+    case Retry::Verdict::over:
+      return false;
+    case Retry::Verdict::interrupted:
+      reply.code = client::ReplyCode::cancelled;
+      reply.reason = "cancelled while it was tried again, after: " + reply.reason;
+      return false;
+  }
+  return false;
+}
+
+std::chrono::milliseconds Session::search_time() const noexcept {
+  const double seconds = std::max(globals_.timeout.value_or(kDefaultSearch), kShortestSearch);
+  return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
+}
+
+std::uint32_t Session::monitoring_ms() const noexcept {
+  // 0 would ask for the daemon's default.
+  return globals_.timeout ? std::max(1u, static_cast<std::uint32_t>(*globals_.timeout * 1000.0)) : 0u;
+}
+
+unsigned Session::slave(std::string_view text) {
+  if (looks_like_number(text)) return static_cast<unsigned>(parse_integer(text, "SLAVE", 0, kHighestSlave));
+  static_cast<void>(client().slaves(search_time()));  // the names come with the status of the slaves
+  const client::SlaveLookup found = client().find_slave(text);
+  if (!found.slave) throw UsageError(fmt::format("SLAVE: {}", found.problem));
+  return *found.slave;
+}
+
+ExitCode Session::finish(const client::Reply& reply, JsonObject object, std::string_view where,
+                         std::string_view done) {
+  if (json()) {
+    object.add("result", client::name(reply.code)).add("reason", reply.reason);
+    output_.object(object);
+  }
+  if (!reply.ok()) {
+    const std::string_view reason =
+        reply.reason.empty() ? client::name(reply.code) : std::string_view(reply.reason);
+    output_.remark(fmt::format("{}: {}", where, reason));
+  } else if (!json() && !done.empty()) {
+    output_.remark(done);
+  }
+  return exit_code(reply.code);
+}
+
+ValueLookup value_lookup(const cansync_ValueName (&names)[8]) {
+  std::array<std::string, 8> copy;
+  for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = names[i].name;
+  return [copy](std::string_view name) -> std::optional<unsigned> {
+    const auto found = std::find(copy.begin(), copy.end(), name);
+    if (name.empty() || found == copy.end()) return std::nullopt;
+    return static_cast<unsigned>(found - copy.begin());
+  };
+}
+
+client::MappingBytes mapping_bytes(const std::uint8_t (&bytes)[8]) noexcept {
+  client::MappingBytes out{};
+  std::copy(std::begin(bytes), std::end(bytes), out.begin());
+  return out;
+}
+
+std::uint8_t mapped_values(const std::uint8_t (&bytes)[8]) noexcept {
+  unsigned mask = 0;
+  for (const std::uint8_t byte : bytes)
+    if ((byte & 1u) != 0) mask |= 1u << ((byte >> 2) & 0x1Fu);
+  return static_cast<std::uint8_t>(mask);
+}
+
+std::string cursor_text(std::int32_t code) {
+  if (code == client::kAutomatic) return "automatic";
+  if (code == client::kNobody) return "nobody";
+  return fmt::format("slave {}", code);
+}
+
+std::string date_text() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const std::string text = time_text(std::chrono::nanoseconds(now).count(), true);
+  return text.substr(0, text.find('.'));
+}
+
+std::string time_text(std::int64_t nanoseconds, bool date) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const auto seconds = static_cast<std::time_t>(nanoseconds / kSecond);
+  std::tm parts{};
+  if (localtime_r(&seconds, &parts) == nullptr) return "?";
+  std::array<char, 32> text{};
+  if (std::strftime(text.data(), text.size(), date ? "%Y-%m-%d %H:%M:%S" : "%H:%M:%S", &parts) == 0)
+    return "?";
+  return fmt::format("{}.{:03d}", text.data(), nanoseconds % kSecond / 1'000'000);
+}
+
+}  // namespace cansync::cli

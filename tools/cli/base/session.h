@@ -1,0 +1,176 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/base/exit_codes.h"
+#include "cli/base/output.h"
+#include "cli/base/retry.h"
+#include "cli/text/values.h"
+#include "client/client.h"
+
+/// What every verb works with. Main thread only.
+namespace cansync::cli {
+
+/// Options of every verb.
+struct Globals {
+  std::uint32_t domain = 0;       ///< DDS domain, 0..230
+  std::string bus = "sim";        ///< DDS partition
+  std::string interface = "lo";   ///< network interface
+  std::optional<double> timeout;  ///< seconds; see docs/command-line.md
+  double retry = 0.0;             ///< seconds for which what did nothing is tried again; 0: not at all
+  bool json = false;
+  bool input_is_taken = false;  ///< standard input is read already
+  std::string profiles;         ///< folder of drive profiles, before the standard ones; empty: none
+  std::string security;         ///< DDS Security: folder of the identity; empty: without
+};
+
+/// Ctrl-C came before anything was sent.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("cancelled; nothing was sent") {}
+};
+
+/// Every argument that can be looked at without a daemon is right; thrown only while a session checks.
+struct ArgumentsAreRight {};
+
+/// The connection of one or more sessions, made when it is first needed.
+struct Connection {
+  std::optional<client::Client> client;
+};
+
+/// What a session does with a verb.
+enum class Purpose : std::uint8_t {
+  run,
+  check,  ///< only the arguments are looked at: asking for the daemon throws ArgumentsAreRight
+};
+
+/// One run of a verb: the connection, what was given for every verb, and the output.
+class Session {
+ public:
+  /// `connection` outlives the session; sessions one after the other share it.
+  Session(const Globals& globals, Output& output, Connection& connection, Purpose purpose = Purpose::run);
+
+  Output& output() noexcept { return output_; }
+  bool json() const noexcept { return globals_.json; }
+  const Globals& globals() const noexcept { return globals_; }
+  Connection& connection() noexcept { return connection_; }
+  const std::string& bus() const noexcept { return globals_.bus; }
+  const std::string& profiles() const noexcept { return globals_.profiles; }
+
+  /// Connects when it is called first, or when the daemon of an earlier session has gone; tries again as long
+  /// as
+  /// `--retry` says. Throws client::NoDaemon, client::SetupError, Interrupted, ArgumentsAreRight.
+  client::Client& client();
+
+  /// The daemon, looked for anew at most `wait` long when it is not connected; nullptr: none is there. Throws
+  /// client::SetupError, ArgumentsAreRight.
+  client::Client* look_for_daemon(std::chrono::milliseconds wait);
+
+  /// Call before a file is read: `path` must not be standard input ("-") when that holds the lines of a
+  /// batch. Throws UsageError, ArgumentsAreRight.
+  void expect_input(std::string_view path) const;
+
+  /// How long to look for the daemon, and to wait for what it tells of its slaves.
+  std::chrono::milliseconds search_time() const noexcept;
+
+  /// Monitoring time of a job in ms; 0 = the daemon's default.
+  std::uint32_t monitoring_ms() const noexcept;
+
+  /// The slave with this number or name; a number is not looked up. Throws UsageError.
+  unsigned slave(std::string_view text);
+
+  /// The slaves of a list (slave_list.h), by rising number. One plain number is not looked up; all others
+  /// must be configured. Throws UsageError.
+  std::vector<unsigned> slaves(std::string_view list);
+  /// Mask of a list; none has to be configured. Throws UsageError.
+  std::uint32_t slave_mask(std::string_view list);
+  /// Configured name of a slave, empty when it has none.
+  std::string slave_name(unsigned slave);
+  /// The file that a slave's part of a verb reads or writes: `pattern` with {slave} and {name} filled in.
+  /// Throws UsageError when there are several slaves and it has neither.
+  std::vector<std::string> files(std::string_view pattern, const std::vector<unsigned>& slaves);
+
+  /// Does `one` for each slave by rising number, also when one fails; data of several begin with the slave.
+  /// Ends early only at Ctrl-C. The code of the first that failed.
+  ExitCode for_each(const std::vector<unsigned>& slaves,
+                    const std::function<ExitCode(std::size_t index)>& one);
+  /// Are there several slaves in the running `for_each`?
+  bool several() const noexcept { return several_; }
+
+  /// Mask of these slaves, each a list; of every configured one when `texts` is empty. Throws UsageError
+  /// for one that is not configured.
+  std::uint32_t configured_slaves(const std::vector<std::string>& texts);
+
+  /// Waits for a request's reply; Ctrl-C cancels it on the bus.
+  template <class R>
+  R wait(const client::Job<R>& job, const client::OnProgress& on_progress = {}) const;
+
+  /// Sends a request and waits for its reply; as long as `--retry` allows it again and again, when that
+  /// changes nothing twice (worth_repeating). `submit` gives a job each time.
+  template <class Submit>
+  auto ask(Effect effect, const Submit& submit, const client::OnProgress& on_progress = {}) {
+    return settle(wait(submit(), on_progress), effect, submit, on_progress);
+  }
+  /// The same when the first reply is there already.
+  template <class R, class Submit>
+  R settle(R reply, Effect effect, const Submit& submit, const client::OnProgress& on_progress = {}) {
+    while (again(effect, reply)) reply = wait(submit(), on_progress);
+    return reply;
+  }
+
+  /// Ends a request: `object` gets `result` and `reason` and is written with --json; without, `done` is
+  /// written as a remark unless it is empty. What went wrong is written as a remark that begins with `where`.
+  ExitCode finish(const client::Reply& reply, JsonObject object, std::string_view where,
+                  std::string_view done = {});
+
+ private:
+  /// Where the daemon is looked for.
+  client::Options options(std::chrono::milliseconds wait) const;
+  /// True when the request is to be sent again; a reply at Ctrl-C becomes `cancelled`.
+  bool again(Effect effect, client::Reply& reply);
+  /// Throws UsageError unless all of them are configured.
+  void expect_configured(std::uint32_t slaves);
+
+  Globals globals_;
+  Output& output_;
+  Connection& connection_;
+  Purpose purpose_;
+  Retry retry_;
+  bool fresh_ = true;  ///< the connection was not looked at by this session yet
+  bool several_ = false;
+};
+
+/// Which of the eight values has this name.
+ValueLookup value_lookup(const cansync_ValueName (&names)[8]);
+
+/// Register bytes as the client takes them.
+client::MappingBytes mapping_bytes(const std::uint8_t (&bytes)[8]) noexcept;
+
+/// Bit n: value n has at least one word in these register bytes.
+std::uint8_t mapped_values(const std::uint8_t (&bytes)[8]) noexcept;
+
+/// "automatic", "nobody", or "slave 3" for a polling or cursor code.
+std::string cursor_text(std::int32_t code);
+
+/// Local date and time of now, to the second.
+std::string date_text();
+
+/// Local date and time with milliseconds of a CLOCK_REALTIME instant in ns; `date` false: the time alone.
+std::string time_text(std::int64_t nanoseconds, bool date);
+
+}  // namespace cansync::cli
+
+#include "cli/base/interrupt.h"
+
+template <class R>
+R cansync::cli::Session::wait(const client::Job<R>& job, const client::OnProgress& on_progress) const {
+  return job.wait(interrupt_flag(), on_progress);
+}

@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include "cli/base/endings.h"
+#include "cli/base/session.h"
+#include "cli/text/slave_list.h"
+
+/// The slaves a command line names.
+namespace cansync::cli {
+namespace {
+
+constexpr unsigned kSlaves = 32;
+
+std::vector<unsigned> numbers_of(std::uint32_t mask) {
+  std::vector<unsigned> numbers;
+  for (unsigned slave = 0; slave < kSlaves; ++slave)
+    if (((mask >> slave) & 1u) != 0) numbers.push_back(slave);
+  return numbers;
+}
+
+}  // namespace
+
+std::uint32_t Session::slave_mask(std::string_view list) {
+  // The names come with the status of the slaves.
+  const auto known = [this] { return client().slaves(search_time()); };
+  return parse_slave_list(list,
+                          {[&](std::string_view name) {
+                             for (const client::SlaveStatus& slave : known())
+                               if (client::text(slave.name) == name) return int{slave.slave};
+                             return -1;
+                           },
+                           [this] { return client().master_status().slaves_configured; },
+                           [this](std::string_view name) { return client().find_slave(name).problem; }});
+}
+
+std::vector<unsigned> Session::slaves(std::string_view list) {
+  const std::uint32_t mask = slave_mask(list);
+  std::vector<unsigned> numbers = numbers_of(mask);
+  // A single number goes to the daemon as it is, which says what is wrong with it.
+  if (numbers.size() > 1) expect_configured(mask);
+  return numbers;
+}
+
+void Session::expect_configured(std::uint32_t slaves) {
+  const std::uint32_t configured = client().master_status().slaves_configured;
+  if ((slaves & ~configured) == 0) return;
+  throw UsageError(fmt::format("SLAVE: {} not configured; configured are {}",
+                               format_slave_set(slaves & ~configured), format_slave_set(configured)));
+}
+
+std::uint32_t Session::configured_slaves(const std::vector<std::string>& texts) {
+  std::uint32_t wanted = 0;
+  for (const std::string& text : texts) wanted |= slave_mask(text);
+  if (texts.empty()) return client().master_status().slaves_configured;
+  expect_configured(wanted);
+  return wanted;
+}
+
+std::string Session::slave_name(unsigned slave) {
+  for (const client::SlaveStatus& status : client().slaves(search_time()))
+    if (status.slave == slave) return std::string(client::text(status.name));
+  return "";
+}
+
+std::vector<std::string> Session::files(std::string_view pattern, const std::vector<unsigned>& slaves) {
+  if (slaves.size() > 1 && !is_file_pattern(pattern)) {
+    throw UsageError(
+        fmt::format("FILE: found '{}' for {} slaves; allowed: a name with {{slave}} (the number) or {{name}} "
+                    "in it, so that each "
+                    "slave has a file of its own, such as {{name}}.toml",
+                    pattern, slaves.size()));
+  }
+  std::vector<std::string> files;
+  for (const unsigned slave : slaves) {
+    const bool by_name = pattern.find("{name}") != std::string_view::npos;
+    files.push_back(file_of_slave(pattern, slave, by_name ? slave_name(slave) : ""));
+  }
+  return files;
+}
+
+ExitCode Session::for_each(const std::vector<unsigned>& slaves,
+                           const std::function<ExitCode(std::size_t)>& one) {
+  if (slaves.size() == 1) return one(0);
+  ExitCode first = ExitCode::done;
+  several_ = true;
+  for (std::size_t index = 0; index < slaves.size(); ++index) {
+    ExitCode code = ExitCode::done;
+    output_.set_slave(slaves[index]);
+    try {
+      code = one(index);
+    } catch (const std::exception& error) {
+      output_.remark(fmt::format("slave {}: {}", slaves[index], error.what()));
+      code = code_of(error);
+    }
+    output_.set_slave(std::nullopt);
+    if (first == ExitCode::done) first = code;
+    if (interrupt_flag().load()) break;
+  }
+  several_ = false;
+  return first;
+}
+
+}  // namespace cansync::cli

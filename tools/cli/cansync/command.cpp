@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cli/base/verbs.h"
+
+namespace cansync::cli {
+namespace {
+
+/// The arguments of `control` as they were typed.
+struct ControlTexts {
+  std::string slave;
+  std::string word;
+};
+
+/// The arguments of `broadcast` as they were typed.
+struct BroadcastTexts {
+  std::string slaves;
+  std::string priority = "2";
+  std::string command;
+  std::string byte = "0";
+  std::string word = "0";
+};
+
+/// The arguments of `mode` as they were typed.
+struct ModeTexts {
+  std::string mode;
+  bool force = false;
+};
+
+/// The arguments of `release` as they were typed.
+struct ReleaseTexts {
+  std::string slave;
+  bool force = false;
+};
+
+ExitCode release_verb(Session& session, const ReleaseTexts& texts) {
+  const std::vector<unsigned> slaves = session.slaves(texts.slave);
+  return session.for_each(slaves, [&](std::size_t index) {
+    const unsigned slave = slaves[index];
+    const client::CommandReply reply =
+        session.ask(Effect::changes, [&] { return session.client().release(slave, texts.force); });
+    const std::string where = fmt::format("release of slave {}", slave);
+    return session.finish(
+        reply, JsonObject().add("slave", slave).add("force", texts.force), where,
+        texts.force ? where + " is in effect" : where + " has begun; `cansync slaves` shows how it ends");
+  });
+}
+
+ExitCode control_verb(Session& session, const ControlTexts& texts) {
+  const std::uint32_t word = parse_raw(texts.word, "WORD", Width::word);
+  const std::vector<unsigned> slaves = session.slaves(texts.slave);
+  return session.for_each(slaves, [&](std::size_t index) {
+    const unsigned slave = slaves[index];
+    const client::CommandReply reply =
+        session.ask(Effect::changes, [&] { return session.client().control_word(slave, word); });
+    const std::string where = fmt::format("control word 0x{:04X} to slave {}", word, slave);
+    return session.finish(reply, JsonObject().add("slave", slave).add("control_word", word), where,
+                          where + " sent");
+  });
+}
+
+std::uint32_t parse_slaves(Session& session, const std::string& text) {
+  if (text.starts_with("0x") || text.starts_with("0X")) return parse_slave_mask(text);
+  return session.slave_mask(text);
+}
+
+ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
+  client::Broadcast broadcast;
+  broadcast.priority = static_cast<std::uint32_t>(parse_integer(texts.priority, "--priority", 0, 2));
+  broadcast.action = static_cast<std::uint32_t>(parse_integer(texts.command, "--command", 0, 255));
+  broadcast.data_byte = static_cast<std::uint32_t>(parse_integer(texts.byte, "--byte", 0, 255));
+  broadcast.data_word = parse_raw(texts.word, "--word", Width::word);
+  broadcast.slave_mask = parse_slaves(session, texts.slaves);
+  const client::CommandReply reply =
+      session.ask(Effect::changes, [&] { return session.client().broadcast(broadcast); });
+  JsonObject object;
+  object.add("slave_mask", broadcast.slave_mask)
+      .add("priority", broadcast.priority)
+      .add("command", broadcast.action)
+      .add("byte", broadcast.data_byte)
+      .add("word", broadcast.data_word);
+  const std::string where = fmt::format("broadcast of command {} to slaves {}", broadcast.action,
+                                        format_slave_set(broadcast.slave_mask));
+  return session.finish(reply, object, where, where + " sent");
+}
+
+client::Mode parse_mode(std::string_view text) {
+  if (text == "setup") return cansync_MODE_SETUP;
+  if (text == "run") return cansync_MODE_RUN;
+  if (text == "stop") return cansync_MODE_STOP;
+  if (text == "reset-can") return cansync_MODE_RESET_CAN;
+  if (text == "restart") return cansync_MODE_RESTART;
+  throw UsageError(fmt::format("MODE: found '{}'; allowed: setup, run, stop, reset-can, restart", text));
+}
+
+ExitCode mode_verb(Session& session, const ModeTexts& texts) {
+  const client::Mode mode = parse_mode(texts.mode);
+  if (texts.force && mode != cansync_MODE_RUN) throw UsageError("--force: only `mode run` takes it");
+  const client::CommandReply reply =
+      session.ask(Effect::changes, [&] { return session.client().mode(mode, texts.force); });
+  return session.finish(reply, JsonObject().add("mode", texts.mode).add("force", texts.force),
+                        "mode " + texts.mode, "mode " + texts.mode + " is in effect");
+}
+
+void add_control(CLI::App& app, Verb& chosen) {
+  auto* control = app.add_subcommand("control", "send a control word to a slave");
+  auto texts = std::make_shared<ControlTexts>();
+  control->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
+  control->add_option("WORD", texts->word, "control word, 0..65535, also 0x.. or negative")->required();
+  control->footer("Done means sent: a slave does not answer a control word.");
+  control->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return control_verb(session, *texts); }; });
+}
+
+void add_release(CLI::App& app, Verb& chosen) {
+  auto* release = app.add_subcommand("release", "let a slave that was away and is held out be used again");
+  auto texts = std::make_shared<ReleaseTexts>();
+  release->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
+  release->add_flag("--force", texts->force, "without its return parameters");
+  release->footer(
+      "A slave that is synchronized goes through its return parameters once more, and is released when they "
+      "are "
+      "right;\nwith --force it is released at once. One that is not synchronized is told to synchronize "
+      "again.");
+  release->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return release_verb(session, *texts); }; });
+}
+
+void add_broadcast(CLI::App& app, Verb& chosen) {
+  auto* broadcast = app.add_subcommand("broadcast", "send an action command to a group of slaves");
+  auto texts = std::make_shared<BroadcastTexts>();
+  broadcast
+      ->add_option("--slaves", texts->slaves,
+                   "mask (0x0000000F), list (0,4-7,winder), or all = every configured slave")
+      ->type_name("SET")
+      ->required();
+  broadcast->add_option("--command", texts->command, "1 = control word in --word; 128..255 free for the user")
+      ->type_name("N")
+      ->required();
+  broadcast->add_option("--byte", texts->byte, "data byte 0..255 (default 0)")->type_name("N");
+  broadcast->add_option("--word", texts->word, "data word 0..65535, also 0x.. or negative (default 0)")
+      ->type_name("N");
+  broadcast->add_option("--priority", texts->priority, "0 = before everything else, 1, or 2 (default)")
+      ->type_name("0|1|2");
+  broadcast->footer("Done means sent: slaves do not answer an action command.");
+  broadcast->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return broadcast_verb(session, *texts); }; });
+}
+
+void add_mode(CLI::App& app, Verb& chosen) {
+  auto* mode = app.add_subcommand("mode", "change the master's operating state");
+  auto texts = std::make_shared<ModeTexts>();
+  mode->add_option("MODE", texts->mode, "the operating state, or what is to be done")
+      ->type_name("setup|run|stop|reset-can|restart")
+      ->required();
+  mode->add_flag("--force", texts->force, "run: also when slaves are missing");
+  mode->footer(
+      "Modes:\n"
+      "  setup      SYNC runs, slaves are activated and their status is read; no reference values\n"
+      "  run        active operation: reference and actual values are exchanged\n"
+      "  stop       no SYNC, no telegrams; open jobs end\n"
+      "  reset-can  reset the CAN controller (leaves bus-off)\n"
+      "  restart    cold restart of the master");
+  mode->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return mode_verb(session, *texts); }; });
+}
+
+}  // namespace
+
+void add_command_verbs(CLI::App& app, Verb& chosen) {
+  add_control(app, chosen);
+  add_broadcast(app, chosen);
+  add_mode(app, chosen);
+  add_release(app, chosen);
+}
+
+}  // namespace cansync::cli

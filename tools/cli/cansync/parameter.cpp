@@ -1,0 +1,293 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cli/base/verbs.h"
+#include "cli/cansync/profiles.h"
+#include "profile/scaling.h"
+
+namespace cansync::cli {
+namespace {
+
+constexpr std::uint32_t kValueElement = 7;
+
+/// The arguments as they were typed.
+struct ParameterOptions {
+  std::string slave;
+  std::string parameter;
+  std::string value;  ///< write
+  std::string element = "7";
+  std::string sub_slave = "0";
+  std::string format = "auto";
+  std::string profile;
+  bool raw = false;
+};
+
+/// A request, and what the profile says of its parameter.
+struct Request {
+  client::ParameterRequest job;
+  ProfilePointer profile;                     ///< keeps `known`
+  const profile::Parameter* known = nullptr;  ///< null: nothing is known, or it does not apply
+  bool scaled = false;                        ///< values are typed and shown in engineering units
+};
+
+client::ParameterFormat parse_format(std::string_view text) {
+  if (text == "word") return client::ParameterFormat::word;
+  if (text == "doubleword") return client::ParameterFormat::doubleword;
+  if (text == "auto") return client::ParameterFormat::as_slave_says;
+  throw UsageError(fmt::format("--format: found '{}'; allowed: word, doubleword, auto", text));
+}
+
+/// Everything but slave and value. Numbers are checked before the slave's name, so that a wrong one is told
+/// without a daemon.
+Request parse_numbers(Session& session, const ParameterOptions& options) {
+  Request request;
+  client::ParameterRequest& job = request.job;
+  const bool by_number = looks_like_number(options.parameter);
+  if (by_number) job.number = find_parameter(options.parameter, {}).number;
+  job.element = static_cast<std::uint32_t>(parse_integer(options.element, "--element", 0, 7));
+  job.sub_slave = static_cast<std::uint32_t>(parse_integer(options.sub_slave, "--sub-slave", 0, 65535));
+  job.format = parse_format(options.format);
+  job.timeout_ms = session.monitoring_ms();
+  if (!by_number && job.sub_slave != 0) {
+    throw UsageError(
+        "PARAMETER: a profile names the parameters of the slave itself; allowed with --sub-slave: "
+        "0..4095");
+  }
+  return request;
+}
+
+/// Puts the slave in, and what its profile says of the parameter.
+Request for_slave(Session& session, Request request, unsigned slave, const ParameterOptions& options) {
+  client::ParameterRequest& job = request.job;
+  job.slave = slave;
+  if (job.sub_slave != 0) return request;
+  const SlaveProfile found = find_profile(session, job.slave, options.profile);
+  const NamedParameter parameter = find_parameter(options.parameter, found);
+  job.number = parameter.number;
+  request.profile = found.profile;
+  request.known = parameter.known;
+  request.scaled = parameter.by_name && !options.raw && job.element == kValueElement;
+  return request;
+}
+
+std::string_view format_name(bool doubleword) {
+  return doubleword ? "doubleword" : "word";
+}
+
+std::string raw_text(std::uint32_t value, bool doubleword) {
+  const auto width = doubleword ? Width::doubleword : Width::word;
+  const std::int64_t number = as_signed(value, width);
+  std::string text = doubleword ? fmt::format("{} (0x{:08X}, doubleword", value, value)
+                                : fmt::format("{} (0x{:04X}, word", value, value);
+  if (number < 0) text += fmt::format(", signed {}", number);
+  return text + ")";
+}
+
+/// Does the profile's scaling hold for this value?
+bool scales(const Request& request, const client::ParameterReply& reply) {
+  return request.known != nullptr && request.job.element == kValueElement &&
+         reply.doubleword == (request.known->format == profile::Format::doubleword);
+}
+
+std::string value_text(const Request& request, const client::ParameterReply& reply) {
+  std::string raw = raw_text(reply.value, reply.doubleword);
+  if (request.known == nullptr) return raw;
+  if (!scales(request, reply)) return raw + "; " + request.known->name;
+  const std::string unit = request.known->unit.empty() ? "" : " " + request.known->unit;
+  const std::string value =
+      profile::scaled_text(*request.known, profile::raw_number(*request.known, reply.value)) + unit;
+  if (request.scaled) {
+    return fmt::format("{} ({}, parameter {}, raw {})", value, request.known->name, request.job.number,
+                       reply.value);
+  }
+  return fmt::format("{}; {} {}", raw, request.known->name, value);
+}
+
+ExitCode finish(Session& session, const Request& request, const client::ParameterReply& reply) {
+  JsonObject object;
+  object.add("slave", request.job.slave)
+      .add("number", request.job.number)
+      .add("element", request.job.element)
+      .add("sub_slave", request.job.sub_slave);
+  if (reply.ok()) {
+    object.add("value", reply.value)
+        .add("signed", as_signed(reply.value, reply.doubleword ? Width::doubleword : Width::word))
+        .add("format", format_name(reply.doubleword));
+  } else {
+    object.add_null("value").add_null("signed").add_null("format");
+  }
+  object.add("error_code", reply.error_code).add("intervals", reply.intervals);
+  if (request.known != nullptr) {
+    object.add("name", request.known->name).add("unit", request.known->unit);
+  } else {
+    object.add_null("name").add_null("unit");
+  }
+  if (reply.ok() && scales(request, reply)) {
+    object.add("scaled", profile::scaled(*request.known, profile::raw_number(*request.known, reply.value)));
+  } else {
+    object.add_null("scaled");
+  }
+  if (reply.ok() && !session.json()) session.output().line(value_text(request, reply));
+  const std::string parameter = request.known != nullptr ? profile::label(*request.known)
+                                                         : fmt::format("parameter {}", request.job.number);
+  return session.finish(reply, object, fmt::format("slave {}, {}", request.job.slave, parameter));
+}
+
+ExitCode run_job(Session& session, const Request& request) {
+  const Effect effect = request.job.write ? Effect::changes : Effect::reads;
+  return finish(session, request, session.ask(effect, [&] { return session.client().submit(request.job); }));
+}
+
+/// The request for each slave of the list, all of them checked. `check` completes one.
+template <class Check>
+std::vector<Request> parse_requests(Session& session, const ParameterOptions& options, const Check& check) {
+  const Request common = parse_numbers(session, options);
+  std::vector<Request> requests;
+  for (const unsigned slave : session.slaves(options.slave)) {
+    requests.push_back(for_slave(session, common, slave, options));
+    check(requests.back());
+  }
+  return requests;
+}
+
+std::vector<unsigned> slaves_of(const std::vector<Request>& requests) {
+  std::vector<unsigned> slaves;
+  slaves.reserve(requests.size());
+  for (const Request& request : requests) slaves.push_back(request.job.slave);
+  return slaves;
+}
+
+ExitCode read_verb(Session& session, const ParameterOptions& options) {
+  const std::vector<Request> requests = parse_requests(session, options, [](const Request& request) {
+    if (request.known == nullptr) return;
+    if (const auto problem = profile::read_problem(*request.known)) throw UsageError(problem->text);
+  });
+  return session.for_each(slaves_of(requests),
+                          [&](std::size_t index) { return run_job(session, requests[index]); });
+}
+
+Width width_of(client::ParameterFormat format) {
+  return format == client::ParameterFormat::word ? Width::word : Width::doubleword;
+}
+
+/// Takes value and format by the profile, which the parameter must be known to. Throws UsageError for what
+/// the profile does not allow; nothing is sent then.
+void take_known_value(Request& request, const std::string& text, client::ParameterFormat typed) {
+  using Format = client::ParameterFormat;
+  const profile::Parameter& known = *request.known;
+  const Format own = known.format == profile::Format::word ? Format::word : Format::doubleword;
+  if (typed != Format::as_slave_says && typed != own) {
+    throw UsageError(fmt::format("--format: {} is a {} by its profile; allowed: {}, auto",
+                                 profile::label(known), profile::name(known.format),
+                                 profile::name(known.format)));
+  }
+  if (request.scaled) {
+    const auto raw = profile::to_raw(known, text);
+    if (const auto* refused = std::get_if<profile::Refused>(&raw))
+      throw UsageError("VALUE: " + refused->text);
+    request.job.value = std::get<std::uint32_t>(raw);
+  } else {
+    request.job.value = parse_raw(text, "VALUE", width_of(own));
+  }
+  if (const auto refused = profile::write_problem(known, request.job.value)) {
+    throw UsageError("VALUE: " + refused->text);
+  }
+  request.job.format = own;
+}
+
+/// Is the value to be taken by the profile?
+bool takes_known_value(const Request& request) {
+  return request.known != nullptr && request.job.element == kValueElement;
+}
+
+/// Writes to one slave; `request` is complete but for a value whose width only the slave knows.
+ExitCode write_one(Session& session, Request request, const std::string& value) {
+  using Format = client::ParameterFormat;
+  if (takes_known_value(request)) return run_job(session, request);
+  if (request.job.format == Format::as_slave_says && value.starts_with('-')) {
+    // The two's complement depends on the width.
+    client::ParameterRequest ask = request.job;
+    ask.write = false;
+    const client::ParameterReply reply =
+        session.ask(Effect::reads, [&] { return session.client().submit(ask); });
+    if (!reply.ok()) return finish(session, request, reply);
+    request.job.format = reply.doubleword ? Format::doubleword : Format::word;
+  }
+  request.job.value = parse_raw(value, "VALUE", width_of(request.job.format));
+  return run_job(session, request);
+}
+
+ExitCode write_verb(Session& session, const ParameterOptions& options) {
+  const client::ParameterFormat typed = parse_format(options.format);
+  // Told before anything is sent; with `auto` a doubleword is the widest the slave can have.
+  if (looks_like_number(options.parameter) || options.raw) {
+    static_cast<void>(parse_raw(options.value, "VALUE", width_of(typed)));
+  }
+  const std::vector<Request> requests = parse_requests(session, options, [&](Request& request) {
+    request.job.write = true;
+    if (takes_known_value(request)) take_known_value(request, options.value, typed);
+  });
+  return session.for_each(slaves_of(requests), [&](std::size_t index) {
+    return write_one(session, requests[index], options.value);
+  });
+}
+
+void add_common(CLI::App& verb, ParameterOptions& options) {
+  verb.add_flag("--raw", options.raw, "with a name: the value as on the bus instead of in its unit");
+  verb.add_option("--element", options.element, "element 0..7 of the parameter; 7 = the value (default)")
+      ->type_name("E");
+  verb.add_option("--sub-slave", options.sub_slave,
+                  "participant below the slave, 0..65535; 0 = the slave itself (default)")
+      ->type_name("S");
+  verb.add_option("--format", options.format, "width of the value; auto = as the slave says (default)")
+      ->type_name("word|doubleword|auto");
+  add_profile_option(verb, options.profile);
+}
+
+constexpr const char* kParameterHelp = "parameter number 0..4095, or its name in the slave's drive profile";
+
+}  // namespace
+
+void add_parameter_verbs(CLI::App& app, Verb& chosen) {
+  auto* read = app.add_subcommand("read", "read a parameter of a slave");
+  auto read_options = std::make_shared<ParameterOptions>();
+  read->add_option("SLAVE", read_options->slave, kSlavesHelp)->required();
+  read->add_option("PARAMETER", read_options->parameter, kParameterHelp)->required();
+  add_common(*read, *read_options);
+  read->footer(
+      "With a name: prints the value in its unit, then name, number and raw value. With a number: prints the "
+      "value in\n"
+      "decimal, in hexadecimal, its format, and, when its highest bit is set, its signed value; then name "
+      "and "
+      "value in\n"
+      "its unit, when the slave's profile knows them.");
+  read->callback([read_options, &chosen] {
+    chosen = [read_options](Session& session) { return read_verb(session, *read_options); };
+  });
+
+  auto* write = app.add_subcommand("write", "write a parameter of a slave");
+  auto write_options = std::make_shared<ParameterOptions>();
+  write->add_option("SLAVE", write_options->slave, kSlavesHelp)->required();
+  write->add_option("PARAMETER", write_options->parameter, kParameterHelp)->required();
+  write
+      ->add_option(
+          "VALUE", write_options->value,
+          "with a name: in its unit; with a number or --raw: raw, as on the bus, decimal, hexadecimal "
+          "(0x..) or\nnegative")
+      ->required();
+  add_common(*write, *write_options);
+  write->footer(
+      "Prints what was written, as `read` does. What the slave's profile does not allow (limits, format, "
+      "access) is an\n"
+      "error of the command line, and nothing is sent. Without a profile and with --format auto the "
+      "parameter "
+      "is read\n"
+      "first, so that it is written in the slave's own format. Exit code 5 after `no_answer`: whether the "
+      "slave took the\nvalue is not known.");
+  write->callback([write_options, &chosen] {
+    chosen = [write_options](Session& session) { return write_verb(session, *write_options); };
+  });
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,113 @@
+#include "cli/cansync/profiles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "profile/folders.h"
+#include "profile/reader.h"
+
+namespace cansync::cli {
+namespace {
+
+constexpr std::int64_t kHighestParameter = 4095;
+
+std::vector<std::string> folders_of(const std::string& first) {
+  std::vector<std::string> folders = profile::standard_folders();
+  if (!first.empty()) folders.insert(folders.begin(), first);
+  return folders;
+}
+
+ProfilePointer read_profile(const std::string& path) {
+  profile::Reading reading = profile::read(path);
+  if (reading.profile) return std::make_shared<const profile::Profile>(std::move(*reading.profile));
+  std::string problems = profile::problems_text(reading.problems, path);
+  problems.pop_back();  // the last line's end
+  throw std::runtime_error(problems);
+}
+
+std::string slave_text(const client::SlaveStatus& slave) {
+  return std::string_view(slave.name).empty() ? fmt::format("slave {}", slave.slave)
+                                              : fmt::format("slave {} '{}'", slave.slave, slave.name);
+}
+
+/// The file of a profile that the daemon names.
+SlaveProfile load_named(const client::SlaveStatus& slave, const std::string& folder) {
+  const std::string_view name = slave.profile;
+  const std::string_view hash = slave.profile_hash;
+  const profile::FoundFile file = profile::find_file(name, folders_of(folder));
+  if (file.path.empty()) {
+    return {nullptr, fmt::format("{}: the daemon uses profile '{}', which is not on this computer ({}); copy "
+                                 "its file from the daemon's computer, or name its folder with --profiles or "
+                                 "CANSYNC_PROFILES",
+                                 slave_text(slave), name, file.problem)};
+  }
+  ProfilePointer profile;
+  try {
+    profile = read_profile(file.path);
+  } catch (const std::runtime_error& error) {
+    return {nullptr, error.what()};
+  }
+  if (profile->hash == hash) return {profile, ""};
+  constexpr std::size_t kShown = 12;
+  return {nullptr,
+          fmt::format("{}: {} is another version of profile '{}' than the daemon uses (SHA-256 {} "
+                      "here, {} there); copy the daemon's file, reload the daemon, or give --profile "
+                      "{} to use this one",
+                      slave_text(slave), file.path, name, profile->hash.substr(0, kShown),
+                      hash.substr(0, kShown), file.path)};
+}
+
+}  // namespace
+
+ProfilePointer load_profile(const std::string& name_or_path, const std::string& folder) {
+  if (profile::is_path(name_or_path)) return read_profile(name_or_path);
+  const profile::FoundFile file = profile::find_file(name_or_path, folders_of(folder));
+  if (file.path.empty()) throw std::runtime_error("--profile: " + file.problem);
+  return read_profile(file.path);
+}
+
+SlaveProfile find_profile(Session& session, unsigned slave, const std::string& given) {
+  if (!given.empty()) return {load_profile(given, session.profiles()), ""};
+  for (const client::SlaveStatus& status : session.client().slaves()) {
+    if (status.slave != slave) continue;
+    if (!std::string_view(status.profile).empty()) return load_named(status, session.profiles());
+    return {nullptr, fmt::format("{} has no profile, so that its parameters have no names; set profile = "
+                                 "\"NAME\" in its [[slave]] section of the daemon's configuration, or give "
+                                 "--profile",
+                                 slave_text(status))};
+  }
+  return {nullptr,
+          fmt::format("slave {} is not configured, so that its profile is not known; give --profile", slave)};
+}
+
+ProfilePointer need_profile(Session& session, unsigned slave, const std::string& given) {
+  SlaveProfile found = find_profile(session, slave, given);
+  if (found.profile == nullptr) throw std::runtime_error(found.problem);
+  return found.profile;
+}
+
+void add_profile_option(CLI::App& verb, std::string& given) {
+  verb.add_option("--profile", given,
+                  "drive profile instead of that which the daemon names for the slave: a name or a file")
+      ->type_name("PROFILE");
+}
+
+NamedParameter find_parameter(std::string_view text, const SlaveProfile& profile) {
+  if (looks_like_number(text)) {
+    const auto number = static_cast<std::uint32_t>(parse_integer(text, "PARAMETER", 0, kHighestParameter));
+    return {number, profile.profile != nullptr ? profile.profile->find(number) : nullptr, false};
+  }
+  if (profile.profile == nullptr) throw std::runtime_error(profile.problem);
+  const profile::Parameter* parameter = profile.profile->find(text);
+  if (parameter != nullptr) return {parameter->number, parameter, true};
+  throw UsageError(
+      fmt::format("PARAMETER: profile '{}' has no parameter '{}'; allowed: 0..4095 or a name, `cansync "
+                  "params SLAVE` lists "
+                  "them",
+                  profile.profile->name, text));
+}
+
+}  // namespace cansync::cli

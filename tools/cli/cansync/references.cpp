@@ -1,0 +1,224 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include "cli/base/interrupt.h"
+#include "cli/base/verbs.h"
+
+namespace cansync::cli {
+namespace {
+
+constexpr std::uint16_t kActive = 0x0080;      // w_OPTION_STATUS: active as master
+constexpr std::int64_t kMostIntervals = 1000;  // the daemon's default limit of release_intervals
+constexpr double kPeriodsReleased = 3.0;       // so that two late samples leave no gap
+
+/// The arguments as they were typed; empty: not given.
+struct SetTexts {
+  std::vector<std::string> assignments;
+  bool scaled = false;
+  std::string rate = "50";
+  std::string release;
+  std::string strength = "1";
+  std::string seconds;
+};
+
+/// The values of one telegram.
+struct Telegram {
+  std::array<std::int32_t, 4> value{};
+  std::uint8_t valid = 0;
+};
+using Telegrams = std::array<Telegram, 2>;
+
+/// How the values are given.
+struct Pace {
+  std::chrono::nanoseconds period{};
+  std::uint32_t release = 1;      ///< intervals
+  std::optional<double> seconds;  ///< nothing: until Ctrl-C
+};
+
+std::int32_t parse_value(const Assignment& assignment, const cansync_ValueName& name, bool scaled) {
+  if (scaled)
+    return unscale(parse_real(assignment.number, assignment.value), name.factor, name.offset,
+                   assignment.value);
+  return as_signed(parse_raw(assignment.number, assignment.value, Width::doubleword), Width::doubleword);
+}
+
+Telegrams parse_telegrams(const SetTexts& texts, const client::MasterStatus& status) {
+  Telegrams telegrams{};
+  const ValueLookup lookup = value_lookup(status.reference_value);
+  for (const std::string& text : texts.assignments) {
+    const Assignment assignment = parse_assignment(text);
+    const unsigned value = parse_value_number(assignment.value, lookup);
+    Telegram& telegram = telegrams[value / 4];
+    telegram.value[value % 4] = parse_value(assignment, status.reference_value[value], texts.scaled);
+    telegram.valid = static_cast<std::uint8_t>(telegram.valid | (1u << (value % 4)));
+  }
+  return telegrams;
+}
+
+Pace parse_pace(const SetTexts& texts, const client::MasterStatus& status) {
+  const double rate = parse_real(texts.rate, "--rate");
+  if (!(rate >= 0.01 && rate <= 1000.0))
+    throw UsageError(fmt::format("--rate: found '{}'; allowed: 0.01..1000 Hz", texts.rate));
+  Pace pace;
+  pace.period = std::chrono::nanoseconds(std::llround(1e9 / rate));
+  if (!texts.seconds.empty()) {
+    pace.seconds = parse_real(texts.seconds, "--seconds");
+    if (!(*pace.seconds > 0.0 && *pace.seconds <= 1e6))
+      throw UsageError(
+          fmt::format("--seconds: found '{}'; allowed: over 0 and up to 1000000", texts.seconds));
+  }
+  if (!texts.release.empty()) {
+    pace.release = static_cast<std::uint32_t>(parse_integer(texts.release, "--release", 1, 1'000'000));
+    return pace;
+  }
+  const double interval = static_cast<double>(std::max<std::uint64_t>(status.interval_length, 1));
+  const double needed = std::ceil(kPeriodsReleased * 1e9 / rate / interval);
+  if (needed > static_cast<double>(kMostIntervals))
+    throw UsageError(fmt::format(
+        "--rate: found '{}'; allowed without --release: {:.3g} Hz and more, so that a sample "
+        "need not be released for over {} intervals",
+        texts.rate, kPeriodsReleased * 1e9 / interval / static_cast<double>(kMostIntervals), kMostIntervals));
+  pace.release = static_cast<std::uint32_t>(needed);
+  return pace;
+}
+
+/// Says what will keep the values from having an effect.
+void warn(Output& output, const Telegrams& telegrams, const client::MasterStatus& status) {
+  if (status.option_status != kActive)
+    output.remark(
+        fmt::format("the master is not in active operation but {}: nothing is sent until `cansync mode run`",
+                    status.state));
+  const unsigned mapped = mapped_values(status.reference_mapping);
+  for (unsigned value = 0; value < 8; ++value) {
+    const bool given = ((telegrams[value / 4].valid >> (value % 4)) & 1u) != 0;
+    if (given && ((mapped >> value) & 1u) == 0)
+      output.remark(
+          fmt::format("reference value {} is in no telegram, so it has no effect; see `cansync map`", value));
+  }
+}
+
+/// Collects warnings and errors that the daemon tells while values are given: it is the only answer there is.
+class Complaints {
+ public:
+  explicit Complaints(client::Client& client)
+      : since_(std::chrono::system_clock::now()),
+        subscription_(client.on_event([this](const client::Event& event) { take(event); })) {}
+
+  void tell(Output& output) {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& text : texts_) output.remark(text);
+    texts_.clear();
+  }
+
+ private:
+  void take(const client::Event& event) {
+    const auto since =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(since_.time_since_epoch()).count();
+    if (event.severity == cansync_SEVERITY_INFO || event.time < since) return;
+    const std::lock_guard lock(mutex_);
+    texts_.push_back(fmt::format("{}: {}", event.code, event.text));
+  }
+
+  std::chrono::system_clock::time_point since_;
+  std::mutex mutex_;
+  std::vector<std::string> texts_;
+  client::Subscription subscription_;  // last: its callback uses what stands above
+};
+
+/// Writes one sample of each telegram that has values; empty, or what failed.
+std::string write_once(client::ReferenceWriter& writer, const Telegrams& telegrams, std::uint32_t release) {
+  std::uint8_t number = 0;
+  for (const Telegram& telegram : telegrams) {
+    ++number;
+    if (telegram.valid == 0) continue;
+    std::string problem = writer.write(number, telegram.value, telegram.valid, release);
+    if (!problem.empty()) return problem;
+  }
+  return {};
+}
+
+void give_up(client::ReferenceWriter& writer, const Telegrams& telegrams) {
+  std::uint8_t number = 0;
+  for (const Telegram& telegram : telegrams) {
+    ++number;
+    if (telegram.valid != 0) writer.release(number);
+  }
+}
+
+/// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up.
+ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, std::int32_t strength) {
+  using Clock = std::chrono::steady_clock;
+  client::Client& client = session.client();
+  Complaints complaints(client);
+  client::ReferenceWriter writer(client, strength);
+  const auto start = Clock::now();
+  const auto length = std::chrono::duration<double>(pace.seconds.value_or(0.0));
+  const auto end =
+      pace.seconds ? start + std::chrono::duration_cast<Clock::duration>(length) : Clock::time_point::max();
+  client::Reply reply{client::ReplyCode::done, ""};
+  std::uint64_t samples = 0;
+  for (auto next = start; next < end;) {
+    std::string problem = write_once(writer, telegrams, pace.release);
+    if (problem.empty() && !client.daemon_present()) problem = "the daemon has gone (" + client.place() + ")";
+    if (!problem.empty()) {
+      reply = {client::ReplyCode::no_reply, problem};
+      break;
+    }
+    ++samples;
+    complaints.tell(session.output());
+    // A late turn is not caught up.
+    next = std::max(next + pace.period, Clock::now());
+    if (wait_until(std::min(next, end))) break;
+  }
+  complaints.tell(session.output());
+  give_up(writer, telegrams);
+  return session.finish(reply, JsonObject().add("samples", samples).add("release_intervals", pace.release),
+                        "set", fmt::format("values were given {} times and are given up", samples));
+}
+
+ExitCode set_verb(Session& session, const SetTexts& texts) {
+  constexpr std::int64_t kStrongest = 2'147'483'647;
+  const auto strength = static_cast<std::int32_t>(parse_integer(texts.strength, "--strength", 0, kStrongest));
+  for (const std::string& text : texts.assignments) static_cast<void>(parse_assignment(text));
+  const client::MasterStatus status = session.client().master_status();
+  const Telegrams telegrams = parse_telegrams(texts, status);
+  const Pace pace = parse_pace(texts, status);
+  warn(session.output(), telegrams, status);
+  return stream(session, telegrams, pace, strength);
+}
+
+}  // namespace
+
+void add_reference_verb(CLI::App& app, Verb& chosen) {
+  auto* set = app.add_subcommand("set", "give reference values until Ctrl-C, or for --seconds");
+  auto texts = std::make_shared<SetTexts>();
+  set->add_option("VALUE=NUMBER", texts->assignments,
+                  "reference value 0..7 (or value0..value7, or its configured name) and its raw number: "
+                  "-2147483648..4294967295, "
+                  "decimal or 0x..")
+      ->required();
+  set->add_flag("--scaled", texts->scaled, "numbers are in the units of the configuration, e.g. speed=12.5");
+  set->add_option("--rate", texts->rate, "samples a second, 0.01..1000 (default 50)")->type_name("HZ");
+  set->add_option("--release", texts->release,
+                  "intervals in a row in which each sample is sent (default: three periods of the rate)")
+      ->type_name("N");
+  set->add_option("--strength", texts->strength,
+                  "among several writers of a telegram the strongest wins; 0 and more (default 1)")
+      ->type_name("N");
+  set->add_option("--seconds", texts->seconds, "end after this time (default: Ctrl-C ends)")->type_name("S");
+  set->footer(
+      "Values 0..3 go out in telegram WRC1, 4..7 in WRC2; other values of the same telegram keep what they "
+      "had. When\n"
+      "the command ends, the telegrams are given up: a weaker writer takes over, or they are sent no more "
+      "and the slaves\n"
+      "notice.\n"
+      "Example: cansync set 0=1000 4=50 --seconds 10");
+  set->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return set_verb(session, *texts); }; });
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <system_error>
+
+#include "can/link_kernel.h"
+#include "cli/base/verbs.h"
+#include "cli/doctor/doctor_findings.h"
+#include "cli/doctor/doctor_link.h"
+#include "cli/text/column_help.h"
+
+namespace cansync::cli {
+namespace {
+
+/// What the daemon tells; leaves `in.status` empty, with the reason, when there is none.
+void ask_daemon(Session& session, DoctorInput& in) {
+  try {
+    client::Client& client = session.client();
+    in.status = client.master_status();
+    in.participants = client.participants();
+  } catch (const client::NoDaemon& error) {
+    in.no_daemon = error.what();
+  } catch (const client::SetupError& error) {
+    in.no_daemon = error.what();
+  }
+}
+
+/// What this computer's kernel knows of the interface.
+void ask_kernel(DoctorInput& in) {
+  if (in.interface_name == kSimulated) return;
+  try {
+    in.link = can::make_link_kernel()->read(in.interface_name);
+  } catch (const std::system_error& error) {
+    in.kernel_silent = error.what();
+  }
+}
+
+std::vector<Table::Column> doctor_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr std::size_t kLongestLevel = 7;   // "warning"
+  constexpr std::size_t kLongestTopic = 16;  // a line that is longer is only less pretty
+  return {{"LEVEL", left, "ok; warning = works, but not as it should; error = does not work", kLongestLevel},
+          {"TOPIC", left, "what was looked at", kLongestTopic},
+          {"FOUND", left,
+           "what is the case, with the figures; the line below says after \"mend:\" which command or setting "
+           "mends "
+           "it"}};
+}
+
+void show(Output& output, const Table& table, const Finding& finding) {
+  if (!output.json()) {
+    output.line(table.line({std::string(name(finding.level)), finding.topic, finding.found}));
+    if (!finding.remedy.empty()) output.line(table.line({"", "", "mend: " + finding.remedy}));
+    return;
+  }
+  JsonObject object;
+  object.add("topic", finding.topic).add("level", name(finding.level)).add("found", finding.found);
+  if (finding.remedy.empty())
+    object.add_null("remedy");
+  else
+    object.add("remedy", finding.remedy);
+  output.object(object);
+}
+
+ExitCode doctor_verb(Session& session) {
+  DoctorInput in;
+  in.bus = session.bus();
+  in.cli_version = CANSYNC_VERSION;
+  in.data_model = cansync_DATA_MODEL;
+  ask_daemon(session, in);
+  // A bus without a name of its own is named like its interface.
+  in.interface_name = in.status ? std::string(in.status->bus_interface) : in.bus;
+  in.machine = read_machine("/", in.status ? in.status->realtime_cpu : -1);
+  ask_kernel(in);
+  const std::vector<Finding> findings = diagnose(in);
+  const Table table(doctor_columns());
+  if (!session.json()) session.output().line(table.heading());
+  for (const Finding& finding : findings) show(session.output(), table, finding);
+  return exit_code(findings, in.status.has_value());
+}
+
+}  // namespace
+
+void add_doctor_verb(CLI::App& app, Verb& chosen) {
+  auto* doctor = app.add_subcommand("doctor", "what is well and what is not, and how to mend it");
+  doctor->footer(
+      "Looks at the daemon, the bus's interface, the realtime thread's rights, processors, kernel and DDS. "
+      "Nothing is\n"
+      "changed. Works without a daemon as far as it can. Exit code: 0 all ok, 1 warnings, 8 errors, 6 no "
+      "daemon "
+      "was\nfound.\n" +
+      columns_help(doctor_columns()));
+  doctor->callback([&chosen] { chosen = doctor_verb; });
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,226 @@
+#include "cli/doctor/doctor_findings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cli/doctor/doctor_link.h"
+#include "cli/doctor/finding_list.h"
+
+namespace cansync::cli {
+namespace {
+
+using Status = client::MasterStatus;
+
+/// Idle states that take longer to leave are felt in a 1 ms interval.
+constexpr std::uint32_t kLongestIdleLatency = 20;  // us
+
+void look_at_daemon(const DoctorInput& in, FindingList& out) {
+  if (!in.status) {
+    out.error("daemon", in.no_daemon,
+              fmt::format("systemctl start cansyncd@{0}   (or: cansyncd /etc/cansync/{0}.toml)", in.bus));
+    out.warning("not looked at",
+                "without the daemon: versions, time stamps, realtime rights, DDS, SYNC, second master",
+                "start the daemon, then `cansync doctor` again");
+    return;
+  }
+  out.ok("daemon", fmt::format("serves bus {}: {}", in.status->bus, in.status->state));
+}
+
+void look_at_versions(const DoctorInput& in, const Status& status, FindingList& out) {
+  if (in.cli_version == status.version)
+    out.ok("version", fmt::format("cansyncd and cansync {}", in.cli_version));
+  else
+    out.warning("version", fmt::format("cansyncd {}, but cansync {}", status.version, in.cli_version),
+                "install both from the same package, then: systemctl restart cansyncd@" + in.bus);
+  if (in.data_model == status.data_model) {
+    out.ok("data model", fmt::format("number {} on both sides", in.data_model));
+    return;
+  }
+  const bool older = status.data_model < in.data_model;
+  out.warning(
+      "data model",
+      fmt::format("the daemon has number {}, this program {}: {} members are not {}", status.data_model,
+                  in.data_model, older ? "newer" : "the daemon's newer", older ? "told" : "understood"),
+      older ? "update cansyncd, then: systemctl restart cansyncd@" + in.bus : "update cansync");
+}
+
+void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList& out) {
+  const std::string_view source = status.timestamp_source;
+  if (source.empty())
+    out.warning("time stamps", "their source was not told", "update cansyncd");
+  else if (source == "thread")
+    out.warning("time stamps", "by the realtime thread: no better than its wake-ups",
+                "use an adapter whose driver stamps frames: ethtool -T " + in.interface_name);
+  else
+    out.ok("time stamps", fmt::format("by {}", source));
+}
+
+void look_at_rights(const DoctorInput& in, const Status& status, FindingList& out) {
+  const std::string unit = "systemctl edit cansyncd@" + in.bus;
+  const std::int32_t wanted = status.realtime_priority_wanted;
+  if (status.realtime_priority > 0)
+    out.ok("priority", fmt::format("SCHED_FIFO {}", status.realtime_priority));
+  else if (wanted > 0)
+    out.warning("priority", fmt::format("normal scheduling; SCHED_FIFO {} was not granted", wanted),
+                fmt::format("{}   ([Service] LimitRTPRIO={}); then restart it", unit, wanted));
+  else
+    out.warning("priority", "normal scheduling, as configured", "set realtime.priority = 60");
+  if (status.memory_locked)
+    out.ok("locked memory", "all memory is locked");
+  else if (status.memory_lock_wanted)
+    out.warning("locked memory", "was not granted",
+                unit + "   ([Service] LimitMEMLOCK=infinity); then restart it");
+  else
+    out.warning("locked memory", "switched off in the configuration", "set realtime.lock_memory = true");
+}
+
+void look_at_processor(const DoctorInput& in, const Status& status, FindingList& out) {
+  const std::int32_t wanted = status.realtime_cpu_wanted;
+  const std::string& isolated = in.machine.isolated;
+  if (wanted >= 0 && status.realtime_cpu != wanted)
+    out.warning("processor", fmt::format("{} was not granted to the realtime thread", wanted),
+                "set realtime.cpu to one of: cat /sys/devices/system/cpu/online");
+  else
+    out.ok("processor", wanted >= 0 ? fmt::format("the realtime thread is bound to {}", wanted)
+                                    : std::string("the realtime thread may run on any"));
+  if (isolated.empty() && wanted < 0)
+    out.ok("isolated", "no processor is isolated, and none is asked for");
+  else if (wanted < 0)
+    out.warning("isolated", fmt::format("{}, but the realtime thread is not bound to one", isolated),
+                fmt::format("set realtime.cpu = {}", isolated.substr(0, isolated.find_first_of(",-"))));
+  else if (in_processor_list(isolated, wanted))
+    out.ok("isolated", fmt::format("{}, with the realtime thread's", isolated));
+  else
+    out.warning("isolated", fmt::format("processor {} is shared with every other program", wanted),
+                fmt::format("add isolcpus={} to GRUB_CMDLINE_LINUX in /etc/default/grub; update-grub; reboot",
+                            wanted));
+}
+
+void look_at_idle_states(const DoctorInput& in, FindingList& out) {
+  if (in.status && in.status->cpu_held_awake) {
+    out.ok("idle states", "the daemon holds /dev/cpu_dma_latency at 0 us");
+    return;
+  }
+  const auto& states = in.machine.idle_states;
+  const auto deepest = std::max_element(
+      states.begin(), states.end(),
+      [](const IdleState& a, const IdleState& b) { return a.exit_latency < b.exit_latency; });
+  if (deepest == states.end()) {
+    out.ok("idle states", "the kernel manages none here");
+  } else if (deepest->exit_latency <= kLongestIdleLatency) {
+    out.ok("idle states",
+           fmt::format("the deepest ({}) is left within {} us", deepest->name, deepest->exit_latency));
+  } else {
+    out.warning("idle states",
+                fmt::format("{} takes {} us to leave, and nothing holds the processor awake", deepest->name,
+                            deepest->exit_latency),
+                fmt::format("install systemd/60-cansyncd.rules in /etc/udev/rules.d (lets the daemon hold "
+                            "/dev/cpu_dma_latency), or: cpupower idle-set -D {}",
+                            kLongestIdleLatency));
+  }
+}
+
+void look_at_kernel(const DoctorInput& in, FindingList& out) {
+  const MachineFacts& machine = in.machine;
+  const std::string found =
+      fmt::format("{} ({})", machine.kernel.empty() ? "unknown" : machine.kernel,
+                  machine.preemption.empty() ? "preemption unknown" : machine.preemption);
+  if (machine.preemption == "PREEMPT_RT")
+    out.ok("kernel", found);
+  else
+    out.warning("kernel", found + ": not a realtime kernel", "apt install linux-image-rt-amd64; reboot");
+}
+
+void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) {
+  const std::string peers = fmt::format("other participants in the domain: {}", in.participants);
+  const std::string_view interface = status.dds_interface;
+  if (status.secured)
+    out.ok("DDS", fmt::format("{}, DDS Security on: only who has an identity sees or does anything; {}",
+                              interface.empty() ? "set up by dds.xml" : interface, peers));
+  else if (interface == "lo")
+    out.ok("DDS", "lo: this computer alone, every program on it can move drives; " + peers);
+  else if (interface.empty())
+    out.warning("DDS", "set up by dds.xml, DDS Security off; " + peers,
+                "see that no program on the network can reach it, or use DDS Security (docs/security.md)");
+  else
+    out.warning("DDS", fmt::format("{}: every program on that network can move drives; {}", interface, peers),
+                "set dds.interface = \"lo\", or use DDS Security (docs/security.md)");
+}
+
+void look_at_second_master(const Status& status, FindingList& out) {
+  const std::string remedy =
+      "switch the other master off; `cansync events` says when, `cansync trace` shows its telegrams";
+  const std::uint64_t frames = status.second_master_frames;
+  if (status.second_master)
+    out.error("second master", fmt::format("another master sends on this bus: {} frames so far", frames),
+              remedy);
+  else if (frames != 0)
+    out.warning("second master",
+                fmt::format("another master has sent {} frames; none in the last 3 s", frames), remedy);
+  else
+    out.ok("second master", "none was heard");
+}
+
+void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {
+  const std::string_view input = status.sync_input;
+  const std::string_view output = status.sync_output;
+  const std::string_view state = status.sync_state;
+  if (state == "holdover") {
+    out.warning("SYNC", fmt::format("edges of the input {} are missing; the daemon goes on by itself", input),
+                "check the device that makes SYNC and its line; cansync events");
+  } else if (!state.empty() && state != "locked") {
+    out.error("SYNC", fmt::format("follows the input {}: {}", input, state),
+              "check the device that makes SYNC and its line; cansync events");
+  } else if (in.interface_name != kSimulated && output == "none" && state.empty()) {
+    out.warning("SYNC", "is put out nowhere: no slave can lock to it", "set sync.output to gpio, phc or can");
+  } else {
+    out.ok("SYNC", state.empty() ? fmt::format("made by the daemon, output {}", output)
+                                 : fmt::format("locked to the input {}, output {}", input, output));
+  }
+}
+
+}  // namespace
+
+std::string_view name(Level level) noexcept {
+  switch (level) {
+    case Level::ok:
+      return "ok";
+    case Level::warning:
+      return "warning";
+    case Level::error:
+      return "error";
+  }
+  return "unknown";
+}
+
+std::vector<Finding> diagnose(const DoctorInput& in) {
+  FindingList out;
+  look_at_daemon(in, out);
+  if (in.status) look_at_versions(in, *in.status, out);
+  look_at_link(in, out);
+  look_at_controller(in, out);
+  if (in.status) {
+    look_at_timestamps(in, *in.status, out);
+    look_at_sync(in, *in.status, out);
+    look_at_second_master(*in.status, out);
+    look_at_rights(in, *in.status, out);
+    look_at_processor(in, *in.status, out);
+  }
+  look_at_idle_states(in, out);
+  look_at_kernel(in, out);
+  if (in.status) look_at_dds(in, *in.status, out);
+  return std::move(out).take();
+}
+
+ExitCode exit_code(const std::vector<Finding>& findings, bool daemon_found) noexcept {
+  if (!daemon_found) return ExitCode::not_reachable;
+  const auto any = [&findings](Level level) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [level](const Finding& f) { return f.level == level; });
+  };
+  if (any(Level::error)) return ExitCode::faults;
+  return any(Level::warning) ? ExitCode::failed : ExitCode::done;
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "can/link_facts.h"
+#include "cli/base/exit_codes.h"
+#include "cli/doctor/doctor_facts.h"
+#include "client/types.h"
+
+/// What is well and what is not with a bus, its daemon and this computer. Pure functions.
+namespace cansync::cli {
+
+enum class Level : std::uint8_t { ok, warning, error };
+
+/// "ok", "warning", "error".
+std::string_view name(Level level) noexcept;
+
+/// One thing that was looked at.
+struct Finding {
+  Level level = Level::ok;
+  std::string topic;   ///< a stable word or two, e.g. "bit rate"
+  std::string found;   ///< in words, with the figures
+  std::string remedy;  ///< the command or setting that mends it; empty: nothing to mend
+};
+
+/// Everything the findings are made of.
+struct DoctorInput {
+  std::string bus;  ///< the bus that is looked for
+  std::string cli_version;
+  std::uint32_t data_model = 0;                ///< of this program
+  std::optional<client::MasterStatus> status;  ///< nothing: no daemon was found
+  std::string no_daemon;                       ///< why not
+  std::uint32_t participants = 0;              ///< other DDS participants in the domain
+  MachineFacts machine;
+  std::string interface_name;  ///< the bus's CAN interface; "sim" for a simulated line
+  can::LinkFacts link;         ///< what the kernel of this computer knows of it
+  std::string kernel_silent;   ///< why it could not be asked; empty: it was, or there was nothing to ask
+};
+
+/// Findings in a fixed order. Without a daemon those that need it are missing, and one says so.
+std::vector<Finding> diagnose(const DoctorInput& input);
+
+/// Exit code for these findings: not_reachable without a daemon, else faults for an error, failed (1) for a
+/// warning.
+ExitCode exit_code(const std::vector<Finding>& findings, bool daemon_found) noexcept;
+
+}  // namespace cansync::cli

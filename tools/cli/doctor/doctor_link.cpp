@@ -1,0 +1,213 @@
+#include "cli/doctor/doctor_link.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "can/bit_timing.h"
+#include "can/bus_names.h"
+
+namespace cansync::cli {
+namespace {
+
+/// A queue shorter than an interval's telegrams refuses them; in a long one telegrams of past intervals wait.
+constexpr std::uint32_t kShortestQueue = 4;
+constexpr std::uint32_t kLongestQueue = 100;
+/// A controller cannot make every sample point: half a quantum of a bit of 16 is as near as it may come.
+constexpr int kSamplePointTolerance = 32;  // permille
+/// What a configuration without bus.bit_rate means.
+constexpr std::uint32_t kUsualBitRate = 1'000'000;
+
+std::string_view driver_kind(const can::LinkFacts& link) noexcept {
+  const auto end = std::find(link.driver_kind.begin(), link.driver_kind.end(), '\0');
+  return {link.driver_kind.data(), static_cast<std::size_t>(end - link.driver_kind.begin())};
+}
+
+bool is_virtual(const can::LinkFacts& link) noexcept {
+  return !driver_kind(link).empty() && driver_kind(link) != "can";
+}
+
+/// Bit rate the interface should have: the daemon's; without one that which it has, when it is one of
+/// CANsync.
+std::optional<std::uint32_t> wanted_bit_rate(const DoctorInput& in) {
+  if (in.status) return in.status->bit_rate;
+  const bool possible =
+      in.link.timing && std::any_of(can::kBitTimingPresets.begin(), can::kBitTimingPresets.end(),
+                                    [&in](const can::BitTimingPreset& preset) {
+                                      return preset.bits_per_second == in.link.timing->bits_per_second;
+                                    });
+  return possible ? std::optional(in.link.timing->bits_per_second) : std::nullopt;
+}
+
+/// Sample points that suit, the usual one first: that of the configuration when known, else those of the
+/// presets for this bit rate (M 4.9, O 7.3.9).
+std::vector<std::uint32_t> wanted_sample_points(const DoctorInput& in, std::uint32_t bit_rate) {
+  if (in.status && in.status->sample_point_wanted != 0) return {in.status->sample_point_wanted};
+  std::vector<std::uint32_t> points;
+  for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
+    if (preset.bits_per_second != bit_rate) continue;
+    const auto timing = can::decode(preset.registers, can::clock_hz(preset.controller));
+    if (timing) points.push_back(timing->sample_point);
+  }
+  return points;
+}
+
+/// Commands for an interface that must be down while it is set.
+std::string set_link(const std::string& name, std::string_view setting) {
+  return fmt::format("ip link set {0} down && ip link set {0} type can {1} && ip link set {0} up", name,
+                     setting);
+}
+
+/// Commands that set the bit timing and set the interface up.
+std::string set_timing(const DoctorInput& in) {
+  const std::uint32_t bit_rate = wanted_bit_rate(in).value_or(kUsualBitRate);
+  const auto points = wanted_sample_points(in, bit_rate);
+  std::string setting = fmt::format("bitrate {}", bit_rate);
+  if (!points.empty()) setting += fmt::format(" sample-point 0.{:03}", points.front());
+  return set_link(in.interface_name, setting);
+}
+
+/// False when there is nothing to set.
+bool look_at_presence(const DoctorInput& in, FindingList& out) {
+  const std::string& name = in.interface_name;
+  const std::string list = "ip -br link show type can";
+  if (name == kSimulated) {
+    out.ok("interface", "simulated line: no CAN interface");
+    return false;
+  }
+  if (!in.kernel_silent.empty()) {
+    out.warning("interface", fmt::format("the kernel cannot be asked for {}: {}", name, in.kernel_silent),
+                "ip -details link show " + name);
+    return false;
+  }
+  if (!in.link.present) {
+    out.error("interface", fmt::format("{}: there is no such interface", name),
+              list + "   (lists those there are; plug the adapter in or load its driver)");
+    return false;
+  }
+  if (!in.link.is_can) {
+    out.error("interface", fmt::format("{} is no CAN interface", name), list + "   (then set bus.interface)");
+    return false;
+  }
+  const bool nothing_to_set = is_virtual(in.link);
+  if (!in.link.up) {
+    const bool is_set = nothing_to_set || (in.link.timing && in.link.timing->bits_per_second ==
+                                                                 wanted_bit_rate(in).value_or(0));
+    out.error("interface", fmt::format("{} is down", name),
+              is_set ? fmt::format("ip link set {} up", name) : set_timing(in));
+  } else if (nothing_to_set) {
+    out.ok("interface", fmt::format("{} is up, virtual ({}): nothing to set", name, driver_kind(in.link)));
+  } else {
+    out.ok("interface", fmt::format("{} is up", name));
+  }
+  return !nothing_to_set;
+}
+
+void look_at_timing(const DoctorInput& in, FindingList& out) {
+  if (!in.link.timing) {
+    // A controller that was never set is down, which has been said.
+    if (in.link.up)
+      out.warning("bit rate", "its driver does not tell it", "ip -details link show " + in.interface_name);
+    return;
+  }
+  const can::LinkTiming timing = *in.link.timing;
+  const auto wanted = wanted_bit_rate(in);
+  const std::string found = fmt::format("{} bit/s", timing.bits_per_second);
+  if (!wanted) {
+    out.error("bit rate", found + ": no bit rate of CANsync", set_timing(in));
+    return;
+  }
+  if (timing.bits_per_second != *wanted) {
+    out.error("bit rate", fmt::format("{}, but the bus has {}: nothing is sent", found, *wanted),
+              set_timing(in));
+    return;
+  }
+  out.ok("bit rate", found);
+  const auto points = wanted_sample_points(in, *wanted);
+  if (timing.sample_point == 0 || points.empty()) return;
+  const std::string point = fmt::format("0.{:03}", timing.sample_point);
+  const bool suits = std::any_of(points.begin(), points.end(), [&timing](std::uint32_t one) {
+    return std::abs(static_cast<int>(one) - static_cast<int>(timing.sample_point)) <= kSamplePointTolerance;
+  });
+  if (suits)
+    out.ok("sample point", point);
+  else
+    out.warning(
+        "sample point",
+        fmt::format("{} instead of 0.{:03}: on long lines bits are read wrongly", point, points.front()),
+        set_timing(in) + "   (or set bus.btr0 and bus.btr1 to what the line has)");
+}
+
+void look_at_restart(const DoctorInput& in, FindingList& out) {
+  if (!in.link.restart_ms) return;
+  if (*in.link.restart_ms == 0)
+    out.warning("restart-ms", "0: after bus-off the controller stays silent until somebody restarts it",
+                set_link(in.interface_name, "restart-ms 100"));
+  else
+    out.ok("restart-ms", fmt::format("{} ms after bus-off the kernel restarts it", *in.link.restart_ms));
+}
+
+void look_at_queue(const DoctorInput& in, FindingList& out) {
+  const std::uint32_t length = in.link.queue_length;
+  const std::string found = fmt::format("{} frames", length);
+  const std::string remedy = fmt::format("ip link set {} txqueuelen 10", in.interface_name);
+  if (length < kShortestQueue)
+    out.warning("txqueuelen", found + ": an interval's telegrams do not fit", remedy);
+  else if (length > kLongestQueue)
+    out.warning("txqueuelen", found + ": telegrams of past intervals can wait in it", remedy);
+  else
+    out.ok("txqueuelen", found);
+}
+
+void look_at_state(const DoctorInput& in, std::string_view state, const std::string& wiring,
+                   FindingList& out) {
+  if (state == "error-active")
+    out.ok("controller", std::string(state));
+  else if (state == "bus-off")
+    out.error("controller", "bus-off: takes no part in the bus",
+              in.status ? std::string("cansync mode reset-can")
+                        : fmt::format("ip link set {0} down && ip link set {0} up", in.interface_name));
+  else if (state == "stopped")
+    out.error("controller", "stopped", fmt::format("ip link set {} up", in.interface_name));
+  else
+    out.warning("controller", std::string(state), wiring);
+}
+
+}  // namespace
+
+void look_at_link(const DoctorInput& in, FindingList& out) {
+  if (!look_at_presence(in, out)) return;
+  look_at_timing(in, out);
+  look_at_restart(in, out);
+  look_at_queue(in, out);
+}
+
+void look_at_controller(const DoctorInput& in, FindingList& out) {
+  const std::string wiring =
+      "check wiring, the two terminators of 120 ohm and every slave's bit rate; ip -details -statistics link "
+      "show " +
+      in.interface_name;
+  std::uint32_t transmit = in.link.transmit_errors;
+  std::uint32_t receive = in.link.receive_errors;
+  if (in.status) {
+    look_at_state(in, in.status->controller_state, wiring, out);
+    transmit = in.status->transmit_errors;
+    receive = in.status->receive_errors;
+  } else {
+    // One that is down is stopped, which has been said.
+    if (in.link.up && in.link.state) look_at_state(in, can::name(*in.link.state), wiring, out);
+    if (!in.link.has_counters) return;
+  }
+  const std::string counters = fmt::format("{} transmit, {} receive", transmit, receive);
+  if (transmit == 0 && receive == 0)
+    out.ok("error counters", counters);
+  else
+    out.warning("error counters", counters, wiring);
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+
+#include "cli/base/interrupt.h"
+#include "cli/base/verbs.h"
+#include "cli/cansync/wait_states.h"
+#include "cli/text/column_help.h"
+#include "cli/text/slave_list.h"
+
+namespace cansync::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kLook = std::chrono::milliseconds(50);      // for Ctrl-C
+constexpr auto kSearch = std::chrono::milliseconds(2000);  // for the daemon, at a time
+
+/// The arguments as they were typed.
+struct WaitTexts {
+  std::string state;
+  std::vector<std::string> slaves;
+};
+
+/// Wakes the waiting thread at each status that comes. Outlives the subscriptions it makes.
+class Changes {
+ public:
+  explicit Changes(client::Client& client)
+      : master_(client.on_master_status([this](const client::MasterStatus&) { raise(); })),
+        slaves_(client.on_slave_status([this](const client::SlaveStatus&) { raise(); })) {}
+
+  void wait_until(Clock::time_point instant) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, instant, [this] { return raised_; });
+    raised_ = false;
+  }
+
+ private:
+  void raise() {
+    {
+      const std::lock_guard lock(mutex_);
+      raised_ = true;
+    }
+    changed_.notify_one();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool raised_ = false;
+  client::Subscription master_;  // ended before what they use
+  client::Subscription slaves_;
+};
+
+/// One run of the verb.
+class Wait {
+ public:
+  Wait(Session& session, const WaitTexts& texts, const WaitState& state)
+      : session_(session), texts_(texts), state_(state), start_(Clock::now()) {
+    if (const auto seconds = session.globals().timeout)
+      end_ = start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
+  }
+
+  ExitCode run() {
+    bool reached = false;
+    do {
+      reached = look();
+    } while (!reached && !over());
+    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    client::Reply reply{client::ReplyCode::done, ""};
+    if (!reached) {
+      const bool stopped = interrupt_flag().load();
+      reply.code = stopped ? client::ReplyCode::cancelled : client::ReplyCode::timeout;
+      reply.reason = fmt::format("{} {:.1f} s; seen last: {}",
+                                 stopped ? "cancelled after" : "not reached within", seconds, seen_);
+    }
+    JsonObject object;
+    object.add("state", texts_.state);
+    if (state_.of == WaitState::Of::slaves && mask_ != 0) {
+      object.add("slave_mask", mask_);
+    } else {
+      object.add_null("slave_mask");
+    }
+    object.add("reached", reached).add("seconds", seconds);
+    return session_.finish(reply, object, "wait " + texts_.state,
+                           fmt::format("{} is reached after {:.1f} s", texts_.state, seconds));
+  }
+
+ private:
+  bool over() const { return interrupt_flag().load() || Clock::now() >= end_; }
+
+  /// Looks for the daemon, then at it, until the state is reached, the daemon goes or the time is over.
+  bool look() {
+    const bool wants_none = state_.of == WaitState::Of::nobody;
+    // Only a search of the usual length tells that nobody is there.
+    client::Client* client =
+        session_.look_for_daemon(wants_none ? session_.search_time() : std::min(kSearch, left()));
+    if (client == nullptr) {
+      seen_ = "no daemon";
+      return wants_none;
+    }
+    if (state_.of == WaitState::Of::daemon) return true;
+    mask_ = state_.of == WaitState::Of::slaves ? session_.configured_slaves(texts_.slaves) : 0;
+    Changes changes(*client);
+    for (;;) {
+      if (!client->daemon_present()) {
+        seen_ = "no daemon";
+        return wants_none;
+      }
+      const WaitLook now{client->master_status(), client->slaves(std::chrono::milliseconds(0)), mask_};
+      seen_ = seen(state_, now);
+      if (is_reached(state_, now)) return true;
+      if (over()) return false;
+      changes.wait_until(std::min(end_, Clock::now() + kLook));
+    }
+  }
+
+  std::chrono::milliseconds left() const {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end_ - Clock::now());
+    return std::max(left, std::chrono::milliseconds(1));
+  }
+
+  Session& session_;
+  const WaitTexts& texts_;
+  const WaitState& state_;
+  Clock::time_point start_;
+  Clock::time_point end_ = Clock::time_point::max();
+  std::uint32_t mask_ = 0;
+  std::string seen_ = "nothing";
+};
+
+ExitCode wait_verb(Session& session, const WaitTexts& texts) {
+  const WaitState& state = find_wait_state(texts.state);
+  if (!texts.slaves.empty() && state.of != WaitState::Of::slaves)
+    throw UsageError(fmt::format("SLAVE: found '{}'; {} is no state of a slave; allowed: nothing",
+                                 texts.slaves.front(), texts.state));
+  for (const std::string& list : texts.slaves)
+    if (is_number_list(list)) static_cast<void>(session.slave_mask(list));
+  return Wait(session, texts, state).run();
+}
+
+}  // namespace
+
+void add_wait_verb(CLI::App& app, Verb& chosen) {
+  auto* wait = app.add_subcommand("wait", "wait until the daemon, the master or slaves are in a state");
+  auto texts = std::make_shared<WaitTexts>();
+  wait->add_option("STATE", texts->state, "what to wait for")->type_name(wait_state_words())->required();
+  wait->add_option(
+      "SLAVE", texts->slaves,
+      "for states of slaves: numbers, names, or lists such as 1,3,5-9; all of them must be in the state "
+      "(default: every configured slave)");
+  wait->footer(
+      "--timeout is how long to wait in all, also for the daemon (default: until Ctrl-C). Exit code 0: "
+      "reached, 5: not "
+      "within\nthe time, 7: Ctrl-C. What was seen last is said.\n" +
+      wait_states_help());
+  wait->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return wait_verb(session, *texts); }; });
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/watch/watch_rows.h"
+#include "client/types.h"
+
+/// From samples of actual values to rows of a CSV file. No clocks, no files; one thread.
+namespace cansync::cli {
+
+/// Names of the columns before the values.
+inline constexpr std::array<std::string_view, 6> kRecordColumns{"time",     "seconds", "receive_time_ns",
+                                                                "interval", "slave",   "name"};
+
+/// What is recorded of which slave, and where it stands.
+class RecordPlan {
+ public:
+  /// A column for each name and unit that `slaves` have mapped; what has no name is "value3" by its number.
+  /// `values`: those to take, by name or number (all when empty). Throws UsageError when no slave has one of
+  /// them.
+  RecordPlan(std::span<const client::SlaveStatus> slaves, const std::vector<std::string>& values, bool raw);
+
+  /// "position [mm]", in the order of the columns; "[raw]" for numbers as on the bus.
+  const std::vector<std::string>& headings() const noexcept { return headings_; }
+  bool raw() const noexcept { return raw_; }
+  /// Where a slave's value 0..7 stands among the headings; nothing: it is not recorded.
+  std::optional<std::size_t> column(unsigned slave, unsigned value) const;
+  const std::string& name(unsigned slave) const { return names_.at(slave); }
+  bool records(unsigned slave) const { return names_.contains(slave); }
+  std::vector<unsigned> slaves() const;
+  /// The first line of the file, with its end.
+  std::string header() const;
+
+ private:
+  std::vector<std::string> headings_;
+  std::map<std::pair<unsigned, unsigned>, std::size_t> columns_;
+  std::map<unsigned, std::string> names_;
+  bool raw_;
+};
+
+/// Which value every so often.
+struct RecordCounts {
+  std::uint64_t rows = 0;
+  /// Turns of a slave without a row: it was not asked, did not answer, or the sample did not come through.
+  std::uint64_t missing = 0;
+};
+
+/// Makes rows: what came of one slave in one interval, whichever telegrams brought it. What a sample repeats
+/// from earlier telegrams is not written again. Rows come in the order of intervals.
+class RecordRows {
+ public:
+  /// `every`: takes each Nth row of a slave; at least 1. `plan` must outlive this object.
+  RecordRows(const RecordPlan& plan, std::uint64_t every) : plan_(plan), every_(every) {}
+
+  /// Who is asked how often, so that turns without a row are noticed; whenever it may have changed.
+  void set_polling(const client::MasterStatus& status);
+  /// The first sample of a slave tells what was before the recording; its values are not written.
+  void take(const client::ActualValues& sample);
+  /// The lines that are complete, each with its end. With `all`: those of the newest intervals too.
+  std::string lines(bool all);
+  const RecordCounts& counts() const noexcept { return counts_; }
+
+ private:
+  struct Row {
+    std::int64_t time = 0;
+    std::array<std::optional<double>, kSlaveValues> values = {};
+  };
+  struct Seen {
+    std::array<std::uint64_t, 2> interval = {};
+    std::optional<std::uint64_t> row;  ///< interval of the newest row
+    std::uint64_t rows = 0;
+  };
+  using Place = std::pair<std::uint64_t, unsigned>;  // interval, slave
+
+  void take_telegram(const client::ActualValues& sample, unsigned telegram);
+  void count_missing(unsigned slave, Seen& seen, std::uint64_t interval);
+  std::string line(const Place& place, const Row& row);
+
+  const RecordPlan& plan_;
+  std::uint64_t every_;
+  std::map<unsigned, Seen> seen_;
+  std::map<Place, Row> open_;
+  std::uint64_t newest_ = 0;
+  std::array<std::int32_t, 2> polling_ = {};
+  std::uint64_t round_ = 0;  ///< intervals of automatic polling until a slave's next turn
+  std::optional<std::int64_t> first_time_;
+  RecordCounts counts_;
+};
+
+/// An instant of CLOCK_REALTIME in ns as "2026-11-21T22:30:29.123456789Z".
+std::string utc_text(std::int64_t nanoseconds);
+
+}  // namespace cansync::cli

@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "cli/base/interrupt.h"
+#include "cli/base/verbs.h"
+#include "cli/cansync/trace_text.h"
+#include "cli/text/column_help.h"
+#include "cli/trace/trace_source.h"
+#include "cli/trace/trace_writer.h"
+
+namespace cansync::cli {
+namespace {
+
+/// Lines that are no frames are named up to this many times, then only counted.
+constexpr std::uint64_t kMostNamed = 10;
+
+struct TraceTexts {
+  std::string source;
+  std::string slave;
+  std::string count = "0";
+  std::string sync;
+  std::string pcapng;
+  bool candump = false;
+};
+
+std::unique_ptr<TraceSource> open_source(const std::string& source, std::uint32_t sync) {
+  std::error_code ignored;
+  const bool file =
+      source == "-" || source.find('/') != std::string::npos || std::filesystem::exists(source, ignored);
+  return file ? open_log(source) : open_interface(source, sync);
+}
+
+JsonObject telegram_object(const TracedTelegram& telegram, const can::CandumpLine& line) {
+  JsonObject object;
+  object.add("time_us", telegram.time.count());
+  telegram.after_sync ? object.add("after_sync_us", telegram.after_sync->count())
+                      : object.add_null("after_sync_us");
+  object.add("interface", line.interface).add("identifier", line.frame.id).add("channel", telegram.channel);
+  telegram.slave ? object.add("slave", *telegram.slave) : object.add_null("slave");
+  JsonArray data;
+  for (unsigned i = 0; i < line.frame.dlc && i < line.frame.data.size(); ++i) data.add(line.frame.data[i]);
+  return object.add("data", data).add("text", telegram.words);
+}
+
+/// One run of the verb.
+class Tracer {
+ public:
+  Tracer(Output& output, const TraceTexts& texts, std::uint32_t slaves, std::uint32_t sync)
+      : output_(output), candump_(texts.candump), slaves_(slaves), text_(sync) {
+    if (!texts.pcapng.empty()) capture_.emplace(texts.pcapng, output);
+  }
+
+  void show(const can::CandumpLine& line) {
+    const TracedTelegram telegram = text_.describe(line);
+    if (slaves_ != 0 && (telegram.slaves & slaves_) == 0) return;
+    if (capture_) {
+      capture_->write(line);
+    } else if (output_.json()) {
+      output_.object(telegram_object(telegram, line));
+    } else if (candump_) {
+      std::array<char, can::kCandumpLineLimit> text{};
+      output_.bytes({text.data(), can::write_candump_line(line.time, line.interface, line.frame, text)});
+    } else {
+      if (shown_ == 0) output_.line(trace_heading());
+      output_.line(trace_line(telegram));
+    }
+    ++shown_;
+  }
+
+  void problem(const TraceProblem& problem) {
+    ++problems_;
+    if (problems_ <= kMostNamed) output_.remark(problem.text);
+    if (problems_ == kMostNamed) output_.remark("more of these are only counted");
+  }
+
+  void remark(const TraceRemark& remark) {
+    ++remarks_;
+    if (remarks_ <= kMostNamed) output_.remark(remark.text);
+  }
+
+  ExitCode end(std::uint64_t dropped) {
+    if (dropped > 0)
+      output_.remark(fmt::format("{} frames were dropped by the kernel: this program was too slow", dropped));
+    if (problems_ == 0) return ExitCode::done;
+    output_.remark(
+        fmt::format("{} {} not understood", problems_, problems_ == 1 ? "line was" : "lines were"));
+    return ExitCode::failed;
+  }
+
+  std::int64_t shown() const noexcept { return shown_; }
+
+ private:
+  Output& output_;
+  bool candump_;
+  std::optional<TraceCapture> capture_;
+  std::uint32_t slaves_;  ///< mask; 0: everything is shown
+  TraceText text_;
+  std::int64_t shown_ = 0;
+  std::uint64_t problems_ = 0;
+  std::uint64_t remarks_ = 0;
+};
+
+ExitCode trace_verb(Session& session, const TraceTexts& texts) {
+  const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
+  const std::uint32_t sync = texts.sync.empty()
+                                 ? kSyncIdentifier
+                                 : static_cast<std::uint32_t>(parse_integer(texts.sync, "--sync", 0, 0x7FF));
+  if (texts.candump && session.json())
+    throw UsageError("--candump: found together with --json; allowed: one of the two");
+  if (!texts.pcapng.empty() && (texts.candump || session.json()))
+    throw UsageError("--pcapng: found together with --candump or --json; allowed: one of the three");
+  const std::uint32_t slaves = texts.slave.empty() ? 0 : session.slave_mask(texts.slave);
+  session.expect_input(texts.source);
+  const auto source = open_source(texts.source, sync);
+  Tracer tracer(session.output(), texts, slaves, sync);
+  for (;;) {
+    if (interrupt_flag().load()) break;
+    const TraceItem item = source->next();
+    if (std::holds_alternative<TraceEnd>(item)) break;
+    if (const auto* line = std::get_if<can::CandumpLine>(&item)) tracer.show(*line);
+    if (const auto* problem = std::get_if<TraceProblem>(&item)) tracer.problem(*problem);
+    if (const auto* remark = std::get_if<TraceRemark>(&item)) tracer.remark(*remark);
+    if (count != 0 && tracer.shown() == count) break;
+  }
+  return tracer.end(source->dropped());
+}
+
+}  // namespace
+
+void add_trace_verb(CLI::App& app, Verb& chosen) {
+  auto* trace = app.add_subcommand("trace", "the frames of a line in words, from a log or live");
+  auto texts = std::make_shared<TraceTexts>();
+  trace
+      ->add_option(
+          "SOURCE", texts->source,
+          "a candump text log (candump -L, or the trace of the simulated line) or a pcapng capture, - for "
+          "standard input, or a SocketCAN interface, which is only listened to")
+      ->required();
+  trace
+      ->add_option("--slave", texts->slave,
+                   "only what concerns these slaves: number, name, or a list such as 1,3,5-9")
+      ->type_name("SLAVE");
+  trace->add_option("--count", texts->count, "end after N frames; 0 = all (default)")->type_name("N");
+  trace
+      ->add_option("--sync", texts->sync, "identifier of the frame that marks SYNC, 0..0x7FF (default 0x080)")
+      ->type_name("ID");
+  trace->add_flag("--candump", texts->candump, "write the frames as a candump text log instead");
+  trace
+      ->add_option("--pcapng", texts->pcapng,
+                   "write the frames as a pcapng capture into FILE instead, which is replaced; - = stdout")
+      ->type_name("FILE");
+  trace->footer(
+      "No daemon is needed, except to look up a slave's name. Lines that are no frames are named and "
+      "counted;\n"
+      "then the exit code is 1.\n"
+      "Examples:\n"
+      "  candump -L can0 | cansync trace - --slave 3\n"
+      "  cansync trace can0 --pcapng - | wireshark -k -i -\n" +
+      columns_help(trace_columns()));
+  trace->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return trace_verb(session, *texts); }; });
+}
+
+}  // namespace cansync::cli

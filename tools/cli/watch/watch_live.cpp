@@ -1,0 +1,119 @@
+#include "cli/watch/watch_live.h"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <utility>
+
+#include "cli/base/interrupt.h"
+#include "cli/watch/live_layout.h"
+#include "cli/watch/live_model.h"
+
+namespace cansync::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto kLook = std::chrono::milliseconds(50);  // a signal is noticed within this time
+
+/// What comes by itself, on its way from the client's thread to this one; the oldest goes when it is full.
+class Arrivals {
+ public:
+  explicit Arrivals(client::Client& client)
+      : timing_subscription_(client.on_timing([this](const client::Timing& timing) {
+          const std::lock_guard lock(mutex_);
+          timings_.push_back(timing);
+          if (timings_.size() > kTimingSeconds) timings_.pop_front();
+        })),
+        event_subscription_(client.on_event([this](const client::Event& event) {
+          const std::lock_guard lock(mutex_);
+          events_.push_back(event);
+          if (events_.size() > kLiveEvents) events_.pop_front();
+        })) {}
+
+  void give_to(LiveModel& model) {
+    const std::lock_guard lock(mutex_);
+    for (const client::Timing& timing : std::exchange(timings_, {})) model.take(timing);
+    for (const client::Event& event : std::exchange(events_, {})) model.take(event);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<client::Timing> timings_;
+  std::deque<client::Event> events_;
+  client::Subscription timing_subscription_;  // end before what their callbacks need
+  client::Subscription event_subscription_;
+};
+
+/// The view while it runs.
+class LiveView {
+ public:
+  LiveView(client::Client& client, LiveScreen& screen, const LiveSettings& settings)
+      : client_(client), screen_(screen), settings_(settings), arrivals_(client) {
+    state_.raw = settings.raw;
+  }
+
+  bool quit() const noexcept { return state_.quit; }
+  bool daemon_present() const noexcept { return model_.daemon_present(); }
+
+  void look() {
+    const bool present = client_.daemon_present();
+    const client::MasterStatus status = client_.master_status();
+    model_.set_daemon(present, client_.place());
+    if (frozen_) frozen_->set_daemon(present, client_.place());
+    if (present)
+      rows_ = watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves);
+    model_.look(status, rows_, wall_clock());
+    arrivals_.give_to(model_);
+  }
+
+  void show() {
+    screen_.show(live_lines(shown(), state_, screen_.size(), screen_.symbols()), state_.redraw);
+    state_.redraw = false;
+  }
+
+  /// Waits for a key until `instant`; true when the screen may look different now.
+  bool wait(Clock::time_point instant) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(instant - Clock::now());
+    const LiveScreen::Input input =
+        screen_.input(std::clamp(left, std::chrono::milliseconds(0), std::chrono::milliseconds(kLook)));
+    if (!input.key) return input.resized;
+    state_ = after_key(state_, *input.key, view_facts(shown(), state_, screen_.size()));
+    if (!state_.paused)
+      frozen_.reset();
+    else if (!frozen_)
+      frozen_ = model_;
+    return true;
+  }
+
+ private:
+  const LiveModel& shown() const { return frozen_ ? *frozen_ : model_; }
+
+  client::Client& client_;
+  LiveScreen& screen_;
+  LiveSettings settings_;
+  LiveModel model_;
+  std::optional<LiveModel> frozen_;  ///< what is shown while paused
+  std::vector<WatchRow> rows_;       ///< the newest from a living daemon
+  ViewState state_;
+  Arrivals arrivals_;
+};
+
+}  // namespace
+
+ExitCode watch_live(Session& session, LiveScreen& screen, const LiveSettings& settings) {
+  LiveView view(session.client(), screen, settings);
+  auto next = Clock::now();
+  bool changed = true;
+  while (!view.quit() && !interrupt_flag().load()) {
+    if (Clock::now() >= next) {
+      view.look();
+      next = std::max(next + settings.interval, Clock::now());
+      changed = true;
+    }
+    if (changed) view.show();
+    changed = view.wait(next);
+  }
+  return view.daemon_present() ? ExitCode::done : ExitCode::not_reachable;
+}
+
+}  // namespace cansync::cli

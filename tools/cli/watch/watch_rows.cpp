@@ -1,0 +1,45 @@
+#include "cli/watch/watch_rows.h"
+
+#include <algorithm>
+#include <ctime>
+
+#include "cli/base/session.h"
+
+namespace cansync::cli {
+
+std::int64_t wall_clock() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+void await_values(const client::Client& client, std::uint32_t wanted) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::milliseconds(500);
+  for (const client::SlaveStatus& status : client.slaves()) {
+    if (((wanted >> status.slave) & 1u) == 0) continue;
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    static_cast<void>(client.actual_values(status.slave, std::max(left, std::chrono::milliseconds(0))));
+  }
+}
+
+std::vector<WatchRow> watch_rows(const client::Client& client, std::uint32_t wanted) {
+  std::vector<WatchRow> rows;
+  for (const client::SlaveStatus& status : client.slaves(std::chrono::milliseconds(0))) {
+    if (((wanted >> status.slave) & 1u) == 0) continue;
+    WatchRow row{status, client.actual_values(status.slave, std::chrono::milliseconds(0)), 0};
+    if (row.values) {
+      const unsigned came =
+          ((row.values->ever & 1u) != 0 ? 0x0Fu : 0u) | ((row.values->ever & 2u) != 0 ? 0xF0u : 0u);
+      row.shown = static_cast<std::uint8_t>(mapped_values(status.actual_mapping) & came);
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::int32_t signed_raw(const client::ActualValues& values, unsigned value) {
+  return as_signed(values.raw[value], Width::doubleword);
+}
+
+}  // namespace cansync::cli
