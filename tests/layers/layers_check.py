@@ -1,0 +1,267 @@
+#!/usr/bin/env python3
+"""Holds the rooms of lib/, daemon/ and tools/ apart.
+
+  layers_check.py ROOT         exit 1 and one line per violation, when there is any in ROOT
+  layers_check.py --self-test  plants each kind of violation in a made-up tree and expects it to be found
+
+Each room may include its own headers and those of the rooms its line in ROOMS names. A room names only rooms above it,
+so there are no circles. A folder that has no line is a violation: whoever makes a room says what it may use; and so is
+a line that allows what no file needs.
+lib/cansync is sans-IO besides: it includes only what is listed here, and names no clock.
+"""
+import os
+import re
+import sys
+
+# room: what it may use. `idl` is the generated header of the data model.
+ROOMS = """
+idl:
+lib/text:
+lib/profile:                lib/text
+lib/can:
+lib/cansync:
+lib/sim:                    lib/text lib/can lib/cansync
+lib/rt:                     lib/can
+lib/sync:                   lib/can lib/rt
+lib/dds:                    idl lib/cansync
+lib/client:                 idl lib/dds
+
+daemon/cansync:             lib/can lib/cansync lib/rt lib/sync
+daemon/config:              lib/text lib/profile lib/can lib/cansync lib/sync
+daemon/options:             lib/profile daemon/config
+daemon/service:             daemon/config
+daemon/bus:                 lib/can lib/cansync lib/sim daemon/config daemon/cansync
+daemon/loop:                lib/can lib/cansync lib/rt lib/sync daemon/config daemon/cansync
+daemon/cansync/config:      lib/can lib/cansync daemon/config daemon/options daemon/bus
+daemon/cansync/realtime:    lib/can lib/cansync lib/rt daemon/config daemon/bus daemon/loop daemon/cansync
+daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds daemon/config daemon/service daemon/bus
+                            daemon/loop daemon/cansync
+daemon/cansync/requests:    idl lib/cansync lib/dds daemon/config daemon/cansync daemon/cansync/texts
+daemon/recorder:            lib/can lib/cansync lib/rt daemon/config daemon/service daemon/loop daemon/cansync/texts
+daemon/desk:                idl lib/cansync lib/dds daemon/config daemon/service daemon/cansync
+                            daemon/cansync/texts daemon/cansync/requests
+daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds daemon/config daemon/bus daemon/desk
+                            daemon/cansync daemon/cansync/texts
+daemon/cansync/gateway:     idl lib/cansync lib/dds daemon/config daemon/service daemon/desk daemon/cansync
+                            daemon/cansync/texts daemon/cansync/requests daemon/cansync/status
+daemon:                     lib/text lib/cansync lib/rt lib/dds daemon/config daemon/service daemon/bus daemon/loop
+                            daemon/recorder daemon/cansync daemon/cansync/config daemon/cansync/realtime
+                            daemon/cansync/gateway
+
+tools/cli/text:
+tools/cli/base:             lib/client tools/cli/text
+tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client tools/cli/text tools/cli/base
+tools/cli/look:             tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/watch:            lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/record:           lib/client tools/cli/text tools/cli/base tools/cli/watch
+tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
+tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/simulator:            lib/text lib/can lib/cansync lib/sim lib/sync daemon/config daemon/bus
+"""
+PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
+
+# Standard headers the protocol core may use: nothing that reaches a file, a thread or the system.
+CORE_HEADERS = set("""algorithm array bit bitset chrono compare concepts cstddef cstdint cstring deque functional
+initializer_list iterator limits memory new numeric optional ranges span string string_view tuple type_traits utility
+variant vector""".split())
+CORE_WORDS = re.compile(r"steady_clock|system_clock|high_resolution_clock|utc_clock|clock_gettime|gettimeofday|std::time\b|"
+                        r"this_thread|fopen|printf|getenv|std::(cout|cerr|clog)")
+CANSYNC_WORDS = {"lib/can": re.compile("cansync"),
+                 "lib/rt": re.compile("cansync/|cansync::|namespace cansync"),
+                 "lib/sync": re.compile("cansync/|cansync::|namespace cansync")}
+INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
+
+
+def read_table(text):
+    """{room: rooms it may use}; ValueError names a room that stands above one it uses."""
+    rooms = {}
+    for line in re.sub(r"\n +", " ", text).splitlines():
+        if not line:
+            continue
+        room, uses = line.split(":")
+        for used in uses.split():
+            if used not in rooms:
+                raise ValueError(f"{room} uses {used}, which does not stand above it")
+        rooms[room] = set(uses.split())
+    return rooms
+
+
+def room_of(folder):
+    """Of a folder; subfolders of a library belong to it."""
+    return "/".join(folder.split("/")[:2]) if folder.startswith("lib/") else folder
+
+
+def included_room(file, bracket, path, libraries):
+    """The room an #include leads to; nothing for headers of others and of the file's own folder."""
+    first = path.split("/")[0]
+    if bracket == "<" and first == "dds":
+        return "dds"
+    if path in ("cansync.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
+        return "idl"
+    if "/" not in path:
+        return None
+    folder = os.path.dirname(path)
+    if first in (".", ".."):
+        return room_of(os.path.normpath(f"{os.path.dirname(file)}/{folder}"))
+    if first in libraries:
+        return f"lib/{first}"
+    if first in ("cli", "simulator"):
+        return f"tools/{folder}"
+    return folder if first in ("daemon", "tools") else None
+
+
+def used_rooms(files, rooms):
+    """{room: the rooms its files include}."""
+    libraries = {room[4:] for room in rooms if room.startswith("lib/")}
+    used = {room: set() for room in rooms}
+    for file, text in files.items():
+        room = room_of(os.path.dirname(file))
+        for include in filter(None, map(INCLUDE.match, text.split("\n"))):
+            used.setdefault(room, set()).add(included_room(file, include[1], include[2], libraries))
+    return used
+
+
+def unneeded(files, rooms):
+    """What the table has too much."""
+    used = used_rooms(files, rooms)
+    found = [f"{room}/ has a line in the table of rooms and no sources" for room in rooms
+             if room != "idl" and not any(room_of(os.path.dirname(file)) == room for file in files)]
+    return found + [f"the table allows {other} to {room}, which does not include it: take it out"
+                    for room in rooms for other in sorted(rooms[room] - used[room])]
+
+
+def check(files, rooms):
+    """Violations in {path: text}, as "path:line: text   <- rule"."""
+    found = []
+    libraries = {room[4:] for room in rooms if room.startswith("lib/")}
+    for file, text in sorted(files.items()):
+        room = room_of(os.path.dirname(file))
+        if room not in rooms:
+            found.append(f"{file}:1:   <- {room}/ stands in no line of the table of rooms")
+            continue
+        uses = rooms[room]
+        for number, line in enumerate(text.split("\n"), 1):
+            def report(rule):
+                found.append(f"{file}:{number}: {line.strip()}   <- {rule}")
+
+            if room in CANSYNC_WORDS and CANSYNC_WORDS[room].search(line):
+                report(f"{room} may not know CANsync")
+            if room == "lib/cansync" and CORE_WORDS.search(line):
+                report("the sans-IO core reads no clock and no file")
+            if room.startswith("lib/") and "lib/dds" not in uses | {room} and re.search(r"\bdds_[a-z]+", line):
+                report(f"{room} may not use DDS")
+            include = INCLUDE.match(line)
+            if not include:
+                continue
+            bracket, path = include[1], include[2]
+            there = included_room(file, bracket, path, libraries)
+            if room == "lib/cansync":
+                own = bracket == '"' and (path == "can/frame.h" or re.fullmatch(r"cansync/[a-z_]+\.h", path))
+                if not own and not (bracket == "<" and path in CORE_HEADERS):
+                    report("not on the list of headers for the sans-IO core")
+            elif there == "dds":
+                if "lib/dds" not in uses | {room}:
+                    report(f"{room} may not use DDS")
+            elif there not in uses | {room, None}:
+                report(f"{room} may not include {there}")
+    return found
+
+
+def load(root):
+    files = {}
+    for place in PLACES:
+        for folder, _, names in os.walk(os.path.join(root, place)):
+            for name in names:
+                if name.endswith((".h", ".cpp", ".hpp", ".c")):
+                    path = os.path.join(folder, name)
+                    with open(path, encoding="utf-8") as file:
+                        files[os.path.relpath(path, root)] = file.read()
+    return files
+
+
+# --- self-test
+
+CLEAN = {
+    "lib/cansync/clean.cpp": '#include <array>\n#include "can/frame.h"\n#include "cansync/numbers.h"\n',
+    "lib/sim/clean.h": '#include "can/bus.h"\n',
+    "lib/dds/clean.cpp": '#include <dds/dds.h>\n#include "cansync/jobs.h"\n#include "cansync.h"\n',
+    "lib/client/c_face/clean.c": '#include "../clean.h"\n#include "client/client.h"\n',
+    "daemon/config/clean.h": '#include <vector>\n#include "daemon/config/value.h"\n#include "clean_too.h"\n',
+    "tools/cli/text/clean.cpp": '#include "cli/text/table.h"\n// dds_interface\n',
+}
+
+PLANTED = [
+    *[("lib/cansync/planted.cpp", f"#include <{header}>") for header in
+      "thread mutex fstream iostream atomic sys/socket.h unistd.h time.h ctime random fmt/format.h".split()],
+    ("lib/cansync/planted.h", '# include "can/bus.h"'),
+    ("lib/cansync/planted.h", '#include "planted_too.h"'),
+    ("lib/cansync/planted.cpp", "auto now = std::chrono::steady_clock::now();"),
+    ("lib/cansync/planted.cpp", "using Clock = std::chrono::system_clock;"),
+    ("lib/can/planted.cpp", "int f(cansync::SlaveNumber);"),
+    ("lib/rt/planted.h", "void f(const cansync::Telegram&);"),
+    ("lib/rt/planted.cpp", "auto x = dds_create_participant(0, nullptr, nullptr);"),
+    ("lib/sim/planted.cpp", "#include <dds/dds.h>"),
+    ("lib/sync/planted.cpp", "#include <dds/dds.h>"),
+    ("lib/rt/planted.cpp", '#include "../sync/phase_lock.h"'),
+    ("daemon/cansync/realtime/planted.cpp", "#include <dds/dds.h>"),
+    ("daemon/planted/planted.h", "#include <vector>"),
+    ("daemon/config/planted.h", '#include "daemon/planted/planted_too.h"'),
+    ("daemon/desk/planted.cpp", '#include "cli/base/session.h"'),
+    ("tools/cli/planted.cpp", "#include <vector>"),
+    ("tools/cli/base/planted.cpp", "#include <dds/dds.h>"),
+    ("tools/simulator/planted.cpp", '#include "tools/cli/base/session.h"'),
+]
+
+
+def header_in(room):
+    if room == "idl":
+        return "cansync.h"
+    for before, after in (("lib/", ""), ("tools/", "")):
+        if room.startswith(before):
+            room = after + room[len(before):]
+    return f"{room}/planted_too.h"
+
+
+def self_test(rooms):
+    wrong = [f"a clean tree is refused: {line}" for line in check(CLEAN, rooms)]
+    planted = list(PLANTED)
+    # Every arrow that the table does not have.
+    for room, uses in rooms.items():
+        planted += [(f"{room}/planted.h", f'#include "{header_in(other)}"') for other in rooms
+                    if room != "idl" and other not in uses | {room}]
+    for path, line in planted:
+        found = check(CLEAN | {path: f"#pragma once\n{line}\n"}, rooms)
+        if not found or any(path not in text for text in found):
+            wrong.append(f"not found: {path}: {line}")
+    for circle in ("a: b\nb: a", "a: a", "a:\nb: c\nc: a"):
+        try:
+            read_table(circle)
+            wrong.append(f"a circle passes: {circle!r}")
+        except ValueError:
+            pass
+    few = read_table("idl:\nlib/dds: idl\ndaemon/planted:")
+    if [line.split()[0] for line in unneeded(CLEAN, few)] != ["daemon/planted/"]:
+        wrong.append("a room without sources passes, or more is found")
+    if not unneeded({"lib/dds/clean.cpp": ""}, read_table("idl:\nlib/dds: idl")):
+        wrong.append("what no file needs passes")
+    print("\n".join(wrong) if wrong else f"self-test: each of {len(planted)} planted violations was found")
+    return not wrong
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(f"usage: {sys.argv[0]} ROOT | --self-test")
+    rooms = read_table(ROOMS)
+    if sys.argv[1] == "--self-test":
+        sys.exit(0 if self_test(rooms) else 1)
+    files = load(sys.argv[1])
+    if not files:
+        sys.exit(f"no sources in {sys.argv[1]}")
+    found = check(files, rooms) + unneeded(files, rooms)
+    if found:
+        sys.exit("\n".join(found))
+    print(f"{len(rooms)} rooms are apart, {len(files)} files")
+
+
+main()
