@@ -32,8 +32,8 @@ class KeyGuard {
   static constexpr std::size_t kBytesPerKey = 32u << 20;
   static constexpr std::size_t kBytes = 128u << 20;
   /// Most samples of one key, and together, that were turned away and wait to be refused; more are dropped.
-  static constexpr std::size_t kTurnedAwayPerKey = 8192;
-  static constexpr std::size_t kTurnedAway = 32768;
+  static constexpr std::size_t kTurnedAwayPerKey = 32768;
+  static constexpr std::size_t kTurnedAway = 131072;
 
   /// What the guard has to know of a sample.
   struct Content {

@@ -122,8 +122,10 @@ std::string configuration(const ParticipantOptions& options) {
       "<AllowMulticast>{}</AllowMulticast></General>"
       "<Discovery><LeaseDuration>5 s</LeaseDuration>{}</Discovery>{}"
       "</Domain></CycloneDDS>";
+  // No sample is larger than a transfer's.
   constexpr std::string_view kServes =
-      "<Internal><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 MiB</WhcHighInit>"
+      "<Internal><MaxSampleSize>17 MiB</MaxSampleSize>"
+      "<Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 MiB</WhcHighInit>"
       "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
   // Index 119 is the last whose ports belong to the domain.
   constexpr std::string_view kUnicastPeers =

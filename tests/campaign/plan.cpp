@@ -74,7 +74,7 @@ void draw_master(Dice& dice, Plan& plan) {
   settings.startup.status_period = dice.between(10, 150) * plan.interval();
   settings.startup.lost_after = static_cast<std::uint8_t>(dice.between(1, 5));
   settings.process.maximum_slave = *SlaveNumber::from(numbers.back());
-  settings.process.reference_mapping = draw_mapping(dice);
+  settings.process.reference_mapping = draw_reference_mapping(dice);
   for (Cursor& cursor : settings.process.polling) cursor = draw_cursor(dice, numbers, 300);
   settings.process.poll_without_reference = dice.chance(200);
   settings.process.full_length = dice.chance(800);
@@ -199,6 +199,17 @@ bool Plan::doubtful_answers(std::uint64_t from, std::uint64_t to) const noexcept
     const bool kind = fault.kind == FaultKind::late || fault.kind == FaultKind::duplicated;
     return kind && fault.from <= to && fault.to + kAftermath >= from;
   });
+}
+
+cansync::ProcessMapping draw_reference_mapping(Dice& dice) {
+  cansync::ProcessMapping mapping = draw_mapping(dice);
+  for (cansync::TelegramMapping& telegram : mapping) {
+    telegram.word[1] = {true, true, telegram.word[0].value};
+    for (unsigned word = 2; word < cansync::kWords; ++word) {
+      if (telegram.word[word].value != telegram.word[0].value) telegram.word[word].high = true;
+    }
+  }
+  return mapping;
 }
 
 cansync::ProcessMapping draw_mapping(Dice& dice) {

@@ -103,6 +103,8 @@ sim::Fault draw_fault(Dice& dice, sim::FaultKind kind, const Plan& plan, std::ui
 /// Draws a mapping of reference or actual values. Word 0 always carries the low word of the telegram's first
 /// value, which tells whose update it is.
 cansync::ProcessMapping draw_mapping(Dice& dice);
+/// Likewise of reference values, none of which is a word: the values of the campaign have 32 bits.
+cansync::ProcessMapping draw_reference_mapping(Dice& dice);
 
 /// The schedule in words, one line for each thing.
 std::string describe(const Plan& plan);

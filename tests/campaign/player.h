@@ -78,6 +78,7 @@ class Player {
   void ask(std::uint64_t tick);
   void ask_parameter();
   void ask_transfer();
+  bool taken_soon() const noexcept;
   void ask_control_word();
   void ask_stop_word();
   void hand_on_held_back();

@@ -100,11 +100,17 @@ void Player::command(const Job& job, const Request& request, const std::string& 
   push(request, &job, text);
 }
 
+/// Nothing can stand before a request that is pushed now, and its answer has room.
+bool Player::taken_soon() const noexcept {
+  return stage_.exchange.requests.size() < kTakenAtOnce &&
+         stage_.exchange.terminals.room() > stage_.ledger.open().size() + 1;
+}
+
 void Player::ask_control_word() {
   constexpr std::uint16_t kWords[] = {0x0007, 0x0007, 0x0000, 0x0006, 0x0087};
   const Job job = new_job(Job::Kind::command);
   const cansync::ControlWordRequest request{job.id, any_slave(), dice_.one_of(kWords)};
-  const bool soon = stage_.exchange.requests.size() < kTakenAtOnce;
+  const bool soon = taken_soon();
   if (!push(request, &job, "control word" + slave_text(request.slave))) return;
   // None of them has all enabling bits: each is one that stops.
   stage_.witness.stops.pushed(job.id, request.slave, request.control_word, soon);
@@ -114,7 +120,7 @@ void Player::ask_stop_word() {
   constexpr std::uint16_t kWords[] = {0x0000, 0x0006};
   const Job job = new_job(Job::Kind::command);
   const cansync::ControlWordRequest request{job.id, any_slave(), dice_.one_of(kWords)};
-  const bool soon = stage_.exchange.requests.size() < kTakenAtOnce;
+  const bool soon = taken_soon();
   if (stage_.exchange.requests.size() == stage_.exchange.requests.capacity()) return;
   stage_.witness.stops.pushed(job.id, request.slave, request.control_word, soon);
   const std::uint64_t later = stage_.tamper != nullptr ? stage_.tamper->held_back(request) : 0;
@@ -157,7 +163,7 @@ void Player::ask_setting() {
               "cursors");
       break;
     case 2:
-      command(job, SetReferenceMapping{job.id, draw_mapping(dice_)}, "reference mapping");
+      command(job, SetReferenceMapping{job.id, draw_reference_mapping(dice_)}, "reference mapping");
       break;
     default: {
       const SlaveNumber slave = any_slave();

@@ -27,9 +27,10 @@ class StopTruth {
   }
   /// A control word or broadcast was handed to the bus.
   void handed_over(const cansync::ActionCommand& action) {
-    std::erase_if(waiting_, [&](const Waiting& each) {
-      return action.command == 1 && action.data_word == each.word && action.slaves.has(each.slave);
-    });
+    for (Waiting& each : waiting_) {
+      if (action.command == 1 && action.data_word == each.word && action.slaves.has(each.slave))
+        each.on_bus = true;
+    }
   }
   void answered(cansync::JobId id) {
     std::erase_if(waiting_, [id](const Waiting& each) { return each.id == id; });
@@ -37,6 +38,7 @@ class StopTruth {
   /// An interval has ended. `free`: a command could go out in it, and the answers of it were read.
   void interval_ended(bool free) {
     for (Waiting& each : waiting_) {
+      if (each.on_bus) continue;
       if (free && (each.taken || each.room)) ++each.intervals;
       if (each.intervals < 2 * each.beside || !complaint_.empty()) continue;
       complaint_ =
@@ -56,7 +58,8 @@ class StopTruth {
     std::uint16_t word = 0;
     bool room = false;
     bool taken = false;
-    std::size_t beside = 1;     ///< most words that waited at the same time, with this one
+    bool on_bus = false;        ///< or an equal word of another request was: which one, nobody can tell
+    std::size_t beside = 1;     ///< most words without a read answer at the same time, with this one
     std::size_t intervals = 0;  ///< in which it could have gone out
   };
 

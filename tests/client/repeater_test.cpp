@@ -60,8 +60,9 @@ TEST_F(RepeaterTest, RepeatsTheNewestValueAndStops) {
   // The telegram is given up, and nothing comes any more. A reply comes after what was written before.
   EXPECT_TRUE(comes(8, 5));
   const auto end = std::chrono::steady_clock::now() + seconds(20);
-  while (daemon->references_gone() == 0 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
-  EXPECT_EQ(daemon->references_gone(), 1);
+  while (daemon->references_given_up() == 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::yield();
+  EXPECT_EQ(daemon->references_given_up(), 1);
   const std::size_t after = daemon->references().size();
   repeater.set(1, {9, 0, 0, 0}, 1);
   EXPECT_TRUE(client.read(0, 1).ok());

@@ -40,7 +40,7 @@ daemon/cansync/requests:    idl lib/cansync lib/dds daemon/config daemon/cansync
 daemon/recorder:            lib/can lib/cansync lib/rt daemon/config daemon/service daemon/loop daemon/cansync/texts
 daemon/desk:                idl lib/cansync lib/dds daemon/config daemon/service daemon/cansync
                             daemon/cansync/texts daemon/cansync/requests
-daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds daemon/config daemon/bus daemon/desk
+daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds daemon/config daemon/bus daemon/desk daemon/service
                             daemon/cansync daemon/cansync/texts
 daemon/cansync/gateway:     idl lib/cansync lib/dds daemon/config daemon/service daemon/desk daemon/cansync
                             daemon/cansync/texts daemon/cansync/requests daemon/cansync/status

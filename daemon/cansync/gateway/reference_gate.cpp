@@ -63,7 +63,7 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
   if (takes_over && facts.strength < givers_[channel].strength && !around_.yielded(telegram.owner)) return;
 
   const ReferenceAge::Verdict age = age_.judge(sample.written, {now, wall});
-  std::optional<std::string> reason = problem(sample, age);
+  std::optional<std::string> reason = problem(sample, age, wall);
   push_stops();
   if (!reason && telegram.stop_wanted) reason = "request queue full: the stop of its release waits for room";
   if (!reason) {
@@ -117,7 +117,7 @@ void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
 }
 
 std::optional<std::string> ReferenceGate::problem(const ReferenceSample& sample,
-                                                  const ReferenceAge::Verdict& age) const {
+                                                  const ReferenceAge::Verdict& age, std::int64_t wall) const {
   if (sample.problem) return sample.problem;
   if (refusal_) return refusal_;
   if (sample.daemon == DaemonIdentity{}) {

@@ -139,7 +139,8 @@ class ReferenceGate {
     std::string reason;  ///< of the event that was told
   };
 
-  std::optional<std::string> problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age) const;
+  std::optional<std::string> problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age,
+                                     std::int64_t wall) const;
   void take_values(const ReferenceSample& sample, unsigned channel, std::int64_t wall, SteadyTime now);
   void given_up(unsigned channel, std::int64_t written, SteadyTime now);
   void new_owner(unsigned channel, WriterHandle writer, const ReferenceSurroundings::Writer& facts,

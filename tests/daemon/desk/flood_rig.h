@@ -132,7 +132,8 @@ class FloodRig {
       if (!serve_until([&] { return read_code_ && command_code_; })) return false;
       // Refused as long as too many others are open.
     } while (read_code_ != cansync_REPLY_DONE || command_code_ != cansync_REPLY_DONE);
-    return serve_other();
+    // Those that were refused unread are answered after those that were read.
+    return serve_until([&] { return answered_ >= flood_.written(); }) && serve_other();
   }
   template <class Condition>
   bool serve_until(Condition&& condition) {

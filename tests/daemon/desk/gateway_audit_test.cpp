@@ -178,8 +178,11 @@ TEST(Audit, AFloodOfRefusalsIsCountedAndAcceptedRequestsAreNot) {
     auto wrong = parameter(i, true);
     wrong.slave = 9;
     rig.client.write(wrong);
+    // More than may wait at once are refused unread, so that nobody knows what they would have changed.
+    if (i % 50 == 0) {
+      ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(i));
+    }
   }
-  ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(kMany));
   // Every refusal is either an entry of its own or in a count.
   ASSERT_TRUE(eventually(rig.client.signal(), [&] {
     std::uint64_t told = rig.journal.with("CANSYNC_ACTION", "parameter_write").size();

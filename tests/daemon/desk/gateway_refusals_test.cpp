@@ -339,11 +339,11 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   ASSERT_TRUE(transfer);
   expect_refused(transfer->reply.code, transfer->reply.reason, {"32 transfers", "at most 32"});
 
-  rig.client.write(good_command(7));
-  rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::queue_full});
-  const auto word = rig.client.reply<cansync_CommandReply>(7);
-  ASSERT_TRUE(word);
-  expect_refused(word->code, word->reason, {"8 control words for slave 1 'feeder'", "at most 8"});
+  rig.client.write(good_command(7, cansync_COMMAND_BROADCAST));
+  rig.answer(Refused{rig.expect_request<cansync::BroadcastRequest>().id, Refusal::queue_full});
+  const auto broadcast = rig.client.reply<cansync_CommandReply>(7);
+  ASSERT_TRUE(broadcast);
+  expect_refused(broadcast->code, broadcast->reason, {"8 broadcasts of priority 1", "at most 8"});
 }
 
 }  // namespace

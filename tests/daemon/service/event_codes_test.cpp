@@ -72,7 +72,7 @@ TEST(EventCodes, EveryKindHasAWordAndAnIdOfItsOwn) {
 
 TEST(EventCodes, EveryKindIsUsedByTheDaemon) {
   std::string source;
-  for (const auto& entry : fs::directory_iterator(CANSYNC_SOURCE_DIR "/daemon")) {
+  for (const auto& entry : fs::recursive_directory_iterator(CANSYNC_SOURCE_DIR "/daemon")) {
     if (entry.path().extension() == ".cpp") source += content(entry.path());
   }
   for (const EventKind& kind : kEventKinds) {

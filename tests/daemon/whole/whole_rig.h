@@ -106,7 +106,7 @@ class WholeRig {
   }
   void start_gateway() {
     daemon_ = std::make_unique<cansync::dds::Participant>(places_.here);
-    gateway_ = std::make_unique<Gateway>(config_, line_.exchange(), *daemon_, journal_);
+    gateway_ = std::make_unique<Gateway>(config_, line_.exchange(), *daemon_, journal_, kTestDaemon);
     gateway_->start();
     EXPECT_TRUE(watcher_.wait_for_gateway());
   }
