@@ -54,14 +54,14 @@ const TopicInfo kActualValues{"ActualValues", &cansync_ActualValues_desc, kDaemo
 const TopicInfo kReferenceValues{"ReferenceValues", &cansync_ReferenceValues_desc, kClient, exclusive()};
 const TopicInfo kInterval{"Interval", &cansync_Interval_desc, kDaemon, latest()};
 const TopicInfo kParameterRequest{"ParameterRequest", &cansync_ParameterRequest_desc, kClient, request()};
-const TopicInfo kParameterReply{"ParameterReply", &cansync_ParameterReply_desc, kDaemon, reply(4096, 8192)};
+const TopicInfo kParameterReply{"ParameterReply", &cansync_ParameterReply_desc, kDaemon, reply(4096, 2048)};
 const TopicInfo kTransferRequest{"TransferRequest", &cansync_TransferRequest_desc, kClient, request()};
 const TopicInfo kTransferProgress{"TransferProgress", &cansync_TransferProgress_desc, kDaemon, latest()};
 const TopicInfo kTransferReply{"TransferReply", &cansync_TransferReply_desc, kDaemon, reply(16, 64)};
 const TopicInfo kJobCancel{"JobCancel", &cansync_JobCancel_desc, kClient, request()};
 const TopicInfo kCommand{"Command", &cansync_Command_desc, kClient, request()};
 const TopicInfo kEngineerCommand{"EngineerCommand", &cansync_Command_desc, kClient, request()};
-const TopicInfo kCommandReply{"CommandReply", &cansync_CommandReply_desc, kDaemon, reply(4096, 8192)};
+const TopicInfo kCommandReply{"CommandReply", &cansync_CommandReply_desc, kDaemon, reply(4096, 2048)};
 const TopicInfo kMasterStatus{"MasterStatus", &cansync_MasterStatus_desc, kDaemon, state()};
 const TopicInfo kSlaveStatus{"SlaveStatus", &cansync_SlaveStatus_desc, kDaemon, state()};
 const TopicInfo kTiming{"Timing", &cansync_Timing_desc, kDaemon, latest()};

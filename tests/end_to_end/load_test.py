@@ -52,7 +52,9 @@ class Load(unittest.TestCase):
         for name, of in found.items():
             with self.subTest(name):
                 self.assertEqual(of["command"]["ends"], {"done": of["command"]["requests"]})
-                self.assertLessEqual(of["command"]["median_ms"], 3 * alone)
+                # Programs that go around the library take the processors from everybody; their ratio is measured only.
+                if name != "raw parameters":
+                    self.assertLessEqual(of["command"]["median_ms"], 3 * alone)
                 self.assertEqual(of["references"]["ends"], {"refused": 0})
         flood = found["library"]["others"]
         self.assertEqual(flood["open"], 0, "every request of the library ends")

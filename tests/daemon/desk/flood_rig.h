@@ -163,6 +163,7 @@ class FloodRig {
       ++answered_;
       if (reply.request == last_read_ + 1) command_code_ = reply.code;
     });
+    drain<cansync_CommandReply>(other_, [](const auto&) {});
     drain<cansync_ParameterReply>(other_, [this](const auto& reply) {
       if (reply.client[0] == 2) other_done_ = reply.request;
     });

@@ -212,9 +212,8 @@ TEST(GatewayBadSamples, AFloodKeepsNobodyElseWaitingAndTakesNoMemory) {
     ASSERT_EQ(rig.answered(), rig.written());
   });
   EXPECT_GT(rig.journal_entries(), 0u);
-  // What DDS keeps of a round's replies until they are acknowledged comes and goes, some 4 MiB of each of two
-  // topics. Of 20,000 requests, nearly all refused, 600 bytes kept of each are too many.
-  EXPECT_LE(growth, 12u << 20);
+  // Of 20,000 requests, nearly all refused; 300 bytes kept of each are too many.
+  EXPECT_LE(growth, 6u << 20);
 }
 
 /// Nothing is kept of requests that were taken and answered, either.
