@@ -76,6 +76,32 @@ void add_request_kinds(JsonObject& object, const client::MasterStatus& status) {
       .add("rejected_state", status.rejected_state);
 }
 
+void add_sync(JsonObject& object, const client::MasterStatus& status) {
+  object.add("sync_output", status.sync_output)
+      .add("sync_input", status.sync_input)
+      .add("sync_state", status.sync_state)
+      .add("sync_phase_error_ns", status.sync_phase_error)
+      .add("sync_holdover_ns", status.sync_holdover)
+      .add("sync_edges", status.sync_edges)
+      .add("sync_rejected_edges", status.sync_rejected_edges)
+      .add("sync_output_failures", status.sync_output_failures);
+}
+
+void add_bus(JsonObject& object, const client::MasterStatus& status) {
+  object.add("link_state", status.link_state)
+      .add("timestamp_source", status.timestamp_source)
+      .add("interface_bit_rate", status.interface_bit_rate)
+      .add("sample_point_permille", status.sample_point)
+      .add("restart_ms", status.restart_time)
+      .add("queue_length", status.queue_length)
+      .add("error_frames", status.error_frames)
+      .add("acknowledge_errors", status.acknowledge_errors)
+      .add("restarts", status.restarts)
+      .add("queue_full", status.queue_full)
+      .add("overruns", status.overruns)
+      .add("dropped_frames", status.dropped_frames);
+}
+
 JsonObject status_object(const client::MasterStatus& status) {
   JsonArray names;
   for (const auto& value : status.reference_value) names.add_json(value_names(value).text());
@@ -109,29 +135,10 @@ JsonObject status_object(const client::MasterStatus& status) {
       .add("unexpected_frames", status.unexpected_frames)
       .add("missed_syncs", status.missed_syncs)
       .add("lost_reports", status.lost_reports)
-      .add("serving", status.serving)
-      .add("sync_output", status.sync_output)
-      .add("sync_input", status.sync_input)
-      .add("sync_state", status.sync_state)
-      .add("sync_phase_error_ns", status.sync_phase_error)
-      .add("sync_holdover_ns", status.sync_holdover)
-      .add("sync_edges", status.sync_edges)
-      .add("sync_rejected_edges", status.sync_rejected_edges)
-      .add("sync_output_failures", status.sync_output_failures)
-      .add("link_state", status.link_state)
-      .add("timestamp_source", status.timestamp_source)
-      .add("interface_bit_rate", status.interface_bit_rate)
-      .add("sample_point_permille", status.sample_point)
-      .add("restart_ms", status.restart_time)
-      .add("queue_length", status.queue_length)
-      .add("error_frames", status.error_frames)
-      .add("acknowledge_errors", status.acknowledge_errors)
-      .add("restarts", status.restarts)
-      .add("queue_full", status.queue_full)
-      .add("overruns", status.overruns)
-      .add("dropped_frames", status.dropped_frames)
-      .add("second_master", status.second_master)
-      .add("second_master_frames", status.second_master_frames);
+      .add("serving", status.serving);
+  add_sync(object, status);
+  add_bus(object, status);
+  object.add("second_master", status.second_master).add("second_master_frames", status.second_master_frames);
   add_request_kinds(object, status);
   add_frame_kinds(object, status);
   return object.add("reference_values", names)
