@@ -95,8 +95,8 @@ struct MasterEvent {
     all_synchronized,
     references_stopped,   ///< detail: channel 1 or 2
     references_released,  ///< detail: channel 1 or 2
-    references_too_old,   ///< detail: channel 1 or 2; expected: newer ones within so many intervals, 0: release
-                          ///< before `ReferenceUpdate::too_old_from`
+    references_too_old,   ///< detail: channel 1 or 2; expected: newer ones within so many intervals, 0:
+                          ///< release before `ReferenceUpdate::too_old_from`
     references_held,      ///< still released for a limited time; detail: channel 1 or 2
     second_master,        ///< detail: identifier of its first frame
     second_master_gone,   ///< nothing of it for 3 s; detail: how many frames there were

@@ -72,7 +72,7 @@ class Link : public std::enable_shared_from_this<Link> {
   template <class R>
   std::shared_ptr<JobState<R>> begin(OpenJobs<R>& jobs, std::chrono::milliseconds monitoring);
   /// The monitoring time of a request: its own, or that of the daemon.
-  std::chrono::milliseconds monitoring(std::uint32_t own_ms, std::uint32_t MasterStatus::* otherwise) const;
+  std::chrono::milliseconds monitoring(std::uint32_t own_ms, std::uint32_t MasterStatus::*otherwise) const;
   template <class Request>
   void address(Request& request, std::uint64_t number) const;
   template <class R, class Request>

@@ -109,9 +109,10 @@ static void check_transfers(void) {
   CHECK(cansync_upload(client, 3, 0x100, in, sizeof in, &done, NULL, NULL) == CANSYNC_DONE);
   CHECK(done == sizeof in && memcmp(in, out, sizeof in) == 0);
   CHECK(cansync_upload(client, 3, 0xDEAD00, in, sizeof in, &done, stop_at_once, NULL) == CANSYNC_CANCELLED);
-  cansync_cancel_transfer(client);  /* just before one begins */
+  cansync_cancel_transfer(client); /* just before one begins */
   CHECK(cansync_upload(client, 3, 0xDEAD00, in, sizeof in, &done, NULL, NULL) == CANSYNC_CANCELLED);
-  CHECK(cansync_upload(client, 3, 0x100, in, sizeof in, &done, NULL, NULL) == CANSYNC_DONE); /* that one alone */
+  CHECK(cansync_upload(client, 3, 0x100, in, sizeof in, &done, NULL, NULL) ==
+        CANSYNC_DONE); /* that one alone */
   CHECK(cansync_upload(client, 3, 0x100, NULL, 1, NULL, NULL, NULL) == CANSYNC_INVALID);
   CHECK(cansync_download(client, 3, 0x10, out, 4, NULL, NULL) == CANSYNC_REFUSED);
 }
