@@ -92,7 +92,7 @@ def run(program, daemon, seconds, mishap_seconds=8):
 def run_on_a_new_daemon(program, seconds):
     from gateway import Gateway
 
-    with Gateway(slaves=4) as daemon:
+    with Gateway(slaves=4, bit_rate=125000) as daemon:
         return run(program, daemon, seconds)
 
 

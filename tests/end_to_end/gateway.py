@@ -130,7 +130,10 @@ class Gateway(Place):
         self.log = os.path.join(self.folder.name, "daemon.log")
         with open(self.config, "w", encoding="utf-8") as file:
             file.write(self._toml(bit_rate) + extra)
-        self.options = list(options)
+        # Without realtime priority a machine that idles wakes the daemon later than the usual margin of 50 us, again and
+        # again, and commands wait for the next interval until one is met.
+        self.options = ["--set", "command_channel.command_timeout_ms=30000", "--set", "bus.send_margin_us=100",
+                        *options]
         self.process = None
 
     def _toml(self, bit_rate):

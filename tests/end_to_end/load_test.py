@@ -44,7 +44,7 @@ class Load(unittest.TestCase):
 
     def test_a_flood_keeps_no_control_word_and_no_reference_value_waiting(self):
         program = os.environ["FLOOD_CLIENTS"]
-        with Gateway(slaves=4) as daemon:
+        with Gateway(slaves=4, bit_rate=125000) as daemon:
             found = {name: flood_run.beside(program, daemon, flood_run.FLOODS[name], FLOOD_SECONDS)
                      for name in ("alone", "library", "raw parameters")}
         print(flood_run.table({"floods": found, "mishaps": {}}))
@@ -65,7 +65,7 @@ class Load(unittest.TestCase):
 
     def test_a_client_that_is_stopped_killed_or_slow_costs_the_others_one_write_at_most(self):
         program = os.environ["FLOOD_CLIENTS"]
-        with Gateway(slaves=4) as daemon:
+        with Gateway(slaves=4, bit_rate=125000) as daemon:
             found = {name: flood_run.mishap(program, daemon, name, MISHAP_SECONDS) for name in flood_run.MISHAPS}
         print(flood_run.table({"floods": {}, "mishaps": found}))
         longest = {name: of["read"]["longest_ms"] for name, of in found.items()}
