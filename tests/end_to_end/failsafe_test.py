@@ -108,7 +108,7 @@ class Restart(FailsafeTest):
         self.given_by(process)
         before = self.gateway.status()["daemon"]
         self.gateway.process.kill()
-        self.gateway.process.wait()
+        self.gateway.process.wait(timeout=LONG)
         self.gateway.__enter__()  # within the lease after which DDS tells that a peer has gone
         _, remarks = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 6)
