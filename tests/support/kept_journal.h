@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <condition_variable>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -30,6 +32,7 @@ class KeptJournal : public JournalSink {
     const std::lock_guard lock(mutex_);
     entries_.push_back({priority, message, fields});
     entries_.back().fields.push_back({"EVENT", std::string(event.word())});
+    written_.notify_all();
   }
   std::vector<Entry> all() const {
     const std::lock_guard lock(mutex_);
@@ -43,6 +46,20 @@ class KeptJournal : public JournalSink {
     }
     return out;
   }
+  /// The same once there are `count` of them, or what there is after 20 s. For an entry that its writer makes
+  /// after what the test waited for, such as that of an event, which comes after its sample.
+  std::vector<Entry> wait_for(std::string_view name, std::string_view value, std::size_t count = 1) const {
+    std::unique_lock lock(mutex_);
+    std::vector<Entry> found;
+    written_.wait_for(lock, std::chrono::seconds(20), [&] {
+      found.clear();
+      for (const Entry& entry : entries_) {
+        if (entry.field(name) == value) found.push_back(entry);
+      }
+      return found.size() >= count;
+    });
+    return found;
+  }
   /// Entries that record what a client wanted to change, one by one.
   std::vector<Entry> changes() const {
     std::vector<Entry> out;
@@ -54,6 +71,7 @@ class KeptJournal : public JournalSink {
 
  private:
   mutable std::mutex mutex_;
+  mutable std::condition_variable written_;
   std::vector<Entry> entries_;
 };
 

@@ -86,7 +86,8 @@ TEST(ReadOnly, WritesDownloadsAndEveryCommandAreRefusedAndReadsAndUploadsGoOn) {
     expect_refused(rig.client.reply<cansync_CommandReply>(number++));
   }
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
-  EXPECT_EQ(rig.journal.with("EVENT", "request_refused").size(), number - 1) << "each refusal has its entry";
+  EXPECT_EQ(rig.journal.wait_for("EVENT", "request_refused", number - 1).size(), number - 1)
+      << "each refusal has its entry";
 
   rig.client.write(parameter(number, false));
   const auto read = rig.expect_request<cansync::ParameterRequest>();

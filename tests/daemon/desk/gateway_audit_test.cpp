@@ -62,7 +62,7 @@ TEST(Audit, EachChangeHasExactlyOneEntryWithWhoWhatOldNewAndResult) {
   rig.tell(in_operation());
   std::uint64_t number = 1;
   const auto entry_of = [&](std::uint64_t request) {
-    const auto entries = rig.journal.with("CANSYNC_REQUEST", std::to_string(request));
+    const auto entries = rig.journal.wait_for("CANSYNC_REQUEST", std::to_string(request));
     EXPECT_EQ(entries.size(), 1u) << request;
     return entries.empty() ? KeptJournal::Entry{} : entries.front();
   };

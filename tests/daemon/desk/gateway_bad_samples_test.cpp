@@ -161,7 +161,7 @@ TEST(GatewayBadSamples, WhatElseDdsLogsIsAnEvent) {
       [](const auto& event) { return std::string_view(event.code) == "dds_message"; });
   ASSERT_TRUE(told);
   EXPECT_EQ(std::string_view(told->text), "DDS says: out of paper");
-  EXPECT_EQ(rig.journal.with("EVENT", "dds_message").size(), 1u);
+  EXPECT_EQ(rig.journal.wait_for("EVENT", "dds_message").size(), 1u);
 }
 
 /// A program that invents an identity for every request would fill the reader with keys, and so hold up

@@ -1,10 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <string>
 #include <string_view>
-#include <thread>
-#include <vector>
 
 #include "support/gateway_rig.h"
 
@@ -15,12 +12,7 @@ using Code = cansync::MasterEvent::Code;
 
 /// The entries of the event with this number; the gateway writes them right after the sample.
 KeptJournal::Entry entry_of(const GatewayRig& rig, std::uint64_t number) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  std::vector<KeptJournal::Entry> found;
-  while (found.empty() && std::chrono::steady_clock::now() < deadline) {
-    found = rig.journal.with("CANSYNC_EVENT_NUMBER", std::to_string(number));
-    std::this_thread::yield();
-  }
+  const auto found = rig.journal.wait_for("CANSYNC_EVENT_NUMBER", std::to_string(number));
   EXPECT_EQ(found.size(), 1u) << "event " << number;
   return found.empty() ? KeptJournal::Entry{} : found.front();
 }
@@ -63,7 +55,7 @@ TEST(GatewayJournal, RejectedRequestsNameTheirClient) {
   read.format = cansync_FORMAT_AS_SLAVE_SAYS;
   rig.client.write(read);
   ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
-  const auto entries = rig.journal.with("EVENT", "requests_rejected");
+  const auto entries = rig.journal.wait_for("EVENT", "requests_rejected");
   ASSERT_EQ(entries.size(), 1u);
   EXPECT_EQ(entries[0].field("CLIENT"), "tester");
   EXPECT_NE(entries[0].message.find("slave"), std::string::npos);

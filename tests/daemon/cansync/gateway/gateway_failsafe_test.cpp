@@ -256,7 +256,7 @@ TEST(GatewayFailsafe, TheControlWordGoesToTheNamedSlavesAndItsOutcomeIsTold) {
   EXPECT_NE(text_of(ended).find("sent to slave 1 'feeder'; not to slave 3 'rewinder': "), std::string::npos)
       << text_of(ended);
   EXPECT_EQ(ended->severity, cansync_SEVERITY_ERROR);
-  const auto recorded = rig.journal.with("CLIENT", "failsafe reaction");
+  const auto recorded = rig.journal.wait_for("CLIENT", "failsafe reaction", 2);
   ASSERT_EQ(recorded.size(), 2u);
   EXPECT_EQ(recorded[0].field("CANSYNC_ACTION"), "control_word");
   EXPECT_EQ(recorded[0].field("SLAVE"), "1");
