@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "can/fake_kernel.h"
+#include "can/kernel_frame.h"
 #include "can/link_watch.h"
 #include "can/socketcan_bus.h"
 #include "daemon/bus/socketcan_line.h"
@@ -118,8 +119,9 @@ class LineKernel final : public can::Kernel {
 
  private:
   bool passes(const can::Frame& frame) const {
-    return std::any_of(filters.begin(), filters.end(), [&frame](const can_filter& filter) {
-      return (frame.id & filter.can_mask) == (filter.can_id & filter.can_mask);
+    const canid_t id = can::to_kernel(frame).can_id;
+    return std::any_of(filters.begin(), filters.end(), [id](const can_filter& filter) {
+      return (id & filter.can_mask) == (filter.can_id & filter.can_mask);
     });
   }
   /// The line wakes for each frame that waits; the kernel keeps them.
