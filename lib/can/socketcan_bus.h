@@ -49,8 +49,6 @@ class SocketcanBus final : public Bus {
   Wake wait_until(Time deadline) noexcept override;
   bool receive(ReceivedFrame& out) noexcept override;
   SendResult send(const Frame& frame) noexcept override;
-  /// No edge of its own: the SYNC wire is not part of the CAN interface.
-  void sync_edge(Time) noexcept override {}
   ControllerStatus status() noexcept override;
   /// Asks the link watch; one system call, which wakes it.
   ResetResult reset() noexcept override;

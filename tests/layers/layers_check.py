@@ -20,9 +20,9 @@ lib/text:
 lib/profile:                lib/text
 lib/can:
 lib/cansync:
-lib/sim:                    lib/text lib/can lib/cansync
 lib/rt:                     lib/can
 lib/sync:                   lib/can lib/rt
+lib/sim:                    lib/text lib/can lib/cansync lib/sync
 lib/dds:                    idl lib/cansync
 lib/client:                 idl lib/dds
 
@@ -30,10 +30,10 @@ daemon/cansync:             lib/can lib/cansync lib/rt lib/sync
 daemon/config:              lib/text lib/profile lib/can lib/cansync lib/sync
 daemon/options:             lib/profile daemon/config
 daemon/service:             daemon/config
-daemon/bus:                 lib/can lib/cansync lib/sim daemon/config daemon/cansync
+daemon/bus:                 lib/can lib/cansync lib/sync lib/sim daemon/config daemon/cansync
 daemon/loop:                lib/can lib/cansync lib/rt lib/sync daemon/config daemon/cansync
 daemon/cansync/config:      lib/can lib/cansync daemon/config daemon/options daemon/bus
-daemon/cansync/realtime:    lib/can lib/cansync lib/rt daemon/config daemon/bus daemon/loop daemon/cansync
+daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/config daemon/bus daemon/loop daemon/cansync
 daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds daemon/config daemon/service daemon/bus
                             daemon/loop daemon/cansync
 daemon/cansync/requests:    idl lib/cansync lib/dds daemon/config daemon/cansync daemon/cansync/texts
