@@ -207,11 +207,11 @@ struct Rig {
   std::multimap<cansync::JobId, Terminal> terminals;
 
   LoopSettings loop_settings() {
-    LoopSettings loop;
-    loop.sync_wire = &wire;
-    loop.wall_clock = nullptr;
-    loop.look_at_every_slot = false;
-    return loop;
+    LoopSettings chosen;
+    chosen.sync_wire = &wire;
+    chosen.wall_clock = nullptr;
+    chosen.look_at_every_slot = false;
+    return chosen;
   }
   void run(std::uint64_t edges) {
     last = edges;
