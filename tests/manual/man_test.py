@@ -11,6 +11,7 @@ from help_text import Help, helps
 SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 PAGES = os.environ["MAN_PAGES"]  # folder of the joined pages
 ALL = ["cansync.1", "cansync-sim.1", "cansync-security.1", "cansync.toml.5", "cansync-dds.7", "cansyncd.8"]
+OF_MARKDOWN = ["cansync-sim.1", "cansync-dds.7"]  # written in man(7) by lowdown; the others are mdoc(7)
 CANSYNC, CANSYNCD, CANSYNC_SIM = (os.environ[name] for name in ("CANSYNC", "CANSYNCD", "CANSYNC_SIM"))
 OPTION = re.compile(r"Fl -([a-z-]+)(?: (?:Ar|Cm) (.+?))?$")
 
@@ -23,7 +24,7 @@ def source(page):
 def section(text, title, macro="Sh"):
     """The lines of a section, or of a subsection (.Ss)."""
     end = r"^\.(?:Sh|Ss) " if macro == "Ss" else r"^\.Sh "
-    found = re.search(rf"(?ms)^\.{macro} {re.escape(title)}\n(.*?)(?={end}|\Z)", text)
+    found = re.search(rf"(?msi)^\.{macro} {re.escape(title)}\n(.*?)(?={end}|\Z)", text)
     if not found:
         raise AssertionError(f"no section {title}")
     return found[1]
@@ -41,6 +42,13 @@ def listed(text):
         found = OPTION.search(line.split(" , ")[-1])
         options["--" + found[1]] = takes(found[2])
     return options
+
+
+def in_cells(text):
+    """The options of the tables of a page made of Markdown, as the help has them: name -> what it takes."""
+    cells = re.findall(r"(?s)T\{\n(.*?)\nT\}", text)
+    found = (re.fullmatch(r"(?:-\w, )?(--[a-z-]+)(?: (\S+))?", re.sub(r"\\f.", "", cell).replace("\\-", "-")) for cell in cells)
+    return {option[1]: option[2] or "" for option in found if option}
 
 
 def in_synopsis(text):
@@ -74,11 +82,19 @@ class Roff(unittest.TestCase):
         for page in ALL:
             name, number = page.rsplit(".", 1)
             text = source(page)
-            self.assertIn(f".Dt {name.upper()} {number}\n", text)
-            self.assertIn(f".Nm {name}\n.Nd ", text)
+            if page in OF_MARKDOWN:
+                self.assertIn(f'.TH "{name.upper()}" "{number}" ', text)
+                self.assertRegex(text, rf"\.SH NAME\n{name} - \S")
+            else:
+                self.assertIn(f".Dt {name.upper()} {number}\n", text)
+                self.assertIn(f".Nm {name}\n.Nd ", text)
             for title in ("DESCRIPTION", "DIAGNOSTICS"):
                 self.assertTrue(section(text, title))
-            for other in re.findall(r"(?m)^\.(?:Pq )?Xr (\S+ \d)", text):
+            others = re.findall(r"(?m)^\.(?:Pq )?Xr (\S+ \d)", text)
+            if page in OF_MARKDOWN:
+                others = [" ".join(pair) for pair in re.findall(r"([\w.-]+)\((\d)\)", section(text, "SEE ALSO"))]
+                self.assertGreater(len(others), 1)
+            for other in others:
                 self.assertIn(other, {page.replace(".1", " 1").replace(".5", " 5").replace(".7", " 7").replace(".8", " 8")
                                       for page in ALL} | foreign)
 
@@ -89,7 +105,7 @@ class Programs(unittest.TestCase):
 
     def test_options(self):
         self.same_options("cansyncd.8", section(source("cansyncd.8"), "DESCRIPTION"), Help(CANSYNCD))
-        self.same_options("cansync-sim.1", source("cansync-sim.1"), Help(CANSYNC_SIM))
+        self.assertEqual(in_cells(section(source("cansync-sim.1"), "DESCRIPTION")), Help(CANSYNC_SIM).options, "cansync-sim.1")
         self.same_options("cansync.1", section(source("cansync.1"), "DESCRIPTION"), Help(CANSYNC))
 
     def test_synopsis_of_the_daemon(self):
@@ -127,7 +143,8 @@ class Programs(unittest.TestCase):
         }
         for page, codes in told.items():
             self.assertGreaterEqual(len(codes), 3, page)
-            self.assertEqual(re.findall(r"(?m)^\.It (\d+)$", section(source(page), "EXIT STATUS")), codes, page)
+            item = r"(?m)^\\fB(\d+)\\fR$" if page in OF_MARKDOWN else r"(?m)^\.It (\d+)$"
+            self.assertEqual(re.findall(item, section(source(page), "EXIT STATUS")), codes, page)
 
     def test_security_helper(self):
         usage = subprocess.run([os.path.join(SOURCE, "tools/security/cansync-security"), "--help"], check=True,
@@ -150,14 +167,17 @@ class Topics(unittest.TestCase):
     def test_topics_are_those_of_the_documentation(self):
         with open(os.path.join(SOURCE, "docs/dds-api.md"), encoding="utf-8") as file:
             table = file.read().split("| topic | written by | key | QoS |\n|---|---|---|---|\n")[1].split("\n\n")[0]
-        told = []
-        for row in table.splitlines():
-            name, writer, key, qos = (cell.strip(" `") for cell in row.strip("|").split("|"))
-            writer = "the daemon" if writer == "daemon" else writer
-            key = "no key" if key == "–" else f"key {key}"
-            told.append((name, f"Written by {writer}, {key}.", qos + "."))
-        found = re.findall(r"(?m)^\.It Sy (\w+)\n(.*)\n(.*)\n[^.]", section(source("cansync-dds.7"), "Topics", "Ss"))
-        self.assertEqual([(name, line, qos[0].lower() + qos[1:]) for name, line, qos in found], told)
+        told = [[cell.strip(" `") for cell in row.strip("|").split("|")] for row in table.splitlines()]
+        self.assertGreater(len(told), 10)
+        rows = section(section(source("cansync-dds.7"), "DESCRIPTION"), "Topics", "Ss").split(".TS\n")[1].split(".TE\n")[0]
+        cells = [re.sub(r"\\f.|\\&", "", cell).replace("\\(en", "–") for cell in re.findall(r"(?s)T\{\n(.*?)\nT\}", rows)]
+        self.assertEqual([cells[at:at + 4] for at in range(4, len(cells), 4)], told)
+
+    def test_nothing_of_the_document_is_missing(self):
+        with open(os.path.join(SOURCE, "docs/dds-api.md"), encoding="utf-8") as file:
+            headings = re.findall(r"(?m)^##+ (.*)$", re.sub(r"(?ms)^```.*?^```", "", file.read()))
+        found = re.findall(r'(?m)^\.SS (.*)$', section(source("cansync-dds.7"), "DESCRIPTION"))
+        self.assertEqual(found, headings)
 
 
 if __name__ == "__main__":
