@@ -14,10 +14,10 @@
 
 #include "cansync/timing.h"
 #include "daemon/bus/bus_choice.h"
+#include "daemon/cansync/config/reload.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
-#include "daemon/config/reload.h"
 #include "daemon/loop/realtime_text.h"
 #include "daemon/loop/sync_line.h"
 #include "daemon/recorder/flight_desk.h"
