@@ -6,10 +6,10 @@
 #include <exception>
 
 #include "bench/answering_bus.h"
+#include "daemon/cansync/config/file.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
-#include "daemon/config/file.h"
 #include "dds/participant.h"
 #include "rt/realtime_thread.h"
 #include "rt/thread_stack.h"
@@ -25,7 +25,7 @@ int run(const char* path) {
   rt::set_default_stack_size(std::size_t{512} * 1024);
   const cansyncd::ConfigFile file = cansyncd::load_config(path, {});
   if (!file.problems.empty()) {
-    return std::fprintf(stderr, "%s", cansyncd::problems_text(file.problems).c_str()), 1;
+    return std::fprintf(stderr, "%s", config::problems_text(file.problems).c_str()), 1;
   }
   const cansyncd::Config& config = file.config;
 

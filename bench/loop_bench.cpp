@@ -11,9 +11,9 @@
 
 #include "bench/measured_bus.h"
 #include "daemon/bus/bus_choice.h"
+#include "daemon/cansync/config/file.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
-#include "daemon/config/file.h"
 #include "daemon/loop/sync_line.h"
 #include "rt/realtime_thread.h"
 #include "sync/system.h"
@@ -62,7 +62,7 @@ std::string quantiles(const bench::TimingHistogram& histogram) {
 int run(const char* path, double seconds) {
   const cansyncd::ConfigFile file = cansyncd::load_config(path, {});
   if (!file.problems.empty()) {
-    return std::fprintf(stderr, "%s", cansyncd::problems_text(file.problems).c_str()), 1;
+    return std::fprintf(stderr, "%s", config::problems_text(file.problems).c_str()), 1;
   }
   const cansyncd::Config& config = file.config;
   cansyncd::BusChoice choice(config);

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/file.h"
+#include "daemon/cansync/config/file.h"
 
 namespace cansyncd {
 

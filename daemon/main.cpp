@@ -9,7 +9,7 @@
 #include "daemon/cansync/config/bus_budget.h"
 #include "daemon/cansync/config/bus_budget_text.h"
 #include "daemon/cansync/config/dbc.h"
-#include "daemon/config/print.h"
+#include "daemon/cansync/config/print.h"
 #include "daemon/daemon.h"
 #include "daemon/service/service_log.h"
 

@@ -31,16 +31,9 @@ std::vector<std::unique_ptr<sim::Node>> drives(const Config& config) {
 
 }  // namespace
 
-std::vector<Problem> check_fault_script(const Config& config) {
-  std::vector<Problem> problems;
-  if (config.bus.kind != BusKind::simulated || config.sim.fault_script.empty()) return problems;
-  for (sim::FaultScriptError& error : sim::load_fault_script(config.sim.fault_script).errors) {
-    problems.push_back({{std::move(error.file), static_cast<std::uint32_t>(error.line),
-                         static_cast<std::uint32_t>(error.column)},
-                        "",
-                        std::move(error.message)});
-  }
-  return problems;
+std::vector<config::Problem> check_fault_script(const Config& config) {
+  if (config.bus.kind != BusKind::simulated || config.sim.fault_script.empty()) return {};
+  return sim::load_fault_script(config.sim.fault_script).errors;
 }
 
 SimBus::SimBus(const Config& config) : trace_(open_trace(config)) {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "can/bus.h"
+#include "config/problem.h"
 #include "daemon/config/config.h"
-#include "daemon/config/value.h"
 #include "sim/line.h"
 #include "sim/trace_file.h"
 #include "sync/sync_wire.h"
@@ -14,7 +14,7 @@
 namespace cansyncd {
 
 /// Everything wrong with the fault script that `config` names; empty when there is none. Main thread.
-std::vector<Problem> check_fault_script(const Config& config);
+std::vector<config::Problem> check_fault_script(const Config& config);
 
 /// The simulated line of a configuration in real time: drives, faults and trace. Built on the main thread;
 /// afterwards `bus` belongs to the realtime thread.

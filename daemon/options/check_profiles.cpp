@@ -32,12 +32,7 @@ LoadedProfile ProfileFiles::load(const std::string& name_or_path, bool typed) {
     if (reading.profile) {
       place->second = std::make_shared<const profile::Profile>(std::move(*reading.profile));
     }
-    for (profile::Problem& wrong : reading.problems) {
-      loaded.problems.push_back(
-          {{path.string(), static_cast<std::uint32_t>(wrong.line), static_cast<std::uint32_t>(wrong.column)},
-           std::move(wrong.key),
-           std::move(wrong.text)});
-    }
+    loaded.problems = std::move(reading.problems);
   }
   loaded.profile = place->second;
   return loaded;

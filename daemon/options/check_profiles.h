@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/value.h"
+#include "config/problem.h"
 #include "profile/profile.h"
 
 namespace cansyncd {
@@ -13,8 +13,8 @@ namespace cansyncd {
 /// A drive profile, or why there is none.
 struct LoadedProfile {
   std::shared_ptr<const profile::Profile> profile;
-  std::string problem;            ///< of the option that names it; empty when a file was found
-  std::vector<Problem> problems;  ///< in the profile's file; told once for each file
+  std::string problem;                    ///< of the option that names it; empty when a file was found
+  std::vector<config::Problem> problems;  ///< in the profile's file; told once for each file
 };
 
 /// Reads the profiles that a configuration names, each file once. Main thread.

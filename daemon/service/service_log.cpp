@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <iterator>
 
-#include "daemon/config/file.h"
-
 namespace cansyncd {
 namespace {
 
@@ -26,22 +24,22 @@ void ServiceLog::say(LogPriority priority, EventCode event, const std::string& t
   journal_.write(priority, event, text, fields);
 }
 
-void ServiceLog::problems(const std::vector<Problem>& problems) const {
-  for (std::size_t i = 0; i < std::min(problems.size(), kProblemsShown); ++i) {
-    const Problem& problem = problems[i];
+void ServiceLog::problems(const std::vector<config::Problem>& problems) const {
+  for (std::size_t i = 0; i < std::min(problems.size(), config::kProblemsShown); ++i) {
+    const config::Problem& problem = problems[i];
     say(LogPriority::error, "configuration_wrong", to_string(problem),
         {{"CANSYNC_FILE", problem.where.file},
          {"CANSYNC_LINE", place(problem.where.line)},
          {"CANSYNC_COLUMN", place(problem.where.column)},
          {"CANSYNC_OPTION", problem.key}});
   }
-  if (problems.size() > kProblemsShown) {
+  if (problems.size() > config::kProblemsShown) {
     say(LogPriority::error, "configuration_wrong",
-        fmt::format("and {} more problems", problems.size() - kProblemsShown));
+        fmt::format("and {} more problems", problems.size() - config::kProblemsShown));
   }
 }
 
-void tell_wrong_configuration(const std::string& bus, const std::vector<Problem>& problems) {
+void tell_wrong_configuration(const std::string& bus, const std::vector<config::Problem>& problems) {
   if (writes_to_journal()) return ServiceLog(bus).problems(problems);
   std::fputs(problems_text(problems).c_str(), stderr);
 }

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/config/value.h"
+#include "config/problem.h"
 #include "daemon/service/journal.h"
 
 namespace cansyncd {
@@ -23,7 +23,7 @@ class ServiceLog {
 
   /// Writes one entry configuration_wrong for each problem, with its place and option in fields; of more than
   /// `kProblemsShown` the others are counted in one.
-  void problems(const std::vector<Problem>& problems) const;
+  void problems(const std::vector<config::Problem>& problems) const;
 
  private:
   std::string bus_;
@@ -32,6 +32,6 @@ class ServiceLog {
 
 /// What is wrong with the configuration at the start: entries where there is a journal, else plain lines on
 /// standard error, as compilers write them.
-void tell_wrong_configuration(const std::string& bus, const std::vector<Problem>& problems);
+void tell_wrong_configuration(const std::string& bus, const std::vector<config::Problem>& problems);
 
 }  // namespace cansyncd

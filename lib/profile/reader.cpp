@@ -1,25 +1,30 @@
 #include "profile/reader.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <tuple>
 
+#include "config/document.h"
 #include "profile/hash.h"
 #include "profile/reader_fields.h"
 #include "profile/scaling.h"
 #include "text/text_file.h"
-#include "text/toml_guard.h"
 
 namespace profile {
 namespace {
 
+using config::Content;
+using config::Node;
+using config::Problem;
 using detail::Fields;
 
+constexpr config::Wording kWording{
+    .unreadable = "cannot read this profile: ",
+    .allowed = "[profile], [[parameter]], key = value, # comment",
+};
 constexpr std::int64_t kHighestNumber = 4095;
 constexpr std::size_t kLongestUnit = 16;
 constexpr std::size_t kLongestText = 200;
@@ -120,50 +125,56 @@ Parameter read_parameter(Fields& fields) {
 /// Reads one profile; collects problems on the way.
 class Reader {
  public:
-  Reading read(const toml::table& root) {
+  explicit Reader(std::string file) : file_(std::move(file)) {}
+
+  Reading read(const config::Document& document) {
+    const Content root(document, nullptr);
     Profile profile;
-    for (const auto& [key, node] : root) {
-      if (key.str() == "profile" && node.is_table()) {
-        head(*node.as_table(), profile);
-      } else if (key.str() == "parameter" && node.is_array_of_tables()) {
-        for (const toml::node& item : *node.as_array()) parameter(*item.as_table(), profile);
+    for (const Node* node : root.nodes()) {
+      if (node->name() == "profile" && node->kind == Node::Kind::section) {
+        head(Content(document, node), profile);
+      } else if (node->name() == "parameter" && node->kind == Node::Kind::sections) {
+        for (const Node* section : root.each("parameter")) parameter(Content(document, section), profile);
       } else {
-        const toml::source_region& place = key.source();
-        problems_.push_back({place.begin.line, place.begin.column, std::string(key.str()),
+        problems_.push_back({node->key, node->name(),
                              "no section of a profile; allowed: [profile] once, [[parameter]] for each "
                              "parameter"});
       }
     }
-    if (!root.contains("profile")) {
-      problems_.push_back({1, 1, "profile", "is missing; allowed: a section [profile] with a name"});
+    if (root.find("profile") == nullptr) {
+      missing("profile", "is missing; allowed: a section [profile] with a name");
     }
-    if (!root.contains("parameter")) {
-      problems_.push_back({1, 1, "parameter", "is missing; allowed: at least one section [[parameter]]"});
+    if (root.find("parameter") == nullptr) {
+      missing("parameter", "is missing; allowed: at least one section [[parameter]]");
     }
     return result(std::move(profile));
   }
 
  private:
-  void head(const toml::table& table, Profile& profile) {
-    Fields fields(table, "profile", problems_);
+  void missing(std::string section, std::string text) {
+    problems_.push_back({{file_, 1, 1}, std::move(section), std::move(text)});
+  }
+
+  void head(const Content& content, Profile& profile) {
+    Fields fields(content, "profile", problems_);
     fields.only({"name", "text"});
     fields.require("name", "1..64 lower-case letters, digits and '-', the same as the file's name");
     profile.name = fields.name("name").value_or("");
     profile.text = fields.text("text", kLongestText).value_or("");
   }
 
-  void parameter(const toml::table& table, Profile& profile) {
-    Fields fields(table, "parameter", problems_);
+  void parameter(const Content& content, Profile& profile) {
+    Fields fields(content, "parameter", problems_);
     Parameter parameter = read_parameter(fields);
-    if (fields.has("number")) unique(fields, "number", std::to_string(parameter.number), table, numbers_);
-    if (!parameter.name.empty()) unique(fields, "name", "\"" + parameter.name + "\"", table, names_);
+    if (fields.has("number")) unique(fields, "number", std::to_string(parameter.number), content, numbers_);
+    if (!parameter.name.empty()) unique(fields, "name", "\"" + parameter.name + "\"", content, names_);
     profile.parameters.push_back(std::move(parameter));
   }
 
   /// A problem when something is there twice.
-  static void unique(Fields& fields, std::string_view key, const std::string& found, const toml::table& table,
-                     std::map<std::string, std::size_t>& seen) {
-    const auto [first, fresh] = seen.emplace(found, table.source().begin.line);
+  static void unique(Fields& fields, std::string_view key, const std::string& found, const Content& content,
+                     std::map<std::string, std::uint32_t>& seen) {
+    const auto [first, fresh] = seen.emplace(found, content.where().line);
     if (fresh) return;
     fields.problem(key, fmt::format("found {} again, first used by the parameter in line {}; allowed: each "
                                     "{} once",
@@ -171,9 +182,7 @@ class Reader {
   }
 
   Reading result(Profile profile) {
-    std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) {
-      return std::tie(a.line, a.column) < std::tie(b.line, b.column);
-    });
+    config::sort_by_place(problems_);
     Reading reading;
     reading.problems = std::move(problems_);
     if (!reading.problems.empty()) return reading;
@@ -183,62 +192,40 @@ class Reader {
     return reading;
   }
 
+  std::string file_;
   std::vector<Problem> problems_;
-  std::map<std::string, std::size_t> numbers_;
-  std::map<std::string, std::size_t> names_;
+  std::map<std::string, std::uint32_t> numbers_;
+  std::map<std::string, std::uint32_t> names_;
 };
 
-Reading failed(std::size_t line, std::size_t column, std::string text) {
-  return {std::nullopt, {{line, column, "", std::move(text)}}};
+/// A problem of the file as a whole.
+Reading failed(const std::string& file, std::string text) {
+  return {std::nullopt, {{{file, 0, 0}, "", std::move(text)}}};
 }
 
 }  // namespace
 
-Reading parse(std::string_view toml) {
-  if (const auto place = text::too_deep_key(toml)) {
-    return failed(place->line, place->column,
-                  fmt::format("found a key of more than {} parts; allowed: [profile], [[parameter]], key = "
-                              "value, # comment",
-                              text::kMostKeyParts));
-  }
-  try {
-    const toml::table root = toml::parse(toml);
-    Reading reading = Reader().read(root);
-    if (reading.profile) reading.profile->hash = sha256(toml);
-    return reading;
-  } catch (const toml::parse_error& error) {
-    return failed(error.source().begin.line, error.source().begin.column,
-                  "this is not TOML: " + std::string(error.description()) +
-                      "; allowed: [profile], [[parameter]], key = value, # comment");
-  }
+Reading parse(std::string_view toml, const std::string& file) {
+  config::Document document = config::parse_document(toml, file, kWording);
+  if (!document.problems.empty()) return {std::nullopt, std::move(document.problems)};
+  Reading reading = Reader(file).read(document);
+  if (reading.profile) reading.profile->hash = sha256(toml);
+  return reading;
 }
 
 Reading read(const std::string& path) {
   const auto content = text::read_file(path, kFileLimit);
   if (const auto* problem = std::get_if<text::FileProblem>(&content)) {
-    return failed(0, 0, "cannot read this profile: " + problem->text);
+    return failed(path, std::string(kWording.unreadable) + problem->text);
   }
-  Reading reading = parse(std::get<std::string>(content));
+  Reading reading = parse(std::get<std::string>(content), path);
   if (!reading.profile) return reading;
   const std::string stem = std::filesystem::path(path).stem().string();
   if (reading.profile->name == stem) return reading;
   // Whoever knows the name alone finds the file by it.
-  return failed(0, 0,
+  return failed(path,
                 fmt::format("profile.name: found \"{}\" in a file called {}.toml; allowed: the same name",
                             reading.profile->name, stem));
-}
-
-std::string problems_text(const std::vector<Problem>& problems, std::string_view file) {
-  constexpr std::size_t kShown = 20;
-  std::string out;
-  for (std::size_t i = 0; i < std::min(problems.size(), kShown); ++i) {
-    const Problem& problem = problems[i];
-    out += file;
-    if (problem.line != 0) out += fmt::format(":{}:{}", problem.line, problem.column);
-    out += fmt::format(": {}{}{}\n", problem.key, problem.key.empty() ? "" : ": ", problem.text);
-  }
-  if (problems.size() > kShown) out += fmt::format("and {} more problems\n", problems.size() - kShown);
-  return out;
 }
 
 }  // namespace profile

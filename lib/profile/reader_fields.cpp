@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace profile {
 
@@ -25,14 +24,19 @@ bool is_control(char c) noexcept {
 
 }  // namespace
 
+template <class T>
+const T* Fields::value(std::string_view key) const {
+  const config::Node* node = content_.find(key);
+  return node == nullptr || node->kind != config::Node::Kind::value ? nullptr
+                                                                    : config::scalar<T>(node->value);
+}
+
 void Fields::only(std::initializer_list<std::string_view> keys) {
   std::string allowed;
   for (const std::string_view key : keys) allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", key);
-  for (const auto& [key, node] : table_) {
-    if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
-    const toml::source_region& place = key.source();
-    problems_.push_back({place.begin.line, place.begin.column,
-                         std::string(prefix_) + "." + std::string(key.str()),
+  for (const config::Node* node : content_.nodes()) {
+    if (std::find(keys.begin(), keys.end(), node->name()) != keys.end()) continue;
+    problems_.push_back({node->key, fmt::format("{}.{}", prefix_, node->name()),
                          "no key of this section; allowed: " + allowed});
   }
 }
@@ -43,10 +47,9 @@ void Fields::require(std::string_view key, std::string_view allowed) {
 
 std::optional<std::string> Fields::text(std::string_view key, std::size_t most) {
   if (!has(key)) return std::nullopt;
-  const auto* text = table_.get_as<std::string>(key);
-  if (text != nullptr && text->get().size() <= most &&
-      std::none_of(text->get().begin(), text->get().end(), is_control)) {
-    return text->get();
+  const auto* text = value<std::string>(key);
+  if (text != nullptr && text->size() <= most && std::none_of(text->begin(), text->end(), is_control)) {
+    return *text;
   }
   mismatch(key, fmt::format("a string of up to {} bytes on one line", most));
   return std::nullopt;
@@ -54,11 +57,10 @@ std::optional<std::string> Fields::text(std::string_view key, std::size_t most) 
 
 std::optional<std::string> Fields::word(std::string_view key, std::size_t most) {
   if (!has(key)) return std::nullopt;
-  const auto* text = table_.get_as<std::string>(key);
-  if (text != nullptr && text->get().size() <= most &&
-      std::none_of(text->get().begin(), text->get().end(),
-                   [](char c) { return is_control(c) || c == ' '; })) {
-    return text->get();
+  const auto* text = value<std::string>(key);
+  if (text != nullptr && text->size() <= most &&
+      std::none_of(text->begin(), text->end(), [](char c) { return is_control(c) || c == ' '; })) {
+    return *text;
   }
   mismatch(key, fmt::format("a string of up to {} bytes without blanks", most));
   return std::nullopt;
@@ -66,8 +68,8 @@ std::optional<std::string> Fields::word(std::string_view key, std::size_t most) 
 
 std::optional<std::string> Fields::name(std::string_view key) {
   if (!has(key)) return std::nullopt;
-  const auto* text = table_.get_as<std::string>(key);
-  if (text != nullptr && is_name(text->get())) return text->get();
+  const auto* text = value<std::string>(key);
+  if (text != nullptr && is_name(*text)) return *text;
   mismatch(key, "1..64 lower-case letters, digits and '-', beginning with a letter, in quotes");
   return std::nullopt;
 }
@@ -79,8 +81,8 @@ std::optional<std::size_t> Fields::choice(std::string_view key,
   for (const std::string_view choice : choices) {
     allowed += fmt::format("{}\"{}\"", allowed.empty() ? "" : ", ", choice);
   }
-  if (const auto* text = table_.get_as<std::string>(key)) {
-    const auto* place = std::find(choices.begin(), choices.end(), text->get());
+  if (const auto* text = value<std::string>(key)) {
+    const auto* place = std::find(choices.begin(), choices.end(), *text);
     if (place != choices.end()) return static_cast<std::size_t>(place - choices.begin());
   }
   mismatch(key, allowed);
@@ -90,57 +92,45 @@ std::optional<std::size_t> Fields::choice(std::string_view key,
 std::optional<std::int64_t> Fields::integer(std::string_view key, std::int64_t minimum,
                                             std::int64_t maximum) {
   if (!has(key)) return std::nullopt;
-  const auto* number = table_.get_as<std::int64_t>(key);
-  if (number != nullptr && number->get() >= minimum && number->get() <= maximum) return number->get();
+  const auto* number = value<std::int64_t>(key);
+  if (number != nullptr && *number >= minimum && *number <= maximum) return *number;
   mismatch(key, fmt::format("{}..{}", minimum, maximum));
   return std::nullopt;
 }
 
 std::optional<double> Fields::number(std::string_view key) {
   if (!has(key)) return std::nullopt;
-  if (const auto* whole = table_.get_as<std::int64_t>(key)) return static_cast<double>(whole->get());
-  const auto* number = table_.get_as<double>(key);
-  if (number != nullptr && std::isfinite(number->get())) return number->get();
+  if (const auto* whole = value<std::int64_t>(key)) return static_cast<double>(*whole);
+  const auto* number = value<double>(key);
+  if (number != nullptr && std::isfinite(*number)) return *number;
   mismatch(key, "a finite number");
   return std::nullopt;
 }
 
 std::optional<bool> Fields::flag(std::string_view key) {
   if (!has(key)) return std::nullopt;
-  if (const auto* flag = table_.get_as<bool>(key)) return flag->get();
+  if (const auto* flag = value<bool>(key)) return *flag;
   mismatch(key, "true or false");
   return std::nullopt;
 }
 
 void Fields::problem(std::string_view key, std::string text) {
-  const toml::node* node = table_.get(key);
-  const toml::source_region& place = node != nullptr ? node->source() : table_.source();
-  problems_.push_back(
-      {place.begin.line, place.begin.column, std::string(prefix_) + "." + std::string(key), std::move(text)});
+  const config::Node* node = content_.find(key);
+  problems_.push_back({node != nullptr ? node->where : content_.where(), fmt::format("{}.{}", prefix_, key),
+                       std::move(text)});
 }
 
 std::string Fields::found(std::string_view key) const {
   constexpr std::size_t kShown = 80;
-  const toml::node* node = table_.get(key);
+  const config::Node* node = content_.find(key);
   if (node == nullptr) return "nothing";
-  if (!node->is_value()) {
-    std::ostringstream type;
-    type << "a value of type " << node->type();
-    return type.str();
-  }
-  std::string text;
-  if (const auto* quoted = node->as_string()) {
-    text = quoted->get();
-    std::replace_if(text.begin(), text.end(), is_control, '?');
-  } else {
-    std::ostringstream out;
-    node->visit([&](const auto& value) {
-      if constexpr (toml::is_value<decltype(value)>) out << value;
-    });
-    text = out.str();
-  }
+  if (node->kind != config::Node::Kind::value) return "a section";
+  if (node->value.kind == config::Value::Kind::list) return "a value of type array";
+  const auto* quoted = config::scalar<std::string>(node->value);
+  std::string text = quoted != nullptr ? *quoted : node->value.text;
+  std::replace_if(text.begin(), text.end(), is_control, '?');
   if (text.size() > kShown) text = text.substr(0, kShown) + "...";
-  return node->is_string() ? "\"" + text + "\"" : text;
+  return quoted != nullptr ? "\"" + text + "\"" : text;
 }
 
 void Fields::mismatch(std::string_view key, std::string_view allowed) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -9,20 +7,21 @@
 #include <string_view>
 #include <vector>
 
+#include "config/document.h"
 #include "profile/reader.h"
 
-/// One table of a profile while it is read; only for the reader.
+/// One section of a profile while it is read; only for the reader.
 namespace profile::detail {
 
-/// Takes values out of a table by key, checks their type, and collects what is wrong. A key that is not there
-/// gives nothing and is no problem.
+/// Takes values out of a section by key, checks their type, and collects what is wrong. A key that is not
+/// there gives nothing and is no problem.
 class Fields {
  public:
   /// `prefix`: "profile" or "parameter", for the problems. All must outlive the object.
-  Fields(const toml::table& table, std::string_view prefix, std::vector<Problem>& problems)
-      : table_(table), prefix_(prefix), problems_(problems) {}
+  Fields(const config::Content& content, std::string_view prefix, std::vector<config::Problem>& problems)
+      : content_(content), prefix_(prefix), problems_(problems) {}
 
-  bool has(std::string_view key) const { return table_.contains(key); }
+  bool has(std::string_view key) const { return content_.find(key) != nullptr; }
   /// Problems for every key that is none of these.
   void only(std::initializer_list<std::string_view> keys);
   /// A problem when the key is not there.
@@ -41,7 +40,7 @@ class Fields {
   std::optional<double> number(std::string_view key);
   std::optional<bool> flag(std::string_view key);
 
-  /// A problem at the value of `key`, or at the table when the key is not there.
+  /// A problem at the value of `key`, or at the section when the key is not there.
   void problem(std::string_view key, std::string text);
 
  private:
@@ -49,9 +48,12 @@ class Fields {
   std::string found(std::string_view key) const;
   void mismatch(std::string_view key, std::string_view allowed);
 
-  const toml::table& table_;
+  template <class T>
+  const T* value(std::string_view key) const;
+
+  const config::Content& content_;
   std::string_view prefix_;
-  std::vector<Problem>& problems_;
+  std::vector<config::Problem>& problems_;
 };
 
 }  // namespace profile::detail

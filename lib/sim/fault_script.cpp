@@ -1,7 +1,6 @@
 #include "sim/fault_script.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
@@ -14,11 +13,21 @@
 
 #include "can/candump.h"
 #include "cansync/telegram.h"
-#include "text/text_file.h"
-#include "text/toml_guard.h"
+#include "config/document.h"
 
 namespace sim {
 namespace {
+
+using config::Content;
+using config::Node;
+using config::Position;
+using config::Problem;
+
+constexpr config::Wording kWording{
+    .unreadable = "cannot be read: ",
+    .no_toml = "not valid TOML: ",
+    .allowed = "tables [[fault]]",
+};
 
 constexpr unsigned bit(FaultKind kind) {
   return 1u << static_cast<unsigned>(kind);
@@ -49,20 +58,21 @@ constexpr std::array<ChannelName, 7> kChannelNames = {{
 }};
 
 // What a value looks like in the file, for error messages.
-std::string shown(const toml::node& node) {
-  if (const auto text = node.value_exact<std::string>()) return fmt::format("\"{}\"", *text);
-  if (const auto integer = node.value_exact<std::int64_t>()) return fmt::format("{}", *integer);
-  if (const auto number = node.value_exact<double>()) return fmt::format("{}", *number);
-  if (const auto truth = node.value_exact<bool>()) return *truth ? "true" : "false";
-  if (node.is_array()) return "an array";
-  return node.is_table() ? "a table" : "a date or time";
+std::string shown(const Node& node) {
+  if (node.kind == Node::Kind::section) return "a table";
+  if (node.kind == Node::Kind::sections || node.value.kind == config::Value::Kind::list) return "an array";
+  return node.value.text;
+}
+
+template <class T>
+const T* scalar(const Node& node) {
+  return node.kind == Node::Kind::value ? config::scalar<T>(node.value) : nullptr;
 }
 
 // Reads one table [[fault]].
 class FaultReader {
  public:
-  FaultReader(const toml::table& table, std::string_view file, std::vector<FaultScriptError>& errors)
-      : table_(table), file_(file), errors_(errors) {}
+  FaultReader(const Content& table, std::vector<Problem>& errors) : table_(table), errors_(errors) {}
 
   Fault read() {
     if (!read_kind()) return fault_;
@@ -104,17 +114,17 @@ class FaultReader {
       {"at_us", bit(FaultKind::inject)},
   }};
 
-  void wrong(const toml::source_region& place, std::string message) {
-    errors_.push_back({std::string(file_), place.begin.line, place.begin.column, std::move(message)});
+  void wrong(const Position& place, std::string message) {
+    errors_.push_back({place, "", std::move(message)});
   }
 
-  void wrong_value(std::string_view key, const toml::node& node, std::string_view allowed) {
-    wrong(node.source(), fmt::format("{} is {}; allowed: {}", key, shown(node), allowed));
+  void wrong_value(const Node& node, std::string_view allowed) {
+    wrong(node.where, fmt::format("{} is {}; allowed: {}", node.name(), shown(node), allowed));
   }
 
   void require(std::string_view key, std::string_view what) {
-    if (table_.contains(key)) return;
-    wrong(table_.source(),
+    if (table_.find(key) != nullptr) return;
+    wrong(table_.where(),
           fmt::format("a fault of kind \"{}\" needs the key {}: {}", name(fault_.kind), key, what));
   }
 
@@ -123,17 +133,17 @@ class FaultReader {
     for (unsigned k = 0; k < kFaultKinds; ++k) {
       kinds += fmt::format("{}\"{}\"", k == 0 ? "" : ", ", name(static_cast<FaultKind>(k)));
     }
-    const toml::node* node = table_.get("kind");
+    const Node* node = table_.find("kind");
     if (node == nullptr) {
-      wrong(table_.source(), "a fault needs the key kind; allowed: " + kinds);
+      wrong(table_.where(), "a fault needs the key kind; allowed: " + kinds);
       return false;
     }
-    const auto text = node->value_exact<std::string>();
-    for (unsigned k = 0; text && k < kFaultKinds; ++k) {
+    const auto* text = scalar<std::string>(*node);
+    for (unsigned k = 0; text != nullptr && k < kFaultKinds; ++k) {
       fault_.kind = static_cast<FaultKind>(k);
       if (*text == name(fault_.kind)) return true;
     }
-    wrong_value("kind", *node, kinds);
+    wrong_value(*node, kinds);
     return false;
   }
 
@@ -143,34 +153,35 @@ class FaultReader {
       if ((key.kinds & bit(fault_.kind)) == 0) continue;
       allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", key.name);
     }
-    for (const auto& entry : table_) {
-      const toml::key& key = entry.first;
+    for (const Node* node : table_.nodes()) {
       const auto* known =
-          std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& k) { return k.name == key.str(); });
+          std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& k) { return k.name == node->name(); });
       if (known != kKeys.end() && (known->kinds & bit(fault_.kind)) != 0) continue;
-      wrong(key.source(), fmt::format("{} is no key of a fault of kind \"{}\"; allowed: {}", key.str(),
-                                      name(fault_.kind), allowed));
+      wrong(node->key, fmt::format("{} is no key of a fault of kind \"{}\"; allowed: {}", node->name(),
+                                   name(fault_.kind), allowed));
     }
   }
 
   std::optional<std::uint64_t> integer(std::string_view key, std::uint64_t least, std::uint64_t most) {
-    const toml::node* node = table_.get(key);
+    const Node* node = table_.find(key);
     if (node == nullptr) return std::nullopt;
-    const auto value = node->value_exact<std::int64_t>();
-    if (value && *value >= 0 && static_cast<std::uint64_t>(*value) >= least &&
+    const auto* value = scalar<std::int64_t>(*node);
+    if (value != nullptr && *value >= 0 && static_cast<std::uint64_t>(*value) >= least &&
         static_cast<std::uint64_t>(*value) <= most) {
       return static_cast<std::uint64_t>(*value);
     }
-    wrong_value(key, *node, fmt::format("a whole number {} to {}", least, most));
+    wrong_value(*node, fmt::format("a whole number {} to {}", least, most));
     return std::nullopt;
   }
 
   std::optional<double> number(std::string_view key, double least, double most) {
-    const toml::node* node = table_.get(key);
+    const Node* node = table_.find(key);
     if (node == nullptr) return std::nullopt;
-    const auto value = node->is_number() ? node->value<double>() : std::nullopt;
+    std::optional<double> value;
+    if (const auto* real = scalar<double>(*node)) value = *real;
+    if (const auto* whole = scalar<std::int64_t>(*node)) value = static_cast<double>(*whole);
     if (value && *value >= least && *value <= most) return value;
-    wrong_value(key, *node, fmt::format("a number {} to {}", least, most));
+    wrong_value(*node, fmt::format("a number {} to {}", least, most));
     return std::nullopt;
   }
 
@@ -186,7 +197,7 @@ class FaultReader {
     fault_.count = integer("count", 1, kMost).value_or(Fault::kNoLimit);
     fault_.probability = number("probability", 0, 1).value_or(1);
     if (fault_.to < fault_.from) {
-      wrong_value("to", *table_.get("to"), fmt::format("from ({}) or later", fault_.from));
+      wrong_value(*table_.find("to"), fmt::format("from ({}) or later", fault_.from));
     }
   }
 
@@ -194,143 +205,127 @@ class FaultReader {
     if (const auto slave = integer("slave", 0, cansync::SlaveNumber::max)) {
       fault_.slave = cansync::SlaveNumber::from(*slave);
     }
-    const toml::node* channel = table_.get("channel");
-    const toml::node* identifier = table_.get("identifier");
+    const Node* channel = table_.find("channel");
+    const Node* identifier = table_.find("identifier");
     if (channel != nullptr && identifier != nullptr) {
-      wrong(identifier->source(), "channel and identifier exclude each other; leave one out");
+      wrong(identifier->where, "channel and identifier exclude each other; leave one out");
     }
     if (channel != nullptr) read_channel(*channel);
     if (identifier != nullptr) {
       fault_.identifier = static_cast<std::uint32_t>(integer("identifier", 0, 0x7FF).value_or(0));
       fault_.mask = static_cast<std::uint32_t>(integer("mask", 0, 0x7FF).value_or(0x7FF));
-    } else if (const toml::node* mask = table_.get("mask")) {
-      wrong(mask->source(), "mask needs the key identifier");
+    } else if (const Node* mask = table_.find("mask")) {
+      wrong(mask->where, "mask needs the key identifier");
     }
   }
 
-  void read_channel(const toml::node& node) {
+  void read_channel(const Node& node) {
     std::string names;
-    const auto text = node.value_exact<std::string>();
+    const auto* text = scalar<std::string>(node);
     for (const ChannelName& channel : kChannelNames) {
-      if (text && *text == channel.name) {
+      if (text != nullptr && *text == channel.name) {
         fault_.identifier = channel.identifier;
         fault_.mask = channel.mask;
         return;
       }
       names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", channel.name);
     }
-    wrong_value("channel", node, names);
+    wrong_value(node, names);
   }
 
   void read_receivers() {
-    const toml::node* node = table_.get("receivers");
+    const Node* node = table_.find("receivers");
     if (node == nullptr || fault_.kind != FaultKind::lost) return;
     constexpr std::string_view kAllowed = "an array of slave numbers 0..31 and \"master\", at least one";
-    const toml::array* list = node->as_array();
-    if (list == nullptr || list->empty()) return wrong_value("receivers", *node, kAllowed);
+    const config::Value& list = node->value;
+    if (list.kind != config::Value::Kind::list || list.items.empty()) return wrong_value(*node, kAllowed);
     fault_.receivers = {};
     fault_.lost_to_master = false;
-    for (const toml::node& entry : *list) {
-      const auto slave = entry.value_exact<std::int64_t>();
-      const auto text = entry.value_exact<std::string>();
-      if (text && *text == "master") {
+    for (std::size_t i = 0; i < list.items.size(); ++i) {
+      const auto* slave = std::get_if<std::int64_t>(&list.items[i]);
+      const auto* text = std::get_if<std::string>(&list.items[i]);
+      if (text != nullptr && *text == "master") {
         fault_.lost_to_master = true;
-      } else if (slave && *slave >= 0 && *slave <= cansync::SlaveNumber::max) {
+      } else if (slave != nullptr && *slave >= 0 && *slave <= cansync::SlaveNumber::max) {
         fault_.receivers.set(*cansync::SlaveNumber::from(static_cast<std::uint64_t>(*slave)));
       } else {
-        wrong_value("receivers", entry, kAllowed);
+        wrong(node->items[i],
+              fmt::format("receivers is {}; allowed: {}", config::to_toml(list.items[i]), kAllowed));
       }
     }
   }
 
   void read_frame() {
     require("frame", "what is sent, as \"identifier#data\" in hexadecimal digits, for example \"105#0011\"");
-    const toml::node* node = table_.get("frame");
+    const Node* node = table_.find("frame");
     if (node == nullptr) return;
-    const auto text = node->value_exact<std::string>();
-    if (!text) return wrong_value("frame", *node, "a text \"identifier#data\" in hexadecimal digits");
+    const auto* text = scalar<std::string>(*node);
+    if (text == nullptr) return wrong_value(*node, "a text \"identifier#data\" in hexadecimal digits");
     const auto parsed = can::parse_candump_frame(*text);
     if (const auto* error = std::get_if<can::CandumpError>(&parsed)) {
       return wrong_value(
-          "frame", *node,
-          fmt::format("\"identifier#data\" (at character {}: {})", error->column, error->message));
+          *node, fmt::format("\"identifier#data\" (at character {}: {})", error->column, error->message));
     }
     fault_.frame = std::get<can::Frame>(parsed);
     if (fault_.frame.error) {
-      wrong_value("frame", *node, "a data or remote frame; error frames come with kind = \"corrupted\"");
+      wrong_value(*node, "a data or remote frame; error frames come with kind = \"corrupted\"");
     }
   }
 
-  const toml::table& table_;
-  std::string_view file_;
-  std::vector<FaultScriptError>& errors_;
+  const Content& table_;
+  std::vector<Problem>& errors_;
   Fault fault_;
 };
 
-void read_faults(const toml::table& document, std::string_view file, FaultScript& script) {
-  const auto wrong = [&](const toml::source_region& place, std::string message) {
-    script.errors.push_back({std::string(file), place.begin.line, place.begin.column, std::move(message)});
-  };
-  for (const auto& [key, node] : document) {
-    if (key.str() != "fault") {
-      wrong(key.source(), fmt::format("{} is unknown here; allowed: tables [[fault]]", key.str()));
-      continue;
-    }
-    const toml::array* list = node.as_array();
-    if (list == nullptr) {
-      wrong(node.source(),
-            fmt::format("fault is {}; allowed: tables [[fault]] with double brackets", shown(node)));
-      continue;
-    }
-    for (const toml::node& entry : *list) {
-      if (const toml::table* table = entry.as_table()) {
-        script.faults.push_back(FaultReader(*table, file, script.errors).read());
-        const toml::node* kind = table->get("kind");
-        const toml::source_position place = (kind != nullptr ? *kind : entry).source().begin;
-        script.places.push_back({place.line, place.column});
-      } else {
-        wrong(entry.source(), fmt::format("fault is {}; allowed: tables [[fault]]", shown(entry)));
-      }
-    }
+// What stands under the key `fault` instead of tables.
+void refuse(const Node& fault, FaultScript& script) {
+  if (fault.kind != Node::Kind::value || fault.value.kind != config::Value::Kind::list) {
+    script.errors.push_back(
+        {fault.where, "",
+         fmt::format("fault is {}; allowed: tables [[fault]] with double brackets", shown(fault))});
+    return;
+  }
+  for (std::size_t i = 0; i < fault.value.items.size(); ++i) {
+    script.errors.push_back(
+        {fault.items[i], "",
+         fmt::format("fault is {}; allowed: tables [[fault]]", config::to_toml(fault.value.items[i]))});
   }
 }
 
-}  // namespace
-
-std::string FaultScriptError::text() const {
-  return line == 0 ? fmt::format("{}: {}", file, message)
-                   : fmt::format("{}:{}:{}: {}", file, line, column, message);
-}
-
-FaultScript parse_fault_script(std::string_view toml, std::string_view file) {
+FaultScript read_faults(config::Document document) {
   FaultScript script;
-  if (const auto place = text::too_deep_key(toml)) {
-    script.errors.push_back({std::string(file), place->line, place->column,
-                             "found a key of more than 16 parts; allowed: tables [[fault]]"});
-    return script;
+  script.errors = std::move(document.problems);
+  const Content root(document, nullptr);
+  for (const Node* node : root.nodes()) {
+    if (node->name() != "fault") {
+      script.errors.push_back(
+          {node->key, "", fmt::format("{} is unknown here; allowed: tables [[fault]]", node->name())});
+    } else if (node->kind != Node::Kind::sections) {
+      refuse(*node, script);
+    }
   }
-  try {
-    read_faults(toml::parse(toml, file), file, script);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position place = error.source().begin;
-    script.errors.push_back({std::string(file), place.line, place.column,
-                             fmt::format("not valid TOML: {}", error.description())});
+  for (const Node* section : root.each("fault")) {
+    const Content table(document, section);
+    script.faults.push_back(FaultReader(table, script.errors).read());
+    const Node* kind = table.find("kind");
+    script.places.push_back(kind != nullptr ? kind->where : section->where);
   }
   if (!script.errors.empty()) {
     script.faults.clear();
     script.places.clear();
   }
-  const auto place = [](const FaultScriptError& error) { return std::pair(error.line, error.column); };
-  std::sort(script.errors.begin(), script.errors.end(),
-            [&](const FaultScriptError& a, const FaultScriptError& b) { return place(a) < place(b); });
+  config::sort_by_place(script.errors);
   return script;
 }
 
+}  // namespace
+
+FaultScript parse_fault_script(std::string_view toml, const std::string& file) {
+  return read_faults(config::parse_document(toml, file, kWording));
+}
+
 FaultScript load_fault_script(const std::string& path) {
-  const auto content = text::read_file(path);
-  if (const auto* problem = std::get_if<text::FileProblem>(&content))
-    return {{}, {}, {{path, 0, 0, "cannot be read: " + problem->text}}};
-  return parse_fault_script(std::get<std::string>(content), path);
+  return read_faults(config::read_document(path, kWording));
 }
 
 }  // namespace sim

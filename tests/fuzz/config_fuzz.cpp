@@ -6,7 +6,9 @@
 
 #include "bytes.h"
 #include "cansync/settings_check.h"
-#include "daemon/config/file.h"
+#include "config/document.h"
+#include "daemon/cansync/config/file.h"
+#include "daemon/cansync/config/options.h"
 #include "require.h"
 
 namespace {
@@ -29,14 +31,15 @@ std::vector<std::string> overrides_of(std::string_view text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text = fuzz::text_of(data, size);
-  cansyncd::Settings settings = cansyncd::resolve(cansyncd::parse_document(text, "fuzz.toml"));
-  for (const std::string& assignment : overrides_of(text)) cansyncd::override_setting(settings, assignment);
+  config::Settings settings = config::resolve(config::parse_document(text, "fuzz.toml"), cansyncd::options());
+  for (const std::string& assignment : overrides_of(text))
+    config::override_setting(settings, assignment, cansyncd::options());
   const cansyncd::ConfigFile file = cansyncd::build_config(std::move(settings), "fuzz.toml");
-  for (const cansyncd::Problem& problem : file.problems) {
+  for (const config::Problem& problem : file.problems) {
     require(!problem.text.empty(), "a problem says what it is");
-    require(!cansyncd::to_string(problem).empty(), "a problem can be told");
+    require(!config::to_string(problem).empty(), "a problem can be told");
   }
-  require(file.problems.empty() == cansyncd::problems_text(file.problems).empty(), "problems are told");
+  require(file.problems.empty() == config::problems_text(file.problems).empty(), "problems are told");
   if (!file.problems.empty()) return 0;
   require(cansync::check(file.config.master).empty(), "the master can be built from what was accepted");
   require(!file.config.dds.partition.empty(), "the partition is never empty");

@@ -7,9 +7,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using fuzz::require;
   const sim::FaultScript script = sim::parse_fault_script(fuzz::text_of(data, size), "fuzz.toml");
-  for (const sim::FaultScriptError& error : script.errors) {
-    require(error.line > 0 && error.column > 0, "an error has a place");
-    require(error.text().starts_with("fuzz.toml:"), "an error can be told");
+  for (const config::Problem& error : script.errors) {
+    require(error.where.line > 0 && error.where.column > 0, "an error has a place");
+    require(to_string(error).starts_with("fuzz.toml:"), "an error can be told");
   }
   require(script.errors.empty() || script.faults.empty(), "a wrong script has no faults");
   require(script.places.size() == script.faults.size(), "each fault has a place");

@@ -30,12 +30,10 @@ void check(const profile::Parameter& parameter) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const profile::Reading reading = profile::parse(fuzz::text_of(data, size));
+  const profile::Reading reading = profile::parse(fuzz::text_of(data, size), "fuzz.toml");
   require(reading.profile.has_value() == reading.problems.empty(), "a profile, or what is wrong with it");
-  for (const profile::Problem& problem : reading.problems)
-    require(!problem.text.empty(), "a problem is told");
-  require(reading.problems.empty() == profile::problems_text(reading.problems, "fuzz.toml").empty(),
-          "problems are told");
+  for (const config::Problem& problem : reading.problems) require(!problem.text.empty(), "a problem is told");
+  require(reading.problems.empty() == config::problems_text(reading.problems).empty(), "problems are told");
   if (!reading.profile) return 0;
   require(profile::is_name(reading.profile->name), "a profile has a name");
   std::set<std::string> names;

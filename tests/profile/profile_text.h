@@ -16,17 +16,17 @@ inline std::string one_parameter(const std::string& more, const std::string& for
 
 /// The parameter of a right profile.
 inline Parameter parameter_of(const std::string& toml) {
-  const Reading reading = parse(toml);
-  EXPECT_EQ(problems_text(reading.problems, "f"), "");
+  const Reading reading = parse(toml, "f");
+  EXPECT_EQ(problems_text(reading.problems), "");
   return reading.profile && !reading.profile->parameters.empty() ? reading.profile->parameters.front()
                                                                  : Parameter{};
 }
 
 /// Everything wrong with a profile, with places in the file "f".
 inline std::string problems_of(const std::string& toml) {
-  const Reading reading = parse(toml);
+  const Reading reading = parse(toml, "f");
   EXPECT_EQ(reading.profile.has_value(), reading.problems.empty());
-  return problems_text(reading.problems, "f");
+  return problems_text(reading.problems);
 }
 
 }  // namespace profile

@@ -39,8 +39,9 @@ name = "type"
 format = "doubleword"
 access = "read-only"
 identity = "type"
-)");
-  ASSERT_TRUE(reading.profile) << problems_text(reading.problems, "f");
+)",
+                                "f");
+  ASSERT_TRUE(reading.profile) << problems_text(reading.problems);
   const Profile& profile = *reading.profile;
   EXPECT_EQ(profile.name, "drive-4");
   EXPECT_EQ(profile.text, "a drive");
@@ -64,7 +65,7 @@ identity = "type"
 TEST(ProfileReader, TheHashIsThatOfTheFile) {
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   const std::string toml = one_parameter("");
-  EXPECT_EQ(parse(toml).profile->hash, sha256(toml));
+  EXPECT_EQ(parse(toml, "f").profile->hash, sha256(toml));
 }
 
 TEST(ProfileReader, WhatIsMissingIsNamed) {
@@ -162,11 +163,11 @@ TEST(ProfileReader, AFileIsCalledLikeItsProfile) {
   const std::string wrong = (folder / "q.toml").string();
   std::ofstream(right) << one_parameter("");
   std::ofstream(wrong) << one_parameter("");
-  EXPECT_EQ(problems_text(read(right).problems, "f"), "");
-  EXPECT_EQ(problems_text(read(wrong).problems, "f"),
-            "f: profile.name: found \"p\" in a file called q.toml; allowed: the same name\n");
-  EXPECT_EQ(problems_text(read((folder / "none.toml").string()).problems, "f"),
-            "f: cannot read this profile: No such file or directory\n");
+  EXPECT_EQ(problems_text(read(right).problems), "");
+  EXPECT_EQ(problems_text(read(wrong).problems),
+            wrong + ": profile.name: found \"p\" in a file called q.toml; allowed: the same name\n");
+  EXPECT_EQ(problems_text(read((folder / "none.toml").string()).problems),
+            (folder / "none.toml").string() + ": cannot read this profile: No such file or directory\n");
   fs::remove_all(folder);
 }
 

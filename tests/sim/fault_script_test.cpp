@@ -20,7 +20,7 @@ using sim::FaultScript;
 
 Fault only(std::string_view text) {
   const FaultScript script = sim::parse_fault_script(text, "script.toml");
-  for (const auto& error : script.errors) ADD_FAILURE() << error.text();
+  for (const auto& error : script.errors) ADD_FAILURE() << to_string(error);
   return script.faults.size() == 1 ? script.faults[0] : Fault{};
 }
 
@@ -102,7 +102,7 @@ TEST_P(FaultScriptErrors, NamePlaceFindAndRange) {
   const FaultScript script = sim::parse_fault_script(GetParam().text, "f.toml");
   EXPECT_TRUE(script.faults.empty());
   ASSERT_FALSE(script.errors.empty());
-  EXPECT_EQ(script.errors[0].text().substr(0, GetParam().error.size()), GetParam().error);
+  EXPECT_EQ(to_string(script.errors[0]).substr(0, GetParam().error.size()), GetParam().error);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -166,9 +166,9 @@ kind = "nothing"
 )",
                                                      "f.toml");
   ASSERT_EQ(script.errors.size(), 3u);
-  EXPECT_EQ(script.errors[0].line, 3u);
-  EXPECT_EQ(script.errors[1].line, 4u);
-  EXPECT_EQ(script.errors[2].line, 6u);
+  EXPECT_EQ(script.errors[0].where.line, 3u);
+  EXPECT_EQ(script.errors[1].where.line, 4u);
+  EXPECT_EQ(script.errors[2].where.line, 6u);
   EXPECT_TRUE(script.faults.empty());
 }
 
@@ -185,7 +185,7 @@ TEST(FaultScript, IsReadFromAFile) {
 TEST(FaultScript, FileThatCannotBeReadIsAnError) {
   const auto error_of = [](const char* path) {
     const FaultScript script = sim::load_fault_script(path);
-    return script.errors.size() == 1 ? script.errors[0].text() : "";
+    return script.errors.size() == 1 ? to_string(script.errors[0]) : "";
   };
   EXPECT_EQ(error_of("/nonexistent/faults.toml"),
             "/nonexistent/faults.toml: cannot be read: No such file or directory");
@@ -197,7 +197,7 @@ TEST(FaultScript, FileThatCannotBeReadIsAnError) {
 TEST(FaultScript, WhatIsNoTextHasAPlace) {
   const auto error_of = [](const std::string& text) {
     const FaultScript script = sim::parse_fault_script(text, "f.toml");
-    return script.errors.empty() ? "" : script.errors[0].text();
+    return script.errors.empty() ? "" : to_string(script.errors[0]);
   };
   EXPECT_TRUE(error_of(std::string("\0", 1)).starts_with("f.toml:1:1: not valid TOML: ")) << "binary";
   EXPECT_TRUE(error_of("[[fault]]\nkind = \"\xFF\"\n").starts_with("f.toml:2:")) << "no UTF-8";
@@ -220,7 +220,7 @@ TEST(FaultScript, ExamplesOfTheDocumentationAreValid) {
   while (std::getline(file, line)) {
     if (inside && line == "```") {
       const FaultScript script = sim::parse_fault_script(block, "docs/fault-scripts.md");
-      for (const auto& error : script.errors) ADD_FAILURE() << error.text() << "\n" << block;
+      for (const auto& error : script.errors) ADD_FAILURE() << to_string(error) << "\n" << block;
       faults += script.faults.size();
     }
     if (line.starts_with("```")) {

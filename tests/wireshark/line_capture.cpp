@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "daemon/bus/drive_settings.h"
-#include "daemon/config/file.h"
+#include "daemon/cansync/config/file.h"
 #include "sim/trace_file.h"
 #include "support/virtual_line.h"
 

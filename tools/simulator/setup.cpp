@@ -8,9 +8,10 @@
 #include <utility>
 
 #include "cansync/telegram.h"
+#include "config/document.h"
 #include "daemon/bus/drive_settings.h"
-#include "daemon/config/document.h"
-#include "daemon/config/file.h"
+#include "daemon/cansync/config/file.h"
+#include "daemon/cansync/config/options.h"
 #include "sim/fault_script.h"
 
 namespace cansync_sim {
@@ -76,8 +77,8 @@ cansyncd::ConfigFile plain_line(const std::string& interface, cansync::SlaveMask
   for_each_slave(slaves, [&](cansync::SlaveNumber slave) {
     text += fmt::format("[[slave]]\nnumber = {}\n", slave.value());
   });
-  cansyncd::Settings given = cansyncd::resolve(cansyncd::parse_document(text, kName));
-  for (const std::string& setting : settings) cansyncd::override_setting(given, setting);
+  config::Settings given = config::resolve(config::parse_document(text, kName), cansyncd::options());
+  for (const std::string& setting : settings) config::override_setting(given, setting, cansyncd::options());
   return cansyncd::build_config(std::move(given), kName);
 }
 
@@ -135,7 +136,7 @@ class SetupReader {
                                     ? plain_line(arguments_.interface, slaves, settings)
                                     : cansyncd::load_config(arguments_.config, settings);
     if (arguments_.sync_id.empty()) setup_.bench.sync_identifier = file.config.sync.can_identifier;
-    for (const cansyncd::Problem& found : file.problems) problem(to_string(found));
+    for (const config::Problem& found : file.problems) problem(to_string(found));
     if (!setup_.problems.empty()) return;
     cansyncd::Config& config = file.config;
     if (config.bus.kind == cansyncd::BusKind::simulated) {
@@ -167,7 +168,7 @@ class SetupReader {
   void read_faults(const std::string& path) {
     if (path.empty()) return;
     sim::FaultScript script = sim::load_fault_script(path);
-    for (const sim::FaultScriptError& error : script.errors) problem(error.text());
+    for (const config::Problem& error : script.errors) problem(to_string(error));
     for (std::size_t i = 0; i < script.faults.size(); ++i) {
       const std::string reason = impossible(script.faults[i]);
       if (reason.empty()) continue;

@@ -1,4 +1,4 @@
-#include "daemon/config/check.h"
+#include "daemon/cansync/config/check.h"
 
 #include <fmt/format.h>
 
@@ -13,8 +13,8 @@
 #include "cansync/settings_check.h"
 #include "daemon/bus/bit_timing_check.h"
 #include "daemon/cansync/config/bus_budget.h"
+#include "daemon/cansync/config/check_sync.h"
 #include "daemon/options/check_profiles.h"
-#include "daemon/options/check_sync.h"
 
 namespace cansyncd {
 namespace {
@@ -42,7 +42,7 @@ class Checker {
  public:
   Checker(Draft& draft, const std::vector<Setting>& settings, const std::string& path)
       : draft_(draft), path_(path) {
-    for (const Setting& setting : settings) places_.emplace(setting.key(), &setting);
+    for (const Setting& setting : settings) places_.emplace(setting.key, &setting);
   }
 
   Problems run() {

@@ -1,53 +1,56 @@
-#include "daemon/config/option_rows.h"
+#include <array>
+
+#include "daemon/cansync/config/rows.h"
 
 namespace cansyncd {
 namespace {
 
-using namespace rows;  // the table reads better without the prefix in every line
+using namespace config::rows;  // the table reads better without the prefix in every line
+using namespace rows;
 
-constexpr auto kRows = std::to_array<Option>({
+constexpr auto kRows = std::to_array<Row>({
     // --- [failsafe]
-    choice(
-        "failsafe.reaction", "\"stop_release\"", "stop_release|hold|control_word",
-        "When the writer of reference values dies, leaves, misses its deadline, or its values grow too old: "
-        "stop_release = its telegram is no longer sent, so that the slaves extrapolate and fault by "
-        "themselves; hold = a running release goes on with the last values for hold_intervals, then stops; "
-        "control_word = the release stops, and control_word is sent to slaves. New values end each.",
-        [](Draft& d, const Value& v) {
-          d.config.failsafe.reaction = words(v) == "hold"           ? LossReaction::hold
-                                       : words(v) == "control_word" ? LossReaction::control_word
-                                                                    : LossReaction::stop_release;
-        }),
-    whole_number(
-        "failsafe.hold_intervals", "50", 1, 60'000, "intervals",
-        "With reaction \"hold\": intervals for which the last values go on.",
-        [](Draft& d, const Value& v) { d.config.failsafe.hold_intervals = whole<std::uint32_t>(v); }),
-    whole_number("failsafe.control_word", "(none)", 0, 65535, "",
-                 "The control word of reaction \"control_word\", which needs it.",
-                 [](Draft& d, const Value& v) { d.config.failsafe.control_word = whole<std::uint16_t>(v); }),
-    plain("failsafe.control_word_slaves", OptionType::slaves, "(every configured slave)",
-          "Slaves that get that control word.",
-          [](Draft& d, const Value& v) { d.config.failsafe.control_word_slaves = slave_mask(d.config, v); }),
-    whole_number("failsafe.reference_deadline_ms", "0", 0, 60'000, "ms",
-                 "A writer that is alive but gives nothing new for so long has missed its deadline; 0 = not "
-                 "looked at.",
-                 [](Draft& d, const Value& v) { d.config.failsafe.reference_deadline = milliseconds(v); }),
-    whole_number(
-        "failsafe.reference_max_intervals", "0", 0, 1'000'000, "intervals",
-        "Values without newer ones are too old after so many intervals, exact to the interval, whatever "
-        "their release_intervals say; 0 = not looked at.",
-        [](Draft& d, const Value& v) { d.config.master.process.too_old_after = whole<std::uint32_t>(v); }),
-    reloadable(whole_number(
-        "failsafe.reference_max_age_ms", "500", 0, 60'000, "ms",
-        "Reference values written longer ago than this are stale and not taken, nor those from as far in the "
-        "future; 0 = not looked at. Needs synchronised clocks when writer and daemon run on different "
-        "computers.",
-        [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); })),
+    {choice(
+         "failsafe.reaction", "\"stop_release\"", "stop_release|hold|control_word",
+         "When the writer of reference values dies, leaves, misses its deadline, or its values grow too old: "
+         "stop_release = its telegram is no longer sent, so that the slaves extrapolate and fault by "
+         "themselves; hold = a running release goes on with the last values for hold_intervals, then stops; "
+         "control_word = the release stops, and control_word is sent to slaves. New values end each."),
+     [](Draft& d, const Value& v) {
+       d.config.failsafe.reaction = words(v) == "hold"           ? LossReaction::hold
+                                    : words(v) == "control_word" ? LossReaction::control_word
+                                                                 : LossReaction::stop_release;
+     }},
+    {whole_number("failsafe.hold_intervals", "50", 1, 60'000, "intervals",
+                  "With reaction \"hold\": intervals for which the last values go on."),
+     [](Draft& d, const Value& v) { d.config.failsafe.hold_intervals = whole<std::uint32_t>(v); }},
+    {example("0x0000", whole_number("failsafe.control_word", "(none)", 0, 65535, "",
+                                    "The control word of reaction \"control_word\", which needs it.")),
+     [](Draft& d, const Value& v) { d.config.failsafe.control_word = whole<std::uint16_t>(v); }},
+    {example("[0]", other("failsafe.control_word_slaves", kSlavesWords, "(every configured slave)",
+                          "Slaves that get that control word.")),
+     [](Draft& d, const Value& v) { d.config.failsafe.control_word_slaves = slave_mask(d.config, v); },
+     takes_slaves},
+    {whole_number("failsafe.reference_deadline_ms", "0", 0, 60'000, "ms",
+                  "A writer that is alive but gives nothing new for so long has missed its deadline; 0 = not "
+                  "looked at."),
+     [](Draft& d, const Value& v) { d.config.failsafe.reference_deadline = milliseconds(v); }},
+    {whole_number(
+         "failsafe.reference_max_intervals", "0", 0, 1'000'000, "intervals",
+         "Values without newer ones are too old after so many intervals, exact to the interval, whatever "
+         "their release_intervals say; 0 = not looked at."),
+     [](Draft& d, const Value& v) { d.config.master.process.too_old_after = whole<std::uint32_t>(v); }},
+    {reloadable(whole_number(
+         "failsafe.reference_max_age_ms", "500", 0, 60'000, "ms",
+         "Reference values written longer ago than this are stale and not taken, nor those from as far in "
+         "the future; 0 = not looked at. Needs synchronised clocks when writer and daemon run on different "
+         "computers.")),
+     [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); }},
 });
 
 }  // namespace
 
-std::span<const Option> rows::failsafe_options() {
+std::span<const Row> rows::failsafe_options() {
   return kRows;
 }
 

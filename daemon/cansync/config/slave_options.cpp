@@ -1,63 +1,98 @@
-#include "daemon/config/option_rows.h"
-#include "daemon/config/return_parameters.h"
+#include <array>
 
-// Slaves that come and go: what is done when one is lost, and what one that returns has to pass.
+#include "daemon/cansync/config/return_parameters.h"
+#include "daemon/cansync/config/rows.h"
+
 namespace cansyncd {
 namespace {
 
+using namespace config::rows;  // the table reads better without the prefix in every line
 using namespace rows;
 
 constexpr std::int64_t kLongestPath = 4096;
 
-constexpr auto kRows = std::to_array<Option>({
-    reloadable(string("slave.profile", OptionType::text, "\"\"", 0, kLongestPath,
-                      "Drive profile of this slave: a name, looked up as NAME.toml in the folder profiles "
-                      "beside this file, /etc/cansync/profiles, /usr/local/share/cansync/profiles and "
-                      "/usr/share/cansync/profiles; or a file, with '/' or .toml. Empty = none.",
-                      [](Draft& d, const Value& v) { d.config.slaves[d.slave].profile = words(v); })),
-    whole_number(
-        "startup.lost_after", "3", 1, 255, "telegrams",
-        "Unanswered telegrams in a row until a slave counts as lost. Then its jobs end, and new ones are "
-        "refused until it answers again.",
-        [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }),
-    whole_number(
-        "startup.enabling_control_bits", "15", 0, 65535, "",
-        "A control word with all of these bits enables a drive. It is refused for a slave that is lost, or "
-        "was away or lost SYNC and is not released yet; others always pass, so that a drive can be stopped. "
-        "0 = none is refused.",
-        [](Draft& d, const Value& v) {
-          d.config.master.startup.enabling_control_bits = whole<std::uint16_t>(v);
-        }),
-    plain(
-        "command_channel.cancel_at_start", OptionType::boolean, "true",
-        "After a start, and when a slave was away, first cancel on the slave what a master that is gone may "
-        "have left open; no transfer begins before.",
-        [](Draft& d, const Value& v) { channel(d).cancel_at_start = flag(v); }),
-    choice(
-        "slave.on_return", "\"release\"", "release|check|write",
-        "When this slave was away or lost SYNC and is synchronized again: release = it may be used at once; "
-        "check = when every return parameter has its value; write = when each was written and read back.",
-        [](Draft& d, const Value& v) {
-          using cansync::OnReturn;
-          slave_settings(d).on_return = words(v) == "check"   ? OnReturn::check
-                                        : words(v) == "write" ? OnReturn::write
-                                                              : OnReturn::release;
-        }),
-    plain("slave.return_parameters", OptionType::parameter_values, "[]",
-          "The parameters for check and write, in this order. A value is raw, as on the bus: no sign, and at "
-          "most 65535 for a word.",
-          [](Draft& d, const Value& v) {
-            cansync::SlaveSettings& slave = slave_settings(d);
-            slave.return_count = 0;
-            for (const Scalar& item : v.items) {
-              slave.return_parameters[slave.return_count++] = *to_return_parameter(item);
-            }
-          }),
+constexpr auto kRows = std::to_array<Row>({
+    // --- [slave]
+    {whole_number("slave.number", "(required)", 0, 31, "",
+                  "Slave number on the bus; makes this slave part of the line."),
+     [](Draft& d, const Value&) { slave_settings(d).configured = true; }},
+    {example("\"slave0\"", reloadable(name("slave.name", "(\"slaveN\", N = its number)",
+                                           "Name of the slave; usable wherever its number is."))),
+     [](Draft& d, const Value& v) { d.config.slaves[d.slave].name = words(v); }},
+    {example("301", whole_number("slave.status_parameter", "(startup.status_parameter)", 0, 4095, "",
+                                 "Parameter number of this slave's status word.")),
+     [](Draft& d, const Value& v) { slave_settings(d).status_parameter = whole<std::uint16_t>(v); }},
+    {example("300", whole_number("slave.block_limit", "(command_channel.block_limit)", 6, 4092, "bytes",
+                                 "Longest block of an upload or download this slave takes.")),
+     [](Draft& d, const Value& v) { slave_settings(d).block_limit = whole<std::uint16_t>(v); }},
+    {example("[0x01, 0x03, 0x05, 0x07]", reloadable(other("slave.actual_registers_1", kRegistersWords,
+                                                          "(process.actual_registers_1)", kRegistersHelp))),
+     [](Draft& d, const Value& v) { d.actual[d.slave][0].registers = four<std::uint8_t>(v); },
+     takes_registers},
+    {example("[0, 0, 1, 1]", reloadable(other("slave.actual_values_1", kValuesWords,
+                                              "(process.actual_values_1)", kValuesHelp))),
+     [](Draft& d, const Value& v) { d.actual[d.slave][0].values = four<int>(v); }, takes_value_numbers},
+    {example("[false, true, false, true]",
+             reloadable(other("slave.actual_high_1", kFlagsWords, "(process.actual_high_1)", kHighHelp))),
+     [](Draft& d, const Value& v) { d.actual[d.slave][0].high = four<bool>(v); }, takes_flags},
+    {example("[0x11, 0x13, 0x15, 0x17]", reloadable(other("slave.actual_registers_2", kRegistersWords,
+                                                          "(process.actual_registers_2)", kSecondHelp))),
+     [](Draft& d, const Value& v) { d.actual[d.slave][1].registers = four<std::uint8_t>(v); },
+     takes_registers},
+    {example("[4, 4, 5, 5]", reloadable(other("slave.actual_values_2", kValuesWords,
+                                              "(process.actual_values_2)", kSecondHelp))),
+     [](Draft& d, const Value& v) { d.actual[d.slave][1].values = four<int>(v); }, takes_value_numbers},
+    {example("[false, true, false, true]",
+             reloadable(other("slave.actual_high_2", kFlagsWords, "(process.actual_high_2)", kSecondHelp))),
+     [](Draft& d, const Value& v) { d.actual[d.slave][1].high = four<bool>(v); }, takes_flags},
+    {reloadable(string("slave.profile", OptionType::text, "\"\"", 0, kLongestPath,
+                       "Drive profile of this slave: a name, looked up as NAME.toml in the folder profiles "
+                       "beside this file, /etc/cansync/profiles, /usr/local/share/cansync/profiles and "
+                       "/usr/share/cansync/profiles; or a file, with '/' or .toml. Empty = none.")),
+     [](Draft& d, const Value& v) { d.config.slaves[d.slave].profile = words(v); }},
+    {choice(
+         "slave.on_return", "\"release\"", "release|check|write",
+         "When this slave was away or lost SYNC and is synchronized again: release = it may be used at once; "
+         "check = when every return parameter has its value; write = when each was written and read back."),
+     [](Draft& d, const Value& v) {
+       using cansync::OnReturn;
+       slave_settings(d).on_return = words(v) == "check"   ? OnReturn::check
+                                     : words(v) == "write" ? OnReturn::write
+                                                           : OnReturn::release;
+     }},
+    {other(
+         "slave.return_parameters", kReturnParametersWords, "[]",
+         "The parameters for check and write, in this order. A value is raw, as on the bus: no sign, and at "
+         "most 65535 for a word."),
+     [](Draft& d, const Value& v) {
+       cansync::SlaveSettings& slave = slave_settings(d);
+       slave.return_count = 0;
+       for (const Scalar& item : v.items) {
+         slave.return_parameters[slave.return_count++] = *to_return_parameter(item);
+       }
+     },
+     takes_return_parameters},
+    // --- [slave.value]
+    {label("slave.value.number", 7, "Actual value this section names."), [](Draft&, const Value&) {}},
+    {example("\"speed\"",
+             reloadable(name("slave.value.name", "(the same of [[actual]])", "Name of the actual value."))),
+     [](Draft& d, const Value& v) { actual_value(d).name = words(v); }},
+    {example("\"rpm\"", reloadable(string("slave.value.unit", OptionType::text, "(the same of [[actual]])", 0,
+                                          16, "Unit of the scaled value."))),
+     [](Draft& d, const Value& v) { actual_value(d).unit = words(v); }},
+    {example("1.0",
+             reloadable(real_number("slave.value.factor", "(the same of [[actual]])", true, kFactorHelp))),
+     [](Draft& d, const Value& v) { actual_value(d).factor = real(v); }},
+    {example("0.0",
+             reloadable(real_number("slave.value.offset", "(the same of [[actual]])", false, "See factor."))),
+     [](Draft& d, const Value& v) { actual_value(d).offset = real(v); }},
+    {example("true", reloadable(boolean("slave.value.signed", "(the same of [[actual]])", kSignedHelp))),
+     [](Draft& d, const Value& v) { actual_value(d).is_signed = flag(v); }},
 });
 
 }  // namespace
 
-std::span<const Option> rows::slave_options() {
+std::span<const Row> rows::slave_options() {
   return kRows;
 }
 

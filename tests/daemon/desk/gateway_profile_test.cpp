@@ -32,7 +32,7 @@ access = "read-only"
 Config profile_config(bool rules = true) {
   Config config = gateway_config();
   config.access.profile_rules = rules;
-  auto profile = profile::parse(kProfile).profile;
+  auto profile = profile::parse(kProfile, "profile.toml").profile;
   if (profile) config.slaves[1].parameters = std::make_shared<const profile::Profile>(*profile);
   return config;
 }
@@ -111,7 +111,7 @@ TEST(GatewayProfile, TheStatusNamesTheProfile) {
   const auto with = status_of(1);
   ASSERT_TRUE(with);
   EXPECT_STREQ(with->profile, "drive");
-  EXPECT_EQ(std::string_view(with->profile_hash), profile::parse(kProfile).profile->hash);
+  EXPECT_EQ(std::string_view(with->profile_hash), profile::parse(kProfile, "profile.toml").profile->hash);
   const auto without = status_of(2);
   ASSERT_TRUE(without);
   EXPECT_STREQ(without->profile, "");

@@ -23,7 +23,7 @@ std::vector<std::string> folders_of(const std::string& first) {
 ProfilePointer read_profile(const std::string& path) {
   profile::Reading reading = profile::read(path);
   if (reading.profile) return std::make_shared<const profile::Profile>(std::move(*reading.profile));
-  std::string problems = profile::problems_text(reading.problems, path);
+  std::string problems = config::problems_text(reading.problems);
   problems.pop_back();  // the last line's end
   throw std::runtime_error(problems);
 }

@@ -1,0 +1,91 @@
+#include <array>
+
+#include "daemon/cansync/config/rows.h"
+
+namespace cansyncd {
+namespace {
+
+using namespace config::rows;  // the table reads better without the prefix in every line
+using namespace rows;
+
+using cansync::EnableRule;
+
+constexpr auto kRows = std::to_array<Row>({
+    // --- [bus]
+    {one_number("bus.bit_rate", "1000000", "125000|250000|500000|1000000", "bit/s",
+                "Bit rate; it fixes the interval: 8, 4, 2 or 1 ms."),
+     [](Draft& d, const Value& v) {
+       d.config.master.bit_rate = cansync::slot_times_for(whole<std::uint32_t>(v))->bit_rate;
+     }},
+    {example("50",
+             whole_number(
+                 "bus.send_margin_us", "(50 bit times)", 0, 1000, "us",
+                 "How long before its latest start a telegram is sent; takes up the thread's lateness.")),
+     [](Draft& d, const Value& v) {
+       d.config.master.send_margin = std::chrono::microseconds(whole<std::int64_t>(v));
+     }},
+    // --- [startup]
+    {choice("startup.target", "\"active\"", "none|setup|active",
+            "How far the daemon goes by itself: none = waits for mode commands; setup = SYNC and command "
+            "channel; active = set-up, then active operation as soon as `enable` allows."),
+     [](Draft& d, const Value& v) {
+       d.config.startup.target = words(v) == "none"    ? StartTarget::none
+                                 : words(v) == "setup" ? StartTarget::setup
+                                                       : StartTarget::active;
+     }},
+    {choice("startup.enable", "\"all_synchronized\"", "all_synchronized|all_responding|any",
+            "When active operation may begin: every configured slave responds and is synchronized, every one "
+            "responds, or at once."),
+     [](Draft& d, const Value& v) {
+       d.config.master.startup.enable = words(v) == "any"              ? EnableRule::any
+                                        : words(v) == "all_responding" ? EnableRule::all_responding
+                                                                       : EnableRule::all_synchronized;
+     }},
+    {whole_number("startup.activate_command", "2", 2, 255, "",
+                  "Command number of the action \"SYNC mode: activate\" (unconfirmed)."),
+     [](Draft& d, const Value& v) { d.config.master.startup.activate_command = whole<std::uint8_t>(v); }},
+    {whole_number("startup.activate_data", "1", 0, 255, "", "Data byte of that action (unconfirmed)."),
+     [](Draft& d, const Value& v) { d.config.master.startup.activate_data = whole<std::uint8_t>(v); }},
+    {whole_number("startup.status_parameter", "301", 0, 4095, "",
+                  "Parameter number of the status word of slaves that do not give their own (unconfirmed)."),
+     [](Draft& d, const Value& v) {
+       for (auto& slave : d.config.master.slaves) slave.status_parameter = whole<std::uint16_t>(v);
+     }},
+    {whole_number("startup.status_period_ms", "1000", 0, 3'600'000, "ms",
+                  "How often each slave's status word is read in active operation; 0 = never."),
+     [](Draft& d, const Value& v) { d.config.master.startup.status_period = milliseconds(v); }},
+    {whole_number(
+         "startup.lost_after", "3", 1, 255, "telegrams",
+         "Unanswered telegrams in a row until a slave counts as lost. Then its jobs end, and new ones are "
+         "refused until it answers again."),
+     [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }},
+    {whole_number(
+         "startup.enabling_control_bits", "15", 0, 65535, "",
+         "A control word with all of these bits enables a drive. It is refused for a slave that is lost, or "
+         "was away or lost SYNC and is not released yet; others always pass, so that a drive can be stopped. "
+         "0 = none is refused."),
+     [](Draft& d, const Value& v) {
+       d.config.master.startup.enabling_control_bits = whole<std::uint16_t>(v);
+     }},
+    // --- [sim]
+    {example("[0]", other("sim.drives", kSlavesWords, "(every configured slave)",
+                          "Slaves that have a simulated drive; the others stay silent.")),
+     [](Draft& d, const Value& v) { d.config.sim.drives = slave_mask(d.config, v); }, takes_slaves},
+    {whole_number("sim.lock_time_ms", "500", 0, 60'000, "ms",
+                  "Time from activation to bit 15 of a drive's status word."),
+     [](Draft& d, const Value& v) { d.config.sim.lock_time = milliseconds(v); }},
+    {whole_number("sim.memory_bytes", "262144", 4096, 16'777'216, "bytes",
+                  "Memory of each drive for uploads and downloads."),
+     [](Draft& d, const Value& v) { d.config.sim.memory = whole<std::uint32_t>(v); }},
+    {whole_number("sim.missing_references", "10", 0, 65535, "intervals",
+                  "Intervals in a row without reference values until a drive faults; 0 = never."),
+     [](Draft& d, const Value& v) { d.config.sim.missing_references = whole<std::uint16_t>(v); }},
+});
+
+}  // namespace
+
+std::span<const Row> rows::bus_options() {
+  return kRows;
+}
+
+}  // namespace cansyncd

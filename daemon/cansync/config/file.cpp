@@ -1,0 +1,107 @@
+#include "daemon/cansync/config/file.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "config/document.h"
+#include "daemon/cansync/config/check.h"
+#include "daemon/cansync/config/options.h"
+
+namespace cansyncd {
+namespace {
+
+/// Slaves first, then their names, then what may name a slave; what a slave gives comes after the defaults
+/// for all slaves.
+int phase(const Setting& setting) {
+  if (setting.option->key == "slave.number") return 0;
+  if (setting.option->key == "slave.name") return 1;
+  return slave_of(setting) ? 3 : 2;
+}
+
+bool given(const std::vector<Setting>& settings, std::string_view key) {
+  return std::any_of(settings.begin(), settings.end(),
+                     [&](const Setting& setting) { return setting.option->key == key; });
+}
+
+/// Defaults that follow from other options.
+void apply_derived(Config& config, const std::vector<Setting>& settings) {
+  if (!given(settings, "bus.name")) config.bus.name = config.bus.interface;
+  if (!given(settings, "dds.partition")) config.dds.partition = config.bus.name;
+  if (!given(settings, "bus.send_margin_us")) {
+    config.master.send_margin = cansync::default_send_margin(config.master.bit_rate);
+  }
+  const cansync::SlaveMask configured = config.master.configured();
+  if (!given(settings, "sim.drives")) config.sim.drives = configured;
+  if (given(settings, "process.maximum_slave")) return;
+  for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+    const auto slave = *cansync::SlaveNumber::from(n);
+    if (configured.has(slave)) config.master.process.maximum_slave = slave;
+  }
+}
+
+void name_slaves(Config& config) {
+  for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+    if (config.master.slaves[n].configured) config.slaves[n].name = "slave" + std::to_string(n);
+  }
+}
+
+/// The value number of an option of [[slave.value]], [[actual]] or [[reference]]; else 0.
+unsigned value_of(const Setting& setting) {
+  if (setting.numbers.empty() || setting.option->section() == "slave") return 0;
+  return static_cast<unsigned>(setting.numbers.back());
+}
+
+void apply_settings(Draft& draft, const std::vector<Setting>& settings, std::vector<Problem>& problems) {
+  bool named = false;
+  for (const Setting& setting : settings) {
+    if (!named && phase(setting) > 0) {
+      name_slaves(draft.config);
+      named = true;
+    }
+    const std::optional<unsigned> slave = slave_of(setting);
+    draft.slave = slave.value_or(0);
+    draft.value = value_of(setting);
+    if (slave && phase(setting) > 0 && !draft.config.master.slaves[*slave].configured) {
+      problems.push_back({setting.where, setting.key,
+                          "no [[slave]] has this number; allowed: numbers of configured slaves"});
+    } else if (auto text = option_rows().apply(*setting.option, setting.value, draft)) {
+      problems.push_back({setting.where, setting.key, std::move(*text)});
+    }
+  }
+  if (!named) name_slaves(draft.config);
+}
+
+}  // namespace
+
+std::optional<unsigned> slave_of(const Setting& setting) {
+  if (!setting.option->key.starts_with("slave.")) return std::nullopt;
+  return static_cast<unsigned>(setting.numbers.front());
+}
+
+ConfigFile build_config(Settings settings, const std::string& path) {
+  std::stable_sort(settings.items.begin(), settings.items.end(),
+                   [](const Setting& a, const Setting& b) { return phase(a) < phase(b); });
+  ConfigFile file;
+  file.path = path;
+  file.problems = std::move(settings.problems);
+  Draft draft;
+  option_rows().apply_defaults(draft);
+  apply_settings(draft, settings.items, file.problems);
+  apply_derived(draft.config, settings.items);
+  // With wrong values the cross-checks would only complain about what is missing because of them.
+  if (file.problems.empty()) file.problems = check_and_finish(draft, settings.items, path);
+  config::sort_by_place(file.problems);
+  file.config = std::move(draft.config);
+  file.settings = std::move(settings.items);
+  return file;
+}
+
+ConfigFile load_config(const std::string& path, std::span<const std::string> overrides) {
+  Settings settings = config::resolve(config::read_document(path), options());
+  for (const std::string& assignment : overrides) {
+    config::override_setting(settings, assignment, options());
+  }
+  return build_config(std::move(settings), path);
+}
+
+}  // namespace cansyncd

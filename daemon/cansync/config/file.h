@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/config/draft.h"
+
+namespace cansyncd {
+
+/// A configuration as read, together with where it came from.
+struct ConfigFile {
+  std::string path;
+  Config config;                  ///< only to be used when there are no problems
+  std::vector<Setting> settings;  ///< what was given, by the file or --set
+  std::vector<Problem> problems;  ///< everything found wrong, in the order of the file
+};
+
+/// Reads and checks `path`; `overrides` are "KEY=VALUE" and win over the file. Never throws for a wrong file:
+/// all of its problems are in the result. Main thread.
+ConfigFile load_config(const std::string& path, std::span<const std::string> overrides);
+
+/// The same for settings that are already there; `path` names the file in problems.
+ConfigFile build_config(Settings settings, const std::string& path);
+
+/// The slave number of an option of [[slave]] and below it; nothing for any other.
+std::optional<unsigned> slave_of(const Setting& setting);
+
+}  // namespace cansyncd

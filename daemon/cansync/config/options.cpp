@@ -1,0 +1,47 @@
+#include "daemon/cansync/config/options.h"
+
+#include <array>
+
+#include "daemon/cansync/config/rows.h"
+#include "daemon/options/rows.h"
+
+namespace cansyncd {
+namespace {
+
+/// In the order of the documents.
+constexpr auto kSections = std::to_array<config::Section>({
+    {"bus", "", ""},
+    {"realtime", "", ""},
+    {"recorder", "", ""},
+    {"startup", "", ""},
+    {"dds", "", ""},
+    {"sim", "", ""},
+    {"failsafe", "", ""},
+    {"access", "", ""},
+    {"metrics", "", ""},
+    {"sync", "", ""},
+    {"process", "", ""},
+    {"command_channel", "", ""},
+    {"reference", "value numbers", "Once for each reference value that has a name, unit or scaling."},
+    {"actual", "value numbers",
+     "Once for each actual value that has a name, unit or scaling on all slaves; a slave's own go first."},
+    {"slave", "slave numbers", "Once for each slave of the line."},
+    {"slave.value", "value numbers",
+     "Below its slave, once for each actual value that has a name, unit or scaling."},
+});
+
+}  // namespace
+
+const config::Rows<Draft>& option_rows() {
+  static const config::Rows<Draft> all(
+      kSections,
+      {rows::daemon_options(), rows::access_options(), rows::metrics_options(), rows::sync_options(),
+       rows::bus_options(), rows::failsafe_options(), rows::line_options(), rows::slave_options()});
+  return all;
+}
+
+const config::Table& options() {
+  return option_rows().table();
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "cansync/settings.h"
+#include "daemon/config/draft.h"
+
+namespace cansyncd {
+
+/// A return parameter from "NUMBER=VALUE", both decimal or 0x..: number 0..4095, value 0..4294967295. Nothing
+/// for anything else.
+std::optional<cansync::ReturnParameter> to_return_parameter(const Scalar& item);
+
+/// Is this a list of at most 32 of them, each number once?
+bool takes_return_parameters(const Draft& draft, const Value& value);
+
+inline constexpr std::string_view kReturnParametersWords =
+    "a list of at most 32 strings \"NUMBER=VALUE\", numbers 0..4095 each once, values 0..4294967295";
+static_assert(cansync::kReturnParameters == 32, "the words name it");
+
+}  // namespace cansyncd

@@ -1,0 +1,177 @@
+#include "config/document.h"
+
+#include <toml++/toml.h>
+
+#include <sstream>
+#include <utility>
+#include <variant>
+
+#include "config/toml_guard.h"
+#include "text/text_file.h"
+
+namespace config {
+namespace {
+
+using Path = std::vector<Node::Step>;
+
+Position position(const toml::source_region& region, const std::string& file) {
+  return {file, region.begin.line, region.begin.column};
+}
+
+std::optional<Scalar> to_scalar(const toml::node& node) {
+  if (const auto* flag = node.as_boolean()) return Scalar(flag->get());
+  if (const auto* number = node.as_integer()) return Scalar(number->get());
+  if (const auto* number = node.as_floating_point()) return Scalar(number->get());
+  if (const auto* text = node.as_string()) return Scalar(text->get());
+  return std::nullopt;
+}
+
+/// A value of a type that no option has: dates, nested or mixed lists.
+Value other_value(const toml::node& node) {
+  Value value;
+  std::ostringstream text;
+  text << "a value of type " << node.type();
+  value.text = text.str();
+  return value;
+}
+
+Value to_value(const toml::node& node) {
+  if (std::optional<Scalar> scalar = to_scalar(node)) return scalar_value(std::move(*scalar));
+  const toml::array* list = node.as_array();
+  if (list == nullptr) return other_value(node);
+  std::vector<Scalar> items;
+  for (const toml::node& item : *list) {
+    std::optional<Scalar> scalar = to_scalar(item);
+    if (!scalar) return other_value(node);
+    items.push_back(std::move(*scalar));
+  }
+  return list_value(std::move(items));
+}
+
+Problem too_deep(const Position& where, const Wording& wording) {
+  return {where, "",
+          "found a key of more than " + std::to_string(kMostKeyParts) +
+              " parts; allowed: " + std::string(wording.allowed)};
+}
+
+/// Turns toml++'s tree into the flat list.
+class Flattener {
+ public:
+  Flattener(Document& document, std::string file, const Wording& wording)
+      : document_(document), file_(std::move(file)), wording_(wording) {}
+
+  void table(const toml::table& table, const Path& path) {
+    for (const auto& [key, node] : table) {
+      Path inner = path;
+      inner.push_back({std::string(key.str()), -1});
+      entry(node, std::move(inner), position(key.source(), file_));
+    }
+  }
+
+ private:
+  void entry(const toml::node& node, Path path, const Position& key) {
+    const Position where = position(node.source(), file_);
+    if (path.size() > kMostKeyParts) {
+      document_.problems.push_back(too_deep(key, wording_));
+      return;
+    }
+    if (const toml::table* section = node.as_table()) {
+      document_.nodes.push_back({Node::Kind::section, path, {}, key, where, {}});
+      table(*section, path);
+    } else if (node.is_array_of_tables()) {
+      document_.nodes.push_back({Node::Kind::sections, path, {}, key, where, {}});
+      sections(*node.as_array(), path);
+    } else {
+      document_.nodes.push_back(
+          {Node::Kind::value, std::move(path), to_value(node), key, where, items(node)});
+    }
+  }
+
+  std::vector<Position> items(const toml::node& node) const {
+    std::vector<Position> out;
+    if (const toml::array* list = node.as_array()) {
+      for (const toml::node& item : *list) out.push_back(position(item.source(), file_));
+    }
+    return out;
+  }
+
+  void sections(const toml::array& array, Path path) {
+    int index = 0;
+    for (const toml::node& node : array) {
+      const Position where = position(node.source(), file_);
+      path.back().index = index++;
+      document_.nodes.push_back({Node::Kind::section, path, {}, where, where, {}});
+      table(*node.as_table(), path);
+    }
+  }
+
+  Document& document_;
+  std::string file_;
+  const Wording& wording_;
+};
+
+}  // namespace
+
+Document parse_document(std::string_view toml, const std::string& file, const Wording& wording) {
+  Document document;
+  if (const auto place = too_deep_key(toml)) {
+    const Position where{file, static_cast<std::uint32_t>(place->line),
+                         static_cast<std::uint32_t>(place->column)};
+    document.problems.push_back(too_deep(where, wording));
+    return document;
+  }
+  try {
+    const toml::table root = toml::parse(toml, file);
+    Flattener(document, file, wording).table(root, {});
+    if (!document.problems.empty()) document.nodes.clear();
+  } catch (const toml::parse_error& error) {
+    document.nodes.clear();
+    document.problems.push_back({position(error.source(), file), "",
+                                 std::string(wording.no_toml) + std::string(error.description()) +
+                                     "; allowed: " + std::string(wording.allowed)});
+  }
+  return document;
+}
+
+Document read_document(const std::string& file, const Wording& wording) {
+  const auto content = text::read_file(file);
+  if (const auto* problem = std::get_if<text::FileProblem>(&content)) {
+    return {{}, {{{file, 0, 0}, "", std::string(wording.unreadable) + problem->text}}};
+  }
+  return parse_document(std::get<std::string>(content), file, wording);
+}
+
+std::optional<Value> parse_value(const std::string& text) {
+  const Document document = parse_document("value = " + text + "\n", "");
+  if (document.nodes.size() != 1 || document.nodes.front().kind != Node::Kind::value) return std::nullopt;
+  return document.nodes.front().value;
+}
+
+Content::Content(const Document& document, const Node* section) {
+  const std::size_t depth = section == nullptr ? 0 : section->path.size();
+  if (section != nullptr) where_ = section->where;
+  const std::size_t first =
+      section == nullptr ? 0 : static_cast<std::size_t>(section - document.nodes.data()) + 1;
+  for (std::size_t i = first; i < document.nodes.size() && document.nodes[i].path.size() > depth; ++i) {
+    const Node& node = document.nodes[i];
+    if (node.path.size() != depth + 1) continue;
+    (node.path.back().index < 0 ? nodes_ : repeated_).push_back(&node);
+  }
+}
+
+const Node* Content::find(std::string_view key) const noexcept {
+  for (const Node* node : nodes_) {
+    if (node->name() == key) return node;
+  }
+  return nullptr;
+}
+
+std::vector<const Node*> Content::each(std::string_view name) const {
+  std::vector<const Node*> out;
+  for (const Node* node : repeated_) {
+    if (node->name() == name) out.push_back(node);
+  }
+  return out;
+}
+
+}  // namespace config

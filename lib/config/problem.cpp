@@ -1,0 +1,37 @@
+#include "config/problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace config {
+
+std::string to_string(const Problem& problem) {
+  std::string out = problem.where.file;
+  if (problem.where.line != 0) {
+    out += fmt::format(":{}:{}", problem.where.line, problem.where.column);
+  }
+  if (!out.empty()) out += ": ";
+  if (!problem.key.empty()) out += problem.key + ": ";
+  return out + problem.text;
+}
+
+std::string problems_text(const std::vector<Problem>& problems) {
+  std::string out;
+  for (std::size_t i = 0; i < std::min(problems.size(), kProblemsShown); ++i) {
+    out += to_string(problems[i]) + "\n";
+  }
+  if (problems.size() > kProblemsShown) {
+    out += "and " + std::to_string(problems.size() - kProblemsShown) + " more problems\n";
+  }
+  return out;
+}
+
+void sort_by_place(std::vector<Problem>& problems) {
+  std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+    return std::tie(a.where.line, a.where.column) < std::tie(b.where.line, b.where.column);
+  });
+}
+
+}  // namespace config

@@ -1,0 +1,186 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "config/document.h"
+#include "config/option.h"
+#include "config/value.h"
+
+/// Rows: options with what takes their values; and what rows are written with. Main thread only.
+namespace config {
+
+/// An option, and where its value goes. `Draft` is what its owner fills while a file is read.
+template <class Draft>
+struct Row {
+  Option option;
+  void (*apply)(Draft&, const Value&) = nullptr;  ///< takes a value that the option takes
+  /// A check beside the option's type; null: none. With `OptionType::other` the only one.
+  bool (*takes)(const Draft&, const Value&) = nullptr;
+};
+
+/// The rows of one file, from several owners.
+template <class Draft>
+class Rows {
+ public:
+  /// As for `Table`; rows of one section keep the order of `parts`.
+  Rows(std::span<const Section> sections, std::vector<std::span<const Row<Draft>>> parts) {
+    std::vector<Option> options;
+    for (const auto part : parts) {
+      for (const Row<Draft>& row : part) {
+        rows_.push_back(row);
+        options.push_back(row.option);
+      }
+    }
+    table_ = Table(sections, std::move(options));
+    std::stable_sort(rows_.begin(), rows_.end(), [&](const Row<Draft>& a, const Row<Draft>& b) {
+      return table_.place_of(a.option) < table_.place_of(b.option);
+    });
+  }
+
+  const Table& table() const noexcept { return table_; }
+
+  /// Puts every fixed default into the draft, but those of numbered sections: they are the draft's own.
+  void apply_defaults(Draft& draft) const {
+    for (const Row<Draft>& row : rows_) {
+      if (!row.option.has_initial() || table_.is_numbered(row.option.section())) continue;
+      row.apply(draft, *parse_value(std::string(row.option.initial)));
+    }
+  }
+
+  /// Puts a value into the draft. Returns what was found and what is allowed when the option, one of
+  /// `table()`, does not take it.
+  std::optional<std::string> apply(const Option& option, const Value& value, Draft& draft) const {
+    const Row<Draft>& row = rows_[static_cast<std::size_t>(&option - table_.options().data())];
+    if (!takes(option, value) || (row.takes != nullptr && !row.takes(draft, value))) {
+      return mismatch_text(option, value);
+    }
+    row.apply(draft, value);
+    return std::nullopt;
+  }
+
+ private:
+  Table table_;
+  std::vector<Row<Draft>> rows_;  ///< in the order of the table
+};
+
+/// What the options of rows are written with. A default in round brackets is what holds when the option is
+/// not given, in words.
+namespace rows {
+
+constexpr Option plain(std::string_view key, OptionType type, std::string_view initial,
+                       std::string_view help) {
+  Option option;
+  option.key = key;
+  option.type = type;
+  option.initial = initial;
+  option.help = help;
+  return option;
+}
+
+constexpr Option boolean(std::string_view key, std::string_view initial, std::string_view help) {
+  return plain(key, OptionType::boolean, initial, help);
+}
+
+constexpr Option whole_number(std::string_view key, std::string_view initial, std::int64_t minimum,
+                              std::int64_t maximum, std::string_view unit, std::string_view help) {
+  Option option = plain(key, OptionType::integer, initial, help);
+  option.minimum = minimum;
+  option.maximum = maximum;
+  option.unit = unit;
+  return option;
+}
+
+/// The number of a section, 0..maximum, that means nothing by itself.
+constexpr Option label(std::string_view key, std::int64_t maximum, std::string_view help) {
+  Option option = whole_number(key, "(required)", 0, maximum, "", help);
+  option.label = true;
+  return option;
+}
+
+/// One of a few whole numbers, separated by '|'.
+constexpr Option one_number(std::string_view key, std::string_view initial, std::string_view choices,
+                            std::string_view unit, std::string_view help) {
+  Option option = plain(key, OptionType::integer, initial, help);
+  option.choices = choices;
+  option.unit = unit;
+  return option;
+}
+
+constexpr Option real_number(std::string_view key, std::string_view initial, bool not_zero,
+                             std::string_view help) {
+  Option option = plain(key, OptionType::number, initial, help);
+  option.not_zero = not_zero;
+  return option;
+}
+
+/// One of a few words, separated by '|'.
+constexpr Option choice(std::string_view key, std::string_view initial, std::string_view choices,
+                        std::string_view help) {
+  Option option = plain(key, OptionType::choice, initial, help);
+  option.choices = choices;
+  return option;
+}
+
+/// A string of minimum..maximum bytes.
+constexpr Option string(std::string_view key, OptionType type, std::string_view initial, std::int64_t minimum,
+                        std::int64_t maximum, std::string_view help) {
+  Option option = plain(key, type, initial, help);
+  option.minimum = minimum;
+  option.maximum = maximum;
+  return option;
+}
+
+/// What the row's own check takes; `words` says what is allowed.
+constexpr Option other(std::string_view key, std::string_view words, std::string_view initial,
+                       std::string_view help) {
+  Option option = plain(key, OptionType::other, initial, help);
+  option.words = words;
+  return option;
+}
+
+constexpr Option reloadable(Option option) {
+  option.reload = true;
+  return option;
+}
+
+/// With a value to show for an option without a fixed default.
+constexpr Option example(std::string_view value, Option option) {
+  option.example = value;
+  return option;
+}
+
+// --- what a row takes out of a value that has passed its option
+
+template <class T>
+T whole(const Value& value) {
+  return static_cast<T>(std::get<std::int64_t>(value.items.front()));
+}
+
+inline std::chrono::milliseconds milliseconds(const Value& value) {
+  return std::chrono::milliseconds(whole<std::int64_t>(value));
+}
+
+inline bool flag(const Value& value) {
+  return std::get<bool>(value.items.front());
+}
+
+inline const std::string& words(const Value& value) {
+  return std::get<std::string>(value.items.front());
+}
+
+inline double real(const Value& value) {
+  if (const auto* number = scalar<std::int64_t>(value)) return static_cast<double>(*number);
+  return std::get<double>(value.items.front());
+}
+
+}  // namespace rows
+}  // namespace config

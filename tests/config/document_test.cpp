@@ -1,0 +1,69 @@
+#include "config/document.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace {
+
+using config::Content;
+using config::Document;
+using config::Node;
+
+TEST(ConfigDocument, EveryValueHasItsPlace) {
+  const Document document = config::parse_document("[a]\nb = [1, \"x\"]\n", "f");
+  ASSERT_EQ(document.nodes.size(), 2u);
+  const Node& value = document.nodes[1];
+  EXPECT_EQ(value.name(), "b");
+  EXPECT_EQ(value.value.text, "[1, \"x\"]");
+  EXPECT_EQ(value.key.line, 2u);
+  EXPECT_EQ(value.key.column, 1u);
+  EXPECT_EQ(value.where.column, 5u);
+  ASSERT_EQ(value.items.size(), 2u);
+  EXPECT_EQ(value.items[1].column, 9u);
+}
+
+TEST(ConfigDocument, ContentIsWhatStandsDirectlyInASection) {
+  const Document document = config::parse_document(
+      "top = 1\n[[a]]\nx = 1\n[[a.inner]]\ny = 1\n[[a.inner]]\n[[a]]\nx = 2\nz = 3\n[b]\nx = 4\n", "f");
+  const Content root(document, nullptr);
+  ASSERT_EQ(root.nodes().size(), 3u);
+  EXPECT_EQ(root.find("top")->value.text, "1");
+  EXPECT_EQ(root.find("b")->kind, Node::Kind::section);
+  EXPECT_EQ(root.find("x"), nullptr);
+  const auto sections = root.each("a");
+  ASSERT_EQ(sections.size(), 2u);
+  const Content first(document, sections[0]);
+  EXPECT_EQ(first.nodes().size(), 2u) << "x, and inner once";
+  EXPECT_EQ(first.each("inner").size(), 2u);
+  EXPECT_EQ(first.where().line, 2u);
+  const Content second(document, sections[1]);
+  EXPECT_EQ(second.find("x")->value.text, "2");
+  EXPECT_EQ(second.nodes().size(), 2u);
+}
+
+TEST(ConfigDocument, EachKindOfFileHasItsWords) {
+  constexpr config::Wording kWording{
+      .unreadable = "not readable: ", .no_toml = "no TOML: ", .allowed = "recipes"};
+  const auto first = [&](const std::string& toml) {
+    return config::problems_text(config::parse_document(toml, "f", kWording).problems);
+  };
+  EXPECT_TRUE(first("[a\n").starts_with("f:1:3: no TOML: ")) << first("[a\n");
+  EXPECT_TRUE(first("[a\n").ends_with("; allowed: recipes\n")) << first("[a\n");
+  std::string deep = "a";
+  for (int i = 0; i < 20; ++i) deep += ".a";
+  EXPECT_EQ(first(deep + " = 1\n"), "f:1:2: found a key of more than 16 parts; allowed: recipes\n");
+  EXPECT_EQ(config::problems_text(config::read_document("/", kWording).problems),
+            "/: not readable: it is a folder\n");
+}
+
+TEST(ConfigProblems, AreToldInTheOrderOfTheFile) {
+  std::vector<config::Problem> problems = {
+      {{"f", 2, 1}, "b", "two"}, {{"f", 1, 9}, "", "one"}, {{"f"}, "", "zero"}};
+  config::sort_by_place(problems);
+  EXPECT_EQ(config::problems_text(problems), "f: zero\nf:1:9: one\nf:2:1: b: two\n");
+  problems.resize(config::kProblemsShown + 2, problems.back());
+  EXPECT_TRUE(config::problems_text(problems).ends_with("and 2 more problems\n"));
+}
+
+}  // namespace

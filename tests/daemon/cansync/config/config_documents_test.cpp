@@ -1,0 +1,72 @@
+// What is printed, shipped and documented of the configuration says what the program does.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <regex>
+#include <sstream>
+#include <string>
+
+#include "config_text.h"
+#include "daemon/cansync/config/print.h"
+
+namespace cansyncd {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(ConfigDocuments, TheDefaultConfigurationIsValidAndChangesNothing) {
+  const Config printed = good(default_config());
+  const Config smallest = good(kSmallest);
+  EXPECT_EQ(printed.master.command_channel.parameter_queue, smallest.master.command_channel.parameter_queue);
+  EXPECT_EQ(printed.master.configured(), smallest.master.configured());
+  EXPECT_EQ(printed.bus.name, smallest.bus.name);
+}
+
+TEST(ConfigDocuments, EveryCommentedExampleIsValidToo) {
+  std::istringstream lines(default_config());
+  std::string text;
+  // Lines "# key = value" are examples; the array form of mappings stands beside the registers and stays out.
+  const std::regex assignment(R"(# [a-z_012]+ = ["\[0-9].*)");
+  for (std::string line; std::getline(lines, line);) {
+    const bool example = std::regex_match(line, assignment) && line.find("_values_") == std::string::npos &&
+                         line.find("_high_") == std::string::npos;
+    text += (example ? line.substr(2) : line) + "\n";
+  }
+  EXPECT_EQ(good(text).slaves[0].name, "slave0");
+  EXPECT_NE(text.find("\nactual_registers_2 = "), std::string::npos);
+}
+
+TEST(ConfigDocuments, EveryShippedFileIsValid) {
+  for (const auto& entry : fs::directory_iterator(CANSYNC_SOURCE_DIR "/config")) {
+    if (entry.path().extension() != ".toml") continue;
+    EXPECT_EQ(problems_text(load_config(entry.path().string(), {}).problems), "") << entry.path();
+  }
+}
+
+TEST(ConfigDocuments, EveryOptionIsExplained) {
+  for (const Option& option : options().options()) {
+    EXPECT_FALSE(option.help.empty()) << option.key;
+    EXPECT_FALSE(option.initial.empty()) << option.key;
+    EXPECT_TRUE(option.has_initial() || option.numbers_section() || !option.example.empty()) << option.key;
+    EXPECT_EQ(option.type == OptionType::other, !option.words.empty()) << option.key;
+    EXPECT_EQ(options().find(option.key), &option) << option.key;
+  }
+}
+
+TEST(ConfigDocuments, TheDefaultFileIsWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/config/cansync.toml"), default_config())
+      << "run: cansyncd --print-default-config > config/cansync.toml";
+}
+
+TEST(ConfigDocuments, TheOptionListIsWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/docs/configuration.md"), options_markdown())
+      << "run: cansyncd --print-options-markdown > docs/configuration.md";
+}
+
+TEST(ConfigDocuments, TheOptionsOfTheManPageAreWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/docs/man/cansync.toml.5.d/50-options.mdoc"), options_man())
+      << "run: cansyncd --print-options-man > docs/man/cansync.toml.5.d/50-options.mdoc";
+}
+
+}  // namespace
+}  // namespace cansyncd
