@@ -57,7 +57,8 @@ TEST(ServiceLog, EachEntryHasTheBusAndProblemsTheirPlace) {
 
 TEST(ServiceLog, ManyProblemsAreCountedInOne) {
   KeptJournal kept;
-  ServiceLog("can0", kept).problems(std::vector<Problem>(23, Problem{{"f", 1, 1}, "", "wrong"}));
+  ServiceLog("can0", kept)
+      .problems(std::vector<config::Problem>(23, config::Problem{{"f", 1, 1}, "", "wrong"}));
   ASSERT_EQ(kept.all().size(), 21u);
   EXPECT_EQ(kept.all().back().message, "and 3 more problems");
 }

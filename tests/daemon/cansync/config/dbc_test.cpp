@@ -28,7 +28,10 @@ TEST(DbcNames, AreUniqueAndShort) {
 
 TEST(DbcString, IsLatinAndEndsWhereItShould) {
   EXPECT_EQ(dbc_string("mm/s"), "mm/s");
-  EXPECT_EQ(dbc_string("\xC2\xB0C"), "\xB0C");
+  EXPECT_EQ(dbc_string("\xC2\xB0"
+                       "C"),
+            "\xB0"
+            "C");
   EXPECT_EQ(dbc_string("\xE2\x84\xA6"), "?") << "an ohm sign is not in the character set";
   EXPECT_EQ(dbc_string("a\"b\\c\n"), "a'b/c?");
   EXPECT_EQ(dbc_string("\xC2"), "?") << "broken off";
