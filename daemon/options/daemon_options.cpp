@@ -24,8 +24,7 @@ constexpr auto kRows = std::to_array<Row>({
      [](Draft& d, const Value& v) { d.config.bus.wake_on_frame = flag(v); }},
     {choice("bus.one_shot", "\"prefer\"", "enforce|prefer|ignore",
             "One-shot mode of the controller, in which no telegram goes out late: enforce = send nothing "
-            "without "
-            "it, prefer = say so, ignore = do not ask."),
+            "without it, prefer = say so, ignore = do not ask."),
      [](Draft& d, const Value& v) {
        d.config.bus.one_shot = words(v) == "enforce"  ? OneShot::enforce
                                : words(v) == "ignore" ? OneShot::ignore
@@ -72,8 +71,8 @@ constexpr auto kRows = std::to_array<Row>({
     {example(
          "\"/var/lib/cansync/sim\"",
          string(
-             "recorder.folder", OptionType::text,
-             "(the service's state folder, else /var/lib/cansync/NAME)", 0, 4096,
+             "recorder.folder", OptionType::text, "(the service's state folder, else /var/lib/cansync/NAME)",
+             0, 4096,
              "Folder for flight recordings; \"\" = no recorder. Off, too, and said once, when it cannot be "
              "written.")),
      [](Draft& d, const Value& v) { d.config.recorder.folder = words(v); }},
@@ -115,8 +114,7 @@ constexpr auto kRows = std::to_array<Row>({
     {reloadable(whole_number(
          "dds.request_max_age_ms", "5000", 0, 3'600'000, "ms",
          "Requests written longer ago than this when they arrive, or further in the future, are refused; 0 = "
-         "not "
-         "looked at. Needs synchronised clocks when client and daemon run on different computers.")),
+         "not looked at. Needs synchronised clocks when client and daemon run on different computers.")),
      [](Draft& d, const Value& v) { d.config.dds.request_max_age = milliseconds(v); }},
     {string("dds.xml", OptionType::text, "\"\"", 0, 65536,
             "Cyclone DDS configuration (XML) used instead of the generated one; interface is not looked at "
@@ -124,8 +122,7 @@ constexpr auto kRows = std::to_array<Row>({
      [](Draft& d, const Value& v) { d.config.dds.xml = words(v); }},
     {string("dds.security", OptionType::text, "\"\"", 0, 4096,
             "Folder of the daemon's identity, made by cansync-security with role daemon: switches DDS "
-            "Security on; empty "
-            "= off. A relative path starts at the configuration file's folder."),
+            "Security on; empty = off. A relative path starts at the configuration file's folder."),
      [](Draft& d, const Value& v) { d.config.dds.security = words(v); }},
     // --- [sim]
     {whole_number("sim.seed", "1", 0, INT64_MAX, "", "Seed of everything random in the simulation."),

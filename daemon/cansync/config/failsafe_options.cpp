@@ -43,8 +43,7 @@ constexpr auto kRows = std::to_array<Row>({
     {reloadable(whole_number(
          "failsafe.reference_max_age_ms", "500", 0, 60'000, "ms",
          "Reference values written longer ago than this are stale and not taken, nor those from as far in "
-         "the "
-         "future; 0 = not looked at. Needs synchronised clocks when writer and daemon run on different "
+         "the future; 0 = not looked at. Needs synchronised clocks when writer and daemon run on different "
          "computers.")),
      [](Draft& d, const Value& v) { d.config.failsafe.reference_max_age = milliseconds(v); }},
 });

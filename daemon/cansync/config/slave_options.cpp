@@ -47,10 +47,8 @@ constexpr auto kRows = std::to_array<Row>({
      [](Draft& d, const Value& v) { d.actual[d.slave][1].high = four<bool>(v); }, takes_flags},
     {reloadable(string("slave.profile", OptionType::text, "\"\"", 0, kLongestPath,
                        "Drive profile of this slave: a name, looked up as NAME.toml in the folder profiles "
-                       "beside this file, "
-                       "/etc/cansync/profiles, /usr/local/share/cansync/profiles and "
-                       "/usr/share/cansync/profiles; or a file, "
-                       "with '/' or .toml. Empty = none.")),
+                       "beside this file, /etc/cansync/profiles, /usr/local/share/cansync/profiles and "
+                       "/usr/share/cansync/profiles; or a file, with '/' or .toml. Empty = none.")),
      [](Draft& d, const Value& v) { d.config.slaves[d.slave].profile = words(v); }},
     {choice(
          "slave.on_return", "\"release\"", "release|check|write",
