@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cansync/sim/drive.h"
+#include "cansync/sim/drive_faults.h"
 #include "cansync/timing.h"
 #include "daemon/bus/drive_settings.h"
 #include "sim/fault_script.h"
@@ -34,7 +35,8 @@ std::vector<std::unique_ptr<sim::Node>> drives(const Config& config) {
 std::vector<Problem> check_fault_script(const Config& config) {
   std::vector<Problem> problems;
   if (config.bus.kind != BusKind::simulated || config.sim.fault_script.empty()) return problems;
-  for (sim::FaultScriptError& error : sim::load_fault_script(config.sim.fault_script).errors) {
+  for (sim::FaultScriptError& error :
+       sim::load_fault_script(config.sim.fault_script, sim::drive_faults()).errors) {
     problems.push_back({{std::move(error.file), static_cast<std::uint32_t>(error.line),
                          static_cast<std::uint32_t>(error.column)},
                         "",
@@ -49,8 +51,9 @@ SimBus::SimBus(const Config& config) : trace_(open_trace(config)) {
   settings.clock = sim::ClockKind::real_time;
   settings.seed = config.sim.seed;
   settings.trace = trace_.get();
+  settings.protocol = &sim::drive_faults();
   if (!config.sim.fault_script.empty()) {
-    settings.faults = sim::load_fault_script(config.sim.fault_script).faults;
+    settings.faults = sim::load_fault_script(config.sim.fault_script, sim::drive_faults()).faults;
   }
   line_ = std::make_unique<sim::Line>(settings, drives(config));
 }

@@ -13,7 +13,6 @@
 #include <variant>
 
 #include "can/candump.h"
-#include "cansync/telegram.h"
 #include "text/text_file.h"
 #include "text/toml_guard.h"
 
@@ -29,24 +28,9 @@ constexpr unsigned kFiltered =
     bit(FaultKind::lost) | bit(FaultKind::late) | bit(FaultKind::corrupted) | bit(FaultKind::duplicated);
 constexpr unsigned kAnswers = bit(FaultKind::wrong_answer) | bit(FaultKind::busy);
 
+constexpr int kLastNode = kMostNodes - 1;
 // The longest delay that makes sense on a line whose slowest interval is 8 ms.
 constexpr double kMostMicroseconds = 1'000'000;
-
-// A channel by the name that people use for it, as identifier and mask.
-struct ChannelName {
-  std::string_view name;
-  std::uint32_t identifier;
-  std::uint32_t mask;
-};
-constexpr std::array<ChannelName, 7> kChannelNames = {{
-    {"action", cansync::identifier::action, 0x7FF},
-    {"wrc1", cansync::identifier::reference_one, 0x780},
-    {"wrc2", cansync::identifier::reference_two, 0x780},
-    {"rdc1", cansync::identifier::actual_one, 0x780},
-    {"rdc2", cansync::identifier::actual_two, 0x780},
-    {"command", cansync::identifier::command, 0x780},
-    {"response", cansync::identifier::response, 0x780},
-}};
 
 // What a value looks like in the file, for error messages.
 std::string shown(const toml::node& node) {
@@ -61,8 +45,9 @@ std::string shown(const toml::node& node) {
 // Reads one table [[fault]].
 class FaultReader {
  public:
-  FaultReader(const toml::table& table, std::string_view file, std::vector<FaultScriptError>& errors)
-      : table_(table), file_(file), errors_(errors) {}
+  FaultReader(const toml::table& table, std::string_view file, const FaultProtocol& protocol,
+              std::vector<FaultScriptError>& errors)
+      : table_(table), file_(file), protocol_(protocol), node_(protocol.node_word()), errors_(errors) {}
 
   Fault read() {
     if (!read_kind()) return fault_;
@@ -70,7 +55,7 @@ class FaultReader {
     read_when();
     read_filter();
     read_receivers();
-    if (fault_.kind == FaultKind::silent) require("slave", "the slave number 0..31");
+    if (fault_.kind == FaultKind::silent) require(node_, node_range());
     if (fault_.kind == FaultKind::late) {
       require("delay_us", "how many microseconds the frame is late");
       fault_.delay = microseconds("delay_us", 0.001);
@@ -88,21 +73,25 @@ class FaultReader {
     std::string_view name;
     unsigned kinds;
   };
-  static constexpr std::array<Key, 13> kKeys = {{
-      {"kind", kEveryKind},
-      {"from", kEveryKind},
-      {"to", kEveryKind},
-      {"count", kEveryKind},
-      {"probability", kEveryKind},
-      {"slave", kFiltered | kAnswers | bit(FaultKind::silent) | bit(FaultKind::missing_sync)},
-      {"channel", kFiltered},
-      {"identifier", kFiltered},
-      {"mask", kFiltered},
-      {"receivers", bit(FaultKind::lost)},
-      {"delay_us", bit(FaultKind::late)},
-      {"frame", bit(FaultKind::inject)},
-      {"at_us", bit(FaultKind::inject)},
-  }};
+  static constexpr std::size_t kKeyCount = 13;
+  /// All keys; that of a node is a word of the protocol.
+  std::array<Key, kKeyCount> keys() const {
+    return {{
+        {"kind", kEveryKind},
+        {"from", kEveryKind},
+        {"to", kEveryKind},
+        {"count", kEveryKind},
+        {"probability", kEveryKind},
+        {node_, kFiltered | kAnswers | bit(FaultKind::silent) | bit(FaultKind::missing_sync)},
+        {"channel", kFiltered},
+        {"identifier", kFiltered},
+        {"mask", kFiltered},
+        {"receivers", bit(FaultKind::lost)},
+        {"delay_us", bit(FaultKind::late)},
+        {"frame", bit(FaultKind::inject)},
+        {"at_us", bit(FaultKind::inject)},
+    }};
+  }
 
   void wrong(const toml::source_region& place, std::string message) {
     errors_.push_back({std::string(file_), place.begin.line, place.begin.column, std::move(message)});
@@ -139,15 +128,16 @@ class FaultReader {
 
   void refuse_unknown_keys() {
     std::string allowed;
-    for (const Key& key : kKeys) {
+    const std::array<Key, kKeyCount> known_keys = keys();
+    for (const Key& key : known_keys) {
       if ((key.kinds & bit(fault_.kind)) == 0) continue;
       allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", key.name);
     }
     for (const auto& entry : table_) {
       const toml::key& key = entry.first;
-      const auto* known =
-          std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& k) { return k.name == key.str(); });
-      if (known != kKeys.end() && (known->kinds & bit(fault_.kind)) != 0) continue;
+      const auto* known = std::find_if(known_keys.begin(), known_keys.end(),
+                                       [&](const Key& k) { return k.name == key.str(); });
+      if (known != known_keys.end() && (known->kinds & bit(fault_.kind)) != 0) continue;
       wrong(key.source(), fmt::format("{} is no key of a fault of kind \"{}\"; allowed: {}", key.str(),
                                       name(fault_.kind), allowed));
     }
@@ -174,9 +164,9 @@ class FaultReader {
     return std::nullopt;
   }
 
-  cansync::Duration microseconds(std::string_view key, double least) {
+  can::Time microseconds(std::string_view key, double least) {
     const double value = number(key, least, kMostMicroseconds).value_or(0);
-    return cansync::Duration(std::llround(value * 1000));
+    return can::Time(std::llround(value * 1000));
   }
 
   void read_when() {
@@ -191,9 +181,7 @@ class FaultReader {
   }
 
   void read_filter() {
-    if (const auto slave = integer("slave", 0, cansync::SlaveNumber::max)) {
-      fault_.slave = cansync::SlaveNumber::from(*slave);
-    }
+    if (const auto node = integer(node_, 0, kLastNode)) fault_.node = static_cast<NodeNumber>(*node);
     const toml::node* channel = table_.get("channel");
     const toml::node* identifier = table_.get("identifier");
     if (channel != nullptr && identifier != nullptr) {
@@ -211,7 +199,7 @@ class FaultReader {
   void read_channel(const toml::node& node) {
     std::string names;
     const auto text = node.value_exact<std::string>();
-    for (const ChannelName& channel : kChannelNames) {
+    for (const ChannelName& channel : protocol_.channels()) {
       if (text && *text == channel.name) {
         fault_.identifier = channel.identifier;
         fault_.mask = channel.mask;
@@ -225,20 +213,21 @@ class FaultReader {
   void read_receivers() {
     const toml::node* node = table_.get("receivers");
     if (node == nullptr || fault_.kind != FaultKind::lost) return;
-    constexpr std::string_view kAllowed = "an array of slave numbers 0..31 and \"master\", at least one";
+    const std::string allowed =
+        fmt::format("an array of {} numbers 0..{} and \"master\", at least one", node_, kLastNode);
     const toml::array* list = node->as_array();
-    if (list == nullptr || list->empty()) return wrong_value("receivers", *node, kAllowed);
+    if (list == nullptr || list->empty()) return wrong_value("receivers", *node, allowed);
     fault_.receivers = {};
     fault_.lost_to_master = false;
     for (const toml::node& entry : *list) {
-      const auto slave = entry.value_exact<std::int64_t>();
+      const auto number = entry.value_exact<std::int64_t>();
       const auto text = entry.value_exact<std::string>();
       if (text && *text == "master") {
         fault_.lost_to_master = true;
-      } else if (slave && *slave >= 0 && *slave <= cansync::SlaveNumber::max) {
-        fault_.receivers.set(*cansync::SlaveNumber::from(static_cast<std::uint64_t>(*slave)));
+      } else if (number && *number >= 0 && *number <= kLastNode) {
+        fault_.receivers.add(static_cast<NodeNumber>(*number));
       } else {
-        wrong_value("receivers", entry, kAllowed);
+        wrong_value("receivers", entry, allowed);
       }
     }
   }
@@ -261,13 +250,18 @@ class FaultReader {
     }
   }
 
+  std::string node_range() const { return fmt::format("the {} number 0..{}", node_, kLastNode); }
+
   const toml::table& table_;
   std::string_view file_;
+  const FaultProtocol& protocol_;
+  std::string_view node_;  // the protocol's word for a node
   std::vector<FaultScriptError>& errors_;
   Fault fault_;
 };
 
-void read_faults(const toml::table& document, std::string_view file, FaultScript& script) {
+void read_faults(const toml::table& document, std::string_view file, const FaultProtocol& protocol,
+                 FaultScript& script) {
   const auto wrong = [&](const toml::source_region& place, std::string message) {
     script.errors.push_back({std::string(file), place.begin.line, place.begin.column, std::move(message)});
   };
@@ -284,7 +278,7 @@ void read_faults(const toml::table& document, std::string_view file, FaultScript
     }
     for (const toml::node& entry : *list) {
       if (const toml::table* table = entry.as_table()) {
-        script.faults.push_back(FaultReader(*table, file, script.errors).read());
+        script.faults.push_back(FaultReader(*table, file, protocol, script.errors).read());
         const toml::node* kind = table->get("kind");
         const toml::source_position place = (kind != nullptr ? *kind : entry).source().begin;
         script.places.push_back({place.line, place.column});
@@ -302,7 +296,7 @@ std::string FaultScriptError::text() const {
                    : fmt::format("{}:{}:{}: {}", file, line, column, message);
 }
 
-FaultScript parse_fault_script(std::string_view toml, std::string_view file) {
+FaultScript parse_fault_script(std::string_view toml, std::string_view file, const FaultProtocol& protocol) {
   FaultScript script;
   if (const auto place = text::too_deep_key(toml)) {
     script.errors.push_back({std::string(file), place->line, place->column,
@@ -310,7 +304,7 @@ FaultScript parse_fault_script(std::string_view toml, std::string_view file) {
     return script;
   }
   try {
-    read_faults(toml::parse(toml, file), file, script);
+    read_faults(toml::parse(toml, file), file, protocol, script);
   } catch (const toml::parse_error& error) {
     const toml::source_position place = error.source().begin;
     script.errors.push_back({std::string(file), place.line, place.column,
@@ -326,11 +320,11 @@ FaultScript parse_fault_script(std::string_view toml, std::string_view file) {
   return script;
 }
 
-FaultScript load_fault_script(const std::string& path) {
+FaultScript load_fault_script(const std::string& path, const FaultProtocol& protocol) {
   const auto content = text::read_file(path);
   if (const auto* problem = std::get_if<text::FileProblem>(&content))
     return {{}, {}, {{path, 0, 0, "cannot be read: " + problem->text}}};
-  return parse_fault_script(std::get<std::string>(content), path);
+  return parse_fault_script(std::get<std::string>(content), path, protocol);
 }
 
 }  // namespace sim

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/fault_protocol.h"
 #include "sim/faults.h"
 
 /// Fault scripts: TOML files with one table `[[fault]]` for each fault. docs/fault-scripts.md has every key.
@@ -34,10 +35,11 @@ struct FaultScript {
   std::vector<FaultScriptError> errors;
 };
 
-/// Parses a script that is already in memory; `file` is named in errors.
-FaultScript parse_fault_script(std::string_view toml, std::string_view file);
+/// Parses a script that is already in memory; `file` is named in errors, `protocol` has the words for nodes
+/// and channels.
+FaultScript parse_fault_script(std::string_view toml, std::string_view file, const FaultProtocol& protocol);
 
 /// Reads and parses the script at `path`, a regular file of up to text::kFileLimit bytes.
-FaultScript load_fault_script(const std::string& path);
+FaultScript load_fault_script(const std::string& path, const FaultProtocol& protocol);
 
 }  // namespace sim

@@ -22,7 +22,7 @@ lib/can:
 lib/cansync:                lib/can
 lib/rt:                     lib/can
 lib/sync:                   lib/can lib/rt
-lib/sim:                    lib/text lib/can lib/cansync lib/sync
+lib/sim:                    lib/text lib/can lib/sync
 lib/dds:                    idl
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
@@ -71,6 +71,7 @@ CORE_WORDS = re.compile(r"steady_clock|system_clock|high_resolution_clock|utc_cl
                         r"this_thread|fopen|printf|getenv|std::(cout|cerr|clog)")
 CANSYNC_WORDS = {"lib/can": re.compile("cansync"),
                  "lib/rt": re.compile("cansync/|cansync::|namespace cansync"),
+                 "lib/sim": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/sync": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
 # What a protocol's library has beside its core: rooms of their own.
@@ -216,6 +217,7 @@ PLANTED = [
     ("lib/cansync/planted.cpp", "using Clock = std::chrono::system_clock;"),
     ("lib/can/planted.cpp", "int f(cansync::SlaveNumber);"),
     ("lib/rt/planted.h", "void f(const cansync::Telegram&);"),
+    ("lib/sim/planted.h", "void f(const cansync::Telegram&);"),
     ("lib/rt/planted.cpp", "auto x = dds_create_participant(0, nullptr, nullptr);"),
     ("lib/dds/planted.h", "cansync::Telegram f();"),
     ("lib/dds/planted.h", '#include "cansync.h"'),

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cansync/sim/drive_faults.h"
 #include "cansync/telegram.h"
 #include "daemon/bus/drive_settings.h"
 #include "daemon/config/document.h"
@@ -166,7 +167,7 @@ class SetupReader {
 
   void read_faults(const std::string& path) {
     if (path.empty()) return;
-    sim::FaultScript script = sim::load_fault_script(path);
+    sim::FaultScript script = sim::load_fault_script(path, sim::drive_faults());
     for (const sim::FaultScriptError& error : script.errors) problem(error.text());
     for (std::size_t i = 0; i < script.faults.size(); ++i) {
       const std::string reason = impossible(script.faults[i]);
