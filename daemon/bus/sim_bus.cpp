@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cansync/sim/drive.h"
+#include "cansync/sim/drive_faults.h"
 #include "cansync/timing.h"
 #include "daemon/bus/drive_settings.h"
 #include "sim/fault_script.h"
@@ -33,7 +34,7 @@ std::vector<std::unique_ptr<sim::Node>> drives(const Config& config) {
 
 std::vector<config::Problem> check_fault_script(const Config& config) {
   if (config.bus.kind != BusKind::simulated || config.sim.fault_script.empty()) return {};
-  return sim::load_fault_script(config.sim.fault_script).errors;
+  return sim::load_fault_script(config.sim.fault_script, sim::drive_faults()).errors;
 }
 
 SimBus::SimBus(const Config& config) : trace_(open_trace(config)) {
@@ -42,8 +43,9 @@ SimBus::SimBus(const Config& config) : trace_(open_trace(config)) {
   settings.clock = sim::ClockKind::real_time;
   settings.seed = config.sim.seed;
   settings.trace = trace_.get();
+  settings.protocol = &sim::drive_faults();
   if (!config.sim.fault_script.empty()) {
-    settings.faults = sim::load_fault_script(config.sim.fault_script).faults;
+    settings.faults = sim::load_fault_script(config.sim.fault_script, sim::drive_faults()).faults;
   }
   line_ = std::make_unique<sim::Line>(settings, drives(config));
 }

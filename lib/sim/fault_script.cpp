@@ -12,7 +12,6 @@
 #include <variant>
 
 #include "can/candump.h"
-#include "cansync/telegram.h"
 #include "config/document.h"
 
 namespace sim {
@@ -38,24 +37,9 @@ constexpr unsigned kFiltered =
     bit(FaultKind::lost) | bit(FaultKind::late) | bit(FaultKind::corrupted) | bit(FaultKind::duplicated);
 constexpr unsigned kAnswers = bit(FaultKind::wrong_answer) | bit(FaultKind::busy);
 
+constexpr int kLastNode = kMostNodes - 1;
 // The longest delay that makes sense on a line whose slowest interval is 8 ms.
 constexpr double kMostMicroseconds = 1'000'000;
-
-// A channel by the name that people use for it, as identifier and mask.
-struct ChannelName {
-  std::string_view name;
-  std::uint32_t identifier;
-  std::uint32_t mask;
-};
-constexpr std::array<ChannelName, 7> kChannelNames = {{
-    {"action", cansync::identifier::action, 0x7FF},
-    {"wrc1", cansync::identifier::reference_one, 0x780},
-    {"wrc2", cansync::identifier::reference_two, 0x780},
-    {"rdc1", cansync::identifier::actual_one, 0x780},
-    {"rdc2", cansync::identifier::actual_two, 0x780},
-    {"command", cansync::identifier::command, 0x780},
-    {"response", cansync::identifier::response, 0x780},
-}};
 
 // What a value looks like in the file, for error messages.
 std::string shown(const Node& node) {
@@ -72,7 +56,8 @@ const T* scalar(const Node& node) {
 // Reads one table [[fault]].
 class FaultReader {
  public:
-  FaultReader(const Content& table, std::vector<Problem>& errors) : table_(table), errors_(errors) {}
+  FaultReader(const Content& table, const FaultProtocol& protocol, std::vector<Problem>& errors)
+      : table_(table), protocol_(protocol), node_(protocol.node_word()), errors_(errors) {}
 
   Fault read() {
     if (!read_kind()) return fault_;
@@ -80,7 +65,7 @@ class FaultReader {
     read_when();
     read_filter();
     read_receivers();
-    if (fault_.kind == FaultKind::silent) require("slave", "the slave number 0..31");
+    if (fault_.kind == FaultKind::silent) require(node_, node_range());
     if (fault_.kind == FaultKind::late) {
       require("delay_us", "how many microseconds the frame is late");
       fault_.delay = microseconds("delay_us", 0.001);
@@ -98,21 +83,25 @@ class FaultReader {
     std::string_view name;
     unsigned kinds;
   };
-  static constexpr std::array<Key, 13> kKeys = {{
-      {"kind", kEveryKind},
-      {"from", kEveryKind},
-      {"to", kEveryKind},
-      {"count", kEveryKind},
-      {"probability", kEveryKind},
-      {"slave", kFiltered | kAnswers | bit(FaultKind::silent) | bit(FaultKind::missing_sync)},
-      {"channel", kFiltered},
-      {"identifier", kFiltered},
-      {"mask", kFiltered},
-      {"receivers", bit(FaultKind::lost)},
-      {"delay_us", bit(FaultKind::late)},
-      {"frame", bit(FaultKind::inject)},
-      {"at_us", bit(FaultKind::inject)},
-  }};
+  static constexpr std::size_t kKeyCount = 13;
+  /// All keys; that of a node is a word of the protocol.
+  std::array<Key, kKeyCount> keys() const {
+    return {{
+        {"kind", kEveryKind},
+        {"from", kEveryKind},
+        {"to", kEveryKind},
+        {"count", kEveryKind},
+        {"probability", kEveryKind},
+        {node_, kFiltered | kAnswers | bit(FaultKind::silent) | bit(FaultKind::missing_sync)},
+        {"channel", kFiltered},
+        {"identifier", kFiltered},
+        {"mask", kFiltered},
+        {"receivers", bit(FaultKind::lost)},
+        {"delay_us", bit(FaultKind::late)},
+        {"frame", bit(FaultKind::inject)},
+        {"at_us", bit(FaultKind::inject)},
+    }};
+  }
 
   void wrong(const Position& place, std::string message) {
     errors_.push_back({place, "", std::move(message)});
@@ -149,14 +138,15 @@ class FaultReader {
 
   void refuse_unknown_keys() {
     std::string allowed;
-    for (const Key& key : kKeys) {
+    const std::array<Key, kKeyCount> known_keys = keys();
+    for (const Key& key : known_keys) {
       if ((key.kinds & bit(fault_.kind)) == 0) continue;
       allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", key.name);
     }
     for (const Node* node : table_.nodes()) {
-      const auto* known =
-          std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& k) { return k.name == node->name(); });
-      if (known != kKeys.end() && (known->kinds & bit(fault_.kind)) != 0) continue;
+      const auto* known = std::find_if(known_keys.begin(), known_keys.end(),
+                                       [&](const Key& k) { return k.name == node->name(); });
+      if (known != known_keys.end() && (known->kinds & bit(fault_.kind)) != 0) continue;
       wrong(node->key, fmt::format("{} is no key of a fault of kind \"{}\"; allowed: {}", node->name(),
                                    name(fault_.kind), allowed));
     }
@@ -185,9 +175,9 @@ class FaultReader {
     return std::nullopt;
   }
 
-  cansync::Duration microseconds(std::string_view key, double least) {
+  can::Time microseconds(std::string_view key, double least) {
     const double value = number(key, least, kMostMicroseconds).value_or(0);
-    return cansync::Duration(std::llround(value * 1000));
+    return can::Time(std::llround(value * 1000));
   }
 
   void read_when() {
@@ -202,9 +192,7 @@ class FaultReader {
   }
 
   void read_filter() {
-    if (const auto slave = integer("slave", 0, cansync::SlaveNumber::max)) {
-      fault_.slave = cansync::SlaveNumber::from(*slave);
-    }
+    if (const auto node = integer(node_, 0, kLastNode)) fault_.node = static_cast<NodeNumber>(*node);
     const Node* channel = table_.find("channel");
     const Node* identifier = table_.find("identifier");
     if (channel != nullptr && identifier != nullptr) {
@@ -222,7 +210,7 @@ class FaultReader {
   void read_channel(const Node& node) {
     std::string names;
     const auto* text = scalar<std::string>(node);
-    for (const ChannelName& channel : kChannelNames) {
+    for (const ChannelName& channel : protocol_.channels()) {
       if (text != nullptr && *text == channel.name) {
         fault_.identifier = channel.identifier;
         fault_.mask = channel.mask;
@@ -236,21 +224,22 @@ class FaultReader {
   void read_receivers() {
     const Node* node = table_.find("receivers");
     if (node == nullptr || fault_.kind != FaultKind::lost) return;
-    constexpr std::string_view kAllowed = "an array of slave numbers 0..31 and \"master\", at least one";
+    const std::string allowed =
+        fmt::format("an array of {} numbers 0..{} and \"master\", at least one", node_, kLastNode);
     const config::Value& list = node->value;
-    if (list.kind != config::Value::Kind::list || list.items.empty()) return wrong_value(*node, kAllowed);
+    if (list.kind != config::Value::Kind::list || list.items.empty()) return wrong_value(*node, allowed);
     fault_.receivers = {};
     fault_.lost_to_master = false;
     for (std::size_t i = 0; i < list.items.size(); ++i) {
-      const auto* slave = std::get_if<std::int64_t>(&list.items[i]);
+      const auto* number = std::get_if<std::int64_t>(&list.items[i]);
       const auto* text = std::get_if<std::string>(&list.items[i]);
       if (text != nullptr && *text == "master") {
         fault_.lost_to_master = true;
-      } else if (slave != nullptr && *slave >= 0 && *slave <= cansync::SlaveNumber::max) {
-        fault_.receivers.set(*cansync::SlaveNumber::from(static_cast<std::uint64_t>(*slave)));
+      } else if (number != nullptr && *number >= 0 && *number <= kLastNode) {
+        fault_.receivers.add(static_cast<NodeNumber>(*number));
       } else {
         wrong(node->items[i],
-              fmt::format("receivers is {}; allowed: {}", config::to_toml(list.items[i]), kAllowed));
+              fmt::format("receivers is {}; allowed: {}", config::to_toml(list.items[i]), allowed));
       }
     }
   }
@@ -272,7 +261,11 @@ class FaultReader {
     }
   }
 
+  std::string node_range() const { return fmt::format("the {} number 0..{}", node_, kLastNode); }
+
   const Content& table_;
+  const FaultProtocol& protocol_;
+  std::string_view node_;  // the protocol's word for a node
   std::vector<Problem>& errors_;
   Fault fault_;
 };
@@ -292,7 +285,7 @@ void refuse(const Node& fault, FaultScript& script) {
   }
 }
 
-FaultScript read_faults(config::Document document) {
+FaultScript read_faults(config::Document document, const FaultProtocol& protocol) {
   FaultScript script;
   script.errors = std::move(document.problems);
   const Content root(document, nullptr);
@@ -306,7 +299,7 @@ FaultScript read_faults(config::Document document) {
   }
   for (const Node* section : root.each("fault")) {
     const Content table(document, section);
-    script.faults.push_back(FaultReader(table, script.errors).read());
+    script.faults.push_back(FaultReader(table, protocol, script.errors).read());
     const Node* kind = table.find("kind");
     script.places.push_back(kind != nullptr ? kind->where : section->where);
   }
@@ -320,12 +313,13 @@ FaultScript read_faults(config::Document document) {
 
 }  // namespace
 
-FaultScript parse_fault_script(std::string_view toml, const std::string& file) {
-  return read_faults(config::parse_document(toml, file, kWording));
+FaultScript parse_fault_script(std::string_view toml, const std::string& file,
+                               const FaultProtocol& protocol) {
+  return read_faults(config::parse_document(toml, file, kWording), protocol);
 }
 
-FaultScript load_fault_script(const std::string& path) {
-  return read_faults(config::read_document(path, kWording));
+FaultScript load_fault_script(const std::string& path, const FaultProtocol& protocol) {
+  return read_faults(config::read_document(path, kWording), protocol);
 }
 
 }  // namespace sim

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/problem.h"
+#include "sim/fault_protocol.h"
 #include "sim/faults.h"
 
 /// Fault scripts: TOML files with one table `[[fault]]` for each fault. docs/fault-scripts.md has every key.
@@ -17,10 +18,11 @@ struct FaultScript {
   std::vector<config::Problem> errors;   ///< in the order of the file
 };
 
-/// Parses a script that is already in memory; `file` is named in errors.
-FaultScript parse_fault_script(std::string_view toml, const std::string& file);
+/// Parses a script that is already in memory; `file` is named in errors, `protocol` has the words for nodes
+/// and channels.
+FaultScript parse_fault_script(std::string_view toml, const std::string& file, const FaultProtocol& protocol);
 
 /// Reads and parses the script at `path`, a regular file of up to text::kFileLimit bytes.
-FaultScript load_fault_script(const std::string& path);
+FaultScript load_fault_script(const std::string& path, const FaultProtocol& protocol);
 
 }  // namespace sim

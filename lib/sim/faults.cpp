@@ -1,9 +1,5 @@
 #include "sim/faults.h"
 
-#include <variant>
-
-#include "cansync/telegram.h"
-
 namespace sim {
 namespace {
 
@@ -21,58 +17,12 @@ double next_uniform(std::uint64_t& state) {
   return static_cast<double>(next_random(state) >> 11) * kTwoToMinus53;
 }
 
-// The slave number in an identifier of one of the channels that carry one.
-std::optional<std::uint32_t> slave_of(const can::Frame& frame) {
-  if (!frame.is_standard_data()) return std::nullopt;
-  switch (frame.id & ~0x7Fu) {
-    case cansync::identifier::reference_one:
-    case cansync::identifier::reference_two:
-    case cansync::identifier::actual_one:
-    case cansync::identifier::actual_two:
-    case cansync::identifier::command:
-    case cansync::identifier::response:
-      return frame.id & 0x7Fu;
-    default:
-      return std::nullopt;
-  }
-}
-
-bool is_response(const can::Frame& frame) {
-  return frame.is_standard_data() && (frame.id & ~0x7Fu) == cansync::identifier::response;
-}
-
-constexpr unsigned kBlockBytes = 6;
-
-// The response to a question nobody asked: the next parameter, or the next block.
-void make_wrong(can::Frame& frame) {
-  auto decoded = cansync::decode(frame);
-  auto* telegram = std::get_if<cansync::Telegram>(&decoded);
-  if (telegram == nullptr) return;
-  if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) {
-    parameter->number = *cansync::ParameterNumber::from((parameter->number.value() + 1u) % 4096u);
-  } else if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) {
-    transfer->offset = *cansync::BlockOffset::from((transfer->offset.value() + kBlockBytes) % 4096u);
-  }
-  frame = cansync::encode(*telegram);
-}
-
-void make_busy(can::Frame& frame) {
-  auto decoded = cansync::decode(frame);
-  auto* telegram = std::get_if<cansync::Telegram>(&decoded);
-  if (telegram == nullptr) return;
-  const auto empty = [](auto& reply) {
-    reply.busy = true;
-    reply.error = false;
-    reply.payload_size = 0;
-    reply.payload = {};
-  };
-  if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) empty(*parameter);
-  if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) empty(*transfer);
-  frame = cansync::encode(*telegram);
-}
-
 constexpr std::size_t kind_index(FaultKind kind) {
   return static_cast<std::size_t>(kind);
+}
+
+NodeSet nodes_meant(const Fault& fault) {
+  return fault.node ? NodeSet::of(*fault.node) : NodeSet::all();
 }
 
 }  // namespace
@@ -83,7 +33,9 @@ std::string_view name(FaultKind kind) noexcept {
   return kNames[kind_index(kind)];
 }
 
-FaultSchedule::FaultSchedule(const std::vector<Fault>& faults, std::uint64_t seed) : seed_(seed) {
+FaultSchedule::FaultSchedule(const std::vector<Fault>& faults, std::uint64_t seed,
+                             const FaultProtocol* protocol)
+    : protocol_(protocol), seed_(seed) {
   for (const Fault& fault : faults) add(fault);
 }
 
@@ -110,7 +62,7 @@ bool FaultSchedule::in_time(const Entry& entry) const noexcept {
 bool FaultSchedule::concerns(const Entry& entry, const can::Frame& frame) const noexcept {
   const Fault& fault = entry.fault;
   if (!in_time(entry) || ((frame.id ^ fault.identifier) & fault.mask) != 0) return false;
-  return !fault.slave || slave_of(frame) == fault.slave->value();
+  return !fault.node || (protocol_ != nullptr && protocol_->node_of(frame) == fault.node);
 }
 
 bool FaultSchedule::hit(Entry& entry) noexcept {
@@ -126,30 +78,31 @@ void FaultSchedule::begin_interval(std::uint64_t number) noexcept {
   if (of_kind_[kind_index(FaultKind::silent)] == 0) return;
   for (Entry& entry : entries_) {
     if (entry.fault.kind != FaultKind::silent || !in_time(entry) || !hit(entry)) continue;
-    silent_.bits |= entry.fault.slave ? cansync::SlaveMask::of(*entry.fault.slave).bits : ~0u;
+    silent_.add(nodes_meant(entry.fault));
   }
 }
 
-cansync::SlaveMask FaultSchedule::missing_sync() noexcept {
-  cansync::SlaveMask missing;
+NodeSet FaultSchedule::missing_sync() noexcept {
+  NodeSet missing;
   if (of_kind_[kind_index(FaultKind::missing_sync)] == 0) return missing;
   for (Entry& entry : entries_) {
     if (entry.fault.kind != FaultKind::missing_sync || !in_time(entry) || !hit(entry)) continue;
-    missing.bits |= entry.fault.slave ? cansync::SlaveMask::of(*entry.fault.slave).bits : ~0u;
+    missing.add(nodes_meant(entry.fault));
   }
   return missing;
 }
 
-cansync::Duration FaultSchedule::at_hand_over(can::Frame& frame) noexcept {
-  cansync::Duration delay{0};
+can::Time FaultSchedule::at_hand_over(can::Frame& frame) noexcept {
+  can::Time delay{0};
   for (Entry& entry : entries_) {
     const FaultKind kind = entry.fault.kind;
     const bool answer = kind == FaultKind::wrong_answer || kind == FaultKind::busy;
     if ((!answer && kind != FaultKind::late) || !concerns(entry, frame)) continue;
-    if ((answer && !is_response(frame)) || !hit(entry)) continue;
+    if (answer && (protocol_ == nullptr || !protocol_->is_answer(frame))) continue;
+    if (!hit(entry)) continue;
     if (kind == FaultKind::late) delay += entry.fault.delay;
-    if (kind == FaultKind::wrong_answer) make_wrong(frame);
-    if (kind == FaultKind::busy) make_busy(frame);
+    if (kind == FaultKind::wrong_answer) protocol_->make_wrong(frame);
+    if (kind == FaultKind::busy) protocol_->make_busy(frame);
   }
   return delay;
 }
@@ -171,7 +124,7 @@ FaultSchedule::Fate FaultSchedule::at_start(const can::Frame& frame, bool repeat
       fate.duplicated = true;
     }
     if (kind == FaultKind::lost && concerns(entry, frame) && hit(entry)) {
-      fate.lost.bits |= entry.fault.receivers.bits;
+      fate.lost.add(entry.fault.receivers);
       fate.lost_to_master = fate.lost_to_master || entry.fault.lost_to_master;
     }
   }

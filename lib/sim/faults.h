@@ -8,8 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "can/bus.h"
 #include "can/frame.h"
-#include "cansync/numbers.h"
+#include "sim/fault_protocol.h"
+#include "sim/node_set.h"
 
 /// Faults that a simulated line injects, and when. docs/fault-scripts.md explains every kind.
 namespace sim {
@@ -19,10 +21,10 @@ enum class FaultKind : std::uint8_t {
   late,          ///< handed to the sender's controller `delay` later
   corrupted,     ///< destroyed by an error frame, sent again by the controller
   duplicated,    ///< the receivers get it twice
-  silent,        ///< the slave is off the bus: neither frames nor SYNC reach it, none come from it
-  wrong_answer,  ///< a response names another parameter number or offset than asked
-  busy,          ///< a response says busy and carries no data
-  missing_sync,  ///< the SYNC edge does not reach the slave, or any slave
+  silent,        ///< the node is off the bus: neither frames nor SYNC reach it, none come from it
+  wrong_answer,  ///< an answer is to another question than asked
+  busy,          ///< an answer says busy and carries no data
+  missing_sync,  ///< the SYNC edge does not reach the node, or any node
   inject,        ///< a foreign frame is sent
 };
 inline constexpr unsigned kFaultKinds = 9;
@@ -41,24 +43,26 @@ struct Fault {
   std::uint64_t to = kNoLimit;     ///< last interval
   std::uint64_t count = kNoLimit;  ///< most hits
   double probability = 1.0;        ///< of a hit each time everything else holds, 0..1
-  /// Filter: frames whose identifier names this slave (reference value telegrams that ask it, its actual
-  /// values, commands to it, its responses). With `silent` and `missing_sync`: the slave meant.
-  std::optional<cansync::SlaveNumber> slave;
-  std::uint32_t identifier = 0;  ///< filter: frames with (id & mask) == (identifier & mask)
-  std::uint32_t mask = 0;        ///< 0 = any frame
-  cansync::SlaveMask receivers = cansync::SlaveMask::all();  ///< lost: slaves that do not get it
-  bool lost_to_master = true;                                ///< lost: the master does not get it either
-  cansync::Duration delay{0};                                ///< late: how much; inject: after the SYNC edge
-  can::Frame frame;                                          ///< inject: what is sent
+  /// Filter: frames that name this node, 0..31, as the line's protocol tells. With `silent` and
+  /// `missing_sync`: the node meant.
+  std::optional<NodeNumber> node;
+  std::uint32_t identifier = 0;        ///< filter: frames with (id & mask) == (identifier & mask)
+  std::uint32_t mask = 0;              ///< 0 = any frame
+  NodeSet receivers = NodeSet::all();  ///< lost: nodes that do not get it
+  bool lost_to_master = true;          ///< lost: the master does not get it either
+  can::Time delay{0};                  ///< late: how much; inject: after the SYNC edge
+  can::Frame frame;                    ///< inject: what is sent
 };
 
 /// The faults of a line with their counters and random numbers. Every fault draws from its own sequence, so
 /// that adding one does not change when the others hit. All but construction and `add` is realtime safe.
 class FaultSchedule {
  public:
-  FaultSchedule(const std::vector<Fault>& faults, std::uint64_t seed);
+  /// `protocol` must outlive the schedule. Without one no frame names a node and none is an answer.
+  FaultSchedule(const std::vector<Fault>& faults, std::uint64_t seed,
+                const FaultProtocol* protocol = nullptr);
 
-  /// Adds a fault and returns its index; it may allocate. A silent slave is silent from the next SYNC edge
+  /// Adds a fault and returns its index; it may allocate. A silent node is silent from the next SYNC edge
   /// on.
   std::size_t add(const Fault& fault);
 
@@ -69,21 +73,21 @@ class FaultSchedule {
   /// The interval `number` begins.
   void begin_interval(std::uint64_t number) noexcept;
 
-  /// Slaves that are off the bus in the running interval.
-  cansync::SlaveMask silent() const noexcept { return silent_; }
+  /// Nodes that are off the bus in the running interval.
+  NodeSet silent() const noexcept { return silent_; }
 
-  /// Slaves that the SYNC edge of the running interval does not reach. Counts hits: ask once per edge.
-  cansync::SlaveMask missing_sync() noexcept;
+  /// Nodes that the SYNC edge of the running interval does not reach. Counts hits: ask once per edge.
+  NodeSet missing_sync() noexcept;
 
   /// A frame is handed to its sender's controller. Returns by how much it is late; may change the frame into
   /// a wrong or busy answer.
-  cansync::Duration at_hand_over(can::Frame& frame) noexcept;
+  can::Time at_hand_over(can::Frame& frame) noexcept;
 
   /// What happens to a frame while it is on the bus.
   struct Fate {
     bool corrupted = false;
     bool duplicated = false;
-    cansync::SlaveMask lost;  ///< slaves that do not get it
+    NodeSet lost;  ///< nodes that do not get it
     bool lost_to_master = false;
   };
   /// A frame's transmission begins. `repeated`: it has been duplicated already and is not again.
@@ -95,7 +99,7 @@ class FaultSchedule {
 
   /// Number of faults.
   std::size_t size() const noexcept { return entries_.size(); }
-  /// How often fault `index` has hit; an index out of range gives 0. A silent slave counts its intervals.
+  /// How often fault `index` has hit; an index out of range gives 0. A silent node counts its intervals.
   std::uint64_t hits(std::size_t index) const noexcept;
 
  private:
@@ -109,11 +113,12 @@ class FaultSchedule {
   bool concerns(const Entry& entry, const can::Frame& frame) const noexcept;
   static bool hit(Entry& entry) noexcept;
 
+  const FaultProtocol* protocol_;
   std::vector<Entry> entries_;
   std::array<unsigned, kFaultKinds> of_kind_ = {};
   std::uint64_t seed_;
   std::uint64_t interval_ = 0;
-  cansync::SlaveMask silent_;
+  NodeSet silent_;
 };
 
 }  // namespace sim

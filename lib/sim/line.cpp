@@ -33,7 +33,7 @@ Line::Line(const LineSettings& settings, std::vector<std::unique_ptr<Node>> node
       bits_per_second_(settings.bits_per_second),
       nodes_(std::move(nodes)),
       acceptance_(kIdentifiers),
-      faults_(settings.faults, settings.seed),
+      faults_(settings.faults, settings.seed, settings.protocol),
       trace_(settings.trace),
       transmit_depth_(settings.transmit_queue),
       transmit_(settings.transmit_queue + 1),
@@ -44,9 +44,9 @@ Line::Line(const LineSettings& settings, std::vector<std::unique_ptr<Node>> node
 
 void Line::join(std::size_t index) {
   const NodeMask bit = NodeMask{1} << index;
-  nodes_by_number_[nodes_[index]->number().value()] |= bit;
+  nodes_by_number_[nodes_[index]->node_number()] |= bit;
   for (std::uint32_t identifier = 0; identifier < kIdentifiers; ++identifier) {
-    if (nodes_[index]->accepts(identifier)) acceptance_[identifier] |= bit;
+    if (nodes_[index]->accepts({.id = identifier})) acceptance_[identifier] |= bit;
   }
 }
 
@@ -124,7 +124,7 @@ void Line::sync_edge(can::Time) noexcept {
   apply_silence();
   const NodeMask missing = nodes_of(faults_.missing_sync());
   const auto all = static_cast<NodeMask>((std::uint64_t{1} << nodes_.size()) - 1);
-  // An edge that no slave can see is not on the wire.
+  // An edge that no node can see is not on the wire.
   if (trace_ != nullptr && (nodes_.empty() || (all & ~missing) != 0)) trace_->sync(now);
   for_each_bit(all & ~missing & ~silent_, [&](std::uint8_t index) { nodes_[index]->on_sync(now); });
   inject(now);

@@ -20,9 +20,6 @@
 
 namespace sim {
 
-/// Most nodes beside the master on one line (M 3.1.1).
-inline constexpr std::size_t kMostNodes = 32;
-
 /// How a line is built.
 struct LineSettings {
   std::uint32_t bits_per_second = 1'000'000;  ///< 10,000..1,000,000
@@ -31,6 +28,8 @@ struct LineSettings {
   std::size_t transmit_queue = 10;  ///< frames of the master that may wait, 1..4096
   std::size_t receive_queue = 256;  ///< frames that may wait for `receive`, 1..65536
   std::vector<Fault> faults;
+  /// For faults that name nodes or change answers; null: none does. Must outlive the line.
+  const FaultProtocol* protocol = nullptr;
   TraceSink* trace = nullptr;  ///< told everything, if given; must outlive the line
 };
 
@@ -45,7 +44,7 @@ struct LineCounters {
   can::Time busy{};                      ///< time the bus was not free
 };
 
-/// A simulated CANsync line, seen from the master: bus, SYNC wire, nodes and faults.
+/// A simulated line, seen from the master: bus, SYNC wire, nodes and faults.
 ///
 /// Frames take the bus one after the other, each for exactly its length in bits. When the bus is free, the
 /// lowest identifier of all frames that are ready wins; the master's own frames leave in the order they were
@@ -148,14 +147,15 @@ class Line final : public can::Bus, public sync_line::SyncWire {
   PendingFrame pending(const can::Frame& frame, can::Time ready, std::uint8_t sender) noexcept;
   void inject(can::Time edge) noexcept;
   void apply_silence() noexcept;
-  NodeMask nodes_of(cansync::SlaveMask slaves) const noexcept;
+  NodeMask nodes_of(NodeSet numbers) const noexcept;
+  NodeMask wanting(const can::Frame& frame) const noexcept;
   Sender sender_of(std::uint8_t participant) const noexcept;
 
   LineClock clock_;
   std::uint32_t bits_per_second_;
   std::vector<std::unique_ptr<Node>> nodes_;
-  std::array<NodeMask, cansync::kSlaves> nodes_by_number_ = {};
-  std::vector<NodeMask> acceptance_;  // by identifier
+  std::array<NodeMask, kMostNodes> nodes_by_number_ = {};
+  std::vector<NodeMask> acceptance_;  // of standard data frames, by identifier
   FaultSchedule faults_;
   TraceSink* trace_;
 

@@ -4,7 +4,6 @@
 #include <variant>
 
 #include "can/frame_length.h"
-#include "cansync/telegram.h"
 #include "sim/line.h"
 
 namespace sim {
@@ -122,17 +121,11 @@ void Line::deliver() noexcept {
   const std::uint64_t absent = bus_off_ | silent_ | own;
   const NodeMask lost = nodes_of(flight.fate.lost);
 
-  const bool standard = frame.is_standard_data();
-  const NodeMask wanting = standard ? acceptance_[frame.id & 0x7FFu] & ~static_cast<NodeMask>(absent) : 0;
-  counters_.lost_deliveries += static_cast<unsigned>(std::popcount(wanting & lost));
-  const NodeMask receivers = wanting & ~lost;
-  if (receivers != 0) {
-    const cansync::Decoded decoded = cansync::decode(frame);
-    const auto* telegram = std::get_if<cansync::Telegram>(&decoded);
-    for_each_bit(receivers, [&](std::uint8_t index) {
-      if (const auto answer = nodes_[index]->on_frame(frame, telegram, flight.end)) hand_over(index, *answer);
-    });
-  }
+  const NodeMask present = wanting(frame) & ~static_cast<NodeMask>(absent);
+  counters_.lost_deliveries += static_cast<unsigned>(std::popcount(present & lost));
+  for_each_bit(present & ~lost, [&](std::uint8_t index) {
+    if (const auto answer = nodes_[index]->on_frame(frame, flight.end)) hand_over(index, *answer);
+  });
   if (sender != kMaster && (bus_off_ & bit_of(kMaster)) == 0) {
     if (flight.fate.lost_to_master) {
       ++counters_.lost_deliveries;
@@ -257,16 +250,25 @@ void Line::apply_silence() noexcept {
   for_each_bit(silent_, [&](std::uint8_t index) { waiting_.drop(index); });
 }
 
-Line::NodeMask Line::nodes_of(cansync::SlaveMask slaves) const noexcept {
+Line::NodeMask Line::wanting(const can::Frame& frame) const noexcept {
+  if (frame.is_standard_data()) return acceptance_[frame.identifier()];
   NodeMask nodes = 0;
-  for_each_bit(slaves.bits, [&](std::uint8_t number) { nodes |= nodes_by_number_[number]; });
+  for (std::size_t index = 0; index < nodes_.size(); ++index) {
+    if (nodes_[index]->accepts(frame)) nodes |= NodeMask{1} << index;
+  }
+  return nodes;
+}
+
+Line::NodeMask Line::nodes_of(NodeSet numbers) const noexcept {
+  NodeMask nodes = 0;
+  for_each_bit(numbers.bits, [&](std::uint8_t number) { nodes |= nodes_by_number_[number]; });
   return nodes;
 }
 
 Sender Line::sender_of(std::uint8_t participant) const noexcept {
   if (participant == kMaster) return {Sender::Kind::master, {}};
   if (participant == kForeign) return {Sender::Kind::foreign, {}};
-  return {Sender::Kind::slave, nodes_[participant]->number()};
+  return {Sender::Kind::node, nodes_[participant]->node_number()};
 }
 
 }  // namespace sim

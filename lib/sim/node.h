@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "can/bus.h"
 #include "can/frame.h"
-#include "cansync/numbers.h"
-#include "cansync/telegram.h"
+#include "sim/node_set.h"
 
 namespace sim {
 
@@ -22,19 +20,18 @@ class Node {
  public:
   virtual ~Node() = default;
 
-  virtual cansync::SlaveNumber number() const noexcept = 0;
+  /// By which faults and traces name this node. Several nodes may have the same number.
+  virtual NodeNumber node_number() const noexcept = 0;
 
-  /// Acceptance filter: true when the node wants frames of this identifier (0..0x7FF). Asked once, when it
-  /// joins.
-  virtual bool accepts(std::uint32_t identifier) const noexcept = 0;
+  /// Acceptance filter: true when the node wants frames of this identifier with these flags; length and data
+  /// are not looked at. Asked once, when the node joins, for standard data frames; for others each time.
+  virtual bool accepts(const can::Frame& frame) const noexcept = 0;
 
   /// A SYNC edge at `now`.
   virtual void on_sync(can::Time now) noexcept = 0;
 
-  /// A frame the node accepts was on the bus until `end`. `telegram` is the frame decoded, or null when it is
-  /// no CANsync telegram. Returns the node's answer, if any.
-  virtual std::optional<Transmission> on_frame(const can::Frame& frame, const cansync::Telegram* telegram,
-                                               can::Time end) noexcept = 0;
+  /// A frame the node accepts was on the bus until `end`. Returns the node's answer, if any.
+  virtual std::optional<Transmission> on_frame(const can::Frame& frame, can::Time end) noexcept = 0;
 };
 
 }  // namespace sim

@@ -4,7 +4,7 @@
 
 #include "can/bus.h"
 #include "can/frame.h"
-#include "cansync/numbers.h"
+#include "sim/node_set.h"
 
 namespace sim {
 
@@ -12,11 +12,11 @@ namespace sim {
 struct Sender {
   enum class Kind : std::uint8_t {
     master,
-    slave,    ///< `slave` says which
+    node,     ///< `node` says which
     foreign,  ///< a fault of kind `inject`
   };
   Kind kind = Kind::master;
-  cansync::SlaveNumber slave;
+  NodeNumber node = 0;
   friend constexpr bool operator==(const Sender&, const Sender&) = default;
 };
 
@@ -37,7 +37,7 @@ class TraceSink {
   virtual ~TraceSink() = default;
   /// A frame. Told when its transmission begins; an error frame, when it begins.
   virtual void frame(const TracedFrame& frame) noexcept = 0;
-  /// A SYNC edge at `at` that at least one slave could see.
+  /// A SYNC edge at `at` that at least one node could see.
   virtual void sync(can::Time at) noexcept = 0;
 };
 

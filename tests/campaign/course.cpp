@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cansync/sim/drive_faults.h"
 #include "invariants.h"
 
 namespace cansyncd::campaign {
@@ -46,6 +47,7 @@ sim::LineSettings Course::line_settings() {
   settings.seed = plan_.seed;
   settings.transmit_queue = plan_.transmit_queue;
   settings.faults = plan_.faults;
+  settings.protocol = &sim::drive_faults();
   settings.trace = &witness_.trace();
   return settings;
 }

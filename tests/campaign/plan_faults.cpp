@@ -100,7 +100,7 @@ Window draw_span(Dice& dice, std::uint64_t last) {
 
 /// Which frames a fault of the bus hits.
 void draw_filter(Dice& dice, const Plan& plan, sim::Fault& fault) {
-  if (dice.chance(500)) fault.slave = any_slave(dice, plan);
+  if (dice.chance(500)) fault.node = any_slave(dice, plan).value();
   if (!dice.chance(500)) return;
   fault.identifier = dice.one_of(kChannels);
   fault.mask = kChannelMask;
@@ -154,15 +154,15 @@ sim::Fault draw_fault(Dice& dice, FaultKind kind, const Plan& plan, std::uint64_
       break;
     case FaultKind::wrong_answer:
     case FaultKind::busy:
-      if (dice.chance(500)) fault.slave = any_slave(dice, plan);
+      if (dice.chance(500)) fault.node = any_slave(dice, plan).value();
       break;
     case FaultKind::silent:
       fault.probability = dice.chance(800) ? 1.0 : fault.probability;
       fault.count = sim::Fault::kNoLimit;
-      if (dice.chance(850)) fault.slave = any_slave(dice, plan);
+      if (dice.chance(850)) fault.node = any_slave(dice, plan).value();
       break;
     case FaultKind::missing_sync:
-      if (dice.chance(700)) fault.slave = any_slave(dice, plan);
+      if (dice.chance(700)) fault.node = any_slave(dice, plan).value();
       break;
     case FaultKind::inject:
       fault.delay = can::Time(dice.below(interval));

@@ -35,7 +35,7 @@ void describe_fault(std::ostream& out, const sim::Fault& fault) {
   out << "fault: " << name(fault.kind) << " in " << fault.from << ".." << fault.to << ", probability "
       << fault.probability;
   if (fault.count != sim::Fault::kNoLimit) out << ", count " << fault.count;
-  if (fault.slave) out << ", slave " << +fault.slave->value();
+  if (fault.node) out << ", slave " << +*fault.node;
   out << std::hex;
   if (fault.mask != 0) out << ", identifier 0x" << fault.identifier << "/0x" << fault.mask;
   if (fault.kind == sim::FaultKind::lost) {

@@ -52,7 +52,7 @@ std::string frame_text(const can::Frame& frame) {
 
 const char* sender_name(sim::Sender::Kind kind) {
   if (kind == sim::Sender::Kind::master) return "master";
-  return kind == sim::Sender::Kind::slave ? "slave" : "foreign";
+  return kind == sim::Sender::Kind::node ? "slave" : "foreign";
 }
 
 }  // namespace

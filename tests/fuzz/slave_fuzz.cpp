@@ -333,7 +333,7 @@ void run_drive(Bytes& in) {
         const Decoded decoded = decode(frame);
         const auto* telegram = std::get_if<Telegram>(&decoded);
         const can::Time end = now + can::Time(in.number<std::uint32_t>() & 0xFFFFFu);
-        const auto answer = drive.on_frame(frame, telegram, end);
+        const auto answer = drive.on_frame(frame, end);
         require(!answer || telegram != nullptr, "what is no telegram is not answered");
         if (!answer) break;
         require(answer->not_before >= end, "an answer follows its question");

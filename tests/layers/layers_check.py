@@ -23,7 +23,7 @@ lib/can:
 lib/cansync:                lib/can
 lib/rt:                     lib/can
 lib/sync:                   lib/can lib/rt
-lib/sim:                    lib/config lib/can lib/cansync lib/sync
+lib/sim:                    lib/config lib/can lib/sync
 lib/dds:                    idl
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
@@ -75,6 +75,7 @@ CORE_WORDS = re.compile(r"steady_clock|system_clock|high_resolution_clock|utc_cl
 CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
                  "lib/can": re.compile("cansync"),
                  "lib/rt": re.compile("cansync/|cansync::|namespace cansync"),
+                 "lib/sim": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/sync": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
 # What a protocol's library has beside its core: rooms of their own.
@@ -227,6 +228,7 @@ PLANTED = [
     ("lib/config/planted.cpp", "using cansyncd::Config;"),
     ("lib/config/planted.cpp", "// as the daemon has it"),
     ("lib/rt/planted.h", "void f(const cansync::Telegram&);"),
+    ("lib/sim/planted.h", "void f(const cansync::Telegram&);"),
     ("lib/rt/planted.cpp", "auto x = dds_create_participant(0, nullptr, nullptr);"),
     ("lib/dds/planted.h", "cansync::Telegram f();"),
     ("lib/dds/planted.h", '#include "cansync.h"'),

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cansync/sim/drive_faults.h"
 #include "node_list.h"
 #include "sim/faults.h"
 #include "sim/line.h"
@@ -25,7 +26,7 @@ TEST(Faults, SlaveFilterKnowsTheChannelsThatNameASlave) {
       {"505#", true},  {"585#", true},       {"005#", false}, {"205#", false},
       {"285#", false}, {"00000305#", false}, {"106#", false}, {"405#", false}};
   for (const auto& [what, expected] : cases) {
-    sim::FaultSchedule faults({{.kind = FaultKind::corrupted, .slave = slave(5)}}, 1);
+    sim::FaultSchedule faults({{.kind = FaultKind::corrupted, .node = 5}}, 1, &sim::drive_faults());
     EXPECT_EQ(faults.at_start(frame(what), false).corrupted, expected) << what;
   }
 }
@@ -70,19 +71,18 @@ TEST(Faults, AnotherFaultInItsPlaceCountsAnew) {
 // A node that answers every frame of the master a while later.
 class EchoingNode final : public sim::Node {
  public:
-  explicit EchoingNode(unsigned number) : number_(slave(number)) {}
-  cansync::SlaveNumber number() const noexcept override { return number_; }
-  bool accepts(std::uint32_t identifier) const noexcept override { return (identifier & 0x780) == 0x100; }
+  explicit EchoingNode(unsigned number) : number_(static_cast<sim::NodeNumber>(number)) {}
+  sim::NodeNumber node_number() const noexcept override { return number_; }
+  bool accepts(const can::Frame& frame) const noexcept override { return (frame.id & 0x780) == 0x100; }
   void on_sync(Time) noexcept override {}
-  std::optional<sim::Transmission> on_frame(const can::Frame& received, const cansync::Telegram*,
-                                            Time end) noexcept override {
+  std::optional<sim::Transmission> on_frame(const can::Frame& received, Time end) noexcept override {
     can::Frame answer = received;
-    answer.id = 0x300u + number_.value();
-    return sim::Transmission{answer, end + us(10 + number_.value() % 3)};
+    answer.id = 0x300u + number_;
+    return sim::Transmission{answer, end + us(10 + number_ % 3)};
   }
 
  private:
-  cansync::SlaveNumber number_;
+  sim::NodeNumber number_;
 };
 
 Texts course(std::uint64_t seed, const std::vector<Fault>& faults) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "cansync/sim/drive_faults.h"
 #include "scripted_node.h"
 
 namespace {
@@ -19,13 +20,13 @@ using sim::FaultKind;
 using sim::FaultScript;
 
 Fault only(std::string_view text) {
-  const FaultScript script = sim::parse_fault_script(text, "script.toml");
+  const FaultScript script = sim::parse_fault_script(text, "script.toml", sim::drive_faults());
   for (const auto& error : script.errors) ADD_FAILURE() << to_string(error);
   return script.faults.size() == 1 ? script.faults[0] : Fault{};
 }
 
 TEST(FaultScript, EmptyScriptHasNoFaults) {
-  const FaultScript script = sim::parse_fault_script("# nothing\n", "script.toml");
+  const FaultScript script = sim::parse_fault_script("# nothing\n", "script.toml", sim::drive_faults());
   EXPECT_TRUE(script.faults.empty());
   EXPECT_TRUE(script.errors.empty());
 }
@@ -46,7 +47,7 @@ receivers = [1, 31, "master"]
   EXPECT_EQ(fault.to, 120u);
   EXPECT_EQ(fault.count, 3u);
   EXPECT_EQ(fault.probability, 0.5);
-  EXPECT_EQ(fault.slave, slave(5));
+  EXPECT_EQ(fault.node, 5);
   EXPECT_EQ(fault.identifier, 0x380u);
   EXPECT_EQ(fault.mask, 0x780u);
   EXPECT_EQ(fault.receivers.bits, 0x80000002u);
@@ -59,9 +60,9 @@ TEST(FaultScript, DefaultsAreAlwaysAndEverybody) {
   EXPECT_EQ(fault.to, Fault::kNoLimit);
   EXPECT_EQ(fault.count, Fault::kNoLimit);
   EXPECT_EQ(fault.probability, 1.0);
-  EXPECT_FALSE(fault.slave.has_value());
+  EXPECT_FALSE(fault.node.has_value());
   EXPECT_EQ(fault.mask, 0u);
-  EXPECT_EQ(fault.receivers, cansync::SlaveMask::all());
+  EXPECT_EQ(fault.receivers, sim::NodeSet::all());
   EXPECT_TRUE(fault.lost_to_master);
   EXPECT_FALSE(only("[[fault]]\nkind = \"lost\"\nreceivers = [3]\n").lost_to_master);
 }
@@ -71,9 +72,9 @@ TEST(FaultScript, EveryKind) {
   EXPECT_EQ(only("[[fault]]\nkind = \"corrupted\"\nidentifier = 0x010\n").mask, 0x7FFu);
   EXPECT_EQ(only("[[fault]]\nkind = \"corrupted\"\nidentifier = 0x010\nmask = 0x0F0\n").mask, 0x0F0u);
   EXPECT_EQ(only("[[fault]]\nkind = \"duplicated\"\nchannel = \"action\"\n").identifier, 0x010u);
-  EXPECT_EQ(only("[[fault]]\nkind = \"silent\"\nslave = 7\n").slave, slave(7));
+  EXPECT_EQ(only("[[fault]]\nkind = \"silent\"\nslave = 7\n").node, 7);
   EXPECT_EQ(only("[[fault]]\nkind = \"wrong_answer\"\n").kind, FaultKind::wrong_answer);
-  EXPECT_EQ(only("[[fault]]\nkind = \"busy\"\nslave = 0\n").slave, slave(0));
+  EXPECT_EQ(only("[[fault]]\nkind = \"busy\"\nslave = 0\n").node, 0);
   EXPECT_EQ(only("[[fault]]\nkind = \"missing_sync\"\n").kind, FaultKind::missing_sync);
   const Fault inject = only("[[fault]]\nkind = \"inject\"\nframe = \"17F#0102\"\nat_us = 250\n");
   EXPECT_EQ(inject.frame, frame("17F#0102"));
@@ -99,7 +100,7 @@ struct Wrong {
 class FaultScriptErrors : public testing::TestWithParam<Wrong> {};
 
 TEST_P(FaultScriptErrors, NamePlaceFindAndRange) {
-  const FaultScript script = sim::parse_fault_script(GetParam().text, "f.toml");
+  const FaultScript script = sim::parse_fault_script(GetParam().text, "f.toml", sim::drive_faults());
   EXPECT_TRUE(script.faults.empty());
   ASSERT_FALSE(script.errors.empty());
   EXPECT_EQ(to_string(script.errors[0]).substr(0, GetParam().error.size()), GetParam().error);
@@ -164,7 +165,7 @@ count = 0
 [[fault]]
 kind = "nothing"
 )",
-                                                     "f.toml");
+                                                     "f.toml", sim::drive_faults());
   ASSERT_EQ(script.errors.size(), 3u);
   EXPECT_EQ(script.errors[0].where.line, 3u);
   EXPECT_EQ(script.errors[1].where.line, 4u);
@@ -176,7 +177,7 @@ TEST(FaultScript, IsReadFromAFile) {
   const auto path =
       std::filesystem::temp_directory_path() / ("cansync_faults_" + std::to_string(::getpid()) + ".toml");
   std::ofstream(path) << "[[fault]]\nkind = \"silent\"\nslave = 3\n";
-  const FaultScript script = sim::load_fault_script(path);
+  const FaultScript script = sim::load_fault_script(path, sim::drive_faults());
   std::filesystem::remove(path);
   EXPECT_EQ(script.faults.size(), 1u);
   EXPECT_TRUE(script.errors.empty());
@@ -184,7 +185,7 @@ TEST(FaultScript, IsReadFromAFile) {
 
 TEST(FaultScript, FileThatCannotBeReadIsAnError) {
   const auto error_of = [](const char* path) {
-    const FaultScript script = sim::load_fault_script(path);
+    const FaultScript script = sim::load_fault_script(path, sim::drive_faults());
     return script.errors.size() == 1 ? to_string(script.errors[0]) : "";
   };
   EXPECT_EQ(error_of("/nonexistent/faults.toml"),
@@ -196,7 +197,7 @@ TEST(FaultScript, FileThatCannotBeReadIsAnError) {
 
 TEST(FaultScript, WhatIsNoTextHasAPlace) {
   const auto error_of = [](const std::string& text) {
-    const FaultScript script = sim::parse_fault_script(text, "f.toml");
+    const FaultScript script = sim::parse_fault_script(text, "f.toml", sim::drive_faults());
     return script.errors.empty() ? "" : to_string(script.errors[0]);
   };
   EXPECT_TRUE(error_of(std::string("\0", 1)).starts_with("f.toml:1:1: not valid TOML: ")) << "binary";
@@ -219,7 +220,7 @@ TEST(FaultScript, ExamplesOfTheDocumentationAreValid) {
   std::size_t faults = 0;
   while (std::getline(file, line)) {
     if (inside && line == "```") {
-      const FaultScript script = sim::parse_fault_script(block, "docs/fault-scripts.md");
+      const FaultScript script = sim::parse_fault_script(block, "docs/fault-scripts.md", sim::drive_faults());
       for (const auto& error : script.errors) ADD_FAILURE() << to_string(error) << "\n" << block;
       faults += script.faults.size();
     }

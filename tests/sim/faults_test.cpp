@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "cansync/sim/drive_faults.h"
 #include "node_list.h"
 #include "sim/line.h"
 
@@ -39,7 +40,7 @@ TEST(Faults, LostToSomeReceivers) {
   Line line({.faults = {{.kind = FaultKind::lost,
                          .identifier = 0x300,
                          .mask = 0x780,
-                         .receivers = cansync::SlaveMask::of(slave(2)),
+                         .receivers = sim::NodeSet::of(2),
                          .lost_to_master = false}}},
             std::move(nodes));
   line.send(frame("105#"));
@@ -53,7 +54,9 @@ TEST(Faults, LostToTheMasterAlone) {
   Nodes nodes;
   add<ScriptedNode>(nodes, 1).expect("105#").reply("301#01");
   auto& second = add<ListeningNode>(nodes, 2, 0x300, 0x780);
-  Line line({.faults = {{.kind = FaultKind::lost, .slave = slave(1), .receivers = {}}}}, std::move(nodes));
+  Line line(
+      {.faults = {{.kind = FaultKind::lost, .node = 1, .receivers = {}}}, .protocol = &sim::drive_faults()},
+      std::move(nodes));
   line.send(frame("105#"));
   EXPECT_EQ(texts(run_until(line, us(1000))), (Texts{"105#"}));
   EXPECT_EQ(heard(second), (Texts{"301#01"}));
@@ -63,8 +66,9 @@ TEST(Faults, LateFramesOfNodeAndMaster) {
   RecordingTrace trace;
   Nodes nodes;
   add<ScriptedNode>(nodes, 1).expect("500#00").reply("581#01");
-  Line line({.faults = {{.kind = FaultKind::late, .slave = slave(1), .delay = us(70)},
+  Line line({.faults = {{.kind = FaultKind::late, .node = 1, .delay = us(70)},
                         {.kind = FaultKind::late, .identifier = 0x500, .mask = 0x7FF, .delay = us(30)}},
+             .protocol = &sim::drive_faults(),
              .trace = &trace},
             std::move(nodes));
   line.send(frame("500#00"));
@@ -167,7 +171,9 @@ TEST(Faults, ResetDropsWhatWaitsAndTheFrameOnTheBus) {
 TEST(Faults, NodeInBusOffComesBackByItself) {
   Nodes nodes;
   add<ScriptedNode>(nodes, 1).expect("105#").reply("301#").expect("107#").reply("302#");
-  Line line({.faults = {{.kind = FaultKind::corrupted, .count = 32, .slave = slave(1)}}}, std::move(nodes));
+  Line line(
+      {.faults = {{.kind = FaultKind::corrupted, .count = 32, .node = 1}}, .protocol = &sim::drive_faults()},
+      std::move(nodes));
   line.send(frame("105#"));
   run_until(line, us(60));
   // Its frame and the error frame after it, 32 times; then nothing of it is on the bus.
@@ -198,7 +204,7 @@ TEST(Faults, SilentSlaveIsGoneFromTheBusAndReturns) {
   Nodes nodes;
   add<ScriptedNode>(nodes, 1).expect("101#").reply("301#").expect("101#").reply("301#");
   auto& other = add<ListeningNode>(nodes, 2, 0x100, 0x780);
-  Line line({.faults = {{.kind = FaultKind::silent, .from = 1, .to = 2, .slave = slave(1)}}, .trace = &trace},
+  Line line({.faults = {{.kind = FaultKind::silent, .from = 1, .to = 2, .node = 1}}, .trace = &trace},
             std::move(nodes));
   Texts received;
   for (int interval = 0; interval < 4; ++interval) {
@@ -215,8 +221,8 @@ TEST(Faults, SilentSlaveGetsNoSyncAndLosesWhatItWantedToSend) {
   Nodes nodes;
   auto& node = add<ListeningNode>(nodes, 1, 0x101, 0x7FF);
   add<ScriptedNode>(nodes, 2).expect("102#").reply("302#", us(1500));
-  Line line({.faults = {{.kind = FaultKind::silent, .from = 1, .to = 1, .slave = slave(1)},
-                        {.kind = FaultKind::silent, .from = 1, .to = 1, .slave = slave(2)}}},
+  Line line({.faults = {{.kind = FaultKind::silent, .from = 1, .to = 1, .node = 1},
+                        {.kind = FaultKind::silent, .from = 1, .to = 1, .node = 2}}},
             std::move(nodes));
   for (int interval = 0; interval < 3; ++interval) {
     line.sync_edge(us(1000 * interval));
@@ -236,7 +242,9 @@ TEST(Faults, WrongAnswersNameAnotherParameterAndOffset) {
       .reply("581#8006AABBCCDDEEFF")  // upload block at offset 6
       .expect("501#70FF0000")
       .reply("581#00FF12340000");
-  Line line({.faults = {{.kind = FaultKind::wrong_answer, .count = 2, .slave = slave(1)}}}, std::move(nodes));
+  Line line({.faults = {{.kind = FaultKind::wrong_answer, .count = 2, .node = 1}},
+             .protocol = &sim::drive_faults()},
+            std::move(nodes));
   line.send(frame("501#70FF0000"));
   EXPECT_EQ(texts(run_until(line, us(500))).back(), "581#010012340000");
   line.send(frame("501#E006"));
@@ -255,7 +263,7 @@ TEST(Faults, BusyAnswersCarryNothing) {
       .reply("581#8006AABBCCDDEEFF")
       .expect("101#")
       .reply("301#0001");
-  Line line({.faults = {{.kind = FaultKind::busy}}}, std::move(nodes));
+  Line line({.faults = {{.kind = FaultKind::busy}}, .protocol = &sim::drive_faults()}, std::move(nodes));
   line.send(frame("501#70FF0000"));
   EXPECT_EQ(texts(run_until(line, us(500))).back(), "581#40FF");
   line.send(frame("501#E006"));
@@ -270,7 +278,7 @@ TEST(Faults, MissingSyncForOneSlaveOrForAll) {
   Nodes nodes;
   auto& first = add<ListeningNode>(nodes, 1);
   auto& second = add<ListeningNode>(nodes, 2);
-  Line line({.faults = {{.kind = FaultKind::missing_sync, .from = 1, .count = 1, .slave = slave(1)},
+  Line line({.faults = {{.kind = FaultKind::missing_sync, .from = 1, .count = 1, .node = 1},
                         {.kind = FaultKind::missing_sync, .from = 3, .to = 4}},
              .trace = &trace},
             std::move(nodes));

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "cansync/sim/drive_faults.h"
 #include "rt/alloc_counter.h"
 #include "scripted_node.h"
 #include "sim/line.h"
@@ -23,21 +24,20 @@ using sim::FaultKind;
 // Answers reference values and commands that name it, and keeps no book of it.
 class AnsweringNode final : public sim::Node {
  public:
-  explicit AnsweringNode(unsigned number) : number_(slave(number)) {}
-  cansync::SlaveNumber number() const noexcept override { return number_; }
-  bool accepts(std::uint32_t identifier) const noexcept override {
-    return identifier == 0x100u + number_.value() || identifier == 0x500u + number_.value();
+  explicit AnsweringNode(unsigned number) : number_(static_cast<sim::NodeNumber>(number)) {}
+  sim::NodeNumber node_number() const noexcept override { return number_; }
+  bool accepts(const can::Frame& frame) const noexcept override {
+    return frame.id == 0x100u + number_ || frame.id == 0x500u + number_;
   }
   void on_sync(can::Time) noexcept override {}
-  std::optional<sim::Transmission> on_frame(const can::Frame& received, const cansync::Telegram*,
-                                            can::Time end) noexcept override {
+  std::optional<sim::Transmission> on_frame(const can::Frame& received, can::Time end) noexcept override {
     can::Frame answer = received;
     answer.id += (received.id & 0x780) == 0x100 ? 0x200 : 0x080;
     return sim::Transmission{answer, end + us(5)};
   }
 
  private:
-  cansync::SlaveNumber number_;
+  sim::NodeNumber number_;
 };
 
 std::vector<sim::Fault> every_fault() {
@@ -45,7 +45,7 @@ std::vector<sim::Fault> every_fault() {
   for (unsigned kind = 0; kind < sim::kFaultKinds; ++kind) {
     faults.push_back({.kind = static_cast<FaultKind>(kind), .probability = 0.05});
   }
-  faults[static_cast<unsigned>(FaultKind::silent)].slave = slave(3);
+  faults[static_cast<unsigned>(FaultKind::silent)].node = 3;
   faults[static_cast<unsigned>(FaultKind::late)].delay = us(20);
   faults[static_cast<unsigned>(FaultKind::inject)].frame = frame("7F0#00");
   return faults;
@@ -55,7 +55,8 @@ std::vector<sim::Fault> every_fault() {
 rt::ThreadCalls calls_of(sim::ClockKind clock, sim::TraceSink* trace, unsigned intervals) {
   std::vector<std::unique_ptr<sim::Node>> nodes;
   for (unsigned n = 0; n < 32; ++n) nodes.push_back(std::make_unique<AnsweringNode>(n));
-  sim::Line line({.clock = clock, .faults = every_fault(), .trace = trace}, std::move(nodes));
+  sim::Line line({.clock = clock, .faults = every_fault(), .protocol = &sim::drive_faults(), .trace = trace},
+                 std::move(nodes));
   can::Frame reference = frame("100#0011223344556677");
   can::Frame command = frame("500#70010000");
   can::ReceivedFrame received;

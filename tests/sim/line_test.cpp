@@ -175,19 +175,26 @@ TEST(Line, NodesGetWhatTheyAcceptAndNotTheirOwn) {
   EXPECT_FALSE(received[1].own);
 }
 
-TEST(Line, TelegramsComeDecoded) {
+TEST(Line, NodesHearFramesOfEveryKindThatTheyAccept) {
   Nodes nodes;
-  auto& node = add<ListeningNode>(nodes, 1);
+  auto& standard = add<ListeningNode>(nodes, 1);
+  auto& every = add<ListeningNode>(nodes, 2);
+  every.every_kind = true;
+  auto& other = add<ListeningNode>(nodes, 3, 0x124, 0x7FF);
+  other.every_kind = true;
   Line line({}, std::move(nodes));
-  line.send(frame("101#0000000000000000"));  // WRC1
-  line.send(frame("7FF#00"));                // no channel of CANsync
+  const std::vector<std::string> sent = {"123#01", "123#R2", "00000123#02", "00000123#R", "18DAF110#03"};
+  for (const std::string& text : sent) line.send(frame(text));
   run_until(line, us(1000));
-  ASSERT_EQ(node.heard.size(), 2u);
-  EXPECT_TRUE(node.heard[0].telegram);
-  EXPECT_FALSE(node.heard[1].telegram);
+  std::vector<std::string> heard;
+  for (const auto& one : every.heard) heard.push_back(one.frame);
+  EXPECT_EQ(heard, sent);
+  ASSERT_EQ(standard.heard.size(), 1u);
+  EXPECT_EQ(standard.heard[0].frame, "123#01");
+  EXPECT_TRUE(other.heard.empty());
 }
 
-TEST(Line, ExtendedAndRemoteFramesReachTheMasterAlone) {
+TEST(Line, FramesThatNoNodeAcceptsReachTheMaster) {
   Nodes nodes;
   auto& node = add<ListeningNode>(nodes, 1);
   Line line({}, std::move(nodes));

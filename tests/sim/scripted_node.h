@@ -12,15 +12,10 @@
 #include "can/bus.h"
 #include "can/candump.h"
 #include "can/frame.h"
-#include "cansync/numbers.h"
 #include "sim/node.h"
 #include "sim/trace.h"
 
 namespace sim::test {
-
-inline cansync::SlaveNumber slave(unsigned number) {
-  return *cansync::SlaveNumber::from(number);
-}
 
 /// A frame in candump's notation: "17F#0011".
 inline can::Frame frame(std::string_view text) {
@@ -48,10 +43,10 @@ inline can::Time us(double microseconds) {
 /// expected next fails the test, and so does the destructor when the script is not used up.
 class ScriptedNode final : public Node {
  public:
-  explicit ScriptedNode(unsigned number) : number_(slave(number)) {}
+  explicit ScriptedNode(unsigned number) : number_(static_cast<NodeNumber>(number)) {}
   ~ScriptedNode() override {
     for (const Step& step : script_) {
-      ADD_FAILURE() << "node " << unsigned{number_.value()} << " still expects " << step.expected;
+      ADD_FAILURE() << "node " << unsigned{number_} << " still expects " << step.expected;
     }
   }
   ScriptedNode(const ScriptedNode&) = delete;
@@ -69,19 +64,18 @@ class ScriptedNode final : public Node {
     return *this;
   }
 
-  cansync::SlaveNumber number() const noexcept override { return number_; }
-  bool accepts(std::uint32_t) const noexcept override { return true; }
+  NodeNumber node_number() const noexcept override { return number_; }
+  bool accepts(const can::Frame&) const noexcept override { return true; }
   void on_sync(can::Time) noexcept override {}
-  std::optional<Transmission> on_frame(const can::Frame& received, const cansync::Telegram*,
-                                       can::Time end) noexcept override {
+  std::optional<Transmission> on_frame(const can::Frame& received, can::Time end) noexcept override {
     const std::string found = text(received);
     if (script_.empty()) {
-      ADD_FAILURE() << "node " << unsigned{number_.value()} << " expects nothing, got " << found;
+      ADD_FAILURE() << "node " << unsigned{number_} << " expects nothing, got " << found;
       return std::nullopt;
     }
     const Step step = script_.front();
     script_.pop_front();
-    EXPECT_EQ(found, step.expected) << "node " << unsigned{number_.value()};
+    EXPECT_EQ(found, step.expected) << "node " << unsigned{number_};
     if (!step.answer) return std::nullopt;
     return Transmission{*step.answer, end + step.after};
   }
@@ -92,7 +86,7 @@ class ScriptedNode final : public Node {
     std::optional<can::Frame> answer;
     can::Time after{};
   };
-  cansync::SlaveNumber number_;
+  NodeNumber number_;
   std::deque<Step> script_;
 };
 
@@ -102,27 +96,26 @@ class ListeningNode final : public Node {
   struct Heard {
     std::string frame;
     can::Time end;
-    bool telegram;
   };
   explicit ListeningNode(unsigned number, std::uint32_t identifier = 0, std::uint32_t mask = 0)
-      : number_(slave(number)), identifier_(identifier), mask_(mask) {}
+      : number_(static_cast<NodeNumber>(number)), identifier_(identifier), mask_(mask) {}
 
+  bool every_kind = false;  ///< remote and extended frames too
   std::vector<Heard> heard;
   std::vector<can::Time> syncs;
 
-  cansync::SlaveNumber number() const noexcept override { return number_; }
-  bool accepts(std::uint32_t identifier) const noexcept override {
-    return (identifier & mask_) == (identifier_ & mask_);
+  NodeNumber node_number() const noexcept override { return number_; }
+  bool accepts(const can::Frame& frame) const noexcept override {
+    return (frame.id & mask_) == (identifier_ & mask_) && (every_kind || frame.is_standard_data());
   }
   void on_sync(can::Time now) noexcept override { syncs.push_back(now); }
-  std::optional<Transmission> on_frame(const can::Frame& received, const cansync::Telegram* telegram,
-                                       can::Time end) noexcept override {
-    heard.push_back({text(received), end, telegram != nullptr});
+  std::optional<Transmission> on_frame(const can::Frame& received, can::Time end) noexcept override {
+    heard.push_back({text(received), end});
     return std::nullopt;
   }
 
  private:
-  cansync::SlaveNumber number_;
+  NodeNumber number_;
   std::uint32_t identifier_;
   std::uint32_t mask_;
 };
@@ -138,8 +131,7 @@ class RecordingTrace final : public TraceSink {
     frames.push_back(traced);
     std::string who = "foreign";
     if (traced.sender.kind == Sender::Kind::master) who = "master";
-    if (traced.sender.kind == Sender::Kind::slave)
-      who = "slave " + std::to_string(traced.sender.slave.value());
+    if (traced.sender.kind == Sender::Kind::node) who = "slave " + std::to_string(traced.sender.node);
     lines.push_back(std::to_string(traced.start.count()) + " " + who + " " + text(traced.frame));
   }
   void sync(can::Time at) noexcept override {

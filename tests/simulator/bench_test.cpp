@@ -105,10 +105,10 @@ TEST_F(BenchTest, LocksByActivationAndSync) {
   EXPECT_NE(bench_->drives()[0]->status_word() & sim::status_bit::synchronized, 0);
 }
 
-sim::Fault fault(sim::FaultKind kind, unsigned slave) {
+sim::Fault fault(sim::FaultKind kind, sim::NodeNumber slave) {
   sim::Fault out;
   out.kind = kind;
-  out.slave = cansync::SlaveNumber::from(slave);
+  out.node = slave;
   return out;
 }
 

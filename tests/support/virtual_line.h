@@ -8,6 +8,7 @@
 
 #include "cansync/settings.h"
 #include "cansync/sim/drive.h"
+#include "cansync/sim/drive_faults.h"
 #include "cansync/timing.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
@@ -92,6 +93,7 @@ class VirtualLine : private sim::TraceSink {
     sim::LineSettings settings;
     settings.bits_per_second = times_.bits_per_second;
     settings.faults = faults;
+    settings.protocol = &sim::drive_faults();
     settings.trace = this;
     return settings;
   }

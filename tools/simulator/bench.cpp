@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <utility>
-#include <variant>
 
-#include "cansync/telegram.h"
+#include "cansync/sim/drive_faults.h"
 #include "sync/software_sync.h"
 
 namespace cansync_sim {
@@ -27,12 +26,12 @@ Bench::Bench(const BenchSettings& settings, std::vector<std::unique_ptr<sim::Dri
       sync_identifier_(settings.sync_identifier),
       bits_per_second_(cansync::slot_times(settings.bit_rate).bits_per_second),
       interval_(cansync::slot_times(settings.bit_rate).interval),
-      faults_(settings.faults, settings.seed),
+      faults_(settings.faults, settings.seed, &sim::drive_faults()),
       acceptance_(kIdentifiers),
       waiting_(drives_.size() * kFramesPerDrive + kForeignFrames) {
   for (std::size_t index = 0; index < drives_.size(); ++index) {
     for (std::uint32_t identifier = 0; identifier < kIdentifiers; ++identifier) {
-      if (drives_[index]->accepts(identifier)) acceptance_[identifier] |= DriveMask{1} << index;
+      if (drives_[index]->accepts({.id = identifier})) acceptance_[identifier] |= DriveMask{1} << index;
     }
   }
 }
@@ -69,11 +68,8 @@ void Bench::sync(can::Time edge) noexcept {
 }
 
 void Bench::deliver(const can::Frame& frame, can::Time end, can::Time now, DriveMask receivers) noexcept {
-  if (receivers == 0) return;
-  const cansync::Decoded decoded = cansync::decode(frame);
-  const auto* telegram = std::get_if<cansync::Telegram>(&decoded);
   for_each_bit(receivers, [&](std::uint8_t index) {
-    if (const auto answer = drives_[index]->on_frame(frame, telegram, end)) {
+    if (const auto answer = drives_[index]->on_frame(frame, end)) {
       hand_over(index, *answer, end, now);
     }
   });
@@ -133,11 +129,11 @@ void Bench::link_lost() noexcept {
   waiting_.drop(kForeign);
 }
 
-Bench::DriveMask Bench::drives_of(cansync::SlaveMask slaves) const noexcept {
-  if (slaves.empty()) return 0;
+Bench::DriveMask Bench::drives_of(sim::NodeSet numbers) const noexcept {
+  if (numbers.empty()) return 0;
   DriveMask mask = 0;
   for (std::size_t index = 0; index < drives_.size(); ++index) {
-    if (slaves.has(drives_[index]->number())) mask |= DriveMask{1} << index;
+    if (numbers.has(drives_[index]->node_number())) mask |= DriveMask{1} << index;
   }
   return mask;
 }

@@ -69,7 +69,7 @@ class Bench {
   void deliver(const can::Frame& frame, can::Time end, can::Time now, DriveMask receivers) noexcept;
   void hand_over(std::uint8_t index, const sim::Transmission& answer, can::Time end, can::Time now) noexcept;
   bool push(const can::Frame& frame, can::Time ready, std::uint8_t sender, bool repeated) noexcept;
-  DriveMask drives_of(cansync::SlaveMask slaves) const noexcept;
+  DriveMask drives_of(sim::NodeSet numbers) const noexcept;
   DriveMask accepting(const can::Frame& frame) const noexcept;
 
   std::vector<std::unique_ptr<sim::Drive>> drives_;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cansync/sim/drive_faults.h"
 #include "cansync/telegram.h"
 #include "config/document.h"
 #include "daemon/bus/drive_settings.h"
@@ -167,7 +168,7 @@ class SetupReader {
 
   void read_faults(const std::string& path) {
     if (path.empty()) return;
-    sim::FaultScript script = sim::load_fault_script(path);
+    sim::FaultScript script = sim::load_fault_script(path, sim::drive_faults());
     for (const config::Problem& error : script.errors) problem(to_string(error));
     for (std::size_t i = 0; i < script.faults.size(); ++i) {
       const std::string reason = impossible(script.faults[i]);

@@ -1,7 +1,10 @@
 #include "cansync/sim/drive.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <type_traits>
 
 namespace sim {
 namespace {
@@ -29,6 +32,20 @@ bool is_word(const cansync::ProcessMapping& mapping, std::uint8_t value) noexcep
   return std::none_of(words.begin(), words.end(), [value](const cansync::WordMapping& word) {
     return word.assigned && word.high && word.value == value;
   });
+}
+
+/// The telegram in a frame, or null; valid until the next call on this thread. All drives of a line are given
+/// the same frame one after the other, so it is decoded once.
+const cansync::Telegram* telegram_in(const can::Frame& frame) noexcept {
+  static_assert(std::has_unique_object_representations_v<can::Frame>);
+  using Words = std::array<std::uint64_t, sizeof(can::Frame) / sizeof(std::uint64_t)>;
+  thread_local constinit can::Frame last;
+  thread_local constinit cansync::Decoded decoded{cansync::DecodeError::not_for_us};
+  if (std::bit_cast<Words>(frame) != std::bit_cast<Words>(last)) {
+    last = frame;
+    decoded = cansync::decode(frame);
+  }
+  return std::get_if<cansync::Telegram>(&decoded);
 }
 
 /// Settings with every range held and what depends on others filled in.
@@ -93,8 +110,10 @@ void Drive::restart() noexcept {
   start();
 }
 
-bool Drive::accepts(std::uint32_t identifier) const noexcept {
+bool Drive::accepts(const can::Frame& frame) const noexcept {
   namespace id = cansync::identifier;
+  if (!frame.is_standard_data()) return false;
+  const std::uint32_t identifier = frame.id;
   const std::uint32_t participant = identifier & 0x7F;
   switch (identifier & 0x780) {
     case id::reference_one:
@@ -120,8 +139,8 @@ void Drive::on_sync(can::Time now) noexcept {
   release(mode);
 }
 
-std::optional<Transmission> Drive::on_frame(const can::Frame& /*frame*/, const cansync::Telegram* telegram,
-                                            can::Time end) noexcept {
+std::optional<Transmission> Drive::on_frame(const can::Frame& frame, can::Time end) noexcept {
+  const cansync::Telegram* telegram = telegram_in(frame);
   if (telegram == nullptr) return std::nullopt;
   if (std::holds_alternative<cansync::ParameterCommand>(*telegram)) {
     sync_.check(end);

@@ -93,11 +93,11 @@ class Drive final : public Node, private cansync::SlaveApplication {
   Drive(const Drive&) = delete;
   Drive& operator=(const Drive&) = delete;
 
-  cansync::SlaveNumber number() const noexcept override { return slave_.settings().number; }
-  bool accepts(std::uint32_t identifier) const noexcept override;
+  cansync::SlaveNumber number() const noexcept { return slave_.settings().number; }
+  NodeNumber node_number() const noexcept override { return number().value(); }
+  bool accepts(const can::Frame& frame) const noexcept override;
   void on_sync(can::Time now) noexcept override;
-  std::optional<Transmission> on_frame(const can::Frame& frame, const cansync::Telegram* telegram,
-                                       can::Time end) noexcept override;
+  std::optional<Transmission> on_frame(const can::Frame& frame, can::Time end) noexcept override;
 
   /// As after power off and on: state machine, axis and parameters start anew, memory keeps its contents.
   void restart() noexcept;

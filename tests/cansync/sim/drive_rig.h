@@ -41,7 +41,7 @@ class DriveRig {
   /// A telegram whose last bit was on the bus at `since_sync`.
   std::optional<Transmission> send(const cansync::Telegram& telegram,
                                    cansync::Duration since_sync = std::chrono::microseconds(100)) {
-    return drive.on_frame(encode(telegram), &telegram, now + since_sync);
+    return drive.on_frame(encode(telegram), now + since_sync);
   }
 
   /// Both words of reference values 0 and 1 (channel one) or 4 and 5 (channel two), asking slave `polled`.

@@ -26,7 +26,9 @@ TEST(Drive, AcceptsReferencesActionsItsOwnCommandsAndMonitoredSlavesAlone) {
   const Drive drive(settings);
   std::set<std::uint32_t> accepted;
   for (std::uint32_t id = 0; id <= 0x7FF; ++id) {
-    if (drive.accepts(id)) accepted.insert(id);
+    if (drive.accepts({.id = id})) accepted.insert(id);
+    EXPECT_FALSE(drive.accepts({.id = id, .extended = true})) << id;
+    EXPECT_FALSE(drive.accepts({.id = id, .remote = true})) << id;
   }
   std::set<std::uint32_t> wanted = {0x010, 0x503, 0x307, 0x387};
   for (std::uint32_t id = 0x100; id <= 0x1FF; ++id) wanted.insert(id);
@@ -47,7 +49,7 @@ TEST(Drive, ServesProcessDataByItself) {
 
 TEST(Drive, IgnoresFramesThatAreNoTelegrams) {
   DriveRig rig;
-  EXPECT_FALSE(rig.drive.on_frame({}, nullptr, rig.now));
+  EXPECT_FALSE(rig.drive.on_frame({}, rig.now));
 }
 
 TEST(Drive, DefaultMappingCarriesPositionSpeedTorqueAndStatus) {
@@ -265,7 +267,7 @@ TEST(Drive, FollowsAnotherSlaveThatItMonitors) {
   settings.axis.leader = cansync::SlaveNumber::from(9);
   settings.misses_until_fault = 0;
   DriveRig rig(settings);
-  EXPECT_TRUE(rig.drive.accepts(0x309));
+  EXPECT_TRUE(rig.drive.accepts({.id = 0x309}));
   rig.lock();
   cansync::ActualTelegram telegram;
   telegram.slave = *cansync::SlaveNumber::from(9);

@@ -27,14 +27,14 @@ SlaveNumber slave(unsigned n) {
 /// What a master sends that dies after a few telegrams of a download. Returns whether the drive took them.
 bool leave_open(sim::Node& drive) {
   const auto takes = [&drive](const Telegram& telegram) {
-    const auto answer = drive.on_frame(encode(telegram), &telegram, can::Time{0});
+    const auto answer = drive.on_frame(encode(telegram), can::Time{0});
     if (!answer) return false;
     const Decoded decoded = decode(answer->frame);
     const auto* any = std::get_if<Telegram>(&decoded);
     const auto* reply = any != nullptr ? std::get_if<TransferReply>(any) : nullptr;
     return reply != nullptr && !reply->error;
   };
-  const SlaveNumber number = drive.number();
+  const SlaveNumber number = slave(drive.node_number());
   DownloadBlock block;
   block.slave = number;
   block.data.fill(0xEE);

@@ -81,11 +81,12 @@ class LongestNode final : public sim::Node {
         .id = identifier::response + number.value(), .dlc = 6, .data = {0x01, 0x2D, 0x00, 0x80, 0, 0}};
   }
 
-  SlaveNumber number() const noexcept override { return number_; }
-  bool accepts(std::uint32_t) const noexcept override { return true; }
+  sim::NodeNumber node_number() const noexcept override { return number_.value(); }
+  bool accepts(const can::Frame&) const noexcept override { return true; }
   void on_sync(can::Time) noexcept override {}
-  std::optional<sim::Transmission> on_frame(const can::Frame&, const Telegram* telegram,
-                                            can::Time end) noexcept override {
+  std::optional<sim::Transmission> on_frame(const can::Frame& frame, can::Time end) noexcept override {
+    const Decoded decoded = decode(frame);
+    const auto* telegram = std::get_if<Telegram>(&decoded);
     if (telegram == nullptr) return std::nullopt;
     if (const auto* reference = std::get_if<ReferenceTelegram>(telegram)) {
       if (reference->polled != number_.value()) return std::nullopt;

@@ -91,7 +91,7 @@ inline void order(WholeRig& rig, cansync_Mode mode) {
 inline sim::Fault fault(sim::FaultKind kind, std::optional<std::uint8_t> of_slave = std::nullopt) {
   sim::Fault out;
   out.kind = kind;
-  if (of_slave) out.slave = slave(*of_slave);
+  out.node = of_slave;
   return out;
 }
 

@@ -1,0 +1,88 @@
+#include "cansync/sim/drive_faults.h"
+
+#include <array>
+#include <variant>
+
+#include "cansync/telegram.h"
+
+namespace sim {
+namespace {
+
+namespace identifier = cansync::identifier;
+
+constexpr std::uint32_t kNumberBits = 0x7F;  // of an identifier: the slave number
+constexpr std::uint32_t kChannelBits = 0x780;
+constexpr unsigned kBlockBytes = 6;
+
+constexpr std::array<ChannelName, 7> kChannelNames = {{
+    {"action", identifier::action, kChannelBits | kNumberBits},
+    {"wrc1", identifier::reference_one, kChannelBits},
+    {"wrc2", identifier::reference_two, kChannelBits},
+    {"rdc1", identifier::actual_one, kChannelBits},
+    {"rdc2", identifier::actual_two, kChannelBits},
+    {"command", identifier::command, kChannelBits},
+    {"response", identifier::response, kChannelBits},
+}};
+
+class DriveFaults final : public FaultProtocol {
+ public:
+  std::string_view node_word() const noexcept override { return "slave"; }
+  std::span<const ChannelName> channels() const noexcept override { return kChannelNames; }
+
+  /// The slave number in an identifier of one of the channels that carry one.
+  std::optional<NodeNumber> node_of(const can::Frame& frame) const noexcept override {
+    if (!frame.is_standard_data()) return std::nullopt;
+    switch (frame.id & ~kNumberBits) {
+      case identifier::reference_one:
+      case identifier::reference_two:
+      case identifier::actual_one:
+      case identifier::actual_two:
+      case identifier::command:
+      case identifier::response:
+        return static_cast<NodeNumber>(frame.id & kNumberBits);
+      default:
+        return std::nullopt;
+    }
+  }
+
+  bool is_answer(const can::Frame& frame) const noexcept override {
+    return frame.is_standard_data() && (frame.id & ~kNumberBits) == identifier::response;
+  }
+
+  /// The next parameter, or the next block.
+  void make_wrong(can::Frame& answer) const noexcept override {
+    auto decoded = cansync::decode(answer);
+    auto* telegram = std::get_if<cansync::Telegram>(&decoded);
+    if (telegram == nullptr) return;
+    if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) {
+      parameter->number = *cansync::ParameterNumber::from((parameter->number.value() + 1u) % 4096u);
+    } else if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) {
+      transfer->offset = *cansync::BlockOffset::from((transfer->offset.value() + kBlockBytes) % 4096u);
+    }
+    answer = cansync::encode(*telegram);
+  }
+
+  void make_busy(can::Frame& answer) const noexcept override {
+    auto decoded = cansync::decode(answer);
+    auto* telegram = std::get_if<cansync::Telegram>(&decoded);
+    if (telegram == nullptr) return;
+    const auto empty = [](auto& reply) {
+      reply.busy = true;
+      reply.error = false;
+      reply.payload_size = 0;
+      reply.payload = {};
+    };
+    if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) empty(*parameter);
+    if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) empty(*transfer);
+    answer = cansync::encode(*telegram);
+  }
+};
+
+}  // namespace
+
+const FaultProtocol& drive_faults() noexcept {
+  static const DriveFaults faults;
+  return faults;
+}
+
+}  // namespace sim
