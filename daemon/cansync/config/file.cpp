@@ -10,10 +10,10 @@
 namespace cansyncd {
 namespace {
 
-/// Slaves first, then their names, then what may name a slave; what a slave gives comes after the defaults
-/// for all slaves.
+/// The bus and its slaves first, then their names, then what may name a slave; what a slave gives comes after
+/// the defaults for all slaves.
 int phase(const Setting& setting) {
-  if (setting.option->key == "slave.number") return 0;
+  if (setting.option->key == "bus.interface" || setting.option->key == "slave.number") return 0;
   if (setting.option->key == "slave.name") return 1;
   return slave_of(setting) ? 3 : 2;
 }
@@ -39,7 +39,11 @@ void apply_derived(Config& config, const std::vector<Setting>& settings) {
   }
 }
 
-void name_slaves(Config& config) {
+/// A simulated line of which no slave is given has every one. Each configured slave gets its default name.
+void complete_line(Config& config) {
+  if (config.bus.kind == BusKind::simulated && config.master.configured().empty()) {
+    for (cansync::SlaveSettings& slave : config.master.slaves) slave.configured = true;
+  }
   for (unsigned n = 0; n < cansync::kSlaves; ++n) {
     if (config.master.slaves[n].configured) config.slaves[n].name = "slave" + std::to_string(n);
   }
@@ -55,7 +59,7 @@ void apply_settings(Draft& draft, const std::vector<Setting>& settings, std::vec
   bool named = false;
   for (const Setting& setting : settings) {
     if (!named && phase(setting) > 0) {
-      name_slaves(draft.config);
+      complete_line(draft.config);
       named = true;
     }
     const std::optional<unsigned> slave = slave_of(setting);
@@ -68,7 +72,7 @@ void apply_settings(Draft& draft, const std::vector<Setting>& settings, std::vec
       problems.push_back({setting.where, setting.key, std::move(*text)});
     }
   }
-  if (!named) name_slaves(draft.config);
+  if (!named) complete_line(draft.config);
 }
 
 }  // namespace

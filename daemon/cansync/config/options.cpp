@@ -25,7 +25,10 @@ constexpr auto kSections = std::to_array<config::Section>({
     {"reference", "value numbers", "Once for each reference value that has a name, unit or scaling."},
     {"actual", "value numbers",
      "Once for each actual value that has a name, unit or scaling on all slaves; a slave's own go first."},
-    {"slave", "slave numbers", "Once for each slave of the line."},
+    {"slave", "slave numbers",
+     "Once for each slave of the line. Without any, a simulated line has all 32; on a CAN interface there "
+     "must be "
+     "one."},
     {"slave.value", "value numbers",
      "Below its slave, once for each actual value that has a name, unit or scaling."},
 });

@@ -24,6 +24,8 @@ The smallest file is a simulated line with one drive:
 number = 0
 ```
 
+An empty file is a simulated line with all 32.
+
 After SIGHUP (`systemctl reload`) the file is read again. Options marked "running" take effect at once; the others, and
 the set of slaves, need a restart, which the daemon says in its log. A wrong file changes nothing.
 

@@ -23,6 +23,24 @@ TEST(Config, AFileWithOneSlaveIsEnough) {
   EXPECT_TRUE(cansync::check(config.master).empty());
 }
 
+TEST(Config, ASimulatedLineWithoutSlavesHasAll32) {
+  for (const char* text : {"", "[bus]\ninterface = \"sim\"\n", "[sim]\nseed = 3\n"}) {
+    const Config config = good(text);
+    EXPECT_EQ(config.master.configured(), cansync::SlaveMask::all()) << text;
+    EXPECT_EQ(config.sim.drives, cansync::SlaveMask::all()) << text;
+    EXPECT_EQ(config.slaves[31].name, "slave31") << text;
+    EXPECT_EQ(config.master.process.maximum_slave.value(), 31) << text;
+  }
+  EXPECT_EQ(good("", {"slave.7.name=winder", "sim.drives=[\"winder\"]"}).sim.drives.bits, 1U << 7);
+  const Config one = good("[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 4\n");
+  EXPECT_EQ(one.master.configured().bits, 1U << 4);
+}
+
+TEST(Config, ACanInterfaceWithoutSlavesIsRefused) {
+  EXPECT_EQ(problems_text(from_text("", {"bus.interface=can0"}).problems),
+            "test.toml: slave: found none configured; allowed: 1..32 configured slaves\n");
+}
+
 TEST(Config, TheSyncLine) {
   const Config plain = good(kSmallest);
   EXPECT_EQ(plain.sync.output, SyncOutput::none);

@@ -86,6 +86,15 @@ TEST(Reload, TheSetOfSlavesNeedsARestart) {
   EXPECT_EQ(changed.merged.config.slaves[2].name, "gone");
 }
 
+TEST(Reload, ASimulatedLineOfAllSlavesStaysOne) {
+  const ReloadPlan fewer = plan("", "[[slave]]\nnumber = 1\nname = \"winder\"\n");
+  EXPECT_EQ(fewer.needs_restart, (Keys{"slave.1.number"}));
+  EXPECT_EQ(fewer.applied, (Keys{"slave.1.name"}));
+  EXPECT_EQ(fewer.merged.config.master.configured(), cansync::SlaveMask::all());
+  EXPECT_EQ(fewer.merged.config.slaves[1].name, "winder");
+  EXPECT_EQ(plan("[[slave]]\nnumber = 1\n", "").merged.config.master.configured().bits, 0b10U);
+}
+
 TEST(Reload, ChangesThatMakeNoSenseWithoutARestartAreRefused) {
   const ReloadPlan changed = plan("[[slave]]\nnumber = 1\n[[slave]]\nnumber = 2\nname = \"winder\"\n",
                                   "[[slave]]\nnumber = 1\nname = \"winder\"\n");
