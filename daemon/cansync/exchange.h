@@ -12,6 +12,7 @@
 #include "cansync/mode.h"
 #include "cansync/release_status.h"
 #include "cansync/settings.h"
+#include "cansync/settings_in_force.h"
 #include "daemon/cansync/slot_statistics.h"
 #include "rt/latest_value.h"
 #include "rt/spsc_ring.h"
@@ -292,16 +293,9 @@ struct MasterSnapshot {
   can::TimestampSource timestamps = can::TimestampSource::thread;
 };
 
-/// Settings in force that can change while running; written at the start and after each change.
-struct SettingsSnapshot {
-  cansync::ProcessMapping reference_mapping = {};
-  std::uint64_t mapping_number = 1;  ///< of that mapping
-  std::array<cansync::ProcessMapping, cansync::kSlaves> actual_mapping = {};
-  std::array<cansync::Cursor, cansync::kChannels> polling = {};
-  cansync::SlaveNumber maximum_slave;
-  cansync::Cursor control_word;
-  cansync::Cursor parameter;
-  cansync::Cursor transfer;
+/// Settings in force; written at the start and after each change.
+struct SettingsSnapshot : cansync::SettingsInForce {
+  std::uint64_t mapping_number = 1;  ///< of the reference mapping
 };
 
 /// How punctual the realtime thread is; written once a second of bus time.

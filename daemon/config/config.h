@@ -190,7 +190,7 @@ struct SimConfig {
 struct RecorderConfig {
   std::optional<std::string> folder;   ///< empty: off; nothing: the service's state folder, see docs
   std::uint32_t files = 10;            ///< recordings kept
-  std::uint32_t entries = 16384;       ///< things kept in memory, about 12 an interval
+  std::uint32_t entries = 16384;       ///< things kept in memory: wake-ups, frames, states
   std::uint32_t intervals_after = 50;  ///< recording goes on so long after a fault
   FlightTriggers triggers;
 };

@@ -26,15 +26,7 @@ void take_changeable(const Config& to, Config& config) {
   config.access = to.access;
   config.failsafe.reference_max_age = to.failsafe.reference_max_age;
   config.dds.request_max_age = to.dds.request_max_age;
-  config.master.process.reference_mapping = to.master.process.reference_mapping;
-  config.master.process.polling = to.master.process.polling;
-  config.master.process.maximum_slave = to.master.process.maximum_slave;
-  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
-    config.master.slaves[i].actual_mapping = to.master.slaves[i].actual_mapping;
-  }
-  config.master.command_channel.control_word = to.master.command_channel.control_word;
-  config.master.command_channel.parameter = to.master.command_channel.parameter;
-  config.master.command_channel.transfer = to.master.command_channel.transfer;
+  cansync::put_in_force(cansync::in_force(to.master), config.master);
 }
 
 /// Milliseconds from now to `due`, rounded up, at least 0.

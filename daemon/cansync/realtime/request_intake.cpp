@@ -158,18 +158,7 @@ void RequestIntake::answer_setting(cansync::JobId id, Refusal refusal) noexcept 
 }
 
 void RequestIntake::publish_settings() noexcept {
-  const cansync::MasterSettings& settings = master_.settings();
-  SettingsSnapshot snapshot;
-  snapshot.reference_mapping = settings.process.reference_mapping;
-  snapshot.mapping_number = master_.mapping_number();
-  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
-    snapshot.actual_mapping[i] = settings.slaves[i].actual_mapping;
-  }
-  snapshot.polling = settings.process.polling;
-  snapshot.maximum_slave = settings.process.maximum_slave;
-  snapshot.control_word = settings.command_channel.control_word;
-  snapshot.parameter = settings.command_channel.parameter;
-  snapshot.transfer = settings.command_channel.transfer;
+  const SettingsSnapshot snapshot{cansync::in_force(master_.settings()), master_.mapping_number()};
   exchange_.settings.write(snapshot);
   reporter_.written();
 }

@@ -92,18 +92,7 @@ struct AuditMemory::Done {
   void operator()(const StopRelease& /*r*/) const {}
 };
 
-AuditMemory::AuditMemory(const Config& config) {
-  const auto& master = config.master;
-  settings_.reference_mapping = master.process.reference_mapping;
-  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
-    settings_.actual_mapping[i] = master.slaves[i].actual_mapping;
-  }
-  settings_.polling = master.process.polling;
-  settings_.maximum_slave = master.process.maximum_slave;
-  settings_.control_word = master.command_channel.control_word;
-  settings_.parameter = master.command_channel.parameter;
-  settings_.transfer = master.command_channel.transfer;
-}
+AuditMemory::AuditMemory(const Config& config) : settings_(cansync::in_force(config.master)) {}
 
 std::string AuditMemory::before(const Request& request, cansync::State state) const {
   return std::visit(Before{*this, state}, request);

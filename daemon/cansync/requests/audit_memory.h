@@ -43,7 +43,7 @@ class AuditMemory {
   std::map<Key, std::uint32_t> parameters_;
   std::deque<Key> order_;  ///< of parameters_, oldest first
   std::array<std::optional<std::uint16_t>, cansync::kSlaves> control_words_ = {};
-  SettingsSnapshot settings_;
+  cansync::SettingsInForce settings_;
 };
 
 }  // namespace cansyncd

@@ -180,26 +180,22 @@ std::optional<std::string> describe(const Request& request, const Config& config
 
 std::vector<Request> changes(const Config& from, const Config& to) {
   std::vector<Request> requests;
-  const auto& old_process = from.master.process;
-  const auto& process = to.master.process;
-  if (old_process.reference_mapping != process.reference_mapping) {
-    requests.emplace_back(SetReferenceMapping{0, process.reference_mapping});
+  const cansync::SettingsInForce before = cansync::in_force(from.master);
+  const cansync::SettingsInForce now = cansync::in_force(to.master);
+  if (before.reference_mapping != now.reference_mapping) {
+    requests.emplace_back(SetReferenceMapping{0, now.reference_mapping});
   }
   for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
-    const auto& mapping = to.master.slaves[i].actual_mapping;
-    if (!from.master.slaves[i].configured || from.master.slaves[i].actual_mapping == mapping) continue;
+    const auto& mapping = now.actual_mapping[i];
+    if (!from.master.slaves[i].configured || before.actual_mapping[i] == mapping) continue;
     requests.emplace_back(SetActualMapping{0, *SlaveNumber::from(i), mapping});
   }
   SetPolling polling;
-  polling.polling = {if_new(old_process.polling[0], process.polling[0]),
-                     if_new(old_process.polling[1], process.polling[1])};
-  polling.maximum_slave = if_new(old_process.maximum_slave, process.maximum_slave);
+  polling.polling = {if_new(before.polling[0], now.polling[0]), if_new(before.polling[1], now.polling[1])};
+  polling.maximum_slave = if_new(before.maximum_slave, now.maximum_slave);
   if (polling.polling[0] || polling.polling[1] || polling.maximum_slave) requests.emplace_back(polling);
-  const auto& old_channel = from.master.command_channel;
-  const auto& channel = to.master.command_channel;
-  const SetCursors cursors{0, if_new(old_channel.control_word, channel.control_word),
-                           if_new(old_channel.parameter, channel.parameter),
-                           if_new(old_channel.transfer, channel.transfer)};
+  const SetCursors cursors{0, if_new(before.control_word, now.control_word),
+                           if_new(before.parameter, now.parameter), if_new(before.transfer, now.transfer)};
   if (cursors.control_word || cursors.parameter || cursors.transfer) requests.emplace_back(cursors);
   return requests;
 }

@@ -29,20 +29,6 @@ std::array<cansync_ValueName, cansync::kValues> names_of(const ValueConfigs& val
   return names;
 }
 
-SettingsSnapshot settings_of(const cansync::MasterSettings& master) {
-  SettingsSnapshot settings;
-  settings.reference_mapping = master.process.reference_mapping;
-  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
-    settings.actual_mapping[i] = master.slaves[i].actual_mapping;
-  }
-  settings.polling = master.process.polling;
-  settings.maximum_slave = master.process.maximum_slave;
-  settings.control_word = master.command_channel.control_word;
-  settings.parameter = master.command_channel.parameter;
-  settings.transfer = master.command_channel.transfer;
-  return settings;
-}
-
 /// What is worth a sample of MasterStatus at once; counters wait for the next second.
 auto essence(const MasterSnapshot& master) {
   // Overrun, warning and bus-off; "sending" and "receiving" change all the time.
@@ -136,7 +122,7 @@ StatePublisher::StatePublisher(const dds::Participant& participant, const Config
       master_writer_(participant),
       timing_writer_(participant),
       interval_writer_(participant),
-      settings_(settings_of(config.master)) {
+      settings_{cansync::in_force(config.master)} {
   master_.configured = config.master.configured();
   set_names(config);
 }
@@ -235,12 +221,7 @@ void StatePublisher::take_actual(Exchange& exchange) {
 
 void StatePublisher::publish_master(SteadyTime now) {
   cansync::MasterSettings settings = config_.master;
-  settings.process.reference_mapping = settings_.reference_mapping;
-  settings.process.polling = settings_.polling;
-  settings.process.maximum_slave = settings_.maximum_slave;
-  settings.command_channel.control_word = settings_.control_word;
-  settings.command_channel.parameter = settings_.parameter;
-  settings.command_channel.transfer = settings_.transfer;
+  cansync::put_in_force(settings_, settings);
 
   cansync_MasterStatus& sample = told_master_;
   sample = {};
