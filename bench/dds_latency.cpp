@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/dds/topics.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 
@@ -43,10 +44,10 @@ void on_data(dds_entity_t reader, void* argument) {
   if (count > 0) dds_return_loan(reader, samples, count);
 }
 
-int listen(const cansync::dds::Participant& participant, double seconds) {
+int listen(const gateway::dds::Participant& participant, double seconds) {
   Delays delays;
   delays.values.reserve(1'000'000);
-  cansync::dds::Reader<cansync_ActualValues> reader(participant);
+  gateway::dds::Reader<cansync_ActualValues> reader(participant);
   dds_listener_t* listener = dds_create_listener(&delays);
   dds_lset_data_available(listener, &on_data);
   dds_set_listener(reader.handle(), listener);
@@ -57,8 +58,8 @@ int listen(const cansync::dds::Participant& participant, double seconds) {
   return delays.values.empty() ? 1 : 0;
 }
 
-int write(const cansync::dds::Participant& participant, double seconds, long per_second) {
-  cansync::dds::Writer<cansync_ActualValues> writer(participant);
+int write(const gateway::dds::Participant& participant, double seconds, long per_second) {
+  gateway::dds::Writer<cansync_ActualValues> writer(participant);
   const std::int64_t period = kSecond / per_second;
   const std::int64_t start = clock_now(CLOCK_MONOTONIC);
   const auto count = static_cast<std::int64_t>(seconds * static_cast<double>(per_second));
@@ -80,7 +81,7 @@ int write(const cansync::dds::Participant& participant, double seconds, long per
 int main(int argc, char** argv) {
   if (argc < 5)
     return std::fprintf(stderr, "usage: %s listen|write DOMAIN PARTITION SECONDS [PER_SECOND]\n", argv[0]), 2;
-  const cansync::dds::Participant participant(
+  const gateway::dds::Participant participant(
       {static_cast<std::uint32_t>(std::atoi(argv[2])), argv[3], "lo", ""});
   const double seconds = std::atof(argv[4]);
   if (std::strcmp(argv[1], "listen") == 0) return listen(participant, seconds);

@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "cansync/dds/topics.h"
 #include "client/client.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
@@ -158,11 +159,11 @@ void flood(Client& client, steady_clock::time_point end, Found& found) {
 
 /// A program that keeps to no limit: writes samples as fast as DDS takes them, and takes its replies.
 template <class Request, class Reply>
-void flood_raw(const cansync::dds::Participant& participant, const std::function<void()>& start,
+void flood_raw(const gateway::dds::Participant& participant, const std::function<void()>& start,
                const Settings& settings, const Request& pattern, Found& found) {
-  cansync::dds::DataSignal signal;
-  cansync::dds::Reader<Reply> replies(participant);
-  cansync::dds::Writer<Request> writer(participant, 0, &signal);
+  gateway::dds::DataSignal signal;
+  gateway::dds::Reader<Reply> replies(participant);
+  gateway::dds::Writer<Request> writer(participant, 0, &signal);
   const auto give_up = steady_clock::now() + kConnect;
   while ((writer.matched() == 0 || replies.matched() == 0) && steady_clock::now() < give_up) {
     (void)signal.wait(10);
@@ -220,7 +221,7 @@ void wait_for_start() {
 int run(std::string_view role, const Settings& settings) {
   Found found;
   if (role == "raw-parameters" || role == "raw-commands") {
-    const cansync::dds::Participant participant({.domain = settings.domain,
+    const gateway::dds::Participant participant({.domain = settings.domain,
                                                  .partition = settings.partition,
                                                  .interface = "lo",
                                                  .xml = {},

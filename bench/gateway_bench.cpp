@@ -31,7 +31,7 @@ int run(const char* path) {
 
   bench::AnsweringBus bus;
   cansyncd::Exchange exchange(cansyncd::ExchangeSizes{});
-  const cansync::dds::Participant participant({config.dds.domain, config.dds.partition, "lo", ""});
+  const gateway::dds::Participant participant({config.dds.domain, config.dds.partition, "lo", ""});
   cansyncd::Gateway gateway(config, exchange, participant);
   cansyncd::RealtimeLoop loop(config.master, cansyncd::LoopSettings{}, bus, exchange);
   rt::RealtimeSettings realtime;

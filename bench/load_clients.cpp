@@ -283,8 +283,7 @@ int main(int argc, char** argv) try {
   if (argc != 8) {
     return std::fprintf(stderr,
                         "usage: load_clients DOMAIN PARTITION READERS REQUESTERS OPEN SLAVES SECONDS (OPEN "
-                        "and SLAVES at "
-                        "least 1, SLAVES at least REQUESTERS)\n"),
+                        "and SLAVES at least 1, SLAVES at least REQUESTERS)\n"),
            2;
   }
   const auto number = [&](std::size_t i) {

@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "cansync/dds/topics.h"
 #include "cansync/timing.h"
 #include "daemon/bus/bus_choice.h"
 #include "daemon/cansync/exchange.h"
@@ -28,7 +29,6 @@
 #include "daemon/service/signal_wait.h"
 #include "dds/participant.h"
 #include "dds/security.h"
-#include "dds/topics.h"
 #include "rt/kernel_type.h"
 #include "rt/realtime_thread.h"
 #include "rt/thread_stack.h"
@@ -83,7 +83,7 @@ rt::RealtimeSettings realtime_settings(const RealtimeConfig& config) {
 /// Everything that runs, in the order it is built; taken down the other way round.
 class Daemon {
  public:
-  /// Throws std::runtime_error (of the SYNC line), std::system_error or cansync::dds::SetupError for what
+  /// Throws std::runtime_error (of the SYNC line), std::system_error or gateway::dds::SetupError for what
   /// cannot be had.
   Daemon(ConfigFile file, JournalSink& journal)
       : file_(std::move(file)),
@@ -213,7 +213,7 @@ class Daemon {
   BusChoice bus_;
   std::unique_ptr<SyncLine> sync_line_;
   Exchange exchange_;
-  cansync::dds::Participant participant_;
+  gateway::dds::Participant participant_;
   Gateway gateway_;
   FlightDesk flight_;
   RealtimeLoop loop_;
@@ -249,11 +249,11 @@ void serve(Daemon& daemon, const SignalWait& signals, const std::vector<std::str
 std::optional<std::string> security_problem(const Config& config) {
   const std::string& folder = config.dds.security;
   if (folder.empty()) return std::nullopt;
-  if (auto problem = cansync::dds::security_problem(folder, config.dds.partition)) return problem;
-  if (cansync::dds::may_publish(folder, cansync::dds::topic_info<cansync_MasterStatus>().name))
+  if (auto problem = gateway::dds::security_problem(folder, config.dds.partition)) return problem;
+  if (gateway::dds::may_publish(folder, gateway::dds::topic_info<cansync_MasterStatus>.name))
     return std::nullopt;
   return fmt::format("{}: is an identity of a client ({}); allowed: one made with --role daemon", folder,
-                     cansync::dds::security_subject(folder));
+                     gateway::dds::security_subject(folder));
 }
 
 }  // namespace
@@ -268,8 +268,8 @@ ConfigFile load_checked(const std::string& path, const std::vector<std::string>&
     }
     file.problems.push_back(
         {where, "sim.trace",
-         fmt::format("found with bus.interface = \"{0}\"; allowed: with the simulated bus "
-                     "alone. A CAN interface is logged with: candump -L {0}",
+         fmt::format("found with bus.interface = \"{0}\"; allowed: with the simulated bus alone. A CAN "
+                     "interface is logged with: candump -L {0}",
                      file.config.bus.interface)});
     return file;
   }

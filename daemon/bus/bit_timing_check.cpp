@@ -47,8 +47,8 @@ std::optional<BitTimingProblem> check_bit_timing(const Config& config) {
              : std::string("a jump width over a segment");
   return BitTimingProblem{
       "bus.btr0",
-      fmt::format("found 0x{:02X} and 0x{:02X}, which give {}; allowed: registers that give bus.bit_rate, "
-                  "{} bit/s, as {} do",
+      fmt::format("found 0x{:02X} and 0x{:02X}, which give {}; allowed: registers that give bus.bit_rate, {} "
+                  "bit/s, as {} do",
                   *bus.btr0, *bus.btr1, found, wanted, presets(wanted))};
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "cansync/numbers.h"
+#include "cansync/sim/drive.h"
 #include "daemon/config/config.h"
-#include "sim/drive.h"
 
 namespace cansyncd {
 

@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "cansync/sim/drive.h"
 #include "cansync/timing.h"
 #include "daemon/bus/drive_settings.h"
-#include "sim/drive.h"
 #include "sim/fault_script.h"
 
 namespace cansyncd {

@@ -64,8 +64,8 @@ std::string one_shot_remedy(const Config& config, const can::LinkFacts& facts) {
 std::string one_shot_advice(const Config& config, const can::LinkFacts& facts) {
   if (config.bus.one_shot != OneShot::prefer || facts.one_shot.value_or(true)) return "";
   return fmt::format(
-      "{} is not in one-shot mode: with nobody on the bus telegrams wait in the controller until "
-      "the daemon has reset it; {}",
+      "{} is not in one-shot mode: with nobody on the bus telegrams wait in the controller until the daemon "
+      "has reset it; {}",
       config.bus.interface, one_shot_remedy(config, facts));
 }
 

@@ -146,12 +146,10 @@ inline cansync::CommandChannelSettings& channel(Draft& draft) {
 
 inline constexpr std::string_view kRegistersHelp =
     "Mapping of the first telegram as four register bytes, word 0 first: bit 0 assigned, bit 1 high word, "
-    "bits 2..6 value number; "
-    "0x0D = low word of value 3. Either this form, or values and high.";
+    "bits 2..6 value number; 0x0D = low word of value 3. Either this form, or values and high.";
 inline constexpr std::string_view kValuesHelp =
     "Mapping of the first telegram as four value numbers, word 0 first; -1 = word unused. Needs the option "
-    "high of the same "
-    "telegram beside it.";
+    "high of the same telegram beside it.";
 inline constexpr std::string_view kHighHelp =
     "Beside the value numbers: true = that word carries the value's high word.";
 inline constexpr std::string_view kCommonMappingHelp =
@@ -162,8 +160,7 @@ inline constexpr std::string_view kFactorHelp =
     "signed).";
 inline constexpr std::string_view kSignedHelp =
     "The number is two's complement, of 16 bits when the mapping in force carries the value's low word "
-    "alone, "
-    "else of 32; false: it has no sign.";
+    "alone, else of 32; false: it has no sign.";
 inline constexpr std::string_view kMappingOne = "(doubleword values 0 and 1, low word first)";
 inline constexpr std::string_view kMappingTwo = "(doubleword values 4 and 5, low word first)";
 

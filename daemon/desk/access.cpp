@@ -48,8 +48,7 @@ bool changes_something(const Request& request) {
 std::optional<std::string> right_refusal(const Request& request, Right right) {
   if (needed_right(request) <= right) return std::nullopt;
   return "kind: with DDS Security on topic Command takes control words and broadcasts alone; modes, polling, "
-         "cursors "
-         "and mappings go over topic EngineerCommand, which the role engineer may write";
+         "cursors and mappings go over topic EngineerCommand, which the role engineer may write";
 }
 
 std::optional<std::string> read_only_refusal(const Request& request, const Config& config) {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
 
 namespace cansyncd {
 namespace {
@@ -79,7 +79,7 @@ void AuditTrail::write(const Entry& entry, SteadyTime now) {
                   {"CANSYNC_OLD", entry.before},
                   {"CANSYNC_NEW", change.new_value},
                   {"CANSYNC_RESULT", entry.result}});
-  EventText event{entry.code == "request_done" ? cansync_SEVERITY_INFO : cansync_SEVERITY_WARNING, entry.code,
+  EventText event{entry.code == "request_done" ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, entry.code,
                   change.slave < static_cast<int>(cansync::kSlaves) ? change.slave : -1, std::move(line),
                   std::nullopt};
   event.request = RequestRecord{entry.who.name, entry.who.participant, change.action,

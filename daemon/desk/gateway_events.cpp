@@ -2,18 +2,18 @@
 
 #include <fmt/format.h>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
 
 namespace cansyncd {
 namespace {
 
-LogPriority priority_of(cansync_EventSeverity severity) noexcept {
+LogPriority priority_of(gateway_EventSeverity severity) noexcept {
   switch (severity) {
-    case cansync_SEVERITY_WARNING:
+    case gateway_SEVERITY_WARNING:
       return LogPriority::warning;
-    case cansync_SEVERITY_ERROR:
+    case gateway_SEVERITY_ERROR:
       return LogPriority::error;
-    case cansync_SEVERITY_INFO:
+    case gateway_SEVERITY_INFO:
       break;
   }
   return LogPriority::info;
@@ -77,21 +77,21 @@ std::optional<SteadyTime> EventPublisher::tick(SteadyTime now) {
 }
 
 void EventPublisher::write(const EventText& event) {
-  cansync_Event sample = {};
+  gateway_Event sample = {};
   sample.number = ++number_;
   sample.time = event.when ? event.when->wall_clock.count() : wall_clock_now();
   sample.interval = event.when ? event.when->interval : interval_;
   sample.severity = event.severity;
-  cansync::dds::copy_text(event.code, sample.code);
+  gateway::dds::copy_text(event.code, sample.code);
   sample.slave = event.slave;
-  cansync::dds::copy_text(event.text, sample.text);
+  gateway::dds::copy_text(event.text, sample.text);
   if (event.request) {
-    cansync::dds::copy_text(event.request->client, sample.client);
-    cansync::dds::copy_text(event.request->participant, sample.participant);
-    cansync::dds::copy_text(event.request->action, sample.action);
-    cansync::dds::copy_text(event.request->old_value, sample.old_value);
-    cansync::dds::copy_text(event.request->new_value, sample.new_value);
-    cansync::dds::copy_text(event.request->result, sample.result);
+    gateway::dds::copy_text(event.request->client, sample.client);
+    gateway::dds::copy_text(event.request->participant, sample.participant);
+    gateway::dds::copy_text(event.request->action, sample.action);
+    gateway::dds::copy_text(event.request->old_value, sample.old_value);
+    gateway::dds::copy_text(event.request->new_value, sample.new_value);
+    gateway::dds::copy_text(event.request->result, sample.result);
   }
   // Keep last: a reader that does not follow loses the oldest, the write itself cannot fail for want of room.
   const dds_return_t written = writer_.write(sample);

@@ -13,6 +13,7 @@
 #include "daemon/cansync/texts/event_text.h"
 #include "daemon/service/journal.h"
 #include "dds/endpoint.h"
+#include "dds/gateway_topics.h"
 #include "dds/participant.h"
 
 namespace cansyncd {
@@ -84,8 +85,8 @@ class FaultRow {
 /// Numbers events, publishes them and writes each to the journal. Gateway thread only.
 class EventPublisher {
  public:
-  /// `journal` must outlive the publisher; `bus` is the field BUS. Throws cansync::dds::SetupError.
-  EventPublisher(const cansync::dds::Participant& participant, JournalSink& journal, std::string bus)
+  /// `journal` must outlive the publisher; `bus` is the field BUS. Throws gateway::dds::SetupError.
+  EventPublisher(const gateway::dds::Participant& participant, JournalSink& journal, std::string bus)
       : writer_(participant), journal_(journal), bus_(std::move(bus)) {}
 
   /// Number of the running interval, for events that carry no moment of their own.
@@ -104,7 +105,7 @@ class EventPublisher {
   void write(const EventText& event);
   std::vector<JournalField> fields_of(const EventText& event) const;
 
-  cansync::dds::Writer<cansync_Event> writer_;
+  gateway::dds::Writer<gateway_Event> writer_;
   JournalSink& journal_;
   const std::string bus_;
   FloodGuard guard_;

@@ -71,7 +71,7 @@ JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, E
     : guards_{dds::KeyGuard(content_of<cansync_ParameterRequest>, signal),
               dds::KeyGuard(content_of<cansync_TransferRequest>, signal),
               dds::KeyGuard(content_of<cansync_Command>, signal),
-              dds::KeyGuard(content_of<cansync_JobCancel>, signal),
+              dds::KeyGuard(content_of<gateway_JobCancel>, signal),
               dds::KeyGuard(content_of<cansync_Command>, signal)},
       parameters_(participant, &signal, &guards_[kParameters]),
       transfers_(participant, &signal, &guards_[kTransfers]),
@@ -87,7 +87,7 @@ JobDesk::JobDesk(const dds::Participant& participant, dds::DataSignal& signal, E
       rejections_(events),
       lanes_(lane_limits(config.master.command_channel)) {
   if (!config.dds.security.empty())
-    engineer_commands_.emplace(participant, dds::engineer_command_topic(), &signal, &guards_[kEngineer]);
+    engineer_commands_.emplace(participant, dds::kEngineerCommandTopic, &signal, &guards_[kEngineer]);
 }
 
 bool JobDesk::take_requests(const JobContext& context) {
@@ -220,8 +220,8 @@ ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& co
   if (admission == ClientTable::Admission::foreign) {
     rejections_.add(
         Rejection::identity, job.who.name,
-        fmt::format("request {} of {} has the identity of another program that is running; it gets no "
-                    "reply: every program chooses an identity of its own, at random, when it starts",
+        fmt::format("request {} of {} has the identity of another program that is running; it gets no reply: "
+                    "every program chooses an identity of its own, at random, when it starts",
                     job.key.request, job.who.label),
         context.now);
     audit_.refused(job.who, job.change, nullptr, job.state_before, "the identity of another program",
@@ -235,8 +235,8 @@ ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& co
   if (admission == ClientTable::Admission::leaving) {
     return refused(
         Rejection::identity,
-        "client: the program that had this identity is gone, and its requests are not all cancelled "
-        "yet; choose an identity at random at every start");
+        "client: the program that had this identity is gone, and its requests are not all cancelled yet; "
+        "choose an identity at random at every start");
   }
   if (admission == ClientTable::Admission::full) {
     refuse(job, Rejection::full, too_many_clients(clients_.size(), ClientTable::kClients), context);
@@ -253,8 +253,8 @@ ClientEntry* JobDesk::admit(Job& job, std::int64_t written, const JobContext& co
     }
     return refused(
         Rejection::number,
-        fmt::format("request {}: this number was used already, or is too far behind the highest, {}; "
-                    "every request needs a number of its own, rising by one",
+        fmt::format("request {}: this number was used already, or is too far behind the highest, {}; every "
+                    "request needs a number of its own, rising by one",
                     number, client->numbers.highest()));
   }
   if (const auto problem = stale(written, wall_clock_now(), context.config.dds.request_max_age)) {
@@ -296,7 +296,7 @@ std::optional<std::string> JobDesk::no_room(const ClientEntry& client, std::size
 
 void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, const JobContext& context) {
   if (job.kind == Kind::internal) {
-    const EventText event{cansync_SEVERITY_ERROR, "configuration_refused", -1,
+    const EventText event{gateway_SEVERITY_ERROR, "configuration_refused", -1,
                           fmt::format("a changed setting was not taken: {}", reason), std::nullopt};
     // A reload may have many, and each is wanted in the journal.
     if (!events_.publish(event, context.now)) events_.record(event);
@@ -326,7 +326,7 @@ void JobDesk::refuse(const Job& job, Rejection kind, const std::string& reason, 
 }
 
 bool JobDesk::take_cancels(const JobContext& context) {
-  const auto count = cancels_.take_batch([&](const cansync_JobCancel& sample, const dds_sample_info_t& info) {
+  const auto count = cancels_.take_batch([&](const gateway_JobCancel& sample, const dds_sample_info_t& info) {
     if (!info.valid_data) return;
     guards_[kCancels].taken(info.instance_handle, 0);
     take_cancel(dds::key_of(sample), places_.find(cancels_.handle(), info.publication_handle), context);
@@ -403,7 +403,7 @@ std::optional<SteadyTime> JobDesk::retry(const JobContext& context) {
     if (time && (!next || *time < *next)) next = time;
   };
   earlier(show_open_transfers(context.now));
-  if (dropped_ != 0) earlier(tell_dropped_at_);
+  earlier(dropped_.next());
   earlier(parameter_replies_.next(context.now));
   earlier(transfer_replies_.next(context.now));
   earlier(command_replies_.next(context.now));
@@ -421,8 +421,8 @@ void JobDesk::count_dropped(SteadyTime now) {
   if (keys != 0) {
     rejections_.add(
         Rejection::identity, "",
-        fmt::format("{} samples were dropped unread: one program may use {} client identities at a time, "
-                    "all together {}",
+        fmt::format("{} samples were dropped unread: one program may use {} client identities at a time, all "
+                    "together {}",
                     keys, dds::KeyGuard::kKeysPerWriter, dds::KeyGuard::kKeys),
         now, keys);
   }
@@ -431,14 +431,14 @@ void JobDesk::count_dropped(SteadyTime now) {
   if (forgotten != 0) {
     rejections_.add(
         Rejection::full, "",
-        fmt::format("{} requests were dropped without a reply: their program writes on while {} of "
-                    "its requests wait and {} are being refused",
+        fmt::format("{} requests were dropped without a reply: their program writes on while {} of its "
+                    "requests wait and {} are being refused",
                     forgotten, kPerClient, dds::KeyGuard::kTurnedAwayPerKey),
         now, forgotten);
   }
   const dds::Malformed malformed = dds::take_malformed();
   for (const std::string& line : malformed.further)
-    events_.publish({cansync_SEVERITY_WARNING, "dds_message", -1, "DDS says: " + line, std::nullopt}, now);
+    events_.publish({gateway_SEVERITY_WARNING, "dds_message", -1, "DDS says: " + line, std::nullopt}, now);
   if (malformed.count != 0) {
     rejections_.add(
         Rejection::malformed, "",
@@ -451,18 +451,15 @@ void JobDesk::count_dropped(SteadyTime now) {
 }
 
 void JobDesk::tell_dropped(SteadyTime now) {
-  const std::uint64_t dropped =
-      parameter_replies_.take_dropped() + transfer_replies_.take_dropped() + command_replies_.take_dropped();
-  dropped_ += dropped;
-  // Summed up for a while: an event for each would be held back, and their number lost.
-  if (dropped_ == 0 || now < tell_dropped_at_) return;
+  dropped_.add(parameter_replies_.take_dropped() + transfer_replies_.take_dropped() +
+               command_replies_.take_dropped());
+  const std::uint64_t dropped = dropped_.take(now);
+  if (dropped == 0) return;
   events_.publish(
-      {cansync_SEVERITY_ERROR, "replies_dropped", -1,
-       fmt::format("{} replies could not be delivered; a client does not read its replies", dropped_),
+      {gateway_SEVERITY_ERROR, "replies_dropped", -1,
+       fmt::format("{} replies could not be delivered; a client does not read its replies", dropped),
        std::nullopt},
       now);
-  dropped_ = 0;
-  tell_dropped_at_ = now + kDroppedPeriod;
 }
 
 }  // namespace cansyncd

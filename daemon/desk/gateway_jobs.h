@@ -10,21 +10,23 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/dds/convert.h"
+#include "cansync/dds/topics.h"
+#include "cansync/dds/validate.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/texts/refusal_text.h"
 #include "daemon/config/config.h"
 #include "daemon/desk/access.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/client_table.h"
+#include "daemon/desk/dropped_replies.h"
 #include "daemon/desk/fair_lanes.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_replies.h"
 #include "daemon/desk/rejections.h"
-#include "dds/convert.h"
 #include "dds/endpoint.h"
 #include "dds/key_guard.h"
 #include "dds/signal.h"
-#include "dds/validate.h"
 
 namespace cansyncd {
 
@@ -49,7 +51,7 @@ struct JobContext {
 class JobDesk {
  public:
   /// Most open requests of one client: no client can take the queues from the others.
-  static constexpr unsigned kPerClient = cansync::dds::kOpenRequests;
+  static constexpr unsigned kPerClient = gateway::dds::kOpenRequests;
   /// Most bytes of all open transfers together, and of those of one client.
   static constexpr std::size_t kTransferMemory = 128u << 20;
   static constexpr std::size_t kClientTransferMemory = 32u << 20;
@@ -62,13 +64,11 @@ class JobDesk {
   /// Parameter requests, and requests that are refused unread, in one pass.
   static constexpr std::size_t kParametersAtOnce = 16;
   static constexpr std::size_t kRefusedAtOnce = 16;
-  /// Replies that were lost are told at most so often, with their sum.
-  static constexpr std::chrono::seconds kDroppedPeriod{1};
   /// A cancel may overtake its request on the way; it is remembered so long.
   static constexpr std::chrono::seconds kEarlyCancel{10};
 
-  /// Throws cansync::dds::SetupError. `signal`, `events` and `audit` must outlive this object.
-  JobDesk(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal,
+  /// Throws gateway::dds::SetupError. `signal`, `events` and `audit` must outlive this object.
+  JobDesk(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
           EventPublisher& events, const Config& config, AuditTrail& audit);
 
   /// Takes new requests and cancels, a bounded number, and looks which clients are gone. True: there may be
@@ -113,7 +113,7 @@ class JobDesk {
 
   struct Job {
     Kind kind = Kind::internal;
-    cansync::dds::RequestKey key;
+    gateway::dds::RequestKey key;
     Place place;
     Requester who;
     std::optional<Change> change;  ///< nothing: it only reads
@@ -137,7 +137,7 @@ class JobDesk {
 
   /// Takes a sample of a request topic.
   template <class Sample>
-  bool accept(cansync::dds::Reader<Sample>& reader, ReaderIndex index, Right right,
+  bool accept(gateway::dds::Reader<Sample>& reader, ReaderIndex index, Right right,
               const JobContext& context);
   template <class Sample>
   void accept(const Sample& sample, const Place& place, Right right, std::int64_t written,
@@ -157,7 +157,7 @@ class JobDesk {
   /// Replies to a job that ended without a result of its own: cancelled before it began, or master stopped.
   void end(Job& job, cansync::Outcome outcome, const JobContext& context);
   bool take_cancels(const JobContext& context);
-  void take_cancel(const cansync::dds::RequestKey& key, const Place& place, const JobContext& context);
+  void take_cancel(const gateway::dds::RequestKey& key, const Place& place, const JobContext& context);
   static bool take_early_cancel(ClientEntry& client, std::uint64_t request, SteadyTime now);
   void replace_waiting(const Request& newer, const JobContext& context);
   /// Ends a job that waits; one that the master has ends by itself, soon.
@@ -181,16 +181,16 @@ class JobDesk {
   /// Counts what was dropped before it could be taken: keys too many, samples DDS could not read.
   void count_dropped(SteadyTime now);
 
-  std::array<cansync::dds::KeyGuard, kReaders> guards_;
-  cansync::dds::Reader<cansync_ParameterRequest> parameters_;
-  cansync::dds::Reader<cansync_TransferRequest> transfers_;
-  cansync::dds::Reader<cansync_Command> commands_;
-  std::optional<cansync::dds::Reader<cansync_Command>> engineer_commands_;  ///< with DDS Security on
-  cansync::dds::Reader<cansync_JobCancel> cancels_;
+  std::array<gateway::dds::KeyGuard, kReaders> guards_;
+  gateway::dds::Reader<cansync_ParameterRequest> parameters_;
+  gateway::dds::Reader<cansync_TransferRequest> transfers_;
+  gateway::dds::Reader<cansync_Command> commands_;
+  std::optional<gateway::dds::Reader<cansync_Command>> engineer_commands_;  ///< with DDS Security on
+  gateway::dds::Reader<gateway_JobCancel> cancels_;
   ReplyOutbox<cansync_ParameterReply> parameter_replies_;
   ReplyOutbox<cansync_TransferReply> transfer_replies_;
   ReplyOutbox<cansync_CommandReply> command_replies_;
-  cansync::dds::Writer<cansync_TransferProgress> progress_;
+  gateway::dds::Writer<cansync_TransferProgress> progress_;
   EventPublisher& events_;
   AuditTrail& audit_;
   cansync::dds::Limits limits_;
@@ -206,8 +206,7 @@ class JobDesk {
   std::deque<Request> own_;                           ///< requests of the daemon itself that wait for room
   std::vector<std::vector<std::uint8_t>> abandoned_;  ///< data the realtime thread may still have
   std::size_t transfer_bytes_ = 0;
-  std::uint64_t dropped_ = 0;  ///< replies, not told yet
-  SteadyTime tell_dropped_at_;
+  DroppedReplies dropped_;
   SteadyTime next_sign_;
   cansync::JobId next_id_ = 1;
   bool cancels_waiting_ = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -67,8 +68,8 @@ class ReplyOutbox {
   /// Most bytes of data that wait; a reply with more is dropped.
   static constexpr std::size_t kWaitingData = 128u << 20;
 
-  /// Throws cansync::dds::SetupError. `signal` is raised when a reader comes or goes.
-  ReplyOutbox(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal)
+  /// Throws gateway::dds::SetupError. `signal` is raised when a reader comes or goes.
+  ReplyOutbox(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal)
       : writer_(participant, 0, &signal) {}
 
   /// Pause after a write that timed out, and between looks for readers.
@@ -127,6 +128,8 @@ class ReplyOutbox {
   }
 
   bool empty() const noexcept { return waiting_.empty(); }
+  /// How many replies, and clients that are gone, wait: `kWaiting` at most.
+  std::size_t waiting() const noexcept { return waiting_.size(); }
 
   /// Waits at most `time` until the readers have all that was written.
   void wait_for_readers(dds_duration_t time) const noexcept {
@@ -161,7 +164,7 @@ class ReplyOutbox {
     return waiting_.erase(item);
   }
 
-  cansync::dds::Writer<Reply> writer_;
+  gateway::dds::Writer<Reply> writer_;
   MatchedPlaces matched_;
   std::deque<Item> waiting_;
   std::map<Place, unsigned> per_place_;  ///< how many of `waiting_`

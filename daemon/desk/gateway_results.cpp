@@ -201,7 +201,7 @@ void JobDesk::look_for_clients(const JobContext& context) {
     };
     const auto any = std::find_if(jobs_.begin(), jobs_.end(), is_its);
     const std::string name = any == jobs_.end() ? client.who : any->second.who.name;
-    events_.publish({cansync_SEVERITY_WARNING, "client_gone", -1,
+    events_.publish({gateway_SEVERITY_WARNING, "client_gone", -1,
                      fmt::format("{} is gone; its {} open requests are cancelled", client.who, client.open),
                      std::nullopt, std::nullopt, name},
                     context.now);

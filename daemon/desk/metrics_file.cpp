@@ -51,14 +51,14 @@ void MetricsFile::replace(const std::string& text) {
   if (problem) {
     failures_.fetch_add(1, std::memory_order_relaxed);
     if (++in_a_row_ != 1) return;
-    return tell_({cansync_SEVERITY_WARNING, "metrics_not_written", -1,
+    return tell_({gateway_SEVERITY_WARNING, "metrics_not_written", -1,
                   fmt::format("the metrics file {} cannot be written: {}; create its folder for the daemon's "
                               "user, or set metrics.file",
                               path_, *problem),
                   std::nullopt});
   }
   if (in_a_row_ == 0) return;
-  tell_({cansync_SEVERITY_INFO, "metrics_written_again", -1,
+  tell_({gateway_SEVERITY_INFO, "metrics_written_again", -1,
          fmt::format("the metrics file {} is written again; {} times it was not", path_, in_a_row_),
          std::nullopt});
   in_a_row_ = 0;

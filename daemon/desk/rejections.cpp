@@ -45,10 +45,10 @@ void Rejections::add(Rejection kind, const std::string& client, const std::strin
   // Refusals for the state of the line are an everyday answer, and the reply tells.
   if (kind != Rejection::state && rows_[index].add(count, now)) {
     events_.publish(
-        {cansync_SEVERITY_WARNING, "requests_rejected", -1, text, std::nullopt, std::nullopt, client}, now);
+        {gateway_SEVERITY_WARNING, "requests_rejected", -1, text, std::nullopt, std::nullopt, client}, now);
   } else if (line_allowed(now)) {
     events_.record(
-        {cansync_SEVERITY_INFO, "requests_rejected", -1, text, std::nullopt, std::nullopt, client});
+        {gateway_SEVERITY_INFO, "requests_rejected", -1, text, std::nullopt, std::nullopt, client});
   }
 }
 
@@ -56,7 +56,7 @@ std::optional<SteadyTime> Rejections::tick(SteadyTime now) {
   std::optional<SteadyTime> next;
   for (unsigned i = 0; i < kRejections; ++i) {
     if (const std::uint64_t count = rows_[i].take_over(now); count != 0) {
-      events_.publish({cansync_SEVERITY_INFO, "requests_rejected_before", -1,
+      events_.publish({gateway_SEVERITY_INFO, "requests_rejected_before", -1,
                        fmt::format("{} were rejected ({}); none for {} s", count,
                                    name(static_cast<Rejection>(i)), kQuiet.count()),
                        std::nullopt},
@@ -87,15 +87,13 @@ std::optional<std::string> stale(std::int64_t written, std::int64_t now, std::ch
   if (age > limit.count()) {
     return fmt::format(
         "stale: written {} ms ago, at most {} ms are allowed (dds.request_max_age_ms); ask again, and set "
-        "the "
-        "clocks of both computers",
+        "the clocks of both computers",
         age, limit.count());
   }
   if (age < -limit.count()) {
     return fmt::format(
         "from the future: written {} ms ahead, at most {} ms are allowed (dds.request_max_age_ms); set the "
-        "clocks "
-        "of both computers",
+        "clocks of both computers",
         -age, limit.count());
   }
   return std::nullopt;

@@ -29,13 +29,13 @@ bool WriterWatch::gone(dds_instance_handle_t writer) const {
   return (some_died_ && (dead_ == 0 || dead_ == writer)) || left(writer);
 }
 
-const cansync::dds::WriterIdentity& WriterWatch::identify(dds_instance_handle_t writer) {
+const gateway::dds::WriterIdentity& WriterWatch::identify(dds_instance_handle_t writer) {
   if (const auto known = known_.find(writer); known != known_.end()) return known->second;
   // Writers come and go for years; what is thrown away here is found again.
   constexpr std::size_t kRemembered = 64;
   if (known_.size() >= kRemembered) known_.clear();
   auto identity = identify_writer(participant_, reader_, writer);
-  if (!identity) identity = cansync::dds::WriterIdentity{"a program that has left already", 0};
+  if (!identity) identity = gateway::dds::WriterIdentity{"a program that has left already", 0};
   return known_[writer] = *identity;
 }
 

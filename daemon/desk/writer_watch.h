@@ -17,7 +17,7 @@ namespace cansyncd {
 class WriterWatch {
  public:
   /// Both must outlive this object.
-  WriterWatch(const cansync::dds::Participant& participant, dds_entity_t reader)
+  WriterWatch(const gateway::dds::Participant& participant, dds_entity_t reader)
       : participant_(participant), reader_(reader) {}
 
   /// Looks what has changed; false: nothing since the last look.
@@ -31,7 +31,7 @@ class WriterWatch {
   bool left(dds_instance_handle_t writer) const;
 
   /// Who it is; also of writers that have left, when they were asked for before.
-  const cansync::dds::WriterIdentity& identify(dds_instance_handle_t writer);
+  const gateway::dds::WriterIdentity& identify(dds_instance_handle_t writer);
 
  private:
   struct Counts {
@@ -42,12 +42,12 @@ class WriterWatch {
     friend bool operator==(const Counts&, const Counts&) = default;
   };
 
-  const cansync::dds::Participant& participant_;
+  const gateway::dds::Participant& participant_;
   dds_entity_t reader_;
   Counts counts_;
   bool some_died_ = false;          ///< between the last two looks
   dds_instance_handle_t dead_ = 0;  ///< the one that died; 0: it cannot be told which
-  std::map<dds_instance_handle_t, cansync::dds::WriterIdentity> known_;
+  std::map<dds_instance_handle_t, gateway::dds::WriterIdentity> known_;
 };
 
 }  // namespace cansyncd

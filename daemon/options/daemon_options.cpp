@@ -41,8 +41,8 @@ constexpr auto kRows = std::to_array<Option>({
         }),
     whole_number(
         "bus.btr0", "(not given)", 0, 255, "",
-        "Bit timing register 0 the line was set up with; with btr1. They must give bit_rate, and fix "
-        "the sample point that is asked for.",
+        "Bit timing register 0 the line was set up with; with btr1. They must give bit_rate, and fix the "
+        "sample point that is asked for.",
         [](Draft& d, const Value& v) { d.config.bus.btr0 = whole<std::uint8_t>(v); }),
     whole_number("bus.btr1", "(not given)", 0, 255, "", "Bit timing register 1; with btr0.",
                  [](Draft& d, const Value& v) { d.config.bus.btr1 = whole<std::uint8_t>(v); }),
@@ -54,8 +54,8 @@ constexpr auto kRows = std::to_array<Option>({
         }),
     // --- [realtime]
     choice("realtime.mode", "\"ignore\"", "enforce|ignore",
-           "enforce: refuse to start when priority, processor or locked memory cannot be had; ignore: say "
-           "so once and run anyway.",
+           "enforce: refuse to start when priority, processor or locked memory cannot be had; ignore: say so "
+           "once and run anyway.",
            [](Draft& d, const Value& v) {
              d.config.realtime.mode = words(v) == "enforce" ? RealtimeMode::enforce : RealtimeMode::ignore;
            }),
@@ -114,8 +114,8 @@ constexpr auto kRows = std::to_array<Option>({
                                                              : StartTarget::active;
            }),
     choice("startup.enable", "\"all_synchronized\"", "all_synchronized|all_responding|any",
-           "When active operation may begin: every configured slave responds and is synchronized, every "
-           "one responds, or at once.",
+           "When active operation may begin: every configured slave responds and is synchronized, every one "
+           "responds, or at once.",
            [](Draft& d, const Value& v) {
              d.config.master.startup.enable = words(v) == "any"              ? EnableRule::any
                                               : words(v) == "all_responding" ? EnableRule::all_responding
@@ -141,8 +141,8 @@ constexpr auto kRows = std::to_array<Option>({
     whole_number("dds.domain", "0", 0, 230, "", "DDS domain.",
                  [](Draft& d, const Value& v) { d.config.dds.domain = whole<std::uint32_t>(v); }),
     string("dds.interface", OptionType::identifier, "\"lo\"", 1, 64,
-           "Network interface DDS is bound to, by name or address. Anything but lo opens the gateway to "
-           "that network.",
+           "Network interface DDS is bound to, by name or address. Anything but lo opens the gateway to that "
+           "network.",
            [](Draft& d, const Value& v) { d.config.dds.interface = words(v); }),
     string("dds.partition", OptionType::identifier, "(bus.name)", 1, 63, "DDS partition of all topics.",
            [](Draft& d, const Value& v) { d.config.dds.partition = words(v); }),
@@ -152,8 +152,7 @@ constexpr auto kRows = std::to_array<Option>({
     reloadable(whole_number(
         "dds.request_max_age_ms", "5000", 0, 3'600'000, "ms",
         "Requests written longer ago than this when they arrive, or further in the future, are refused; 0 = "
-        "not "
-        "looked at. Needs synchronised clocks when client and daemon run on different computers.",
+        "not looked at. Needs synchronised clocks when client and daemon run on different computers.",
         [](Draft& d, const Value& v) { d.config.dds.request_max_age = milliseconds(v); })),
     string("dds.xml", OptionType::text, "\"\"", 0, 65536,
            "Cyclone DDS configuration (XML) used instead of the generated one; interface is not looked at "
@@ -161,8 +160,7 @@ constexpr auto kRows = std::to_array<Option>({
            [](Draft& d, const Value& v) { d.config.dds.xml = words(v); }),
     string("dds.security", OptionType::text, "\"\"", 0, 4096,
            "Folder of the daemon's identity, made by cansync-security with role daemon: switches DDS "
-           "Security on; empty "
-           "= off. A relative path starts at the configuration file's folder.",
+           "Security on; empty = off. A relative path starts at the configuration file's folder.",
            [](Draft& d, const Value& v) { d.config.dds.security = words(v); }),
     // --- [sim]
     plain("sim.drives", OptionType::slaves, "(every configured slave)",

@@ -26,8 +26,8 @@ constexpr auto kRows = std::to_array<Option>({
         "Number in the identifier of a reference value telegram that asks no slave (open in the manuals).",
         [](Draft& d, const Value& v) { d.config.master.process.poll_nobody = whole<std::uint8_t>(v); }),
     plain("process.full_length", OptionType::boolean, "true",
-          "Reference value telegrams always have 8 bytes; false: as many as are mapped (open in the "
-          "manuals).",
+          "Reference value telegrams always have 8 bytes; false: as many as are mapped (open in "
+          "the manuals).",
           [](Draft& d, const Value& v) { d.config.master.process.full_length = flag(v); }),
     plain("process.poll_without_reference", OptionType::boolean, "false",
           "Without released reference values a telegram with no data bytes still asks for actual values; "
@@ -93,8 +93,8 @@ constexpr auto kRows = std::to_array<Option>({
                  [](Draft& d, const Value& v) { channel(d).transfer_queue = whole<std::uint16_t>(v); }),
     whole_number(
         "command_channel.control_word_queue", "8", 1, 64, "jobs",
-        "Without effect, and read so that older files are taken: one control word of a slave waits, and "
-        "a newer one replaces it.",
+        "Without effect, and read so that older files are taken: one control word of a slave waits, and a "
+        "newer one replaces it.",
         [](Draft& /*d*/, const Value& /*v*/) {}),
     whole_number("command_channel.broadcast_queue", "8", 1, 64, "jobs", "Waiting broadcasts per priority.",
                  [](Draft& d, const Value& v) { channel(d).broadcast_queue = whole<std::uint16_t>(v); }),
@@ -106,8 +106,8 @@ constexpr auto kRows = std::to_array<Option>({
                  [](Draft& d, const Value& v) { channel(d).transfer_monitoring = milliseconds(v); }),
     whole_number(
         "command_channel.command_timeout_ms", "1000", 1, 3'600'000, "ms",
-        "Monitoring time of a control word or broadcast that gives none: what was not sent by then ends "
-        "as \"timeout\".",
+        "Monitoring time of a control word or broadcast that gives none: what was not sent by then ends as "
+        "\"timeout\".",
         [](Draft& d, const Value& v) { channel(d).command_monitoring = milliseconds(v); }),
     plain("command_channel.repeat_unanswered_writes", OptionType::boolean, "false",
           "Send a parameter write again when its answer is missing; false: it ends as \"no answer\".",

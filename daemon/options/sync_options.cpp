@@ -43,9 +43,9 @@ constexpr auto kRows = std::to_array<Option>({
         "With output or input \"can\": identifier of the software SYNC frame, which has no data bytes.",
         [](Draft& d, const Value& v) { d.config.sync.can_identifier = whole<std::uint32_t>(v); }),
     choice("sync.input", "\"none\"", "none|gpio|pps|can",
-           "External SYNC that the timeline follows: none = the daemon makes its own; gpio = edges of a "
-           "GPIO line; pps = one pulse per second, to which the edges keep their phase; can = the software "
-           "SYNC frame of another node.",
+           "External SYNC that the timeline follows: none = the daemon makes its own; gpio = edges of a GPIO "
+           "line; pps = one pulse per second, to which the edges keep their phase; can = the software SYNC "
+           "frame of another node.",
            [](Draft& d, const Value& v) {
              d.config.sync.input = words(v) == "gpio"  ? SyncInput::gpio
                                    : words(v) == "pps" ? SyncInput::pps

@@ -63,13 +63,13 @@ void FlightWriter::save() {
   const FlightFileResult result = write_flight(recording, settings_);
   recorder_.rearm();
   if (!result.problem.empty()) {
-    tell_({cansync_SEVERITY_ERROR, "flight_recording_failed", -1,
+    tell_({gateway_SEVERITY_ERROR, "flight_recording_failed", -1,
            fmt::format("the flight recording ({}, interval {}) was not written: {}", reason,
                        recording.trigger.interval, result.problem),
            std::nullopt});
     return;
   }
-  tell_({cansync_SEVERITY_INFO, "flight_recording", -1,
+  tell_({gateway_SEVERITY_INFO, "flight_recording", -1,
          fmt::format("{} ({}, interval {}, {} frames; {} faults before have no recording of their own)",
                      result.log, reason, recording.trigger.interval, result.frames, recording.further_faults),
          std::nullopt});

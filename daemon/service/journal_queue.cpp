@@ -74,8 +74,8 @@ struct JournalQueue::Waiting {
     entries.push_back(
         {LogPriority::warning,
          "journal_entries_lost",
-         fmt::format("{} entries of the journal were lost: the journal, or whoever reads standard "
-                     "error, did not take them in time",
+         fmt::format("{} entries of the journal were lost: the journal, or whoever reads standard error, did "
+                     "not take them in time",
                      std::exchange(lost, 0)),
          {{"BUS", bus}}});
   }

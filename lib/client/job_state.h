@@ -64,8 +64,8 @@ struct JobState {
   void end_unheard() {
     end(ReplyCode::no_reply,
         fmt::format(
-            "the daemon gave no reply within {} ms (monitoring time {} ms and {} ms of grace); whether "
-            "the request was done is not known",
+            "the daemon gave no reply within {} ms (monitoring time {} ms and {} ms of grace); whether the "
+            "request was done is not known",
             (monitoring + grace).count(), monitoring.count(), grace.count()));
   }
 

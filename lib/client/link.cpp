@@ -34,8 +34,7 @@ void end_all(const std::vector<std::shared_ptr<JobState<R>>>& jobs, const std::s
 
 Link::Link(const Options& options)
     : options_(options), identity_(random_identity()), participant_(participant_options(options)) {
-  if (!options.security.empty())
-    engineer_writer_.emplace(participant_, dds::engineer_command_topic(), &signal_);
+  if (!options.security.empty()) engineer_writer_.emplace(participant_, dds::kEngineerCommandTopic, &signal_);
 }
 
 Link::~Link() {
@@ -89,28 +88,26 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
   if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0 && !options_.security.empty()) {
     return fmt::format(
         "no daemon found: {}, with DDS Security as {}; is cansyncd running for bus {} with dds.security set, "
-        "and an "
-        "identity of the same authority?",
+        "and an identity of the same authority?",
         place, dds::security_subject(options_.security), options_.bus);
   }
   if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0) {
     return fmt::format(
-        "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the "
-        "same domain and interface in its [dds] section? A daemon with DDS Security is not seen without an "
+        "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the same "
+        "domain and interface in its [dds] section? A daemon with DDS Security is not seen without an "
         "identity (--security)",
         place, options_.bus, options_.bus);
   }
   return fmt::format(
-      "no usable daemon found: {}; one is there, but its topics do not all match: has it the same "
-      "version as this program?",
+      "no usable daemon found: {}; one is there, but its topics do not all match: has it the same version as "
+      "this program?",
       place);
 }
 
 std::string Link::not_permitted(std::string_view topic) const {
   return fmt::format(
       "the identity {} has no right to write topic {}, nothing was sent; control words, broadcasts and "
-      "reference "
-      "values need the role operator, everything else engineer: cansync-security add",
+      "reference values need the role operator, everything else engineer: cansync-security add",
       dds::security_subject(options_.security), topic);
 }
 

@@ -15,11 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "cansync/dds/convert.h"
+#include "cansync/dds/topics.h"
 #include "client/client.h"
 #include "client/feed.h"
 #include "client/job_state.h"
 #include "client/settings_book.h"
-#include "dds/convert.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 
@@ -104,7 +105,7 @@ class Link : public std::enable_shared_from_this<Link> {
   dds::Writer<cansync_ParameterRequest> parameter_writer_{participant_, 0, &signal_};
   dds::Writer<cansync_TransferRequest> transfer_writer_{participant_, 0, &signal_};
   dds::Writer<cansync_Command> command_writer_{participant_, 0, &signal_};
-  dds::Writer<cansync_JobCancel> cancel_writer_{participant_, 0, &signal_};
+  dds::Writer<gateway_JobCancel> cancel_writer_{participant_, 0, &signal_};
   std::optional<dds::Writer<cansync_Command>> engineer_writer_;  // with DDS Security on
   dds::Reader<cansync_ParameterReply> parameter_reader_{participant_, &signal_};
   dds::Reader<cansync_TransferReply> transfer_reader_{participant_, &signal_};

@@ -10,31 +10,31 @@ namespace {
 
 static_assert(kOpenRequests == dds::kOpenRequests);
 
-ReplyCode code_of(cansync_ReplyCode code) {
+ReplyCode code_of(gateway_ReplyCode code) {
   switch (code) {
-    case cansync_REPLY_DONE:
+    case gateway_REPLY_DONE:
       return ReplyCode::done;
-    case cansync_REPLY_REFUSED:
+    case gateway_REPLY_REFUSED:
       return ReplyCode::refused;
-    case cansync_REPLY_SLAVE_ERROR:
+    case gateway_REPLY_SLAVE_ERROR:
       return ReplyCode::slave_error;
-    case cansync_REPLY_TIMEOUT:
+    case gateway_REPLY_TIMEOUT:
       return ReplyCode::timeout;
-    case cansync_REPLY_NO_ANSWER:
+    case gateway_REPLY_NO_ANSWER:
       return ReplyCode::no_answer;
-    case cansync_REPLY_WORD_EXPECTED:
+    case gateway_REPLY_WORD_EXPECTED:
       return ReplyCode::word_expected;
-    case cansync_REPLY_DOUBLEWORD_EXPECTED:
+    case gateway_REPLY_DOUBLEWORD_EXPECTED:
       return ReplyCode::doubleword_expected;
-    case cansync_REPLY_VALUE_TOO_WIDE:
+    case gateway_REPLY_VALUE_TOO_WIDE:
       return ReplyCode::value_too_wide;
-    case cansync_REPLY_CANCELLED:
+    case gateway_REPLY_CANCELLED:
       return ReplyCode::cancelled;
-    case cansync_REPLY_SLAVE_LOST:
+    case gateway_REPLY_SLAVE_LOST:
       return ReplyCode::slave_lost;
-    case cansync_REPLY_REPLACED:
+    case gateway_REPLY_REPLACED:
       return ReplyCode::replaced;
-    case cansync_REPLY_MASTER_STOPPED:
+    case gateway_REPLY_MASTER_STOPPED:
       break;
   }
   return ReplyCode::master_stopped;
@@ -172,8 +172,7 @@ void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Requ
   state.end(
       ReplyCode::refused,
       code == DDS_RETCODE_TIMEOUT
-          ? "the daemon did not take the request within 1 s, nothing was sent; wait for "
-            "open requests to end"
+          ? "the daemon did not take the request within 1 s, nothing was sent; wait for open requests to end"
           : fmt::format("the request could not be written: {}; nothing was sent", dds_strretcode(code)));
 }
 
@@ -226,14 +225,14 @@ std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
                      std::max(kCommandTime, monitoring(command.timeout, &MasterStatus::command_timeout)));
   address(command, state->request);
   if (engineer_writer_ && dds::for_engineers(command.kind))
-    send(*engineer_writer_, dds::engineer_command_topic().name, command, command_jobs_, *state);
+    send(*engineer_writer_, dds::kEngineerCommandTopic.name, command, command_jobs_, *state);
   else
     send(command_writer_, "Command", command, command_jobs_, *state);
   return state;
 }
 
 bool Link::cancel(std::uint64_t request) {
-  cansync_JobCancel sample = {};
+  gateway_JobCancel sample = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
   sample.request = request;
   return cancel_writer_.write(sample) == DDS_RETCODE_OK;

@@ -6,6 +6,8 @@
 #include <thread>
 #include <utility>
 
+#include "client/reference_turn.h"
+
 namespace cansync::client {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr std::chrono::microseconds kShortest(100);
 }  // namespace
 
 struct ReferenceRepeater::Impl {
-  struct Telegram {
-    std::array<std::int32_t, 4> value = {};
-    std::uint8_t valid = 0;
-  };
-
   Impl(Client& client, std::chrono::microseconds every, std::int32_t strength, std::uint32_t intervals)
       : writer(client, strength), period(std::max(every, kShortest)), release_intervals(intervals) {}
 
@@ -30,9 +27,11 @@ struct ReferenceRepeater::Impl {
         writer.take_up();
         standing = ReferenceStanding::current;
       }
-      const std::array<Telegram, 2> now = telegrams;
+      const std::array<RepeatedTelegram, 2> now = telegrams;
       lock.unlock();
-      std::string failed = write(now);
+      std::string failed = write_turn(now, [&](std::uint8_t telegram, const RepeatedTelegram& values) {
+        return writer.write(telegram, values.value, values.valid, release_intervals);
+      });
       const ReferenceStanding seen = writer.standing();
       lock.lock();
       if (standing == ReferenceStanding::current) error = std::move(failed);
@@ -41,18 +40,6 @@ struct ReferenceRepeater::Impl {
       next = std::max(next + period, std::chrono::steady_clock::now());
       changed.wait_until(lock, next, [&] { return stopped; });
     }
-  }
-
-  /// Each telegram, also when the one before failed; what failed first.
-  std::string write(const std::array<Telegram, 2>& now) {
-    std::string failed;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      if (now[i].valid == 0) continue;
-      std::string problem =
-          writer.write(static_cast<std::uint8_t>(i + 1), now[i].value, now[i].valid, release_intervals);
-      if (failed.empty()) failed = std::move(problem);
-    }
-    return failed;
   }
 
   /// Nothing that was set before goes out again.
@@ -74,7 +61,7 @@ struct ReferenceRepeater::Impl {
   const std::uint32_t release_intervals;
   std::mutex mutex;
   std::condition_variable changed;
-  std::array<Telegram, 2> telegrams;
+  std::array<RepeatedTelegram, 2> telegrams;
   bool stopped = false;
   bool wanted_again = false;  ///< take_up was called
   ReferenceStanding standing = ReferenceStanding::current;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "cansync/dds/topics.h"
 #include "client/client.h"
 #include "client/link.h"
 #include "client/set_up.h"
@@ -70,7 +71,7 @@ struct ReferenceWriter::Impl {
 ReferenceWriter::ReferenceWriter(Client& client, std::int32_t strength)
     : impl_(detail::set_up([&] { return std::make_unique<Impl>(client.link_, strength); })) {
   if (!impl_->writer.permitted())
-    throw SetupError(impl_->link->not_permitted(dds::topic_info<cansync_ReferenceValues>().name));
+    throw SetupError(impl_->link->not_permitted(dds::topic_info<cansync_ReferenceValues>.name));
   constexpr std::chrono::seconds kWait(2);
   const auto end = std::chrono::steady_clock::now() + kWait;
   while (impl_->writer.matched() == 0) {

@@ -21,7 +21,7 @@ using MasterStatus = cansync_MasterStatus;
 using SlaveStatus = cansync_SlaveStatus;
 using Timing = cansync_Timing;
 using Interval = cansync_Interval;
-using Event = cansync_Event;
+using Event = gateway_Event;
 using Mode = cansync_Mode;
 
 /// A text of the IDL's structs, such as `SlaveStatus::name`; lives as long as the struct.

@@ -5,7 +5,7 @@
 
 #include "dds/security.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 namespace {
 
 constexpr const char* kRemedy =
@@ -81,4 +81,4 @@ WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, st
   set_endpoint(Entity(writer));
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -13,9 +13,9 @@
 #include "dds/key_guard.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
-#include "dds/topics.h"
+#include "dds/topic.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// A topic and its reader or writer, without the type.
 class EndpointBase {
@@ -72,7 +72,7 @@ class Reader : public ReaderBase {
   /// Creates the topic and a reader with the table's QoS. `signal` and `guard` (nullptr: none) must outlive
   /// the reader. Throws SetupError.
   explicit Reader(const Participant& participant, DataSignal* signal = nullptr, KeyGuard* guard = nullptr)
-      : ReaderBase(participant, topic_info<T>(), signal, guard) {}
+      : ReaderBase(participant, topic_info<T>, signal, guard) {}
   /// Of another topic of the same type.
   Reader(const Participant& participant, const TopicInfo& topic, DataSignal* signal,
          KeyGuard* guard = nullptr)
@@ -152,7 +152,7 @@ class Writer : public WriterBase {
   /// what readers are told of who writes; may be empty. Throws SetupError.
   explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr,
                   std::string_view name = {})
-      : WriterBase(participant, topic_info<T>(), strength, signal, name) {}
+      : WriterBase(participant, topic_info<T>, strength, signal, name) {}
   /// Of another topic of the same type.
   Writer(const Participant& participant, const TopicInfo& topic, DataSignal* signal)
       : WriterBase(participant, topic, 0, signal, {}) {}
@@ -172,4 +172,4 @@ class Writer : public WriterBase {
   dds_return_t dispose(const T& sample) noexcept { return dds_dispose(handle(), &sample); }
 };
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -7,7 +7,7 @@
 #include <utility>
 
 /// RAII over the Cyclone DDS C API. Nothing here may be called on the realtime thread.
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// Something could not be set up. `what()` names what failed, domain, partition, interface and a remedy.
 class SetupError : public std::runtime_error {
@@ -47,4 +47,4 @@ class Entity {
   dds_entity_t handle_ = 0;
 };
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -4,7 +4,7 @@
 #include <new>
 #include <utility>
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 dds_return_t KeyGuard::install(dds_entity_t topic) noexcept {
   dds_topic_filter filter = {};
@@ -113,4 +113,4 @@ std::uint64_t KeyGuard::take_forgotten() noexcept {
   return std::exchange(forgotten_, 0);
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -11,11 +11,11 @@
 #include <span>
 #include <vector>
 
-#include "dds/convert.h"
+#include "dds/request_key.h"
 #include "dds/signal.h"
-#include "dds/topics.h"
+#include "dds/topic.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// Keeps a reader of requests from getting full: DDS delivers on one thread, and a full reader holds up what
 /// everybody else writes, of every topic. DDS keeps a key for as long as its writer lives, and a sample until
@@ -102,4 +102,4 @@ class KeyGuard {
   std::uint64_t forgotten_ = 0;
 };
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

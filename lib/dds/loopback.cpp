@@ -14,7 +14,7 @@
 
 #include "dds/entity.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 namespace {
 
 /// Ports of a domain: 250 from 7400 + 250 * domain on.
@@ -57,4 +57,4 @@ void keep_to_loopback(std::uint32_t domain) {
   if (error) throw SetupError("DDS cannot be kept to interface lo: /proc/self/fd: " + error.message());
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

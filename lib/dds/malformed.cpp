@@ -7,7 +7,7 @@
 #include <mutex>
 #include <string_view>
 
-namespace cansync::dds {
+namespace gateway::dds {
 namespace {
 
 constexpr std::size_t kLines = 20;
@@ -76,4 +76,4 @@ Malformed take_malformed() {
   return taken;
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// What Cyclone DDS had to tell.
 struct Malformed {
@@ -23,4 +23,4 @@ void count_malformed() noexcept;
 /// What was counted and kept since the last call. Any thread.
 Malformed take_malformed();
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -10,9 +10,9 @@
 
 #include "dds/loopback.h"
 #include "dds/security.h"
-#include "dds/topics.h"
+#include "dds/topic.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 namespace {
 
 /// Cyclone's domain, shared by the participants of this process.
@@ -118,19 +118,17 @@ std::string configuration(const ParticipantOptions& options) {
   // pace: at 10 ms those of 60 participants that find each other keep two processors busy for more than a
   // minute.
   constexpr std::string_view kFrame =
-      "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"{}\"/></Interfaces>"
-      "<AllowMulticast>{}</AllowMulticast></General>"
-      "<Discovery><LeaseDuration>5 s</LeaseDuration>{}</Discovery>{}"
-      "</Domain></CycloneDDS>";
+      "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface "
+      "name=\"{}\"/></Interfaces><AllowMulticast>{}</AllowMulticast></General><Discovery><LeaseDuration>5 "
+      "s</LeaseDuration>{}</Discovery>{}</Domain></CycloneDDS>";
   // No sample is larger than a transfer's.
   constexpr std::string_view kServes =
-      "<Internal><MaxSampleSize>17 MiB</MaxSampleSize>"
-      "<Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 MiB</WhcHighInit>"
-      "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
+      "<Internal><MaxSampleSize>17 MiB</MaxSampleSize><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 "
+      "MiB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
   // Index 119 is the last whose ports belong to the domain.
   constexpr std::string_view kUnicastPeers =
-      "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
-      "<Peers><Peer Address=\"127.0.0.1\"/></Peers>";
+      "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex><Peers><Peer "
+      "Address=\"127.0.0.1\"/></Peers>";
   const bool loopback = options.interface == "lo";
   return fmt::format(kFrame, options.interface, loopback ? "false" : "default", loopback ? kUnicastPeers : "",
                      options.serves ? kServes : "");
@@ -157,8 +155,7 @@ Participant::Participant(const ParticipantOptions& options) {
              ? "is the interface up, are UDP ports free, and are there fewer than 120 participants on this "
                "computer?"
              : "with DDS Security: is it switched on for every participant of this domain in this program, "
-               "and do "
-               "the files of " +
+               "and do the files of " +
                    options.security + " fit together?");
   }
   if (on_loopback(options)) keep_to_loopback(options.domain);
@@ -210,4 +207,4 @@ void Participant::fail(const std::string& what, dds_return_t code, const std::st
   fail_at(impl_->options, what, code, remedy);
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

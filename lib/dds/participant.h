@@ -6,7 +6,7 @@
 
 #include "dds/entity.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// Domains above this have no room for unicast discovery ports below 65536.
 inline constexpr std::uint32_t kMaximumDomain = 230;
@@ -64,4 +64,4 @@ class Participant {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

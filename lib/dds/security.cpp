@@ -7,7 +7,7 @@
 
 #include "dds/entity.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,4 +63,4 @@ void add_security(dds_qos_t* qos, const std::string& folder) {
   file("dds.sec.access.permissions", files.permissions);
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

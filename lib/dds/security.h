@@ -7,7 +7,7 @@
 #include <string_view>
 
 /// DDS Security of one participant: the folder that `cansync-security add` makes for it (docs/security.md).
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// The files of such a folder.
 struct SecurityFiles {
@@ -36,4 +36,4 @@ bool may_publish(const std::string& folder, std::string_view topic);
 /// installed.
 void add_security(dds_qos_t* qos, const std::string& folder);
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -15,7 +15,7 @@
 #include "dds/security.h"
 
 /// What Cyclone's plugins would say of wrong files with a number alone.
-namespace cansync::dds {
+namespace gateway::dds {
 namespace {
 
 template <auto Free>
@@ -134,15 +134,15 @@ Problem check_permissions(const std::string& path, const std::string& xml, const
   const auto subjects = elements(xml, "subject_name");
   if (std::find(subjects.begin(), subjects.end(), subject) == subjects.end()) {
     return fmt::format(
-        "{}: is for {}, but certificate.pem is that of {}; both must come from the same "
-        "`cansync-security add`",
+        "{}: is for {}, but certificate.pem is that of {}; both must come from the same `cansync-security "
+        "add`",
         path, subjects.empty() ? "nobody" : subjects.front(), subject);
   }
   const auto buses = elements(xml, "partition");
   if (!any_fits(buses, partition)) {
     return fmt::format(
-        "{}: gives no right on bus {} (DDS partition), only on {}; give another bus, or make an identity "
-        "for it: cansync-security add --bus {}",
+        "{}: gives no right on bus {} (DDS partition), only on {}; give another bus, or make an identity for "
+        "it: cansync-security add --bus {}",
         path, partition, buses.empty() ? "none" : fmt::format("{}", fmt::join(buses, ", ")), partition);
   }
   return std::nullopt;
@@ -203,4 +203,4 @@ bool may_publish(const std::string& folder, std::string_view topic) {
   return false;
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -8,7 +8,7 @@
 
 #include "dds/entity.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 DataSignal::DataSignal() : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (fd_ < 0) {
@@ -37,4 +37,4 @@ bool DataSignal::wait(int milliseconds) noexcept {
   return poll(&entry, 1, milliseconds) > 0;
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

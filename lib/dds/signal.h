@@ -1,6 +1,6 @@
 #pragma once
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// An eventfd that readers raise when data arrives: wait with poll() on `fd()`, `clear()`, then take from
 /// every reader (in this order, or a sample may be overlooked). Any number of readers may share one; it must
@@ -24,4 +24,4 @@ class DataSignal {
   int fd_ = -1;
 };
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -9,7 +9,7 @@
 
 #include "dds/entity.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 namespace {
 
 constexpr std::size_t kLongestPart = 40;
@@ -91,4 +91,4 @@ std::optional<WriterIdentity> identify_writer(const Participant& participant, dd
   return identity;
 }
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -8,7 +8,7 @@
 
 #include "dds/participant.h"
 
-namespace cansync::dds {
+namespace gateway::dds {
 
 /// Who is behind a writer, as far as it tells.
 struct WriterIdentity {
@@ -21,4 +21,4 @@ struct WriterIdentity {
 std::optional<WriterIdentity> identify_writer(const Participant& participant, dds_entity_t reader,
                                               dds_instance_handle_t writer);
 
-}  // namespace cansync::dds
+}  // namespace gateway::dds

@@ -92,8 +92,8 @@ void read_access(Fields& fields, Parameter& parameter) {
   parameter.identity = kIdentity[*identity];
   if (parameter.access != Access::read_only || parameter.is_volatile) {
     fields.problem("identity",
-                   "found beside a parameter that is not read-only or is volatile; allowed: with "
-                   "access = \"read-only\" and without volatile");
+                   "found beside a parameter that is not read-only or is volatile; allowed: with access = "
+                   "\"read-only\" and without volatile");
   }
 }
 

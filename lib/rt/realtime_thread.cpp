@@ -144,8 +144,8 @@ void RealtimeThread::lock_memory() {
   grants_.missing.push_back("locked memory was not granted (" +
                             (result == 0 ? std::string("present memory only") : reason(error)) +
                             "), allowed are " + limit_text(soft_limit(RLIMIT_MEMLOCK)) +
-                            " bytes: set LimitMEMLOCK=infinity in the service unit or memlock in"
-                            " /etc/security/limits.conf" +
+                            " bytes: set LimitMEMLOCK=infinity in the service unit or memlock in "
+                            "/etc/security/limits.conf" +
                             kWaiver);
 }
 

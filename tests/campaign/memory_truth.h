@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "cansync/jobs.h"
+#include "cansync/sim/drive.h"
 #include "dice.h"
-#include "sim/drive.h"
 
 namespace cansyncd::campaign {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cansync/jobs.h"
-#include "sim/drive.h"
+#include "cansync/sim/drive.h"
 
 namespace cansyncd::campaign {
 

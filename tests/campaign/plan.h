@@ -8,10 +8,10 @@
 
 #include "can/bus.h"
 #include "cansync/settings.h"
+#include "cansync/sim/drive.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/config/config.h"
 #include "dice.h"
-#include "sim/drive.h"
 #include "sim/faults.h"
 
 namespace cansyncd::campaign {

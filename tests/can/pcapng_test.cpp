@@ -131,11 +131,11 @@ TEST(PcapngReader, ReadsWhatIsWrittenInPiecesOfAnySize) {
 
 TEST(PcapngReader, ReadsTheOtherByteOrderMicrosecondsAndUnknownBlocks) {
   const std::string file = bytes(
-      "0A0D0D0A 0000001C 1A2B3C4D 0001 0000 FFFFFFFFFFFFFFFF 0000001C"
-      "00000005 00000010 00000000 00000010"            // a block that is passed over
+      "0A0D0D0A 0000001C 1A2B3C4D 0001 0000 FFFFFFFFFFFFFFFF 0000001C00000005 00000010 "
+      "00000000 00000010"                              // a block that is passed over
       "00000001 00000014 00E3 0000 00000000 00000014"  // no options: microseconds, no name
-      "00000006 00000030 00000000 00000000 000F4241 00000010 00000010"
-      "00000301 02 00 0000 ABCD000000000000 00000030");
+      "00000006 00000030 00000000 00000000 000F4241 00000010 0000001000000301 02 00 0000 ABCD000000000000 "
+      "00000030");
   std::size_t left = 0;
   const auto items = read_all(file, file.size(), left);
   ASSERT_EQ(items.size(), 1u);

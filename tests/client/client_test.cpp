@@ -133,8 +133,7 @@ TEST(ManyRequests, OfSeveralThreadsGetTheirOwnReply) {
   const std::string end = "</Domain>";
   places.here.xml.insert(
       places.here.xml.find(end),
-      "<Internal><Watermarks><WhcHigh>4 kB</WhcHigh><WhcHighInit>4 kB</WhcHighInit></Watermarks>"
-      "</Internal>");
+      "<Internal><Watermarks><WhcHigh>4 kB</WhcHigh><WhcHighInit>4 kB</WhcHighInit></Watermarks></Internal>");
   const FakeDaemon daemon(places.here);
   Client client = Client::connect(options_for(places.there));
   std::vector<std::thread> threads;
@@ -200,8 +199,7 @@ TEST_F(ImpatientClient, ARequestThatNothingIsHeardOfEndsByItself) {
   EXPECT_EQ(reply.code, ReplyCode::no_reply);
   EXPECT_EQ(reply.reason,
             "the daemon gave no reply within 650 ms (monitoring time 50 ms and 600 ms of grace); whether the "
-            "request "
-            "was done is not known");
+            "request was done is not known");
   // It was to be cancelled before, so that it is not done later; and what comes now is nobody's.
   while (daemon_.cancels_in_vain() == 0) std::this_thread::yield();
   daemon_.answer_lost();

@@ -14,9 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
+#include "cansync/dds/topics.h"
+#include "cansync/dds/validate.h"
 #include "dds/endpoint.h"
-#include "dds/validate.h"
 
 /// Answers like the daemon, without a bus: slaves 0..3 ("slave0" .. "slave3"), parameters that keep what is
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
@@ -34,7 +35,7 @@ class FakeDaemon {
   static constexpr std::uint32_t kEndlessAddress = 0xDEAD00;
   static constexpr std::uint32_t kSilentAction = 199;
 
-  explicit FakeDaemon(const cansync::dds::ParticipantOptions& options) : participant_(options) {
+  explicit FakeDaemon(const gateway::dds::ParticipantOptions& options) : participant_(options) {
     static std::atomic<std::uint8_t> starts = 0;
     identity_[0] = ++starts;
     for (const unsigned slave : {0u, 1u, 2u, 3u}) settings_.slaves[slave].configured = true;
@@ -94,18 +95,18 @@ class FakeDaemon {
     (void)actual_writer_.write(values);
   }
   void publish_event(std::uint64_t number) {
-    cansync_Event event = {};
+    gateway_Event event = {};
     event.number = number;
     (void)event_writer_.write(event);
   }
 
  private:
-  using Key = cansync::dds::RequestKey;
+  using Key = gateway::dds::RequestKey;
 
   /// Replies wait until everything was taken, as in the daemon: while a write waits for acknowledgements no
   /// reader may be full, or DDS does not get to them.
   template <class Reply>
-  void answer(cansync::dds::Writer<Reply>& writer, Reply reply, std::vector<std::uint8_t> data = {}) {
+  void answer(gateway::dds::Writer<Reply>& writer, Reply reply, std::vector<std::uint8_t> data = {}) {
     auto kept = std::make_shared<std::vector<std::uint8_t>>(std::move(data));
     if constexpr (requires { reply.data; }) reply.data._buffer = kept->data();
     outbox_.push_back([&writer, reply, kept] { return writer.write(reply); });
@@ -118,7 +119,7 @@ class FakeDaemon {
   void publish_state() {
     cansync_MasterStatus master = {};
     cansync::dds::fill_master_status(settings_, {}, cansync::State::active_master, master);
-    cansync::dds::copy_text(participant_.options().partition, master.bus);
+    gateway::dds::copy_text(participant_.options().partition, master.bus);
     std::copy(identity_.begin(), identity_.end(), std::begin(master.daemon));
     std::copy(mapping_.begin(), mapping_.end(), std::begin(master.reference_mapping));
     master.mapping_number = mapping_number_;
@@ -126,7 +127,7 @@ class FakeDaemon {
     for (std::uint8_t slave = 0; slave < 4; ++slave) {
       cansync_SlaveStatus status = {};
       status.slave = slave;
-      cansync::dds::copy_text("slave" + std::to_string(slave), status.name);
+      gateway::dds::copy_text("slave" + std::to_string(slave), status.name);
       (void)slave_writer_.write(status);
     }
   }
@@ -152,14 +153,14 @@ class FakeDaemon {
       (void)transfer_reader_.take([&](const cansync_TransferRequest& request) { answer(request, limits); });
       (void)command_reader_.take([&](const cansync_Command& command) { answer(command, limits); });
       (void)cancel_reader_.take(
-          [&](const cansync_JobCancel& cancel) { end_open(cansync::dds::key_of(cancel)); });
+          [&](const gateway_JobCancel& cancel) { end_open(gateway::dds::key_of(cancel)); });
       take_references();
       deliver();
     }
   }
 
   void answer(const cansync_ParameterRequest& request, const cansync::dds::Limits& limits) {
-    const Key key = cansync::dds::key_of(request);
+    const Key key = gateway::dds::key_of(request);
     ++requests_;
     if (const auto problem = check(request, limits)) {
       answer(parameter_writer_, cansync::dds::parameter_refused(key, *problem));
@@ -188,7 +189,7 @@ class FakeDaemon {
   }
 
   void answer(const cansync_TransferRequest& request, const cansync::dds::Limits& limits) {
-    const Key key = cansync::dds::key_of(request);
+    const Key key = gateway::dds::key_of(request);
     ++requests_;
     if (const auto problem = check(request, limits)) {
       answer(transfer_writer_, cansync::dds::transfer_refused(key, *problem));
@@ -214,7 +215,7 @@ class FakeDaemon {
   }
 
   void answer(const cansync_Command& command, const cansync::dds::Limits& limits) {
-    const Key key = cansync::dds::key_of(command);
+    const Key key = gateway::dds::key_of(command);
     ++requests_;
     if (const auto problem = check(command, limits)) {
       answer(command_writer_, cansync::dds::command_refused(key, *problem));
@@ -258,21 +259,21 @@ class FakeDaemon {
 
   cansync::MasterSettings settings_;
   std::array<std::uint8_t, 16> identity_ = {};
-  cansync::dds::Participant participant_;
-  cansync::dds::DataSignal signal_;
-  cansync::dds::Reader<cansync_ParameterRequest> parameter_reader_{participant_, &signal_};
-  cansync::dds::Reader<cansync_TransferRequest> transfer_reader_{participant_, &signal_};
-  cansync::dds::Reader<cansync_Command> command_reader_{participant_, &signal_};
-  cansync::dds::Reader<cansync_JobCancel> cancel_reader_{participant_, &signal_};
-  cansync::dds::Reader<cansync_ReferenceValues> reference_reader_{participant_, &signal_};
-  cansync::dds::Writer<cansync_ParameterReply> parameter_writer_{participant_};
-  cansync::dds::Writer<cansync_TransferReply> transfer_writer_{participant_};
-  cansync::dds::Writer<cansync_TransferProgress> progress_writer_{participant_};
-  cansync::dds::Writer<cansync_CommandReply> command_writer_{participant_};
-  cansync::dds::Writer<cansync_MasterStatus> master_writer_{participant_};
-  cansync::dds::Writer<cansync_SlaveStatus> slave_writer_{participant_};
-  cansync::dds::Writer<cansync_ActualValues> actual_writer_{participant_};
-  cansync::dds::Writer<cansync_Event> event_writer_{participant_};
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+  gateway::dds::Reader<cansync_ParameterRequest> parameter_reader_{participant_, &signal_};
+  gateway::dds::Reader<cansync_TransferRequest> transfer_reader_{participant_, &signal_};
+  gateway::dds::Reader<cansync_Command> command_reader_{participant_, &signal_};
+  gateway::dds::Reader<gateway_JobCancel> cancel_reader_{participant_, &signal_};
+  gateway::dds::Reader<cansync_ReferenceValues> reference_reader_{participant_, &signal_};
+  gateway::dds::Writer<cansync_ParameterReply> parameter_writer_{participant_};
+  gateway::dds::Writer<cansync_TransferReply> transfer_writer_{participant_};
+  gateway::dds::Writer<cansync_TransferProgress> progress_writer_{participant_};
+  gateway::dds::Writer<cansync_CommandReply> command_writer_{participant_};
+  gateway::dds::Writer<cansync_MasterStatus> master_writer_{participant_};
+  gateway::dds::Writer<cansync_SlaveStatus> slave_writer_{participant_};
+  gateway::dds::Writer<cansync_ActualValues> actual_writer_{participant_};
+  gateway::dds::Writer<gateway_Event> event_writer_{participant_};
 
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> parameters_;
   std::map<std::uint32_t, std::vector<std::uint8_t>> memory_;

@@ -42,5 +42,4 @@ class CansyncdTest : public testing::Test {
 
 inline constexpr const char* kTwoSlaves =
     "[bus]\nname = \"two\"\n[sim]\nlock_time_ms = 20\n[[slave]]\nnumber = 0\nname = "
-    "\"winder\"\n[[slave]]\nnumber = "
-    "5\n";
+    "\"winder\"\n[[slave]]\nnumber = 5\n";

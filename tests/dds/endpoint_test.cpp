@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
+#include "cansync/dds/topics.h"
 #include "support/dds_places.h"
 
 namespace cansync::dds {
@@ -54,15 +55,15 @@ TEST(Endpoint, LateReaderGetsTheLastHundredEvents) {
   const TwoPlaces places;
   const Participant daemon(places.here);
   const Participant client(places.there);
-  Writer<cansync_Event> writer(daemon);
-  cansync_Event event = {};
+  Writer<gateway_Event> writer(daemon);
+  gateway_Event event = {};
   for (event.number = 1; event.number <= 150; ++event.number) ASSERT_EQ(writer.write(event), DDS_RETCODE_OK);
 
   DataSignal signal;
-  Reader<cansync_Event> reader(client, &signal);
-  std::vector<cansync_Event> got;
+  Reader<gateway_Event> reader(client, &signal);
+  std::vector<gateway_Event> got;
   ASSERT_TRUE(eventually(signal, [&] {
-    for (const cansync_Event& sample : take_all(reader)) got.push_back(sample);
+    for (const gateway_Event& sample : take_all(reader)) got.push_back(sample);
     return got.size() >= 100;
   }));
   ASSERT_EQ(got.size(), 100u);
@@ -171,7 +172,7 @@ TEST(Endpoint, ReaderHoldsNoMoreRequestsThanTheTableAllows) {
   Writer<cansync_Command> writer(client, 0, &matched);
   ASSERT_TRUE(eventually(matched, [&] { return writer.matched() == 1; }));
   const std::uint64_t limit =
-      static_cast<std::uint64_t>(topic_info<cansync_Command>().qos.max_samples_per_instance);
+      static_cast<std::uint64_t>(topic_info<cansync_Command>.qos.max_samples_per_instance);
 
   // A reader that never takes: the flood must end at a writer that is told to wait, not in memory.
   cansync_Command command = {};

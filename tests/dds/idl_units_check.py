@@ -50,7 +50,7 @@ def self_test(text):
         if not problems(text[: match.start()] + text[match.end() :]):
             line = text.count("\n", 0, match.start()) + 1
             return [f"violation planted in line {line} ({match.group(0).strip()}) was not found"]
-    return [] if planted > 50 else [f"only {planted} violations could be planted"]
+    return [] if planted >= 10 else [f"only {planted} violations could be planted"]
 
 
 def main():

@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
+#include "cansync/dds/topics.h"
 #include "dds/endpoint.h"
 #include "support/dds_places.h"
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "bytes.h"
+#include "cansync/dds/convert.h"
+#include "cansync/dds/validate.h"
 #include "cansync/settings_check.h"
 #include "daemon/cansync/requests/gateway_requests.h"
-#include "dds/convert.h"
-#include "dds/validate.h"
 #include "master_model.h"
 #include "require.h"
 
@@ -51,7 +51,7 @@ void fill_head(Bytes& in, Request& out) {
 /// reply.
 bool passed(const std::optional<std::string>& problem, Fields fields) {
   if (!problem) return true;
-  require(!problem->empty() && problem->size() <= cansync_TEXT, "a reason is told, and fits its field");
+  require(!problem->empty() && problem->size() <= gateway_TEXT, "a reason is told, and fits its field");
   for (const std::string_view field : fields) {
     if (problem->starts_with(field) && problem->size() > field.size() &&
         (*problem)[field.size()] == (field == "mapping" ? '[' : ' '))

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "bytes.h"
+#include "cansync/sim/drive.h"
 #include "cansync/slave.h"
 #include "frames.h"
 #include "require.h"
-#include "sim/drive.h"
 #include "slave_model.h"
 
 namespace {

@@ -19,34 +19,36 @@ idl:
 lib/text:
 lib/profile:                lib/text
 lib/can:
-lib/cansync:
+lib/cansync:                lib/can
 lib/sim:                    lib/text lib/can lib/cansync
 lib/rt:                     lib/can
 lib/sync:                   lib/can lib/rt
-lib/dds:                    idl lib/cansync
-lib/client:                 idl lib/dds
+lib/dds:                    idl
+lib/cansync/dds:            idl lib/cansync lib/dds
+lib/cansync/sim:            lib/can lib/cansync lib/sim
+lib/client:                 idl lib/dds lib/cansync/dds
 
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync
 daemon/config:              lib/text lib/profile lib/can lib/cansync lib/sync
 daemon/options:             lib/profile daemon/config
 daemon/service:             daemon/config
-daemon/bus:                 lib/can lib/cansync lib/sim daemon/config daemon/cansync
-daemon/loop:                lib/can lib/cansync lib/rt lib/sync daemon/config daemon/cansync
+daemon/bus:                 lib/can lib/cansync lib/sim lib/cansync/sim daemon/cansync daemon/config
+daemon/loop:                lib/can lib/cansync lib/rt lib/sync daemon/cansync daemon/config
 daemon/cansync/config:      lib/can lib/cansync daemon/config daemon/options daemon/bus
-daemon/cansync/realtime:    lib/can lib/cansync lib/rt daemon/config daemon/bus daemon/loop daemon/cansync
-daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds daemon/config daemon/service daemon/bus
-                            daemon/loop daemon/cansync
-daemon/cansync/requests:    idl lib/cansync lib/dds daemon/config daemon/cansync daemon/cansync/texts
+daemon/cansync/realtime:    lib/can lib/cansync lib/rt daemon/cansync daemon/config daemon/bus daemon/loop
+daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/cansync daemon/config
+                            daemon/service daemon/bus daemon/loop
+daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/config daemon/cansync/texts
 daemon/recorder:            lib/can lib/cansync lib/rt daemon/config daemon/service daemon/loop daemon/cansync/texts
-daemon/desk:                idl lib/cansync lib/dds daemon/config daemon/service daemon/cansync
+daemon/desk:                idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/config daemon/service
                             daemon/cansync/texts daemon/cansync/requests
-daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds daemon/config daemon/bus daemon/desk daemon/service
-                            daemon/cansync daemon/cansync/texts
-daemon/cansync/gateway:     idl lib/cansync lib/dds daemon/config daemon/service daemon/desk daemon/cansync
-                            daemon/cansync/texts daemon/cansync/requests daemon/cansync/status
-daemon:                     lib/text lib/cansync lib/rt lib/dds daemon/config daemon/service daemon/bus daemon/loop
-                            daemon/recorder daemon/cansync daemon/cansync/config daemon/cansync/realtime
-                            daemon/cansync/gateway
+daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds lib/cansync/dds daemon/cansync
+                            daemon/config daemon/service daemon/bus daemon/cansync/texts daemon/desk
+daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/config daemon/service
+                            daemon/cansync/texts daemon/cansync/requests daemon/desk daemon/cansync/status
+daemon:                     lib/text lib/cansync lib/rt lib/dds lib/cansync/dds daemon/cansync daemon/config
+                            daemon/service daemon/bus daemon/loop daemon/cansync/config daemon/cansync/realtime
+                            daemon/recorder daemon/cansync/gateway
 
 tools/cli/text:
 tools/cli/base:             lib/client tools/cli/text
@@ -57,7 +59,7 @@ tools/cli/record:           lib/client tools/cli/text tools/cli/base tools/cli/w
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
 tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/simulator:            lib/text lib/can lib/cansync lib/sim lib/sync daemon/config daemon/bus
+tools/simulator:            lib/text lib/can lib/cansync lib/sim lib/sync lib/cansync/sim daemon/config daemon/bus
 """
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
 
@@ -69,7 +71,10 @@ CORE_WORDS = re.compile(r"steady_clock|system_clock|high_resolution_clock|utc_cl
                         r"this_thread|fopen|printf|getenv|std::(cout|cerr|clog)")
 CANSYNC_WORDS = {"lib/can": re.compile("cansync"),
                  "lib/rt": re.compile("cansync/|cansync::|namespace cansync"),
-                 "lib/sync": re.compile("cansync/|cansync::|namespace cansync")}
+                 "lib/sync": re.compile("cansync/|cansync::|namespace cansync"),
+                 "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
+# What a protocol's library has beside its core: rooms of their own.
+PROTOCOL_ROOMS = re.compile(r"lib/\w+/(dds|sim|client)\b")
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
 
 
@@ -88,8 +93,14 @@ def read_table(text):
 
 
 def room_of(folder):
-    """Of a folder; subfolders of a library belong to it."""
+    """Of a folder; subfolders of a library belong to it, but for the rooms that a protocol's has."""
+    if own := PROTOCOL_ROOMS.match(folder):
+        return own[0]
     return "/".join(folder.split("/")[:2]) if folder.startswith("lib/") else folder
+
+
+def libraries_of(rooms):
+    return {room.split("/")[1] for room in rooms if room.startswith("lib/")}
 
 
 def included_room(file, bracket, path, libraries):
@@ -97,7 +108,7 @@ def included_room(file, bracket, path, libraries):
     first = path.split("/")[0]
     if bracket == "<" and first == "dds":
         return "dds"
-    if path in ("cansync.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
+    if path in ("cansync.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
         return "idl"
     if "/" not in path:
         return None
@@ -105,7 +116,7 @@ def included_room(file, bracket, path, libraries):
     if first in (".", ".."):
         return room_of(os.path.normpath(f"{os.path.dirname(file)}/{folder}"))
     if first in libraries:
-        return f"lib/{first}"
+        return room_of(f"lib/{folder}")
     if first in ("cli", "simulator"):
         return f"tools/{folder}"
     return folder if first in ("daemon", "tools") else None
@@ -113,7 +124,7 @@ def included_room(file, bracket, path, libraries):
 
 def used_rooms(files, rooms):
     """{room: the rooms its files include}."""
-    libraries = {room[4:] for room in rooms if room.startswith("lib/")}
+    libraries = libraries_of(rooms)
     used = {room: set() for room in rooms}
     for file, text in files.items():
         room = room_of(os.path.dirname(file))
@@ -131,10 +142,14 @@ def unneeded(files, rooms):
                     for room in rooms for other in sorted(rooms[room] - used[room])]
 
 
+def may_use_dds(room, uses):
+    return bool({"lib/dds", "lib/cansync/dds"} & (uses | {room}))
+
+
 def check(files, rooms):
     """Violations in {path: text}, as "path:line: text   <- rule"."""
     found = []
-    libraries = {room[4:] for room in rooms if room.startswith("lib/")}
+    libraries = libraries_of(rooms)
     for file, text in sorted(files.items()):
         room = room_of(os.path.dirname(file))
         if room not in rooms:
@@ -149,7 +164,7 @@ def check(files, rooms):
                 report(f"{room} may not know CANsync")
             if room == "lib/cansync" and CORE_WORDS.search(line):
                 report("the sans-IO core reads no clock and no file")
-            if room.startswith("lib/") and "lib/dds" not in uses | {room} and re.search(r"\bdds_[a-z]+", line):
+            if room.startswith("lib/") and not may_use_dds(room, uses) and re.search(r"\bdds_[a-z]+", line):
                 report(f"{room} may not use DDS")
             include = INCLUDE.match(line)
             if not include:
@@ -161,7 +176,7 @@ def check(files, rooms):
                 if not own and not (bracket == "<" and path in CORE_HEADERS):
                     report("not on the list of headers for the sans-IO core")
             elif there == "dds":
-                if "lib/dds" not in uses | {room}:
+                if not may_use_dds(room, uses):
                     report(f"{room} may not use DDS")
             elif there not in uses | {room, None}:
                 report(f"{room} may not include {there}")
@@ -185,7 +200,8 @@ def load(root):
 CLEAN = {
     "lib/cansync/clean.cpp": '#include <array>\n#include "can/frame.h"\n#include "cansync/numbers.h"\n',
     "lib/sim/clean.h": '#include "can/bus.h"\n',
-    "lib/dds/clean.cpp": '#include <dds/dds.h>\n#include "cansync/jobs.h"\n#include "cansync.h"\n',
+    "lib/dds/clean.cpp": '#include <dds/dds.h>\n#include "gateway.h"\n',
+    "lib/cansync/dds/clean.cpp": '#include "cansync/jobs.h"\n#include "cansync.h"\n#include "dds/topic.h"\n',
     "lib/client/c_face/clean.c": '#include "../clean.h"\n#include "client/client.h"\n',
     "daemon/config/clean.h": '#include <vector>\n#include "daemon/config/value.h"\n#include "clean_too.h"\n',
     "tools/cli/text/clean.cpp": '#include "cli/text/table.h"\n// dds_interface\n',
@@ -201,6 +217,9 @@ PLANTED = [
     ("lib/can/planted.cpp", "int f(cansync::SlaveNumber);"),
     ("lib/rt/planted.h", "void f(const cansync::Telegram&);"),
     ("lib/rt/planted.cpp", "auto x = dds_create_participant(0, nullptr, nullptr);"),
+    ("lib/dds/planted.h", "cansync::Telegram f();"),
+    ("lib/dds/planted.h", '#include "cansync.h"'),
+    ("lib/cansync/planted.cpp", '#include "cansync/dds/topics.h"'),
     ("lib/sim/planted.cpp", "#include <dds/dds.h>"),
     ("lib/sync/planted.cpp", "#include <dds/dds.h>"),
     ("lib/rt/planted.cpp", '#include "../sync/phase_lock.h"'),

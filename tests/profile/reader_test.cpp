@@ -93,8 +93,7 @@ TEST(ProfileReader, UnknownKeysAndSections) {
 
 TEST(ProfileReader, NumbersAndNamesAreThereOnce) {
   const std::string again =
-      "[[parameter]]\nnumber = 12\nname = \"speed-limit\"\nformat = \"word\"\naccess = "
-      "\"none\"\n";
+      "[[parameter]]\nnumber = 12\nname = \"speed-limit\"\nformat = \"word\"\naccess = \"none\"\n";
   EXPECT_EQ(problems_of(one_parameter(again)),
             "f:8:10: parameter.number: found 12 again, first used by the parameter in line 2; allowed: each "
             "number once\n"

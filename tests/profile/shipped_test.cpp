@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "cansync/sim/drive_parameters.h"
 #include "profile/reader.h"
-#include "sim/drive_parameters.h"
 
 namespace profile {
 namespace {

@@ -115,8 +115,7 @@ TEST(Setup, WrongArgumentsAreNamed) {
   for (const char* strange : {"can'0", "can0'\nbit_rate = 500000\n#", "can\t0"}) {
     EXPECT_EQ(problems(on(strange)),
               std::string("bus.interface: found \"") + strange +
-                  "\"; allowed: printable characters but space and ', such as vcan0 or "
-                  "can0\n");
+                  "\"; allowed: printable characters but space and ', such as vcan0 or can0\n");
   }
   Arguments arguments = on("vcan0");
   arguments.slaves = "0,32";
@@ -165,8 +164,8 @@ TEST(Setup, RefusesFaultsThatOnlyASimulatedLineHas) {
   ASSERT_EQ(setup.problems.size(), 2u);
   EXPECT_EQ(setup.problems[0],
             file.path() +
-                ":7:8: kind = \"corrupted\": a drive cannot destroy a frame on a real bus; "
-                "allowed on the simulated line alone (interface = \"sim\")");
+                ":7:8: kind = \"corrupted\": a drive cannot destroy a frame on a real bus; allowed on the "
+                "simulated line alone (interface = \"sim\")");
   EXPECT_EQ(setup.problems[1].substr(file.path().size(), 46),
             ":10:8: kind = \"late\": only the master decides ");
 }

@@ -17,7 +17,7 @@ class TwoPlaces {
     there.domain = inside_.get();
     there.partition = bus;
     const std::string discovery = "<Discovery>";
-    there.xml = cansync::dds::configuration(here);
+    there.xml = gateway::dds::configuration(here);
     there.xml.insert(there.xml.find(discovery) + discovery.size(),
                      "<ExternalDomainId>" + std::to_string(network_.get()) + "</ExternalDomainId>");
     here.serves = true;
@@ -28,13 +28,13 @@ class TwoPlaces {
   FreeDomain inside_;
 
  public:
-  cansync::dds::ParticipantOptions here;  ///< where the daemon is
-  cansync::dds::ParticipantOptions there;
+  gateway::dds::ParticipantOptions here;  ///< where the daemon is
+  gateway::dds::ParticipantOptions there;
 };
 
 /// Waits until `condition` holds, asking after each raise of `signal`; false when it does not within 20 s.
 template <class Condition>
-bool eventually(cansync::dds::DataSignal& signal, Condition&& condition) {
+bool eventually(gateway::dds::DataSignal& signal, Condition&& condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (!condition()) {
     const auto left =

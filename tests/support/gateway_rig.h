@@ -16,10 +16,11 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/dds/convert.h"
+#include "cansync/dds/topics.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "daemon/config/config.h"
-#include "dds/convert.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -53,7 +54,7 @@ class TestClient {
  public:
   using Identity = std::array<std::uint8_t, 16>;
 
-  explicit TestClient(const cansync::dds::ParticipantOptions& options) : participant_(options) {}
+  explicit TestClient(const gateway::dds::ParticipantOptions& options) : participant_(options) {}
 
   template <class T>
   void write(const T& sample) {
@@ -135,7 +136,7 @@ class TestClient {
     const dds_entity_t reader = std::get<Inbox<T>>(inboxes_).reader.handle();
     const dds_instance_handle_t key = dds_lookup_instance(reader, &sample);
     if (key == DDS_HANDLE_NIL) return false;
-    std::array<void*, cansync::dds::ReaderBase::kBatch> lent = {};
+    std::array<void*, gateway::dds::ReaderBase::kBatch> lent = {};
     dds_sample_info_t info;
     const dds_return_t count = dds_read_instance(reader, lent.data(), &info, 1, 1, key);
     if (count > 0) (void)dds_return_loan(reader, lent.data(), count);
@@ -161,18 +162,18 @@ class TestClient {
     T sample = {};
     std::copy(client.begin(), client.end(), std::begin(sample.client));
     sample.request = number;
-    if constexpr (requires { sample.client_name; }) cansync::dds::copy_text("tester", sample.client_name);
+    if constexpr (requires { sample.client_name; }) gateway::dds::copy_text("tester", sample.client_name);
     return sample;
   }
 
-  const cansync::dds::Participant& participant() const { return participant_; }
-  cansync::dds::DataSignal& signal() { return signal_; }
+  const gateway::dds::Participant& participant() const { return participant_; }
+  gateway::dds::DataSignal& signal() { return signal_; }
 
  private:
   template <class T>
   struct Inbox {
     explicit Inbox(TestClient& client) : reader(client.participant_, &client.signal_) {}
-    cansync::dds::Reader<T> reader;
+    gateway::dds::Reader<T> reader;
     std::vector<T> samples;
   };
   template <class T>
@@ -180,27 +181,27 @@ class TestClient {
     return sample.request == request && std::equal(client.begin(), client.end(), std::begin(sample.client));
   }
   template <class T>
-  cansync::dds::Writer<T>& writer() {
-    return std::get<cansync::dds::Writer<T>>(writers_);
+  gateway::dds::Writer<T>& writer() {
+    return std::get<gateway::dds::Writer<T>>(writers_);
   }
   template <class T>
-  using Out = cansync::dds::Writer<T>;
+  using Out = gateway::dds::Writer<T>;
 
-  cansync::dds::Participant participant_;
-  cansync::dds::DataSignal signal_;
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
   std::tuple<Inbox<cansync_ActualValues>, Inbox<cansync_Interval>, Inbox<cansync_ParameterReply>,
              Inbox<cansync_TransferProgress>, Inbox<cansync_CommandReply>, Inbox<cansync_MasterStatus>,
-             Inbox<cansync_SlaveStatus>, Inbox<cansync_Timing>, Inbox<cansync_Event>>
+             Inbox<cansync_SlaveStatus>, Inbox<cansync_Timing>, Inbox<gateway_Event>>
       inboxes_{Inbox<cansync_ActualValues>(*this),   Inbox<cansync_Interval>(*this),
                Inbox<cansync_ParameterReply>(*this), Inbox<cansync_TransferProgress>(*this),
                Inbox<cansync_CommandReply>(*this),   Inbox<cansync_MasterStatus>(*this),
                Inbox<cansync_SlaveStatus>(*this),    Inbox<cansync_Timing>(*this),
-               Inbox<cansync_Event>(*this)};
-  std::tuple<Out<cansync_ParameterRequest>, Out<cansync_TransferRequest>, Out<cansync_JobCancel>,
+               Inbox<gateway_Event>(*this)};
+  std::tuple<Out<cansync_ParameterRequest>, Out<cansync_TransferRequest>, Out<gateway_JobCancel>,
              Out<cansync_Command>>
       writers_{Out<cansync_ParameterRequest>(participant_, 0, &signal_),
                Out<cansync_TransferRequest>(participant_, 0, &signal_),
-               Out<cansync_JobCancel>(participant_, 0, &signal_),
+               Out<gateway_JobCancel>(participant_, 0, &signal_),
                Out<cansync_Command>(participant_, 0, &signal_)};
 };
 
@@ -285,14 +286,14 @@ class GatewayRig {
   KeptJournal journal;
 
  private:
-  cansync::dds::Participant participant_;
+  gateway::dds::Participant participant_;
 
  public:
   std::unique_ptr<Gateway> gateway;
   TestClient client;
 
  private:
-  cansync::dds::Reader<cansync_TransferReply> transfer_replies_;
+  gateway::dds::Reader<cansync_TransferReply> transfer_replies_;
 };
 
 /// An interval, with its end on the wall clock.

@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "cansync.h"
+#include "cansync/dds/topics.h"
 #include "dds/endpoint.h"
-#include "dds/topics.h"
 #include "gateway_rig.h"
 #include "support/dds_places.h"
 
@@ -61,15 +61,15 @@ class ReferenceWriter {
   }
 
  private:
-  cansync::dds::Participant participant_;
-  cansync::dds::DataSignal signal_;
-  cansync::dds::Writer<cansync_ReferenceValues> writer_;
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+  gateway::dds::Writer<cansync_ReferenceValues> writer_;
 };
 
 /// The first event with this code; nothing when none comes.
-inline std::optional<cansync_Event> event(GatewayRig& rig, std::string_view code) {
-  return rig.client.wait_for<cansync_Event>(
-      [&](const auto& e) { return cansync::dds::text(e.code) == code; });
+inline std::optional<gateway_Event> event(GatewayRig& rig, std::string_view code) {
+  return rig.client.wait_for<gateway_Event>(
+      [&](const auto& e) { return gateway::dds::text(e.code) == code; });
 }
 
 }  // namespace cansyncd

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "cansync/settings.h"
+#include "cansync/sim/drive.h"
 #include "cansync/timing.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
-#include "sim/drive.h"
 #include "sim/line.h"
 
 namespace cansyncd::support {

@@ -6,13 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cansync.h" /* made by: idlc cansync.idl */
+#include "cansync.h" /* made by: idlc cansync.idl gateway.idl */
 /* The daemon's default: this computer alone, without multicast. */
 static const char* const configuration =
-    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo'/></Interfaces>"
-    "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
-    "<MaxAutoParticipantIndex>119</MaxAutoParticipantIndex>"
-    "<Peers><Peer Address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>";
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
+    "name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex><Peers><Peer "
+    "Address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>";
 
 /* Waits for a sample whose first bytes, its key, are `key`; it stays lent to the end of the program. */
 static const void* next(dds_entity_t reader, const uint8_t* key, size_t size) {
@@ -64,7 +63,7 @@ int main(int argc, char** argv) {
   wait_for_daemon(requests);
   if (dds_write(requests, &request) < 0) return fprintf(stderr, "the request was not written\n"), 1;
   const cansync_ParameterReply* reply = next(replies, request.client, sizeof request.client);
-  if (reply->code == cansync_REPLY_DONE)
+  if (reply->code == gateway_REPLY_DONE)
     return printf("parameter %s: %" PRIu32 "\n", argv[4], reply->value), 0;
   return fprintf(stderr, "parameter %s: %s\n", argv[4], reply->reason), 1;
 }

@@ -8,9 +8,9 @@
 #include "can/bus.h"
 #include "can/frame.h"
 #include "cansync/numbers.h"
+#include "cansync/sim/drive.h"
 #include "cansync/timing.h"
 #include "sim/arbitration.h"
-#include "sim/drive.h"
 #include "sim/faults.h"
 
 /// The drive simulator program `cansync-sim`: simulated drives on a CAN interface of the kernel.

@@ -90,13 +90,13 @@ std::string remedy(Link link, const std::string& interface) {
   switch (link) {
     case Link::missing:
       return fmt::format(
-          "`ip link` lists the interfaces; a virtual one: ip link add dev {0} type vcan && "
-          "ip link set {0} up",
+          "`ip link` lists the interfaces; a virtual one: ip link add dev {0} type vcan && ip link set "
+          "{0} up",
           interface);
     case Link::down:
       return fmt::format(
-          "An adapter: ip link set {0} up type can bitrate 500000 (the line's bit rate); "
-          "vcan: ip link set {0} up",
+          "An adapter: ip link set {0} up type can bitrate 500000 (the line's bit rate); vcan: ip link set "
+          "{0} up",
           interface);
     case Link::up:
       break;

@@ -140,8 +140,8 @@ class SetupReader {
     cansyncd::Config& config = file.config;
     if (config.bus.kind == cansyncd::BusKind::simulated) {
       return problem(
-          "interface: found 'sim', which is the daemon's own simulated line; allowed: a CAN "
-          "interface of the kernel, such as vcan0 or can0");
+          "interface: found 'sim', which is the daemon's own simulated line; allowed: a CAN interface of the "
+          "kernel, such as vcan0 or can0");
     }
     cansync::SlaveMask chosen = config.sim.drives;
     if (!arguments_.config.empty() && !arguments_.slaves.empty()) {

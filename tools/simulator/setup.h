@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/drive.h"
+#include "cansync/sim/drive.h"
 #include "simulator/arguments.h"
 #include "simulator/bench.h"
 

@@ -171,8 +171,8 @@ void check_jobs(std::vector<cansync::SettingProblem>& problems, const MasterSett
   if (round > 1 && channel.parameter_monitoring < read) {
     problems.push_back(
         {"command_channel.parameter_monitoring",
-         fmt::format("{}, while the parameter cursor needs {} intervals of {} to come round and "
-                     "one for the answer",
+         fmt::format("{}, while the parameter cursor needs {} intervals of {} to come round and one for the "
+                     "answer",
                      ms(channel.parameter_monitoring), round, us(times.interval)),
          fmt::format("at least {}, or serving \"work_conserving\"", ms(read))});
   }
@@ -213,8 +213,8 @@ void check_sync_frame(std::vector<cansync::SettingProblem>& problems, const Budg
   problems.push_back(
       {"sync",
        fmt::format(
-           "a SYNC frame of {} bytes, up to {} bits: behind the longest command of the interval before "
-           "it ends {} after SYNC, while RC must start by {}",
+           "a SYNC frame of {} bytes, up to {} bits: behind the longest command of the interval before it "
+           "ends {} after SYNC, while RC must start by {}",
            *input.sync_frame_bytes, bits, us(end), us(times.response)),
        fmt::format("a SYNC frame of at most {} bits",
                    (times.response - command_tail(times)) / times.bit_time())});

@@ -136,8 +136,7 @@ class Checker {
       const std::string other = fmt::format("slave.{}.name", first->second);
       const bool own_given = place(own) != nullptr;
       problem(own_given ? own : other,
-              fmt::format("found \"{}\", which is the name of slave {} too; allowed: each "
-                          "name once",
+              fmt::format("found \"{}\", which is the name of slave {} too; allowed: each name once",
                           first->first, own_given ? first->second : n));
     }
   }

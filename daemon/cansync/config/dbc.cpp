@@ -208,8 +208,7 @@ class Writer {
     values_ += fmt::format("VAL_ {0} {1} 0 \"upload\" 1 \"download\";\n", id_, direction);
     message_comment(
         "Parameter command: 4 bytes read (word_1 sub-slave), 6 write word (word_1 value, word_2 sub-slave), "
-        "8 "
-        "write doubleword (word_1, word_2 value, word_3 sub-slave). Transfer: begin (word_1, word_2 start "
+        "8 write doubleword (word_1, word_2 value, word_3 sub-slave). Transfer: begin (word_1, word_2 start "
         "address, word_3 sub-slave), upload 2 bytes, download data in words 1 to 3.");
   }
 
@@ -224,8 +223,7 @@ class Writer {
     values_ += fmt::format("VAL_ {0} {1} 0 \"parameter\" 1 \"transfer\";\n", id_, kind);
     message_comment(
         "2 to 8 bytes. error = 1: word_1 is the code. Parameter read: word_1, or word_1 and word_2, the "
-        "value, "
-        "then the sub-slave. Upload: data in words 1 to 3.");
+        "value, then the sub-slave. Upload: data in words 1 to 3.");
   }
 
   const Config& config_;

@@ -12,10 +12,8 @@ constexpr std::int64_t kLongestPath = 4096;
 constexpr auto kRows = std::to_array<Option>({
     reloadable(string("slave.profile", OptionType::text, "\"\"", 0, kLongestPath,
                       "Drive profile of this slave: a name, looked up as NAME.toml in the folder profiles "
-                      "beside this file, "
-                      "/etc/cansync/profiles, /usr/local/share/cansync/profiles and "
-                      "/usr/share/cansync/profiles; or a file, "
-                      "with '/' or .toml. Empty = none.",
+                      "beside this file, /etc/cansync/profiles, /usr/local/share/cansync/profiles and "
+                      "/usr/share/cansync/profiles; or a file, with '/' or .toml. Empty = none.",
                       [](Draft& d, const Value& v) { d.config.slaves[d.slave].profile = words(v); })),
     whole_number(
         "startup.lost_after", "3", 1, 255, "telegrams",
@@ -24,9 +22,9 @@ constexpr auto kRows = std::to_array<Option>({
         [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }),
     whole_number(
         "startup.enabling_control_bits", "15", 0, 65535, "",
-        "A control word with all of these bits enables a drive. It is refused for a slave that is lost, "
-        "or was away or lost SYNC and is not released yet; others always pass, so that a drive can be "
-        "stopped. 0 = none is refused.",
+        "A control word with all of these bits enables a drive. It is refused for a slave that is lost, or "
+        "was away or lost SYNC and is not released yet; others always pass, so that a drive can be stopped. "
+        "0 = none is refused.",
         [](Draft& d, const Value& v) {
           d.config.master.startup.enabling_control_bits = whole<std::uint16_t>(v);
         }),

@@ -42,7 +42,7 @@ void FailsafeCommands::start(unsigned channel, const Config& config, SteadyTime 
   to_cancel_ = sent_ = withdrawn_ = {};
   failed_.clear();
   events_.publish(
-      {cansync_SEVERITY_WARNING, "failsafe_control_word", -1,
+      {gateway_SEVERITY_WARNING, "failsafe_control_word", -1,
        fmt::format("control word 0x{:04X} goes to {}, because the reference values of telegram {} "
                    "are missing",
                    *word_, slave_list(config, slaves_), channel + 1),
@@ -127,7 +127,7 @@ bool FailsafeCommands::finish(const Terminal& terminal, const Config& config, co
 }
 
 void FailsafeCommands::end(const Config& config, SteadyTime now) {
-  const auto severity = failed_.empty() ? cansync_SEVERITY_INFO : cansync_SEVERITY_ERROR;
+  const auto severity = failed_.empty() ? gateway_SEVERITY_INFO : gateway_SEVERITY_ERROR;
   std::string withdrawn;
   if (!withdrawn_.empty()) {
     withdrawn = fmt::format("; not to {}: new reference values came first", slave_list(config, withdrawn_));

@@ -45,7 +45,7 @@ int milliseconds_to(SteadyTime due) {
 
 }  // namespace
 
-Gateway::Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
+Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::Participant& participant,
                  JournalSink& journal, const DaemonIdentity& identity)
     : config_(config),
       exchange_(exchange),
@@ -64,7 +64,7 @@ Gateway::~Gateway() {
 }
 
 void Gateway::start() {
-  cansync::dds::count_malformed();
+  gateway::dds::count_malformed();
   metrics_.emplace(config_.metrics, [this](const EventText& event) { post(event); });
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "cansync-gateway");  // for `top -H` and whoever measures
@@ -195,7 +195,7 @@ std::optional<SteadyTime> Gateway::tell_syncs(SteadyTime now) {
   const std::uint64_t missed = missed_syncs_.take_over(now);
   if (missed != 0) {
     events_.publish(
-        {cansync_SEVERITY_INFO, "syncs_kept", -1,
+        {gateway_SEVERITY_INFO, "syncs_kept", -1,
          fmt::format("no SYNC edge was skipped for {} s; {} were before", kSyncQuiet.count(), missed),
          std::nullopt},
         now);
@@ -216,7 +216,7 @@ void Gateway::take_configuration(SteadyTime now) {
   references_.set_maximum_age(config_.failsafe.reference_max_age);
   references_.set_refusal(read_only_refusal_of_references(config_));
   events_.publish(
-      {cansync_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
+      {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }
 
 void Gateway::end_jobs() {

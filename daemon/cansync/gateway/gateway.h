@@ -33,8 +33,8 @@ class Gateway {
   static constexpr std::chrono::seconds kSyncQuiet{10};
 
   /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
-  /// `journal` must outlive the gateway. `identity`: of this start. Throws cansync::dds::SetupError.
-  Gateway(const Config& config, Exchange& exchange, const cansync::dds::Participant& participant,
+  /// `journal` must outlive the gateway. `identity`: of this start. Throws gateway::dds::SetupError.
+  Gateway(const Config& config, Exchange& exchange, const gateway::dds::Participant& participant,
           JournalSink& journal = process_journal(),
           const DaemonIdentity& identity = random_daemon_identity());
 
@@ -88,7 +88,7 @@ class Gateway {
 
   Config config_;  ///< gateway thread only, once it runs
   Exchange& exchange_;
-  cansync::dds::DataSignal signal_;  ///< before everything that raises it
+  gateway::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
   StatePublisher state_;
   AuditTrail audit_;

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "cansync/dds/convert.h"
 #include "daemon/desk/access.h"
-#include "dds/convert.h"
 
 namespace cansyncd {
 

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "cansync.h"
+#include "cansync/dds/topics.h"
+#include "cansync/dds/validate.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/reference_gate.h"
 #include "daemon/cansync/texts/refusal_text.h"
@@ -14,7 +16,6 @@
 #include "daemon/desk/writer_watch.h"
 #include "dds/endpoint.h"
 #include "dds/signal.h"
-#include "dds/validate.h"
 
 namespace cansyncd {
 
@@ -27,9 +28,9 @@ namespace cansyncd {
 /// with every writer, and clients that do not offer it would not be matched at all.
 class ReferenceInput : private ReferenceSurroundings {
  public:
-  /// `daemon`: this start. Throws cansync::dds::SetupError. `signal`, `events` and `exchange` must outlive
+  /// `daemon`: this start. Throws gateway::dds::SetupError. `signal`, `events` and `exchange` must outlive
   /// this object.
-  ReferenceInput(const cansync::dds::Participant& participant, cansync::dds::DataSignal& signal,
+  ReferenceInput(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
                  EventPublisher& events, const Config& config, const DaemonIdentity& daemon,
                  Exchange& exchange);
 
@@ -80,7 +81,7 @@ class ReferenceInput : private ReferenceSurroundings {
   void take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info, SteadyTime now);
   void look_for_owners(SteadyTime now);
 
-  cansync::dds::Reader<cansync_ReferenceValues> reader_;
+  gateway::dds::Reader<cansync_ReferenceValues> reader_;
   EventPublisher& events_;
   Exchange& exchange_;
   cansync::dds::Limits limits_;

@@ -19,8 +19,8 @@ ReferenceAge::Verdict ReferenceAge::judge(std::int64_t source, const ClockReadin
   }
   if (age > limit_) {
     return {fmt::format(
-        "age {} ms: at most {} ms are allowed (failsafe.reference_max_age_ms); write fresh values, and "
-        "set the clocks of both computers",
+        "age {} ms: at most {} ms are allowed (failsafe.reference_max_age_ms); write fresh values, and set "
+        "the clocks of both computers",
         milliseconds, limit_.count())};
   }
   return {std::nullopt, first_interval_after(now.steady + (limit_ - age))};

@@ -97,14 +97,14 @@ void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
   Telegram& telegram = telegrams_[channel];
   ReferenceGiver& giver = givers_[channel];
   if (telegram.owner != 0) {
-    tell(cansync_SEVERITY_WARNING, "reference_writer_taken_over",
+    tell(gateway_SEVERITY_WARNING, "reference_writer_taken_over",
          fmt::format("{} (strength {}) has taken over the reference values of telegram {} from {} (strength "
                      "{}){}",
                      facts.who, facts.strength, channel + 1, giver.who, giver.strength,
                      around_.left(telegram.owner) ? ", which has left" : ""),
          facts.who, now);
   } else {
-    tell(cansync_SEVERITY_INFO, "reference_writer_began",
+    tell(gateway_SEVERITY_INFO, "reference_writer_began",
          fmt::format("{} (strength {}) gives the reference values of telegram {}", facts.who, facts.strength,
                      channel + 1),
          facts.who, now);
@@ -123,14 +123,12 @@ std::optional<std::string> ReferenceGate::problem(const ReferenceSample& sample,
   if (sample.daemon == DaemonIdentity{}) {
     return fmt::format(
         "daemon: not given; write MasterStatus.daemon and MasterStatus.mapping_number into it, as libcansync "
-        "of "
-        "this version does");
+        "of this version does");
   }
   if (sample.daemon != daemon_) {
     return fmt::format(
         "daemon {:02x}: the values are meant for another start of the daemon, and settings made before it "
-        "may "
-        "be lost; {}",
+        "may be lost; {}",
         fmt::join(sample.daemon, ""), kTakeUp);
   }
   if (age.problem || !age_.looked_at()) return age.problem;
@@ -148,7 +146,7 @@ void ReferenceGate::given_up(unsigned channel, std::int64_t written, SteadyTime 
   telegram.not_before = written;
   stop(channel, 0);
   const std::string who = givers_[channel].who;
-  tell(cansync_SEVERITY_INFO, "reference_given_up",
+  tell(gateway_SEVERITY_INFO, "reference_given_up",
        fmt::format("{} has given the reference values of telegram {} up; their release is stopped until new "
                    "ones come",
                    who, channel + 1),
@@ -160,7 +158,7 @@ void ReferenceGate::lost(unsigned channel, SteadyTime now) {
   if (telegrams_[channel].owner == 0) return;
   stop(channel, hold_);
   const std::string who = givers_[channel].who;
-  tell(cansync_SEVERITY_WARNING, "reference_writer_lost",
+  tell(gateway_SEVERITY_WARNING, "reference_writer_lost",
        fmt::format("{}, which gave the reference values of telegram {}, has left or died; {}", who,
                    channel + 1, reaction_text()),
        who, now);
@@ -184,7 +182,7 @@ void ReferenceGate::watch(const std::array<cansync::ReleaseStatus, cansync::kCha
     const std::uint64_t changed = release[channel].mapping_changed;
     if (std::exchange(telegram.mapping_changed, changed) == changed) continue;
     const std::string who = givers_[channel].who;
-    tell(cansync_SEVERITY_WARNING, "reference_mapping_changed",
+    tell(gateway_SEVERITY_WARNING, "reference_mapping_changed",
          fmt::format("the mapping of the reference values was changed while those of telegram {} were "
                      "released{}{}; their release is stopped; {}",
                      channel + 1, who.empty() ? "" : ", given by ", who, kTakeUp),
@@ -226,7 +224,7 @@ std::optional<SteadyTime> ReferenceGate::look_at_deadline(unsigned channel, Stea
   if (now < telegram.given + deadline_) return telegram.given + deadline_;
   telegram.deadline_missed = true;
   stop(channel, hold_);
-  tell(cansync_SEVERITY_WARNING, "reference_deadline_missed",
+  tell(gateway_SEVERITY_WARNING, "reference_deadline_missed",
        fmt::format("{} lives, but has given no new reference values of telegram {} for {} ms "
                    "(failsafe.reference_deadline_ms); {}",
                    givers_[channel].who, channel + 1, deadline_.count(), reaction_text()),
@@ -249,7 +247,7 @@ void ReferenceGate::refused(unsigned channel, std::string reason, std::optional<
   if (!telegram.refused.add(1, now)) return;
   telegram.reason = std::move(reason);
   EventText event{
-      cansync_SEVERITY_WARNING, "reference_refused", -1,
+      gateway_SEVERITY_WARNING, "reference_refused", -1,
       fmt::format("reference values of telegram {} are refused: {}", channel + 1, telegram.reason), when};
   around_.tell(event, now);
 }
@@ -263,7 +261,7 @@ std::optional<SteadyTime> ReferenceGate::tick(SteadyTime now) {
       if (due) next = next ? std::min(*next, *due) : *due;
     }
     if (refused == 0) continue;
-    tell(cansync_SEVERITY_INFO, "reference_refusals_over",
+    tell(gateway_SEVERITY_INFO, "reference_refusals_over",
          fmt::format("no reference values of telegram {} were refused for {} s; {} were before, the first "
                      "because of {}",
                      channel + 1, kQuiet.count(), refused, telegram.reason),
@@ -272,7 +270,7 @@ std::optional<SteadyTime> ReferenceGate::tick(SteadyTime now) {
   return next;
 }
 
-void ReferenceGate::tell(cansync_EventSeverity severity, EventCode code, std::string text,
+void ReferenceGate::tell(gateway_EventSeverity severity, EventCode code, std::string text,
                          const std::string& who, SteadyTime now) {
   EventText event{severity, code, -1, std::move(text), std::nullopt};
   event.client = who;

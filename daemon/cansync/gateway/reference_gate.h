@@ -149,7 +149,7 @@ class ReferenceGate {
   void lose(unsigned channel, Loss loss);
   void end_ownership(unsigned channel, Loss loss);
   std::optional<SteadyTime> look_at_deadline(unsigned channel, SteadyTime now);
-  void tell(cansync_EventSeverity severity, EventCode code, std::string text, const std::string& who,
+  void tell(gateway_EventSeverity severity, EventCode code, std::string text, const std::string& who,
             SteadyTime now);
   std::string reaction_text() const;
 

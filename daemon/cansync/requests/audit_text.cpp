@@ -5,8 +5,8 @@
 
 #include <array>
 
+#include "cansync/dds/convert.h"
 #include "daemon/cansync/requests/gateway_requests.h"
-#include "dds/convert.h"
 
 namespace cansyncd {
 namespace {

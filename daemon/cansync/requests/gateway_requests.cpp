@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "cansync/dds/convert.h"
 #include "daemon/cansync/texts/profile_rules.h"
 #include "daemon/cansync/texts/refusal_text.h"
-#include "dds/convert.h"
 
 namespace cansyncd {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <tuple>
 
+#include "cansync/dds/convert.h"
 #include "daemon/bus/bit_timing_check.h"
 #include "daemon/cansync/texts/bus_text.h"
 #include "daemon/cansync/texts/sync_text.h"
-#include "dds/convert.h"
 
 namespace cansyncd {
 namespace {
@@ -259,7 +259,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.open_transfers = master_.open_transfers;
   sample.missed_syncs = master_.missed_syncs;
   sample.lost_reports = master_.lost_reports;
-  sample.data_model = cansync_DATA_MODEL;
+  sample.data_model = gateway_DATA_MODEL;
   dds::copy_text(config_.bus.interface, sample.bus_interface);
   if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
   sample.secured = !config_.dds.security.empty();

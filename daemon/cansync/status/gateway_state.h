@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/dds/topics.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/status/reference_status.h"
 #include "daemon/config/config.h"
@@ -35,8 +36,8 @@ class StatePublisher {
   /// MasterStatus is told at least this often.
   static constexpr std::chrono::seconds kMasterPeriod{1};
 
-  /// Throws cansync::dds::SetupError.
-  StatePublisher(const cansync::dds::Participant& participant, const Config& config,
+  /// Throws gateway::dds::SetupError.
+  StatePublisher(const gateway::dds::Participant& participant, const Config& config,
                  const DaemonIdentity& daemon);
 
   /// Takes names, units and scaling from `config`; they are published with the next `step`.
@@ -89,11 +90,11 @@ class StatePublisher {
 
   Config config_;
   DaemonIdentity daemon_;
-  cansync::dds::Writer<cansync_ActualValues> actual_writer_;
-  cansync::dds::Writer<cansync_SlaveStatus> slave_writer_;
-  cansync::dds::Writer<cansync_MasterStatus> master_writer_;
-  cansync::dds::Writer<cansync_Timing> timing_writer_;
-  cansync::dds::Writer<cansync_Interval> interval_writer_;
+  gateway::dds::Writer<cansync_ActualValues> actual_writer_;
+  gateway::dds::Writer<cansync_SlaveStatus> slave_writer_;
+  gateway::dds::Writer<cansync_MasterStatus> master_writer_;
+  gateway::dds::Writer<cansync_Timing> timing_writer_;
+  gateway::dds::Writer<cansync_Interval> interval_writer_;
 
   std::array<Slave, cansync::kSlaves> slaves_;
   MasterSnapshot master_;

@@ -10,7 +10,7 @@ namespace cansyncd {
 namespace {
 
 using namespace metrics;  // the table reads better without the prefix in every line
-using cansync::dds::text;
+using gateway::dds::text;
 
 void info(const MetricsSource& from, MetricSamples& to) {
   const cansync_MasterStatus& master = from.master;

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "cansync/dds/convert.h"
 #include "daemon/cansync/status/metrics_families.h"
-#include "dds/convert.h"
 
 /// How the families of metrics_families.cpp are filled from the samples of the topics; only for that file.
 namespace cansyncd::metrics {
@@ -60,7 +60,7 @@ void release_value(const MetricsSource& from, MetricSamples& to) {
 // --- SlaveStatus
 
 inline std::string slave_labels(const cansync_SlaveStatus& slave) {
-  return label("slave", fmt::format("{}", slave.slave)) + "," + label("name", cansync::dds::text(slave.name));
+  return label("slave", fmt::format("{}", slave.slave)) + "," + label("name", gateway::dds::text(slave.name));
 }
 
 template <auto member, std::int64_t divisor = 1>

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
 
 namespace cansyncd {
 
@@ -57,7 +57,7 @@ std::string_view name(MetricType type) noexcept {
 }
 
 std::string metrics_text(const MetricsSource& from) {
-  MetricSamples samples(cansync::dds::text(from.master.bus));
+  MetricSamples samples(gateway::dds::text(from.master.bus));
   std::string out;
   for (const MetricFamily& family : metric_families()) {
     const std::string full =

@@ -1,6 +1,6 @@
 #include "daemon/cansync/status/reference_status.h"
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
 
 namespace cansyncd {
 namespace {

@@ -51,8 +51,8 @@ std::string link_problem(const MasterSnapshot& master, const Config& config) {
   }
   if (master.controller.delivery != can::Delivery::normal) {
     return fmt::format(
-        "nobody on the bus of interface {} acknowledges: check cable, terminating resistors and "
-        "the power of the drives",
+        "nobody on the bus of interface {} acknowledges: check cable, terminating resistors and the power of "
+        "the drives",
         interface);
   }
   if (master.controller.state == can::ControllerState::bus_off)

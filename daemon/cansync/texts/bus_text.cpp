@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "cansync/dds/convert.h"
 #include "cansync/timing.h"
 #include "daemon/bus/bit_timing_check.h"
-#include "dds/convert.h"
 
 namespace cansyncd {
 namespace {
@@ -38,12 +38,12 @@ FaultWords words_of(BusFaultKind kind) {
 
 void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_MasterStatus& out) {
   const can::ControllerStatus& bus = master.controller;
-  cansync::dds::copy_text(name(bus.state), out.controller_state);
+  gateway::dds::copy_text(name(bus.state), out.controller_state);
   out.transmit_errors = bus.transmit_errors;
   out.receive_errors = bus.receive_errors;
   const bool delivers = bus.link != can::LinkState::up || bus.delivery == can::Delivery::normal;
-  cansync::dds::copy_text(delivers ? name(bus.link) : name(bus.delivery), out.link_state);
-  cansync::dds::copy_text(name(master.timestamps), out.timestamp_source);
+  gateway::dds::copy_text(delivers ? name(bus.link) : name(bus.delivery), out.link_state);
+  gateway::dds::copy_text(name(master.timestamps), out.timestamp_source);
   out.interface_bit_rate = bus.bits_per_second;
   out.sample_point = link.timing ? link.timing->sample_point : 0u;
   out.restart_time = link.restart_ms ? static_cast<std::int32_t>(*link.restart_ms) : -1;
@@ -60,47 +60,46 @@ void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_
 
 EventText describe_link(const LinkChanged& report, const Config& config) {
   const std::string& interface = config.bus.interface;
-  const auto event = [&report](cansync_EventSeverity severity, EventCode code, std::string text) {
+  const auto event = [&report](gateway_EventSeverity severity, EventCode code, std::string text) {
     return EventText{severity, code, -1, std::move(text), report.when};
   };
   switch (report.to) {
     case can::LinkState::up:
-      return event(cansync_SEVERITY_INFO, "interface_up",
+      return event(gateway_SEVERITY_INFO, "interface_up",
                    fmt::format("{} is up again; {} telegrams were left out", interface, report.left_out));
     case can::LinkState::down:
-      return event(cansync_SEVERITY_ERROR, "interface_down",
+      return event(gateway_SEVERITY_ERROR, "interface_down",
                    fmt::format("{0} is down, nothing is sent; set it up with: {1}", interface,
                                report.bits_per_second == 0 ? fmt::format("ip link set {} up", interface)
                                                            : bit_rate_command(config)));
     case can::LinkState::missing:
-      return event(
-          cansync_SEVERITY_ERROR, "interface_missing",
-          fmt::format("there is no CAN interface {}, nothing is sent; plug the adapter in, or load its "
-                      "driver",
-                      interface));
+      return event(gateway_SEVERITY_ERROR, "interface_missing",
+                   fmt::format("there is no CAN interface {}, nothing is sent; plug the adapter in, or load "
+                               "its driver",
+                               interface));
     case can::LinkState::wrong_bit_rate:
       return event(
-          cansync_SEVERITY_ERROR, "wrong_bit_rate",
+          gateway_SEVERITY_ERROR, "wrong_bit_rate",
           fmt::format("{} is set to {} bit/s instead of {}, nothing is sent; set it with: {}", interface,
                       report.bits_per_second, cansync::slot_times(config.master.bit_rate).bits_per_second,
                       bit_rate_command(config)));
     case can::LinkState::not_one_shot:
       return event(
-          cansync_SEVERITY_ERROR, "not_one_shot",
+          gateway_SEVERITY_ERROR, "not_one_shot",
           fmt::format("{0} is not in one-shot mode, which bus.one_shot demands, nothing is sent; set it "
                       "with: {1}",
                       interface, one_shot_command(config)));
   }
-  return event(cansync_SEVERITY_ERROR, "interface_down", fmt::format("{} is in an unknown state", interface));
+  return event(gateway_SEVERITY_ERROR, "interface_down", fmt::format("{} is in an unknown state", interface));
 }
 
 EventText describe_fault(const BusFault& report) {
   const FaultWords words = words_of(report.kind);
   if (report.over) {
-    return {cansync_SEVERITY_INFO, words.over, -1,
+    return {gateway_SEVERITY_INFO, words.over, -1,
             fmt::format("no longer: {}; it happened {} times", words.what, report.count), report.when};
   }
-  return {cansync_SEVERITY_WARNING, words.begun, -1, fmt::format("{}; {}", words.what, words.remedy),
+  return {gateway_SEVERITY_WARNING, words.begun, -1, fmt::format("{}; {}", words.what, words.remedy),
           report.when};
 }
 
@@ -108,13 +107,13 @@ EventText describe_delivery(const DeliveryChanged& report, const Config& config)
   const std::string& interface = config.bus.interface;
   switch (report.to) {
     case can::Delivery::normal:
-      return {cansync_SEVERITY_INFO, "delivered_again", -1,
+      return {gateway_SEVERITY_INFO, "delivered_again", -1,
               fmt::format("telegrams are on the bus again; {} were handed over in vain, {} were left out",
                           report.never_sent, report.left_out),
               report.when};
     case can::Delivery::unacknowledged:
       return {
-          cansync_SEVERITY_ERROR, "not_delivered", -1,
+          gateway_SEVERITY_ERROR, "not_delivered", -1,
           fmt::format("nobody on the bus of {} acknowledges: no telegram was on it for two intervals; check "
                       "the cable, both terminating resistors, the power and the bit rate of the drives",
                       interface),
@@ -123,7 +122,7 @@ EventText describe_delivery(const DeliveryChanged& report, const Config& config)
       break;
   }
   return {
-      cansync_SEVERITY_ERROR, "not_emptied", -1,
+      gateway_SEVERITY_ERROR, "not_emptied", -1,
       fmt::format("{0} could not be reset: what was handed over before nobody acknowledged stands in its "
                   "controller and goes out when somebody does, and nothing else is sent before; empty it as "
                   "root: ip link set {0} down && ip link set {0} up; for the next time: one-shot mode ({1}), "

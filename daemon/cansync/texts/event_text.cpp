@@ -14,17 +14,17 @@ namespace {
 
 using Code = cansync::MasterEvent::Code;
 
-cansync_EventSeverity severity_of(Code code) noexcept {
+gateway_EventSeverity severity_of(Code code) noexcept {
   switch (code) {
     case Code::slave_lost:
     case Code::slave_check_failed:
     case Code::second_master:
-      return cansync_SEVERITY_ERROR;
+      return gateway_SEVERITY_ERROR;
     case Code::slave_not_synchronized:
     case Code::references_stopped:
     case Code::references_too_old:
     case Code::references_held:
-      return cansync_SEVERITY_WARNING;
+      return gateway_SEVERITY_WARNING;
     case Code::slave_responds:
     case Code::slave_returned:
     case Code::slave_checked:
@@ -35,7 +35,7 @@ cansync_EventSeverity severity_of(Code code) noexcept {
     case Code::second_master_gone:
       break;
   }
-  return cansync_SEVERITY_INFO;
+  return gateway_SEVERITY_INFO;
 }
 
 std::string check_failed_text(const std::string& who, const cansync::MasterEvent& event,
@@ -47,9 +47,8 @@ std::string check_failed_text(const std::string& who, const cansync::MasterEvent
     found = cansync::name(event.outcome);
   }
   return fmt::format(
-      "{} stays held out: {}, expected {} (0x{:X}), {}; set it right, then: cansync "
-      "release {}",
-      who, parameter_label(config, event.slave->value(), event.detail), event.expected, event.expected, found,
+      "{} stays held out: {}, expected {} (0x{:X}), {}; set it right, then: cansync release {}", who,
+      parameter_label(config, event.slave->value(), event.detail), event.expected, event.expected, found,
       event.slave->value());
 }
 
@@ -83,8 +82,7 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
       if (event.expected == 0) {
         return fmt::format(
             "reference values of telegram {} are too old: before their release began they had waited until "
-            "they "
-            "were older than {} ms (failsafe.reference_max_age_ms)",
+            "they were older than {} ms (failsafe.reference_max_age_ms)",
             event.detail, config.failsafe.reference_max_age.count());
       }
       return fmt::format(
@@ -124,7 +122,7 @@ struct Describer {
   const Config& config;
 
   std::optional<EventText> operator()(const StateChanged& report) const {
-    return EventText{cansync_SEVERITY_INFO, "state_changed", -1,
+    return EventText{gateway_SEVERITY_INFO, "state_changed", -1,
                      fmt::format("state '{}' to '{}' on '{}'", cansync::name(report.from),
                                  cansync::name(report.to), cansync::name(report.command)),
                      report.when};
@@ -138,25 +136,25 @@ struct Describer {
     return event;
   }
   std::optional<EventText> operator()(const SyncsMissed& report) const {
-    return EventText{cansync_SEVERITY_WARNING, "syncs_missed", -1,
+    return EventText{gateway_SEVERITY_WARNING, "syncs_missed", -1,
                      fmt::format("{} SYNC edges were skipped: the realtime thread came too late; give it a "
                                  "realtime priority and a processor of its own",
                                  report.count),
                      report.when};
   }
   std::optional<EventText> operator()(const ControllerChanged& report) const {
-    auto severity = cansync_SEVERITY_WARNING;
-    if (report.to == can::ControllerState::bus_off) severity = cansync_SEVERITY_ERROR;
-    if (report.to == can::ControllerState::error_active) severity = cansync_SEVERITY_INFO;
+    auto severity = gateway_SEVERITY_WARNING;
+    if (report.to == can::ControllerState::bus_off) severity = gateway_SEVERITY_ERROR;
+    if (report.to == can::ControllerState::error_active) severity = gateway_SEVERITY_INFO;
     return EventText{severity, "controller_changed", -1,
                      fmt::format("CAN controller {} to {}", name(report.from), name(report.to)), report.when};
   }
   std::optional<EventText> operator()(const SendingChanged& report) const {
     if (report.result == can::SendResult::queued) {
-      return EventText{cansync_SEVERITY_INFO, "sending_restored", -1,
+      return EventText{gateway_SEVERITY_INFO, "sending_restored", -1,
                        fmt::format("telegrams are sent again; {} were left out", report.failed), report.when};
     }
-    return EventText{cansync_SEVERITY_ERROR, "sending_failed", -1,
+    return EventText{gateway_SEVERITY_ERROR, "sending_failed", -1,
                      fmt::format("telegrams cannot be sent: {}", remedy_of(report.result)), report.when};
   }
   std::optional<EventText> operator()(const SyncSourceChanged& report) const {

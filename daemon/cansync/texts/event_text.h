@@ -24,7 +24,7 @@ struct RequestRecord {
 
 /// One event before it is numbered and published.
 struct EventText {
-  cansync_EventSeverity severity = cansync_SEVERITY_INFO;
+  gateway_EventSeverity severity = gateway_SEVERITY_INFO;
   EventCode code;
   int slave = -1;  ///< 0..31; -1: none
   std::string text;

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "cansync/dds/validate.h"
 #include "cansync/mode.h"
 #include "daemon/cansync/texts/bus_text.h"
-#include "dds/validate.h"
 
 namespace cansyncd {
 namespace {
@@ -92,8 +92,7 @@ std::string mapping_changed(const Request& request, const RefusalContext& contex
   return fmt::format(
       "mapping_number {}: the values were made for another mapping of the reference values than the one in "
       "force, which is number {} (MasterStatus.mapping_number); look at `cansync map`, and let the program "
-      "take "
-      "up its telegrams again (ReferenceWriter::take_up), or start it again",
+      "take up its telegrams again (ReferenceWriter::take_up), or start it again",
       update != nullptr ? update->mapping_number : 0, context.mapping_number);
 }
 
@@ -174,8 +173,7 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
     case Refusal::too_old:
       return fmt::format(
           "age: more than {} ms when they came to the line, as when the daemon was suspended; at most {} ms "
-          "are "
-          "allowed (failsafe.reference_max_age_ms); write fresh values",
+          "are allowed (failsafe.reference_max_age_ms); write fresh values",
           config.failsafe.reference_max_age.count(), config.failsafe.reference_max_age.count());
     case Refusal::mapping_changed:
       return mapping_changed(request, context);
@@ -220,8 +218,8 @@ std::string too_many_requests(std::size_t open, std::size_t most) {
 
 std::string too_many_bytes_of_client(std::size_t bytes, std::size_t open_bytes, std::size_t most) {
   return fmt::format(
-      "length {}: open transfers of this client have {} bytes, at most {} are allowed; wait for a reply "
-      "first",
+      "length {}: open transfers of this client have {} bytes, at most {} are allowed; wait for a "
+      "reply first",
       bytes, open_bytes, most);
 }
 

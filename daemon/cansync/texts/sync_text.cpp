@@ -28,20 +28,20 @@ EventText sync_event(const SyncSourceChanged& report, const Config& config) {
   const auto missing = std::chrono::duration<double, std::milli>(report.missing).count();
   switch (report.to) {
     case LockState::locked:
-      return {cansync_SEVERITY_INFO, "sync_locked", -1,
+      return {gateway_SEVERITY_INFO, "sync_locked", -1,
               report.missing > can::Time{0}
                   ? fmt::format("the timeline follows the {} again; its edges were missing for {:.1f} ms",
                                 source, missing)
                   : fmt::format("the timeline follows the {}", source),
               report.when};
     case LockState::holdover:
-      return {cansync_SEVERITY_WARNING, "sync_holdover", -1,
+      return {gateway_SEVERITY_WARNING, "sync_holdover", -1,
               fmt::format("edges of the {} have been missing for {:.1f} ms; the timeline holds over for up "
                           "to {} ms",
                           source, missing, config.sync.holdover.count()),
               report.when};
     case LockState::lost:
-      return {cansync_SEVERITY_ERROR, "sync_lost", -1,
+      return {gateway_SEVERITY_ERROR, "sync_lost", -1,
               fmt::format("edges of the {} have been missing for {:.1f} ms; the timeline goes on by itself; "
                           "check the source and its wiring",
                           source, missing),
@@ -50,7 +50,7 @@ EventText sync_event(const SyncSourceChanged& report, const Config& config) {
       break;
   }
   const bool jumped = report.from != LockState::lost;
-  return {jumped ? cansync_SEVERITY_WARNING : cansync_SEVERITY_INFO, "sync_searching", -1,
+  return {jumped ? gateway_SEVERITY_WARNING : gateway_SEVERITY_INFO, "sync_searching", -1,
           jumped ? fmt::format("the {} has jumped; the timeline moves to its new phase", source)
                  : fmt::format("edges of the {} arrive again; the timeline moves towards them", source),
           report.when};
@@ -59,7 +59,7 @@ EventText sync_event(const SyncSourceChanged& report, const Config& config) {
 EventText sync_event(const SyncDeviceChanged& report, const Config& config) {
   const std::string_view what = report.output ? "SYNC output" : "SYNC input";
   if (report.error == 0) {
-    return {cansync_SEVERITY_INFO,
+    return {gateway_SEVERITY_INFO,
             report.output ? EventCode("sync_output_restored") : EventCode("sync_input_restored"), -1,
             report.output ? fmt::format("the {} works again; {} edges could not be made since the start",
                                         what, report.failures)
@@ -70,7 +70,7 @@ EventText sync_event(const SyncDeviceChanged& report, const Config& config) {
       report.error == SyncLine::kNotSent
           ? std::string("the bus takes no software SYNC frame; see the events of the controller")
           : sync_line::reason_and_remedy(sync_device(config, report.output), report.error);
-  return {cansync_SEVERITY_ERROR,
+  return {gateway_SEVERITY_ERROR,
           report.output ? EventCode("sync_output_failed") : EventCode("sync_input_failed"), -1,
           fmt::format("the {} fails: {}", what, reason), report.when};
 }

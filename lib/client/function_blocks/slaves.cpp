@@ -29,8 +29,7 @@ Mapping mapping_of(const SINT_4_BMARRAY& one, const BOOL_4_BMARRAY& high_one, co
     if (number < 0 || number > 7) {
       mapping.problem = fmt::format(
           "client: word {} of telegram {}: value number {} is out of range; allowed 0..3 in telegram 1, 4..7 "
-          "in "
-          "telegram 2, -1 for none",
+          "in telegram 2, -1 for none",
           word % 4, word / 4 + 1, number);
       return;
     }

@@ -195,13 +195,11 @@ TEST_F(TraceVerb, ManyProblemsAreOnlyCounted) {
 
 TEST_F(TraceVerb, AnotherSyncIdentifierAndJson) {
   write("(1.000000) can0 081#\n(1.000300) can0 101#0100\n");
-  EXPECT_EQ(trace({"--sync", "0x81", "--json"}).data,
-            "{\"time_us\":1000000,\"after_sync_us\":0,\"interface\":\"can0\",\"identifier\":129,\"channel\":"
-            "\"SYNC\","
-            "\"slave\":null,\"data\":[],\"text\":\"edge\"}\n"
-            "{\"time_us\":1000300,\"after_sync_us\":300,\"interface\":\"can0\",\"identifier\":257,"
-            "\"channel\":\"WRC1\","
-            "\"slave\":1,\"data\":[1,0],\"text\":\"reference values, asks slave 1: word 0x0001\"}\n");
+  EXPECT_EQ(
+      trace({"--sync", "0x81", "--json"}).data,
+      "{\"time_us\":1000000,\"after_sync_us\":0,\"interface\":\"can0\",\"identifier\":129,\"channel\":\"SYNC\",\"slave\":null,\"data\":[],\"text\":\"edge\"}\n"
+      "{\"time_us\":1000300,\"after_sync_us\":300,\"interface\":\"can0\",\"identifier\":257,\"channel\":\"WRC1\",\"slave\":1,\"data\":[1,0],\"text\":\"reference "
+      "values, asks slave 1: word 0x0001\"}\n");
 }
 
 TEST_F(TraceVerb, WhatCannotBeReadIsSaid) {

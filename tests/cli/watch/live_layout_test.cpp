@@ -25,7 +25,7 @@ client::Timing timing(std::uint32_t seconds) {
   return timing;
 }
 
-client::Event event(const char* code, const char* text, cansync_EventSeverity severity) {
+client::Event event(const char* code, const char* text, gateway_EventSeverity severity) {
   client::Event event = {};
   event.time = kNoon;
   event.severity = severity;
@@ -47,7 +47,7 @@ TEST_F(LiveLayout, ShowsTheLine) {
   for (int i = 0; i < 4; ++i) rig.look(i);
   rig.model.take(timing(1));
   rig.model.take(timing(2));
-  rig.model.take(event("slave_lost", "slave 2 'infeed' does not answer", cansync_SEVERITY_ERROR));
+  rig.model.take(event("slave_lost", "slave 2 'infeed' does not answer", gateway_SEVERITY_ERROR));
   EXPECT_EQ(
       rig.screen({}, kWide),
       (Lines{
@@ -88,7 +88,7 @@ TEST_F(LiveLayout, EveryLineFitsOnEveryScreen) {
   for (int i = 0; i < 70; ++i) rig.look(-1e9 * i);
   rig.model.take(timing(1));
   for (int i = 0; i < 200; ++i)
-    rig.model.take(event("a_code_that_is_long", std::string(150, 'x').c_str(), cansync_SEVERITY_INFO));
+    rig.model.take(event("a_code_that_is_long", std::string(150, 'x').c_str(), gateway_SEVERITY_INFO));
   EXPECT_EQ(rig.model.events().size(), kLiveEvents);
   ViewState help;
   help.help = true;

@@ -1,6 +1,6 @@
 // CANsync_BC_MA0, BC_MA1 and BC_MA2, sentence by sentence of sections 4.2 to 4.4 of the application manual.
 #include "block_rig.h"
-#include "sim/drive_parameters.h"
+#include "cansync/sim/drive_parameters.h"
 
 namespace cansync::client::function_blocks {
 namespace {

@@ -1,6 +1,6 @@
 // CANsync_PAR_READ_MA, sentence by sentence of section 4.12 of the application manual.
 #include "block_rig.h"
-#include "sim/drive_parameters.h"
+#include "cansync/sim/drive_parameters.h"
 
 namespace cansync::client::function_blocks {
 namespace {

@@ -38,8 +38,8 @@ TEST(WrongConfig, WhatIsNoTextFileIsRefusedUnread) {
   fs::resize_file(big, std::uintmax_t{100} * 1024 * 1024);
   EXPECT_EQ(problem_of(big.c_str()),
             big.string() +
-                ": cannot read this file: it has over 262144 bytes; allowed: a text file of up to "
-                "262144 bytes\n");
+                ": cannot read this file: it has over 262144 bytes; allowed: a text file of up to 262144 "
+                "bytes\n");
   fs::remove(big);
 }
 

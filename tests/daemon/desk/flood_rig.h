@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "cansync/dds/topics.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "support/gateway_rig.h"
@@ -44,7 +45,7 @@ class CountedJournal : public JournalSink {
 /// client. Every third read names a slave that there is not.
 class Flood {
  public:
-  explicit Flood(const cansync::dds::Participant& participant)
+  explicit Flood(const gateway::dds::Participant& participant)
       : reads_(participant), commands_(participant) {}
 
   /// Begins to write `pairs` more of each kind.
@@ -79,8 +80,8 @@ class Flood {
     if (commands_.write(mode) == DDS_RETCODE_OK) ++written_;
   }
 
-  cansync::dds::Writer<cansync_ParameterRequest> reads_;
-  cansync::dds::Writer<cansync_Command> commands_;
+  gateway::dds::Writer<cansync_ParameterRequest> reads_;
+  gateway::dds::Writer<cansync_Command> commands_;
   std::uint64_t number_ = 1;
   std::uint64_t written_ = 0;
   std::atomic<bool> ending_{false};
@@ -131,7 +132,7 @@ class FloodRig {
       command_code_.reset();
       if (!serve_until([&] { return read_code_ && command_code_; })) return false;
       // Refused as long as too many others are open.
-    } while (read_code_ != cansync_REPLY_DONE || command_code_ != cansync_REPLY_DONE);
+    } while (read_code_ != gateway_REPLY_DONE || command_code_ != gateway_REPLY_DONE);
     // Those that were refused unread are answered after those that were read.
     return serve_until([&] { return answered_ >= flood_.written(); }) && serve_other();
   }
@@ -183,8 +184,8 @@ class FloodRig {
   std::uint64_t others_ = 0;
   std::uint64_t other_done_ = 0;
   std::uint64_t last_read_ = 0;  ///< number of the read that ends a flood; its command has the next
-  std::optional<cansync_ReplyCode> read_code_;
-  std::optional<cansync_ReplyCode> command_code_;
+  std::optional<gateway_ReplyCode> read_code_;
+  std::optional<gateway_ReplyCode> command_code_;
   std::uint64_t answered_ = 0;
 };
 

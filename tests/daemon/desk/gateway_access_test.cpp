@@ -72,7 +72,7 @@ TEST(ReadOnly, WritesDownloadsAndEveryCommandAreRefusedAndReadsAndUploadsGoOn) {
   std::uint64_t number = 1;
   const auto expect_refused = [](const auto& reply) {
     ASSERT_TRUE(reply);
-    EXPECT_EQ(reply->code, cansync_REPLY_REFUSED);
+    EXPECT_EQ(reply->code, gateway_REPLY_REFUSED);
     EXPECT_NE(std::string_view(reply->reason).find("access.read_only"), std::string_view::npos);
   };
   rig.client.write(parameter(number, true, 5));
@@ -80,7 +80,7 @@ TEST(ReadOnly, WritesDownloadsAndEveryCommandAreRefusedAndReadsAndUploadsGoOn) {
   rig.client.write(download(number));
   const auto transfer = rig.transfer_reply(number++);
   ASSERT_TRUE(transfer);
-  EXPECT_EQ(transfer->reply.code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(transfer->reply.code, gateway_REPLY_REFUSED);
   for (const auto kind : kCommands) {
     rig.client.write(command(number, kind));
     expect_refused(rig.client.reply<cansync_CommandReply>(number++));
@@ -95,13 +95,13 @@ TEST(ReadOnly, WritesDownloadsAndEveryCommandAreRefusedAndReadsAndUploadsGoOn) {
   rig.answer(ParameterDone{read.id, {.value = 7}});
   const auto answered = rig.client.reply<cansync_ParameterReply>(number++);
   ASSERT_TRUE(answered);
-  EXPECT_EQ(answered->code, cansync_REPLY_DONE);
+  EXPECT_EQ(answered->code, gateway_REPLY_DONE);
   rig.client.write(upload(number));
   const auto up = rig.expect_request<cansync::TransferRequest>();
   rig.answer(TransferDone{up.id, {.bytes = 4}});
   const auto uploaded = rig.transfer_reply(number);
   ASSERT_TRUE(uploaded);
-  EXPECT_EQ(uploaded->reply.code, cansync_REPLY_DONE);
+  EXPECT_EQ(uploaded->reply.code, gateway_REPLY_DONE);
 }
 
 cansync_ReferenceValues reference_values(std::uint8_t telegram) {
@@ -116,11 +116,11 @@ cansync_ReferenceValues reference_values(std::uint8_t telegram) {
 
 TEST(ReadOnly, ReferenceValuesAreRefusedWithOneEventAndStatusTellsWhy) {
   GatewayRig rig(read_only_config());
-  cansync::dds::DataSignal signal;
-  cansync::dds::Writer<cansync_ReferenceValues> writer(rig.client.participant(), 0, &signal);
+  gateway::dds::DataSignal signal;
+  gateway::dds::Writer<cansync_ReferenceValues> writer(rig.client.participant(), 0, &signal);
   ASSERT_TRUE(eventually(signal, [&] { return writer.matched() > 0; }));
   ASSERT_EQ(writer.write(reference_values(1)), DDS_RETCODE_OK);
-  const auto refused = rig.client.wait_for<cansync_Event>(
+  const auto refused = rig.client.wait_for<gateway_Event>(
       [](const auto& e) { return std::string_view(e.code) == "reference_refused"; });
   ASSERT_TRUE(refused);
   EXPECT_NE(std::string_view(refused->text).find("access.read_only"), std::string_view::npos);
@@ -138,7 +138,7 @@ TEST(ReadOnly, SwitchedOnByReloadItWithdrawsReferenceValuesAndSwitchedOffItTakes
   rig.client.write(parameter(1, true));
   const auto refused = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(refused);
-  EXPECT_EQ(refused->code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(refused->code, gateway_REPLY_REFUSED);
 
   rig.client.all<cansync_MasterStatus>().clear();
   rig.gateway->reload(gateway_config());

@@ -162,13 +162,13 @@ TEST(Audit, RefusedRequestsAreRecordedWithTheReasonAndAsEvents) {
   EXPECT_EQ(all[0].field("SLAVE"), "9");
   EXPECT_NE(all[0].field("CANSYNC_RESULT").find("refused: slave"), std::string::npos) << all[0].message;
   EXPECT_NE(all[1].field("CANSYNC_RESULT").find("refused: state"), std::string::npos) << all[1].message;
-  const auto event = rig.client.wait_for<cansync_Event>(
+  const auto event = rig.client.wait_for<gateway_Event>(
       [](const auto& e) { return std::string_view(e.code) == "request_refused"; });
   ASSERT_TRUE(event);
   EXPECT_STREQ(event->client, "tester");
   EXPECT_STREQ(event->action, "parameter_write");
   EXPECT_STREQ(event->new_value, "5");
-  EXPECT_EQ(event->severity, cansync_SEVERITY_WARNING);
+  EXPECT_EQ(event->severity, gateway_SEVERITY_WARNING);
 }
 
 TEST(Audit, AFloodOfRefusalsIsCountedAndAcceptedRequestsAreNot) {

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "dds/topics.h"
+#include "cansync/dds/topics.h"
 #include "flood_rig.h"
 #include "look_alike.h"
 #include "support/gateway_rig.h"
@@ -26,8 +26,8 @@ template <class T>
 class Forger {
  public:
   Forger(const dds::Participant& participant, const dds_topic_descriptor_t& look_alike)
-      : descriptor_(renamed(look_alike, dds::topic_info<T>().type->m_typename)) {
-    const dds::TopicInfo& info = dds::topic_info<T>();
+      : descriptor_(renamed(look_alike, dds::topic_info<T>.type->m_typename)) {
+    const dds::TopicInfo& info = dds::topic_info<T>;
     topic_ = dds::Entity(dds_create_topic(participant.handle(), &descriptor_, std::string(info.name).c_str(),
                                           nullptr, nullptr));
     writer_ = dds::Entity(
@@ -67,7 +67,7 @@ void expect_served(GatewayRig& rig, std::uint64_t number) {
   rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
   const auto reply = rig.client.reply<cansync_ParameterReply>(number);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  EXPECT_EQ(reply->code, gateway_REPLY_DONE);
 }
 
 bool eventually_rejected(GatewayRig& rig, const std::function<bool(const cansync_MasterStatus&)>& fits) {
@@ -105,7 +105,7 @@ TEST(GatewayBadSamples, UnknownEnumeratorsAreDroppedByDdsAndCounted) {
   command.mode = cansync_MODE_RESTART + 1;
   commands.write(command);
   EXPECT_TRUE(eventually_rejected(rig, [](const auto& status) { return status.rejected_malformed == 5; }));
-  const auto told = rig.client.wait_for<cansync_Event>(
+  const auto told = rig.client.wait_for<gateway_Event>(
       [](const auto& event) { return std::string_view(event.code) == "requests_rejected"; });
   ASSERT_TRUE(told);
   EXPECT_NE(std::string_view(told->text).find("DDS could not read"), std::string_view::npos) << told->text;
@@ -157,7 +157,7 @@ TEST(GatewayBadSamples, ANameOverItsBoundIsDroppedAndCounted) {
 TEST(GatewayBadSamples, WhatElseDdsLogsIsAnEvent) {
   GatewayRig rig;
   dds_log(DDS_LC_WARNING, __FILE__, __LINE__, __func__, "out of paper\n");
-  const auto told = rig.client.wait_for<cansync_Event>(
+  const auto told = rig.client.wait_for<gateway_Event>(
       [](const auto& event) { return std::string_view(event.code) == "dds_message"; });
   ASSERT_TRUE(told);
   EXPECT_EQ(std::string_view(told->text), "DDS says: out of paper");

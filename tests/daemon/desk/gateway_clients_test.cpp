@@ -30,8 +30,8 @@ std::optional<cansync_MasterStatus> status_with(
   return rig.client.wait_for<cansync_MasterStatus>(fits);
 }
 
-std::optional<cansync_Event> event(GatewayRig& rig, std::string_view code) {
-  return rig.client.wait_for<cansync_Event>([&](const auto& e) { return std::string_view(e.code) == code; });
+std::optional<gateway_Event> event(GatewayRig& rig, std::string_view code) {
+  return rig.client.wait_for<gateway_Event>([&](const auto& e) { return std::string_view(e.code) == code; });
 }
 
 TEST(GatewayClients, WhoIsGoneHasItsRequestsCancelled) {
@@ -53,7 +53,7 @@ TEST(GatewayClients, WhoIsGoneHasItsRequestsCancelled) {
   for (std::uint64_t number = 1; number <= 6; ++number) {
     const auto reply = rig.client.reply<cansync_ParameterReply>(number, TestClient::identity(2));
     ASSERT_TRUE(reply) << number;
-    EXPECT_EQ(reply->code, cansync_REPLY_CANCELLED);
+    EXPECT_EQ(reply->code, gateway_REPLY_CANCELLED);
     EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(number, TestClient::identity(2)), 0u);
   }
   const auto gone = event(rig, "client_gone");
@@ -82,7 +82,7 @@ TEST(GatewayClients, ATransferOfWhoIsGoneIsCancelledOnTheSlave) {
   rig.answer(TransferDone{job.id, {.outcome = Outcome::cancelled}});
   const auto answer = rig.transfer_reply(1);
   ASSERT_TRUE(answer);
-  EXPECT_EQ(answer->reply.code, cansync_REPLY_CANCELLED);
+  EXPECT_EQ(answer->reply.code, gateway_REPLY_CANCELLED);
 }
 
 TEST(GatewayClients, ProgramsThatComeAndGoLeaveNothingBehind) {
@@ -112,7 +112,7 @@ TEST(GatewayClients, AnotherProgramsIdentityIsNoKeyToItsJobs) {
   rig.client.write(read_request(1));
   const auto job = rig.expect_request<cansync::ParameterRequest>();
   Other other(rig);
-  other.client.deliver(TestClient::request<cansync_JobCancel>(1));
+  other.client.deliver(TestClient::request<gateway_JobCancel>(1));
   other.client.deliver(read_request(2));
   EXPECT_TRUE(status_with(rig, [](const auto& status) { return status.rejected_identities == 2; }));
   const auto told = event(rig, "requests_rejected");
@@ -122,7 +122,7 @@ TEST(GatewayClients, AnotherProgramsIdentityIsNoKeyToItsJobs) {
   rig.answer(ParameterDone{job.id, {}});
   const auto reply = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  EXPECT_EQ(reply->code, gateway_REPLY_DONE);
   EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(2), 0u);
   // The owner goes on using its numbers.
   rig.client.write(read_request(2));
@@ -137,13 +137,13 @@ TEST(GatewayClients, AStaleRequestIsRefusedAndCounted) {
   rig.client.write_at(request, now - DDS_SECS(60));
   const auto old = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(old);
-  EXPECT_EQ(old->code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(old->code, gateway_REPLY_REFUSED);
   EXPECT_EQ(std::string_view(old->reason).find("stale: written 6"), 0u) << old->reason;
   request.request = 2;
   rig.client.write_at(request, now + DDS_SECS(600));
   const auto future = rig.client.reply<cansync_ParameterReply>(2);
   ASSERT_TRUE(future);
-  EXPECT_EQ(future->code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(future->code, gateway_REPLY_REFUSED);
   EXPECT_EQ(std::string_view(future->reason).find("from the future"), 0u) << future->reason;
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
   EXPECT_TRUE(status_with(rig, [](const auto& status) { return status.rejected_stale == 2; }));
@@ -157,7 +157,7 @@ TEST(GatewayClients, TheAgeOfARequestNeedNotBeLookedAt) {
   rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
   const auto reply = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  EXPECT_EQ(reply->code, gateway_REPLY_DONE);
 }
 
 TEST(GatewayClients, RejectionsAreCountedByKind) {

@@ -51,7 +51,7 @@ TEST(GatewayJobs, AReadReachesTheRealtimeThreadAndIsAnsweredOnce) {
   rig.answer(ParameterDone{job.id, result});
   const auto reply = rig.client.reply<cansync_ParameterReply>(7);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  EXPECT_EQ(reply->code, gateway_REPLY_DONE);
   EXPECT_STREQ(reply->reason, "");
   EXPECT_EQ(reply->value, 0x12345678u);
   EXPECT_TRUE(reply->doubleword);
@@ -74,7 +74,7 @@ TEST(GatewayJobs, ALostSlaveIsNamedInTheReply) {
   rig.answer(ParameterDone{request.id, result});
   const auto reply = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_SLAVE_LOST);
+  EXPECT_EQ(reply->code, gateway_REPLY_SLAVE_LOST);
   const std::string reason = reply->reason;
   EXPECT_TRUE(reason.starts_with("slave " + std::to_string(request.slave.value()))) << reason;
   EXPECT_NE(reason.find("stopped answering"), std::string::npos) << reason;
@@ -82,19 +82,19 @@ TEST(GatewayJobs, ALostSlaveIsNamedInTheReply) {
 
 TEST(GatewayJobs, EveryOutcomeHasItsReplyCode) {
   GatewayRig rig;
-  const std::pair<Outcome, cansync_ReplyCode> outcomes[] = {
-      {Outcome::done, cansync_REPLY_DONE},
-      {Outcome::slave_error, cansync_REPLY_SLAVE_ERROR},
-      {Outcome::timeout, cansync_REPLY_TIMEOUT},
-      {Outcome::no_answer, cansync_REPLY_NO_ANSWER},
-      {Outcome::word_expected, cansync_REPLY_WORD_EXPECTED},
-      {Outcome::doubleword_expected, cansync_REPLY_DOUBLEWORD_EXPECTED},
-      {Outcome::value_too_wide, cansync_REPLY_VALUE_TOO_WIDE},
-      {Outcome::cancelled, cansync_REPLY_CANCELLED},
-      {Outcome::master_stopped, cansync_REPLY_MASTER_STOPPED},
-      {Outcome::slave_lost, cansync_REPLY_SLAVE_LOST},
-      {Outcome::slave_held, cansync_REPLY_REFUSED},
-      {Outcome::replaced, cansync_REPLY_REPLACED},
+  const std::pair<Outcome, gateway_ReplyCode> outcomes[] = {
+      {Outcome::done, gateway_REPLY_DONE},
+      {Outcome::slave_error, gateway_REPLY_SLAVE_ERROR},
+      {Outcome::timeout, gateway_REPLY_TIMEOUT},
+      {Outcome::no_answer, gateway_REPLY_NO_ANSWER},
+      {Outcome::word_expected, gateway_REPLY_WORD_EXPECTED},
+      {Outcome::doubleword_expected, gateway_REPLY_DOUBLEWORD_EXPECTED},
+      {Outcome::value_too_wide, gateway_REPLY_VALUE_TOO_WIDE},
+      {Outcome::cancelled, gateway_REPLY_CANCELLED},
+      {Outcome::master_stopped, gateway_REPLY_MASTER_STOPPED},
+      {Outcome::slave_lost, gateway_REPLY_SLAVE_LOST},
+      {Outcome::slave_held, gateway_REPLY_REFUSED},
+      {Outcome::replaced, gateway_REPLY_REPLACED},
   };
   std::uint64_t number = 1;
   for (const auto& [outcome, code] : outcomes) {
@@ -139,7 +139,7 @@ TEST(GatewayJobs, ADownloadIsGivenToTheRealtimeThreadWithItsData) {
   rig.answer(TransferDone{job.id, result});
   const auto answer = rig.transfer_reply(1);
   ASSERT_TRUE(answer);
-  EXPECT_EQ(answer->reply.code, cansync_REPLY_DONE);
+  EXPECT_EQ(answer->reply.code, gateway_REPLY_DONE);
   EXPECT_EQ(answer->reply.done, 1000u);
   EXPECT_EQ(answer->reply.repeated_telegrams, 2u);
   EXPECT_TRUE(answer->data.empty());
@@ -177,11 +177,11 @@ TEST(GatewayJobs, TheNewestControlWordOfASlaveReplacesWhatWaitsForItsTurn) {
   for (const std::uint64_t number : {5u, 6u}) {
     const auto reply = rig.client.reply<cansync_CommandReply>(number);
     ASSERT_TRUE(reply);
-    EXPECT_EQ(reply->code, cansync_REPLY_REPLACED);
+    EXPECT_EQ(reply->code, gateway_REPLY_REPLACED);
     EXPECT_NE(std::string_view(reply->reason).find("newer control word"), std::string_view::npos);
   }
   rig.answer(CommandDone{given[0], Outcome::replaced});
-  EXPECT_EQ(rig.client.reply<cansync_CommandReply>(1)->code, cansync_REPLY_REPLACED);
+  EXPECT_EQ(rig.client.reply<cansync_CommandReply>(1)->code, gateway_REPLY_REPLACED);
   const auto last = rig.expect_request<cansync::ControlWordRequest>();
   EXPECT_EQ(last.control_word, 0x0006);
   EXPECT_EQ(last.monitoring_time, std::chrono::milliseconds(250));
@@ -206,7 +206,7 @@ TEST(GatewayJobs, AStopReplacesWaitingBroadcastsThatWouldEnableItsSlave) {
   rig.client.write(stop);
   const auto reply = rig.client.reply<cansync_CommandReply>(5);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_REPLACED);
+  EXPECT_EQ(reply->code, gateway_REPLY_REPLACED);
   EXPECT_EQ(rig.expect_request<cansync::ControlWordRequest>().control_word, 0);
 }
 
@@ -283,26 +283,26 @@ TEST(GatewayJobs, MappingCommandsCarryTheRegisterBytes) {
   rig.answer(CommandDone{reference.id, Outcome::done});
   const auto reply = rig.client.reply<cansync_CommandReply>(2);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+  EXPECT_EQ(reply->code, gateway_REPLY_DONE);
 }
 
 TEST(GatewayJobs, CancelGoesToTheJobAndTheJobAnswers) {
   GatewayRig rig;
   rig.client.write(read_request(1));
   const auto job = rig.expect_request<cansync::ParameterRequest>();
-  rig.client.write(TestClient::request<cansync_JobCancel>(1));
+  rig.client.write(TestClient::request<gateway_JobCancel>(1));
   EXPECT_EQ(rig.expect_request<Cancel>().id, job.id);
   cansync::ParameterResult result;
   result.outcome = Outcome::cancelled;
   rig.answer(ParameterDone{job.id, result});
   const auto reply = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_CANCELLED);
+  EXPECT_EQ(reply->code, gateway_REPLY_CANCELLED);
 }
 
 TEST(GatewayJobs, ACancelThatOvertookItsRequestStillCounts) {
   GatewayRig rig;
-  rig.client.deliver(TestClient::request<cansync_JobCancel>(5));
+  rig.client.deliver(TestClient::request<gateway_JobCancel>(5));
   // The pass of the gateway that takes this command takes the cancel too.
   rig.client.write(control_word(1));
   rig.answer(CommandDone{rig.expect_request<cansync::ControlWordRequest>().id, Outcome::done});
@@ -311,7 +311,7 @@ TEST(GatewayJobs, ACancelThatOvertookItsRequestStillCounts) {
   rig.client.write(read_request(5));
   const auto reply = rig.client.reply<cansync_ParameterReply>(5);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_CANCELLED);
+  EXPECT_EQ(reply->code, gateway_REPLY_CANCELLED);
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
 
@@ -326,15 +326,15 @@ TEST(GatewayJobs, StopAnswersEveryOpenRequest) {
   for (std::uint64_t number = 1; number <= 5; ++number) {
     const auto reply = rig.client.reply<cansync_ParameterReply>(number);
     ASSERT_TRUE(reply) << number;
-    EXPECT_EQ(reply->code, cansync_REPLY_MASTER_STOPPED);
+    EXPECT_EQ(reply->code, gateway_REPLY_MASTER_STOPPED);
     EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(number), 0u);
   }
   const auto transfer = rig.transfer_reply(6);
   ASSERT_TRUE(transfer);
-  EXPECT_EQ(transfer->reply.code, cansync_REPLY_MASTER_STOPPED);
+  EXPECT_EQ(transfer->reply.code, gateway_REPLY_MASTER_STOPPED);
   const auto command = rig.client.reply<cansync_CommandReply>(7);
   ASSERT_TRUE(command);
-  EXPECT_EQ(command->code, cansync_REPLY_MASTER_STOPPED);
+  EXPECT_EQ(command->code, gateway_REPLY_MASTER_STOPPED);
 }
 
 TEST(GatewayJobs, ResultsLeftInTheExchangeAreToldWhenItStops) {
@@ -349,8 +349,8 @@ TEST(GatewayJobs, ResultsLeftInTheExchangeAreToldWhenItStops) {
   const auto done = rig.client.reply<cansync_ParameterReply>(1);
   const auto stopped = rig.client.reply<cansync_ParameterReply>(2);
   ASSERT_TRUE(done && stopped);
-  EXPECT_EQ(done->code, cansync_REPLY_DONE);
-  EXPECT_EQ(stopped->code, cansync_REPLY_MASTER_STOPPED);
+  EXPECT_EQ(done->code, gateway_REPLY_DONE);
+  EXPECT_EQ(stopped->code, gateway_REPLY_MASTER_STOPPED);
 }
 
 TEST(GatewayJobs, ManyClientsEachGetTheirOwnReplies) {

@@ -27,11 +27,11 @@ TEST(GatewayJournal, EveryEventThatClientsSeeHasItsEntry) {
   rig.report(BusFault{moment(11), BusFaultKind::overrun, false, 1});
   rig.report(LinkChanged{moment(12), can::LinkState::up, can::LinkState::missing, 0, 0});
   rig.report(StateChanged{moment(13)});
-  ASSERT_TRUE(rig.client.wait_for<cansync_Event>(
+  ASSERT_TRUE(rig.client.wait_for<gateway_Event>(
       [](const auto& e) { return std::string_view(e.code) == "state_changed"; }));
-  const auto& events = rig.client.all<cansync_Event>();
+  const auto& events = rig.client.all<gateway_Event>();
   EXPECT_EQ(events.size(), 21u);
-  for (const cansync_Event& event : events) {
+  for (const gateway_Event& event : events) {
     const KeptJournal::Entry entry = entry_of(rig, event.number);
     EXPECT_EQ(entry.field("EVENT"), event.code);
     EXPECT_EQ(entry.field("BUS"), "testbus");
@@ -40,8 +40,8 @@ TEST(GatewayJournal, EveryEventThatClientsSeeHasItsEntry) {
     EXPECT_EQ(entry.field("PARAMETER"), std::string_view(event.code) == "slave_check_failed" ? "100" : "")
         << event.code;
     EXPECT_NE(entry.message.find(event.text), std::string::npos) << event.code;
-    const LogPriority expected = event.severity == cansync_SEVERITY_ERROR     ? LogPriority::error
-                                 : event.severity == cansync_SEVERITY_WARNING ? LogPriority::warning
+    const LogPriority expected = event.severity == gateway_SEVERITY_ERROR     ? LogPriority::error
+                                 : event.severity == gateway_SEVERITY_WARNING ? LogPriority::warning
                                                                               : LogPriority::info;
     EXPECT_EQ(entry.priority, expected) << event.code;
   }

@@ -83,7 +83,7 @@ TEST(GatewayProfile, AWriteOutsideTheLimitsIsRefusedAndRecordedByName) {
   rig.client.write(parameter(1, true, 51));
   const auto reply = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(reply->code, gateway_REPLY_REFUSED);
   EXPECT_NE(std::string_view(reply->reason).find("allowed: 10..50 rpm"), std::string_view::npos)
       << reply->reason;
   const auto entries = rig.journal.with("CANSYNC_REQUEST", "1");

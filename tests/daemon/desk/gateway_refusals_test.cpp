@@ -38,9 +38,9 @@ cansync_Command good_command(std::uint64_t number, cansync_CommandKind kind = ca
   return command;
 }
 
-void expect_refused(cansync_ReplyCode code, std::string_view reason,
+void expect_refused(gateway_ReplyCode code, std::string_view reason,
                     std::initializer_list<std::string_view> pieces) {
-  EXPECT_EQ(code, cansync_REPLY_REFUSED) << reason;
+  EXPECT_EQ(code, gateway_REPLY_REFUSED) << reason;
   for (const auto piece : pieces)
     EXPECT_NE(reason.find(piece), std::string_view::npos) << piece << " in: " << reason;
 }
@@ -218,7 +218,7 @@ TEST(GatewayRefusals, ANumberThatIsOpenIsNotExecutedTwice) {
   rig.answer(ParameterDone{job.id, {}});
   const auto done = rig.client.reply<cansync_ParameterReply>(5);
   ASSERT_TRUE(done);
-  EXPECT_EQ(done->code, cansync_REPLY_DONE);
+  EXPECT_EQ(done->code, gateway_REPLY_DONE);
   EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(5), 0u);
   // Also when it is answered.
   rig.client.write(good_read(5));
@@ -250,10 +250,10 @@ TEST(GatewayRefusals, AClientHasALimitThatLeavesRoomForOthers) {
   // A reply makes room for one request.
   ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
   rig.client.deliver(good_read(101));
-  rig.client.write(TestClient::request<cansync_JobCancel>(101));
+  rig.client.write(TestClient::request<gateway_JobCancel>(101));
   const auto cancelled = rig.client.reply<cansync_ParameterReply>(101);
   ASSERT_TRUE(cancelled);
-  EXPECT_EQ(cancelled->code, cansync_REPLY_CANCELLED) << cancelled->reason;
+  EXPECT_EQ(cancelled->code, gateway_REPLY_CANCELLED) << cancelled->reason;
 }
 
 TEST(GatewayRefusals, ARequestWaitsWhenTheWayToTheRealtimeThreadIsFull) {
@@ -265,7 +265,7 @@ TEST(GatewayRefusals, ARequestWaitsWhenTheWayToTheRealtimeThreadIsFull) {
     rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
     const auto reply = rig.client.reply<cansync_ParameterReply>(number);
     ASSERT_TRUE(reply);
-    EXPECT_EQ(reply->code, cansync_REPLY_DONE);
+    EXPECT_EQ(reply->code, gateway_REPLY_DONE);
   }
 }
 

@@ -112,7 +112,7 @@ TEST_F(MetricsFileTest, FailuresAreToldOnceAndCounted) {
     auto events = told.wait(1);
     ASSERT_EQ(events.size(), 1u);
     EXPECT_EQ(events[0].code, "metrics_not_written");
-    EXPECT_EQ(events[0].severity, cansync_SEVERITY_WARNING);
+    EXPECT_EQ(events[0].severity, gateway_SEVERITY_WARNING);
     EXPECT_NE(events[0].text.find(path_ + " cannot be written: No such file or directory"), std::string::npos)
         << events[0].text;
     file.write("b\n");

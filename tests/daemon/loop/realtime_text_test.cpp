@@ -23,8 +23,8 @@ TEST(RealtimeText, NamesEverythingThatWasNot) {
   rt::RealtimeSettings settings;
   settings.cpu = 7;
   EXPECT_EQ(realtime_text(settings, {}, "k"),
-            "realtime thread: SCHED_OTHER (priority 60 not granted), any processor (7 not granted), "
-            "memory not locked (not granted), cpu_dma_latency not held (not granted), kernel k");
+            "realtime thread: SCHED_OTHER (priority 60 not granted), any processor (7 not granted), memory "
+            "not locked (not granted), cpu_dma_latency not held (not granted), kernel k");
 }
 
 TEST(RealtimeText, NamesWhatWasNotAskedFor) {

@@ -357,7 +357,7 @@ TEST_F(FlightFolder, TheEventNamesTheFile) {
   const auto told = told_of(settings(), 5);
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].code, "flight_recording");
-  EXPECT_EQ(told[0].severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(told[0].severity, gateway_SEVERITY_INFO);
   EXPECT_EQ(told[0].text,
             (folder / "flight-line_1-19700101T000000.000Z-requested.log").string() +
                 " (requested, interval 0, 5 frames; 0 faults before have no recording of their own)");
@@ -369,7 +369,7 @@ TEST_F(FlightFolder, AFolderThatIsGoneIsAnEventAndTheRecorderGoesOn) {
   const auto told = told_of(gone, 5);
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].code, "flight_recording_failed");
-  EXPECT_EQ(told[0].severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(told[0].severity, gateway_SEVERITY_ERROR);
   EXPECT_NE(told[0].text.find("/gone/flight-line_1-"), std::string::npos) << told[0].text;
   EXPECT_NE(told[0].text.find("No such file or directory"), std::string::npos) << told[0].text;
 }

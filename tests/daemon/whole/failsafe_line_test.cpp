@@ -13,7 +13,7 @@ namespace cansyncd {
 namespace {
 
 std::string ended(WholeRig& rig) {
-  for (const cansync_Event& event : rig.watcher().all<cansync_Event>()) {
+  for (const gateway_Event& event : rig.watcher().all<gateway_Event>()) {
     if (std::string_view(event.code) == "failsafe_control_word_ended") return event.text;
   }
   return {};
@@ -35,7 +35,7 @@ TEST(FailsafeLine, WordsThatStopPassACursorThatServesNobody) {
   rig.run(6);
   EXPECT_TRUE(rig.all_answered(1));
   EXPECT_FALSE(rig.replies().contains(1));
-  EXPECT_EQ(rig.replies().at(2), std::vector{cansync_REPLY_TIMEOUT});
+  EXPECT_EQ(rig.replies().at(2), std::vector{gateway_REPLY_TIMEOUT});
 
   auto stop = command(3, cansync_COMMAND_CONTROL_WORD);
   stop.control_word = 0x0006;
@@ -43,13 +43,13 @@ TEST(FailsafeLine, WordsThatStopPassACursorThatServesNobody) {
   pass_marker(rig);
   rig.run(3);
   EXPECT_TRUE(rig.all_answered(3));
-  EXPECT_EQ(rig.replies().at(1), std::vector{cansync_REPLY_REPLACED});
-  EXPECT_EQ(rig.replies().at(3), std::vector{cansync_REPLY_DONE});
+  EXPECT_EQ(rig.replies().at(1), std::vector{gateway_REPLY_REPLACED});
+  EXPECT_EQ(rig.replies().at(3), std::vector{gateway_REPLY_DONE});
 
   {
-    const cansync::dds::Participant participant(rig.client_place());
-    cansync::dds::DataSignal signal;
-    cansync::dds::Writer<cansync_ReferenceValues> writer(participant, 0, &signal, "winder");
+    const gateway::dds::Participant participant(rig.client_place());
+    gateway::dds::DataSignal signal;
+    gateway::dds::Writer<cansync_ReferenceValues> writer(participant, 0, &signal, "winder");
     ASSERT_TRUE(eventually(signal, [&] { return writer.matched() > 0; }));
     ASSERT_EQ(writer.write(values(1, 1)), DDS_RETCODE_OK);
     ASSERT_TRUE(rig.heard("reference_writer_began"));

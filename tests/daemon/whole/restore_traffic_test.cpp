@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "sim/drive_parameters.h"
+#include "cansync/sim/drive_parameters.h"
 #include "support/virtual_line.h"
 
 namespace cansyncd::test {

@@ -119,7 +119,7 @@ TEST_P(RefusedRequests, HaveExactlyOneReply) {
   const auto codes = only_replies(rig, row.count);
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const bool refused = i + 3 >= row.count;
-    EXPECT_EQ(codes[i], refused ? cansync_REPLY_REFUSED : cansync_REPLY_DONE) << "request " << i + 1;
+    EXPECT_EQ(codes[i], refused ? gateway_REPLY_REFUSED : gateway_REPLY_DONE) << "request " << i + 1;
   }
 }
 
@@ -137,7 +137,7 @@ TEST(TerminalReplies, ANumberUsedTwiceHasTwoAndIsExecutedOnce) {
     return found != rig.replies().end() && found->second.size() >= 2;
   }));
   pass_marker(rig);
-  EXPECT_EQ(rig.replies().at(1), (std::vector{cansync_REPLY_REFUSED, cansync_REPLY_DONE}));
+  EXPECT_EQ(rig.replies().at(1), (std::vector{gateway_REPLY_REFUSED, gateway_REPLY_DONE}));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/drive_parameters.h"
+#include "cansync/sim/drive_parameters.h"
 #include "whole_requests.h"
 
 namespace cansyncd {
@@ -75,7 +75,7 @@ struct Scene {
   std::unique_ptr<Asker>& asker;
 };
 
-using Codes = std::set<cansync_ReplyCode>;
+using Codes = std::set<gateway_ReplyCode>;
 
 /// Something that happens to open requests, and how each kind of them may end.
 struct Cause {
@@ -89,13 +89,13 @@ struct Cause {
   bool daemon_after = true;             ///< the gateway goes on
 };
 
-const Codes kDone = {cansync_REPLY_DONE};
-const Codes kRefused = {cansync_REPLY_REFUSED};
-const Codes kCancelled = {cansync_REPLY_CANCELLED};
-const Codes kTimeout = {cansync_REPLY_TIMEOUT};
-const Codes kStopped = {cansync_REPLY_MASTER_STOPPED};
-const Codes kLost = {cansync_REPLY_SLAVE_LOST};
-const Codes kNoAnswer = {cansync_REPLY_NO_ANSWER};
+const Codes kDone = {gateway_REPLY_DONE};
+const Codes kRefused = {gateway_REPLY_REFUSED};
+const Codes kCancelled = {gateway_REPLY_CANCELLED};
+const Codes kTimeout = {gateway_REPLY_TIMEOUT};
+const Codes kStopped = {gateway_REPLY_MASTER_STOPPED};
+const Codes kLost = {gateway_REPLY_SLAVE_LOST};
+const Codes kNoAnswer = {gateway_REPLY_NO_ANSWER};
 
 using Endings = std::array<Codes, kKinds>;
 
@@ -123,9 +123,9 @@ Codes operator|(const Codes& left, const Codes& right) {
 
 void cancel_all(Scene& scene) {
   for (std::uint64_t number = 1; number < kRequests; ++number) {
-    scene.asker->client.write(TestClient::request<cansync_JobCancel>(number));
+    scene.asker->client.write(TestClient::request<gateway_JobCancel>(number));
   }
-  scene.asker->client.deliver(TestClient::request<cansync_JobCancel>(kRequests));
+  scene.asker->client.deliver(TestClient::request<gateway_JobCancel>(kRequests));
   pass_marker(scene.rig);
 }
 
@@ -287,8 +287,8 @@ TEST(TerminalReplies, ASlavesErrorIsOne) {
   beyond.address = 0x00F00000;
   asker->client.write(beyond);
   EXPECT_EQ(only_replies(rig, 4),
-            (std::vector{cansync_REPLY_SLAVE_ERROR, cansync_REPLY_SLAVE_ERROR,
-                         cansync_REPLY_DOUBLEWORD_EXPECTED, cansync_REPLY_SLAVE_ERROR}));
+            (std::vector{gateway_REPLY_SLAVE_ERROR, gateway_REPLY_SLAVE_ERROR,
+                         gateway_REPLY_DOUBLEWORD_EXPECTED, gateway_REPLY_SLAVE_ERROR}));
 }
 
 /// After the daemon was started anew, the clients that are still there are served.
@@ -303,8 +303,8 @@ TEST(TerminalReplies, TheNextDaemonServesTheSameClient) {
   asker->client.write(transfer(3, 2, 0));
   asker->client.write(command(4, cansync_COMMAND_CONTROL_WORD));
   rig.release();
-  EXPECT_EQ(only_replies(rig, 4), (std::vector{cansync_REPLY_MASTER_STOPPED, cansync_REPLY_DONE,
-                                               cansync_REPLY_DONE, cansync_REPLY_DONE}));
+  EXPECT_EQ(only_replies(rig, 4), (std::vector{gateway_REPLY_MASTER_STOPPED, gateway_REPLY_DONE,
+                                               gateway_REPLY_DONE, gateway_REPLY_DONE}));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/drive_parameters.h"
+#include "cansync/sim/drive_parameters.h"
 #include "sim/faults.h"
 #include "whole_rig.h"
 
@@ -103,10 +103,10 @@ inline void add(WholeRig& rig, sim::FaultKind kind) {
 }
 
 /// Replies to requests 1 to `count`, each of which must have exactly one; the last is waited for.
-inline std::vector<cansync_ReplyCode> only_replies(WholeRig& rig, std::uint64_t count) {
+inline std::vector<gateway_ReplyCode> only_replies(WholeRig& rig, std::uint64_t count) {
   EXPECT_TRUE(rig.all_answered(count));
   pass_marker(rig);
-  std::vector<cansync_ReplyCode> out;
+  std::vector<gateway_ReplyCode> out;
   for (const auto& [number, codes] : rig.replies()) {
     EXPECT_EQ(codes.size(), 1u) << "request " << number;
     out.push_back(codes.front());

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/dds/topics.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "support/gateway_rig.h"
 #include "support/virtual_line.h"
@@ -31,7 +32,7 @@ inline Config whole_config() {
 
 /// A program that asks. Its replies are counted elsewhere; it has the readers a client has.
 struct Asker {
-  explicit Asker(const cansync::dds::ParticipantOptions& place)
+  explicit Asker(const gateway::dds::ParticipantOptions& place)
       : client(place), transfer_replies(client.participant(), &client.signal()) {}
   /// Until the gateway's side is matched on every topic.
   bool wait_for_gateway() {
@@ -39,7 +40,7 @@ struct Asker {
            eventually(client.signal(), [&] { return transfer_replies.matched() > 0; });
   }
   TestClient client;
-  cansync::dds::Reader<cansync_TransferReply> transfer_replies;
+  gateway::dds::Reader<cansync_TransferReply> transfer_replies;
 };
 
 /// The daemon but for its main program: the gateway over real DDS, and the realtime loop with simulated
@@ -47,7 +48,7 @@ struct Asker {
 /// the computer is.
 class WholeRig {
  public:
-  using Codes = std::map<std::uint64_t, std::vector<cansync_ReplyCode>>;
+  using Codes = std::map<std::uint64_t, std::vector<gateway_ReplyCode>>;
 
   /// Comes back in active operation, with time held.
   explicit WholeRig(const Config& config = whole_config())
@@ -105,14 +106,14 @@ class WholeRig {
     daemon_.reset();
   }
   void start_gateway() {
-    daemon_ = std::make_unique<cansync::dds::Participant>(places_.here);
+    daemon_ = std::make_unique<gateway::dds::Participant>(places_.here);
     gateway_ = std::make_unique<Gateway>(config_, line_.exchange(), *daemon_, journal_, kTestDaemon);
     gateway_->start();
     EXPECT_TRUE(watcher_.wait_for_gateway());
   }
 
   /// Where programs look for the gateway.
-  const cansync::dds::ParticipantOptions& client_place() const { return places_.there; }
+  const gateway::dds::ParticipantOptions& client_place() const { return places_.there; }
 
   /// While time is held.
   support::VirtualLine& line() { return line_; }
@@ -131,7 +132,7 @@ class WholeRig {
   /// Waits for an event, also an earlier one.
   bool heard(std::string_view code) {
     return watcher_.client
-        .wait_for<cansync_Event>([&](const auto& event) { return std::string_view(event.code) == code; })
+        .wait_for<gateway_Event>([&](const auto& event) { return std::string_view(event.code) == code; })
         .has_value();
   }
 
@@ -186,7 +187,7 @@ class WholeRig {
   std::uint64_t edges_left_ = 0;
   Asker watcher_;
   std::map<std::uint8_t, Codes> codes_;
-  std::unique_ptr<cansync::dds::Participant> daemon_;
+  std::unique_ptr<gateway::dds::Participant> daemon_;
   std::unique_ptr<Gateway> gateway_;
   std::thread thread_;
 };

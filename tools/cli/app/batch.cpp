@@ -204,10 +204,9 @@ void add_batch_verb(CLI::App& app, Verb& chosen) {
       "A line is what stands behind `cansync`: \"read winder 100\". Words may be quoted with '...' and "
       "\"...\"; # begins a\n"
       "comment; empty lines are left out. Lines may have --json, --timeout and --retry of their own; what "
-      "they do not "
-      "have is\nas given to batch. All lines of a file are looked at before the first one runs: when one is "
-      "wrong, its "
-      "line and\ncolumn are told and nothing is sent. Exit code: that of the first line that failed.");
+      "they do not have is\nas given to batch. All lines of a file are looked at before the first one runs: "
+      "when one is wrong, its line and\ncolumn are told and nothing is sent. Exit code: that of the first "
+      "line that failed.");
   batch->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return batch_verb(session, *texts); }; });
 }

@@ -51,10 +51,9 @@ void add_place_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
 void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
   add_place_options(app, globals, texts);
   app.add_option("--timeout", texts.timeout,
-                 "how long to look for the daemon (default 3, at least 1); with verbs that read or "
-                 "write parameters, with upload, download, control and broadcast, also the monitoring time "
-                 "of each job "
-                 "(default: the daemon's); with wait: how long to wait in all")
+                 "how long to look for the daemon (default 3, at least 1); with verbs that read or write "
+                 "parameters, with upload, download, control and broadcast, also the monitoring time of each "
+                 "job (default: the daemon's); with wait: how long to wait in all")
       ->type_name("SECONDS");
   app.add_option(
          "--retry", texts.retry,

@@ -65,8 +65,7 @@ std::vector<std::string> Session::files(std::string_view pattern, const std::vec
   if (slaves.size() > 1 && !is_file_pattern(pattern)) {
     throw UsageError(
         fmt::format("FILE: found '{}' for {} slaves; allowed: a name with {{slave}} (the number) or {{name}} "
-                    "in it, so that each "
-                    "slave has a file of its own, such as {{name}}.toml",
+                    "in it, so that each slave has a file of its own, such as {{name}}.toml",
                     pattern, slaves.size()));
   }
   std::vector<std::string> files;

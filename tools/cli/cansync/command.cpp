@@ -111,8 +111,7 @@ void add_control(CLI::App& app, Verb& chosen) {
   control->add_option("WORD", texts->word, "control word, 0..65535, also 0x.. or negative")->required();
   control->footer(
       "Done means that it was on the bus: a slave does not answer a control word. One that stops goes first; "
-      "a "
-      "newer\none of the same slave replaces one that waits.");
+      "a newer\none of the same slave replaces one that waits.");
   control->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return control_verb(session, *texts); }; });
 }
@@ -124,8 +123,7 @@ void add_release(CLI::App& app, Verb& chosen) {
   release->add_flag("--force", texts->force, "without its return parameters");
   release->footer(
       "A slave that is synchronized goes through its return parameters once more, and is released when they "
-      "are "
-      "right;\nwith --force it is released at once. One that is not synchronized is told to synchronize "
+      "are right;\nwith --force it is released at once. One that is not synchronized is told to synchronize "
       "again.");
   release->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return release_verb(session, *texts); }; });

@@ -134,8 +134,7 @@ void add_mapping_verb(CLI::App& app, Verb& chosen) {
   auto texts = std::make_shared<MapTexts>();
   map->add_option(
       "TARGET", texts->target,
-      "references (telegrams WRC1, WRC2), or slaves, one or a list (RDC1, RDC2); alone: show their "
-      "mapping");
+      "references (telegrams WRC1, WRC2), or slaves, one or a list (RDC1, RDC2); alone: show their mapping");
   map->add_option("TELEGRAM", texts->telegram, "1 (values 0..3) or 2 (values 4..7)");
   map->add_option(
       "WORD", texts->words,

@@ -51,8 +51,7 @@ Request parse_numbers(Session& session, const ParameterOptions& options) {
   job.timeout_ms = session.monitoring_ms();
   if (!by_number && job.sub_slave != 0) {
     throw UsageError(
-        "PARAMETER: a profile names the parameters of the slave itself; allowed with --sub-slave: "
-        "0..4095");
+        "PARAMETER: a profile names the parameters of the slave itself; allowed with --sub-slave: 0..4095");
   }
   return request;
 }
@@ -259,8 +258,7 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
       "With a name: prints the value in its unit, then name, number and raw value. With a number: prints the "
       "value in\n"
       "decimal, in hexadecimal, its format, and, when its highest bit is set, its signed value; then name "
-      "and "
-      "value in\n"
+      "and value in\n"
       "its unit, when the slave's profile knows them.");
   read->callback([read_options, &chosen] {
     chosen = [read_options](Session& session) { return read_verb(session, *read_options); };
@@ -273,16 +271,15 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
   write
       ->add_option(
           "VALUE", write_options->value,
-          "with a name: in its unit; with a number or --raw: raw, as on the bus, decimal, hexadecimal "
-          "(0x..) or\nnegative")
+          "with a name: in its unit; with a number or --raw: raw, as on the bus, decimal, hexadecimal (0x..) "
+          "or\nnegative")
       ->required();
   add_common(*write, *write_options);
   write->footer(
       "Prints what was written, as `read` does. What the slave's profile does not allow (limits, format, "
       "access) is an\n"
       "error of the command line, and nothing is sent. Without a profile and with --format auto the "
-      "parameter "
-      "is read\n"
+      "parameter is read\n"
       "first, so that it is written in the slave's own format. Exit code 5 after `no_answer`: whether the "
       "slave took the\nvalue is not known.");
   write->callback([write_options, &chosen] {

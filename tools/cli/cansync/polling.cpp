@@ -30,8 +30,8 @@ std::int32_t parse_optional_cursor(Session& session, const std::string& text) {
 client::Polling parse_polling(Session& session, const PollTexts& texts) {
   if (texts.pairs.size() % 2 != 0)
     throw UsageError(
-        fmt::format("poll: found '{}' without a slave; allowed: pairs of CHANNEL (1 or 2) and SLAVE, auto "
-                    "or nobody, such as 1 auto 2 nobody",
+        fmt::format("poll: found '{}' without a slave; allowed: pairs of CHANNEL (1 or 2) and SLAVE, auto or "
+                    "nobody, such as 1 auto 2 nobody",
                     texts.pairs.back()));
   client::Polling polling;
   for (std::size_t i = 0; i < texts.pairs.size(); i += 2) {

@@ -53,9 +53,9 @@ SlaveProfile load_named(const client::SlaveStatus& slave, const std::string& fol
   if (profile->hash == hash) return {profile, ""};
   constexpr std::size_t kShown = 12;
   return {nullptr,
-          fmt::format("{}: {} is another version of profile '{}' than the daemon uses (SHA-256 {} "
-                      "here, {} there); copy the daemon's file, reload the daemon, or give --profile "
-                      "{} to use this one",
+          fmt::format("{}: {} is another version of profile '{}' than the daemon uses (SHA-256 {} here, {} "
+                      "there); copy the daemon's file, reload the daemon, or give --profile {} to use this "
+                      "one",
                       slave_text(slave), file.path, name, profile->hash.substr(0, kShown),
                       hash.substr(0, kShown), file.path)};
 }
@@ -105,8 +105,7 @@ NamedParameter find_parameter(std::string_view text, const SlaveProfile& profile
   if (parameter != nullptr) return {parameter->number, parameter, true};
   throw UsageError(
       fmt::format("PARAMETER: profile '{}' has no parameter '{}'; allowed: 0..4095 or a name, `cansync "
-                  "params SLAVE` lists "
-                  "them",
+                  "params SLAVE` lists them",
                   profile.profile->name, text));
 }
 

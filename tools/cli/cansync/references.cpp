@@ -90,8 +90,8 @@ Pace parse_pace(const SetTexts& texts, const client::MasterStatus& status) {
   const double needed = std::ceil(kPeriodsReleased * 1e9 / rate / interval);
   if (needed > static_cast<double>(kMostIntervals))
     throw UsageError(fmt::format(
-        "--rate: found '{}'; allowed without --release: {:.3g} Hz and more, so that a sample "
-        "need not be released for over {} intervals",
+        "--rate: found '{}'; allowed without --release: {:.3g} Hz and more, so that a sample need not be "
+        "released for over {} intervals",
         texts.rate, kPeriodsReleased * 1e9 / interval / static_cast<double>(kMostIntervals), kMostIntervals));
   pace.release = static_cast<std::uint32_t>(needed);
   return pace;
@@ -129,7 +129,7 @@ class Complaints {
   void take(const client::Event& event) {
     const auto since =
         std::chrono::duration_cast<std::chrono::nanoseconds>(since_.time_since_epoch()).count();
-    if (event.severity == cansync_SEVERITY_INFO || event.time < since) return;
+    if (event.severity == gateway_SEVERITY_INFO || event.time < since) return;
     const std::lock_guard lock(mutex_);
     texts_.push_back(fmt::format("{}: {}", event.code, event.text));
   }
@@ -225,8 +225,7 @@ void add_reference_verb(CLI::App& app, Verb& chosen) {
   auto texts = std::make_shared<SetTexts>();
   set->add_option("VALUE=NUMBER", texts->assignments,
                   "reference value 0..7 (or value0..value7, or its configured name) and its raw number: "
-                  "-2147483648..4294967295, "
-                  "decimal or 0x..")
+                  "-2147483648..4294967295, decimal or 0x..")
       ->required();
   set->add_flag("--scaled", texts->scaled, "numbers are in the units of the configuration, e.g. speed=12.5");
   set->add_option("--rate", texts->rate, "samples a second, 0.01..1000 (default 50)")->type_name("HZ");

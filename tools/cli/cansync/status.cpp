@@ -28,7 +28,7 @@ JsonObject value_names(const cansync_ValueName& value) {
 }
 
 /// 32 digits.
-std::string hexadecimal(const cansync_DaemonIdentity& identity) {
+std::string hexadecimal(const std::uint8_t (&identity)[16]) {
   return fmt::format("{:02x}", fmt::join(identity, ""));
 }
 
@@ -204,8 +204,7 @@ std::vector<Table::Column> slave_columns() {
           {"NAME", left, "its configured name"},
           {"STATE", left,
            "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
-           "(its return "
-           "parameters), and held (they are not right; see `events`, then `release`)"},
+           "(its return parameters), and held (they are not right; see `events`, then `release`)"},
           {"RESPONDS", left, "whether it answers"},
           {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
           {"STATUS", left, "its last status word; - = never read since it responds"},

@@ -112,8 +112,7 @@ std::string access_text(const Status& status, unsigned) {
 std::string bus_faults_text(const Status& status, unsigned) {
   return fmt::format(
       "{} error frames, {} not acknowledged, {} restarts; lost: {} for a full send queue, {} in the "
-      "controller, "
-      "{} in the kernel",
+      "controller, {} in the kernel",
       status.error_frames, status.acknowledge_errors, status.restarts, status.queue_full, status.overruns,
       status.dropped_frames);
 }
@@ -131,8 +130,8 @@ std::string open_jobs_text(const Status& status, unsigned) {
 
 std::string clients_text(const Status& status, unsigned) {
   return fmt::format(
-      "{}; requests rejected: {} values, {} limits, {} stale, {} numbers, {} identities, {} malformed, "
-      "{} by the master",
+      "{}; requests rejected: {} values, {} limits, {} stale, {} numbers, {} identities, {} malformed, {} by "
+      "the master",
       status.clients, status.rejected_values, status.rejected_full, status.rejected_stale,
       status.rejected_numbers, status.rejected_identities, status.rejected_malformed, status.rejected_state);
 }

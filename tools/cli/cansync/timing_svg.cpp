@@ -28,13 +28,8 @@ constexpr std::array<std::string_view, kSlotCount> kWords{"answer to a command",
                                                           "actual values 4-7",   "command"};
 
 constexpr std::string_view kStyle =
-    "text{font-family:sans-serif;font-size:14px;fill:#000}"
-    ".title{font-size:20px;font-weight:bold}.name{font-weight:bold}.small{font-size:12px;fill:#333}"
-    ".number{font-family:monospace;font-size:13px;text-anchor:end}.tick{font-size:12px;text-anchor:middle}"
-    ".grid{stroke:#ddd;stroke-width:1}.edge{stroke:#000;stroke-width:1.5;stroke-dasharray:6 3}"
-    ".allowed{fill:#eee}.sent{fill:#333}.received{fill:#fff;stroke:#333;stroke-width:1.5}"
-    ".mean{stroke:#888;stroke-width:2}.planned{fill:#fff;stroke:#000;stroke-width:1.2}"
-    ".latest{stroke:#000;stroke-width:3}";
+    "text{font-family:sans-serif;font-size:14px;fill:#000}.title{font-size:20px;font-weight:bold}.name{font-weight:bold}.small{font-size:12px;fill:#333}.number{font-family:monospace;font-size:13px;text-anchor:end}.tick{font-size:12px;text-anchor:middle}.grid{stroke:#ddd;stroke-width:1}.edge{stroke:#000;stroke-width:1.5;stroke-dasharray:6 "
+    "3}.allowed{fill:#eee}.sent{fill:#333}.received{fill:#fff;stroke:#333;stroke-width:1.5}.mean{stroke:#888;stroke-width:2}.planned{fill:#fff;stroke:#000;stroke-width:1.2}.latest{stroke:#000;stroke-width:3}";
 
 std::string escaped(std::string_view text) {
   std::string out;

@@ -126,8 +126,8 @@ void add_transfer_verbs(CLI::App& app, Verb& chosen) {
   upload
       ->add_option(
           "FILE", upload_options->file,
-          "file to write, replaced when all has come; - = standard output; for several slaves a name "
-          "with {slave} or {name} in it")
+          "file to write, replaced when all has come; - = standard output; for several slaves a name with "
+          "{slave} or {name} in it")
       ->required();
   add_common(*upload, *upload_options);
   upload->footer(

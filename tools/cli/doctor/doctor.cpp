@@ -43,8 +43,7 @@ std::vector<Table::Column> doctor_columns() {
           {"TOPIC", left, "what was looked at", kLongestTopic},
           {"FOUND", left,
            "what is the case, with the figures; the line below says after \"mend:\" which command or setting "
-           "mends "
-           "it"}};
+           "mends it"}};
 }
 
 void show(Output& output, const Table& table, const Finding& finding) {
@@ -66,7 +65,7 @@ ExitCode doctor_verb(Session& session) {
   DoctorInput in;
   in.bus = session.bus();
   in.cli_version = CANSYNC_VERSION;
-  in.data_model = cansync_DATA_MODEL;
+  in.data_model = gateway_DATA_MODEL;
   ask_daemon(session, in);
   // A bus without a name of its own is named like its interface.
   in.interface_name = in.status ? std::string(in.status->bus_interface) : in.bus;
@@ -87,8 +86,7 @@ void add_doctor_verb(CLI::App& app, Verb& chosen) {
       "Looks at the daemon, the bus's interface, the realtime thread's rights, processors, kernel and DDS. "
       "Nothing is\n"
       "changed. Works without a daemon as far as it can. Exit code: 0 all ok, 1 warnings, 8 errors, 6 no "
-      "daemon "
-      "was\nfound.\n" +
+      "daemon was\nfound.\n" +
       columns_help(doctor_columns()));
   doctor->callback([&chosen] { chosen = doctor_verb; });
 }

@@ -14,13 +14,13 @@ namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(50);
 
-std::string_view severity_name(cansync_EventSeverity severity) {
+std::string_view severity_name(gateway_EventSeverity severity) {
   switch (severity) {
-    case cansync_SEVERITY_INFO:
+    case gateway_SEVERITY_INFO:
       return "info";
-    case cansync_SEVERITY_WARNING:
+    case gateway_SEVERITY_WARNING:
       return "warning";
-    case cansync_SEVERITY_ERROR:
+    case gateway_SEVERITY_ERROR:
       return "error";
     default:
       return "unknown";

@@ -156,8 +156,7 @@ void add_wait_verb(CLI::App& app, Verb& chosen) {
       "(default: every configured slave)");
   wait->footer(
       "--timeout is how long to wait in all, also for the daemon (default: until Ctrl-C). Exit code 0: "
-      "reached, 5: not "
-      "within\nthe time, 7: Ctrl-C. What was seen last is said.\n" +
+      "reached, 5: not within\nthe time, 7: Ctrl-C. What was seen last is said.\n" +
       wait_states_help());
   wait->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return wait_verb(session, *texts); }; });

@@ -103,9 +103,9 @@ StyledLine remark_line(const LiveModel& model, const ViewState& state, std::size
   return line.cut(columns);
 }
 
-Style severity_style(cansync_EventSeverity severity) {
-  if (severity == cansync_SEVERITY_ERROR) return Style::bad;
-  return severity == cansync_SEVERITY_WARNING ? Style::warning : Style::plain;
+Style severity_style(gateway_EventSeverity severity) {
+  if (severity == gateway_SEVERITY_ERROR) return Style::bad;
+  return severity == gateway_SEVERITY_WARNING ? Style::warning : Style::plain;
 }
 
 std::vector<StyledLine> event_lines(const LiveModel& model, std::size_t columns, std::size_t rows) {

@@ -100,7 +100,7 @@ void LiveModel::take(const client::Event& event) {
 }
 
 void LiveModel::tell_restart(std::int64_t time, std::string text) {
-  events_.push_back({time, cansync_SEVERITY_WARNING, "daemon_restarted", std::move(text)});
+  events_.push_back({time, gateway_SEVERITY_WARNING, "daemon_restarted", std::move(text)});
   if (events_.size() > kLiveEvents) events_.pop_front();
 }
 

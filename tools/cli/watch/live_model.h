@@ -57,7 +57,7 @@ struct LiveSlave {
 /// One event of the daemon.
 struct LiveEvent {
   std::int64_t time = 0;  ///< CLOCK_REALTIME in ns
-  cansync_EventSeverity severity = cansync_SEVERITY_INFO;
+  gateway_EventSeverity severity = gateway_SEVERITY_INFO;
   std::string code;
   std::string text;
 };

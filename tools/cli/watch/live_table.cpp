@@ -228,8 +228,8 @@ std::string live_help() {
        {"AGE ms", "time since its newest actual value telegram; - = none yet, marked when over 1 s"},
        {"ANSWERS", "its answers on the command channel since the daemon started; on wide screens"},
        {"values",
-        "each mapped value in the unit of its heading, and how it went at the last looks, from the least "
-        "to the greatest value of that time"}});
+        "each mapped value in the unit of its heading, and how it went at the last looks, from the least to "
+        "the greatest value of that time"}});
 }
 
 }  // namespace cansync::cli

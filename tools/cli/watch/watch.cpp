@@ -66,8 +66,7 @@ std::vector<Table::Column> watch_columns() {
           {"AGE ms", right, "time since the slave's newest actual value telegram; - = none yet"},
           {"VALUE n", right,
            "actual value n with its unit, in a column that is headed by its configured name if it has one; - "
-           "= not "
-           "mapped, or its telegram never came"}};
+           "= not mapped, or its telegram never came"}};
 }
 
 /// The table's columns: those values that any of the slaves maps, under their name when all slaves agree on

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "cansync/dds/topics.h"
 #include "daemon/cansync/gateway/failsafe_commands.h"
 #include "daemon/cansync/gateway/gateway_references.h"
 #include "support/gateway_rig.h"
@@ -16,13 +17,13 @@ using cansync::Channel;
 using std::chrono::milliseconds;
 
 std::size_t count(GatewayRig& rig, std::string_view code) {
-  const auto& events = rig.client.all<cansync_Event>();
+  const auto& events = rig.client.all<gateway_Event>();
   return static_cast<std::size_t>(std::count_if(
-      events.begin(), events.end(), [&](const auto& e) { return cansync::dds::text(e.code) == code; }));
+      events.begin(), events.end(), [&](const auto& e) { return gateway::dds::text(e.code) == code; }));
 }
 
-std::string text_of(const std::optional<cansync_Event>& event) {
-  return event ? std::string(cansync::dds::text(event->text)) : "no such event";
+std::string text_of(const std::optional<gateway_Event>& event) {
+  return event ? std::string(gateway::dds::text(event->text)) : "no such event";
 }
 
 /// ReferenceInput alone, at instants that the test makes up.
@@ -47,14 +48,14 @@ class InputRig {
     return typed != nullptr ? std::optional(*typed) : std::nullopt;
   }
 
-  cansync::dds::DataSignal& signal() { return signal_; }
+  gateway::dds::DataSignal& signal() { return signal_; }
 
   TwoPlaces places;
   Exchange exchange;
 
  private:
-  cansync::dds::Participant participant_;
-  cansync::dds::DataSignal signal_;
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
   KeptJournal journal_;
   EventPublisher events_;
 
@@ -70,7 +71,7 @@ class MortalWriter {
  public:
   MortalWriter(TwoPlaces& places, std::int32_t strength) : participant_(places.there) {
     namespace dds = cansync::dds;
-    const dds::TopicInfo& info = dds::topic_info<cansync_ReferenceValues>();
+    const dds::TopicInfo& info = dds::topic_info<cansync_ReferenceValues>;
     const std::string name(info.name);
     topic_ = dds::Entity(dds_create_topic(participant_.handle(), info.type, name.c_str(), nullptr, nullptr));
     const dds::Qos qos = dds::writer_qos(info, strength);
@@ -90,10 +91,10 @@ class MortalWriter {
   }
 
  private:
-  cansync::dds::Participant participant_;
-  cansync::dds::DataSignal signal_;
-  cansync::dds::Entity topic_;
-  cansync::dds::Entity writer_;
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+  gateway::dds::Entity topic_;
+  gateway::dds::Entity writer_;
 };
 
 TEST(GatewayFailsafe, AMissedDeadlineStopsTheReleaseOnceAndNewValuesEndIt) {
@@ -193,15 +194,15 @@ TEST(GatewayFailsafe, AStrongerWriterIsAnnouncedAndTheWeakerWhenItResumes) {
   EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
   weak.write(values(1, 4));
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 4u);
-  ASSERT_TRUE(rig.client.wait_for<cansync_Event>(
+  ASSERT_TRUE(rig.client.wait_for<gateway_Event>(
       [&](const auto&) { return count(rig, "reference_writer_began") == 2; }));
   EXPECT_EQ(count(rig, "reference_writer_lost"), 1u);
   const auto status = rig.client.wait_for<cansync_MasterStatus>([](const auto& s) {
-    return cansync::dds::text(s.reference_release[0].writer).find("conveyor") != std::string_view::npos;
+    return gateway::dds::text(s.reference_release[0].writer).find("conveyor") != std::string_view::npos;
   });
   ASSERT_TRUE(status);
   EXPECT_EQ(status->reference_release[0].strength, 5);
-  EXPECT_EQ(cansync::dds::text(status->reference_release[1].writer), "");
+  EXPECT_EQ(gateway::dds::text(status->reference_release[1].writer), "");
 }
 
 TEST(GatewayFailsafe, AWriterThatDiesIsLostAlsoWhileAWeakerOneIsSilent) {
@@ -255,7 +256,7 @@ TEST(GatewayFailsafe, TheControlWordGoesToTheNamedSlavesAndItsOutcomeIsTold) {
   const auto ended = event(rig, "failsafe_control_word_ended");
   EXPECT_NE(text_of(ended).find("sent to slave 1 'feeder'; not to slave 3 'rewinder': "), std::string::npos)
       << text_of(ended);
-  EXPECT_EQ(ended->severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(ended->severity, gateway_SEVERITY_ERROR);
   const auto recorded = rig.journal.wait_for("CLIENT", "failsafe reaction", 2);
   ASSERT_EQ(recorded.size(), 2u);
   EXPECT_EQ(recorded[0].field("CANSYNC_ACTION"), "control_word");
@@ -282,7 +283,7 @@ TEST(GatewayFailsafe, ValuesThatTheRealtimeThreadFoundTooOldBringTheControlWordT
   }
   const auto ended = event(rig, "failsafe_control_word_ended");
   ASSERT_TRUE(ended);
-  EXPECT_EQ(ended->severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(ended->severity, gateway_SEVERITY_INFO);
   // New values take the release back, and the next outage brings the word again.
   writer.write(values(1, 2));
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
@@ -336,7 +337,7 @@ class RoundRig {
 
  private:
   TwoPlaces places_;
-  cansync::dds::Participant participant_;
+  gateway::dds::Participant participant_;
   EventPublisher events_;
   AuditTrail audit_;
 

@@ -54,8 +54,8 @@ TEST(GatewayReferences, ReleaseStopsForTheTelegramsOfTheWriterThatLeft) {
   EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
   const auto lost = event(rig, "reference_writer_lost");
   ASSERT_TRUE(lost);
-  EXPECT_EQ(lost->severity, cansync_SEVERITY_WARNING);
-  EXPECT_NE(cansync::dds::text(lost->text).find("telegram 1"), std::string_view::npos);
+  EXPECT_EQ(lost->severity, gateway_SEVERITY_WARNING);
+  EXPECT_NE(gateway::dds::text(lost->text).find("telegram 1"), std::string_view::npos);
   // Telegram 2 goes on.
   other.write(values(2, 2));
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
@@ -89,7 +89,7 @@ TEST(GatewayReferences, AStrongWriterThatGivesUpStopsItAlsoWhileAWeakerOneLives)
   EXPECT_EQ(stop.hold, 0u);
   ASSERT_TRUE(event(rig, "reference_given_up"));
   EXPECT_TRUE(rig.client.wait_for<cansync_MasterStatus>(
-      [](const auto& s) { return cansync::dds::text(s.reference_release[0].cause) == "given_up"; }));
+      [](const auto& s) { return gateway::dds::text(s.reference_release[0].cause) == "given_up"; }));
   weak.write(values(1, 4));
   const auto next = rig.expect_request<cansync::ReferenceUpdate>();
   EXPECT_EQ(next.value[0], 4u) << "never one it wrote before";
@@ -121,7 +121,7 @@ TEST(GatewayReferences, ThoseForAnotherStartOfTheDaemonAreRefused) {
   writer.write(old);
   const auto refused = event(rig, "reference_refused");
   ASSERT_TRUE(refused);
-  EXPECT_NE(cansync::dds::text(refused->text).find("another start of the daemon"), std::string_view::npos)
+  EXPECT_NE(gateway::dds::text(refused->text).find("another start of the daemon"), std::string_view::npos)
       << refused->text;
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
   writer.write(values(1, 2));
@@ -167,7 +167,7 @@ TEST(GatewayReferences, BadOnesAreToldAsAnEvent) {
     writer.write(bad);
     const auto refused = event(rig, "reference_refused");
     ASSERT_TRUE(refused);
-    const auto text = cansync::dds::text(refused->text);
+    const auto text = gateway::dds::text(refused->text);
     EXPECT_NE(text.find("telegram " + std::to_string(bad.telegram)), std::string_view::npos) << text;
     EXPECT_NE(text.find(c.field), std::string_view::npos) << text;
     EXPECT_NE(text.find(c.allowed), std::string_view::npos) << text;
@@ -190,13 +190,13 @@ TEST(GatewayReferences, ThoseTheMasterRefusesAreToldOnceAndCounted) {
   rig.exchange.gateway_wake.signal();
   const auto over = event(rig, "reference_refusals_over");
   ASSERT_TRUE(over);
-  EXPECT_NE(cansync::dds::text(over->text).find("3 were before"), std::string_view::npos) << over->text;
-  const auto& events = rig.client.all<cansync_Event>();
-  const auto is_refusal = [](const auto& e) { return cansync::dds::text(e.code) == "reference_refused"; };
+  EXPECT_NE(gateway::dds::text(over->text).find("3 were before"), std::string_view::npos) << over->text;
+  const auto& events = rig.client.all<gateway_Event>();
+  const auto is_refusal = [](const auto& e) { return gateway::dds::text(e.code) == "reference_refused"; };
   ASSERT_EQ(std::count_if(events.begin(), events.end(), is_refusal), 1);
   const auto refused = std::find_if(events.begin(), events.end(), is_refusal);
   EXPECT_EQ(refused->interval, 50u);
-  const auto text = cansync::dds::text(refused->text);
+  const auto text = gateway::dds::text(refused->text);
   EXPECT_NE(text.find("telegram 2"), std::string_view::npos) << text;
   EXPECT_NE(text.find("0x0043"), std::string_view::npos) << text;
   EXPECT_NE(text.find("mode run"), std::string_view::npos) << text;
@@ -235,7 +235,7 @@ TEST(GatewayReferences, StaleOnesAreRefusedByDefault) {
   writer.write_late(values(1, 1), DDS_SECS(5));
   const auto refused = event(rig, "reference_refused");
   ASSERT_TRUE(refused);
-  EXPECT_NE(cansync::dds::text(refused->text).find("at most 500 ms"), std::string_view::npos)
+  EXPECT_NE(gateway::dds::text(refused->text).find("at most 500 ms"), std::string_view::npos)
       << refused->text;
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
@@ -248,7 +248,7 @@ TEST(GatewayReferences, ThoseOfAClockThatIsAheadAreRefused) {
   writer.write_late(values(1, 1), -DDS_SECS(3600));
   const auto refused = event(rig, "reference_refused");
   ASSERT_TRUE(refused);
-  EXPECT_NE(cansync::dds::text(refused->text).find("in the future"), std::string_view::npos) << refused->text;
+  EXPECT_NE(gateway::dds::text(refused->text).find("in the future"), std::string_view::npos) << refused->text;
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
 

@@ -14,12 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "cansync/sim/drive.h"
 #include "cansync/timing.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 #include "daemon/loop/flight_tap.h"
 #include "rt/alloc_counter.h"
 #include "rt/realtime_thread.h"
-#include "sim/drive.h"
 #include "sim/line.h"
 
 namespace {

@@ -5,7 +5,7 @@
 namespace cansyncd {
 namespace {
 
-using cansync::dds::text;
+using gateway::dds::text;
 
 TEST(GatewayState, ActualValuesAreScaledAndNamed) {
   GatewayRig rig;
@@ -133,7 +133,7 @@ TEST(GatewayState, MasterStatusTellsWhatTheRealtimeThreadWasGranted) {
   GatewayRig rig(gateway_config(), {}, wanted, granted);
   const auto status = rig.client.wait_for<cansync_MasterStatus>([](const auto&) { return true; });
   ASSERT_TRUE(status);
-  EXPECT_EQ(status->data_model, static_cast<unsigned>(cansync_DATA_MODEL));
+  EXPECT_EQ(status->data_model, static_cast<unsigned>(gateway_DATA_MODEL));
   EXPECT_EQ(text(status->bus_interface), "sim");
   EXPECT_EQ(status->sample_point_wanted, 600u) << "the PLC's preset";
   EXPECT_FALSE(status->realtime_enforced);
@@ -289,15 +289,15 @@ TEST(GatewayState, TheLast100EventsAreThereForOneWhoComesLate) {
     for (std::uint8_t i = 0; i < cansync::kSlaves; ++i)
       rig.report(EventReport{moment(i), {code, slave(i), 0}});
   }
-  ASSERT_TRUE(rig.client.wait_for<cansync_Event>([](const auto& e) { return e.number == 128; }));
+  ASSERT_TRUE(rig.client.wait_for<gateway_Event>([](const auto& e) { return e.number == 128; }));
 
   TestClient late(rig.places().there);
-  ASSERT_TRUE(late.wait_for<cansync_Event>([](const auto& e) { return e.number == 128; }));
-  const auto& events = late.all<cansync_Event>();
+  ASSERT_TRUE(late.wait_for<gateway_Event>([](const auto& e) { return e.number == 128; }));
+  const auto& events = late.all<gateway_Event>();
   ASSERT_EQ(events.size(), 100u);
   for (std::size_t i = 0; i < events.size(); ++i) EXPECT_EQ(events[i].number, 29 + i);
   EXPECT_EQ(text(events[99].code), "slave_lost");
-  EXPECT_EQ(events[99].severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(events[99].severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(events[99].slave, 31);
   EXPECT_EQ(events[99].time, moment(31).wall_clock.count());
   // Slave 3 of the last round has a name.
@@ -309,8 +309,8 @@ TEST(GatewayState, SkippedSyncEdgesAreToldOnce) {
   for (cansync::IntervalNumber n = 1; n <= 20; ++n) rig.report(SyncsMissed{moment(n), 3});
   rig.report(StateChanged{moment(21)});
   ASSERT_TRUE(
-      rig.client.wait_for<cansync_Event>([](const auto& e) { return text(e.code) == "state_changed"; }));
-  const auto& events = rig.client.all<cansync_Event>();
+      rig.client.wait_for<gateway_Event>([](const auto& e) { return text(e.code) == "state_changed"; }));
+  const auto& events = rig.client.all<gateway_Event>();
   ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(text(events[0].code), "syncs_missed");
   EXPECT_EQ(events[0].interval, 1u);
@@ -335,21 +335,21 @@ TEST(GatewayState, ReloadPublishesNamesAndChangesTheLine) {
       [](const auto& s) { return s.slave == 1 && text(s.name) == "infeed"; });
   ASSERT_TRUE(named);
   EXPECT_DOUBLE_EQ(named->actual_value[0].factor, 2.0);
-  ASSERT_TRUE(rig.client.wait_for<cansync_Event>(
+  ASSERT_TRUE(rig.client.wait_for<gateway_Event>(
       [](const auto& e) { return text(e.code) == "configuration_reloaded"; }));
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 
   // The line may refuse; nobody waits for a reply, so it is an event.
   rig.answer(Refused{mapping.id, cansync::Refusal::mapping});
   rig.answer(CommandDone{polling.id, cansync::Outcome::done});
-  const auto refused = rig.client.wait_for<cansync_Event>(
+  const auto refused = rig.client.wait_for<gateway_Event>(
       [](const auto& e) { return text(e.code) == "configuration_refused"; });
   ASSERT_TRUE(refused);
-  EXPECT_EQ(refused->severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(refused->severity, gateway_SEVERITY_ERROR);
   // Read again without a change: nothing is to be done on the line.
   rig.gateway->reload(config);
   ASSERT_TRUE(eventually(rig.client.signal(), [&] {
-    const auto& events = rig.client.all<cansync_Event>();
+    const auto& events = rig.client.all<gateway_Event>();
     return std::count_if(events.begin(), events.end(),
                          [](const auto& e) { return text(e.code) == "configuration_reloaded"; }) == 2;
   }));

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
 
 namespace cansyncd {
 namespace {
 
-using cansync::dds::copy_text;
+using gateway::dds::copy_text;
 
 /// Samples with a number of its own wherever one is looked for.
 struct Samples {

@@ -54,8 +54,8 @@ TEST(InterfaceRefusal, NamesTheCommandThatSetsTheBitRate) {
   const Config config = can_config();
   EXPECT_EQ(
       interface_refusal(config, can::test::can0(250'000)),
-      "can0 is set to 250000 bit/s, bus.bit_rate is 500000; set it with: ip link set can0 down; ip link "
-      "set can0 type can bitrate 500000 sample-point 0.600; ip link set can0 up");
+      "can0 is set to 250000 bit/s, bus.bit_rate is 500000; set it with: ip link set can0 down; ip link set "
+      "can0 type can bitrate 500000 sample-point 0.600; ip link set can0 up");
   EXPECT_EQ(interface_refusal(config, can::test::can0(500'000)), "");
   EXPECT_EQ(interface_refusal(config, {}), "") << "it may come later";
   can::LinkFacts ethernet = can::test::can0(500'000);
@@ -72,7 +72,7 @@ TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
   using can::LinkState;
   const EventText missing = describe_link({{}, LinkState::up, LinkState::missing, 0, 0}, config);
   EXPECT_EQ(missing.code, "interface_missing");
-  EXPECT_EQ(missing.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(missing.severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(missing.text,
             "there is no CAN interface can0, nothing is sent; plug the adapter in, or load its driver");
   EXPECT_EQ(describe_link({{}, LinkState::up, LinkState::down, 0, 0}, config).text,
@@ -80,7 +80,7 @@ TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
   EXPECT_EQ(describe_link({{}, LinkState::up, LinkState::wrong_bit_rate, 125'000, 0}, config).code,
             "wrong_bit_rate");
   const EventText up = describe_link({{}, LinkState::missing, LinkState::up, 500'000, 42}, config);
-  EXPECT_EQ(up.severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(up.severity, gateway_SEVERITY_INFO);
   EXPECT_EQ(up.text, "can0 is up again; 42 telegrams were left out");
 }
 
@@ -116,7 +116,7 @@ TEST(BusEvents, NobodyAcknowledges) {
   using can::Delivery;
   const EventText begun = describe_delivery({{}, Delivery::normal, Delivery::unacknowledged, 0, 0}, config);
   EXPECT_EQ(begun.code, "not_delivered");
-  EXPECT_EQ(begun.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(begun.severity, gateway_SEVERITY_ERROR);
   EXPECT_NE(begun.text.find("check the cable, both terminating resistors, the power"), std::string::npos);
   const EventText kept =
       describe_delivery({{}, Delivery::unacknowledged, Delivery::not_emptied, 0, 0}, config);
@@ -124,7 +124,7 @@ TEST(BusEvents, NobodyAcknowledges) {
   EXPECT_NE(kept.text.find("ip link set can0 down && ip link set can0 up"), std::string::npos);
   const EventText over = describe_delivery({{}, Delivery::unacknowledged, Delivery::normal, 6, 70}, config);
   EXPECT_EQ(over.code, "delivered_again");
-  EXPECT_EQ(over.severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(over.severity, gateway_SEVERITY_INFO);
   EXPECT_EQ(over.text, "telegrams are on the bus again; 6 were handed over in vain, 70 were left out");
   EXPECT_EQ(describe_link({{}, can::LinkState::up, can::LinkState::not_one_shot, 0, 0}, config).code,
             "not_one_shot");
@@ -133,7 +133,7 @@ TEST(BusEvents, NobodyAcknowledges) {
 TEST(BusEvents, FaultsBeginAndEnd) {
   const EventText begun = describe_fault({{}, BusFaultKind::not_acknowledged, false, 1});
   EXPECT_EQ(begun.code, "not_acknowledged");
-  EXPECT_EQ(begun.severity, cansync_SEVERITY_WARNING);
+  EXPECT_EQ(begun.severity, gateway_SEVERITY_WARNING);
   const EventText over = describe_fault({{}, BusFaultKind::not_acknowledged, true, 50});
   EXPECT_EQ(over.code, "acknowledged");
   EXPECT_EQ(over.text, "no longer: telegrams are acknowledged by nobody; it happened 50 times");

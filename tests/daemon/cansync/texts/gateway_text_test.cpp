@@ -38,8 +38,7 @@ TEST(RefusalText, EachRefusalOfTheMasterSaysWhatIsAllowed) {
   };
   EXPECT_EQ(text(Refusal::wrong_state, ModeRequest{1, Mode::run, false}),
             "state: the master is 'setting up synchronous operation as master' (0x0043); active operation "
-            "can be enabled "
-            "in set-up alone: give mode setup first");
+            "can be enabled in set-up alone: give mode setup first");
   EXPECT_EQ(text(Refusal::slaves_missing, ModeRequest{1, Mode::run, false}),
             "slaves: not yet synchronized and released: slave 0, slave 1 'feeder'; wait for them, or give "
             "mode run with force");
@@ -88,7 +87,7 @@ TEST(EventText, ReportsBecomeEventsWithNames) {
   const auto lost = told(EventReport{{7, {}, {}}, {Code::slave_lost, SlaveNumber::from(1), 0}});
   EXPECT_EQ(lost.code, "slave_lost");
   EXPECT_EQ(lost.slave, 1);
-  EXPECT_EQ(lost.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(lost.severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(lost.text, "slave 1 'feeder' no longer responds; check its power and the bus cable");
   EXPECT_EQ(lost.when->interval, 7u);
   EXPECT_EQ(told(EventReport{{}, {Code::second_master, std::nullopt, 0x105}}).text,
@@ -104,7 +103,7 @@ TEST(EventText, ReportsBecomeEventsWithNames) {
   EXPECT_EQ(told(SyncsMissed{{}, 12}).text.substr(0, 27), "12 SYNC edges were skipped:");
   const auto off =
       told(ControllerChanged{{}, can::ControllerState::error_passive, can::ControllerState::bus_off});
-  EXPECT_EQ(off.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(off.severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(off.text, "CAN controller error-passive to bus-off");
   EXPECT_EQ(told(SendingChanged{{}, can::SendResult::bus_off, 0}).code, "sending_failed");
   EXPECT_EQ(told(SendingChanged{{}, can::SendResult::queued, 17}).text,
@@ -122,7 +121,7 @@ TEST(EventTexts, OfSlavesThatComeAndGo) {
     return *describe(EventReport{{}, event}, config);
   };
   const EventText lost = told({Code::slave_lost, slave, 3});
-  EXPECT_EQ(lost.severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(lost.severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(lost.text,
             "slave 2 'winder' no longer responds, 3 of its jobs ended; check its power and the bus cable");
   EXPECT_EQ(told({Code::slave_lost, slave, 0}).text,
@@ -135,7 +134,7 @@ TEST(EventTexts, OfSlavesThatComeAndGo) {
   EXPECT_EQ(told({Code::slave_released, slave, 1}).text,
             "slave 2 'winder' is released by command, unchecked");
   cansync::MasterEvent failed{Code::slave_check_failed, slave, 1000, 5, 6};
-  EXPECT_EQ(told(failed).severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(told(failed).severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(told(failed).text,
             "slave 2 'winder' stays held out: parameter 1000, expected 5 (0x5), found 6 (0x6); set it right, "
             "then: cansync release 2");
@@ -159,18 +158,18 @@ TEST(EventTexts, TheSyncLineIsToldWithItsRemedy) {
             "the timeline follows the external SYNC");
   const EventText missing = change(LockState::locked, LockState::holdover, 3);
   EXPECT_EQ(missing.code, "sync_holdover");
-  EXPECT_EQ(missing.severity, cansync_SEVERITY_WARNING);
+  EXPECT_EQ(missing.severity, gateway_SEVERITY_WARNING);
   EXPECT_EQ(
       missing.text,
       "edges of the external SYNC have been missing for 3.0 ms; the timeline holds over for up to 1000 ms");
   const EventText back = change(LockState::holdover, LockState::locked, 120);
   EXPECT_EQ(back.code, "sync_locked");
   EXPECT_EQ(back.text, "the timeline follows the external SYNC again; its edges were missing for 120.0 ms");
-  EXPECT_EQ(change(LockState::holdover, LockState::lost, 1003).severity, cansync_SEVERITY_ERROR);
+  EXPECT_EQ(change(LockState::holdover, LockState::lost, 1003).severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(change(LockState::holdover, LockState::lost, 1003).code, "sync_lost");
   EXPECT_EQ(change(LockState::locked, LockState::searching, 0).text,
             "the external SYNC has jumped; the timeline moves to its new phase");
-  EXPECT_EQ(change(LockState::lost, LockState::searching, 0).severity, cansync_SEVERITY_INFO);
+  EXPECT_EQ(change(LockState::lost, LockState::searching, 0).severity, gateway_SEVERITY_INFO);
   EXPECT_EQ(
       told(SyncDeviceChanged{{}, false, ENODEV, 0}).text,
       "the SYNC input fails: /dev/pps0: No such device; plug the hardware in or load its driver, or name "
@@ -183,15 +182,15 @@ TEST(EventTexts, TheSyncLineIsToldWithItsRemedy) {
 TEST(FloodGuard, HoldsBackAndSumsUp) {
   FloodGuard guard;
   SteadyTime now{std::chrono::hours(1)};
-  EventText event{cansync_SEVERITY_INFO, "references_stopped", -1, "", std::nullopt};
+  EventText event{gateway_SEVERITY_INFO, "references_stopped", -1, "", std::nullopt};
   for (unsigned i = 0; i < FloodGuard::kBurst; ++i) EXPECT_TRUE(guard.pass(event, now));
   for (int i = 0; i < 3; ++i) {
     event.text = "number " + std::to_string(i);
     EXPECT_FALSE(guard.pass(event, now));
   }
   // Others are not held back with it.
-  EXPECT_TRUE(guard.pass({cansync_SEVERITY_INFO, "references_stopped", 3, "", std::nullopt}, now));
-  EXPECT_TRUE(guard.pass({cansync_SEVERITY_INFO, "slave_lost", -1, "", std::nullopt}, now));
+  EXPECT_TRUE(guard.pass({gateway_SEVERITY_INFO, "references_stopped", 3, "", std::nullopt}, now));
+  EXPECT_TRUE(guard.pass({gateway_SEVERITY_INFO, "slave_lost", -1, "", std::nullopt}, now));
   EXPECT_FALSE(guard.due(now));
   ASSERT_TRUE(guard.next());
   now = *guard.next();

@@ -1,6 +1,6 @@
 #include <chrono>
 
-#include "sim/drive.h"
+#include "cansync/sim/drive.h"
 
 // What a master's parameter and transfer jobs find behind the drive.
 namespace sim {

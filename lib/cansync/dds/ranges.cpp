@@ -1,4 +1,4 @@
-#include "dds/ranges.h"
+#include "cansync/dds/ranges.h"
 
 #include <fmt/format.h>
 

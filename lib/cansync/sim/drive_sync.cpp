@@ -1,4 +1,4 @@
-#include "sim/drive_sync.h"
+#include "cansync/sim/drive_sync.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "dds/validate.h"
+#include "cansync/dds/validate.h"
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ void expect_texts(const T& good, const std::vector<Case<T>>& cases, const Limits
     entry.change(sample);
     const std::string text = check(sample, limits).value_or("");
     EXPECT_EQ(text, entry.expected);
-    EXPECT_LE(text.size(), std::size_t{cansync_TEXT});
+    EXPECT_LE(text.size(), std::size_t{gateway_TEXT});
   }
 }
 
@@ -124,8 +124,7 @@ TEST(Validate, Upload) {
           {[](R& r) { r.data._length = 4; }, "data of 4 bytes: not with an upload; allowed 0 bytes"},
           {[](R& r) { r.address = 0xFF; },
            "address 0xFF: 0x00..0xFF belong to the slave's operating system; allowed 0x100..0xFFFFFFFF, or "
-           "set "
-           "allow_reserved_addresses"},
+           "set allow_reserved_addresses"},
           {[](R& r) { r.address = 0xFFFFFFFF - 999; }, ""},
           {[](R& r) { r.address = 0xFFFFFFFF - 998; },
            "address 0xFFFFFC19: with length 1000 the end lies at 0x100000000; allowed up to 0xFFFFFFFF"},
@@ -316,7 +315,7 @@ TEST(Explain, EveryRefusalHasAText) {
        refusal <= static_cast<int>(Refusal::mapping); ++refusal) {
     const std::string text = explain(static_cast<Refusal>(refusal), line());
     EXPECT_GT(text.size(), 5u) << refusal;
-    EXPECT_LE(text.size(), std::size_t{cansync_TEXT}) << refusal;
+    EXPECT_LE(text.size(), std::size_t{gateway_TEXT}) << refusal;
   }
   EXPECT_NE(explain(Refusal::queue_full, line()).find("256 parameter jobs and 32 transfers"),
             std::string::npos);

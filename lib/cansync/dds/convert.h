@@ -8,28 +8,20 @@
 #include <string_view>
 
 #include "cansync.h"
+#include "cansync/dds/topics.h"
 #include "cansync/jobs.h"
 #include "cansync/mapping.h"
 #include "cansync/master.h"
 #include "cansync/settings.h"
+#include "dds/bounded_text.h"
+#include "dds/request_key.h"
 
 /// Between the structs of the IDL and those of the core, in one file. Requests must have passed `check`
 /// (validate.h); a field out of range is cut to its type and never read out of bounds. No function allocates
 /// or throws.
 namespace cansync::dds {
 
-/// Copies `text` into a bounded IDL string, cut at the end (at a UTF-8 character) if too long; always
-/// terminated.
-template <std::size_t N>
-void copy_text(std::string_view text, char (&out)[N]) noexcept;
-void copy_text(std::string_view text, char* out, std::size_t size) noexcept;
-
-/// A bounded IDL string.
-template <std::size_t N>
-std::string_view text(const char (&in)[N]) noexcept;
-
-/// --- requests of clients -> core
-/// ---------------------------------------------------------------------------
+// --- requests of clients -> core ---
 
 ParameterRequest to_core(const cansync_ParameterRequest& request, JobId id) noexcept;
 /// `data` is the daemon's buffer for the transfer, as long as the request says.
@@ -50,19 +42,9 @@ std::int32_t to_code(const Cursor& cursor) noexcept;
 std::optional<ProcessMapping> to_mapping(const std::uint8_t (&bytes)[8]) noexcept;
 void to_registers(const ProcessMapping& mapping, std::uint8_t (&bytes)[8]) noexcept;
 
-/// --- core -> replies
-/// ---------------------------------------------------------------------------------------
+// --- core -> replies ---
 
-cansync_ReplyCode to_reply_code(Outcome outcome) noexcept;
-
-/// Who asked, and by which number: all that is to be kept of a request until it is answered.
-struct RequestKey {
-  std::array<std::uint8_t, 16> client = {};
-  std::uint64_t request = 0;
-  friend bool operator==(const RequestKey&, const RequestKey&) = default;
-};
-template <class Request>
-RequestKey key_of(const Request& request) noexcept;
+gateway_ReplyCode to_reply_code(Outcome outcome) noexcept;
 
 /// Terminal replies of jobs; `reason` is filled by what the outcome and the slave's error code mean. The
 /// transfer reply borrows `data` (uploads): it must live until the reply was written, and is never freed by
@@ -80,8 +62,7 @@ cansync_CommandReply command_refused(const RequestKey& key, std::string_view rea
 cansync_TransferProgress transfer_progress(const RequestKey& key, std::uint32_t done,
                                            std::uint32_t total) noexcept;
 
-/// --- core -> state
-/// -----------------------------------------------------------------------------------------
+// --- core -> state ---
 
 /// `names` gives factor and offset of each value; `now` is the running interval; `receive_time` is
 /// CLOCK_REALTIME (ns) of the newest telegram.
@@ -96,25 +77,5 @@ cansync_SlaveStatus slave_status(SlaveNumber slave, std::string_view name, const
 /// Fills what counters and settings tell of the master; the other fields of `out` stay as they are.
 void fill_master_status(const MasterSettings& settings, const MasterCounters& counters, State state,
                         cansync_MasterStatus& out) noexcept;
-
-template <std::size_t N>
-void copy_text(std::string_view text, char (&out)[N]) noexcept {
-  copy_text(text, out, N);
-}
-
-template <std::size_t N>
-std::string_view text(const char (&in)[N]) noexcept {
-  std::size_t length = 0;
-  while (length < N && in[length] != '\0') ++length;
-  return {in, length};
-}
-
-template <class Request>
-RequestKey key_of(const Request& request) noexcept {
-  RequestKey key;
-  for (std::size_t i = 0; i < key.client.size(); ++i) key.client[i] = request.client[i];
-  key.request = request.request;
-  return key;
-}
 
 }  // namespace cansync::dds

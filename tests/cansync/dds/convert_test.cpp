@@ -1,4 +1,4 @@
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
 
 #include <gtest/gtest.h>
 
@@ -134,7 +134,7 @@ TEST(Mappings, RegisterBytesBothWays) {
 }
 
 RequestKey key_with(std::uint64_t request) {
-  cansync_JobCancel sample = {};
+  gateway_JobCancel sample = {};
   sample.client[0] = 0xAA;
   sample.client[15] = 0xBB;
   sample.request = request;
@@ -147,7 +147,7 @@ TEST(Replies, ParameterCarriesKeyResultAndMeaning) {
   EXPECT_EQ(reply.client[0], 0xAA);
   EXPECT_EQ(reply.client[15], 0xBB);
   EXPECT_EQ(reply.request, 77u);
-  EXPECT_EQ(reply.code, cansync_REPLY_DONE);
+  EXPECT_EQ(reply.code, gateway_REPLY_DONE);
   EXPECT_EQ(text(reply.reason), "");
   EXPECT_EQ(reply.value, 0x12345678u);
   EXPECT_TRUE(reply.doubleword);
@@ -155,7 +155,7 @@ TEST(Replies, ParameterCarriesKeyResultAndMeaning) {
 
   const cansync_ParameterReply error =
       parameter_reply(key_with(78), {Outcome::slave_error, ParameterError::below_minimum, 0, false, 1, 0});
-  EXPECT_EQ(error.code, cansync_REPLY_SLAVE_ERROR);
+  EXPECT_EQ(error.code, gateway_REPLY_SLAVE_ERROR);
   EXPECT_EQ(error.error_code, 0xFFFE);
   EXPECT_EQ(text(error.reason), "slave error 0xFFFE: " + std::string(meaning(ParameterError::below_minimum)));
 }
@@ -164,7 +164,7 @@ TEST(Replies, TransferBorrowsItsData) {
   std::vector<std::uint8_t> data = {1, 2, 3};
   const TransferResult result{Outcome::slave_error, TransferError::block_too_long, 600, 606, 12, 2, 1};
   const cansync_TransferReply reply = transfer_reply(key_with(5), result, data);
-  EXPECT_EQ(reply.code, cansync_REPLY_SLAVE_ERROR);
+  EXPECT_EQ(reply.code, gateway_REPLY_SLAVE_ERROR);
   EXPECT_EQ(reply.error_code, 0x0107);
   EXPECT_EQ(text(reply.reason), "slave error 0x0107: " + std::string(meaning(TransferError::block_too_long)));
   EXPECT_EQ(reply.done, 600u);
@@ -178,19 +178,19 @@ TEST(Replies, TransferBorrowsItsData) {
 }
 
 TEST(Replies, EveryOutcomeHasItsCodeAndAllButDoneAReason) {
-  const std::vector<std::pair<Outcome, cansync_ReplyCode>> table = {
-      {Outcome::done, cansync_REPLY_DONE},
-      {Outcome::slave_error, cansync_REPLY_SLAVE_ERROR},
-      {Outcome::timeout, cansync_REPLY_TIMEOUT},
-      {Outcome::no_answer, cansync_REPLY_NO_ANSWER},
-      {Outcome::word_expected, cansync_REPLY_WORD_EXPECTED},
-      {Outcome::doubleword_expected, cansync_REPLY_DOUBLEWORD_EXPECTED},
-      {Outcome::value_too_wide, cansync_REPLY_VALUE_TOO_WIDE},
-      {Outcome::cancelled, cansync_REPLY_CANCELLED},
-      {Outcome::master_stopped, cansync_REPLY_MASTER_STOPPED},
-      {Outcome::slave_lost, cansync_REPLY_SLAVE_LOST},
-      {Outcome::slave_held, cansync_REPLY_REFUSED},
-      {Outcome::replaced, cansync_REPLY_REPLACED},
+  const std::vector<std::pair<Outcome, gateway_ReplyCode>> table = {
+      {Outcome::done, gateway_REPLY_DONE},
+      {Outcome::slave_error, gateway_REPLY_SLAVE_ERROR},
+      {Outcome::timeout, gateway_REPLY_TIMEOUT},
+      {Outcome::no_answer, gateway_REPLY_NO_ANSWER},
+      {Outcome::word_expected, gateway_REPLY_WORD_EXPECTED},
+      {Outcome::doubleword_expected, gateway_REPLY_DOUBLEWORD_EXPECTED},
+      {Outcome::value_too_wide, gateway_REPLY_VALUE_TOO_WIDE},
+      {Outcome::cancelled, gateway_REPLY_CANCELLED},
+      {Outcome::master_stopped, gateway_REPLY_MASTER_STOPPED},
+      {Outcome::slave_lost, gateway_REPLY_SLAVE_LOST},
+      {Outcome::slave_held, gateway_REPLY_REFUSED},
+      {Outcome::replaced, gateway_REPLY_REPLACED},
   };
   for (const auto& [outcome, code] : table) {
     const cansync_CommandReply reply = command_reply(key_with(1), outcome);
@@ -201,9 +201,9 @@ TEST(Replies, EveryOutcomeHasItsCodeAndAllButDoneAReason) {
 
 TEST(Replies, RefusalsCarryTheReasonAndNothingElse) {
   const std::string reason(300, 'x');
-  EXPECT_EQ(parameter_refused(key_with(1), "slave 32: out of range").code, cansync_REPLY_REFUSED);
+  EXPECT_EQ(parameter_refused(key_with(1), "slave 32: out of range").code, gateway_REPLY_REFUSED);
   EXPECT_EQ(text(parameter_refused(key_with(1), "slave 32").reason), "slave 32");
-  EXPECT_EQ(text(transfer_refused(key_with(1), reason).reason), reason.substr(0, cansync_TEXT));
+  EXPECT_EQ(text(transfer_refused(key_with(1), reason).reason), reason.substr(0, gateway_TEXT));
   EXPECT_EQ(command_refused(key_with(9), reason).request, 9u);
 }
 

@@ -1,4 +1,4 @@
-#include "dds/topics.h"
+#include "cansync/dds/topics.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -42,8 +42,11 @@ TEST(Topics, EachHasItsOwnNameAndTheTypeOfThatName) {
   std::set<std::string_view> names;
   for (const TopicInfo* topic : all_topics()) {
     EXPECT_TRUE(names.insert(topic->name).second) << topic->name;
-    const std::string_view type = topic == &engineer_command_topic() ? "Command" : topic->name;
-    EXPECT_EQ(topic->type->m_typename, fmt::format("cansync::{}", type));
+    const std::string_view type = topic == &kEngineerCommandTopic ? "Command" : topic->name;
+    const bool of_every_protocol =
+        topic == &topic_info<gateway_Event> || topic == &topic_info<gateway_JobCancel>;
+    EXPECT_EQ(topic->type->m_typename,
+              fmt::format("{}::{}", of_every_protocol ? "gateway" : "cansync", type));
     EXPECT_LE(topic->type->m_nkeys, 1u);
   }
   EXPECT_EQ(names.size(), 16u);
@@ -61,7 +64,7 @@ TEST(Topics, BoundsAndLeasesHold) {
 }
 
 TEST(Topics, QosObjectsSayWhatTheTableSays) {
-  const TopicInfo& references = topic_info<cansync_ReferenceValues>();
+  const TopicInfo& references = topic_info<cansync_ReferenceValues>;
   const Qos reader = reader_qos(references);
   const Qos writer = writer_qos(references, 7);
   dds_ownership_kind_t ownership = DDS_OWNERSHIP_SHARED;
@@ -81,7 +84,7 @@ TEST(Topics, QosObjectsSayWhatTheTableSays) {
   ASSERT_TRUE(dds_qget_writer_data_lifecycle(writer.get(), &autodispose));
   EXPECT_FALSE(autodispose);
 
-  const Qos events = writer_qos(topic_info<cansync_Event>());
+  const Qos events = writer_qos(topic_info<gateway_Event>);
   dds_history_kind_t history = DDS_HISTORY_KEEP_ALL;
   std::int32_t depth = 0;
   ASSERT_TRUE(

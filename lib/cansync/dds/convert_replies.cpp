@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "dds/convert.h"
+#include "cansync/dds/convert.h"
 
 namespace cansync::dds {
 namespace {
@@ -54,8 +54,7 @@ std::string_view reason_of(Outcome outcome) noexcept {
       return "the master left the operating state while the request was open";
     case Outcome::slave_lost:
       return "the slave stopped answering; what was under way may have been taken or not: check its power "
-             "and "
-             "the bus cable, and read back what was written";
+             "and the bus cable, and read back what was written";
     case Outcome::slave_held:
       return "not sent: the slave lost SYNC or was away, and is held out until it is released";
     case Outcome::replaced:
@@ -72,8 +71,7 @@ std::string_view reason_of_command(Outcome outcome) noexcept {
   }
   if (outcome == Outcome::no_answer) {
     return "handed over, but not seen on the bus within its interval; whether the slave took it is not "
-           "known: "
-           "read its status word, and give it again";
+           "known: read its status word, and give it again";
   }
   return reason_of(outcome);
 }
@@ -89,7 +87,7 @@ void fill_reason(Outcome outcome, std::uint16_t code, std::string_view meaning, 
 }
 
 template <class Reply>
-Reply reply_to(const RequestKey& key, cansync_ReplyCode code) noexcept {
+Reply reply_to(const RequestKey& key, gateway_ReplyCode code) noexcept {
   Reply reply = {};
   std::copy(key.client.begin(), key.client.end(), std::begin(reply.client));
   reply.request = key.request;
@@ -99,41 +97,41 @@ Reply reply_to(const RequestKey& key, cansync_ReplyCode code) noexcept {
 
 template <class Reply>
 Reply refused(const RequestKey& key, std::string_view reason) noexcept {
-  Reply reply = reply_to<Reply>(key, cansync_REPLY_REFUSED);
+  Reply reply = reply_to<Reply>(key, gateway_REPLY_REFUSED);
   copy_text(reason, reply.reason);
   return reply;
 }
 
 }  // namespace
 
-cansync_ReplyCode to_reply_code(Outcome outcome) noexcept {
+gateway_ReplyCode to_reply_code(Outcome outcome) noexcept {
   switch (outcome) {
     case Outcome::done:
-      return cansync_REPLY_DONE;
+      return gateway_REPLY_DONE;
     case Outcome::slave_error:
-      return cansync_REPLY_SLAVE_ERROR;
+      return gateway_REPLY_SLAVE_ERROR;
     case Outcome::timeout:
-      return cansync_REPLY_TIMEOUT;
+      return gateway_REPLY_TIMEOUT;
     case Outcome::no_answer:
-      return cansync_REPLY_NO_ANSWER;
+      return gateway_REPLY_NO_ANSWER;
     case Outcome::word_expected:
-      return cansync_REPLY_WORD_EXPECTED;
+      return gateway_REPLY_WORD_EXPECTED;
     case Outcome::doubleword_expected:
-      return cansync_REPLY_DOUBLEWORD_EXPECTED;
+      return gateway_REPLY_DOUBLEWORD_EXPECTED;
     case Outcome::value_too_wide:
-      return cansync_REPLY_VALUE_TOO_WIDE;
+      return gateway_REPLY_VALUE_TOO_WIDE;
     case Outcome::cancelled:
-      return cansync_REPLY_CANCELLED;
+      return gateway_REPLY_CANCELLED;
     case Outcome::slave_lost:
-      return cansync_REPLY_SLAVE_LOST;
+      return gateway_REPLY_SLAVE_LOST;
     case Outcome::slave_held:
-      return cansync_REPLY_REFUSED;
+      return gateway_REPLY_REFUSED;
     case Outcome::replaced:
-      return cansync_REPLY_REPLACED;
+      return gateway_REPLY_REPLACED;
     case Outcome::master_stopped:
       break;
   }
-  return cansync_REPLY_MASTER_STOPPED;
+  return gateway_REPLY_MASTER_STOPPED;
 }
 
 cansync_ParameterReply parameter_reply(const RequestKey& key, const ParameterResult& result) noexcept {

@@ -1,4 +1,4 @@
-#include "sim/drive_memory.h"
+#include "cansync/sim/drive_memory.h"
 
 #include <algorithm>
 

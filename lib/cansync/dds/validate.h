@@ -10,7 +10,7 @@
 #include "cansync/settings.h"
 
 /// Every range check of what comes in over DDS, in one place. A problem text names field, value, allowed
-/// range and, where there is one, the remedy; it fits `cansync_TEXT`. Gateway thread only (allocates).
+/// range and, where there is one, the remedy; it fits `gateway_TEXT`. Gateway thread only (allocates).
 namespace cansync::dds {
 
 /// What the checks need to know of the line.

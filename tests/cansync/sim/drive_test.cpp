@@ -1,4 +1,4 @@
-#include "sim/drive.h"
+#include "cansync/sim/drive.h"
 
 #include <gtest/gtest.h>
 

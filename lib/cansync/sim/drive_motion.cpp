@@ -1,4 +1,4 @@
-#include "sim/drive_motion.h"
+#include "cansync/sim/drive_motion.h"
 
 #include <algorithm>
 #include <chrono>

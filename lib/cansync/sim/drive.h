@@ -9,12 +9,12 @@
 
 #include "can/bus.h"
 #include "cansync/mapping.h"
+#include "cansync/sim/drive_memory.h"
+#include "cansync/sim/drive_motion.h"
+#include "cansync/sim/drive_parameters.h"
+#include "cansync/sim/drive_sync.h"
 #include "cansync/slave.h"
 #include "cansync/timing.h"
-#include "sim/drive_memory.h"
-#include "sim/drive_motion.h"
-#include "sim/drive_parameters.h"
-#include "sim/drive_sync.h"
 #include "sim/node.h"
 
 // docs/simulated-drive.md describes the drive as a user sees it.

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "cansync/sim/drive.h"
 #include "cansync/telegram.h"
 #include "cansync/timing.h"
-#include "sim/drive.h"
 
 namespace sim {
 

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
+#include "cansync/dds/convert.h"
+#include "cansync/dds/ranges.h"
+#include "cansync/dds/validate.h"
 #include "cansync/mapping.h"
 #include "cansync/telegram.h"
-#include "dds/convert.h"
 #include "dds/enumerator.h"
-#include "dds/ranges.h"
-#include "dds/validate.h"
 
 namespace cansync::dds {
 namespace {
@@ -67,8 +67,8 @@ Problem check_mapping(const cansync_Command& command) {
     const std::optional<WordMapping> word = from_register(byte);
     if (!word) {
       return fmt::format(
-          "mapping[{}] 0x{:02X}: no register byte; allowed 0 (unused), or bit 0 set, bit 1 high word, "
-          "bits 2..6 value 0..7, bit 7 zero",
+          "mapping[{}] 0x{:02X}: no register byte; allowed 0 (unused), or bit 0 set, bit 1 high word, bits "
+          "2..6 value 0..7, bit 7 zero",
           i, byte);
     }
     const unsigned telegram = i / kWords;
@@ -83,8 +83,8 @@ Problem check_mapping(const cansync_Command& command) {
 }  // namespace
 
 Problem check(const cansync_Command& command, const Limits& limits) {
-  if (Problem problem =
-          in_range("kind", number_of(command.kind), 0, static_cast<std::int64_t>(cansync_COMMAND_RELEASE))) {
+  if (Problem problem = in_range("kind", gateway::dds::raw_number_of(command.kind), 0,
+                                 static_cast<std::int64_t>(cansync_COMMAND_RELEASE))) {
     return problem;
   }
   switch (command.kind) {
@@ -95,7 +95,8 @@ Problem check(const cansync_Command& command, const Limits& limits) {
     case cansync_COMMAND_BROADCAST:
       return check_broadcast(command, limits);
     case cansync_COMMAND_MODE:
-      return in_range("mode", number_of(command.mode), 0, static_cast<std::int64_t>(cansync_MODE_RESTART));
+      return in_range("mode", gateway::dds::raw_number_of(command.mode), 0,
+                      static_cast<std::int64_t>(cansync_MODE_RESTART));
     case cansync_COMMAND_POLLING:
       return check_polling(command, limits);
     case cansync_COMMAND_CHANNEL_CURSORS:

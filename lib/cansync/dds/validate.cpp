@@ -1,9 +1,9 @@
-#include "dds/validate.h"
+#include "cansync/dds/validate.h"
 
 #include <fmt/format.h>
 
+#include "cansync/dds/ranges.h"
 #include "dds/enumerator.h"
-#include "dds/ranges.h"
 
 namespace cansync::dds {
 namespace {
@@ -43,8 +43,8 @@ Problem check_length(const cansync_TransferRequest& request) {
 Problem check_address(const cansync_TransferRequest& request, const Limits& limits) {
   if (request.address < kReservedAddresses && !limits.allow_reserved_addresses) {
     return fmt::format(
-        "address 0x{:X}: 0x00..0xFF belong to the slave's operating system; allowed 0x100..0xFFFFFFFF, "
-        "or set allow_reserved_addresses",
+        "address 0x{:X}: 0x00..0xFF belong to the slave's operating system; allowed 0x100..0xFFFFFFFF, or "
+        "set allow_reserved_addresses",
         request.address);
   }
   const std::uint64_t last = request.address + (std::uint64_t{request.length} - 1) / limits.address_step;
@@ -91,7 +91,7 @@ Problem check(const cansync_ParameterRequest& request, const Limits& limits) {
   if (Problem problem = in_range("sub_slave", request.sub_slave, 0, 0xFFFF)) return problem;
   if (Problem problem = in_range("number", request.number, 0, ParameterNumber::max)) return problem;
   if (Problem problem = in_range("element", request.element, 0, Element::max)) return problem;
-  if (Problem problem = in_range("format", number_of(request.format), 0,
+  if (Problem problem = in_range("format", gateway::dds::raw_number_of(request.format), 0,
                                  static_cast<std::int64_t>(cansync_FORMAT_AS_SLAVE_SAYS))) {
     return problem;
   }
@@ -102,7 +102,7 @@ Problem check(const cansync_ParameterRequest& request, const Limits& limits) {
 Problem check(const cansync_TransferRequest& request, const Limits& limits) {
   if (Problem problem = configured_slave("slave", request.slave, limits)) return problem;
   if (Problem problem = in_range("sub_slave", request.sub_slave, 0, 0xFFFF)) return problem;
-  if (Problem problem = in_range("direction", number_of(request.direction), 0,
+  if (Problem problem = in_range("direction", gateway::dds::raw_number_of(request.direction), 0,
                                  static_cast<std::int64_t>(cansync_DIRECTION_DOWNLOAD))) {
     return problem;
   }
@@ -124,8 +124,7 @@ std::string explain(Refusal refusal, const Limits& limits) {
   switch (refusal) {
     case Refusal::queue_full:
       return fmt::format(
-          "queue full: at most {} parameter jobs and {} transfers may be open; try again when one has "
-          "ended",
+          "queue full: at most {} parameter jobs and {} transfers may be open; try again when one has ended",
           limits.parameter_queue, limits.transfer_queue);
     case Refusal::wrong_state:
       return "state: not allowed in the master's state; allowed in set-up and active operation, see mode";

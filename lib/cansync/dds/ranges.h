@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "cansync/dds/validate.h"
 #include "cansync/numbers.h"
-#include "dds/validate.h"
 
 /// Building blocks of the checks in validate.cpp and validate_command.cpp; internal to lib/dds.
 namespace cansync::dds {

@@ -1,4 +1,4 @@
-#include "sim/drive_parameters.h"
+#include "cansync/sim/drive_parameters.h"
 
 #include <algorithm>
 #include <limits>
