@@ -60,7 +60,6 @@ class AnsweringBus final : public can::Bus {
     return can::SendResult::queued;
   }
 
-  void sync_edge(can::Time) noexcept override {}
   can::ControllerStatus status() noexcept override { return {}; }
   can::ResetResult reset() noexcept override { return can::ResetResult::done; }
   can::ResetResult reset_result() noexcept override { return can::ResetResult::done; }

@@ -31,14 +31,13 @@ std::optional<can::Frame> answer(const can::Frame& frame) {
   const std::uint32_t number = frame.id & 0x1F;
   const std::uint32_t channel = frame.id & 0x780;
   if (channel == identifier::reference_one)
-    return can::Frame{identifier::actual_one + number, {}, 8, {1, 2, 3, 4}};
+    return can::Frame{.id = identifier::actual_one + number, .dlc = 8, .data = {1, 2, 3, 4}};
   if (channel == identifier::reference_two)
-    return can::Frame{identifier::actual_two + number, {}, 8, {5, 6, 7, 8}};
+    return can::Frame{.id = identifier::actual_two + number, .dlc = 8, .data = {5, 6, 7, 8}};
   if (channel != identifier::command) return std::nullopt;
-  return can::Frame{identifier::response + number,
-                    {},
-                    6,
-                    {static_cast<std::uint8_t>(frame.data[0] & 0x0F), frame.data[1], 0, 0x80}};
+  return can::Frame{.id = identifier::response + number,
+                    .dlc = 6,
+                    .data = {static_cast<std::uint8_t>(frame.data[0] & 0x0F), frame.data[1], 0, 0x80}};
 }
 
 /// Active operation with 32 slaves: both reference telegrams, both actual value telegrams, one parameter read

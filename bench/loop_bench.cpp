@@ -67,9 +67,10 @@ int run(const char* path, double seconds) {
   const cansyncd::Config& config = file.config;
   cansyncd::BusChoice choice(config);
   cansyncd::SyncLine sync_line(config, sync_line::kernel());
-  bench::MeasuredBus bus(choice.bus());
+  bench::MeasuredBus bus(choice.bus(), choice.sync_wire());
   cansyncd::Exchange exchange(cansyncd::ExchangeSizes{});
   cansyncd::LoopSettings settings;
+  settings.sync_wire = &bus;
   settings.sync_line = &sync_line;
   settings.look_at_every_slot = config.bus.kind == cansyncd::BusKind::simulated;
   cansyncd::RealtimeLoop loop(config.master, settings, bus, exchange);

@@ -2,16 +2,19 @@
 
 #include "bench/timing_histogram.h"
 #include "can/bus.h"
+#include "sync/sync_wire.h"
 
 namespace bench {
 
-/// A bus that notes how punctual the realtime loop is; all else is passed on to the bus behind it.
+/// A bus with its SYNC wire that notes how punctual the realtime loop is; all else is passed on to the bus
+/// behind it.
 ///
 /// Lateness is from the instant the SYNC edge was due to the call that makes it. Handing over is the time
 /// from waking up to the end of `send`, summed over the telegrams of an interval.
-class MeasuredBus final : public can::Bus {
+class MeasuredBus final : public can::Bus, public sync_line::SyncWire {
  public:
-  explicit MeasuredBus(can::Bus& bus) : bus_(bus) {}
+  /// `wire`: null when the bus has none. Both must outlive this bus.
+  MeasuredBus(can::Bus& bus, sync_line::SyncWire* wire) : bus_(bus), wire_(wire) {}
 
   can::Time now() noexcept override { return bus_.now(); }
   can::Wake wait_until(can::Time deadline) noexcept override {
@@ -33,7 +36,7 @@ class MeasuredBus final : public can::Bus {
     if (telegrams_ >= 3) to_handed_over_.add(handing_over_);
     handing_over_ = {};
     telegrams_ = 0;
-    bus_.sync_edge(due);
+    if (wire_ != nullptr) wire_->sync_edge(due);
   }
   can::ControllerStatus status() noexcept override { return bus_.status(); }
   can::ResetResult reset() noexcept override { return bus_.reset(); }
@@ -45,6 +48,7 @@ class MeasuredBus final : public can::Bus {
 
  private:
   can::Bus& bus_;
+  sync_line::SyncWire* wire_;
   can::Time woke_{};
   can::Time handing_over_{};
   unsigned telegrams_ = 0;

@@ -60,8 +60,10 @@ std::unique_ptr<SyncLine> make_sync_line(const ConfigFile& file) {
   }
 }
 
-LoopSettings loop_settings(const Config& config, FlightTap* tap, SyncLine* sync_line) {
+LoopSettings loop_settings(const Config& config, FlightTap* tap, sync_line::SyncWire* wire,
+                           SyncLine* sync_line) {
   LoopSettings settings;
+  settings.sync_wire = wire;
   settings.sync_line = sync_line;
   settings.target = config.startup.target;
   settings.report_intervals = config.dds.interval_topic;
@@ -96,8 +98,9 @@ class Daemon {
         gateway_(file_.config, exchange_, participant_, journal),
         flight_(
             file_.config, bus_.bus(), [this](const EventText& event) { gateway_.post(event); }, journal),
-        loop_(file_.config.master, loop_settings(file_.config, flight_.tap(), sync_line_.get()),
-              flight_.bus(), exchange_) {}
+        loop_(file_.config.master,
+              loop_settings(file_.config, flight_.tap(), bus_.sync_wire(), sync_line_.get()), flight_.bus(),
+              exchange_) {}
 
   ~Daemon() { stop(); }
   Daemon(const Daemon&) = delete;

@@ -6,6 +6,7 @@
 #include "daemon/bus/socketcan_line.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/config/config.h"
+#include "sync/sync_wire.h"
 
 namespace cansyncd {
 
@@ -24,6 +25,9 @@ class BusChoice {
 
   /// Belongs to the realtime thread once that runs.
   can::Bus& bus() noexcept { return simulated_ ? simulated_->bus() : socketcan_->bus(); }
+
+  /// The SYNC wire beside the bus; null: a CAN interface has none. Likewise the realtime thread's.
+  sync_line::SyncWire* sync_wire() noexcept { return simulated_ ? &simulated_->sync_wire() : nullptr; }
 
   /// What people should know of the interface as it was found; empty: nothing.
   std::string advice() const { return socketcan_ ? socketcan_->advice() : std::string(); }

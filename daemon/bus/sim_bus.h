@@ -9,6 +9,7 @@
 #include "daemon/config/value.h"
 #include "sim/line.h"
 #include "sim/trace_file.h"
+#include "sync/sync_wire.h"
 
 namespace cansyncd {
 
@@ -24,6 +25,7 @@ class SimBus {
   explicit SimBus(const Config& config);
 
   can::Bus& bus() noexcept { return *line_; }
+  sync_line::SyncWire& sync_wire() noexcept { return *line_; }
 
   /// Ends the trace, when there is one. The realtime thread must have ended. Main thread.
   std::optional<sim::TraceSummary> close_trace() noexcept;

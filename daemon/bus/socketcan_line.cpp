@@ -11,8 +11,21 @@
 namespace cansyncd {
 namespace {
 
-/// The channel bits of an identifier; the others are a slave number, or what stands for none.
-constexpr std::uint32_t kChannelMask = 0x780;
+/// The bits of an identifier that are a slave number, or what stands for none.
+constexpr std::uint32_t kNumberBits = 0x7F;
+
+/// Frames with the number of an identifier, whatever their flags: remote and extended ones come too, to be
+/// counted, as they do not belong here.
+can::FrameFilter frames_numbered(std::uint32_t identifier) {
+  return {.identifier = identifier, .extended = can::FlagFilter::either, .remote = can::FlagFilter::either};
+}
+
+/// Likewise, for a whole channel.
+can::FrameFilter frames_of_channel(std::uint32_t channel) {
+  can::FrameFilter filter = frames_numbered(channel);
+  filter.mask &= ~kNumberBits;
+  return filter;
+}
 
 can::LinkWatch::Settings watch_settings(const Config& config) {
   return {config.bus.interface, cansync::slot_times(config.master.bit_rate).bits_per_second,
@@ -26,17 +39,15 @@ can::SocketcanSettings socketcan_settings(const Config& config) {
   can::SocketcanSettings settings;
   settings.wake_on_frame = config.bus.wake_on_frame;
   settings.interval = cansync::slot_times(config.master.bit_rate).interval;
-  settings.filters = {{identifier::action, 0x7FF},
-                      {identifier::reference_one, kChannelMask},
-                      {identifier::reference_two, kChannelMask},
-                      {identifier::command, kChannelMask}};
+  settings.filters = {frames_numbered(identifier::action), frames_of_channel(identifier::reference_one),
+                      frames_of_channel(identifier::reference_two), frames_of_channel(identifier::command)};
   if (config.sync.input == SyncInput::can || config.sync.output == SyncOutput::can)
-    settings.filters.push_back({config.sync.can_identifier, 0x7FF});
+    settings.filters.push_back(frames_numbered(config.sync.can_identifier));
   for (std::uint32_t slave = 0; slave < cansync::kSlaves; ++slave) {
     if (!config.master.slaves[slave].configured) continue;
-    settings.filters.push_back({identifier::actual_one + slave, 0x7FF});
-    settings.filters.push_back({identifier::actual_two + slave, 0x7FF});
-    settings.filters.push_back({identifier::response + slave, 0x7FF});
+    settings.filters.push_back(frames_numbered(identifier::actual_one + slave));
+    settings.filters.push_back(frames_numbered(identifier::actual_two + slave));
+    settings.filters.push_back(frames_numbered(identifier::response + slave));
   }
   return settings;
 }

@@ -9,7 +9,7 @@ namespace cansyncd {
 
 std::optional<TelegramClass> telegram_class(const can::Frame& frame) noexcept {
   namespace identifier = cansync::identifier;
-  if (frame.kind != can::FrameKind::standard) return std::nullopt;
+  if (!frame.is_standard_data()) return std::nullopt;
   if (frame.id == identifier::action) return TelegramClass::command;
   constexpr std::uint32_t kChannelBits = 0x780;
   switch (frame.id & kChannelBits) {

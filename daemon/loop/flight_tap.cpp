@@ -103,9 +103,4 @@ can::SendResult RecordedBus::send(const can::Frame& frame) noexcept {
   return result;
 }
 
-void RecordedBus::sync_edge(can::Time due) noexcept {
-  bus_.sync_edge(due);
-  tap_.edge(due, bus_.now());
-}
-
 }  // namespace cansyncd

@@ -63,7 +63,6 @@ class RecordedBus final : public can::Bus {
   can::Wake wait_until(can::Time deadline) noexcept override;
   bool receive(can::ReceivedFrame& out) noexcept override;
   can::SendResult send(const can::Frame& frame) noexcept override;
-  void sync_edge(can::Time due) noexcept override;
   can::ControllerStatus status() noexcept override { return bus_.status(); }
   can::ResetResult reset() noexcept override { return bus_.reset(); }
   can::ResetResult reset_result() noexcept override { return bus_.reset_result(); }

@@ -83,7 +83,7 @@ enum class ResetResult : std::uint8_t {
   unavailable,    ///< the interface is missing or down, or its driver cannot
 };
 
-/// What the realtime loop needs of a bus: a clock, a way to sleep, frames in and out, and the SYNC edge.
+/// What the realtime loop needs of a bus: a clock, a way to sleep, and frames in and out.
 ///
 /// All functions are called by one thread, the realtime thread; none allocates, locks, logs or throws.
 /// Implementations: the simulated line in virtual and in real time (`lib/sim`), SocketCAN.
@@ -103,9 +103,6 @@ class Bus {
 
   /// Hands a frame to the controller for transmission as soon as the bus is free.
   virtual SendResult send(const Frame& frame) noexcept = 0;
-
-  /// Produces the SYNC edge that stands for `due`; called as close after `due` as the thread wakes.
-  virtual void sync_edge(Time due) noexcept = 0;
 
   /// State of the controller.
   virtual ControllerStatus status() noexcept = 0;

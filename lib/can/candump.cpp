@@ -7,7 +7,6 @@ namespace can {
 namespace {
 
 constexpr std::uint32_t kErrorFlag = 0x20000000;
-constexpr std::uint32_t kExtendedMask = 0x1FFFFFFF;
 
 // Appends to a buffer that is known to be large enough.
 class Writer {
@@ -71,7 +70,7 @@ std::optional<std::uint64_t> take_decimal(std::string_view text, std::size_t& at
   return value;
 }
 
-// Identifier and kind; `at` ends behind the '#'.
+// Identifier and flags; `at` ends behind the '#'.
 std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::size_t& at) {
   Frame frame;
   std::size_t digits = 0;
@@ -87,11 +86,11 @@ std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::s
                         "expected an identifier of 3 (standard) or 8 (extended) hexadecimal digits, found " +
                             std::to_string(digits) + (digits > 8 ? " or more" : "") + " digits"};
   }
-  if (digits == 3 && frame.id > 0x7FF) {
+  if (digits == 3 && frame.id > kStandardIdentifierMask) {
     return CandumpError{1, "identifier " + std::string(text.substr(0, 3)) +
                                " is over 7FF; larger ones are written with 8 digits"};
   }
-  if (digits == 8 && (frame.id & ~(kExtendedMask | kErrorFlag)) != 0) {
+  if (digits == 8 && (frame.id & ~(kExtendedIdentifierMask | kErrorFlag)) != 0) {
     return CandumpError{1, "identifier " + std::string(text.substr(0, 8)) + " is over 1FFFFFFF"};
   }
   if (at >= text.size() || text[at] != '#') return error(text, at, "'#' after the identifier");
@@ -99,17 +98,17 @@ std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::s
   if (at < text.size() && text[at] == '#')
     return CandumpError{at + 1, "CAN FD frames ('##') are not supported"};
   if (digits == 8) {
-    const bool error_frame = (frame.id & kErrorFlag) != 0;
-    frame.kind = error_frame ? FrameKind::error : FrameKind::extended;
-    frame.id &= kExtendedMask;
+    frame.error = (frame.id & kErrorFlag) != 0;
+    frame.extended = !frame.error;
+    frame.id &= kExtendedIdentifierMask;
   }
   return frame;
 }
 
 // Data bytes, or the R of a remote frame with its optional length.
 std::optional<CandumpError> parse_data(std::string_view text, std::size_t at, Frame& frame) {
-  if (at < text.size() && (text[at] == 'R' || text[at] == 'r') && frame.kind != FrameKind::error) {
-    frame.kind = FrameKind::remote;
+  if (at < text.size() && (text[at] == 'R' || text[at] == 'r') && !frame.error) {
+    frame.remote = true;
     ++at;
     if (at < text.size() && text[at] >= '0' && text[at] <= '8') {
       frame.dlc = static_cast<std::uint8_t>(text[at++] - '0');
@@ -169,17 +168,10 @@ std::size_t write_candump_line(std::chrono::microseconds time, std::string_view 
   writer.put(") ");
   writer.put(interface.substr(0, kInterfaceNameLimit));
   writer.put(' ');
-  const bool remote = frame.kind == FrameKind::remote;
-  if (frame.kind == FrameKind::error) {
-    writer.hex((frame.id & kExtendedMask) | kErrorFlag, 8);
-  } else if (frame.kind == FrameKind::extended || (remote && frame.id > 0x7FF)) {
-    writer.hex(frame.id & kExtendedMask, 8);
-  } else {
-    writer.hex(frame.id & 0x7FF, 3);
-  }
+  writer.hex(frame.identifier() | (frame.error ? kErrorFlag : 0), frame.error || frame.extended ? 8 : 3);
   writer.put('#');
   const unsigned length = std::min<unsigned>(frame.dlc, 8);
-  if (remote) {
+  if (frame.remote) {
     writer.put('R');
     if (length != 0) writer.decimal(length, 1);
   } else {

@@ -102,12 +102,10 @@ Bytes bytes_of(Wide bits) {
 }
 
 Message message_of(const Frame& frame) {
-  const bool remote = frame.kind == FrameKind::remote;
-  const bool extended = frame.kind == FrameKind::extended || (remote && frame.id > 0x7FF);
   const unsigned length_code = std::min<unsigned>(frame.dlc, 8);
-  const std::uint64_t request = remote ? 1 : 0;
+  const std::uint64_t request = frame.remote ? 1 : 0;
   Message message;
-  if (extended) {
+  if (frame.extended) {
     const std::uint64_t base = (frame.id >> 18) & 0x7FFu;
     // Base identifier, SRR and IDE recessive, identifier extension, RTR, two reserved bits, length code.
     message.bits = (base << 27) | (std::uint64_t{3} << 25) | (std::uint64_t{frame.id & 0x3FFFFu} << 7) |
@@ -117,7 +115,7 @@ Message message_of(const Frame& frame) {
     message.bits = (std::uint64_t{frame.id & 0x7FFu} << 7) | (request << 6) | length_code;
     message.size = 19;
   }
-  if (!remote) {
+  if (!frame.remote) {
     const std::uint64_t data = __builtin_bswap64(std::bit_cast<std::uint64_t>(frame.data));
     if (length_code > 0) {
       message.bits = (message.bits << (8 * length_code)) | (data >> (64 - 8 * length_code));
@@ -156,17 +154,17 @@ unsigned count_stuff_bits(const Message& message) {
 }  // namespace
 
 std::uint16_t crc15(const Frame& frame) noexcept {
-  if (frame.kind == FrameKind::error) return 0;
+  if (frame.error) return 0;
   return crc_of(message_of(frame));
 }
 
 unsigned stuff_bits(const Frame& frame) noexcept {
-  if (frame.kind == FrameKind::error) return 0;
+  if (frame.error) return 0;
   return count_stuff_bits(message_of(frame));
 }
 
 unsigned frame_bits(const Frame& frame) noexcept {
-  if (frame.kind == FrameKind::error) return kErrorFrameBits;
+  if (frame.error) return kErrorFrameBits;
   const Message message = message_of(frame);
   return message.size + kCrcBits + count_stuff_bits(message) + kTailBits;
 }

@@ -9,8 +9,7 @@
 ///
 /// All lengths count from the start-of-frame bit to the end of the interframe space of 3 bits, so that two
 /// frames in a row need the sum of their lengths. A data length over 8 counts as 8. A remote frame has its
-/// data length code but no data bits; its identifier tells its format: over 0x7FF it is extended. An error
-/// frame is taken as `kErrorFrameBits`.
+/// data length code but no data bits. An error frame is taken as `kErrorFrameBits`.
 namespace can {
 
 /// Bits of the interframe space, the last ones of every length given here.

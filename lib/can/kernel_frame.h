@@ -3,6 +3,7 @@
 #include <linux/can.h>
 
 #include "can/frame.h"
+#include "can/frame_filter.h"
 
 namespace can {
 
@@ -10,7 +11,11 @@ namespace can {
 /// error frame has its class bits (CAN_ERR_*) as identifier. Pure; realtime safe.
 Frame from_kernel(const can_frame& frame) noexcept;
 
-/// The other way round. A frame of kind `error` is for nobody to send. Pure; realtime safe.
+/// The other way round. Error frames are for nobody to send. Pure; realtime safe.
 can_frame to_kernel(const Frame& frame) noexcept;
+
+/// A receive filter as CAN_RAW_FILTER takes it. Error frames have a mask of their own (CAN_RAW_ERR_FILTER).
+/// Pure; realtime safe.
+can_filter to_kernel(const FrameFilter& filter) noexcept;
 
 }  // namespace can

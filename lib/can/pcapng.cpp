@@ -20,7 +20,6 @@ constexpr char kNanoseconds = 9;              // negative power of ten
 constexpr std::uint32_t kExtended = 0x80000000;
 constexpr std::uint32_t kRemote = 0x40000000;
 constexpr std::uint32_t kError = 0x20000000;
-constexpr std::uint32_t kIdentifierMask = 0x1FFFFFFF;
 constexpr std::uint32_t kPacketSize = 16;
 
 void put16(std::string& out, std::uint16_t value) {
@@ -59,10 +58,8 @@ void end_options(std::string& out) {
 }
 
 std::uint32_t flagged_identifier(const Frame& frame) {
-  const std::uint32_t id = frame.id & kIdentifierMask;
-  if (frame.kind == FrameKind::error) return id | kError;
-  const bool extended = frame.kind == FrameKind::extended || id > 0x7FF;
-  return id | (extended ? kExtended : 0) | (frame.kind == FrameKind::remote ? kRemote : 0);
+  if (frame.error) return frame.identifier() | kError;
+  return frame.identifier() | (frame.extended ? kExtended : 0) | (frame.remote ? kRemote : 0);
 }
 
 // SocketCAN's pseudo header, identifier in network byte order, and eight bytes of data.

@@ -24,8 +24,8 @@ class PcapngWriter {
   static std::string begin(std::string_view application);
 
   /// The blocks of the next frame. `time` since 1970 (UTC), negative ones count as 0; `interface` as in
-  /// `if_name`; a data length over 8 counts as 8. Kinds other than `standard` get their flag in the pseudo
-  /// header. Every packet has 16 bytes, as the kernel's own captures, so that none is taken for CAN FD.
+  /// `if_name`; a data length over 8 counts as 8. The flags stand in the pseudo header. Every packet has 16
+  /// bytes, as the kernel's own captures, so that none is taken for CAN FD.
   std::string frame(std::chrono::nanoseconds time, std::string_view interface, const Frame& frame);
 
  private:

@@ -42,18 +42,13 @@ std::optional<Frame> frame_of(std::string_view packet) {
   const std::uint32_t id = (byte_of(packet, 0) << 24) | (byte_of(packet, 1) << 16) |
                            (byte_of(packet, 2) << 8) | byte_of(packet, 3);
   Frame frame;
-  frame.id = id & 0x1FFFFFFF;
+  frame.id = id & kExtendedIdentifierMask;
   frame.dlc = static_cast<std::uint8_t>(length);
-  if ((id & 0x20000000) != 0) {
-    frame.kind = FrameKind::error;
-  } else if ((id & 0x40000000) != 0) {
-    frame.kind = FrameKind::remote;
-    return frame;
-  } else if ((id & 0x80000000) != 0) {
-    frame.kind = FrameKind::extended;
-  } else if (frame.id > 0x7FF) {
-    return std::nullopt;
-  }
+  frame.error = (id & 0x20000000) != 0;
+  frame.extended = !frame.error && (id & 0x80000000) != 0;
+  frame.remote = !frame.error && (id & 0x40000000) != 0;
+  if (frame.id != frame.identifier()) return std::nullopt;
+  if (frame.remote) return frame;
   for (unsigned i = 0; i < length; ++i)
     frame.data[i] = static_cast<std::uint8_t>(byte_of(packet, kPseudoHeader + i));
   return frame;

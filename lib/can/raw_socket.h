@@ -48,8 +48,8 @@ class RawSocket {
   /// Takes the oldest received frame: `done`, `nothing`, `interface_down`, `interface_gone` or `failed`.
   SocketResult receive(ReceivedFrame& out) noexcept;
 
-  /// Hands a frame over: `done`, `queue_full`, `interface_down`, `interface_gone` or `failed`. Frames of kind
-  /// `error` cannot be sent.
+  /// Hands a frame over: `done`, `queue_full`, `interface_down`, `interface_gone` or `failed`. Error frames
+  /// cannot be sent.
   SocketResult send(const Frame& frame) noexcept;
 
   /// The interface's state now: `done` (up), `interface_down`, `interface_gone` or `failed`. A closed socket

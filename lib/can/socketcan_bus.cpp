@@ -24,14 +24,10 @@ int opened(Kernel& kernel) {
   throw std::system_error(-socket, std::generic_category(), what);
 }
 
-std::vector<can_filter> to_filters(const std::vector<IdentifierFilter>& filters) {
+std::vector<can_filter> to_filters(const std::vector<FrameFilter>& filters) {
   std::vector<can_filter> out;
   out.reserve(filters.size());
-  // Remote frames and extended frames with such a number come too, to be counted: they do not belong here. An
-  // extended identifier over 0x7FF does not match.
-  for (const IdentifierFilter& filter : filters) {
-    out.push_back({filter.identifier, filter.mask | (CAN_EFF_MASK & ~CAN_SFF_MASK)});
-  }
+  for (const FrameFilter& filter : filters) out.push_back(to_kernel(filter));
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include "can/bus.h"
 #include "can/echo_guard.h"
 #include "can/frame_clock.h"
+#include "can/frame_filter.h"
 #include "can/kernel.h"
 #include "can/link_board.h"
 #include "can/link_kernel.h"
@@ -13,18 +14,11 @@
 
 namespace can {
 
-/// Standard data frames whose identifier agrees with `identifier` in the bits of `mask`.
-struct IdentifierFilter {
-  std::uint32_t identifier = 0;  ///< 0..0x7FF
-  std::uint32_t mask = 0x7FF;    ///< 0x7FF: this identifier alone
-  friend bool operator==(const IdentifierFilter&, const IdentifierFilter&) = default;
-};
-
 /// How a SocketCAN bus is built.
 struct SocketcanSettings {
-  std::vector<IdentifierFilter> filters;  ///< what is received, at most 512; own frames need one as well
-  bool wake_on_frame = false;             ///< `wait_until` comes back for each frame, for more system calls
-  Time interval{0};  ///< after which the echo of a frame is missed, see EchoGuard; 0: never
+  std::vector<FrameFilter> filters;  ///< what is received, at most 512; own frames need one as well
+  bool wake_on_frame = false;        ///< `wait_until` comes back for each frame, for more system calls
+  Time interval{0};                  ///< after which the echo of a frame is missed, see EchoGuard; 0: never
 };
 
 /// A CAN network interface of the kernel as a bus. The bus's clock is CLOCK_MONOTONIC.
@@ -55,8 +49,6 @@ class SocketcanBus final : public Bus {
   Wake wait_until(Time deadline) noexcept override;
   bool receive(ReceivedFrame& out) noexcept override;
   SendResult send(const Frame& frame) noexcept override;
-  /// No edge of its own: the SYNC wire is not part of the CAN interface.
-  void sync_edge(Time) noexcept override {}
   ControllerStatus status() noexcept override;
   /// Asks the link watch; one system call, which wakes it.
   ResetResult reset() noexcept override;

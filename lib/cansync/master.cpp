@@ -23,7 +23,7 @@ Channel channel_of(Slot slot) noexcept {
 }
 
 bool is_from_master(const can::Frame& frame) noexcept {
-  if (frame.kind != can::FrameKind::standard) return false;
+  if (!frame.is_standard_data()) return false;
   const std::uint32_t channel = frame.id & ~kNumberBits;
   return frame.id == identifier::action || channel == identifier::reference_one ||
          channel == identifier::reference_two || channel == identifier::command;

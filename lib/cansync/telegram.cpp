@@ -74,11 +74,10 @@ std::uint64_t data_of(const can::Frame& frame) noexcept {
 
 can::Frame frame_of(std::uint32_t identifier, unsigned dlc, std::uint64_t data) noexcept {
   const std::uint64_t d = first_bytes(data, dlc);
-  return {identifier,
-          can::FrameKind::standard,
-          static_cast<std::uint8_t>(dlc),
-          {byte_at(d, 0), byte_at(d, 1), byte_at(d, 2), byte_at(d, 3), byte_at(d, 4), byte_at(d, 5),
-           byte_at(d, 6), byte_at(d, 7)}};
+  return {.id = identifier,
+          .dlc = static_cast<std::uint8_t>(dlc),
+          .data = {byte_at(d, 0), byte_at(d, 1), byte_at(d, 2), byte_at(d, 3), byte_at(d, 4), byte_at(d, 5),
+                   byte_at(d, 6), byte_at(d, 7)}};
 }
 
 // The masks keep each argument in range, so the optional is never empty.
@@ -315,14 +314,14 @@ constexpr bool is_cansync(std::uint32_t id) noexcept {
   return id == identifier::action || block == 1 || block == 3 || block == 5;
 }
 
-DecodeError error_of(can::FrameKind kind) noexcept {
-  if (kind == can::FrameKind::extended) return DecodeError::extended;
-  return kind == can::FrameKind::remote ? DecodeError::remote : DecodeError::error_frame;
+DecodeError error_of(const can::Frame& frame) noexcept {
+  if (frame.error) return DecodeError::error_frame;
+  return frame.remote ? DecodeError::remote : DecodeError::extended;
 }
 
 void decode_into(const can::Frame& frame, Decoded& result) noexcept {
   if (!is_cansync(frame.id)) return fail(result, DecodeError::not_for_us);
-  if (frame.kind != can::FrameKind::standard) return fail(result, error_of(frame.kind));
+  if (!frame.is_standard_data()) return fail(result, error_of(frame));
   if (frame.dlc > 8) return fail(result, DecodeError::wrong_length);
   const std::uint32_t channel = frame.id & ~kSlaveNumberMask;
   switch (channel) {

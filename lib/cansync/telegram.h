@@ -131,8 +131,8 @@ using Telegram = std::variant<ActionCommand, ReferenceTelegram, ActualTelegram, 
 /// Why a frame is no CANsync telegram.
 enum class DecodeError : std::uint8_t {
   not_for_us,     ///< identifier outside the CANsync channels
-  extended,       ///< extended frame with the number of a CANsync identifier
-  remote,         ///< remote frame on a CANsync identifier
+  extended,       ///< extended data frame with the number of a CANsync identifier
+  remote,         ///< remote frame, of either format, with the number of a CANsync identifier
   error_frame,    ///< error frame with the number of a CANsync identifier
   wrong_slave,    ///< N is over 31 where a slave number must stand
   wrong_length,   ///< DLC not allowed for this telegram

@@ -5,11 +5,9 @@
 namespace sim {
 
 std::uint32_t arbitration_key(const can::Frame& frame) noexcept {
-  const bool remote = frame.kind == can::FrameKind::remote;
-  const bool extended = frame.kind == can::FrameKind::extended || (remote && frame.id > 0x7FF);
-  const std::uint32_t request = remote ? 1 : 0;
+  const std::uint32_t request = frame.remote ? 1 : 0;
   // From the top: 11 bits of base identifier, RTR or SRR, IDE, 18 bits of identifier extension, RTR.
-  if (!extended) return ((frame.id & 0x7FFu) << 21) | (request << 20);
+  if (!frame.extended) return ((frame.id & 0x7FFu) << 21) | (request << 20);
   const std::uint32_t base = (frame.id >> 18) & 0x7FFu;
   return (base << 21) | (3u << 19) | ((frame.id & 0x3FFFFu) << 1) | request;
 }

@@ -11,8 +11,7 @@
 namespace sim {
 
 /// The bits of `frame` that arbitrate, as a number: the lower one wins. Standard wins over extended with the
-/// same base identifier, a data frame over a remote frame. A remote frame with an identifier over 0x7FF
-/// counts as extended.
+/// same base identifier, a data frame over a remote frame.
 std::uint32_t arbitration_key(const can::Frame& frame) noexcept;
 
 /// A frame that waits for the bus.

@@ -256,7 +256,7 @@ class FaultReader {
           fmt::format("\"identifier#data\" (at character {}: {})", error->column, error->message));
     }
     fault_.frame = std::get<can::Frame>(parsed);
-    if (fault_.frame.kind == can::FrameKind::error) {
+    if (fault_.frame.error) {
       wrong_value("frame", *node, "a data or remote frame; error frames come with kind = \"corrupted\"");
     }
   }

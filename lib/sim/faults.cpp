@@ -23,7 +23,7 @@ double next_uniform(std::uint64_t& state) {
 
 // The slave number in an identifier of one of the channels that carry one.
 std::optional<std::uint32_t> slave_of(const can::Frame& frame) {
-  if (frame.kind != can::FrameKind::standard) return std::nullopt;
+  if (!frame.is_standard_data()) return std::nullopt;
   switch (frame.id & ~0x7Fu) {
     case cansync::identifier::reference_one:
     case cansync::identifier::reference_two:
@@ -38,7 +38,7 @@ std::optional<std::uint32_t> slave_of(const can::Frame& frame) {
 }
 
 bool is_response(const can::Frame& frame) {
-  return frame.kind == can::FrameKind::standard && (frame.id & ~0x7Fu) == cansync::identifier::response;
+  return frame.is_standard_data() && (frame.id & ~0x7Fu) == cansync::identifier::response;
 }
 
 constexpr unsigned kBlockBytes = 6;

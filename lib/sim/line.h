@@ -16,6 +16,7 @@
 #include "sim/faults.h"
 #include "sim/node.h"
 #include "sim/trace.h"
+#include "sync/sync_wire.h"
 
 namespace sim {
 
@@ -61,7 +62,7 @@ struct LineCounters {
 /// 128 * 11 bit times by itself, the master that long after `reset`.
 ///
 /// All memory is taken in the constructor. Not thread safe: one thread drives the line.
-class Line final : public can::Bus {
+class Line final : public can::Bus, public sync_line::SyncWire {
  public:
   /// Throws std::invalid_argument when a setting is out of its range or there are more than 32 nodes.
   Line(const LineSettings& settings, std::vector<std::unique_ptr<Node>> nodes);

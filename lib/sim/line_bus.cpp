@@ -17,7 +17,7 @@ constexpr std::uint32_t kProtocolViolation = 0x008;
 
 can::Frame error_frame() {
   can::Frame frame;
-  frame.kind = can::FrameKind::error;
+  frame.error = true;
   frame.id = kProtocolViolation;
   frame.dlc = 8;
   return frame;
@@ -122,7 +122,7 @@ void Line::deliver() noexcept {
   const std::uint64_t absent = bus_off_ | silent_ | own;
   const NodeMask lost = nodes_of(flight.fate.lost);
 
-  const bool standard = frame.kind == can::FrameKind::standard;
+  const bool standard = frame.is_standard_data();
   const NodeMask wanting = standard ? acceptance_[frame.id & 0x7FFu] & ~static_cast<NodeMask>(absent) : 0;
   counters_.lost_deliveries += static_cast<unsigned>(std::popcount(wanting & lost));
   const NodeMask receivers = wanting & ~lost;

@@ -20,7 +20,7 @@ inline can::Frame software_sync(std::uint32_t identifier) noexcept {
 
 /// Is `frame` the software SYNC of that identifier?
 inline bool is_software_sync(const can::Frame& frame, std::uint32_t identifier) noexcept {
-  return frame.kind == can::FrameKind::standard && frame.id == identifier && frame.dlc == 0;
+  return frame.is_standard_data() && frame.id == identifier && frame.dlc == 0;
 }
 
 /// The SYNC edge a received frame stands for: the instant its first bit was sent.

@@ -23,8 +23,9 @@ std::vector<std::unique_ptr<sim::Node>> drives_of(const Plan& plan) {
   return drives;
 }
 
-LoopSettings loop_settings(const Plan& plan) {
+LoopSettings loop_settings(const Plan& plan, StageBus& bus, Tamper* tamper) {
   LoopSettings settings;
+  settings.sync_wire = tamper != nullptr ? static_cast<sync_line::SyncWire*>(tamper) : &bus;
   settings.target = plan.target;
   settings.wall_clock = nullptr;
   settings.look_at_every_slot = !plan.rare_looks;
@@ -33,7 +34,7 @@ LoopSettings loop_settings(const Plan& plan) {
 
 can::Bus& below_loop(StageBus& bus, Tamper* tamper) {
   if (tamper == nullptr) return bus;
-  tamper->attach(bus);
+  tamper->attach(bus, bus);
   return *tamper;
 }
 
@@ -58,7 +59,7 @@ Course::Course(const Plan& plan, Tamper* tamper, std::function<void(const std::s
       line_(std::make_unique<sim::Line>(line_settings(), drives_of(plan))),
       exchange_(plan.sizes),
       bus_(plan, *line_, witness_),
-      loop_(plan.settings, loop_settings(plan), below_loop(bus_, tamper), exchange_),
+      loop_(plan.settings, loop_settings(plan, bus_, tamper), below_loop(bus_, tamper), exchange_),
       player_({plan, exchange_, *line_, witness_, ledger_, parameters_, memories_, recovery_,
                verdict_.coverage, tamper, tell_}),
       scene_{plan, witness_, ledger_, parameters_, memories_, recovery_} {

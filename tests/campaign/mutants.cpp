@@ -70,7 +70,7 @@ class MalformedTelegram final : public Tamper {
 class RepeatedReferences final : public Tamper {
  public:
   void sync_edge(can::Time due) noexcept override {
-    below().sync_edge(due);
+    wire().sync_edge(due);
     if (last_ && !sent_) below().send(*last_);
     sent_ = false;
   }
@@ -91,7 +91,7 @@ class RepeatedReferences final : public Tamper {
 class EarlyReferences final : public Tamper {
  public:
   void sync_edge(can::Time due) noexcept override {
-    below().sync_edge(due);
+    wire().sync_edge(due);
     cansync::ReferenceTelegram telegram;
     telegram.words = 0;
     if (edges_++ == 0) below().send(encode(telegram));
@@ -115,7 +115,7 @@ class UncountedTelegram final : public Tamper {
 class ShiftedSync final : public Tamper {
  public:
   void sync_edge(can::Time due) noexcept override {
-    below().sync_edge(++edges_ < 100 ? due : due + can::Time(1));
+    wire().sync_edge(++edges_ < 100 ? due : due + can::Time(1));
   }
 
  private:

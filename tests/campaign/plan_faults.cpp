@@ -73,11 +73,11 @@ can::Frame malformed(Dice& dice, const Plan& plan) {
   can::Frame frame = noise(dice);
   switch (dice.below(4)) {
     case 0:
-      frame.kind = can::FrameKind::extended;
+      frame.extended = true;
       frame.id = static_cast<std::uint32_t>(dice.below(0x20000000));
       break;
     case 1:
-      frame.kind = can::FrameKind::remote;
+      frame.remote = true;
       break;
     case 2:  // actual values and answers are 2..8 bytes, and never an odd number
       frame.id = (dice.chance(500) ? cansync::identifier::actual_one : cansync::identifier::response) |

@@ -5,6 +5,7 @@
 #include "can/bus.h"
 #include "plan.h"
 #include "sim/line.h"
+#include "sync/sync_wire.h"
 
 namespace cansyncd::campaign {
 
@@ -20,7 +21,7 @@ class BusObserver {
 };
 
 /// The simulated line as a loop sees it whose thread may wake late, and may be woken by slots alone.
-class StageBus final : public can::Bus {
+class StageBus final : public can::Bus, public sync_line::SyncWire {
  public:
   /// All must outlive the bus.
   StageBus(const Plan& plan, sim::Line& line, BusObserver& observer)

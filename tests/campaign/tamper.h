@@ -5,21 +5,25 @@
 #include "can/bus.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/reference_gate.h"
+#include "sync/sync_wire.h"
 
 namespace cansyncd::campaign {
 
 /// Stands between the loop and everything it touches, and changes nothing: what breaks a variant of the
 /// product on purpose derives from it.
-class Tamper : public can::Bus {
+class Tamper : public can::Bus, public sync_line::SyncWire {
  public:
-  /// The bus below; must outlive the object. `end` is the interval after which no fault is provoked.
-  void attach(can::Bus& below) noexcept { below_ = &below; }
+  /// The bus below and its wire; must outlive the object.
+  void attach(can::Bus& below, sync_line::SyncWire& wire) noexcept {
+    below_ = &below;
+    wire_ = &wire;
+  }
 
   can::Time now() noexcept override { return below_->now(); }
   can::Wake wait_until(can::Time deadline) noexcept override { return below_->wait_until(deadline); }
   bool receive(can::ReceivedFrame& out) noexcept override { return below_->receive(out); }
   can::SendResult send(const can::Frame& frame) noexcept override { return below_->send(frame); }
-  void sync_edge(can::Time due) noexcept override { below_->sync_edge(due); }
+  void sync_edge(can::Time due) noexcept override { wire_->sync_edge(due); }
   can::ControllerStatus status() noexcept override { return below_->status(); }
   can::ResetResult reset() noexcept override { return below_->reset(); }
   can::ResetResult reset_result() noexcept override { return below_->reset_result(); }
@@ -41,9 +45,11 @@ class Tamper : public can::Bus {
 
  protected:
   can::Bus& below() noexcept { return *below_; }
+  sync_line::SyncWire& wire() noexcept { return *wire_; }
 
  private:
   can::Bus* below_ = nullptr;
+  sync_line::SyncWire* wire_ = nullptr;
 };
 
 }  // namespace cansyncd::campaign

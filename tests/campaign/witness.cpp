@@ -33,7 +33,7 @@ std::uint64_t bits_of(const can::Frame& frame) noexcept {
 
 bool is_actual(const can::Frame& frame) noexcept {
   const std::uint32_t channel = frame.id & kChannelMask;
-  return frame.kind == can::FrameKind::standard &&
+  return frame.is_standard_data() &&
          (channel == cansync::identifier::actual_one || channel == cansync::identifier::actual_two);
 }
 
@@ -111,7 +111,7 @@ void Witness::frame(const sim::TracedFrame& traced) noexcept {
     on_line("  " + in_microseconds(since) + " " + sender_name(traced.sender.kind) + " " +
             frame_text(traced.frame));
   }
-  if (traced.frame.kind == can::FrameKind::error) return;
+  if (traced.frame.error) return;
   if (is_actual(traced.frame)) keep(begun_, Begun{traced.frame, traced.start, traced.end});
   if (traced.sender.kind != sim::Sender::Kind::master) return;
   const can::Time since = last_edge ? traced.start - last_edge->made : traced.start;

@@ -10,19 +10,16 @@
 #include <string_view>
 #include <variant>
 
+#include "flagged_frames.h"
+
 namespace {
 
 using can::Frame;
-using can::FrameKind;
+using can::test::data_frame;
+using can::test::error;
+using can::test::extended;
+using can::test::remote;
 using std::chrono::microseconds;
-
-Frame frame_of(std::uint32_t id, FrameKind kind, std::initializer_list<int> bytes) {
-  Frame frame;
-  frame.id = id;
-  frame.kind = kind;
-  for (const int byte : bytes) frame.data[frame.dlc++] = static_cast<std::uint8_t>(byte);
-  return frame;
-}
 
 std::string written(microseconds time, std::string_view interface, const Frame& frame) {
   std::array<char, can::kCandumpLineLimit> buffer{};
@@ -31,25 +28,26 @@ std::string written(microseconds time, std::string_view interface, const Frame& 
 }
 
 TEST(CandumpWriter, LinesAsCandumpWritesThem) {
-  EXPECT_EQ(written(microseconds(350), "can0", frame_of(0x17F, FrameKind::standard, {0x0D, 0xAB})),
+  EXPECT_EQ(written(microseconds(350), "can0", data_frame(0x17F, {0x0D, 0xAB})),
             "(0000000000.000350) can0 17F#0DAB\n");
-  EXPECT_EQ(written(microseconds(1'700'000'000'123'456), "line1", frame_of(0x010, FrameKind::standard, {})),
+  EXPECT_EQ(written(microseconds(1'700'000'000'123'456), "line1", data_frame(0x010, {})),
             "(1700000000.123456) line1 010#\n");
-  EXPECT_EQ(written(microseconds(0), "can0", frame_of(0x123, FrameKind::extended, {1})),
+  EXPECT_EQ(written(microseconds(0), "can0", extended(data_frame(0x123, {1}))),
             "(0000000000.000000) can0 00000123#01\n");
-  EXPECT_EQ(written(microseconds(0), "can0", frame_of(0x123, FrameKind::remote, {})),
+  EXPECT_EQ(written(microseconds(0), "can0", remote(data_frame(0x123, {}))),
             "(0000000000.000000) can0 123#R\n");
-  Frame remote = frame_of(0x12345, FrameKind::remote, {});
-  remote.dlc = 4;
-  EXPECT_EQ(written(microseconds(0), "can0", remote), "(0000000000.000000) can0 00012345#R4\n");
-  EXPECT_EQ(written(microseconds(0), "can0", frame_of(0x008, FrameKind::error, {0, 0, 0, 0, 0, 0, 0, 0})),
+  EXPECT_EQ(written(microseconds(0), "can0", extended(remote(data_frame(0x12345, {0, 0, 0, 0})))),
+            "(0000000000.000000) can0 00012345#R4\n");
+  EXPECT_EQ(written(microseconds(0), "can0", extended(remote(data_frame(0x123, {})))),
+            "(0000000000.000000) can0 00000123#R\n");
+  EXPECT_EQ(written(microseconds(0), "can0", error(data_frame(0x008, {0, 0, 0, 0, 0, 0, 0, 0}))),
             "(0000000000.000000) can0 20000008#0000000000000000\n");
 }
 
 TEST(CandumpWriter, LongestLineFits) {
   const std::string line =
       written(microseconds(INT64_MAX), "a_name_that_is_far_too_long",
-              frame_of(0x1FFFFFFF, FrameKind::extended, {255, 255, 255, 255, 255, 255, 255, 255}));
+              extended(data_frame(0x1FFFFFFF, {255, 255, 255, 255, 255, 255, 255, 255})));
   EXPECT_EQ(line, "(9223372036854.775807) a_name_that_is_ 1FFFFFFF#FFFFFFFFFFFFFFFF\n");
 }
 
@@ -57,12 +55,14 @@ TEST(CandumpParser, ReadsWhatTheWriterWrites) {
   std::mt19937 random(3);
   for (int n = 0; n < 10'000; ++n) {
     Frame frame;
-    frame.kind = static_cast<FrameKind>(random() % 4);
-    const bool standard =
-        frame.kind == FrameKind::standard || (frame.kind == FrameKind::remote && random() % 2 == 0);
-    frame.id = static_cast<std::uint32_t>(standard ? random() % 0x800 : 0x800 + random() % 0x1FFFF800);
+    const auto kind = random() % 5;
+    frame.error = kind == 4;
+    frame.extended = !frame.error && kind % 2 == 1;
+    frame.remote = !frame.error && kind >= 2;
+    frame.id = static_cast<std::uint32_t>(random()) & (kind % 2 == 1 || frame.error ? 0x1FFFFFFFu : 0x7FFu);
+    if (n % 8 == 0) frame.id &= 0x7FFu;
     frame.dlc = static_cast<std::uint8_t>(random() % 9);
-    if (frame.kind != FrameKind::remote) {
+    if (!frame.remote) {
       for (unsigned i = 0; i < frame.dlc; ++i) frame.data[i] = static_cast<std::uint8_t>(random());
     }
     const microseconds time(random());
@@ -76,12 +76,21 @@ TEST(CandumpParser, ReadsWhatTheWriterWrites) {
   }
 }
 
+TEST(CandumpParser, ReadsEachKindAsItWasWritten) {
+  for (const Frame& frame : can::test::four_kinds()) {
+    const std::string line = written(microseconds(1), "can0", frame);
+    const auto parsed = can::parse_candump_line(line);
+    ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(parsed)) << line;
+    EXPECT_EQ(std::get<can::CandumpLine>(parsed).frame, frame) << line;
+  }
+}
+
 TEST(CandumpParser, TakesLowerCaseAndADirection) {
   const auto parsed = can::parse_candump_line("(1.000002)  vcan0 58f#aB T\r\n");
   ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(parsed));
   const auto& line = std::get<can::CandumpLine>(parsed);
   EXPECT_EQ(line.time, microseconds(1'000'002));
-  EXPECT_EQ(line.frame, frame_of(0x58F, FrameKind::standard, {0xAB}));
+  EXPECT_EQ(line.frame, data_frame(0x58F, {0xAB}));
 }
 
 struct Wrong {

@@ -14,7 +14,6 @@
 namespace {
 
 using can::Frame;
-using can::FrameKind;
 using Bits = std::vector<int>;
 
 // --- The reference: one bit after the other, as the standard's text puts it.
@@ -24,10 +23,10 @@ void append(Bits& bits, std::uint64_t value, unsigned count) {
 }
 
 Bits message(const Frame& frame) {
-  const bool remote = frame.kind == FrameKind::remote;
+  const bool remote = frame.remote;
   Bits bits;
   append(bits, 0, 1);
-  if (frame.kind == FrameKind::extended || (remote && frame.id > 0x7FF)) {
+  if (frame.extended) {
     append(bits, frame.id >> 18, 11);
     append(bits, 3, 2);
     append(bits, frame.id & 0x3FFFF, 18);
@@ -73,8 +72,8 @@ void expect_as_reference(const Frame& frame) {
   Bits bits = message(frame);
   const unsigned crc = slow_crc(bits);
   append(bits, crc, 15);
-  const std::string what = "id " + std::to_string(frame.id) + " dlc " + std::to_string(frame.dlc) + " kind " +
-                           std::to_string(static_cast<int>(frame.kind));
+  const std::string what = "id " + std::to_string(frame.id) + " dlc " + std::to_string(frame.dlc) +
+                           (frame.extended ? " extended" : "") + (frame.remote ? " remote" : "");
   ASSERT_EQ(can::crc15(frame), crc) << what;
   ASSERT_EQ(can::stuff_bits(frame), slow_stuff_bits(bits)) << what;
   ASSERT_EQ(can::frame_bits(frame), bits.size() + slow_stuff_bits(bits) + 1 + 2 + 7 + 3) << what;
@@ -107,7 +106,7 @@ TEST(FrameLength, CrcOfFramesWorkedOutByHand) {
   // x^(15+6) mod x^15+x^14+x^10+x^8+x^7+x^4+x^3+1. x^15 = 4599, x^16 = 4EAB, x^17 = 58CF, x^18 = 7407,
   // x^19 = 2D97, x^20 = 5B2E, x^21 = 73C5.
   Frame remote;
-  remote.kind = FrameKind::remote;
+  remote.remote = true;
   EXPECT_EQ(can::crc15(remote), 0x73C5);
   // Length code 1 is the message's last bit but for the data byte: x^(15+8) + x^15.
   // x^22 = 2213, x^23 = 4426; 4426 ^ 4599 = 01BF.
@@ -165,17 +164,17 @@ TEST(FrameLength, AsBitByBitForFramesWithLongRows) {
   std::mt19937_64 random(2);
   for (int n = 0; n < 50'000; ++n) {
     Frame frame;
-    const auto kind = random() % 3;
-    frame.kind = kind == 0 ? FrameKind::standard : kind == 1 ? FrameKind::extended : FrameKind::remote;
-    const bool wide = frame.kind == FrameKind::extended || (frame.kind == FrameKind::remote && n % 2 == 0);
-    frame.id = static_cast<std::uint32_t>(sparse(random, 2)) & (wide ? 0x1FFFFFFFu : 0x7FFu);
+    const auto kind = random() % 4;
+    frame.extended = kind % 2 == 1;
+    frame.remote = kind >= 2;
+    frame.id = static_cast<std::uint32_t>(sparse(random, 2)) & (frame.extended ? 0x1FFFFFFFu : 0x7FFu);
     frame.dlc = static_cast<std::uint8_t>(random() % 9);
     const std::uint64_t few = sparse(random, 3);
     const std::uint64_t data = n % 2 == 0 ? few : ~few;
     for (unsigned i = 0; i < frame.dlc; ++i) frame.data[i] = static_cast<std::uint8_t>(data >> (8 * i));
     expect_as_reference(frame);
     if (HasFatalFailure()) return;
-    if (frame.kind == FrameKind::standard) {
+    if (frame.is_standard_data()) {
       ASSERT_GE(can::frame_bits(frame), can::unstuffed_bits(frame.dlc));
       ASSERT_LE(can::frame_bits(frame), can::worst_case_bits(frame.dlc));
     }
@@ -184,19 +183,19 @@ TEST(FrameLength, AsBitByBitForFramesWithLongRows) {
 
 TEST(FrameLength, RemoteFrameHasItsLengthCodeButNoData) {
   Frame frame = data_frame(0x123, {1, 2, 3, 4});
-  frame.kind = FrameKind::remote;
+  frame.remote = true;
   EXPECT_EQ(can::frame_bits(frame) - can::stuff_bits(frame), can::unstuffed_bits(0));
 }
 
 TEST(FrameLength, ExtendedFrameIsTwentyBitsLonger) {
   Frame frame = data_frame(0x12345678, {1, 2, 3, 4, 5, 6, 7, 8});
-  frame.kind = FrameKind::extended;
+  frame.extended = true;
   EXPECT_EQ(can::frame_bits(frame) - can::stuff_bits(frame), 131u);
 }
 
 TEST(FrameLength, ErrorFrame) {
   Frame frame;
-  frame.kind = FrameKind::error;
+  frame.error = true;
   EXPECT_EQ(can::frame_bits(frame), 18u);
   EXPECT_EQ(can::stuff_bits(frame), 0u);
   EXPECT_EQ(can::crc15(frame), 0);

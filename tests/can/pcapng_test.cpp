@@ -7,11 +7,16 @@
 #include <vector>
 
 #include "can/pcapng_reader.h"
+#include "flagged_frames.h"
 
 namespace can {
 namespace {
 
 using std::chrono::nanoseconds;
+using test::data_frame;
+using test::error;
+using test::extended;
+using test::remote;
 
 /// Bytes written as hexadecimal digits; blanks do not count.
 std::string bytes(const std::string& digits) {
@@ -21,12 +26,6 @@ std::string bytes(const std::string& digits) {
   std::string out;
   for (std::size_t i = 0; i + 1 < compact.size(); i += 2)
     out += static_cast<char>(std::stoi(compact.substr(i, 2), nullptr, 16));
-  return out;
-}
-
-Frame frame(std::uint32_t id, FrameKind kind, const std::vector<std::uint8_t>& data) {
-  Frame out{id, kind, static_cast<std::uint8_t>(data.size()), {}};
-  for (std::size_t i = 0; i < data.size(); ++i) out.data[i] = data[i];
   return out;
 }
 
@@ -49,16 +48,14 @@ TEST(Pcapng, FirstFrameOfAnInterfaceDescribesIt) {
   PcapngWriter writer;
   // 0x0000000100000002 ns.
   const std::string got =
-      writer.frame(nanoseconds(0x100000002), "can0", frame(0x503, FrameKind::standard, {0x71, 0x2D, 0, 0}));
+      writer.frame(nanoseconds(0x100000002), "can0", data_frame(0x503, {0x71, 0x2D, 0, 0}));
   const std::string packet = bytes(
       "06000000 30000000 00000000 01000000 02000000"  // type, length 48, interface 0, time high, time low
       "10000000 10000000"                             // captured, original length
       "00000503 04 00 0000 712D0000 00000000"         // identifier big endian, length, no FD flags
       "30000000");
   EXPECT_EQ(got, bytes(kInterface) + packet);
-  EXPECT_EQ(
-      writer.frame(nanoseconds(0x100000002), "can0", frame(0x503, FrameKind::standard, {0x71, 0x2D, 0, 0})),
-      packet)
+  EXPECT_EQ(writer.frame(nanoseconds(0x100000002), "can0", data_frame(0x503, {0x71, 0x2D, 0, 0})), packet)
       << "described once";
 }
 
@@ -68,10 +65,11 @@ TEST(Pcapng, KindsHaveTheirFlags) {
   const auto header = [&writer](const Frame& told) {
     return writer.frame(nanoseconds(0), "can0", told).substr(28, 5);
   };
-  EXPECT_EQ(header(frame(0x123, FrameKind::extended, {1})), bytes("80000123 01"));
-  EXPECT_EQ(header(frame(0x101, FrameKind::remote, {0, 0})), bytes("40000101 02"));
-  EXPECT_EQ(header(frame(0x12345, FrameKind::remote, {})), bytes("C0012345 00"));
-  EXPECT_EQ(header(frame(0x008, FrameKind::error, {0, 0, 0, 0, 0, 0, 0, 0})), bytes("20000008 08"));
+  EXPECT_EQ(header(extended(data_frame(0x123, {1}))), bytes("80000123 01"));
+  EXPECT_EQ(header(remote(data_frame(0x101, {0, 0}))), bytes("40000101 02"));
+  EXPECT_EQ(header(extended(remote(data_frame(0x12345, {})))), bytes("C0012345 00"));
+  EXPECT_EQ(header(extended(remote(data_frame(0x123, {})))), bytes("C0000123 00"));
+  EXPECT_EQ(header(error(data_frame(0x008, {0, 0, 0, 0, 0, 0, 0, 0}))), bytes("20000008 08"));
 }
 
 TEST(Pcapng, InterfacesAreNumberedInTheirOrder) {
@@ -85,7 +83,7 @@ TEST(Pcapng, InterfacesAreNumberedInTheirOrder) {
 TEST(Pcapng, NegativeTimesCountAsZeroAndLongDataAsEight) {
   PcapngWriter writer;
   (void)writer.frame(nanoseconds(0), "can0", {});
-  Frame wrong = frame(0x101, FrameKind::standard, {1, 2, 3, 4, 5, 6, 7, 8});
+  Frame wrong = data_frame(0x101, {1, 2, 3, 4, 5, 6, 7, 8});
   wrong.dlc = 15;
   const std::string got = writer.frame(nanoseconds(-1), "can0", wrong);
   EXPECT_EQ(got.substr(12, 8), bytes("0000000000000000"));
@@ -106,10 +104,13 @@ std::vector<PcapngReader::Item> read_all(const std::string& file, std::size_t st
 
 TEST(PcapngReader, ReadsWhatIsWrittenInPiecesOfAnySize) {
   PcapngWriter writer;
-  const std::vector<Frame> frames{
-      frame(0x080, FrameKind::standard, {}), frame(0x101, FrameKind::standard, {1, 2, 3, 4, 5, 6, 7, 8}),
-      frame(0x12345, FrameKind::extended, {9}), frame(0x101, FrameKind::remote, {0, 0}),
-      frame(0x008, FrameKind::error, {0, 0, 0, 0, 0, 0, 0, 1})};
+  const std::vector<Frame> frames{data_frame(0x080, {}),
+                                  data_frame(0x101, {1, 2, 3, 4, 5, 6, 7, 8}),
+                                  extended(data_frame(0x12345, {9})),
+                                  remote(data_frame(0x101, {0, 0})),
+                                  extended(remote(data_frame(0x101, {}))),
+                                  extended(remote(data_frame(0x12345, {0}))),
+                                  error(data_frame(0x008, {0, 0, 0, 0, 0, 0, 0, 1}))};
   std::string file = PcapngWriter::begin("test");
   for (std::size_t i = 0; i < frames.size(); ++i)
     file += writer.frame(nanoseconds(1'500'000'000 + 1000 * static_cast<int>(i)), i == 0 ? "sync" : "can0",
@@ -142,7 +143,7 @@ TEST(PcapngReader, ReadsTheOtherByteOrderMicrosecondsAndUnknownBlocks) {
   const auto& line = std::get<CandumpLine>(items[0]);
   EXPECT_EQ(line.time, std::chrono::microseconds(1'000'001));
   EXPECT_EQ(line.interface, "if0");
-  EXPECT_EQ(line.frame, frame(0x301, FrameKind::standard, {0xAB, 0xCD}));
+  EXPECT_EQ(line.frame, data_frame(0x301, {0xAB, 0xCD}));
 }
 
 TEST(PcapngReader, NamesWhatItCannotRead) {
@@ -165,7 +166,7 @@ TEST(PcapngReader, NamesWhatItCannotRead) {
 TEST(PcapngReader, PacketsThatLieAreNotBelieved) {
   PcapngWriter writer;
   const std::string described = PcapngWriter::begin("t") + writer.frame(nanoseconds(0), "can0", {});
-  const std::string good = writer.frame(nanoseconds(0), "can0", frame(0x101, FrameKind::standard, {1, 2}));
+  const std::string good = writer.frame(nanoseconds(0), "can0", data_frame(0x101, {1, 2}));
   const auto second = [&described](const std::string& packet) {
     std::size_t left = 0;
     const auto items = read_all(described + packet, 100, left);

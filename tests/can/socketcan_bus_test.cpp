@@ -34,7 +34,10 @@ Frame frame(std::uint32_t id) {
 struct Rig {
   explicit Rig(const LinkFacts& facts = can0(), bool wake_on_frame = false)
       : bus((links.facts = facts, watch.look(),
-             SocketcanSettings{{{0x010, 0x7FF}, {0x100, 0x780}, {0x303, 0x7FF}}, wake_on_frame}),
+             SocketcanSettings{{{.identifier = 0x010},
+                                {.identifier = 0x100, .mask = 0x780},
+                                {0x18DAF110, CAN_EFF_MASK, FlagFilter::set, FlagFilter::set}},
+                               wake_on_frame}),
             board, links, kernel) {}
 
   FakeKernel kernel;
@@ -82,10 +85,10 @@ TEST(SocketcanBus, SetsTheSocketUpAsNeeded) {
             SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
                 SOF_TIMESTAMPING_RAW_HARDWARE);
   ASSERT_EQ(rig.kernel.filters.size(), 3u);
-  // Neither extended nor remote frames.
   EXPECT_EQ(rig.kernel.filters[1].can_id, 0x100u);
-  EXPECT_EQ(rig.kernel.filters[1].can_mask, 0x780u | 0x1FFFF800u);
-  EXPECT_EQ(rig.kernel.filters[2].can_mask, 0x7FFu | 0x1FFFF800u);
+  EXPECT_EQ(rig.kernel.filters[1].can_mask, 0x780u | CAN_EFF_FLAG | CAN_RTR_FLAG);
+  EXPECT_EQ(rig.kernel.filters[2].can_id, 0x18DAF110u | CAN_EFF_FLAG | CAN_RTR_FLAG);
+  EXPECT_EQ(rig.kernel.filters[2].can_mask, CAN_EFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG);
   EXPECT_EQ(rig.kernel.bound, std::vector<int>{5});
 }
 
@@ -202,8 +205,8 @@ TEST(SocketcanBus, FramesOfOtherSizesAndKindsAreNoTelegrams) {
   rig.arrive(0x303 | CAN_RTR_FLAG);
   const auto received = rig.next();
   ASSERT_EQ(received.size(), 2u);
-  EXPECT_EQ(received[0].frame.kind, FrameKind::extended);
-  EXPECT_EQ(received[1].frame.kind, FrameKind::remote);
+  EXPECT_TRUE(received[0].frame.extended);
+  EXPECT_TRUE(received[1].frame.remote);
 }
 
 TEST(SocketcanBus, OneLookAfterEachSleepTakesEverything) {

@@ -29,9 +29,20 @@ void PrintTo(const BadFrame& bad, std::ostream* out) {
   *out << bad.kind;
 }
 
-can::Frame frame(std::uint32_t id, std::uint8_t dlc, std::array<std::uint8_t, 8> data = {},
-                 can::FrameKind kind = can::FrameKind::standard) {
-  return {id, kind, dlc, data};
+can::Frame frame(std::uint32_t id, std::uint8_t dlc, std::array<std::uint8_t, 8> data = {}) {
+  return {.id = id, .dlc = dlc, .data = data};
+}
+can::Frame extended(can::Frame frame) {
+  frame.extended = true;
+  return frame;
+}
+can::Frame remote(can::Frame frame) {
+  frame.remote = true;
+  return frame;
+}
+can::Frame error(can::Frame frame) {
+  frame.error = true;
+  return frame;
 }
 
 auto rejected(DecodeError error) {
@@ -144,21 +155,22 @@ TEST_P(BadFrames, IsCountedByItsKindAndChangesNothing) {
 }
 
 constexpr auto kOther = Moment::when_nobody_is_asked;
-constexpr can::Frame kAnswer100 = {0x581, can::FrameKind::standard, 6, {0x00, 100, 1, 2}};
+constexpr can::Frame kAnswer100 = {.id = 0x581, .dlc = 6, .data = {0x00, 100, 1, 2}};
 
 INSTANTIATE_TEST_SUITE_P(
     Rejected, BadFrames,
     testing::Values(
         BadFrame{"foreign", frame(0x700, 8), kOther, rejected(DecodeError::not_for_us)},
-        BadFrame{"foreign_extended", frame(0x18DAF110, 8, {}, can::FrameKind::extended), kOther,
+        BadFrame{"foreign_extended", extended(frame(0x18DAF110, 8)), kOther,
                  rejected(DecodeError::not_for_us)},
-        BadFrame{"extended", frame(0x581, 6, kAnswer100.data, can::FrameKind::extended), Moment::while_asked,
+        BadFrame{"extended", extended(frame(0x581, 6, kAnswer100.data)), Moment::while_asked,
                  rejected(DecodeError::extended)},
-        BadFrame{"remote", frame(0x301, 0, {}, can::FrameKind::remote), kOther,
+        BadFrame{"remote", remote(frame(0x301, 0)), kOther, rejected(DecodeError::remote)},
+        BadFrame{"remote_while_asked", remote(frame(0x581, 0)), Moment::while_asked,
                  rejected(DecodeError::remote)},
-        BadFrame{"remote_while_asked", frame(0x581, 0, {}, can::FrameKind::remote), Moment::while_asked,
+        BadFrame{"extended_remote", extended(remote(frame(0x581, 0))), Moment::while_asked,
                  rejected(DecodeError::remote)},
-        BadFrame{"error_frame", frame(0x580, 8, {}, can::FrameKind::error), Moment::while_asked,
+        BadFrame{"error_frame", error(frame(0x580, 8)), Moment::while_asked,
                  rejected(DecodeError::error_frame)},
         BadFrame{"slave_number", frame(0x5A0, 6, kAnswer100.data), Moment::while_asked,
                  rejected(DecodeError::wrong_slave)},

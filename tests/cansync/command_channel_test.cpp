@@ -111,13 +111,12 @@ TEST(CommandChannel, OneCommandPerIntervalInTheOrderOfPriority) {
     ASSERT_EQ(rig->sent.size(), 1u);
     frames.push_back(encode(rig->sent[0]));
   }
-  const auto standard = can::FrameKind::standard;
-  EXPECT_EQ(frames[0], (can::Frame{0x010, standard, 8, {0x0F, 0, 0, 0, 200, 0, 0x34, 0x12}}));
-  EXPECT_EQ(frames[1], (can::Frame{0x010, standard, 8, {0x0F, 0, 0, 0, 200, 1, 0x34, 0x12}}));
-  EXPECT_EQ(frames[2], (can::Frame{0x010, standard, 8, {0x0F, 0, 0, 0, 200, 2, 0x34, 0x12}}));
-  EXPECT_EQ(frames[3], (can::Frame{0x010, standard, 8, {0x08, 0, 0, 0, 1, 0, 0x0F, 0}}));
-  EXPECT_EQ(frames[4], (can::Frame{0x502, standard, 4, {0x70, 0x05, 0, 0, 0, 0, 0, 0}}));
-  EXPECT_EQ(frames[5], (can::Frame{0x501, standard, 8, {0x90, 0x06, 0x00, 0x10, 0, 0, 0, 0}}));
+  EXPECT_EQ(frames[0], (can::Frame{.id = 0x010, .dlc = 8, .data = {0x0F, 0, 0, 0, 200, 0, 0x34, 0x12}}));
+  EXPECT_EQ(frames[1], (can::Frame{.id = 0x010, .dlc = 8, .data = {0x0F, 0, 0, 0, 200, 1, 0x34, 0x12}}));
+  EXPECT_EQ(frames[2], (can::Frame{.id = 0x010, .dlc = 8, .data = {0x0F, 0, 0, 0, 200, 2, 0x34, 0x12}}));
+  EXPECT_EQ(frames[3], (can::Frame{.id = 0x010, .dlc = 8, .data = {0x08, 0, 0, 0, 1, 0, 0x0F, 0}}));
+  EXPECT_EQ(frames[4], (can::Frame{.id = 0x502, .dlc = 4, .data = {0x70, 0x05, 0, 0, 0, 0, 0, 0}}));
+  EXPECT_EQ(frames[5], (can::Frame{.id = 0x501, .dlc = 8, .data = {0x90, 0x06, 0x00, 0x10, 0, 0, 0, 0}}));
   for (const JobId id : {3u, 10u, 11u, 12u}) EXPECT_EQ(rig->told.commands.at(id), Outcome::done);
 }
 

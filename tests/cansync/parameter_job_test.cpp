@@ -41,8 +41,7 @@ TEST_F(ParameterJobs, ReadsAWordInOneInterval) {
   EXPECT_FALSE(result.doubleword);
   EXPECT_EQ(result.intervals, 1u);
   ASSERT_EQ(asked.size(), 1u);
-  EXPECT_EQ(encode(asked[0]),
-            (can::Frame{0x503, can::FrameKind::standard, 4, {0x7A, 0xBC, 0, 0, 0, 0, 0, 0}}));
+  EXPECT_EQ(encode(asked[0]), (can::Frame{.id = 0x503, .dlc = 4, .data = {0x7A, 0xBC, 0, 0, 0, 0, 0, 0}}));
 }
 
 TEST_F(ParameterJobs, ReadsADoublewordWithElementAndSubSlave) {
@@ -56,7 +55,7 @@ TEST_F(ParameterJobs, ReadsADoublewordWithElementAndSubSlave) {
   EXPECT_EQ(result.value, 0x12345678u);
   EXPECT_TRUE(result.doubleword);
   EXPECT_EQ(encode(asked[0]),
-            (can::Frame{0x500, can::FrameKind::standard, 4, {0x30, 0x01, 0x02, 0x01, 0, 0, 0, 0}}));
+            (can::Frame{.id = 0x500, .dlc = 4, .data = {0x30, 0x01, 0x02, 0x01, 0, 0, 0, 0}}));
 }
 
 TEST_F(ParameterJobs, FormatOtherThanAskedNamesTheOneExpected) {
@@ -75,14 +74,13 @@ TEST_F(ParameterJobs, WritesInBothFormats) {
       run({.write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 0x1234}).outcome,
       Outcome::done);
   EXPECT_EQ(encode(asked[0]),
-            (can::Frame{0x500, can::FrameKind::standard, 6, {0x70, 0x02, 0x34, 0x12, 0, 0, 0, 0}}));
+            (can::Frame{.id = 0x500, .dlc = 6, .data = {0x70, 0x02, 0x34, 0x12, 0, 0, 0, 0}}));
   rig.reset();
   EXPECT_EQ(
       run({.write = true, .number = parameter(2), .format = ParameterFormat::doubleword, .value = 0x01020304})
           .outcome,
       Outcome::done);
-  EXPECT_EQ(encode(asked[1]),
-            (can::Frame{0x500, can::FrameKind::standard, 8, {0x70, 0x02, 4, 3, 2, 1, 0, 0}}));
+  EXPECT_EQ(encode(asked[1]), (can::Frame{.id = 0x500, .dlc = 8, .data = {0x70, 0x02, 4, 3, 2, 1, 0, 0}}));
 }
 
 TEST_F(ParameterJobs, AWriteAsTheSlaveSaysReadsTheFormatFirst) {

@@ -3,8 +3,6 @@
 namespace cansync::test {
 namespace {
 
-const auto kStandard = can::FrameKind::standard;
-
 /// Answers reference telegrams with actual values that tell slave, channel and a counter.
 std::optional<Telegram> actual_answer(const Telegram& telegram) {
   const auto* reference = std::get_if<ReferenceTelegram>(&telegram);
@@ -48,7 +46,7 @@ TEST(ProcessData, AnUpdateIsReleasedExactlyOnce) {
   ASSERT_EQ(references(*rig).size(), 1u);
   // WRC1 that asks slave 3: doubleword values 0 and 1, low word first.
   EXPECT_EQ(references(*rig)[0],
-            (can::Frame{0x103, kStandard, 8, {0x44, 0x33, 0x22, 0x11, 0x88, 0x77, 0x66, 0x55}}));
+            (can::Frame{.id = 0x103, .dlc = 8, .data = {0x44, 0x33, 0x22, 0x11, 0x88, 0x77, 0x66, 0x55}}));
   ASSERT_EQ(rig->told.actual.size(), 1u);
   EXPECT_EQ(rig->told.actual[0].first, slave(3));
   EXPECT_EQ(rig->told.actual[0].second.value[0], 3u);

@@ -53,15 +53,14 @@ TEST(StartUp, ActivatesAllSlavesFirstAndThenReadsEveryStatusWordWithin33Interval
   // "SYNC mode: activate" to all slaves, before anything else; no reference values.
   ASSERT_EQ(rig.sent.size(), 1u);
   EXPECT_EQ(encode(rig.sent[0]),
-            (can::Frame{0x010, can::FrameKind::standard, 8, {0xFF, 0xFF, 0xFF, 0xFF, 2, 1, 0, 0}}));
+            (can::Frame{.id = 0x010, .dlc = 8, .data = {0xFF, 0xFF, 0xFF, 0xFF, 2, 1, 0, 0}}));
   unsigned intervals = 1;
   for (; intervals < 33; ++intervals) {
     rig.step();
     ASSERT_EQ(rig.sent.size(), 1u);
     // Read parameter 301 of slave 0, 1, 2, ...
-    EXPECT_EQ(
-        encode(rig.sent[0]),
-        (can::Frame{0x500 + intervals - 1, can::FrameKind::standard, 4, {0x71, 0x2D, 0, 0, 0, 0, 0, 0}}));
+    EXPECT_EQ(encode(rig.sent[0]),
+              (can::Frame{.id = 0x500 + intervals - 1, .dlc = 4, .data = {0x71, 0x2D, 0, 0, 0, 0, 0, 0}}));
   }
   for (unsigned i = 0; i < 32; ++i) {
     EXPECT_TRUE(rig.master.slave(slave(i)).status_known) << i;

@@ -6,6 +6,8 @@
 
 #include <optional>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace cansync {
 namespace {
@@ -132,6 +134,13 @@ TEST(Reserved, ActionCommandZero) {
   }
 }
 
+// Frames that are no standard data frames, and as what they are rejected.
+const std::vector<std::pair<can::Frame, DecodeError>> kOtherKinds = {
+    {{.extended = true}, DecodeError::extended},
+    {{.remote = true}, DecodeError::remote},
+    {{.extended = true, .remote = true}, DecodeError::remote},
+    {{.error = true}, DecodeError::error_frame}};
+
 // Every identifier, with a frame that is right on each channel but for the slave number.
 TEST(Identifiers, EachOneIsToldApart) {
   for (std::uint32_t id = 0; id <= 0x7FF; ++id) {
@@ -145,12 +154,11 @@ TEST(Identifiers, EachOneIsToldApart) {
     if (id != 0x010 && !reference && !with_slave) expected = DecodeError::not_for_us;
     if (with_slave && n > 31) expected = DecodeError::wrong_slave;
     EXPECT_EQ(error_of(frame), expected) << std::hex << id;
-    for (const auto kind : {can::FrameKind::extended, can::FrameKind::remote, can::FrameKind::error}) {
-      frame.kind = kind;
-      const auto by_kind = kind == can::FrameKind::extended ? DecodeError::extended
-                           : kind == can::FrameKind::remote ? DecodeError::remote
-                                                            : DecodeError::error_frame;
-      const auto refused = expected == DecodeError::not_for_us ? DecodeError::not_for_us : by_kind;
+    for (const auto& [flags, by_flags] : kOtherKinds) {
+      frame.extended = flags.extended;
+      frame.remote = flags.remote;
+      frame.error = flags.error;
+      const auto refused = expected == DecodeError::not_for_us ? DecodeError::not_for_us : by_flags;
       EXPECT_EQ(error_of(frame), refused) << std::hex << id;
     }
   }
@@ -161,7 +169,7 @@ TEST(Identifiers, BeyondElevenBitsAreNotForUs) {
   for (int i = 0; i < 10'000; ++i) {
     can::Frame frame = frame_of((random() & 0x1FFFFFFFu) | 0x800u, 8, 0x10);
     EXPECT_EQ(error_of(frame), DecodeError::not_for_us);
-    frame.kind = can::FrameKind::extended;
+    frame.extended = true;
     EXPECT_EQ(error_of(frame), DecodeError::not_for_us);
   }
 }
@@ -263,7 +271,7 @@ TEST(RoundTrip, RandomTelegramsComeBack) {
     ++seen[telegram.index()];
     const can::Frame frame = encode(telegram);
     ASSERT_LE(frame.dlc, 8);
-    ASSERT_EQ(frame.kind, can::FrameKind::standard);
+    ASSERT_TRUE(frame.is_standard_data());
     for (unsigned byte = frame.dlc; byte < 8; ++byte) ASSERT_EQ(frame.data[byte], 0);
     const Decoded decoded = decode(frame);
     ASSERT_TRUE(std::holds_alternative<Telegram>(decoded)) << "telegram " << i << ", seed " << kSeed;

@@ -121,16 +121,19 @@ TEST_F(Transfers, SeveralBlocksTakeNoIntervalMoreThanTheirTelegrams) {
 TEST_F(Transfers, TelegramsAreThoseOfTheManual) {
   std::vector<std::uint8_t> data = {1, 2, 3, 4, 5, 6, 7, 8};
   run(Direction::download, data, 0, 0x01020304 & 0xFFFF);
-  const auto standard = can::FrameKind::standard;
   ASSERT_EQ(memory->asked.size(), 3u);
-  EXPECT_EQ(encode(memory->asked[0]), (can::Frame{0x502, standard, 8, {0xD0, 8, 0x04, 0x03, 0, 0, 0, 0}}));
-  EXPECT_EQ(encode(memory->asked[1]), (can::Frame{0x502, standard, 8, {0xE0, 0, 1, 2, 3, 4, 5, 6}}));
-  EXPECT_EQ(encode(memory->asked[2]), (can::Frame{0x502, standard, 8, {0xF0, 6, 7, 8, 0, 0, 0, 0}}));
+  EXPECT_EQ(encode(memory->asked[0]),
+            (can::Frame{.id = 0x502, .dlc = 8, .data = {0xD0, 8, 0x04, 0x03, 0, 0, 0, 0}}));
+  EXPECT_EQ(encode(memory->asked[1]),
+            (can::Frame{.id = 0x502, .dlc = 8, .data = {0xE0, 0, 1, 2, 3, 4, 5, 6}}));
+  EXPECT_EQ(encode(memory->asked[2]),
+            (can::Frame{.id = 0x502, .dlc = 8, .data = {0xF0, 6, 7, 8, 0, 0, 0, 0}}));
   memory->asked.clear();
   run(Direction::upload, data);
-  EXPECT_EQ(encode(memory->asked[0]), (can::Frame{0x502, standard, 8, {0x90, 8, 0x00, 0x10, 0, 0, 0, 0}}));
-  EXPECT_EQ(encode(memory->asked[1]), (can::Frame{0x502, standard, 2, {0xA0, 0}}));
-  EXPECT_EQ(encode(memory->asked[2]), (can::Frame{0x502, standard, 2, {0xB0, 6}}));
+  EXPECT_EQ(encode(memory->asked[0]),
+            (can::Frame{.id = 0x502, .dlc = 8, .data = {0x90, 8, 0x00, 0x10, 0, 0, 0, 0}}));
+  EXPECT_EQ(encode(memory->asked[1]), (can::Frame{.id = 0x502, .dlc = 2, .data = {0xA0, 0}}));
+  EXPECT_EQ(encode(memory->asked[2]), (can::Frame{.id = 0x502, .dlc = 2, .data = {0xB0, 6}}));
 }
 
 TEST_F(Transfers, UploadTakesNoMoreThanTheLastBlockNeeds) {

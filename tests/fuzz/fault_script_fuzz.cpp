@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     schedule.begin_interval(interval);
     static_cast<void>(schedule.missing_sync());
     for (std::uint32_t id = 0; id <= 0x7FF; id += 0x80) {
-      can::Frame frame{.id = id, .kind = can::FrameKind::standard, .dlc = 8, .data = {0xFF}};
+      can::Frame frame{.id = id, .dlc = 8, .data = {0xFF}};
       require(schedule.at_hand_over(frame).count() >= 0, "no frame is early");
       static_cast<void>(schedule.at_start(frame, false));
     }

@@ -78,7 +78,7 @@ class SendRules {
 
   void check(cansync::Slot slot, const can::Frame& frame, cansync::State state) {
     using namespace cansync;
-    require(frame.kind == can::FrameKind::standard && frame.dlc <= 8, "a telegram is a data frame");
+    require(frame.is_standard_data() && frame.dlc <= 8, "a telegram is a data frame");
     require(is_synchronous(state), "nothing is sent outside synchronous operation");
     const Decoded decoded = decode(frame);
     require(std::holds_alternative<Telegram>(decoded), "what is sent is a telegram");

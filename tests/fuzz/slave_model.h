@@ -145,7 +145,7 @@ inline void check_answer(const cansync::Slave& slave, const cansync::Telegram& q
                          const can::Frame& answer) {
   using namespace cansync;
   const std::uint8_t number = slave.settings().number.value();
-  require(answer.kind == can::FrameKind::standard && answer.dlc <= 8, "an answer is a data frame");
+  require(answer.is_standard_data() && answer.dlc <= 8, "an answer is a data frame");
   const Decoded decoded = decode(answer);
   require(std::holds_alternative<Telegram>(decoded), "an answer is a telegram");
   const Telegram& said = std::get<Telegram>(decoded);

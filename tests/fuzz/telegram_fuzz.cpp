@@ -81,7 +81,7 @@ void check_frame(const can::Frame& frame) {
 
 void check_telegram(const Telegram& given) {
   const can::Frame frame = encode(given);
-  require(frame.kind == can::FrameKind::standard && frame.id <= 0x7FF && frame.dlc <= 8,
+  require(frame.is_standard_data() && frame.id <= 0x7FF && frame.dlc <= 8,
           "every telegram is a standard data frame");
   for (std::size_t i = frame.dlc; i < frame.data.size(); ++i)
     require(frame.data[i] == 0, "bytes behind the length are zero");

@@ -20,9 +20,9 @@ lib/text:
 lib/profile:                lib/text
 lib/can:
 lib/cansync:                lib/can
-lib/sim:                    lib/text lib/can lib/cansync
 lib/rt:                     lib/can
 lib/sync:                   lib/can lib/rt
+lib/sim:                    lib/text lib/can lib/cansync lib/sync
 lib/dds:                    idl
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
@@ -32,10 +32,10 @@ daemon/cansync:             lib/can lib/cansync lib/rt lib/sync
 daemon/config:              lib/text lib/profile lib/can lib/cansync lib/sync
 daemon/options:             lib/profile daemon/config
 daemon/service:             daemon/config
-daemon/bus:                 lib/can lib/cansync lib/sim lib/cansync/sim daemon/cansync daemon/config
+daemon/bus:                 lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync daemon/config
 daemon/loop:                lib/can lib/cansync lib/rt lib/sync daemon/cansync daemon/config
 daemon/cansync/config:      lib/can lib/cansync daemon/config daemon/options daemon/bus
-daemon/cansync/realtime:    lib/can lib/cansync lib/rt daemon/cansync daemon/config daemon/bus daemon/loop
+daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/cansync daemon/config daemon/bus daemon/loop
 daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/cansync daemon/config
                             daemon/service daemon/bus daemon/loop
 daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/config daemon/cansync/texts
@@ -59,7 +59,7 @@ tools/cli/record:           lib/client tools/cli/text tools/cli/base tools/cli/w
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
 tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/simulator:            lib/text lib/can lib/cansync lib/sim lib/sync lib/cansync/sim daemon/config daemon/bus
+tools/simulator:            lib/text lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/config daemon/bus
 """
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
 

@@ -98,7 +98,7 @@ TEST_F(TraceFileTest, EveryLineOfABusyBusCanBeParsedAndIsInOrder) {
     const auto& one = std::get<can::CandumpLine>(parsed);
     EXPECT_GE(one.time, last) << text;
     last = one.time;
-    if (one.interface == "can0") (one.frame.kind == can::FrameKind::error ? errors : frames) += 1;
+    if (one.interface == "can0") (one.frame.error ? errors : frames) += 1;
   }
   EXPECT_EQ(frames, line.counters().frames);
   EXPECT_EQ(errors, line.counters().error_frames);

@@ -219,7 +219,7 @@ TEST_F(BenchTest, GarbageChangesNothing) {
     EXPECT_EQ(give(garbage, 0ms), Texts{}) << garbage;
   }
   can::Frame error;
-  error.kind = can::FrameKind::error;
+  error.error = true;
   bench_->receive({error, 0ms, false}, 0ms);
   EXPECT_EQ(bench_->counters().error_frames, 1u);
   give("080#", 2ms);

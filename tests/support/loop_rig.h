@@ -59,6 +59,12 @@ inline LoopSettings virtual_time(StartTarget target = StartTarget::active) {
   return settings;
 }
 
+/// The settings with the wire of a scripted bus.
+inline LoopSettings wired(LoopSettings settings, ScriptedBus& bus) {
+  settings.sync_wire = &bus;
+  return settings;
+}
+
 /// A realtime loop on a scripted bus, in virtual time on the test's own thread. The slaves are synchronized,
 /// answer every parameter read with its number, and send their own number as actual value.
 class LoopRig {
@@ -69,7 +75,7 @@ class LoopRig {
       : interval(cansync::slot_times(settings.bit_rate).interval),
         bus(cansync::slot_times(settings.bit_rate).bits_per_second),
         exchange(sizes),
-        loop(settings, loop_settings, bus, exchange) {
+        loop(settings, wired(loop_settings, bus), bus, exchange) {
     bus.answer = [this](const can::Frame& frame) { return answer_as_slaves(frame); };
     bus.on_sleep = [this](can::Time now) { play(now); };
   }

@@ -8,12 +8,13 @@
 
 #include "can/bus.h"
 #include "can/frame_length.h"
+#include "sync/sync_wire.h"
 
 namespace cansyncd::test {
 
-/// A bus in virtual time for one loop: sends at once, gives back echoes and the answers of `answer`, and can
-/// let the thread sleep too long.
-class ScriptedBus final : public can::Bus {
+/// A bus with a SYNC wire in virtual time for one loop: sends at once, gives back echoes and the answers of
+/// `answer`, and can let the thread sleep too long.
+class ScriptedBus final : public can::Bus, public sync_line::SyncWire {
  public:
   struct Sent {
     can::Time at{};

@@ -95,8 +95,9 @@ class VirtualLine : private sim::TraceSink {
     settings.trace = this;
     return settings;
   }
-  static LoopSettings loop_settings() {
+  LoopSettings loop_settings() {
     LoopSettings settings;
+    settings.sync_wire = &line_;
     settings.wall_clock = nullptr;
     return settings;
   }

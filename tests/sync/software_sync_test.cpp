@@ -16,7 +16,7 @@ TEST(SoftwareSync, IsAStandardFrameWithoutData) {
   other.dlc = 1;
   EXPECT_FALSE(is_software_sync(other, 0x80));
   other = frame;
-  other.kind = can::FrameKind::remote;
+  other.remote = true;
   EXPECT_FALSE(is_software_sync(other, 0x80));
 }
 

@@ -39,7 +39,7 @@ Bench::Bench(const BenchSettings& settings, std::vector<std::unique_ptr<sim::Dri
 
 void Bench::receive(const can::ReceivedFrame& received, can::Time now) noexcept {
   const can::Frame& frame = received.frame;
-  if (frame.kind == can::FrameKind::error) {
+  if (frame.error) {
     ++counters_.error_frames;
     return;
   }
@@ -143,7 +143,7 @@ Bench::DriveMask Bench::drives_of(cansync::SlaveMask slaves) const noexcept {
 }
 
 Bench::DriveMask Bench::accepting(const can::Frame& frame) const noexcept {
-  return frame.kind == can::FrameKind::standard ? acceptance_[frame.id & (kIdentifiers - 1)] : 0;
+  return frame.is_standard_data() ? acceptance_[frame.id & (kIdentifiers - 1)] : 0;
 }
 
 }  // namespace cansync_sim

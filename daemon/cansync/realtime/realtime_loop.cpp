@@ -118,7 +118,7 @@ bool RealtimeLoop::skip_missed_edges() noexcept {
 
 void RealtimeLoop::begin_interval() noexcept {
   const can::Time edge = timeline_.due();
-  if (synchronous()) bus_.sync_edge(edge);
+  if (synchronous()) make_edge(edge);
   if (loop_.sync_line != nullptr) {
     loop_.sync_line->run(synchronous());
     if (synchronous()) loop_.sync_line->edge(bus_);
@@ -136,6 +136,11 @@ void RealtimeLoop::begin_interval() noexcept {
     exchange_.interval.write({reporter_.moment(), master_.planned_start(Slot::reference_one)});
     reporter_.written();
   }
+}
+
+void RealtimeLoop::make_edge(can::Time due) noexcept {
+  if (loop_.sync_wire != nullptr) loop_.sync_wire->sync_edge(due);
+  if (loop_.tap != nullptr) loop_.tap->edge(due, bus_.now());
 }
 
 RealtimeLoop::Slots RealtimeLoop::slots_in_order() const noexcept {

@@ -19,6 +19,7 @@
 #include "daemon/loop/timeline.h"
 #include "daemon/loop/wall_clock.h"
 #include "rt/timing_statistics.h"
+#include "sync/sync_wire.h"
 
 namespace cansyncd {
 
@@ -30,9 +31,10 @@ struct LoopSettings {
   /// Take frames at every wake-up. False: at the SYNC edge and after WRC2 alone, as a bus wants it for which
   /// a look costs a system call; nothing that the master decides on can have come in between.
   bool look_at_every_slot = true;
-  can::Time epoch{0};             ///< wall clock at bus time 0, when `wall_clock` is null
-  FlightTap* tap = nullptr;       ///< flight recorder; null: none
-  SyncLine* sync_line = nullptr;  ///< null: no SYNC line but the bus's own; must outlive the loop
+  can::Time epoch{0};                        ///< wall clock at bus time 0, when `wall_clock` is null
+  FlightTap* tap = nullptr;                  ///< flight recorder; null: none
+  sync_line::SyncWire* sync_wire = nullptr;  ///< wire beside the bus; null: none; must outlive the loop
+  SyncLine* sync_line = nullptr;             ///< what [sync] says; null: nothing; must outlive the loop
 };
 
 /// The realtime thread's work: binds the master to a bus and to the gateway, interval by interval.
@@ -69,6 +71,7 @@ class RealtimeLoop {
   void end() noexcept;
   bool skip_missed_edges() noexcept;
   void begin_interval() noexcept;
+  void make_edge(can::Time due) noexcept;
   Slots slots_in_order() const noexcept;
   void serve(cansync::Slot slot) noexcept;
   void hand_over(cansync::Slot slot, const can::Frame& frame) noexcept;

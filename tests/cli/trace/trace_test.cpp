@@ -97,6 +97,10 @@ TEST(TraceText, NamesErrorsAndWhatIsNoTelegram) {
   EXPECT_EQ(wrong.words, "no CANsync telegram (wrong length): 0x503 [1] 71");
   EXPECT_EQ(text.describe(line("(1.000000) can0 523#712D0000")).words,
             "no CANsync telegram (wrong slave number): 0x523 [4] 71 2D 00 00");
+  EXPECT_EQ(text.describe(line("(1.000000) can0 00000503#712D0000")).words,
+            "no CANsync telegram (extended frame): 0x00000503 [4] 71 2D 00 00");
+  EXPECT_EQ(text.describe(line("(1.000000) can0 00000503#R")).words,
+            "no CANsync telegram (remote frame): 0x00000503 [0]");
   EXPECT_EQ(text.describe(line("(1.000000) can0 00000123#")).channel, "-");
 }
 

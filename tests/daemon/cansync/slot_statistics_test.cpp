@@ -45,7 +45,7 @@ TEST(SlotStatistics, EveryChannelHasItsClass) {
   EXPECT_EQ(telegram_class(frame(0x011)), std::nullopt);
   EXPECT_EQ(telegram_class(frame(0x700)), std::nullopt);
   can::Frame extended = frame(0x100);
-  extended.kind = can::FrameKind::extended;
+  extended.extended = true;
   EXPECT_EQ(telegram_class(extended), std::nullopt);
 }
 

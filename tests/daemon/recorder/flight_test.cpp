@@ -68,7 +68,7 @@ class Flight {
         tap(recorder, triggers),
         rig(with(&tap)),
         bus(rig.bus, tap),
-        loop(master_settings(3), with(&tap), bus, rig.exchange) {}
+        loop(master_settings(3), wired(with(&tap), rig.bus), bus, rig.exchange) {}
 
   static LoopSettings with(FlightTap* tap) {
     LoopSettings settings = virtual_time();

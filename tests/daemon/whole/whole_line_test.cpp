@@ -77,7 +77,8 @@ class LongestNode final : public sim::Node {
     actual_[0] = longest_frame(identifier::actual_one + number.value(), 0, {});
     actual_[1] = longest_frame(identifier::actual_two + number.value(), 0, {});
     busy_ = longest_frame(identifier::response + number.value(), 2, {.data = {0x40, 0x07}});
-    status_ = can::Frame{identifier::response + number.value(), {}, 6, {0x01, 0x2D, 0x00, 0x80, 0, 0}};
+    status_ = can::Frame{
+        .id = identifier::response + number.value(), .dlc = 6, .data = {0x01, 0x2D, 0x00, 0x80, 0, 0}};
   }
 
   SlaveNumber number() const noexcept override { return number_; }

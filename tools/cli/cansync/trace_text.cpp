@@ -166,12 +166,13 @@ std::string error_classes(std::uint32_t id) {
 
 std::string frame_text(const can::Frame& frame) {
   const Bytes data = Bytes(frame.data).first(std::min<std::size_t>(frame.dlc, frame.data.size()));
-  return fmt::format("0x{:03X} [{}]{}{}", frame.id, frame.dlc, data.empty() ? "" : " ", hex_bytes(data));
+  return fmt::format("0x{:0{}X} [{}]{}{}", frame.id, frame.extended ? 8 : 3, frame.dlc,
+                     data.empty() ? "" : " ", hex_bytes(data));
 }
 
 /// Channel of a frame by its identifier, also when the rest of it is no telegram.
 std::string_view channel_name(const can::Frame& frame) {
-  if (frame.kind != can::FrameKind::standard) return "-";
+  if (!frame.is_standard_data()) return "-";
   if (frame.id == identifier::action) return "CC";
   switch (frame.id & 0x780u) {
     case identifier::reference_one:
@@ -229,7 +230,7 @@ TracedTelegram TraceText::describe(const can::CandumpLine& line) {
   const can::Frame& frame = line.frame;
   TracedTelegram out;
   out.time = line.time;
-  if (frame.kind == can::FrameKind::standard && frame.id == sync_) {
+  if (frame.is_standard_data() && frame.id == sync_) {
     edge_ = line.time;
     out.channel = "SYNC";
     out.slaves = ~0u;
@@ -237,7 +238,7 @@ TracedTelegram TraceText::describe(const can::CandumpLine& line) {
   }
   if (edge_) out.after_sync = line.time - *edge_;
   if (!out.channel.empty()) return out;
-  if (frame.kind == can::FrameKind::error) {
+  if (frame.error) {
     out.channel = "error";
     out.slaves = ~0u;
     out.words = "error frame: " + error_classes(frame.id);

@@ -86,16 +86,14 @@ class InterfaceSource final : public TraceSource {
   }
 
   void set_filters(std::uint32_t sync) {
-    constexpr std::uint32_t kChannel = 0x780 | CAN_EFF_FLAG | CAN_RTR_FLAG;
-    constexpr std::uint32_t kExact = CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG;
-    const std::array<can_filter, 8> filters{{{identifier::action, kExact},
-                                             {sync, kExact},
-                                             {identifier::reference_one, kChannel},
-                                             {identifier::reference_two, kChannel},
-                                             {identifier::actual_one, kChannel},
-                                             {identifier::actual_two, kChannel},
-                                             {identifier::command, kChannel},
-                                             {identifier::response, kChannel}}};
+    const auto exact = [](std::uint32_t id) { return can::to_kernel(can::FrameFilter{.identifier = id}); };
+    const auto channel = [](std::uint32_t id) {
+      return can::to_kernel(can::FrameFilter{.identifier = id, .mask = ~0x7Fu});
+    };
+    const std::array filters{exact(identifier::action),          exact(sync),
+                             channel(identifier::reference_one), channel(identifier::reference_two),
+                             channel(identifier::actual_one),    channel(identifier::actual_two),
+                             channel(identifier::command),       channel(identifier::response)};
     set(SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), sizeof filters);
     const can_err_mask_t errors = CAN_ERR_MASK;
     set(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);

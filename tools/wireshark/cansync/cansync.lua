@@ -223,10 +223,10 @@ end
 -- Nil when Wireshark made no fields: the first of tshark's two passes without a display filter.
 local function frame_of(buffer)
   if not frame_identifier() then return nil end
-  local kind = "standard"
-  if frame_extended() and frame_extended().value then kind = "extended" end
+  local extended = frame_extended() and frame_extended().value
+  local kind = extended and "extended" or "standard"
   if frame_remote() and frame_remote().value then kind = "remote" end
-  local frame = { id = frame_identifier().value, kind = kind, dlc = buffer:len() }
+  local frame = { id = frame_identifier().value, kind = kind, extended = extended, dlc = buffer:len() }
   for i = 0, frame.dlc - 1 do frame[i] = buffer(i, 1):uint() end
   return frame
 end

@@ -264,7 +264,8 @@ function M.words(t, f, asked) return say[t.kind](t, f, asked) end
 
 -- A frame as it stands: identifier, length, bytes.
 function M.frame_text(f)
-  return string.format("0x%03X [%d]%s", f.id, f.dlc, f.dlc > 0 and " " .. hex(f, 0, f.dlc - 1) or "")
+  local id = string.format(f.extended and "0x%08X" or "0x%03X", f.id)
+  return string.format("%s [%d]%s", id, f.dlc, f.dlc > 0 and " " .. hex(f, 0, f.dlc - 1) or "")
 end
 
 -- A frame that is no telegram, and why.

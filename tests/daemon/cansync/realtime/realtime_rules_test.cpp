@@ -74,7 +74,7 @@ std::optional<std::uint64_t> kernel_write_calls() {
 
 /// The simulated line, seen through a bus that takes the account of the thread that drives it: once the line
 /// is in active operation and has settled, and again `kWatched` intervals later.
-class WatchedLine final : public can::Bus {
+class WatchedLine final : public can::Bus, public sync_line::SyncWire {
  public:
   explicit WatchedLine(sim::Line& line) : line_(line) {}
 
@@ -190,7 +190,8 @@ TEST(RealtimeRules, TheRealtimeThreadNeitherAllocatesNorLocksNorWritesAnythingBu
   rt::FlightRecorder recorder(4096, 10);
   FlightTap tap(recorder, {});
   RecordedBus recorded(watched, tap);
-  RealtimeLoop loop(settings, LoopSettings{.report_intervals = true, .tap = &tap}, recorded, exchange);
+  RealtimeLoop loop(settings, LoopSettings{.report_intervals = true, .tap = &tap, .sync_wire = &watched},
+                    recorded, exchange);
 
   rt::RealtimeSettings wanted;
   wanted.enforce = false;

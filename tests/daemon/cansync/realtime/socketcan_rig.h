@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "can/fake_kernel.h"
+#include "can/kernel_frame.h"
 #include "can/link_watch.h"
 #include "can/socketcan_bus.h"
 #include "daemon/bus/socketcan_line.h"
@@ -118,8 +119,9 @@ class LineKernel final : public can::Kernel {
 
  private:
   bool passes(const can::Frame& frame) const {
-    return std::any_of(filters.begin(), filters.end(), [&frame](const can_filter& filter) {
-      return (frame.id & filter.can_mask) == (filter.can_id & filter.can_mask);
+    const canid_t id = can::to_kernel(frame).can_id;
+    return std::any_of(filters.begin(), filters.end(), [id](const can_filter& filter) {
+      return (id & filter.can_mask) == (filter.can_id & filter.can_mask);
     });
   }
   /// The line wakes for each frame that waits; the kernel keeps them.
@@ -151,27 +153,18 @@ class LineKernel final : public can::Kernel {
 };
 
 /// The SYNC wire, which is no part of the CAN interface.
-class WiredBus final : public can::Bus {
+class CountedWire final : public sync_line::SyncWire {
  public:
-  WiredBus(can::SocketcanBus& bus, sim::Line& line) : bus_(bus), line_(line) {}
+  explicit CountedWire(sim::Line& line) : line_(line) {}
   std::function<void(std::uint64_t)> on_edge = [](std::uint64_t) {};
   std::uint64_t edges = 0;
 
-  can::Time now() noexcept override { return bus_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override { return bus_.wait_until(deadline); }
-  bool receive(can::ReceivedFrame& out) noexcept override { return bus_.receive(out); }
-  can::SendResult send(const can::Frame& frame) noexcept override { return bus_.send(frame); }
   void sync_edge(can::Time due) noexcept override {
     line_.sync_edge(due);
     on_edge(edges++);
   }
-  can::ControllerStatus status() noexcept override { return bus_.status(); }
-  can::ResetResult reset() noexcept override { return bus_.reset(); }
-  can::ResetResult reset_result() noexcept override { return bus_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return bus_.timestamp_source(); }
 
  private:
-  can::SocketcanBus& bus_;
   sim::Line& line_;
 };
 
@@ -189,7 +182,7 @@ struct Rig {
   explicit Rig(const can::LinkFacts& facts = can::test::can0())
       : bus((links.facts = facts, watch.look(), socketcan_settings(config)), board, links, kernel) {
     links.on_set_up = [this](bool up) { kernel.set_up(up); };
-    wired.on_edge = [this](std::uint64_t edge) {
+    wire.on_edge = [this](std::uint64_t edge) {
       static_cast<void>(exchange.master.read(latest));
       on_edge(edge);
       if (edge >= last) loop.request_stop();
@@ -204,20 +197,21 @@ struct Rig {
   can::LinkBoard board;
   can::LinkWatch watch{links, board, {"can0", 1'000'000}};
   can::SocketcanBus bus;
-  WiredBus wired{bus, line};
+  CountedWire wire{line};
   Exchange exchange{ExchangeSizes{}};
-  RealtimeLoop loop{settings, loop_settings(), wired, exchange};
+  RealtimeLoop loop{settings, loop_settings(), bus, exchange};
   std::function<void(std::uint64_t)> on_edge = [](std::uint64_t) {};
   std::uint64_t last = 0;
   MasterSnapshot latest;
   std::vector<Report> reports;
   std::multimap<cansync::JobId, Terminal> terminals;
 
-  static LoopSettings loop_settings() {
-    LoopSettings loop;
-    loop.wall_clock = nullptr;
-    loop.look_at_every_slot = false;
-    return loop;
+  LoopSettings loop_settings() {
+    LoopSettings chosen;
+    chosen.sync_wire = &wire;
+    chosen.wall_clock = nullptr;
+    chosen.look_at_every_slot = false;
+    return chosen;
   }
   void run(std::uint64_t edges) {
     last = edges;
