@@ -7,7 +7,7 @@
 namespace config {
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
@@ -40,7 +40,7 @@ std::string to_toml(const Scalar& scalar) {
   if (const auto* flag = std::get_if<bool>(&scalar)) return *flag ? "true" : "false";
   if (const auto* number = std::get_if<std::int64_t>(&scalar)) return std::to_string(*number);
   if (const auto* number = std::get_if<double>(&scalar)) return float_text(*number);
-  return quoted(std::get<std::string>(scalar));
+  return in_quotes(std::get<std::string>(scalar));
 }
 
 Value scalar_value(Scalar scalar) {

@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 8> kColours{"#0072b2", "#d55e00", "#009e7
 constexpr std::array<unsigned, 4> kDashes{1, 2, 4, 5};
 
 /// A string in single quotes, in which gnuplot looks for nothing but the closing quote.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out = "'";
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
@@ -86,7 +86,7 @@ std::string plot_script(const PlotData& data, std::string_view title, PlotFormat
       "noenhanced\n",
       format == PlotFormat::svg ? "svg" : "pngcairo", kWidth, height);
   out += data_blocks(data);
-  out += fmt::format("set multiplot title {} font 'sans-serif,15' noenhanced\n", quoted(title));
+  out += fmt::format("set multiplot title {} font 'sans-serif,15' noenhanced\n", in_quotes(title));
   out += "set grid lc rgb '#dddddd' lt 1\nset border 3 lc rgb '#555555'\nset tics nomirror\n";
   const std::string key = fmt::format(
       "set key outside right top vertical maxrows {} Left reverse noenhanced samplen 2\n", kKeyRows);
@@ -101,14 +101,14 @@ std::string plot_script(const PlotData& data, std::string_view title, PlotFormat
     out += fmt::format("set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n", top - 12.0 / height,
                        top - share + 26.0 / height);
     top -= share;
-    out += fmt::format("set ylabel {} offset 1 noenhanced\n", quoted(panel.heading));
+    out += fmt::format("set ylabel {} offset 1 noenhanced\n", in_quotes(panel.heading));
     if (i + 1 == data.panels.size()) out += "set xlabel 'time in s' offset 0,0.4\n";
     out += has_own_key(data, i) ? key : "set key off\n";
     std::string curves;
     for (std::size_t n = 0; n < panel.curves.size(); ++n)
       curves += fmt::format("{} $curve{} using 1:2 with lines lw 1.7 lc rgb '{}' dt {} title {}",
                             n == 0 ? "plot" : ",", block++, kColours[n % kColours.size()],
-                            kDashes[n / kColours.size() % kDashes.size()], quoted(panel.curves[n].first));
+                            kDashes[n / kColours.size() % kDashes.size()], in_quotes(panel.curves[n].first));
     out += curves + '\n';
   }
   return out + "unset multiplot\n";
