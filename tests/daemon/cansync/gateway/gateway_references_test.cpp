@@ -131,6 +131,8 @@ TEST(GatewayReferences, ThoseForAnotherStartOfTheDaemonAreRefused) {
 // Whoever has the reply can give values for the new mapping.
 TEST(GatewayReferences, TheNumberOfAChangedMappingIsToldBeforeItsReply) {
   GatewayRig rig;
+  // Readers of different topics are matched at different times.
+  ASSERT_TRUE(rig.client.wait_for<cansync_MasterStatus>([](const auto&) { return true; }));
   auto command = TestClient::request<cansync_Command>(1);
   command.kind = cansync_COMMAND_REFERENCE_MAPPING;
   rig.client.write(command);
