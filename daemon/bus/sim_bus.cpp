@@ -22,11 +22,8 @@ std::unique_ptr<sim::TraceFile> open_trace(const Config& config) {
 
 std::vector<std::unique_ptr<sim::Node>> drives(const Config& config) {
   std::vector<std::unique_ptr<sim::Node>> out;
-  for (unsigned n = 0; n < cansync::kSlaves; ++n) {
-    const auto number = *cansync::SlaveNumber::from(n);
-    if (config.sim.drives.has(number))
-      out.push_back(std::make_unique<sim::Drive>(drive_settings(config, number)));
-  }
+  for (const cansync::SlaveNumber number : config.sim.drives)
+    out.push_back(std::make_unique<sim::Drive>(drive_settings(config, number)));
   return out;
 }
 

@@ -11,9 +11,6 @@
 namespace cansyncd {
 namespace {
 
-/// The bits of an identifier that are a slave number, or what stands for none.
-constexpr std::uint32_t kNumberBits = 0x7F;
-
 /// Frames with the number of an identifier, whatever their flags: remote and extended ones come too, to be
 /// counted, as they do not belong here.
 can::FrameFilter frames_numbered(std::uint32_t identifier) {
@@ -23,7 +20,7 @@ can::FrameFilter frames_numbered(std::uint32_t identifier) {
 /// Likewise, for a whole channel.
 can::FrameFilter frames_of_channel(std::uint32_t channel) {
   can::FrameFilter filter = frames_numbered(channel);
-  filter.mask &= ~kNumberBits;
+  filter.mask &= ~cansync::identifier::number_bits;
   return filter;
 }
 

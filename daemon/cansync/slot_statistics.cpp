@@ -11,8 +11,7 @@ std::optional<TelegramClass> telegram_class(const can::Frame& frame) noexcept {
   namespace identifier = cansync::identifier;
   if (!frame.is_standard_data()) return std::nullopt;
   if (frame.id == identifier::action) return TelegramClass::command;
-  constexpr std::uint32_t kChannelBits = 0x780;
-  switch (frame.id & kChannelBits) {
+  switch (identifier::channel_of(frame.id)) {
     case identifier::response:
       return TelegramClass::response;
     case identifier::reference_one:

@@ -167,8 +167,7 @@ void CommandChannel::settle_unanswered() noexcept {
 void CommandChannel::check_times() noexcept {
   supervision_.check_times();
   check_words();
-  for (std::uint32_t left = parameters_.waiting().bits; left != 0; left &= left - 1) {
-    const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+  for (const SlaveNumber slave : parameters_.waiting()) {
     ParameterJob& job = *parameters_.front(slave);
     if (!job.monitored()) {
       const Duration time = job.request().monitoring_time;
@@ -179,8 +178,7 @@ void CommandChannel::check_times() noexcept {
       finish_parameter(slave);
     }
   }
-  for (std::uint32_t left = transfers_.waiting().bits; left != 0; left &= left - 1) {
-    const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+  for (const SlaveNumber slave : transfers_.waiting()) {
     if (transfers_.front(slave)->check_time(now_) == Step::ended) finish_transfer(slave);
   }
 }

@@ -163,9 +163,9 @@ SlaveMask CommandChannel::transfers_waiting() const noexcept {
 }
 
 bool CommandChannel::choose_cancel() noexcept {
-  const std::uint32_t slaves = open_transfers_.unknown().bits & supervision_.responding().bits;
-  if (slaves == 0) return false;
-  const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(slaves)));
+  const SlaveMask slaves{open_transfers_.unknown().bits & supervision_.responding().bits};
+  if (slaves.empty()) return false;
+  const SlaveNumber slave = *slaves.begin();
   chosen_ = {Kind::cancel, slave, 0, cancel_transfer(slave)};
   return true;
 }

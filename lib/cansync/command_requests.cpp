@@ -19,8 +19,7 @@ void CommandChannel::begin() noexcept {
 void CommandChannel::bus_lost() noexcept {
   if (!settings_.cancel_at_start) return;
   SlaveMask slaves = configured_;
-  for (unsigned number = 0; number < kSlaves; ++number) {
-    const SlaveNumber slave = *SlaveNumber::from(number);
+  for (const SlaveNumber slave : SlaveMask::all()) {
     const TransferJob* job = transfers_.front(slave);
     if (job != nullptr && job->on_slave()) slaves.set(slave, false);
   }
@@ -159,8 +158,7 @@ Refusal CommandChannel::cancel(JobId id) noexcept {
     end_transfer(job);
   });
   if (waiting) return Refusal::none;
-  for (std::uint32_t left = transfers_.waiting().bits; left != 0; left &= left - 1) {
-    const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+  for (const SlaveNumber slave : transfers_.waiting()) {
     TransferJob& job = *transfers_.front(slave);
     if (job.request().id != id) continue;
     if (asked_.kind == Kind::transfer && asked_.slave == slave) asked_.kind = Kind::none;
@@ -204,8 +202,7 @@ void CommandChannel::end_all(Outcome outcome) noexcept {
                            [&](JobId id) { listener_.command_done(id, outcome); });
   stopped_in_a_row_ = {};
   stops_gave_way_ = false;
-  for (unsigned number = 0; number < kSlaves; ++number) {
-    const SlaveNumber slave = *SlaveNumber::from(number);
+  for (const SlaveNumber slave : SlaveMask::all()) {
     for (ParameterJob* job = parameters_.front(slave); job != nullptr; job = parameters_.front(slave)) {
       job->end(outcome, now_);
       finish_parameter(slave);

@@ -43,8 +43,7 @@ class ControlWords {
   /// Takes out every word for which `match` holds and calls `gone` with its job.
   template <class Match, class Gone>
   void remove_if(Match match, Gone gone) noexcept {
-    for (std::uint32_t left = waiting_.bits; left != 0; left &= left - 1) {
-      const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+    for (const SlaveNumber slave : waiting_) {
       if (match(of(slave))) gone(remove(slave));
     }
   }

@@ -13,8 +13,6 @@
 namespace cansync {
 namespace {
 
-/// The lower bits of an identifier, which carry a slave number.
-constexpr std::uint32_t kNumberBits = 0x7F;
 /// A second master counts as gone after so long without its telegrams.
 constexpr Duration kSecondMasterQuiet = std::chrono::seconds(3);
 
@@ -24,7 +22,7 @@ Channel channel_of(Slot slot) noexcept {
 
 bool is_from_master(const can::Frame& frame) noexcept {
   if (!frame.is_standard_data()) return false;
-  const std::uint32_t channel = frame.id & ~kNumberBits;
+  const std::uint32_t channel = identifier::channel_of(frame.id);
   return frame.id == identifier::action || channel == identifier::reference_one ||
          channel == identifier::reference_two || channel == identifier::command;
 }

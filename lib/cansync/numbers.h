@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -60,6 +61,25 @@ struct SlaveMask {
   }
   constexpr bool empty() const noexcept { return bits == 0; }
   friend constexpr bool operator==(SlaveMask, SlaveMask) = default;
+
+  /// Goes through the slaves, the lowest first, as they were when it began.
+  class Iterator {
+   public:
+    constexpr explicit Iterator(std::uint32_t left) noexcept : left_(left) {}
+    constexpr SlaveNumber operator*() const noexcept {
+      return *SlaveNumber::from(static_cast<unsigned>(std::countr_zero(left_)));
+    }
+    constexpr Iterator& operator++() noexcept {
+      left_ &= left_ - 1;
+      return *this;
+    }
+    friend constexpr bool operator==(Iterator, Iterator) = default;
+
+   private:
+    std::uint32_t left_;
+  };
+  constexpr Iterator begin() const noexcept { return Iterator(bits); }
+  constexpr Iterator end() const noexcept { return Iterator(0); }
 };
 
 /// Number of a SYNC interval, counted from 0 at the start of the timeline.

@@ -20,9 +20,7 @@ class OpenTransfers {
   /// Nothing is known of these slaves.
   void forget(SlaveMask slaves) noexcept {
     unknown_.bits |= slaves.bits;
-    for (unsigned i = 0; i < kSlaves; ++i) {
-      if (((slaves.bits >> i) & 1u) != 0) attempts_[i] = 0;
-    }
+    for (const SlaveNumber slave : slaves) attempts_[slave.value()] = 0;
   }
   /// The slave has nothing open, or its transfer is one of ours.
   void known(SlaveNumber slave) noexcept {

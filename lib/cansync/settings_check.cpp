@@ -58,10 +58,9 @@ void check_mapping(Problems& problems, const std::string& field, const ProcessMa
 
 std::string list(SlaveMask slaves) {
   std::string text;
-  for (unsigned i = 0; i < kSlaves; ++i) {
-    if (((slaves.bits >> i) & 1u) == 0) continue;
+  for (const SlaveNumber slave : slaves) {
     if (!text.empty()) text += ", ";
-    text += std::to_string(i);
+    text += std::to_string(slave.value());
   }
   return text;
 }

@@ -82,9 +82,7 @@ bool Supervision::wanted(SlaveNumber slave) const noexcept {
 
 SlaveMask Supervision::wanted() const noexcept {
   SlaveMask slaves;
-  for (std::uint32_t left = without(configured_, released_).bits | suspect_.bits; left != 0;
-       left &= left - 1) {
-    const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+  for (const SlaveNumber slave : SlaveMask{without(configured_, released_).bits | suspect_.bits}) {
     slaves.set(slave, wanted(slave));
   }
   return slaves;
@@ -121,9 +119,7 @@ std::optional<Telegram> Supervision::telegram() noexcept {
 
 void Supervision::sent(const Telegram& telegram) noexcept {
   if (std::get_if<ActionCommand>(&telegram) != nullptr) {
-    for (unsigned i = 0; i < kSlaves; ++i) {
-      if (to_activate_.has(*SlaveNumber::from(i))) activated_[i] = now_;
-    }
+    for (const SlaveNumber slave : to_activate_) activated_[slave.value()] = now_;
     to_activate_ = {};
   } else if (const auto* command = std::get_if<ParameterCommand>(&telegram)) {
     last_read_ = command->slave.value();

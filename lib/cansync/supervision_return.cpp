@@ -31,8 +31,7 @@ bool Supervision::check_answered(SlaveNumber slave, const ParameterReply& reply)
 }
 
 void Supervision::check_times() noexcept {
-  for (std::uint32_t left = checking_.bits; left != 0; left &= left - 1) {
-    const SlaveNumber slave = *SlaveNumber::from(static_cast<unsigned>(__builtin_ctz(left)));
+  for (const SlaveNumber slave : checking_) {
     if (checks_[slave.value()].check_time(now_) == Step::ended) end_check(slave);
   }
 }

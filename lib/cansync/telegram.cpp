@@ -24,7 +24,6 @@ constexpr std::uint8_t kBusy = 0x40;      // reply
 constexpr std::uint8_t kError = 0x20;     // reply
 constexpr std::uint8_t kReserved = 0x10;  // reply
 
-constexpr std::uint32_t kSlaveNumberMask = 0x7F;
 constexpr std::uint8_t kMaximumPayload = 6;
 
 // --- the data bytes as one number, byte 0 lowest: a field of the tables is then a shift
@@ -141,7 +140,7 @@ unsigned dlc_of_words(std::uint8_t words) noexcept {
 can::Frame encode(const ReferenceTelegram& telegram) noexcept {
   const std::uint32_t base =
       telegram.channel == Channel::one ? identifier::reference_one : identifier::reference_two;
-  return frame_of(base | (telegram.polled & kSlaveNumberMask), dlc_of_words(telegram.words),
+  return frame_of(base | identifier::participant_of(telegram.polled), dlc_of_words(telegram.words),
                   put_words(telegram.word));
 }
 
@@ -149,7 +148,7 @@ void decode_reference(const can::Frame& frame, Channel channel, Decoded& result)
   if (frame.dlc % 2 != 0) return fail(result, DecodeError::wrong_length);
   auto& telegram = begin<ReferenceTelegram>(result);
   telegram.channel = channel;
-  telegram.polled = static_cast<std::uint8_t>(frame.id & kSlaveNumberMask);
+  telegram.polled = static_cast<std::uint8_t>(identifier::participant_of(frame.id));
   load_words(frame, telegram);
 }
 
@@ -323,7 +322,7 @@ void decode_into(const can::Frame& frame, Decoded& result) noexcept {
   if (!is_cansync(frame.id)) return fail(result, DecodeError::not_for_us);
   if (!frame.is_standard_data()) return fail(result, error_of(frame));
   if (frame.dlc > 8) return fail(result, DecodeError::wrong_length);
-  const std::uint32_t channel = frame.id & ~kSlaveNumberMask;
+  const std::uint32_t channel = identifier::channel_of(frame.id);
   switch (channel) {
     case identifier::reference_one:
       return decode_reference(frame, Channel::one, result);
@@ -334,7 +333,7 @@ void decode_into(const can::Frame& frame, Decoded& result) noexcept {
     default:
       break;
   }
-  if ((frame.id & kSlaveNumberMask) > SlaveNumber::max) return fail(result, DecodeError::wrong_slave);
+  if (identifier::participant_of(frame.id) > SlaveNumber::max) return fail(result, DecodeError::wrong_slave);
   switch (channel) {
     case identifier::actual_one:
       return decode_actual(frame, Channel::one, result);

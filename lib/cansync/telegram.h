@@ -21,6 +21,20 @@ inline constexpr std::uint32_t actual_one = 0x300;
 inline constexpr std::uint32_t actual_two = 0x380;
 inline constexpr std::uint32_t command = 0x500;
 inline constexpr std::uint32_t response = 0x580;
+
+/// The bits that are a slave number, or what stands for none; and those that are the channel.
+inline constexpr std::uint32_t number_bits = 0x7F;
+inline constexpr std::uint32_t channel_bits = 0x7FF & ~number_bits;
+
+/// The channel of an identifier: one of those above, if it is of CANsync. Bits over the eleven of a CANsync
+/// identifier stay.
+constexpr std::uint32_t channel_of(std::uint32_t identifier) noexcept {
+  return identifier & ~number_bits;
+}
+/// N of an identifier, 0..127; the action command has none.
+constexpr std::uint32_t participant_of(std::uint32_t identifier) noexcept {
+  return identifier & number_bits;
+}
 }  // namespace identifier
 
 /// Command 1 of an action command: the data word is a control word.

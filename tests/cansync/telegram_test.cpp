@@ -77,6 +77,35 @@ std::optional<DecodeError> expected_error(unsigned allowed, unsigned dlc) {
   return allowed == 0 && dlc >= 2 ? DecodeError::reserved_bits : DecodeError::wrong_length;
 }
 
+TEST(Identifier, IsAChannelAndANumber) {
+  // M 3.2.1: seven bits of number below four of channel.
+  EXPECT_EQ(identifier::channel_of(0x51F), identifier::command);
+  EXPECT_EQ(identifier::participant_of(0x51F), 31u);
+  EXPECT_EQ(identifier::channel_of(0x1FF), identifier::reference_two);
+  EXPECT_EQ(identifier::participant_of(0x1FF), kPollNobody);
+  EXPECT_NE(identifier::channel_of(0x1000'0500), identifier::command)
+      << "a longer identifier is of no channel";
+}
+
+TEST(SlaveMask, IsGoneThroughFromTheLowestOnAsItWas) {
+  const auto seen = [](SlaveMask mask) {
+    std::vector<unsigned> slaves;
+    for (const SlaveNumber slave : mask) slaves.push_back(slave.value());
+    return slaves;
+  };
+  EXPECT_TRUE(seen({}).empty());
+  EXPECT_EQ(seen({0x8000'0105}), (std::vector<unsigned>{0, 2, 8, 31}));
+  EXPECT_EQ(seen(SlaveMask::all()).size(), std::size_t{kSlaves});
+  SlaveMask left{0b1110};
+  unsigned turns = 0;
+  for (const SlaveNumber slave : left) {
+    left.set(slave, false);
+    left.set(*SlaveNumber::from(20));
+    ++turns;
+  }
+  EXPECT_EQ(turns, 3u);
+}
+
 TEST(Lengths, ActionCommandTakesEightAlone) {
   for (unsigned dlc = 0; dlc <= 8; ++dlc) {
     can::Frame frame = frame_of(identifier::action, dlc);

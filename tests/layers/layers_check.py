@@ -80,6 +80,9 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
 # What a protocol's library has beside its core: rooms of their own.
 PROTOCOL_ROOMS = re.compile(r"lib/\w+/(dds|sim|client)\b")
+# How an identifier is put together stands in one file.
+IDENTIFIER_BITS = re.compile(r"\b0x780u?\b|\b\w*(id|identifier)\b[^;]*&\s*~?0x7Fu?\b|uint32_t[^;]*=\s*0x7Fu?;")
+IDENTIFIER_FILE = "lib/cansync/telegram.h"
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
 
 
@@ -167,6 +170,8 @@ def check(files, rooms):
 
             if room in CANSYNC_WORDS and CANSYNC_WORDS[room].search(line):
                 report(f"{room} may not know CANsync")
+            if IDENTIFIER_BITS.search(line) and file != IDENTIFIER_FILE:
+                report(f"channel and number of an identifier: channel_of and participant_of of {IDENTIFIER_FILE}")
             if room == "lib/cansync" and CORE_WORDS.search(line):
                 report("the sans-IO core reads no clock and no file")
             if room.startswith("lib/") and not may_use_dds(room, uses) and re.search(r"\bdds_[a-z]+", line):
@@ -221,6 +226,10 @@ PLANTED = [
     ("lib/cansync/planted.h", '#include "planted_too.h"'),
     ("lib/cansync/planted.cpp", "auto now = std::chrono::steady_clock::now();"),
     ("lib/cansync/planted.cpp", "using Clock = std::chrono::system_clock;"),
+    ("lib/cansync/planted.cpp", "const auto channel = frame.id & 0x780;"),
+    ("daemon/bus/planted.cpp", "const unsigned slave = frame.id & 0x7F;"),
+    ("tools/simulator/planted.cpp", "const auto channel = identifier & ~0x7Fu;"),
+    ("lib/sim/planted.cpp", "constexpr std::uint32_t kNumberBits = 0x7F;"),
     ("lib/can/planted.cpp", "int f(cansync::SlaveNumber);"),
     ("lib/profile/planted.cpp", "#include <toml++/toml.h>"),
     ("daemon/options/planted.cpp", "#include <toml++/toml.h>"),

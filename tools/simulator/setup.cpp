@@ -38,19 +38,10 @@ std::optional<cansync::SlaveNumber> parse_slave(std::string_view text) {
   return number ? cansync::SlaveNumber::from(*number) : std::nullopt;
 }
 
-template <class Action>
-void for_each_slave(cansync::SlaveMask slaves, Action&& action) {
-  for (unsigned n = 0; n < cansync::kSlaves; ++n) {
-    const auto number = *cansync::SlaveNumber::from(n);
-    if (slaves.has(number)) action(number);
-  }
-}
-
 std::string list_of(cansync::SlaveMask slaves) {
   std::string out;
-  for_each_slave(slaves, [&](cansync::SlaveNumber slave) {
+  for (const cansync::SlaveNumber slave : slaves)
     out += fmt::format("{}{}", out.empty() ? "" : ", ", slave.value());
-  });
   return out;
 }
 
@@ -75,9 +66,8 @@ cansyncd::ConfigFile plain_line(const std::string& interface, cansync::SlaveMask
                                 const std::vector<std::string>& settings) {
   constexpr const char* kName = "command line";
   std::string text = fmt::format("[bus]\ninterface = '{}'\n", interface);
-  for_each_slave(slaves, [&](cansync::SlaveNumber slave) {
+  for (const cansync::SlaveNumber slave : slaves)
     text += fmt::format("[[slave]]\nnumber = {}\n", slave.value());
-  });
   config::Settings given = config::resolve(config::parse_document(text, kName), cansyncd::options());
   for (const std::string& setting : settings) config::override_setting(given, setting, cansyncd::options());
   return cansyncd::build_config(std::move(given), kName);
@@ -158,11 +148,11 @@ class SetupReader {
     if (arguments_.sync_id.empty()) setup_.bench.sync_identifier = config.sync.can_identifier;
     setup_.bench.bit_rate = config.master.bit_rate;
     setup_.bench.seed = config.sim.seed;
-    for_each_slave(chosen, [&](cansync::SlaveNumber slave) {
+    for (const cansync::SlaveNumber slave : chosen) {
       setup_.drives.push_back(cansyncd::drive_settings(config, slave));
       // This process takes its time by itself.
       setup_.drives.back().processing_delay = cansync::Duration{0};
-    });
+    }
     read_faults(arguments_.faults.empty() ? config.sim.fault_script : arguments_.faults);
   }
 
@@ -224,7 +214,7 @@ std::optional<cansync::SlaveMask> parse_slaves(const std::string& text) {
 
 bool is_cansync_identifier(std::uint32_t identifier) noexcept {
   if (identifier == cansync::identifier::action) return true;
-  switch (identifier & ~0x7Fu) {
+  switch (cansync::identifier::channel_of(identifier)) {
     case cansync::identifier::reference_one:
     case cansync::identifier::reference_two:
     case cansync::identifier::actual_one:

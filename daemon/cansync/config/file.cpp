@@ -33,10 +33,7 @@ void apply_derived(Config& config, const std::vector<Setting>& settings) {
   const cansync::SlaveMask configured = config.master.configured();
   if (!given(settings, "sim.drives")) config.sim.drives = configured;
   if (given(settings, "process.maximum_slave")) return;
-  for (unsigned n = 0; n < cansync::kSlaves; ++n) {
-    const auto slave = *cansync::SlaveNumber::from(n);
-    if (configured.has(slave)) config.master.process.maximum_slave = slave;
-  }
+  for (const cansync::SlaveNumber slave : configured) config.master.process.maximum_slave = slave;
 }
 
 /// A simulated line of which no slave is given has every one. Each configured slave gets its default name.

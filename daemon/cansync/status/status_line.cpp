@@ -17,11 +17,10 @@ constexpr int kNamesShown = 4;
 std::string missing_slaves(const MasterSnapshot& master, const Config& config) {
   std::string names;
   int missing = 0;
-  for (unsigned i = 0; i < cansync::kSlaves; ++i) {
-    const std::uint32_t bit = std::uint32_t{1} << i;
-    if ((config.master.configured().bits & bit) == 0 || (master.responding.bits & bit) != 0) continue;
+  const cansync::SlaveMask silent{config.master.configured().bits & ~master.responding.bits};
+  for (const cansync::SlaveNumber slave : silent) {
     if (++missing > kNamesShown) continue;
-    names += (names.empty() ? "" : ", ") + config.slaves[i].name;
+    names += (names.empty() ? "" : ", ") + config.slaves[slave.value()].name;
   }
   if (missing == 0) return {};
   if (missing > kNamesShown) names += fmt::format(" and {} more", missing - kNamesShown);

@@ -135,14 +135,13 @@ std::string slave_list(const Config& config, SlaveMask slaves) {
   std::string list;
   unsigned told = 0;
   unsigned more = 0;
-  for (unsigned slave = 0; slave < cansync::kSlaves; ++slave) {
-    if (!slaves.has(*SlaveNumber::from(slave))) continue;
+  for (const SlaveNumber slave : slaves) {
     if (told == kSpelledOut) {
       ++more;
       continue;
     }
     if (told++ != 0) list += ", ";
-    list += slave_label(config, slave);
+    list += slave_label(config, slave.value());
   }
   if (more != 0) list += fmt::format(" and {} more", more);
   return told != 0 ? list : "none";

@@ -114,8 +114,8 @@ bool Drive::accepts(const can::Frame& frame) const noexcept {
   namespace id = cansync::identifier;
   if (!frame.is_standard_data()) return false;
   const std::uint32_t identifier = frame.id;
-  const std::uint32_t participant = identifier & 0x7F;
-  switch (identifier & 0x780) {
+  const std::uint32_t participant = id::participant_of(identifier);
+  switch (id::channel_of(identifier)) {
     case id::reference_one:
     case id::reference_two:
       return true;

@@ -10,18 +10,16 @@ namespace {
 
 namespace identifier = cansync::identifier;
 
-constexpr std::uint32_t kNumberBits = 0x7F;  // of an identifier: the slave number
-constexpr std::uint32_t kChannelBits = 0x780;
 constexpr unsigned kBlockBytes = 6;
 
 constexpr std::array<ChannelName, 7> kChannelNames = {{
-    {"action", identifier::action, kChannelBits | kNumberBits},
-    {"wrc1", identifier::reference_one, kChannelBits},
-    {"wrc2", identifier::reference_two, kChannelBits},
-    {"rdc1", identifier::actual_one, kChannelBits},
-    {"rdc2", identifier::actual_two, kChannelBits},
-    {"command", identifier::command, kChannelBits},
-    {"response", identifier::response, kChannelBits},
+    {"action", identifier::action, identifier::channel_bits | identifier::number_bits},
+    {"wrc1", identifier::reference_one, identifier::channel_bits},
+    {"wrc2", identifier::reference_two, identifier::channel_bits},
+    {"rdc1", identifier::actual_one, identifier::channel_bits},
+    {"rdc2", identifier::actual_two, identifier::channel_bits},
+    {"command", identifier::command, identifier::channel_bits},
+    {"response", identifier::response, identifier::channel_bits},
 }};
 
 class DriveFaults final : public FaultProtocol {
@@ -32,21 +30,21 @@ class DriveFaults final : public FaultProtocol {
   /// The slave number in an identifier of one of the channels that carry one.
   std::optional<NodeNumber> node_of(const can::Frame& frame) const noexcept override {
     if (!frame.is_standard_data()) return std::nullopt;
-    switch (frame.id & ~kNumberBits) {
+    switch (identifier::channel_of(frame.id)) {
       case identifier::reference_one:
       case identifier::reference_two:
       case identifier::actual_one:
       case identifier::actual_two:
       case identifier::command:
       case identifier::response:
-        return static_cast<NodeNumber>(frame.id & kNumberBits);
+        return static_cast<NodeNumber>(identifier::participant_of(frame.id));
       default:
         return std::nullopt;
     }
   }
 
   bool is_answer(const can::Frame& frame) const noexcept override {
-    return frame.is_standard_data() && (frame.id & ~kNumberBits) == identifier::response;
+    return frame.is_standard_data() && identifier::channel_of(frame.id) == identifier::response;
   }
 
   /// The next parameter, or the next block.

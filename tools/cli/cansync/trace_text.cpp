@@ -174,7 +174,7 @@ std::string frame_text(const can::Frame& frame) {
 std::string_view channel_name(const can::Frame& frame) {
   if (!frame.is_standard_data()) return "-";
   if (frame.id == identifier::action) return "CC";
-  switch (frame.id & 0x780u) {
+  switch (identifier::channel_of(frame.id)) {
     case identifier::reference_one:
       return "WRC1";
     case identifier::reference_two:
