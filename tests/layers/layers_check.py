@@ -60,7 +60,8 @@ tools/cli/watch:            lib/client tools/cli/text tools/cli/base tools/cli/c
 tools/cli/record:           lib/client tools/cli/text tools/cli/base tools/cli/watch
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
 tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
+                            tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
 tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/bus
                             daemon/cansync/config
 """

@@ -1,3 +1,5 @@
+#include "cli/app/batch.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

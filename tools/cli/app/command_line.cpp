@@ -4,7 +4,14 @@
 
 #include <sstream>
 
+#include "cli/app/batch.h"
 #include "cli/app/completion.h"
+#include "cli/app/protocols.h"
+#include "cli/doctor/verbs.h"
+#include "cli/look/verbs.h"
+#include "cli/record/verbs.h"
+#include "cli/trace/verbs.h"
+#include "cli/watch/verbs.h"
 #include "text/completion.h"
 
 namespace cansync::cli {
@@ -79,25 +86,11 @@ void take_global_texts(const GlobalTexts& texts, Globals& globals) {
 }
 
 void add_verbs(CLI::App& app, Verb& chosen) {
-  add_status_verbs(app, chosen);
-  add_timing_verb(app, chosen);
-  add_doctor_verb(app, chosen);
-  add_watch_verb(app, chosen);
-  add_record_verb(app, chosen);
-  add_plot_verb(app, chosen);
-  add_event_verb(app, chosen);
-  add_trace_verb(app, chosen);
-  add_parameter_verbs(app, chosen);
-  add_params_verb(app, chosen);
-  add_passport_verbs(app, chosen);
-  add_restore_verb(app, chosen);
-  add_transfer_verbs(app, chosen);
-  add_command_verbs(app, chosen);
-  add_reference_verb(app, chosen);
-  add_polling_verb(app, chosen);
-  add_mapping_verb(app, chosen);
-  add_wait_verb(app, chosen);
-  add_batch_verb(app, chosen);
+  for (const AddVerbs add : protocol_verbs()) add(app, chosen);
+  for (const AddVerbs add : {add_doctor_verb, add_watch_verb, add_record_verb, add_plot_verb, add_event_verb,
+                             add_trace_verb, add_wait_verb, add_batch_verb}) {
+    add(app, chosen);
+  }
   for (CLI::App* verb : app.get_subcommands({})) {
     verb->group("Verbs");
     verb->footer(verb->get_footer() +

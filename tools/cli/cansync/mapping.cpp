@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "cli/base/verbs.h"
+#include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 
 namespace cansync::cli {

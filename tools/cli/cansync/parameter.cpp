@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "cli/base/verbs.h"
 #include "cli/cansync/profiles.h"
+#include "cli/cansync/verbs.h"
 #include "profile/scaling.h"
 
 namespace cansync::cli {

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "cli/base/verbs.h"
 #include "cli/cansync/parameter_reader.h"
 #include "cli/cansync/profiles.h"
+#include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 #include "profile/scaling.h"
 

@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "cli/base/files.h"
-#include "cli/base/verbs.h"
 #include "cli/cansync/passport_compare.h"
 #include "cli/cansync/passport_source.h"
 #include "cli/cansync/profiles.h"
+#include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 
 namespace cansync::cli {

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "cli/base/interrupt.h"
-#include "cli/base/verbs.h"
+#include "cli/cansync/verbs.h"
 
 namespace cansync::cli {
 namespace {

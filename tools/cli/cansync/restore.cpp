@@ -2,10 +2,10 @@
 
 #include <memory>
 
-#include "cli/base/verbs.h"
 #include "cli/cansync/passport_compare.h"
 #include "cli/cansync/passport_source.h"
 #include "cli/cansync/profiles.h"
+#include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 #include "profile/scaling.h"
 

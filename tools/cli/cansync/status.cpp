@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "cli/base/verbs.h"
 #include "cli/cansync/status_lines.h"
+#include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 
 namespace cansync::cli {

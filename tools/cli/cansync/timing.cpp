@@ -5,10 +5,10 @@
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
-#include "cli/base/verbs.h"
 #include "cli/cansync/timing_report.h"
 #include "cli/cansync/timing_samples.h"
 #include "cli/cansync/timing_svg.h"
+#include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/progress.h"
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "cli/base/files.h"
-#include "cli/base/verbs.h"
+#include "cli/cansync/verbs.h"
 #include "cli/text/progress.h"
 
 namespace cansync::cli {

@@ -4,9 +4,9 @@
 #include <system_error>
 
 #include "can/link_kernel.h"
-#include "cli/base/verbs.h"
 #include "cli/doctor/doctor_findings.h"
 #include "cli/doctor/doctor_link.h"
+#include "cli/doctor/verbs.h"
 #include "cli/text/column_help.h"
 
 namespace cansync::cli {

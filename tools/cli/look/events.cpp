@@ -6,7 +6,7 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
-#include "cli/base/verbs.h"
+#include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
 
 namespace cansync::cli {

@@ -7,8 +7,8 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
-#include "cli/base/verbs.h"
 #include "cli/cansync/wait_states.h"
+#include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/slave_list.h"
 

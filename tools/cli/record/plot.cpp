@@ -9,9 +9,9 @@
 
 #include "cli/base/child_process.h"
 #include "cli/base/files.h"
-#include "cli/base/verbs.h"
 #include "cli/record/plot_data.h"
 #include "cli/record/plot_script.h"
+#include "cli/record/verbs.h"
 
 namespace cansync::cli {
 namespace {

@@ -10,8 +10,8 @@
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
-#include "cli/base/verbs.h"
 #include "cli/record/recording.h"
+#include "cli/record/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/progress.h"
 

@@ -4,11 +4,11 @@
 #include <memory>
 
 #include "cli/base/interrupt.h"
-#include "cli/base/verbs.h"
 #include "cli/cansync/trace_text.h"
 #include "cli/text/column_help.h"
 #include "cli/trace/trace_source.h"
 #include "cli/trace/trace_writer.h"
+#include "cli/trace/verbs.h"
 
 namespace cansync::cli {
 namespace {

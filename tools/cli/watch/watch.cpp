@@ -5,8 +5,8 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
-#include "cli/base/verbs.h"
 #include "cli/text/column_help.h"
+#include "cli/watch/verbs.h"
 #include "cli/watch/watch_live.h"
 #include "cli/watch/watch_rows.h"
 

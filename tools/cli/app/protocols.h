@@ -1,0 +1,12 @@
+#pragma once
+
+#include <span>
+
+#include "cli/base/verbs.h"
+
+namespace cansync::cli {
+
+/// What adds the verbs of each protocol that the command line knows: its only list of protocols.
+std::span<const AddVerbs> protocol_verbs() noexcept;
+
+}  // namespace cansync::cli
