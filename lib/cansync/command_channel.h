@@ -24,16 +24,22 @@ namespace cansync {
 template <class T>
 class FixedQueue {
  public:
+  /// Takes the memory for `capacity` items, the only function that allocates. Throws std::bad_alloc.
   explicit FixedQueue(std::size_t capacity) : items_(capacity) {}
+  /// True when `push` would refuse an item.
   bool full() const noexcept { return count_ == items_.size(); }
+  /// True when there is nothing that `front` and `pop` could work on.
   bool empty() const noexcept { return count_ == 0; }
+  /// The oldest item. Not allowed when `empty`; lives until the next change.
   const T& front() const noexcept { return items_[first_]; }
+  /// Puts a copy behind the others; false, and nothing is changed, when the queue is full.
   bool push(const T& item) noexcept {
     if (full()) return false;
     items_[(first_ + count_) % items_.size()] = item;
     ++count_;
     return true;
   }
+  /// Takes the oldest item out. Not allowed when `empty`.
   void pop() noexcept {
     first_ = (first_ + 1) % items_.size();
     --count_;
@@ -78,12 +84,20 @@ class FixedQueue {
 /// Memory is taken in the constructor; everything else is realtime safe. Not thread safe.
 class CommandChannel {
  public:
+  /// All three must outlive the channel; `settings` must have passed `check` (settings_check.h). Throws
+  /// std::bad_alloc.
   CommandChannel(const MasterSettings& settings, Supervision& supervision, MasterListener& listener);
 
+  /// Takes a request; its end is told to the listener under the request's id, for a command that is replaced
+  /// at once within this call. A refusal says why it was not taken: the caller corrects the request, or waits
+  /// (`queue_full`, `slave_lost`, `slave_held`). Whether the state of the master allows it is the caller's
+  /// part. A broadcast that stops ends what would enable its slaves also when there is no room for it.
   Refusal submit(const ParameterRequest& request) noexcept;
   Refusal submit(const TransferRequest& request) noexcept;
   Refusal submit(const ControlWordRequest& request) noexcept;
   Refusal submit(const BroadcastRequest& request) noexcept;
+  /// Ends a job as `cancelled`, a running transfer once its slave was told. `unknown_job`: it is not open, or
+  /// is a control word or broadcast that was handed over, which ends by its echo.
   Refusal cancel(JobId id) noexcept;
 
   /// Synchronous operation begins.
@@ -100,7 +114,9 @@ class CommandChannel {
   /// The command for this interval. What the last command asked is over: without an answer it counts as
   /// unanswered.
   std::optional<Telegram> take() noexcept;
+  /// The telegram of `take` was handed to the bus: its answer or its echo is waited for from here on.
   void sent() noexcept;
+  /// The telegram of `take` was not handed over: its job stays where it was and is chosen anew.
   void left_out() noexcept { chosen_.kind = Kind::none; }
 
   /// End of the last command on the bus, as a time since the start of the timeline.
@@ -115,11 +131,17 @@ class CommandChannel {
     return asked_.kind != Kind::none ? std::optional(asked_.slave) : std::nullopt;
   }
 
+  /// Which slaves each kind of job serves, from the next choice on (M 4.6). `slave_not_configured`: a fixed
+  /// slave is not, and all three cursors stay.
   Refusal set_cursors(const Cursor& control_word, const Cursor& parameter, const Cursor& transfer) noexcept;
+  /// Automatic cursors rise up to this slave and begin again at 0 (M 4.6).
   void set_maximum_slave(SlaveNumber slave) noexcept { maximum_slave_ = slave; }
 
+  /// The settings of the constructor, with the cursors in force.
   const CommandChannelSettings& settings() const noexcept { return settings_; }
+  /// Waiting and running ones of all slaves, 0..`parameter_queue`.
   std::size_t open_parameter_jobs() const noexcept { return parameters_.size(); }
+  /// Waiting and running ones of all slaves, 0..`transfer_queue`.
   std::size_t open_transfers() const noexcept { return transfers_.size(); }
 
  private:

@@ -11,12 +11,14 @@ namespace cansync {
 /// (M 3.2.2.6). Plain values; realtime safe; not thread safe.
 class ControlWords {
  public:
+  /// A control word that waits: its request, and when it may go.
   struct Word {
     ControlWordRequest request;
     IntervalNumber last = 0;  ///< interval in which it may be sent last
     bool passes = false;      ///< waits for no cursor: it stops its slave, or is the failsafe reaction's
   };
 
+  /// The slaves for which a word waits.
   SlaveMask waiting() const noexcept { return waiting_; }
   /// The slaves whose word waits for no cursor.
   SlaveMask passing() const noexcept { return passing_; }

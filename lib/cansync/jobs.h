@@ -56,7 +56,7 @@ struct TransferRequest {
 struct ControlWordRequest {
   JobId id = 0;
   SlaveNumber slave;
-  std::uint16_t control_word = 0;
+  std::uint16_t control_word = 0;  ///< the slave's own bits; enabling ones: `enabling_control_bits`
   Duration monitoring_time{0};  ///< in which it is sent or ends as `timeout`; 0: the setting's default (1 s)
   /// The failsafe reaction's: waits for no cursor whatever its bits are and without a time limit, and no
   /// other word replaces it.
@@ -141,6 +141,7 @@ enum class Refusal : std::uint8_t {
   mapping_changed,   ///< reference values for another mapping than the one in force
 };
 
+/// A short English word group for logs and messages, never empty; the text lives as long as the program.
 std::string_view name(Outcome outcome) noexcept;
 std::string_view name(Refusal refusal) noexcept;
 
@@ -151,7 +152,7 @@ struct ParameterResult {
   std::uint32_t value = 0;                      ///< read: the value; write: what was written
   bool doubleword = false;                      ///< format on the bus
   std::uint32_t intervals = 0;                  ///< intervals from the first telegram to the answer
-  std::uint32_t busy_replies = 0;
+  std::uint32_t busy_replies = 0;               ///< times the slave said that it needs longer
 };
 
 /// Terminal result of a transfer job.
@@ -161,8 +162,8 @@ struct TransferResult {
   std::uint32_t bytes = 0;                    ///< bytes transferred and confirmed
   std::uint32_t error_offset = 0;             ///< byte offset in the data where it failed
   std::uint32_t intervals = 0;                ///< intervals from the first telegram to the last answer
-  std::uint32_t repeated_telegrams = 0;
-  std::uint32_t repeated_blocks = 0;
+  std::uint32_t repeated_telegrams = 0;       ///< sent again after silence or a refusal
+  std::uint32_t repeated_blocks = 0;          ///< begun anew after a failure
 };
 
 }  // namespace cansync

@@ -40,6 +40,7 @@ enum class SlaveState : std::uint8_t {
   checking,   ///< synchronized again; its list of parameters is checked or written. Held out
   held,       ///< the list was not passed. Held out until it is released or checked again by command
 };
+/// One English word for a state, for status and logs; the text lives as long as the program.
 std::string_view name(SlaveState state) noexcept;
 
 /// True for a slave that was away and must not yet be used with references.
@@ -50,12 +51,12 @@ constexpr bool is_held_out(SlaveState state) noexcept {
 /// What is known of one slave (M 3.2.2.7).
 struct SlaveStatus {
   bool configured = false;
-  bool responds = false;          ///< bit 0 of the slave status
-  bool synchronized = false;      ///< bit 1: bit 15 of its status word
-  std::uint16_t status_word = 0;  ///< last status word read
-  bool status_known = false;      ///< a status word was read since the slave last began to respond
-  IntervalNumber last_seen = 0;   ///< interval of its last telegram of any kind
-  std::uint64_t answers = 0;
+  bool responds = false;            ///< bit 0 of the slave status
+  bool synchronized = false;        ///< bit 1: bit 15 of its status word
+  std::uint16_t status_word = 0;    ///< last status word read
+  bool status_known = false;        ///< a status word was read since the slave last began to respond
+  IntervalNumber last_seen = 0;     ///< interval of its last telegram of any kind
+  std::uint64_t answers = 0;        ///< to commands, since the start of the master
   std::uint64_t unanswered = 0;     ///< commands without an answer
   std::uint64_t missed_actual = 0;  ///< asked for actual values, none came in that interval
   std::uint64_t slow_answers = 0;   ///< later than tRSPTO
@@ -74,8 +75,8 @@ struct SlaveStatus {
 
 /// Counters since the start of the master.
 struct MasterCounters {
-  std::uint64_t intervals = 0;
-  std::uint64_t telegrams_sent = 0;
+  std::uint64_t intervals = 0;       ///< begun; those that were skipped do not count
+  std::uint64_t telegrams_sent = 0;  ///< handed to the bus, of all slots
   std::uint64_t left_out = 0;  ///< telegrams left out because their slot had passed or the bus refused them
   std::uint64_t references_not_released =
       0;  ///< active intervals x channels without released reference values
@@ -87,6 +88,7 @@ struct MasterCounters {
 
 /// Something worth a line in the journal. `code` says what the numbers mean.
 struct MasterEvent {
+  /// What happened; beside each: which members are set and what `detail` means.
   enum class Code : std::uint8_t {
     slave_responds,          ///< slave: answers for the first time
     slave_lost,              ///< slave; detail: jobs that ended because of it
@@ -107,11 +109,12 @@ struct MasterEvent {
   };
   Code code;
   std::optional<SlaveNumber> slave;
-  std::uint32_t detail = 0;
+  std::uint32_t detail = 0;         ///< meaning and unit: see `Code`
   std::uint32_t expected = 0;       ///< raw value
   std::uint32_t found = 0;          ///< raw value; with Outcome::slave_error the slave's code
   Outcome outcome = Outcome::done;  ///< done: `found` is another value
 };
+/// A stable word for a code, e.g. "slave_lost"; the text lives as long as the program.
 std::string_view name(MasterEvent::Code code) noexcept;
 
 /// Receives what the master has to tell. Called from inside the master's functions, on their thread; must not
@@ -119,14 +122,22 @@ std::string_view name(MasterEvent::Code code) noexcept;
 class MasterListener {
  public:
   virtual ~MasterListener() = default;
+  /// An actual value telegram of this slave was taken; `arrived` says which. `values` lives during the call.
   virtual void actual_values(SlaveNumber slave, const ActualValues& values) noexcept = 0;
+  /// What is known of a slave has changed, or set-up begins; counters of answers alone do not bring it.
   virtual void slave_status(SlaveNumber slave, const SlaveStatus& status) noexcept = 0;
+  /// A command of the control register was obeyed (M 3.2.2.3), also when `from` and `to` are equal; never for
+  /// `reset_can`, which keeps the state.
   virtual void state_changed(State from, State to, ControlCommand command) noexcept = 0;
+  /// A parameter job has ended; said once for each that was taken. `result` lives during the call.
   virtual void parameter_done(JobId id, const ParameterResult& result) noexcept = 0;
+  /// Bytes transferred and confirmed so far; fewer than before when a block is begun anew.
   virtual void transfer_progress(JobId id, std::uint32_t bytes) noexcept = 0;
+  /// A transfer has ended, and the master no longer touches its data; said once for each that was taken.
   virtual void transfer_done(JobId id, const TransferResult& result) noexcept = 0;
   /// A control word or broadcast was seen on the bus (`done`), or ended otherwise.
   virtual void command_done(JobId id, Outcome outcome) noexcept = 0;
+  /// Something for the journal has happened; `event` lives during the call.
   virtual void event(const MasterEvent& event) noexcept = 0;
 };
 
@@ -185,6 +196,9 @@ class Master {
 
   // --- requests: a refusal means nothing was done
 
+  /// Takes a request; the listener is told of its end under its id, for a command that is replaced at once
+  /// within this call. A refusal says why it was not taken: `wrong_state` outside synchronous operation, for
+  /// reference values outside active operation, else see `Refusal`.
   Refusal submit(const ParameterRequest& request) noexcept;
   Refusal submit(const TransferRequest& request) noexcept;
   Refusal submit(const ControlWordRequest& request) noexcept;
@@ -211,26 +225,42 @@ class Master {
 
   /// Another mapping than the one in force ends what is released, and forgets what waits.
   Refusal set_reference_mapping(const ProcessMapping& mapping) noexcept;
+  /// How this slave's actual value telegrams are read (M 4.16); it must be what the slave itself sends by.
+  /// `slave_not_configured`, `mapping`: nothing is changed.
   Refusal set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept;
+  /// Which slave a reference telegram asks for actual values (M 4.19). `slave_not_configured`: nothing is
+  /// changed.
   Refusal set_polling(Channel channel, const Cursor& cursor) noexcept;
+  /// Automatic numbers, of polling and of the command channel, rise up to this slave and begin again at 0.
   void set_maximum_slave(SlaveNumber slave) noexcept;
+  /// Which slaves each kind of job serves (M 4.6). `slave_not_configured`: a fixed slave is not, and all
+  /// three stay.
   Refusal set_command_cursors(const Cursor& control_word, const Cursor& parameter,
                               const Cursor& transfer) noexcept;
 
   // --- what is known
 
+  /// Value of `w_OPTION_STATUS`; waiting, set-up or active (M 3.2.2.3).
   State state() const noexcept;
+  /// The interval that `begin_interval` named last; 0 before the first.
   IntervalNumber interval() const noexcept;
+  /// The settings in force: those of the constructor with what was changed since.
   const MasterSettings& settings() const noexcept;
   /// Of the reference mapping in force: 1 at first, rises by one with each change.
   std::uint64_t mapping_number() const noexcept;
+  /// What is known of a slave, also of one that is not configured; changes with the master's next call.
   const SlaveStatus& slave(SlaveNumber slave) const noexcept;
+  /// The newest actual values of a slave; they stay when it is lost (`interval` tells their age).
   const ActualValues& actual(SlaveNumber slave) const noexcept;
+  /// Whether the reference values of a telegram are released, and if not, why.
   const ReleaseStatus& release(Channel channel) const noexcept;
+  /// Counters as of this call; the reference goes on changing, so whoever wants a difference copies it.
   const MasterCounters& counters() const noexcept;
   /// Another master has sent within the last 3 s.
   bool second_master() const noexcept;
+  /// Waiting and running ones of all slaves, 0..`CommandChannelSettings::parameter_queue`.
   std::size_t open_parameter_jobs() const noexcept;
+  /// Waiting and running ones of all slaves, 0..`CommandChannelSettings::transfer_queue`.
   std::size_t open_transfers() const noexcept;
 
  private:

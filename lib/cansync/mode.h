@@ -35,6 +35,7 @@ enum class Role : std::uint8_t { master, slave };
 /// the state. docs/cansync-protocol.md has the table; a test walks through every pair.
 std::optional<State> next(Role role, State state, ControlCommand command) noexcept;
 
+/// A short English word group for status and messages; the text lives as long as the program.
 std::string_view name(State state) noexcept;
 std::string_view name(ControlCommand command) noexcept;
 

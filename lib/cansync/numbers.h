@@ -21,6 +21,7 @@ class BoundedNumber {
     return BoundedNumber(static_cast<Rep>(value));
   }
 
+  /// The plain number, 0..`max`.
   constexpr Rep value() const noexcept { return value_; }
 
   friend constexpr auto operator<=>(BoundedNumber, BoundedNumber) = default;
@@ -44,31 +45,39 @@ inline constexpr Element kValueElement = *Element::from(7);
 
 /// Participant below the addressed slave; 0 is the slave itself (O 7.1.2).
 struct SubSlave {
-  std::uint16_t value = 0;
+  std::uint16_t value = 0;  ///< 0..65535
   friend constexpr bool operator==(SubSlave, SubSlave) = default;
 };
 
 /// A set of slaves; bit n stands for slave n (M 3.2.1.3, action command).
 struct SlaveMask {
-  std::uint32_t bits = 0;
+  std::uint32_t bits = 0;  ///< as on the bus: bit n is slave n
 
+  /// The 32 slaves of a segment, configured or not.
   static constexpr SlaveMask all() noexcept { return {0xFFFFFFFFu}; }
+  /// This slave alone.
   static constexpr SlaveMask of(SlaveNumber slave) noexcept { return {1u << slave.value()}; }
+  /// True when the slave belongs to the set.
   constexpr bool has(SlaveNumber slave) const noexcept { return ((bits >> slave.value()) & 1u) != 0; }
+  /// Puts the slave in, or with `on` false takes it out; the others stay.
   constexpr void set(SlaveNumber slave, bool on = true) noexcept {
     const std::uint32_t bit = 1u << slave.value();
     bits = on ? (bits | bit) : (bits & ~bit);
   }
+  /// True when no slave is in it: as an action's mask nobody would act.
   constexpr bool empty() const noexcept { return bits == 0; }
   friend constexpr bool operator==(SlaveMask, SlaveMask) = default;
 
   /// Goes through the slaves, the lowest first, as they were when it began.
   class Iterator {
    public:
+    /// Goes through the bits of `left`; 0 is the end.
     constexpr explicit Iterator(std::uint32_t left) noexcept : left_(left) {}
+    /// The lowest slave left. Not allowed at the end.
     constexpr SlaveNumber operator*() const noexcept {
       return *SlaveNumber::from(static_cast<unsigned>(std::countr_zero(left_)));
     }
+    /// Leaves the lowest slave behind. Not allowed at the end.
     constexpr Iterator& operator++() noexcept {
       left_ &= left_ - 1;
       return *this;
@@ -78,7 +87,9 @@ struct SlaveMask {
    private:
     std::uint32_t left_;
   };
+  /// For range-based loops: `for (const SlaveNumber slave : mask)`.
   constexpr Iterator begin() const noexcept { return Iterator(bits); }
+  /// Behind the highest slave.
   constexpr Iterator end() const noexcept { return Iterator(0); }
 };
 
@@ -91,6 +102,7 @@ using Duration = std::chrono::nanoseconds;
 /// The two process data channel pairs: WRC1/RDC1 and WRC2/RDC2.
 enum class Channel : std::uint8_t { one = 0, two = 1 };
 inline constexpr unsigned kChannels = 2;
+/// Place of a channel in arrays of `kChannels`: 0 or 1.
 constexpr unsigned index(Channel channel) noexcept {
   return static_cast<unsigned>(channel);
 }

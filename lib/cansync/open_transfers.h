@@ -28,6 +28,7 @@ class OpenTransfers {
     attempts_[slave.value()] = 0;
   }
 
+  /// The slaves that still get the cancel telegram.
   SlaveMask unknown() const noexcept { return unknown_; }
 
   /// The cancel telegram was not answered.

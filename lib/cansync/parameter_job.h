@@ -20,9 +20,12 @@ enum class Step : std::uint8_t {
 class ParameterJob {
  public:
   ParameterJob() = default;
+  /// A job that was not sent yet. The request's ranges must have been checked (`CommandChannel::submit`).
   explicit ParameterJob(const ParameterRequest& request) noexcept;
 
+  /// As it was given; of a default-constructed job an empty one.
   const ParameterRequest& request() const noexcept { return request_; }
+  /// The result so far; final after Step::ended, `end` or `slave_lost`.
   const ParameterResult& result() const noexcept { return result_; }
 
   /// The telegram to send now. A write "as the slave says" reads first.
@@ -48,7 +51,9 @@ class ParameterJob {
 
   /// Monitoring time: begins when the job is first of its slave, and ends at this interval.
   bool monitored() const noexcept { return deadline_ != 0; }
+  /// Begins the monitoring time; `deadline` over 0. Only noted here: the caller ends the job.
   void monitor_until(IntervalNumber deadline) noexcept { deadline_ = deadline; }
+  /// First interval in which the monitoring time is over; 0: it has not begun.
   IntervalNumber deadline() const noexcept { return deadline_; }
 
  private:

@@ -19,6 +19,7 @@ namespace cansync {
 /// (M 3.1.1.1, 3.2.2.4, 3.2.2.5). Realtime safe; not thread safe.
 class ProcessData {
  public:
+  /// `listener` must outlive this object; `settings`, which must have passed `check`, is copied.
   ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept;
 
   /// Forgets reference values and what was asked; actual values stay.
@@ -28,7 +29,11 @@ class ProcessData {
   /// nothing.
   std::array<std::optional<SlaveNumber>, kChannels> begin_interval(IntervalNumber now) noexcept;
 
+  /// Takes new reference values (M 4.19). Refusals: `mapping_changed`, `nothing_valid`, `release_too_long`,
+  /// `value_too_wide`, `interval_passed`, `too_old`, and `queue_full` when too many wait; the release before
+  /// goes on then, unless the update `takes_over`.
   Refusal update(const ReferenceUpdate& update) noexcept;
+  /// See `Master::stop_release`; `hold` in intervals, 0: at once.
   void stop_release(Channel channel, std::uint32_t hold) noexcept;
 
   /// The channel's reference telegram for this interval; nothing when no values are released.
@@ -48,21 +53,33 @@ class ProcessData {
   /// The slave whose actual values of `channel` are waited for in this interval.
   std::optional<SlaveNumber> asked(Channel channel) const noexcept { return output_[index(channel)].asked; }
 
+  /// Another mapping than the one in force ends what is released and forgets what waits (M 4.15). `mapping`:
+  /// a word names a value of the other telegram, nothing is changed.
   Refusal set_reference_mapping(const ProcessMapping& mapping) noexcept;
+  /// Which slave the telegram asks, from the next one on (M 4.19). `slave_not_configured`: nothing is
+  /// changed.
   Refusal set_polling(Channel channel, const Cursor& cursor) noexcept;
+  /// Automatic numbers rise up to this slave and begin again at 0.
   void set_maximum_slave(SlaveNumber slave) noexcept { settings_.maximum_slave = slave; }
+  /// How this slave's telegrams are read, from the next one on (M 4.16). `slave_not_configured`, `mapping`:
+  /// nothing is changed.
   Refusal set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept;
 
+  /// The settings of the constructor, with mapping and polling in force.
   const ProcessSettings& settings() const noexcept { return settings_; }
   /// Of the reference mapping in force.
   std::uint64_t mapping_number() const noexcept { return mapping_number_; }
+  /// Whether a telegram's values are released, and if not, why.
   const ReleaseStatus& release(Channel channel) const noexcept {
     return output_[index(channel)].release.status();
   }
+  /// The mapping in force, by which the slave's next telegram is read.
   const ProcessMapping& actual_mapping(SlaveNumber slave) const noexcept {
     return actual_mapping_[slave.value()];
   }
+  /// What the slave sent last; zeros before its first telegram (`count` tells).
   const ActualValues& actual(SlaveNumber slave) const noexcept { return actual_[slave.value()]; }
+  /// Telegrams asked for while nothing was released, of both channels, since the start.
   std::uint64_t not_released() const noexcept { return not_released_; }
 
  private:

@@ -44,10 +44,12 @@ class ReferenceRelease {
   std::optional<ReferenceUpdate> next_due(IntervalNumber now) noexcept;
   /// Once an interval, after all that is due: is the telegram sent in this interval?
   bool decide(IntervalNumber now) noexcept;
-  /// The telegram was handed to the bus or left out: its values are used once.
+  /// The telegram was handed to the bus: its values are used once, and their release has begun.
   void sent() noexcept;
+  /// The telegram was left out: its values are used once too, and may still grow too old to begin.
   void left_out() noexcept;
 
+  /// As of the last `decide`, or of what ended the release since.
   const ReleaseStatus& status() const noexcept { return status_; }
 
  private:

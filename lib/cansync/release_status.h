@@ -8,11 +8,13 @@ namespace cansync {
 
 /// Whether the reference values of one telegram are released, and if not, why.
 struct ReleaseStatus {
+  /// What becomes of the telegram in this interval.
   enum class State : std::uint8_t {
     stopped,   ///< the telegram is left out
     released,  ///< as the values' giver wants it
     held,      ///< released a little longer although the giver is lost or silent
   };
+  /// Why it is held or stopped: what its giver has to mend.
   enum class Cause : std::uint8_t {
     none,             ///< released, or nothing was given since active operation began
     used_up,          ///< released as often as the update said

@@ -20,6 +20,7 @@ class ReturnCheck {
   /// Gives up without a result.
   void stop() noexcept { settings_ = nullptr; }
 
+  /// False: never begun, over, or given up.
   bool running() const noexcept { return settings_ != nullptr; }
 
   /// The telegram to send now, while running. Writes are sent again when unanswered: the value is the same.
@@ -38,6 +39,7 @@ class ReturnCheck {
   /// After a failure: the parameter that was not right, and how reading or writing it ended. Done: it has
   /// another value, `found().value`.
   const ReturnParameter& failed() const noexcept { return *failure_; }
+  /// Result of the read or write that was last; while running, of the one under way.
   const ParameterResult& found() const noexcept { return job_.result(); }
 
  private:

@@ -21,6 +21,7 @@ enum class Serving : std::uint8_t {
 /// A slave cursor: one fixed slave, nobody, or automatic (rises by one per interval up to the maximum
 /// number).
 struct Cursor {
+  /// `nobody`: of a kind of job none is served, of a telegram no slave is asked.
   enum class Kind : std::uint8_t { automatic, fixed, nobody };
   Kind kind = Kind::automatic;
   SlaveNumber slave;  ///< with `fixed`

@@ -125,11 +125,12 @@ class Slave {
   /// Reference values, as the mapping filled them; `reference_fresh` tells if that telegram came, with at
   /// least one word, since the last edge.
   const Values& references() const noexcept { return references_; }
+  /// True when that telegram came, with at least one word, since the last edge.
   bool reference_fresh(Channel channel) const noexcept { return fresh_[index(channel)]; }
 
-  /// Values taken from another slave's actual value telegrams, and how many of those telegrams came on that
-  /// channel (counts on from 2^32 - 1 with 0).
+  /// Values taken from another slave's actual value telegrams; zeros before the first.
   const Values& monitored(SlaveNumber slave) const noexcept { return monitored_[slave.value()]; }
+  /// Those telegrams of one channel so far; goes on from 2^32 - 1 with 0.
   std::uint32_t monitored_count(SlaveNumber slave, Channel channel) const noexcept {
     return monitored_count_[slave.value()][index(channel)];
   }
@@ -138,6 +139,7 @@ class Slave {
   void set_reference_mapping(const ProcessMapping& mapping) noexcept {
     settings_.reference_mapping = mapping;
   }
+  /// How this slave's own values are sent, from the next telegram on (M 4.8).
   void set_actual_mapping(const ProcessMapping& mapping) noexcept { settings_.actual_mapping = mapping; }
 
   /// True after the action "SYNC mode: activate".
@@ -146,8 +148,10 @@ class Slave {
   /// Gives a command of the slave's control register; false: not allowed in this state. Leaving synchronous
   /// operation drops open blocks and pending parameter accesses and forgets the activation.
   bool control(ControlCommand command) noexcept;
+  /// Value of `w_OPTION_STATUS` (M 3.2.2.3).
   State state() const noexcept { return state_; }
 
+  /// The settings of the constructor, with the mappings in force.
   const SlaveSideSettings& settings() const noexcept { return settings_; }
 
   /// True while an upload or download block is open.

@@ -14,6 +14,7 @@ namespace cansync {
 template <class Job>
 class SlaveQueues {
  public:
+  /// Takes the memory for `capacity` jobs of all slaves together. Throws std::bad_alloc.
   explicit SlaveQueues(std::size_t capacity) : nodes_(capacity) {
     for (std::size_t i = 0; i < capacity; ++i)
       nodes_[i].next = static_cast<Index>(i + 1 < capacity ? i + 1 : kNone);
@@ -22,7 +23,9 @@ class SlaveQueues {
     tail_.fill(kNone);
   }
 
+  /// Jobs of all slaves together.
   std::size_t size() const noexcept { return size_; }
+  /// True when `push` would return null, for every slave.
   bool full() const noexcept { return free_ == kNone; }
   /// Bit n: slave n has at least one job.
   SlaveMask waiting() const noexcept { return waiting_; }

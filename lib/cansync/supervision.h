@@ -22,6 +22,7 @@ inline constexpr Duration kActivateAgain = std::chrono::seconds(5);
 /// has passed its list of parameters. Realtime safe; not thread safe.
 class Supervision {
  public:
+  /// Both must outlive this object; `settings` must have passed `check` (settings_check.h).
   Supervision(const MasterSettings& settings, MasterListener& listener) noexcept;
 
   /// Synchronous operation begins in interval `now`: nothing is known of any slave.
@@ -74,18 +75,22 @@ class Supervision {
   /// The mask of configured slaves that do not yet meet the enable rule. One that is held out does not.
   SlaveMask missing(EnableRule rule) const noexcept;
 
+  /// Configured slaves that have answered and were not lost since.
   SlaveMask responding() const noexcept { return responding_; }
   /// Slaves that have not answered so often in a row that nothing but status reads is sent to them.
   SlaveMask given_up() const noexcept { return given_up_; }
+  /// Slaves that were away and must not be enabled yet (`is_held_out`).
   SlaveMask held_out() const noexcept { return held_out_; }
 
   // --- the lists of parameters of slaves that were away
 
   /// Slaves whose list is being gone through: one telegram each at a time, on the command channel.
   SlaveMask checking() const noexcept { return checking_; }
+  /// The read or write that the slave's list needs next. Only for a slave of `checking`.
   ParameterCommand check_telegram(SlaveNumber slave) const noexcept {
     return checks_[slave.value()].telegram();
   }
+  /// The telegram of `check_telegram` was handed to the bus.
   void check_sent(SlaveNumber slave) noexcept { checks_[slave.value()].sent(now_); }
   /// False: not the answer.
   bool check_answered(SlaveNumber slave, const ParameterReply& reply) noexcept;
@@ -94,6 +99,7 @@ class Supervision {
   /// See `Master::release`.
   Refusal release(SlaveNumber slave, bool force) noexcept;
 
+  /// What is known of a slave, also of one that is not configured; changes with the next call.
   const SlaveStatus& status(SlaveNumber slave) const noexcept { return status_[slave.value()]; }
 
  private:

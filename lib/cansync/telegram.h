@@ -47,8 +47,8 @@ struct ActionCommand {
   SlaveMask slaves;
   std::uint8_t command =
       0;  ///< 1 control word, 2..127 reserved, 128..255 free for the user; 0 is not allowed
-  std::uint8_t data_byte = 0;
-  std::uint16_t data_word = 0;
+  std::uint8_t data_byte = 0;   ///< 0..255, the command's own
+  std::uint16_t data_word = 0;  ///< 0..65535; command 1: the control word
   friend bool operator==(const ActionCommand&, const ActionCommand&) = default;
 };
 
@@ -58,7 +58,7 @@ struct ReferenceTelegram {
   std::uint8_t polled =
       kPollNobody;         ///< N, 0..127: the slave that must answer in this interval; over 31 nobody
   std::uint8_t words = 4;  ///< number of words, 0..4
-  std::array<std::uint16_t, 4> word = {};
+  std::array<std::uint16_t, 4> word = {};  ///< word n in bytes 2n and 2n + 1, low byte first
   friend bool operator==(const ReferenceTelegram&, const ReferenceTelegram&) = default;
 };
 
@@ -66,13 +66,14 @@ struct ReferenceTelegram {
 struct ActualTelegram {
   Channel channel = Channel::one;
   SlaveNumber slave;
-  std::uint8_t words = 4;  ///< number of words, 0..4
-  std::array<std::uint16_t, 4> word = {};
+  std::uint8_t words = 4;                  ///< number of words, 0..4
+  std::array<std::uint16_t, 4> word = {};  ///< word n in bytes 2n and 2n + 1, low byte first
   friend bool operator==(const ActualTelegram&, const ActualTelegram&) = default;
 };
 
 /// Parameter command: the length alone tells read from write, and word from doubleword.
 struct ParameterCommand {
+  /// What is asked; DLC 4, 6, 8 on the bus.
   enum class Kind : std::uint8_t { read, write_word, write_doubleword };
   SlaveNumber slave;
   Kind kind = Kind::read;
@@ -85,6 +86,7 @@ struct ParameterCommand {
 
 /// Initialises an upload or download; length 0 with address 0 as an upload cancels.
 struct TransferInitialise {
+  /// Bit 6 of the first byte.
   enum class Direction : std::uint8_t { upload, download };  ///< upload: slave to master
   SlaveNumber slave;
   Direction direction = Direction::upload;
@@ -112,7 +114,7 @@ struct DownloadBlock {
   SlaveNumber slave;
   BlockOffset offset;
   bool last = false;
-  std::array<std::uint8_t, 6> data = {};
+  std::array<std::uint8_t, 6> data = {};  ///< bytes 2..7 of the telegram
   friend bool operator==(const DownloadBlock&, const DownloadBlock&) = default;
 };
 
@@ -169,13 +171,16 @@ Decoded decode(const can::Frame& frame) noexcept;
 constexpr std::uint16_t load_word(const std::uint8_t* bytes) noexcept {
   return static_cast<std::uint16_t>(bytes[0] | (bytes[1] << 8));
 }
+/// The 32-bit number in `bytes[0..3]`, the lowest first.
 constexpr std::uint32_t load_doubleword(const std::uint8_t* bytes) noexcept {
   return load_word(bytes) | (static_cast<std::uint32_t>(load_word(bytes + 2)) << 16);
 }
+/// Writes `value` to `bytes[0..1]`, the low byte first.
 constexpr void store_word(std::uint8_t* bytes, std::uint16_t value) noexcept {
   bytes[0] = static_cast<std::uint8_t>(value & 0xFF);
   bytes[1] = static_cast<std::uint8_t>(value >> 8);
 }
+/// Writes `value` to `bytes[0..3]`, the lowest byte first.
 constexpr void store_doubleword(std::uint8_t* bytes, std::uint32_t value) noexcept {
   store_word(bytes, static_cast<std::uint16_t>(value & 0xFFFF));
   store_word(bytes + 2, static_cast<std::uint16_t>(value >> 16));

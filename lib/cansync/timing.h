@@ -17,16 +17,16 @@ enum class BitRate : std::uint8_t { kbit125, kbit250, kbit500, mbit1 };
 /// "start").
 struct SlotTimes {
   BitRate bit_rate;
-  std::uint32_t bits_per_second;
-  Duration interval;          ///< tSYNC, from one SYNC edge to the next
-  Duration response;          ///< tRC: slave's answer to the previous interval's command
-  Duration reference_one;     ///< tWRC1
-  Duration actual_one;        ///< tRDC1
-  Duration reference_two;     ///< tWRC2
-  Duration actual_two;        ///< tRDC2
-  Duration command;           ///< tCC
-  Duration response_timeout;  ///< tRSPTO: end of a command to the start of its answer (M 3.2.0.1)
-  std::uint16_t bus_length_m;
+  std::uint32_t bits_per_second;  ///< the same as a number, 125'000..1'000'000
+  Duration interval;              ///< tSYNC, from one SYNC edge to the next
+  Duration response;              ///< tRC: slave's answer to the previous interval's command
+  Duration reference_one;         ///< tWRC1
+  Duration actual_one;            ///< tRDC1
+  Duration reference_two;         ///< tWRC2
+  Duration actual_two;            ///< tRDC2
+  Duration command;               ///< tCC
+  Duration response_timeout;      ///< tRSPTO: end of a command to the start of its answer (M 3.2.0.1)
+  std::uint16_t bus_length_m;     ///< longest bus, in metres
 
   /// Time of one bit.
   constexpr Duration bit_time() const noexcept { return Duration(1'000'000'000 / bits_per_second); }

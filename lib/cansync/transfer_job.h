@@ -33,9 +33,13 @@ inline constexpr std::uint16_t kLongestBlock = 4092;
 class TransferJob {
  public:
   TransferJob() = default;
+  /// A job that was not sent yet. `request.data` must not be empty and must stay valid until the job's end;
+  /// ranges must have been checked (`CommandChannel::submit`).
   TransferJob(const TransferRequest& request, const TransferLimits& limits) noexcept;
 
+  /// As it was given; of a default-constructed job an empty one.
   const TransferRequest& request() const noexcept { return request_; }
+  /// The result so far, with the bytes confirmed; final after Step::ended, `end` or `slave_lost`.
   const TransferResult& result() const noexcept { return result_; }
 
   /// The telegram to send now.

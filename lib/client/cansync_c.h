@@ -81,17 +81,19 @@ CANSYNC_C_API int cansync_connect(cansync_client* client, const cansync_options*
 
 /* The line as the daemon told it last. */
 typedef struct cansync_line_status {
-  uint16_t option_status;     /* w_OPTION_STATUS: 0x0080 active operation */
-  uint16_t interface_status;  /* w_CANsync_STATUS */
-  char state[64];             /* option_status in words */
-  uint32_t bit_rate;          /* bit/s */
-  uint64_t interval_ns;       /* length of an interval */
-  uint64_t interval;          /* number of the running one */
-  uint32_t slaves_configured; /* bit n: slave n */
-  uint32_t slaves_responding;
-  uint32_t slaves_synchronized;
+  uint16_t option_status;       /* w_OPTION_STATUS: 0x0080 active operation */
+  uint16_t interface_status;    /* w_CANsync_STATUS */
+  char state[64];               /* option_status in words */
+  uint32_t bit_rate;            /* bit/s */
+  uint64_t interval_ns;         /* length of an interval */
+  uint64_t interval;            /* number of the running one */
+  uint32_t slaves_configured;   /* bit n: slave n */
+  uint32_t slaves_responding;   /* likewise: those that answer */
+  uint32_t slaves_synchronized; /* likewise: those that are locked to SYNC */
 } cansync_line_status;
 
+/* What the daemon told last, at most about a second old while it lives; waits for nothing.
+ * CANSYNC_INVALID: `out` is NULL. */
 CANSYNC_C_API int cansync_get_status(cansync_client* client, cansync_line_status* out) CANSYNC_C_NOEXCEPT;
 
 /* Waits until the line is in active operation and every configured slave is synchronized. CANSYNC_TIMEOUT. */
@@ -137,8 +139,8 @@ CANSYNC_C_API void cansync_cancel_transfer(cansync_client* client) CANSYNC_C_NOE
 
 /* Actual values of one slave. */
 typedef struct cansync_actual_values {
-  uint32_t slave;
-  uint32_t raw[8];
+  uint32_t slave;          /* 0..31 */
+  uint32_t raw[8];         /* as on the bus: docs/dds-api.md, ActualValues */
   double scaled[8];        /* in the units of the configuration */
   uint32_t arrived;        /* bit 0, 1: telegram 1, 2 came with this sample */
   uint64_t interval[2];    /* in which each telegram came last */
@@ -168,6 +170,7 @@ typedef struct cansync_event {
   const char* text;
 } cansync_event;
 
+/* Called on a thread of the library: be short, and call no function with the same handle. */
 typedef void (*cansync_on_event)(void* user, const cansync_event* event);
 
 /* Like cansync_subscribe_actual_values, for events: the last 100 first, then each as it happens. */
@@ -195,6 +198,9 @@ CANSYNC_C_API int cansync_leave_references(cansync_client* client) CANSYNC_C_NOE
  * that is not sent within the daemon's default time (command_channel.command_timeout_ms) ends as
  * CANSYNC_TIMEOUT. */
 
+/* Control word (0..65535) to one slave, 0..31. CANSYNC_REPLACED: a newer word of the slave, or a stop,
+ * took its place. CANSYNC_NO_ANSWER: it was not seen on the bus; look at the slave's status before it is
+ * sent again. */
 CANSYNC_C_API int cansync_control_word(cansync_client* client, uint32_t slave,
                                        uint32_t word) CANSYNC_C_NOEXCEPT;
 
@@ -204,6 +210,9 @@ CANSYNC_C_API int cansync_broadcast(cansync_client* client, uint32_t priority, u
                                     uint32_t action, uint32_t data_byte,
                                     uint32_t data_word) CANSYNC_C_NOEXCEPT;
 
+/* Modes of the line, for cansync_set_mode(). SETUP sets up synchronous operation, RUN enables active
+ * operation, STOP leaves synchronous operation, RESET_CAN leaves bus-off, RESTART starts the line anew up
+ * to the configured state. The numbers stay. */
 enum cansync_mode_command {
   CANSYNC_MODE_SETUP = 0,
   CANSYNC_MODE_RUN = 1,

@@ -46,6 +46,7 @@ class CANSYNC_PUBLIC Subscription {
  public:
   Subscription() = default;
   Subscription(Subscription&&) noexcept = default;
+  /// Ends the callback that this one had, waiting for it while it runs, and takes over the other's.
   Subscription& operator=(Subscription&&) noexcept;
   ~Subscription();
   struct Hold;  ///< internal
@@ -67,13 +68,16 @@ class CANSYNC_PUBLIC Client {
   /// lost. Throws NoDaemon when `options.wait` is over, SetupError when DDS cannot be set up.
   static Client connect(const Options& options);
 
+  /// Takes the connection over; the other one may only be assigned to and destroyed.
   Client(Client&&) noexcept;
+  /// Closes the connection that this one had, as the destructor does, and takes over the other's.
   Client& operator=(Client&&) noexcept;
   /// Open jobs end with `no_reply` here; the daemon goes on with them.
   ~Client();
 
   // --- state: latest known
 
+  /// The line as the daemon told it last; at most about a second old while it lives. Waits for nothing.
   MasterStatus master_status() const;
   /// Waits at most `time` until the master's status fits, looking at each one that comes (at least one a
   /// second): for example until `status.slaves_synchronized == status.slaves_configured`. That status;
@@ -98,15 +102,19 @@ class CANSYNC_PUBLIC Client {
   // --- subscriptions: state topics deliver what is known at once. Throw SetupError like every function that
   // is the first to look at a topic.
 
+  /// Each actual value telegram of each slave as it arrives; `arrived` tells which of the two it was.
   [[nodiscard]] Subscription on_actual_values(std::function<void(const ActualValues&)> callback);
+  /// On every change and once a second.
   [[nodiscard]] Subscription on_master_status(std::function<void(const MasterStatus&)> callback);
   /// The daemon was started anew: settings that clients made before are lost, interval and event numbers
   /// begin again. Noticed by MasterStatus.daemon, however short it was away; counted from this call. Never
   /// for a daemon that is older than this.
   [[nodiscard]] Subscription on_restart(std::function<void(const MasterStatus&)> callback);
+  /// Each slave on every change, at most every 100 ms a slave.
   [[nodiscard]] Subscription on_slave_status(std::function<void(const SlaveStatus&)> callback);
   /// The last 100 events first, then each as it happens.
   [[nodiscard]] Subscription on_event(std::function<void(const Event&)> callback);
+  /// Once a second: lateness and slot times in ns, bus load in permille. Best effort: one may be missing.
   [[nodiscard]] Subscription on_timing(std::function<void(const Timing&)> callback);
   /// Only when the daemon's configuration switches the Interval topic on.
   [[nodiscard]] Subscription on_interval(std::function<void(const Interval&)> callback);
@@ -114,13 +122,23 @@ class CANSYNC_PUBLIC Client {
   // --- jobs: submit returns at once, the others wait for the terminal reply. Beyond `kOpenRequests` open at
   // a time a request is refused here.
 
+  /// Sends the request and returns its job; what is wrong with it is the job's reply, never an exception.
   ParameterJob submit(const ParameterRequest& request);
   TransferJob submit(const TransferRequest& request);
+  /// Reads the value of parameter 0..4095 of slave 0..31 (M 4.12). `timeout_ms`: monitoring time, 0: the
+  /// daemon's default. Always ends; see Job::wait.
   ParameterReply read(std::uint32_t slave, std::uint32_t number, std::uint32_t timeout_ms = 0);
+  /// Writes a raw value in the format that the slave has (M 4.14), otherwise like `read`. After `no_answer`
+  /// or `no_reply` read it back: whether the slave took it is not known.
   ParameterReply write(std::uint32_t slave, std::uint32_t number, std::uint32_t value,
                        std::uint32_t timeout_ms = 0);
+  /// Reads `length` bytes (1..16777216) from a start address (0x00..0xFF are reserved; M 4.24) into the
+  /// reply's `data`. `on_progress` runs on this thread. Always ends; to stop it before, submit and use
+  /// Job::wait with a stop flag.
   TransferReply upload(std::uint32_t slave, std::uint32_t address, std::uint32_t length,
                        const OnProgress& on_progress = {});
+  /// Writes 1..16777216 bytes to a start address (M 4.24), otherwise like `upload`. When it fails, `done`
+  /// bytes were confirmed: the slave may hold a part.
   TransferReply download(std::uint32_t slave, std::uint32_t address, std::vector<std::uint8_t> data,
                          const OnProgress& on_progress = {});
 
@@ -129,15 +147,24 @@ class CANSYNC_PUBLIC Client {
   /// A newer word of the slave, of any client, replaces one that waits (`replaced`). What is not sent within
   /// `timeout_ms` ends as `timeout`; 0: the daemon's default.
   CommandJob control_word(std::uint32_t slave, std::uint32_t word, std::uint32_t timeout_ms = 0);
+  /// Action command to a group of slaves (M 4.2 to 4.4), which never answer it: done means seen on the bus.
+  /// `replaced`: a stop, or the failsafe reaction, took the place of a word that enables.
   CommandJob broadcast(const Broadcast& broadcast);
   /// `force`: MODE_RUN also when slaves are missing.
   CommandJob mode(Mode mode, bool force = false);
   /// Lets a slave that was away and is held out be used again: after its list of parameters, or with `force`
   /// at once.
   CommandJob release(std::uint32_t slave, bool force = false);
+  /// Which slaves are asked for actual values (M 4.19); all of it or, when refused, nothing. Lost when the
+  /// daemon is started anew, like the three below: see `on_restart`.
   CommandJob polling(const Polling& polling);
+  /// Which slaves the command channel serves, for each kind of job (M 4.6); all of it or nothing.
   CommandJob cursors(const Cursors& cursors);
+  /// Mapping of the reference value telegrams (M 4.15). Another one than that in force ends what is released,
+  /// and writers give nothing until `take_up`.
   CommandJob map_references(const MappingBytes& mapping);
+  /// How a slave's actual value telegrams are read (M 4.16): it must be what the slave itself sends by, which
+  /// is not checked.
   CommandJob map_actuals(std::uint32_t slave, const MappingBytes& mapping);
 
   /// What settings and reference values hold for now, as the daemon has told last.
@@ -170,7 +197,9 @@ class CANSYNC_PUBLIC ReferenceWriter {
   explicit ReferenceWriter(Client& client, std::int32_t strength = 0);
   /// Gives up what was written; may take 300 ms when the daemon does not take samples.
   ~ReferenceWriter();
+  /// Takes the telegrams over; the other one may only be assigned to and destroyed.
   ReferenceWriter(ReferenceWriter&&) noexcept;
+  /// Gives up what this one wrote, as the destructor does, and takes over the other's telegrams.
   ReferenceWriter& operator=(ReferenceWriter&&) noexcept;
 
   /// Gives values of telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`: value[n] is new. They are

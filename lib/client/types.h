@@ -103,6 +103,7 @@ struct CANSYNC_PUBLIC Reply {
   ReplyCode code = ReplyCode::no_reply;
   std::string reason;                 ///< empty when done
   Speaker speaker = Speaker::nobody;  ///< whose reason it is
+  /// False: `code` says what the program can do, `reason` what it can tell its user.
   bool ok() const noexcept { return code == ReplyCode::done; }
 };
 using CommandReply = Reply;
@@ -110,6 +111,7 @@ using CommandReply = Reply;
 /// Who refused and why, for example "daemon: slave 9: not configured; allowed 0..3"; empty when done.
 CANSYNC_PUBLIC std::string describe(const Reply& reply);
 
+/// Terminal reply of a parameter request (M 4.12, 4.14).
 struct CANSYNC_PUBLIC ParameterReply : Reply {
   std::uint16_t error_code = 0;  ///< the slave's code; 0: none
   bool doubleword = false;       ///< format of the value on the bus
@@ -117,14 +119,15 @@ struct CANSYNC_PUBLIC ParameterReply : Reply {
   std::uint32_t intervals = 0;   ///< from the first telegram to the answer
 };
 
+/// Terminal reply of an upload or download (M 4.24).
 struct CANSYNC_PUBLIC TransferReply : Reply {
-  std::uint16_t error_code = 0;
-  std::uint32_t error_offset = 0;  ///< byte offset in the data where it failed
-  std::uint32_t done = 0;          ///< bytes transferred and confirmed
-  std::uint32_t intervals = 0;
-  std::uint32_t repeated_telegrams = 0;
-  std::uint32_t repeated_blocks = 0;
-  std::vector<std::uint8_t> data;  ///< upload: what was read
+  std::uint16_t error_code = 0;          ///< the slave's code; 0: none
+  std::uint32_t error_offset = 0;        ///< byte offset in the data where it failed
+  std::uint32_t done = 0;                ///< bytes transferred and confirmed
+  std::uint32_t intervals = 0;           ///< from the first telegram to the last answer
+  std::uint32_t repeated_telegrams = 0;  ///< sent again after silence or a refusal
+  std::uint32_t repeated_blocks = 0;     ///< begun anew after a failure
+  std::vector<std::uint8_t> data;        ///< upload: what was read
 };
 
 /// Format of a parameter on the bus.
@@ -178,9 +181,9 @@ struct CANSYNC_PUBLIC Polling {
 
 /// Slave cursors of the command channel, one per kind of job.
 struct CANSYNC_PUBLIC Cursors {
-  std::int32_t control_word = kUnchanged;
-  std::int32_t parameter = kUnchanged;
-  std::int32_t transfer = kUnchanged;
+  std::int32_t control_word = kUnchanged;  ///< words that enable: slave 0..31 or a code
+  std::int32_t parameter = kUnchanged;     ///< likewise
+  std::int32_t transfer = kUnchanged;      ///< likewise, uploads and downloads
 };
 
 /// Register bytes of the words 0..3 of telegram 1, then of telegram 2 (M 3.1.1.1; 0x0D: low word of value 3).
@@ -189,8 +192,8 @@ using MappingBytes = std::array<std::uint8_t, 8>;
 /// What settings made by clients, and reference values, hold for: one start of the daemon, and one mapping of
 /// the reference values. All zero: the daemon is older than this.
 struct Validity {
-  std::array<std::uint8_t, 16> daemon = {};
-  std::uint64_t mapping_number = 0;  ///< 1 after the start, rises with each change
+  std::array<std::uint8_t, 16> daemon = {};  ///< as MasterStatus.daemon: random, another one after each start
+  std::uint64_t mapping_number = 0;          ///< 1 after the start, rises with each change
   friend bool operator==(const Validity&, const Validity&) = default;
 };
 

@@ -29,8 +29,11 @@ class CANSYNC_PUBLIC COMM_CONTROL_MA {
     return cursors_slot_.refused() ? cursors_slot_.error() : maximum_slot_.error();
   }
 
+  /// `client` must outlive the block, and counts its settings among those that PD_COMM_MA waits for.
   explicit COMM_CONTROL_MA(Client& client)
       : cursors_slot_(client, "COMM_CONTROL_MA"), maximum_slot_(client, "COMM_CONTROL_MA") {}
+  /// One cycle: enters what has changed, and takes replies that are there. A negative number that means
+  /// nothing is refused here (`error`), one over 31 by the daemon.
   void call();
 
  private:

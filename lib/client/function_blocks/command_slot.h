@@ -17,6 +17,7 @@ class CANSYNC_PUBLIC CommandSlot {
  public:
   using Submit = std::function<CommandJob(Client&)>;
 
+  /// `client` must outlive the slot.
   explicit CommandSlot(Client& client, bool newest_at_once = false)
       : client_(&client), newest_at_once_(newest_at_once) {}
 
@@ -27,10 +28,10 @@ class CANSYNC_PUBLIC CommandSlot {
   /// What was not even entered, because an input is wrong.
   void refuse(std::string reason);
 
-  bool sent() const noexcept { return sent_; }             ///< the command entered last is done
-  bool open() const noexcept { return job_ || waiting_; }  ///< something is on its way or waits
-  bool refused() const noexcept { return !error_.empty(); }
-  const std::string& error() const noexcept { return error_; }
+  bool sent() const noexcept { return sent_; }                  ///< the command entered last is done
+  bool open() const noexcept { return job_ || waiting_; }       ///< something is on its way or waits
+  bool refused() const noexcept { return !error_.empty(); }     ///< the command entered last failed
+  const std::string& error() const noexcept { return error_; }  ///< who refused and why; empty without one
 
  private:
   Client* client_;

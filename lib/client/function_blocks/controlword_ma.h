@@ -12,7 +12,7 @@ namespace cansync::client::function_blocks {
 class CANSYNC_PUBLIC CONTROLWORD_MA {
  public:
   SINT si_SL_NR_CTRL = 0;  ///< 0..31
-  WORD w_CONTROLWORD = 0;
+  WORD w_CONTROLWORD = 0;  ///< 16 bits, as the slave's manual defines them
   BOOL x_EN = false;
 
   BOOL x_OK = false;  ///< the control word entered last was seen on the bus
@@ -20,7 +20,10 @@ class CANSYNC_PUBLIC CONTROLWORD_MA {
   /// Who refused the one entered last and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
 
+  /// `client` must outlive the block.
   explicit CONTROLWORD_MA(Client& client) : client_(&client), slot_(client, true) {}
+  /// One cycle: enters the word when x_EN is TRUE, and takes the reply to the one before when it is there. A
+  /// slave that is not 0..31 or not configured is refused here (`error`).
   void call();
 
  private:

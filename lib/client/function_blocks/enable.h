@@ -11,6 +11,7 @@ namespace cansync::client::function_blocks {
 /// nobody wants.
 class CANSYNC_PUBLIC Enable {
  public:
+  /// What the block has to do in this cycle.
   enum class Act {
     nothing,
     start,    ///< a job begins with this call

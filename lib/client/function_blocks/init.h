@@ -38,12 +38,15 @@ class CANSYNC_PUBLIC INIT {
   /// The connection, when x_OK; for the other blocks. Lives as long as this block.
   Client& client() { return *client_; }
 
+  /// Where the daemon is looked for; connects with the first `call`, not here.
   explicit INIT(Options options) : options_(std::move(options)) {}
   /// Waits until a connecting thread has ended, at most `options.wait`.
   ~INIT();
   INIT(const INIT&) = delete;
   INIT& operator=(const INIT&) = delete;
 
+  /// One cycle: begins to connect, and compares the inputs once that is done. Does nothing after x_OK or
+  /// x_ERR; another attempt takes another block. Throws std::system_error when no thread can be started.
   void call();
 
  private:

@@ -38,7 +38,10 @@ class CANSYNC_PUBLIC MODE_MA {
   /// Who refused the last command and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
 
+  /// `client` must outlive the block.
   explicit MODE_MA(Client& client) : client_(&client), slot_(client) {}
+  /// One cycle: enters a command for each input that has become TRUE, and shows the state. `now` counts the
+  /// 500 ms.
   void call(Clock::time_point now = Clock::now());
 
  private:

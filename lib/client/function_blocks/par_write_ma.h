@@ -11,7 +11,9 @@ class CANSYNC_PUBLIC PAR_WRITE_MA : public ParameterBlock {
  public:
   UDINT ud_PAR_VALUE = 0;  ///< raw value to be written
 
+  /// `client` must outlive the block.
   explicit PAR_WRITE_MA(Client& client) : ParameterBlock(client) {}
+  /// One cycle: begins, follows or gives up the job. `now` counts t_TIME.
   void call(Clock::time_point now = Clock::now());
 };
 

@@ -22,7 +22,10 @@ class CANSYNC_PUBLIC PD_CFG_MA {
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
 
+  /// `client` must outlive the block, and counts its mapping among the settings that PD_COMM_MA waits for.
   explicit PD_CFG_MA(Client& client) : slot_(client, "PD_CFG_MA") {}
+  /// One cycle: enters a mapping that has changed, and takes the reply when it is there. A number that is not
+  /// -1..7 is refused here (`error`); one of the other telegram by the daemon.
   void call();
 
  private:

@@ -36,7 +36,7 @@ class CANSYNC_PUBLIC PD_COMM_MA {
 
   SINT si_RD_SL_NR1_RECEIVED =
       kAutomaticNumber;  ///< whose telegram 1 came last since the last call; -128 none
-  SINT si_RD_SL_NR2_RECEIVED = kAutomaticNumber;
+  SINT si_RD_SL_NR2_RECEIVED = kAutomaticNumber;  ///< likewise of telegram 2
 
   /// Who refused and why, in words; empty without an error. Not in the manual. Bad reference values are
   /// reported by the daemon as an event.
@@ -50,6 +50,8 @@ class CANSYNC_PUBLIC PD_COMM_MA {
         client_(&client),
         slot_(client, "PD_COMM_MA"),
         meant_for_(client.validity()) {}
+  /// One cycle: gives the values whose input is 5, asks, and takes what came since the last call. `error`
+  /// says what was not given.
   void call();
 
  private:

@@ -17,6 +17,7 @@ class CANSYNC_PUBLIC PD_COMM_READ_MA {
 
   /// Throws SetupError.
   explicit PD_COMM_READ_MA(Client& client) : inbox_(client) {}
+  /// One cycle: takes what came since the last call; values that did not come stay as they were.
   void call();
 
  private:

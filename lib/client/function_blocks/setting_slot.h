@@ -28,9 +28,9 @@ class CANSYNC_PUBLIC SettingSlot {
   /// Takes the reply when it is there, and hands on what was entered. Never waits for an answer.
   void poll();
 
-  bool sent() const noexcept { return slot_.sent(); }  ///< the setting entered last is in effect
-  bool refused() const noexcept { return slot_.refused(); }
-  const std::string& error() const noexcept { return slot_.error(); }
+  bool sent() const noexcept { return slot_.sent(); }        ///< the setting entered last is in effect
+  bool refused() const noexcept { return slot_.refused(); }  ///< the setting entered last failed
+  const std::string& error() const noexcept { return slot_.error(); }  ///< who refused and why, or empty
 
   /// Which setting of this client's blocks is not in effect in the daemon; empty: none.
   static std::string missing(const Client& client);

@@ -20,6 +20,8 @@ struct Mapping {
   MappingBytes bytes = {};
   std::string problem;
 };
+/// The mapping that two pairs of arrays describe (M 4.15): `one` for telegram 1, `two` for telegram 2.
+/// Whether a number belongs to its telegram is the daemon's to check.
 Mapping mapping_of(const SINT_4_BMARRAY& one, const BOOL_4_BMARRAY& high_one, const SINT_4_BMARRAY& two,
                    const BOOL_4_BMARRAY& high_two);
 

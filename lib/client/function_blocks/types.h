@@ -8,8 +8,9 @@
 /// have their inputs and outputs as public members with the manual's names. Set the inputs, call `call()`
 /// once in each cycle of the program, look at the outputs.
 ///
-/// Calls never wait for an answer. One thread at a time may use a block; several blocks may be used by
-/// several threads. The Client must outlive its blocks. `_BASE`, the module's memory, is the Client here.
+/// Calls never wait for an answer, only for a daemon that takes no samples: at most 1 s for each. One thread
+/// at a time may use a block; several blocks may be used by several threads. The Client must outlive its
+/// blocks. `_BASE`, the module's memory, is the Client here.
 namespace cansync::client::function_blocks {
 
 using BOOL = bool;

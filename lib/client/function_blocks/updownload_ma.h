@@ -45,10 +45,13 @@ class CANSYNC_PUBLIC UPDOWNLOAD_MA {
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return error_; }
 
+  /// `client` must outlive the block.
   explicit UPDOWNLOAD_MA(Client& client) : client_(&client) {}
   UPDOWNLOAD_MA(const UPDOWNLOAD_MA&) = delete;
   UPDOWNLOAD_MA& operator=(const UPDOWNLOAD_MA&) = delete;
 
+  /// One cycle: begins, follows or gives up the job, and fills a_UPLOAD when an upload is done. `now` counts
+  /// t_TIME.
   void call(Clock::time_point now = Clock::now());
 
  private:
