@@ -27,8 +27,7 @@ constexpr auto kSections = std::to_array<config::Section>({
      "Once for each actual value that has a name, unit or scaling on all slaves; a slave's own go first."},
     {"slave", "slave numbers",
      "Once for each slave of the line. Without any, a simulated line has all 32; on a CAN interface there "
-     "must be "
-     "one."},
+     "must be one."},
     {"slave.value", "value numbers",
      "Below its slave, once for each actual value that has a name, unit or scaling."},
 });
