@@ -5,7 +5,8 @@
 namespace rt {
 
 /// Makes `bytes` the stack size of every thread created from now on without a size of its own, those of
-/// libraries included; false when the system refuses the size, and nothing has changed.
+/// libraries included; false when the system refuses the size, or no thread starts with it because
+/// the libraries' thread-local data do not fit, and nothing has changed.
 ///
 /// With all memory locked every stack counts in full, 8 MiB each by default. At least 128 KiB; call at the
 /// start of the program, on the main thread.

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 
+#include <array>
 #include <thread>
 
 namespace {
+
+/// Stands in for libraries that keep much for each thread.
+thread_local std::array<char, std::size_t{1024} * 1024> kept_for_each_thread;
 
 std::size_t stack_of_a_new_thread() {
   std::size_t size = 0;
@@ -30,6 +34,13 @@ TEST(ThreadStack, NewThreadsHaveTheSizeThatWasSet) {
 TEST(ThreadStack, ARefusedSizeChangesNothing) {
   const std::size_t before = stack_of_a_new_thread();
   EXPECT_FALSE(rt::set_default_stack_size(1));
+  EXPECT_EQ(stack_of_a_new_thread(), before);
+}
+
+TEST(ThreadStack, ASizeWithWhichNoThreadStartsIsRefused) {
+  kept_for_each_thread[0] = 1;
+  const std::size_t before = stack_of_a_new_thread();
+  EXPECT_FALSE(rt::set_default_stack_size(kept_for_each_thread.size() / 2));
   EXPECT_EQ(stack_of_a_new_thread(), before);
 }
 
