@@ -186,7 +186,7 @@ class CommandChannel {
   void choose() noexcept;
   bool choose_broadcast(std::uint8_t priority) noexcept;
   bool choose_due_share() noexcept;
-  bool choose_stop(SlaveMask slaves) noexcept;
+  bool choose_stop(SlaveMask giving_way) noexcept;
   bool choose_control_word() noexcept;
   bool choose_word_of(SlaveNumber slave) noexcept;
   bool choose_parameter() noexcept;

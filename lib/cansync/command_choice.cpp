@@ -57,13 +57,12 @@ SlaveMask CommandChannel::pressing() const noexcept {
 }
 
 void CommandChannel::choose() noexcept {
-  const SlaveMask stops = control_words_.passing();
-  if (stops_gave_way_ && choose_stop(stops)) return;
+  if (stops_gave_way_ && choose_stop({})) return;
   if (choose_broadcast(0)) return;
-  if (choose_stop({stops.bits & ~stopped_in_a_row_.bits})) return;
+  if (choose_stop(stopped_in_a_row_)) return;
   if (supervision_.urgent() && choose_supervision()) return;
   if (choose_cancel() || choose_due_share()) return;
-  if (choose_broadcast(1) || choose_broadcast(2) || choose_stop(stops) || choose_control_word()) return;
+  if (choose_broadcast(1) || choose_broadcast(2) || choose_stop({}) || choose_control_word()) return;
   if (choose_parameter() || choose_transfer() || choose_check()) return;
   choose_supervision();
 }
@@ -114,12 +113,12 @@ bool CommandChannel::choose_broadcast(std::uint8_t priority) noexcept {
   return true;
 }
 
-/// A word of these slaves that waits for no cursor.
-bool CommandChannel::choose_stop(SlaveMask slaves) noexcept {
-  for (auto slave = next_in_turn(control_word_scan_, slaves); slave;
-       slave = next_in_turn(control_word_scan_, slaves)) {
+/// The word that has waited longest of those that wait for no cursor, so that none given later is sent before
+/// it; not when it is of one of the slaves that give way.
+bool CommandChannel::choose_stop(SlaveMask giving_way) noexcept {
+  for (auto slave = control_words_.oldest_passing(); slave && !giving_way.has(*slave);
+       slave = control_words_.oldest_passing()) {
     if (choose_word_of(*slave)) return true;
-    slaves.set(*slave, false);
   }
   return false;
 }

@@ -108,7 +108,7 @@ Refusal CommandChannel::submit(const ControlWordRequest& request) noexcept {
   const bool stops = !enables(action) || request.failsafe;
   if (stops) replace_enabling(action.slaves);
   if (control_words_.waiting().has(request.slave)) {
-    listener_.command_done(control_words_.remove(request.slave), Outcome::replaced);
+    listener_.command_done(control_words_.of(request.slave).request.id, Outcome::replaced);
   }
   const IntervalNumber last =
       request.failsafe ? std::numeric_limits<IntervalNumber>::max() : last_interval(request.monitoring_time);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <optional>
 
 #include "cansync/jobs.h"
 #include "cansync/numbers.h"
@@ -16,6 +18,7 @@ class ControlWords {
     ControlWordRequest request;
     IntervalNumber last = 0;  ///< interval in which it may be sent last
     bool passes = false;      ///< waits for no cursor: it stops its slave, or is the failsafe reaction's
+    std::uint64_t turn = 0;   ///< of words that pass: the lowest goes first; `put` gives it
   };
 
   /// The slaves for which a word waits.
@@ -27,10 +30,22 @@ class ControlWords {
   /// Only for a slave of `waiting`.
   const Word& of(SlaveNumber slave) const noexcept { return words_[slave.value()]; }
 
-  /// Puts a word in the place of the one that waits for its slave, if one does.
+  /// The slave of the word that has waited longest of those that wait for no cursor; nothing: none does.
+  std::optional<SlaveNumber> oldest_passing() const noexcept {
+    std::optional<SlaveNumber> oldest;
+    for (const SlaveNumber slave : passing_) {
+      if (!oldest || of(slave).turn < of(*oldest).turn) oldest = slave;
+    }
+    return oldest;
+  }
+
+  /// Puts a word in the place of the one that waits for its slave, if one does. A word that passes keeps the
+  /// turn of the one that passed before it: given without end, none would ever be the oldest.
   void put(const Word& word) noexcept {
     const SlaveNumber slave = word.request.slave;
+    const std::uint64_t turn = passing_.has(slave) ? of(slave).turn : ++turns_;
     words_[slave.value()] = word;
+    words_[slave.value()].turn = turn;
     waiting_.set(slave);
     passing_.set(slave, word.passes);
     failsafe_.set(slave, word.request.failsafe);
@@ -52,6 +67,7 @@ class ControlWords {
 
  private:
   std::array<Word, kSlaves> words_ = {};
+  std::uint64_t turns_ = 0;
   SlaveMask waiting_;
   SlaveMask passing_;
   SlaveMask failsafe_;

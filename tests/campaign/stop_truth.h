@@ -12,14 +12,15 @@
 namespace cansyncd::campaign {
 
 /// Control words that stop: each is on the bus in the next interval but one after its request, whatever else
-/// waits, or has its answer by then. Where several slaves have one waiting, it is twice as many intervals as
-/// there are words. An interval in which no command could go out does not count.
+/// waits, or has its answer by then. With others that were given before it, it is twice as many intervals as
+/// there are words; those given after it cost it nothing. An interval in which no command could go out does
+/// not count.
 class StopTruth {
  public:
   /// The word was pushed; `room`: few enough requests were before it to be taken in the next interval.
   void pushed(cansync::JobId id, cansync::SlaveNumber slave, std::uint16_t word, bool room) {
     waiting_.push_back({id, slave, word, room});
-    for (Waiting& each : waiting_) each.beside = std::max(each.beside, waiting_.size());
+    waiting_.back().before = waiting_.size();
   }
   /// The realtime thread has taken everything that was pushed before this interval.
   void all_taken() noexcept {
@@ -40,11 +41,11 @@ class StopTruth {
     for (Waiting& each : waiting_) {
       if (each.on_bus) continue;
       if (free && (each.taken || each.room)) ++each.intervals;
-      if (each.intervals < 2 * each.beside || !complaint_.empty()) continue;
+      if (each.intervals < 2 * each.before || !complaint_.empty()) continue;
       complaint_ =
           "the control word of request " + std::to_string(each.id) + " to slave " +
           std::to_string(each.slave.value()) + " stops it, and is neither on the bus nor answered after " +
-          std::to_string(each.intervals) + " intervals beside " + std::to_string(each.beside - 1) + " others";
+          std::to_string(each.intervals) + " intervals behind " + std::to_string(each.before - 1) + " others";
     }
   }
 
@@ -59,7 +60,7 @@ class StopTruth {
     bool room = false;
     bool taken = false;
     bool on_bus = false;        ///< or an equal word of another request was: which one, nobody can tell
-    std::size_t beside = 1;     ///< most words without a read answer at the same time, with this one
+    std::size_t before = 1;     ///< words without a read answer when it was given, with this one
     std::size_t intervals = 0;  ///< in which it could have gone out
   };
 

@@ -100,7 +100,7 @@ TEST_F(StopWords, OneAloneIsSentInTheNextIntervalButOneWhateverElseWaits) {
   }
 }
 
-TEST_F(StopWords, ThoseOfSeveralSlavesGoOneAnIntervalRoundRobinBeforeEveryShare) {
+TEST_F(StopWords, ThoseOfSeveralSlavesGoOneAnIntervalInTheirOrderBeforeEveryShare) {
   settings = settings_for(32);
   settings.command_channel.minimum_share = 2;
   settings.command_channel.control_word = kNobody;
@@ -111,8 +111,36 @@ TEST_F(StopWords, ThoseOfSeveralSlavesGoOneAnIntervalRoundRobinBeforeEveryShare)
   }
   for (unsigned to = 32; to-- > 0;) ASSERT_EQ(word(100 + to, to, kStop), Refusal::none);
   std::vector<unsigned> expected(32);
-  for (unsigned i = 0; i < 32; ++i) expected[i] = i;
+  for (unsigned i = 0; i < 32; ++i) expected[i] = 31 - i;
   EXPECT_EQ(words_sent(32), expected);
+}
+
+TEST_F(StopWords, OnesGivenLaterToOtherSlavesDoNotGoFirst) {
+  settings = settings_for(32);
+  start();
+  // Slave 3 had one just before, so that others may go before its second.
+  ASSERT_EQ(word(1, 3, kStop), Refusal::none);
+  ASSERT_EQ(intervals_until(1), 1u);
+  ASSERT_EQ(word(2, 3, kStop), Refusal::none);
+  JobId id = 100;
+  for (unsigned to = 4; to < 12 && !outcome(2); ++to) {
+    ASSERT_EQ(word(++id, to, kStop), Refusal::none);
+    ASSERT_EQ(broadcast(++id, 1, 1, kStop), Refusal::none);
+    rig->step();
+  }
+  EXPECT_EQ(outcome(2), Outcome::done);
+  EXPECT_EQ(words_sent(1).size(), 1u) << "of those given later the first";
+  EXPECT_LE(id, 104u) << "within two intervals";
+}
+
+TEST_F(StopWords, ANewerOneOfTheSameSlaveTakesTheTurnOfTheOneItReplaces) {
+  settings.command_channel.control_word = kNobody;
+  start();
+  ASSERT_EQ(word(1, 2, kStop), Refusal::none);
+  ASSERT_EQ(word(2, 1, kStop), Refusal::none);
+  ASSERT_EQ(word(3, 2, 0), Refusal::none);
+  EXPECT_EQ(words_sent(2), (std::vector<unsigned>{2, 1}));
+  EXPECT_EQ(outcome(1), Outcome::replaced);
 }
 
 TEST_F(StopWords, WithBroadcastsZeroWithoutEndTheyTakeTurns) {
@@ -249,12 +277,12 @@ TEST_F(StopWords, WhatWasHandedOverWhenTheMasterStopsEndsAsNotSeen) {
   ASSERT_EQ(word(1, 3, kStop), Refusal::none);
   ASSERT_EQ(word(2, 1, kStop), Refusal::none);
   rig->step();
-  EXPECT_EQ(rig->master.cancel(2), Refusal::unknown_job) << "it is on its way";
-  EXPECT_EQ(rig->master.cancel(1), Refusal::none);
+  EXPECT_EQ(rig->master.cancel(1), Refusal::unknown_job) << "it is on its way";
+  EXPECT_EQ(rig->master.cancel(2), Refusal::none);
   ASSERT_EQ(word(3, 0, kStop), Refusal::none);
   EXPECT_EQ(rig->master.control(ControlCommand::cold_restart), Refusal::none);
-  EXPECT_EQ(outcome(1), Outcome::cancelled);
-  EXPECT_EQ(outcome(2), Outcome::no_answer);
+  EXPECT_EQ(outcome(1), Outcome::no_answer);
+  EXPECT_EQ(outcome(2), Outcome::cancelled);
   EXPECT_EQ(outcome(3), Outcome::master_stopped);
 }
 
