@@ -74,12 +74,13 @@ class FixedQueue {
 /// cancels what another master may have left open.
 ///
 /// Control words that stop are those that do not have all enabling bits, and those of the failsafe reaction.
-/// They wait for no cursor. Those of several slaves go one an interval, round robin. Before a second one in a
-/// row of the same slave one other command may go, and before each one broadcast 0, but never two. So a word
-/// that waits alone is sent in the next interval but one at the latest, whatever else waits, and n of them
-/// within 2n intervals, n when no broadcast 0 is given; an interval in which the command is left out comes
-/// on top of it. A stop also ends as `replaced` what was given before it and would enable its slaves after
-/// it. Broadcasts that stop keep their place among those of their priority.
+/// They wait for no cursor. Those of several slaves go one an interval, in the order in which they were
+/// given. Before a second one in a row of the same slave one other command may go, and before each one
+/// broadcast 0, but never two. So a word that waits alone is sent in the next interval but one at the latest,
+/// whatever else waits, and one given after n - 1 others within 2n intervals, n + 1 when no broadcast 0 is
+/// given, whatever is given later; an interval in which the command is left out comes on top of it. A stop
+/// also ends as `replaced` what was given before it and would enable its slaves after it. Broadcasts that
+/// stop keep their place among those of their priority.
 ///
 /// Memory is taken in the constructor; everything else is realtime safe. Not thread safe.
 class CommandChannel {

@@ -18,7 +18,7 @@ class ControlWords {
     ControlWordRequest request;
     IntervalNumber last = 0;  ///< interval in which it may be sent last
     bool passes = false;      ///< waits for no cursor: it stops its slave, or is the failsafe reaction's
-    std::uint64_t turn = 0;   ///< of words that pass: the lowest goes first; `put` gives it
+    std::uint64_t turn = 0;   ///< among words that pass the lowest goes first; `put` gives it
   };
 
   /// The slaves for which a word waits.
@@ -40,7 +40,8 @@ class ControlWords {
   }
 
   /// Puts a word in the place of the one that waits for its slave, if one does. A word that passes keeps the
-  /// turn of the one that passed before it: given without end, none would ever be the oldest.
+  /// turn of the one that passed before it: else a slave's words, given without end, would never be the
+  /// oldest.
   void put(const Word& word) noexcept {
     const SlaveNumber slave = word.request.slave;
     const std::uint64_t turn = passing_.has(slave) ? of(slave).turn : ++turns_;
@@ -67,7 +68,7 @@ class ControlWords {
 
  private:
   std::array<Word, kSlaves> words_ = {};
-  std::uint64_t turns_ = 0;
+  std::uint64_t turns_ = 0;  ///< given so far
   SlaveMask waiting_;
   SlaveMask passing_;
   SlaveMask failsafe_;

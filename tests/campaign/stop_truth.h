@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -19,8 +18,9 @@ class StopTruth {
  public:
   /// The word was pushed; `room`: few enough requests were before it to be taken in the next interval.
   void pushed(cansync::JobId id, cansync::SlaveNumber slave, std::uint16_t word, bool room) {
+    const std::size_t before = waiting_.size();
     waiting_.push_back({id, slave, word, room});
-    waiting_.back().before = waiting_.size();
+    waiting_.back().before = before;
   }
   /// The realtime thread has taken everything that was pushed before this interval.
   void all_taken() noexcept {
@@ -41,11 +41,11 @@ class StopTruth {
     for (Waiting& each : waiting_) {
       if (each.on_bus) continue;
       if (free && (each.taken || each.room)) ++each.intervals;
-      if (each.intervals < 2 * each.before || !complaint_.empty()) continue;
+      if (each.intervals < 2 * (each.before + 1) || !complaint_.empty()) continue;
       complaint_ =
           "the control word of request " + std::to_string(each.id) + " to slave " +
           std::to_string(each.slave.value()) + " stops it, and is neither on the bus nor answered after " +
-          std::to_string(each.intervals) + " intervals behind " + std::to_string(each.before - 1) + " others";
+          std::to_string(each.intervals) + " intervals behind " + std::to_string(each.before) + " others";
     }
   }
 
@@ -60,7 +60,7 @@ class StopTruth {
     bool room = false;
     bool taken = false;
     bool on_bus = false;        ///< or an equal word of another request was: which one, nobody can tell
-    std::size_t before = 1;     ///< words without a read answer when it was given, with this one
+    std::size_t before = 0;     ///< words without a read answer when it was given
     std::size_t intervals = 0;  ///< in which it could have gone out
   };
 

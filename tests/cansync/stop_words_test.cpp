@@ -133,6 +133,19 @@ TEST_F(StopWords, OnesGivenLaterToOtherSlavesDoNotGoFirst) {
   EXPECT_LE(id, 104u) << "within two intervals";
 }
 
+TEST_F(StopWords, OneOtherCommandAtMostGoesBeforeSeveralWhoseSlavesHadOneJustBefore) {
+  settings.command_channel.minimum_share = 2;
+  start();
+  for (JobId id = 1; id <= 50; ++id) {
+    ASSERT_EQ(rig->master.submit(ParameterRequest{.id = id, .slave = slave(2), .number = parameter(5)}),
+              Refusal::none);
+  }
+  for (unsigned to = 0; to < 3; ++to) ASSERT_EQ(word(100 + to, to, kStop), Refusal::none);
+  ASSERT_EQ(intervals_until(102), 3u);
+  for (unsigned to = 0; to < 3; ++to) ASSERT_EQ(word(200 + to, to, kStop), Refusal::none);
+  EXPECT_EQ(intervals_until(202), 4u) << "three words and a parameter";
+}
+
 TEST_F(StopWords, ANewerOneOfTheSameSlaveTakesTheTurnOfTheOneItReplaces) {
   settings.command_channel.control_word = kNobody;
   start();
