@@ -16,11 +16,13 @@
 #include <system_error>
 #include <utility>
 
+#include "rt/thread_stack.h"
+
 namespace rt {
 namespace {
 
-/// Stack beyond the prefaulted part; sanitizers put their thread-local state there.
-constexpr std::size_t kRoomForWork = std::size_t{1792} * 1024;
+/// Stack beyond the prefaulted part and the thread-local data: what a sanitizer makes of every call.
+constexpr std::size_t kRoomForWork = std::size_t{1024} * 1024;
 
 constexpr const char* kWaiver = "; or waive it with realtime mode \"ignore\"";
 
@@ -87,7 +89,7 @@ RealtimeThread::RealtimeThread(const RealtimeSettings& settings, std::function<v
   // A stack of its own size: with locked memory the usual 8 MiB would all be resident.
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, settings_.prefaulted_stack + kRoomForWork);
+  pthread_attr_setstacksize(&attributes, settings_.prefaulted_stack + kRoomForWork + thread_local_bytes());
   const int error = pthread_create(&thread_, &attributes, &RealtimeThread::entry, this);
   pthread_attr_destroy(&attributes);
   if (error != 0) {

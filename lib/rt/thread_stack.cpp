@@ -1,5 +1,6 @@
 #include "rt/thread_stack.h"
 
+#include <link.h>
 #include <pthread.h>
 
 namespace rt {
@@ -30,6 +31,20 @@ bool set_default_stack_size(std::size_t bytes) noexcept {
   }
   pthread_attr_destroy(&attributes);
   return done;
+}
+
+std::size_t thread_local_bytes() noexcept {
+  std::size_t bytes = 0;
+  ::dl_iterate_phdr(
+      [](dl_phdr_info* library, std::size_t, void* sum) {
+        for (unsigned i = 0; i < library->dlpi_phnum; ++i) {
+          const auto& header = library->dlpi_phdr[i];
+          if (header.p_type == PT_TLS) *static_cast<std::size_t*>(sum) += header.p_memsz + header.p_align;
+        }
+        return 0;
+      },
+      &bytes);
+  return bytes;
 }
 
 }  // namespace rt

@@ -12,4 +12,9 @@ namespace rt {
 /// start of the program, on the main thread.
 bool set_default_stack_size(std::size_t bytes) noexcept;
 
+/// Bytes of each new thread's stack that the C library takes for the thread-local data of the program and
+/// the libraries it has now; a stack of a given size has so much less for its thread's work. Any thread, not
+/// a realtime one (it locks the list of libraries).
+std::size_t thread_local_bytes() noexcept;
+
 }  // namespace rt
