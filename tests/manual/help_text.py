@@ -1,5 +1,6 @@
 """What the programs say of themselves with --help: verbs, options, arguments, columns."""
 
+import functools
 import re
 import subprocess
 
@@ -8,7 +9,6 @@ OPTION = re.compile(
     r"^  ((?:-\w,)?--[a-z][a-z-]*)(?: ([A-Z]+(?:=[A-Z]+)?|[a-z0-9-]+(?:\|[a-z0-9-]+)+))?(?: \(Env:(\w+)\))?"
     r"(?: \.\.\.)?(?: REQUIRED)?(?:\s.*)?$"
 )
-
 
 
 class Help:
@@ -52,7 +52,8 @@ class Help:
         return entries
 
 
+@functools.cache
 def helps(program):
-    """The help of the program under "", and of each of its verbs."""
+    """The help of the program under "", and of each of its verbs; asked once, for a sanitized program starts slowly."""
     whole = Help(program)
     return {"": whole, **{verb: Help(program, verb) for verb in whole.verbs}}

@@ -7,14 +7,14 @@ import unittest
 
 import jsonschema
 
-from help_text import helps
+from help_text import Help
 
 TESTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 sys.path.insert(0, os.path.join(TESTS, "end_to_end"))
 from json_schemas import keys, kinds, problem, schemas
 
 COMMAND_LINE = os.path.join(TESTS, "..", "docs", "command-line.md")
-VERBS = helps(os.environ["CANSYNC"])[""].verbs
+VERBS = Help(os.environ["CANSYNC"]).verbs
 
 
 def documented_keys():
