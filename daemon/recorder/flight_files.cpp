@@ -18,12 +18,14 @@
 #include "cansync/mode.h"
 #include "daemon/loop/flight_tap.h"
 #include "daemon/service/replace_file.h"
+#include "text/json.h"
 
 namespace cansyncd {
 namespace {
 
 namespace fs = std::filesystem;
 using Kind = rt::FlightEntry::Kind;
+using text::json_string;
 
 constexpr can::Frame kSyncFrame{.id = 0x080};
 
@@ -51,19 +53,6 @@ std::string stem(const FlightRecording& recording, const FlightFileSettings& set
   const std::time_t time = seconds.count();
   return fmt::format("{}{:%Y%m%dT%H%M%S}.{:03}Z-{}", prefix(settings), fmt::gmtime(time), millis.count(),
                      reason_of(recording));
-}
-
-std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) {
-      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(c));
-      continue;
-    }
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
 }
 
 const char* name_of(can::SendResult result) noexcept {

@@ -41,7 +41,7 @@ daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/cansync d
 daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/cansync daemon/config
                             daemon/service daemon/bus daemon/loop
 daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/config daemon/cansync/texts
-daemon/recorder:            lib/can lib/cansync lib/rt daemon/config daemon/service daemon/loop daemon/cansync/texts
+daemon/recorder:            lib/text lib/can lib/cansync lib/rt daemon/config daemon/service daemon/loop daemon/cansync/texts
 daemon/desk:                idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/config daemon/service
                             daemon/cansync/texts daemon/cansync/requests
 daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds lib/cansync/dds daemon/cansync
@@ -53,7 +53,7 @@ daemon:                     lib/text lib/cansync lib/rt lib/dds lib/cansync/dds 
                             daemon/cansync/gateway
 
 tools/cli/text:
-tools/cli/base:             lib/client tools/cli/text
+tools/cli/base:             lib/text lib/client tools/cli/text
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client tools/cli/text tools/cli/base
 tools/cli/look:             tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/client tools/cli/text tools/cli/base tools/cli/cansync

@@ -6,11 +6,16 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/text/json.h"
 #include "cli/text/table.h"
+#include "text/json.h"
 
 /// Where results and remarks go: data to stdout, everything else to stderr.
 namespace cansync::cli {
+
+using text::json_number;
+using text::json_string;
+using text::JsonArray;
+using text::JsonObject;
 
 class Output {
  public:

@@ -8,12 +8,15 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/text/json.h"
 #include "cli/text/table.h"
 #include "client/types.h"
+#include "text/json.h"
 
 /// What the samples of the topic Timing say, for people and for programs. Pure functions.
 namespace cansync::cli {
+
+using text::JsonArray;
+using text::JsonObject;
 
 inline constexpr std::size_t kLatenessBuckets = 16;
 inline constexpr std::size_t kSlotCount = 6;

@@ -1,43 +1,14 @@
-#include "cli/text/json.h"
+#include "text/json.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-namespace cansync::cli {
-namespace {
-
-void append_escaped(std::string& out, char c) {
-  switch (c) {
-    case '"':
-      out += "\\\"";
-      break;
-    case '\\':
-      out += "\\\\";
-      break;
-    case '\n':
-      out += "\\n";
-      break;
-    case '\r':
-      out += "\\r";
-      break;
-    case '\t':
-      out += "\\t";
-      break;
-    default:
-      if (static_cast<unsigned char>(c) < 0x20)
-        out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-      else
-        out += c;
-  }
-}
-
-}  // namespace
-
+namespace text {
 std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) append_escaped(out, c);
-  return out + '"';
+  using nlohmann::json;
+  return json(text).dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 std::string json_number(double number) {
@@ -88,4 +59,4 @@ JsonObject& JsonObject::add_json(std::string_view key, std::string_view json) {
   return *this;
 }
 
-}  // namespace cansync::cli
+}  // namespace text

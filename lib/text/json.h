@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-/// Writes JSON on one line; keys stand in the order they are added.
-namespace cansync::cli {
+/// Writes JSON on one line; keys stand in the order they are added. Not for realtime threads: it allocates.
+namespace text {
 
-/// `text` as a JSON string with its quotes.
+/// `text` as a JSON string with its quotes; bytes that are no UTF-8 become U+FFFD.
 std::string json_string(std::string_view text);
 /// `number` as JSON; null when it is not finite.
 std::string json_number(double number);
@@ -52,4 +52,4 @@ class JsonObject {
   std::string members_;
 };
 
-}  // namespace cansync::cli
+}  // namespace text
