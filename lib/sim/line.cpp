@@ -48,6 +48,9 @@ void Line::join(std::size_t index) {
   for (std::uint32_t identifier = 0; identifier < kIdentifiers; ++identifier) {
     if (nodes_[index]->accepts({.id = identifier})) acceptance_[identifier] |= bit;
   }
+  const can::Time now = clock_.now();
+  if (const auto first = nodes_[index]->on_join(now))
+    hand_over(static_cast<std::uint8_t>(index), *first, now);
 }
 
 can::Time Line::bit_times(std::uint64_t bits) const noexcept {

@@ -143,7 +143,7 @@ class Line final : public can::Bus, public sync_line::SyncWire {
   void count_failure() noexcept;
   void enter_bus_off(std::uint8_t participant) noexcept;
   void leave_bus_off(can::Time now) noexcept;
-  void hand_over(std::uint8_t index, const Transmission& transmission) noexcept;
+  void hand_over(std::uint8_t index, const Transmission& transmission, can::Time earliest) noexcept;
   PendingFrame pending(const can::Frame& frame, can::Time ready, std::uint8_t sender) noexcept;
   void inject(can::Time edge) noexcept;
   void apply_silence() noexcept;

@@ -124,7 +124,7 @@ void Line::deliver() noexcept {
   const NodeMask present = wanting(frame) & ~static_cast<NodeMask>(absent);
   counters_.lost_deliveries += static_cast<unsigned>(std::popcount(present & lost));
   for_each_bit(present & ~lost, [&](std::uint8_t index) {
-    if (const auto answer = nodes_[index]->on_frame(frame, flight.end)) hand_over(index, *answer);
+    if (const auto answer = nodes_[index]->on_frame(frame, flight.end)) hand_over(index, *answer, flight.end);
   });
   if (sender != kMaster && (bus_off_ & bit_of(kMaster)) == 0) {
     if (flight.fate.lost_to_master) {
@@ -141,6 +141,9 @@ void Line::deliver() noexcept {
   }
   count_success();
   if (sender == kMaster && !flight.abandoned) deliver_to_master(true);
+  if (sender < nodes_.size()) {
+    if (const auto next = nodes_[sender]->on_sent(frame, flight.end)) hand_over(sender, *next, flight.end);
+  }
 }
 
 void Line::deliver_to_master(bool own) noexcept {
@@ -227,7 +230,7 @@ PendingFrame Line::pending(const can::Frame& frame, can::Time ready, std::uint8_
   return {frame, ready, order_++, arbitration_key(frame), can::frame_bits(frame), sender, false};
 }
 
-void Line::hand_over(std::uint8_t index, const Transmission& transmission) noexcept {
+void Line::hand_over(std::uint8_t index, const Transmission& transmission, can::Time earliest) noexcept {
   if (waiting_.count(index) == kFramesPerNode) {
     ++counters_.dropped_by_nodes;
     return;
@@ -235,7 +238,7 @@ void Line::hand_over(std::uint8_t index, const Transmission& transmission) noexc
   can::Frame frame = transmission.frame;
   frame.dlc = std::min<std::uint8_t>(frame.dlc, 8);
   const can::Time delay = faults_.at_hand_over(frame);
-  waiting_.push(pending(frame, std::max(transmission.not_before, flight_->end) + delay, index));
+  waiting_.push(pending(frame, std::max(transmission.not_before, earliest) + delay, index));
 }
 
 void Line::inject(can::Time edge) noexcept {

@@ -32,6 +32,20 @@ class Node {
 
   /// A frame the node accepts was on the bus until `end`. Returns the node's answer, if any.
   virtual std::optional<Transmission> on_frame(const can::Frame& frame, can::Time end) noexcept = 0;
+
+  /// The node joins the line at `now`. Returns what it sends first without being asked, if anything.
+  virtual std::optional<Transmission> on_join(can::Time now) noexcept {
+    (void)now;
+    return std::nullopt;
+  }
+
+  /// A frame of the node itself was on the bus until `end`. Returns what it sends next without being asked,
+  /// if anything.
+  virtual std::optional<Transmission> on_sent(const can::Frame& frame, can::Time end) noexcept {
+    (void)frame;
+    (void)end;
+    return std::nullopt;
+  }
 };
 
 }  // namespace sim

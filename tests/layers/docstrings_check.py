@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Checks that every public declaration of the installed headers and of the protocol core has a docstring.
+"""Checks that every public declaration of the installed headers and of the protocols' cores has a docstring.
 
 Usage: docstrings_check.py PROJECT | docstrings_check.py --self-test PROJECT
 The headers are those of CANSYNC_PUBLIC_HEADERS in lib/client/CMakeLists.txt, lib/client/function_blocks/*.h
-and lib/cansync/*.h. A docstring is `///` right above the declaration or at its end; in cansync_c.h, which C
+and the *.h of CORES. A docstring is `///` right above the declaration or at its end; in cansync_c.h, which C
 compilers read, a plain comment. Needed by:
   - functions, constructors, and C's types of callbacks; one that follows another of its name at once, without
     a blank line, shares the docstring. Not by destructors, operators == and <=>, defaulted and deleted ones.
@@ -15,6 +15,7 @@ import pathlib
 import re
 import sys
 
+CORES = ("lib/cansync", "lib/layer2")
 NUMBER = re.compile(
     r"(?:std::array<\s*)?(?:std::)?(?:u?int(?:8|16|32|64)_t|size_t|unsigned|int|double|float"
     r"|BYTE|D?WORD|U?S?INT|U?DINT|[A-Z]+INT_\d+_BMARRAY)\b"
@@ -246,7 +247,8 @@ def headers(project):
     build = (project / "lib/client/CMakeLists.txt").read_text(encoding="utf-8")
     installed = re.search(r"set\(CANSYNC_PUBLIC_HEADERS([^)]*)\)", build).group(1).split()
     paths = [project / "lib/client" / name for name in installed]
-    return paths + sorted(project.glob("lib/client/function_blocks/*.h")) + sorted(project.glob("lib/cansync/*.h"))
+    cores = [path for core in CORES for path in sorted((project / core).glob("*.h"))]
+    return paths + sorted(project.glob("lib/client/function_blocks/*.h")) + cores
 
 
 SAMPLE = """

@@ -7,7 +7,7 @@
 Each room may include its own headers and those of the rooms its line in ROOMS names. A room names only rooms above it,
 so there are no circles. A folder that has no line is a violation: whoever makes a room says what it may use; and so is
 a line that allows what no file needs.
-lib/cansync is sans-IO besides: it includes only what is listed here, and names no clock.
+The core of each protocol is sans-IO besides: it includes only what is listed here, and names no clock.
 """
 import os
 import re
@@ -21,12 +21,15 @@ lib/config:                 lib/text
 lib/profile:                lib/text lib/config
 lib/can:
 lib/cansync:                lib/can
+lib/layer2:                 lib/can
 lib/rt:                     lib/can
 lib/sync:                   lib/can lib/rt
 lib/sim:                    lib/config lib/can lib/sync
 lib/dds:                    idl
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
+lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
+lib/layer2/sim:             lib/can lib/sim
 lib/client:                 idl lib/dds lib/cansync/dds
 
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync
@@ -67,7 +70,8 @@ tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib
 """
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
 
-# Standard headers the protocol core may use: nothing that reaches a file, a thread or the system.
+# The protocols' cores. Standard headers they may use: nothing that reaches a file, a thread or the system.
+CORES = ("lib/cansync", "lib/layer2")
 CORE_HEADERS = set("""algorithm array bit bitset chrono compare concepts cstddef cstdint cstring deque functional
 initializer_list iterator limits memory new numeric optional ranges span string string_view tuple type_traits utility
 variant vector""".split())
@@ -117,7 +121,7 @@ def included_room(file, bracket, path, libraries):
     first = path.split("/")[0]
     if bracket == "<" and first == "dds":
         return "dds"
-    if path in ("cansync.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
+    if path in ("cansync.h", "layer2.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
         return "idl"
     if "/" not in path:
         return None
@@ -152,7 +156,7 @@ def unneeded(files, rooms):
 
 
 def may_use_dds(room, uses):
-    return bool({"lib/dds", "lib/cansync/dds"} & (uses | {room}))
+    return any(re.fullmatch(r"lib/(\w+/)?dds", other) for other in uses | {room})
 
 
 def check(files, rooms):
@@ -173,7 +177,7 @@ def check(files, rooms):
                 report(f"{room} may not know CANsync")
             if IDENTIFIER_BITS.search(line) and file != IDENTIFIER_FILE:
                 report(f"channel and number of an identifier: channel_of and participant_of of {IDENTIFIER_FILE}")
-            if room == "lib/cansync" and CORE_WORDS.search(line):
+            if room in CORES and CORE_WORDS.search(line):
                 report("the sans-IO core reads no clock and no file")
             if room.startswith("lib/") and not may_use_dds(room, uses) and re.search(r"\bdds_[a-z]+", line):
                 report(f"{room} may not use DDS")
@@ -184,8 +188,9 @@ def check(files, rooms):
             if path.startswith("toml++") and room != "lib/config":
                 report("lib/config is the one reader of TOML")
             there = included_room(file, bracket, path, libraries)
-            if room == "lib/cansync":
-                own = bracket == '"' and (path == "can/frame.h" or re.fullmatch(r"cansync/[a-z_]+\.h", path))
+            if room in CORES:
+                protocol = room.split("/")[1]
+                own = bracket == '"' and (path == "can/frame.h" or re.fullmatch(protocol + r"/[a-z_]+\.h", path))
                 if not own and not (bracket == "<" and path in CORE_HEADERS):
                     report("not on the list of headers for the sans-IO core")
             elif there == "dds":
@@ -212,6 +217,7 @@ def load(root):
 
 CLEAN = {
     "lib/cansync/clean.cpp": '#include <array>\n#include "can/frame.h"\n#include "cansync/numbers.h"\n',
+    "lib/layer2/clean.cpp": '#include <array>\n#include "can/frame.h"\n#include "layer2/station.h"\n',
     "lib/sim/clean.h": '#include "can/bus.h"\n',
     "lib/dds/clean.cpp": '#include <dds/dds.h>\n#include "gateway.h"\n',
     "lib/cansync/dds/clean.cpp": '#include "cansync/jobs.h"\n#include "cansync.h"\n#include "dds/topic.h"\n',
@@ -221,9 +227,12 @@ CLEAN = {
 }
 
 PLANTED = [
-    *[("lib/cansync/planted.cpp", f"#include <{header}>") for header in
+    *[(f"{core}/planted.cpp", f"#include <{header}>") for core in CORES for header in
       "thread mutex fstream iostream atomic sys/socket.h unistd.h time.h ctime random fmt/format.h".split()],
     ("lib/cansync/planted.h", '# include "can/bus.h"'),
+    ("lib/layer2/planted.h", '# include "can/bus.h"'),
+    ("lib/layer2/planted.h", '#include "cansync/mode.h"'),
+    ("lib/layer2/planted.cpp", "auto now = std::chrono::steady_clock::now();"),
     ("lib/cansync/planted.h", '#include "planted_too.h"'),
     ("lib/cansync/planted.cpp", "auto now = std::chrono::steady_clock::now();"),
     ("lib/cansync/planted.cpp", "using Clock = std::chrono::system_clock;"),

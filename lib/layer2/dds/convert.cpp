@@ -1,0 +1,122 @@
+#include "layer2/dds/convert.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+
+#include "dds/bounded_text.h"
+
+namespace layer2::dds {
+namespace {
+
+layer2_SendReply reply_to(const RequestKey& key, gateway_ReplyCode code, std::string_view reason) noexcept {
+  layer2_SendReply reply = {};
+  std::copy(key.client.begin(), key.client.end(), std::begin(reply.client));
+  reply.request = key.request;
+  reply.code = code;
+  copy_text(reason, reply.reason);
+  return reply;
+}
+
+std::string_view reason_of_timeout(Obstacle obstacle) noexcept {
+  switch (obstacle) {
+    case Obstacle::none:
+      return "not sent within the monitoring time: earlier frames kept the bus; send less, or give a longer "
+             "timeout";
+    case Obstacle::queue_full:
+      return "not sent within the monitoring time: the controller's queue was full; check the load of the bus "
+             "and that somebody acknowledges";
+    case Obstacle::bus_off:
+      return "not sent within the monitoring time: the controller is in bus-off; check wiring, termination and "
+             "bit rate, and reset it";
+    case Obstacle::interface_down:
+      return "not sent within the monitoring time: the interface is missing or down; set it up with the "
+             "configured bit rate";
+    case Obstacle::not_delivered:
+      return "not sent within the monitoring time: nobody acknowledges; check that another node is on the bus, "
+             "with the same bit rate";
+  }
+  return "not sent within the monitoring time";
+}
+
+}  // namespace
+
+can::Frame to_core(const layer2_CanFrame& frame) noexcept {
+  can::Frame out;
+  out.extended = frame.extended;
+  out.remote = frame.remote;
+  out.id = frame.identifier & (out.extended ? can::kExtendedIdentifierMask : can::kStandardIdentifierMask);
+  out.dlc = std::min<std::uint8_t>(frame.length, 8);
+  if (!out.remote) std::copy_n(std::begin(frame.data), out.dlc, out.data.begin());
+  return out;
+}
+
+SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout) noexcept {
+  const Time timeout = std::chrono::milliseconds(request.timeout);
+  return {id, to_core(request.content), timeout == Time{0} ? default_timeout : timeout};
+}
+
+layer2_CanFrame to_idl(const can::Frame& frame) noexcept {
+  layer2_CanFrame out = {};
+  out.identifier = frame.identifier();
+  out.extended = frame.extended;
+  out.remote = frame.remote;
+  out.length = std::min<std::uint8_t>(frame.dlc, 8);
+  if (!frame.remote) std::copy_n(frame.data.begin(), out.length, std::begin(out.data));
+  return out;
+}
+
+layer2_ReceivedFrame received_frame(const can::Frame& frame, std::int64_t receive_time,
+                                    std::uint8_t range) noexcept {
+  layer2_ReceivedFrame out = {};
+  out.received = to_idl(frame);
+  out.receive_time = receive_time;
+  out.range_index = range;
+  return out;
+}
+
+gateway_ReplyCode to_reply_code(Outcome outcome) noexcept {
+  switch (outcome) {
+    case Outcome::done:
+      return gateway_REPLY_DONE;
+    case Outcome::no_answer:
+      return gateway_REPLY_NO_ANSWER;
+    case Outcome::timeout:
+      return gateway_REPLY_TIMEOUT;
+    case Outcome::cancelled:
+      return gateway_REPLY_CANCELLED;
+    case Outcome::stopped:
+      break;
+  }
+  return gateway_REPLY_MASTER_STOPPED;
+}
+
+std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept {
+  switch (outcome) {
+    case Outcome::done:
+      return "";
+    case Outcome::no_answer:
+      return "handed over, but not seen on the bus within the monitoring time: it may have been sent, or be "
+             "sent yet; check that another node is on the bus";
+    case Outcome::timeout:
+      return reason_of_timeout(obstacle);
+    case Outcome::cancelled:
+      return "cancelled";
+    case Outcome::stopped:
+      break;
+  }
+  return "the daemon was stopped before the frame was sent";
+}
+
+layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept {
+  layer2_SendReply reply =
+      reply_to(key, to_reply_code(answer.outcome), reason_of(answer.outcome, answer.obstacle));
+  if (answer.outcome == Outcome::done) reply.sent_time = sent_time;
+  return reply;
+}
+
+layer2_SendReply send_refused(const RequestKey& key, std::string_view reason) noexcept {
+  return reply_to(key, gateway_REPLY_REFUSED, reason);
+}
+
+}  // namespace layer2::dds

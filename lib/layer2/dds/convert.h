@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "can/frame.h"
+#include "dds/request_key.h"
+#include "layer2.h"
+#include "layer2/dds/topics.h"
+#include "layer2/station.h"
+
+/// Between the structs of the IDL and those of the core, in one file. Requests must have passed `check`
+/// (validate.h); a field out of range is cut to its type and never read out of bounds. No function allocates
+/// or throws; any thread.
+namespace layer2::dds {
+
+/// What of the frame is not sent (bytes beyond its length, data of a remote frame) is zero.
+can::Frame to_core(const layer2_CanFrame& frame) noexcept;
+/// `default_timeout` (over 0) counts for a request that names none.
+SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout) noexcept;
+
+/// As the core has it; an error frame is no frame for clients and must not come here.
+layer2_CanFrame to_idl(const can::Frame& frame) noexcept;
+/// `receive_time` is CLOCK_REALTIME (ns) of the last bit; `range` the position of the range, 0..63.
+layer2_ReceivedFrame received_frame(const can::Frame& frame, std::int64_t receive_time,
+                                    std::uint8_t range) noexcept;
+
+/// The code by which an outcome is told.
+gateway_ReplyCode to_reply_code(Outcome outcome) noexcept;
+/// What an outcome means and what helps; empty when done.
+std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept;
+
+/// Terminal reply; `sent_time` is CLOCK_REALTIME (ns) of the frame's last bit and counts when done alone.
+layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept;
+/// Nothing was sent, for this reason.
+layer2_SendReply send_refused(const RequestKey& key, std::string_view reason) noexcept;
+
+}  // namespace layer2::dds

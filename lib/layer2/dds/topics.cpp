@@ -1,0 +1,14 @@
+#include "layer2/dds/topics.h"
+
+#include <array>
+
+namespace layer2::dds {
+
+std::span<const TopicInfo* const> all_topics() noexcept {
+  static constexpr std::array<const TopicInfo*, 6> kAll = {
+      &topic_info<layer2_FrameBatch>, &topic_info<layer2_SendRequest>, &topic_info<layer2_SendReply>,
+      &topic_info<gateway_JobCancel>, &topic_info<layer2_BusStatus>,   &topic_info<gateway_Event>};
+  return kAll;
+}
+
+}  // namespace layer2::dds

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <dds/dds.h>
+
+#include <span>
+
+#include "dds/gateway_topics.h"
+#include "layer2.h"
+
+/// Topics of layer2.idl; with those of gateway.idl all that a bus of layer 2 has. docs/layer2.md shows the
+/// same table; a test compares both.
+namespace gateway::dds {
+
+/// A stream of batches: a reader that is slow for a while gets the newest ones, and sees by their numbers
+/// what it missed.
+inline constexpr TopicQos kFrameStream = {.depth = 100};
+
+template <>
+inline constexpr TopicInfo topic_info<layer2_FrameBatch> = {"FrameBatch", &layer2_FrameBatch_desc,
+                                                            kFromDaemon, kFrameStream};
+template <>
+inline constexpr TopicInfo topic_info<layer2_SendRequest> = {"SendRequest", &layer2_SendRequest_desc,
+                                                             kFromClients, kind::request()};
+template <>
+inline constexpr TopicInfo topic_info<layer2_SendReply> = {"SendReply", &layer2_SendReply_desc, kFromDaemon,
+                                                           kind::reply(4096, 2048)};
+template <>
+inline constexpr TopicInfo topic_info<layer2_BusStatus> = {"BusStatus", &layer2_BusStatus_desc, kFromDaemon,
+                                                           kind::state()};
+
+}  // namespace gateway::dds
+
+namespace layer2::dds {
+
+using namespace gateway::dds;  // what every protocol has
+
+/// Every row, in the order of the IDL. Any thread; realtime safe.
+std::span<const TopicInfo* const> all_topics() noexcept;
+
+}  // namespace layer2::dds

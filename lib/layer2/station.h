@@ -1,0 +1,177 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "can/frame.h"
+#include "layer2/range_filter.h"
+
+namespace layer2 {
+
+/// An instant on the clock of the bus: nanoseconds since its arbitrary start.
+using Time = std::chrono::nanoseconds;
+
+/// By which a send order is answered; chosen by whoever gives it.
+using OrderId = std::uint64_t;
+
+/// Sizes of a station.
+struct StationSettings {
+  std::uint16_t queue = 64;  ///< orders that may wait to be handed over, 1..kMostQueue
+  RangeFilter filter;
+};
+
+/// A frame to be sent.
+struct SendOrder {
+  OrderId id = 0;
+  can::Frame frame;
+  Time timeout{};  ///< monitoring time from `submit` until the frame stands on the bus, over 0
+};
+
+/// Why an order is not taken; nothing was sent.
+enum class Refusal : std::uint8_t {
+  none,
+  queue_full,  ///< as many orders are open as there is room for: try again when one has been answered
+  bad_frame,   ///< no frame that can be sent: identifier or length too large, or an error frame
+  stopped,     ///< the station has been stopped
+};
+
+/// Why the bus did not take the frame that was to be handed over.
+enum class Obstacle : std::uint8_t {
+  none,
+  queue_full,      ///< the controller's queue has no room
+  bus_off,         ///< the controller takes no part in the bus
+  interface_down,  ///< the interface is missing or not up
+  not_delivered,   ///< nobody acknowledges what was handed over before
+};
+
+/// How an order ended.
+enum class Outcome : std::uint8_t {
+  done,       ///< the frame stood on the bus
+  no_answer,  ///< handed over, but not seen on the bus in time: it may have been sent, or be sent yet
+  timeout,    ///< not handed over in time; it will not be sent
+  cancelled,  ///< taken back before it was handed over; it will not be sent
+  stopped,    ///< the station was stopped before it was handed over; it will not be sent
+};
+
+/// The one answer to an order that was taken.
+struct Answer {
+  OrderId id = 0;
+  Outcome outcome = Outcome::done;
+  Time sent{};  ///< done: end of the frame's last bit
+  Obstacle obstacle =
+      Obstacle::none;  ///< timeout: what kept the frame from the bus last; none: earlier frames
+};
+
+/// Counts since the start; they never fall.
+struct StationCounters {
+  std::uint64_t received = 0;    ///< frames of others, taken by a range or not
+  std::uint64_t taken = 0;       ///< of them, taken by a range
+  std::uint64_t sent = 0;        ///< own frames that stood on the bus
+  std::uint64_t unanswered = 0;  ///< orders that ended with `Outcome::no_answer`
+  std::uint64_t not_sent = 0;    ///< orders that ended without their frame being handed over
+};
+
+/// A station of layer 2, without interpretation of any frame: what it receives goes through ranges of
+/// identifiers, what it is to send is answered when it stands on the bus.
+///
+/// Sans-IO: it is told what came and when, asked what to send, and asked when it must be told the time again.
+/// Frames are handed over in the order of their orders, at most `kMostHandedOver` without an echo. One whose
+/// echo is missed keeps its place after its answer, for it may stand in the controller still; it loses it by
+/// its late echo, by that of a later frame (the controller keeps the order), or when the controller is empty.
+/// Realtime safe; one thread.
+class Station {
+ public:
+  static constexpr std::size_t kMostQueue = 256;
+  static constexpr std::size_t kMostHandedOver = 8;
+
+  /// A `queue` outside its range counts as the nearest inside.
+  explicit Station(const StationSettings& settings) noexcept;
+
+  // --- receiving
+
+  /// A frame of another node came. Position of the range that takes it, 0..kMostRanges-1; nothing: none.
+  std::optional<std::uint8_t> receive(const can::Frame& frame) noexcept;
+
+  // --- sending
+
+  /// Takes an order, which is then answered exactly once (`take_answer`), or says why not.
+  Refusal submit(const SendOrder& order, Time now) noexcept;
+  /// Takes an order back that still waits; it is answered as cancelled. False: it is not waiting (any more).
+  bool cancel(OrderId id) noexcept;
+
+  /// The frame to be handed to the bus next; nothing: none now. Say what became of it by `handed_over` or
+  /// `held_back`.
+  std::optional<can::Frame> next_frame() const noexcept;
+  /// The bus took what `next_frame` said.
+  void handed_over() noexcept;
+  /// The bus did not take what `next_frame` said: the order waits on.
+  void held_back(Obstacle obstacle) noexcept;
+  /// An own frame stood on the bus until `end`.
+  void echo(const can::Frame& frame, Time end) noexcept;
+  /// Whatever was handed over is gone from the controller: it was reset, or its interface went.
+  void controller_emptied() noexcept;
+
+  // --- time and answers
+
+  /// It is `now`: ends orders whose monitoring time has passed.
+  void advance(Time now) noexcept;
+  /// When `advance` must be called at the latest; Time::max() when nothing waits for time to pass.
+  Time next_deadline() const noexcept;
+  /// The oldest answer that was not taken yet.
+  std::optional<Answer> take_answer() noexcept;
+  /// Takes no more orders, and ends those that are open.
+  void stop() noexcept;
+
+  /// As of now.
+  const StationCounters& counters() const noexcept { return counters_; }
+  /// Orders that wait to be handed over, 0..kMostQueue.
+  std::size_t waiting() const noexcept { return waiting_.size(); }
+  /// Frames handed over that were not seen on the bus, answered ones included, 0..kMostHandedOver.
+  std::size_t handed_over_count() const noexcept { return handed_over_.size(); }
+
+ private:
+  /// A bounded list in the order of arrival; for few elements.
+  template <class T, std::size_t N>
+  class List {
+   public:
+    std::size_t size() const noexcept { return size_; }
+    bool full() const noexcept { return size_ == N; }
+    T& operator[](std::size_t i) noexcept { return elements_[i]; }
+    const T& operator[](std::size_t i) const noexcept { return elements_[i]; }
+    /// There must be room.
+    void push(const T& element) noexcept { elements_[size_++] = element; }
+    void erase(std::size_t at) noexcept {
+      for (std::size_t i = at + 1; i < size_; ++i) elements_[i - 1] = elements_[i];
+      --size_;
+    }
+
+   private:
+    std::array<T, N> elements_ = {};
+    std::size_t size_ = 0;
+  };
+
+  struct Open {
+    OrderId id = 0;
+    can::Frame frame;
+    Time until{};
+    bool answered = false;   ///< handed over, and its echo missed
+    bool overtaken = false;  ///< handed over, and a later frame was seen on the bus
+  };
+
+  std::size_t open() const noexcept { return waiting_.size() + handed_over_.size() + answers_.size(); }
+  void end(const Open& order, Outcome outcome, Time sent = {}) noexcept;
+
+  RangeFilter filter_;
+  std::size_t queue_;
+  List<Open, kMostQueue> waiting_;
+  List<Open, kMostHandedOver> handed_over_;
+  List<Answer, kMostQueue + kMostHandedOver> answers_;
+  Obstacle obstacle_ = Obstacle::none;  ///< of the first waiting order
+  StationCounters counters_;
+  bool stopped_ = false;
+};
+
+}  // namespace layer2
