@@ -12,6 +12,7 @@
 #include "cansync/numbers.h"
 #include "cansync/release_status.h"
 #include "cansync/settings.h"
+#include "cansync/slave_state.h"
 #include "cansync/strays.h"
 #include "cansync/telegram.h"
 
@@ -29,24 +30,6 @@ struct ActualValues {
   std::array<std::uint64_t, kChannels> count = {};      ///< telegrams so far; 0 = never
   std::uint8_t words = 0;  ///< bit n: value n came as its low word alone, 16 bits
 };
-
-/// How far a slave may be used.
-enum class SlaveState : std::uint8_t {
-  absent,     ///< has not answered since synchronous operation began
-  starting,   ///< answers for the first time, not yet synchronized
-  released,   ///< answers and is synchronized
-  lost,       ///< stopped answering; its jobs are refused
-  returning,  ///< answers again, or lost SYNC; not yet synchronized (again). Held out
-  checking,   ///< synchronized again; its list of parameters is checked or written. Held out
-  held,       ///< the list was not passed. Held out until it is released or checked again by command
-};
-/// One English word for a state, for status and logs; the text lives as long as the program.
-std::string_view name(SlaveState state) noexcept;
-
-/// True for a slave that was away and must not yet be used with references.
-constexpr bool is_held_out(SlaveState state) noexcept {
-  return state == SlaveState::returning || state == SlaveState::checking || state == SlaveState::held;
-}
 
 /// What is known of one slave (M 3.2.2.7).
 struct SlaveStatus {

@@ -2,6 +2,7 @@
 #include "cansync/jobs.h"
 #include "cansync/master.h"
 #include "cansync/mode.h"
+#include "cansync/slave_state.h"
 #include "cansync/strays.h"
 #include "cansync/telegram.h"
 
@@ -238,6 +239,28 @@ std::string_view name(SlaveState state) noexcept {
       return "held";
   }
   return "unknown";
+}
+
+std::string_view name(SlaveEvent event) noexcept {
+  switch (event) {
+    case SlaveEvent::begun:
+      return "begun";
+    case SlaveEvent::answered:
+      return "answered";
+    case SlaveEvent::gone:
+      return "gone";
+    case SlaveEvent::synchronized:
+      return "synchronized";
+    case SlaveEvent::not_synchronized:
+      return "not synchronized";
+    case SlaveEvent::check_begun:
+      return "check begun";
+    case SlaveEvent::check_passed:
+      return "check passed";
+    case SlaveEvent::check_failed:
+      return "check failed";
+  }
+  return "unknown event";
 }
 
 std::string_view name(MasterEvent::Code code) noexcept {

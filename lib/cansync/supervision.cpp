@@ -44,9 +44,8 @@ void Supervision::begin(IntervalNumber now) noexcept {
     status_[i].responds = false;
     status_[i].synchronized = false;
     status_[i].status_known = false;
-    status_[i].state = SlaveState::absent;
     silence_[i] = 0;
-    checks_[i].stop();
+    change(slave, SlaveEvent::begun);
     suspect_again_[i] = now;
     next_read_[i] = now;
     if (configured_.has(slave)) listener_.slave_status(slave, status_[i]);
@@ -55,10 +54,6 @@ void Supervision::begin(IntervalNumber now) noexcept {
   synchronized_ = {};
   suspect_ = {};
   given_up_ = {};
-  held_out_ = {};
-  released_ = {};
-  checking_ = {};
-  away_ = {};
   to_activate_ = SlaveMask::all();
   first_round_ = configured_;
   last_read_ = kSlaves - 1;
@@ -151,17 +146,10 @@ void Supervision::set_synchronized(SlaveNumber slave, bool synchronized) noexcep
   synchronized_.set(slave, synchronized);
   // It may have started anew between two commands, and then waits to be activated.
   if (!synchronized) to_activate_.set(slave);
-  const SlaveState before = status.state;
-  if (!synchronized && before != SlaveState::starting) {
-    set_state(slave, SlaveState::returning);
-  } else if (synchronized && before == SlaveState::starting) {
-    set_state(slave, SlaveState::released);
-  } else {
-    listener_.slave_status(slave, status);
-  }
+  take(slave, synchronized ? SlaveEvent::synchronized : SlaveEvent::not_synchronized);
   tell(synchronized ? MasterEvent::Code::slave_synchronized : MasterEvent::Code::slave_not_synchronized,
        slave);
-  if (synchronized && before == SlaveState::returning) synchronized_again(slave);
+  if (synchronized && is_held_out(status.state)) synchronized_again(slave);
   if (synchronized && synchronized_ == configured_) tell(MasterEvent::Code::all_synchronized, std::nullopt);
 }
 
@@ -183,13 +171,12 @@ void Supervision::responded(SlaveNumber slave, std::optional<Duration> response,
   status.responds = true;
   responding_.set(slave);
   given_up_.set(slave, false);
-  const bool returned = away_.has(slave);
+  const bool returned = status.state == SlaveState::lost;
   // A slave that comes back was not there for the first activation, and its status word is not known.
   if (first_round_.empty() && (status.unanswered > 0 || returned)) to_activate_.set(slave);
-  away_.set(slave, false);
   next_read_[slave.value()] = now_;
   if (returned) ++status.times_returned;
-  set_state(slave, returned ? SlaveState::returning : SlaveState::starting);
+  take(slave, SlaveEvent::answered);
   tell(returned ? MasterEvent::Code::slave_returned : MasterEvent::Code::slave_responds, slave);
 }
 
@@ -230,8 +217,7 @@ void Supervision::forget(SlaveNumber slave) noexcept {
   status.synchronized = false;
   status.status_known = false;
   ++status.times_lost;
-  away_.set(slave);
-  set_state(slave, SlaveState::lost);
+  take(slave, SlaveEvent::gone);
 }
 
 void Supervision::bus_lost() noexcept {

@@ -9,6 +9,7 @@
 #include "cansync/numbers.h"
 #include "cansync/return_check.h"
 #include "cansync/settings.h"
+#include "cansync/slave_state.h"
 #include "cansync/telegram.h"
 
 namespace cansync {
@@ -112,7 +113,8 @@ class Supervision {
   bool wanted(SlaveNumber slave) const noexcept;
   IntervalNumber pause(SlaveNumber slave) const noexcept;
   void forget(SlaveNumber slave) noexcept;
-  void set_state(SlaveNumber slave, SlaveState state) noexcept;
+  void change(SlaveNumber slave, SlaveEvent event) noexcept;
+  void take(SlaveNumber slave, SlaveEvent event) noexcept;
   void synchronized_again(SlaveNumber slave) noexcept;
   void end_check(SlaveNumber slave) noexcept;
 
@@ -139,7 +141,6 @@ class Supervision {
   SlaveMask checking_;
   std::array<ReturnCheck, kSlaves> checks_ = {};
   std::array<IntervalNumber, kSlaves> suspect_again_ = {};  ///< when missing actual values count again
-  SlaveMask away_;                                          ///< responded, and then it or the bus was lost
   std::uint8_t last_read_ = kSlaves - 1;
   IntervalNumber now_ = 0;
   bool active_ = false;

@@ -3,24 +3,29 @@
 /// Supervision's other half: slaves that were away, from their first answer until they are released.
 namespace cansync {
 
-void Supervision::set_state(SlaveNumber slave, SlaveState state) noexcept {
-  SlaveStatus& status = at(slave);
-  status.state = state;
+/// The one place where a slave's state changes.
+void Supervision::change(SlaveNumber slave, SlaveEvent event) noexcept {
+  SlaveState& state = at(slave).state;
+  state = next(state, event).value_or(state);
   released_.set(slave, state == SlaveState::released);
   held_out_.set(slave, is_held_out(state));
   checking_.set(slave, state == SlaveState::checking);
   if (state != SlaveState::checking) checks_[slave.value()].stop();
-  listener_.slave_status(slave, status);
+}
+
+void Supervision::take(SlaveNumber slave, SlaveEvent event) noexcept {
+  change(slave, event);
+  listener_.slave_status(slave, at(slave));
 }
 
 void Supervision::synchronized_again(SlaveNumber slave) noexcept {
   ReturnCheck& check = checks_[slave.value()];
   check.begin(settings_.slaves[slave.value()], slave, monitoring_);
   if (check.running()) {
-    set_state(slave, SlaveState::checking);
+    take(slave, SlaveEvent::check_begun);
     return;
   }
-  set_state(slave, SlaveState::released);
+  take(slave, SlaveEvent::check_passed);
   tell(MasterEvent::Code::slave_released, slave);
 }
 
@@ -40,7 +45,7 @@ void Supervision::end_check(SlaveNumber slave) noexcept {
   const ReturnCheck& check = checks_[slave.value()];
   if (check.passed()) {
     tell(MasterEvent::Code::slave_checked, slave, check.checked());
-    set_state(slave, SlaveState::released);
+    take(slave, SlaveEvent::check_passed);
     tell(MasterEvent::Code::slave_released, slave);
     return;
   }
@@ -50,7 +55,7 @@ void Supervision::end_check(SlaveNumber slave) noexcept {
   event.expected = check.failed().value;
   event.found = slave_error ? static_cast<std::uint16_t>(found.error) : found.value;
   event.outcome = found.outcome;
-  set_state(slave, SlaveState::held);
+  take(slave, SlaveEvent::check_failed);
   listener_.event(event);
 }
 
@@ -63,7 +68,7 @@ Refusal Supervision::release(SlaveNumber slave, bool force) noexcept {
     to_activate_.set(slave);
     next_read_[slave.value()] = now_;
   } else if (force) {
-    set_state(slave, SlaveState::released);
+    take(slave, SlaveEvent::check_passed);
     tell(MasterEvent::Code::slave_released, slave, 1);
   } else {
     synchronized_again(slave);

@@ -9,6 +9,7 @@
 #include "cansync/jobs.h"
 #include "cansync/master.h"
 #include "cansync/mode.h"
+#include "cansync/slave_state.h"
 #include "cansync/telegram.h"
 
 namespace cansync {
@@ -49,6 +50,9 @@ TEST(Names, Events) {
 }
 TEST(Names, SlaveStates) {
   expect_names(SlaveState::held);
+  EXPECT_EQ(static_cast<unsigned>(SlaveState::held) + 1, kSlaveStates);
+  expect_names(SlaveEvent::check_failed);
+  EXPECT_EQ(static_cast<unsigned>(SlaveEvent::check_failed) + 1, kSlaveEvents);
 }
 
 TEST(Names, StatesByTheirRegisterValue) {
