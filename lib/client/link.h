@@ -87,6 +87,7 @@ class Link : public std::enable_shared_from_this<Link> {
   void receive();
   void take_replies();
   void take_command_replies();
+  void take_transfer_replies();
   void take_progress();
   void dispatch_feeds();
   void end_lost_jobs(const Daemons& alive);

@@ -272,18 +272,33 @@ void Link::take_command_replies() {
   for (auto& [job, reply] : ended) job->finish(std::move(reply));
 }
 
+void Link::take_transfer_replies() {
+  std::vector<std::pair<std::shared_ptr<JobState<TransferReply>>, TransferReply>> ended;
+  (void)transfer_reader_.take([&](const cansync_TransferReply& sample) {
+    if (!mine(sample)) return;
+    const std::lock_guard lock(mutex_);
+    if (auto job = transfer_jobs_.find(sample.request)) ended.emplace_back(std::move(job), reply_of(sample));
+  });
+  if (ended.empty()) return;
+  // The daemon tells the last progress before the reply: whoever waits hears it before, too.
+  take_progress();
+  for (auto& [job, reply] : ended) {
+    std::unique_lock lock(mutex_);
+    transfer_jobs_.remove(job->request);
+    lock.unlock();
+    job->finish(std::move(reply));
+  }
+}
+
 void Link::take_replies() {
-  const auto take = [this](auto& reader, auto& jobs) {
-    (void)reader.take([&](const auto& sample) {
-      if (!mine(sample)) return;
-      std::unique_lock lock(mutex_);
-      const auto job = jobs.remove(sample.request);
-      lock.unlock();
-      if (job) job->finish(reply_of(sample));
-    });
-  };
-  take(parameter_reader_, parameter_jobs_);
-  take(transfer_reader_, transfer_jobs_);
+  (void)parameter_reader_.take([&](const cansync_ParameterReply& sample) {
+    if (!mine(sample)) return;
+    std::unique_lock lock(mutex_);
+    const auto job = parameter_jobs_.remove(sample.request);
+    lock.unlock();
+    if (job) job->finish(reply_of(sample));
+  });
+  take_transfer_replies();
   take_command_replies();
 }
 
