@@ -3,16 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <condition_variable>
 #include <deque>
-#include <future>
-#include <mutex>
 #include <optional>
 #include <random>
 #include <set>
 #include <thread>
 #include <vector>
 
+#include "client/client_rig.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
 
@@ -21,43 +19,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-Options options_for(const dds::ParticipantOptions& place, milliseconds wait = seconds(20)) {
-  return {.domain = place.domain,
-          .bus = place.partition,
-          .interface = place.interface,
-          .client_name = "client_test",
-          .xml = place.xml,
-          .wait = wait};
-}
-
-/// A value that callbacks change and tests wait for.
-template <class T>
-class Watched {
- public:
-  template <class Change>
-  void change(Change&& apply) {
-    {
-      const std::lock_guard lock(mutex_);
-      apply(value_);
-    }
-    changed_.notify_all();
-  }
-  template <class Condition>
-  bool wait(Condition&& condition) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, seconds(20), [&] { return condition(value_); });
-  }
-  T get() {
-    const std::lock_guard lock(mutex_);
-    return value_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  T value_ = {};
-};
 
 class ClientTest : public ::testing::Test {
  protected:
@@ -174,59 +135,6 @@ TEST_F(ClientTest, OneRequestMoreThanMayBeOpenIsRefusedHere) {
   EXPECT_EQ(open.front().wait().code, ReplyCode::cancelled);
   EXPECT_TRUE(client_->read(0, 1).ok());
   EXPECT_EQ(daemon_->requests(), kOpenRequests + 1);
-}
-
-/// A client whose requests end soon.
-class ImpatientClient : public ::testing::Test {
- protected:
-  static Options impatient(const TwoPlaces& places) {
-    Options options = options_for(places.there);
-    options.grace = milliseconds(600);
-    return options;
-  }
-  TwoPlaces places_;
-  FakeDaemon daemon_{places_.here};
-  Client client_{Client::connect(impatient(places_))};
-};
-
-TEST_F(ImpatientClient, ARequestThatNothingIsHeardOfEndsByItself) {
-  const ParameterJob lost =
-      client_.submit(ParameterRequest{.slave = 1, .number = FakeDaemon::kLostNumber, .timeout_ms = 50});
-  Watched<std::optional<ParameterReply>> told;
-  lost.then([&](const ParameterReply& reply) { told.change([&](auto& value) { value = reply; }); });
-  EXPECT_TRUE(told.wait([](const auto& value) { return value.has_value(); }));
-  const ParameterReply reply = lost.wait();
-  EXPECT_EQ(reply.code, ReplyCode::no_reply);
-  EXPECT_EQ(reply.reason,
-            "the daemon gave no reply within 650 ms (monitoring time 50 ms and 600 ms of grace); whether the "
-            "request was done is not known");
-  // It was to be cancelled before, so that it is not done later; and what comes now is nobody's.
-  while (daemon_.cancels_in_vain() == 0) std::this_thread::yield();
-  daemon_.answer_lost();
-  EXPECT_TRUE(client_.read(0, 1).ok());
-  EXPECT_EQ(lost.wait().code, ReplyCode::no_reply);
-}
-
-TEST_F(ImpatientClient, ARequestThatComesNotToItsTurnIsCancelledAndSaysSo) {
-  const ParameterReply reply = client_.read(1, FakeDaemon::kSilentNumber, 50);
-  EXPECT_EQ(reply.code, ReplyCode::timeout);
-  EXPECT_EQ(reply.speaker, Speaker::client);
-  EXPECT_EQ(reply.reason,
-            "no reply within 350 ms (monitoring time 50 ms): the line has too much to do; the request was "
-            "cancelled");
-}
-
-TEST_F(ImpatientClient, WaitEndsAlsoWhileTheReceiverStandsInACallback) {
-  std::promise<void> go_on;
-  Watched<bool> stands;
-  const Subscription subscription = client_.on_actual_values([&](const ActualValues& /*values*/) {
-    stands.change([](bool& value) { value = true; });
-    go_on.get_future().wait();
-  });
-  daemon_.publish_actual(1, 1);
-  ASSERT_TRUE(stands.wait([](bool value) { return value; }));
-  EXPECT_EQ(client_.read(0, 1, 1).code, ReplyCode::no_reply);
-  go_on.set_value();
 }
 
 TEST_F(ClientTest, ClientsDoNotSeeEachOthersReplies) {

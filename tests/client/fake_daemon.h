@@ -23,10 +23,10 @@
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
 ///
 /// Parameter 4000 never answers (until it is cancelled), 4001 answers with "below minimum", 4002 is lost, and
-/// nothing is ever heard of it, but with `answer_lost`; a transfer at address 0xDEAD00 stays open half done;
-/// a broadcast of action 199 is never answered. Each object is a start
-/// of its own; reference values that are not meant for it, or for another mapping than the newest, are only
-/// counted.
+/// nothing is ever heard of it, but with `answer_lost`; a transfer at address 0xDEAD00 stays open half done,
+/// a broadcast of action 199 without a sign, both until they are cancelled; after `answer_nothing` every
+/// request is lost. Each object is a start of its own; reference values that are not meant for it, or for
+/// another mapping than the newest, are kept apart.
 class FakeDaemon {
  public:
   static constexpr std::uint32_t kSilentNumber = 4000;
@@ -70,7 +70,9 @@ class FakeDaemon {
     return given_up_;
   }
   /// Samples of reference values for another start or mapping.
-  int references_refused() const {
+  int references_refused() const { return static_cast<int>(refused_references().size()); }
+  /// Their first values.
+  std::vector<std::int32_t> refused_references() const {
     const std::lock_guard lock(mutex_);
     return refused_;
   }
@@ -80,6 +82,8 @@ class FakeDaemon {
     set_mapping({0x01});
   }
   std::size_t requests() const { return requests_; }
+  /// From now on every request is taken and lost.
+  void answer_nothing() { answers_nothing_ = true; }
   /// Cancels of requests that nothing is known of any more.
   std::size_t cancels_in_vain() const { return cancels_in_vain_; }
   /// Answers what was lost, now.
@@ -162,6 +166,7 @@ class FakeDaemon {
   void answer(const cansync_ParameterRequest& request, const cansync::dds::Limits& limits) {
     const Key key = gateway::dds::key_of(request);
     ++requests_;
+    if (answers_nothing_) return lost_.push_back(key);
     if (const auto problem = check(request, limits)) {
       answer(parameter_writer_, cansync::dds::parameter_refused(key, *problem));
       return;
@@ -191,6 +196,7 @@ class FakeDaemon {
   void answer(const cansync_TransferRequest& request, const cansync::dds::Limits& limits) {
     const Key key = gateway::dds::key_of(request);
     ++requests_;
+    if (answers_nothing_) return lost_.push_back(key);
     if (const auto problem = check(request, limits)) {
       answer(transfer_writer_, cansync::dds::transfer_refused(key, *problem));
       return;
@@ -217,6 +223,7 @@ class FakeDaemon {
   void answer(const cansync_Command& command, const cansync::dds::Limits& limits) {
     const Key key = gateway::dds::key_of(command);
     ++requests_;
+    if (answers_nothing_) return lost_.push_back(key);
     if (const auto problem = check(command, limits)) {
       answer(command_writer_, cansync::dds::command_refused(key, *problem));
       return;
@@ -226,7 +233,8 @@ class FakeDaemon {
       commands_.push_back(command);
       if (command.kind == cansync_COMMAND_REFERENCE_MAPPING) set_mapping(std::to_array(command.mapping));
     }
-    if (command.kind == cansync_COMMAND_BROADCAST && command.action == kSilentAction) return;
+    if (command.kind == cansync_COMMAND_BROADCAST && command.action == kSilentAction)
+      return open_commands_.push_back(key);
     answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::done));
   }
 
@@ -239,6 +247,8 @@ class FakeDaemon {
       answer(transfer_writer_,
              cansync::dds::transfer_reply(key, {.outcome = cansync::Outcome::cancelled, .bytes = 0}, {}));
     }
+    if (std::erase(open_commands_, key) != 0)
+      answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::cancelled));
   }
 
   void take_references() {
@@ -249,7 +259,7 @@ class FakeDaemon {
             ++given_up_;
           } else if (!std::equal(identity_.begin(), identity_.end(), std::begin(values.daemon)) ||
                      values.mapping_number != mapping_number_) {
-            ++refused_;
+            refused_.push_back(values.value[0]);
           } else {
             references_.push_back(values.value[0]);
           }
@@ -279,6 +289,7 @@ class FakeDaemon {
   std::map<std::uint32_t, std::vector<std::uint8_t>> memory_;
   std::vector<Key> open_parameters_;
   std::vector<Key> open_transfers_;
+  std::vector<Key> open_commands_;
   std::vector<Key> lost_;
   std::deque<std::function<dds_return_t()>> outbox_;
 
@@ -287,12 +298,13 @@ class FakeDaemon {
   std::vector<std::int32_t> references_;
   int references_gone_ = 0;
   int given_up_ = 0;
-  int refused_ = 0;
+  std::vector<std::int32_t> refused_;
   std::array<std::uint8_t, 8> mapping_ = {};
   std::uint64_t mapping_number_ = 1;
   std::atomic<std::size_t> requests_ = 0;
   std::atomic<std::size_t> cancels_in_vain_ = 0;
   std::atomic<bool> answer_lost_ = false;
+  std::atomic<bool> answers_nothing_ = false;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
