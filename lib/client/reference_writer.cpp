@@ -95,15 +95,15 @@ ReferenceWriter& ReferenceWriter::operator=(ReferenceWriter&&) noexcept = defaul
 std::string ReferenceWriter::write(std::uint8_t telegram, const std::array<std::int32_t, 4>& value,
                                    std::uint8_t valid, std::uint32_t release_intervals,
                                    std::uint64_t from_interval) {
-  if (impl_->writer.matched() == 0) {
-    return fmt::format("no daemon takes reference values ({}); is cansyncd running?",
-                       impl_->link->participant().place());
-  }
   if (const ReferenceStanding now = impl_->standing(); now != ReferenceStanding::current) {
     // Kept, the telegrams would hide the values of weaker writers.
     for (std::uint8_t each = 1; each <= kTelegrams; ++each) impl_->give_up(each);
     return fmt::format("{}: nothing is given until the program takes its telegrams up again (take_up)",
                        why(now));
+  }
+  if (impl_->writer.matched() == 0) {
+    return fmt::format("no daemon takes reference values ({}); is cansyncd running?",
+                       impl_->link->participant().place());
   }
   cansync_ReferenceValues sample = impl_->sample_of(telegram);
   std::copy(value.begin(), value.end(), std::begin(sample.value));

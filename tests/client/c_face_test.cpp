@@ -1,19 +1,28 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <optional>
+#include <thread>
+
 #include "client/child.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
 
-/// Runs the C program c_face_test.c, linked with the shared library, against the fake daemon.
+/// Runs the C programs of this folder, linked with the shared library, against the fake daemon.
 namespace {
+
+std::string command_line(const char* program, const TwoPlaces& places) {
+  return std::string(program) + " " + std::to_string(places.here.domain) + " " + places.here.partition;
+}
 
 TEST(CFace, EveryCheckOfTheCProgramHolds) {
   const TwoPlaces places;
   FakeDaemon daemon(places.here);
   daemon.publish_actual(2, 0xABCD);
   daemon.publish_event(17);
-  const Child child = run_child(std::string(CANSYNC_C_FACE) + " " + std::to_string(places.here.domain) + " " +
-                                places.here.partition);
+  const Child child = run_child(command_line(CANSYNC_C_FACE, places));
   EXPECT_EQ(child.exit_code, 0) << child.output;
 
   const auto commands = daemon.commands();
@@ -25,6 +34,41 @@ TEST(CFace, EveryCheckOfTheCProgramHolds) {
   EXPECT_EQ(commands[2].mode, cansync_MODE_RUN);
   EXPECT_TRUE(commands[2].force);
   EXPECT_EQ(commands[3].kind, cansync_COMMAND_RELEASE);
+}
+
+/// True when the daemon has got the value.
+bool comes(const FakeDaemon& daemon, std::int32_t value) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < end) {
+    const auto got = daemon.references();
+    if (std::count(got.begin(), got.end(), value) != 0) return true;
+    std::this_thread::yield();
+  }
+  return false;
+}
+
+// The values are those of c_face_restart.c: odd ones are given, even ones after the program was told.
+TEST(CFace, AfterARestartOrAnotherMappingNothingIsGivenUntilItIsTakenUp) {
+  const TwoPlaces places;
+  std::optional<FakeDaemon> daemon(std::in_place, places.here);
+  auto program =
+      std::async(std::launch::async, [&] { return run_child(command_line(CANSYNC_C_FACE_RESTART, places)); });
+  EXPECT_TRUE(comes(*daemon, 1));
+  daemon.reset();
+  daemon.emplace(places.here);
+  EXPECT_TRUE(comes(*daemon, 3));
+  daemon->change_mapping();
+  EXPECT_TRUE(comes(*daemon, 5));
+  const Child child = program.get();
+  EXPECT_EQ(child.exit_code, 0) << child.output;
+
+  const auto taken = daemon->references();
+  const auto refused = daemon->refused_references();
+  EXPECT_EQ(std::count(taken.begin(), taken.end(), 1), 0) << "moves after the restart";
+  for (const std::int32_t told : {2, 4}) {
+    EXPECT_EQ(std::count(taken.begin(), taken.end(), told), 0) << told << " moves";
+    EXPECT_EQ(std::count(refused.begin(), refused.end(), told), 0) << told << " was written";
+  }
 }
 
 }  // namespace

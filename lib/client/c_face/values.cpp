@@ -94,8 +94,11 @@ int cansync_give_references(cansync_client* handle, uint8_t telegram, const int3
     std::copy_n(value, values.size(), values.begin());
     std::string failed = open.writer->write(telegram, values, valid, release_intervals, from_interval);
     if (failed.empty()) return static_cast<int>(CANSYNC_DONE);
-    if (open.writer->standing() != cansync::client::ReferenceStanding::current)
+    if (open.writer->standing() != cansync::client::ReferenceStanding::current) {
+      // Asked again, for it may have changed since: nothing is written, and the reason is that of the result.
+      failed = open.writer->write(telegram, values, valid, release_intervals, from_interval);
       return fail(open, CANSYNC_TAKE_UP, "client: " + failed);
+    }
     return fail(open, CANSYNC_FAILED, "client: " + failed);
   });
 }
