@@ -5,6 +5,7 @@
 #include "cansync/slave_state.h"
 #include "cansync/strays.h"
 #include "cansync/telegram.h"
+#include "cansync/transfer_phase.h"
 
 // No `default` in these switches: the compiler then warns when an enumerator has no name.
 namespace cansync {
@@ -259,6 +260,38 @@ std::string_view name(SlaveEvent event) noexcept {
       return "check passed";
     case SlaveEvent::check_failed:
       return "check failed";
+  }
+  return "unknown event";
+}
+
+std::string_view name(TransferPhase phase) noexcept {
+  switch (phase) {
+    case TransferPhase::initialise:
+      return "initialise";
+    case TransferPhase::body:
+      return "body";
+    case TransferPhase::cancel:
+      return "cancel";
+    case TransferPhase::ended:
+      return "ended";
+  }
+  return "unknown phase";
+}
+
+std::string_view name(TransferEvent event) noexcept {
+  switch (event) {
+    case TransferEvent::accepted:
+      return "accepted";
+    case TransferEvent::bytes_taken:
+      return "bytes taken";
+    case TransferEvent::block_done:
+      return "block done";
+    case TransferEvent::given_up:
+      return "given up";
+    case TransferEvent::begun_again:
+      return "begun again";
+    case TransferEvent::ended:
+      return "ended";
   }
   return "unknown event";
 }

@@ -31,12 +31,11 @@ void TransferJob::begin_block() noexcept {
   block_length_ =
       static_cast<std::uint16_t>(std::min<std::uint32_t>(limits_.block_size, total() - block_start_));
   ends_here_ = false;
-  take_up(Phase::initialise, 0);
+  go_on_at(0);
   on_slave_ = false;
 }
 
-void TransferJob::take_up(Phase phase, std::uint16_t offset) noexcept {
-  phase_ = phase;
+void TransferJob::go_on_at(std::uint16_t offset) noexcept {
   offset_ = offset;
   refusals_ = 0;
   silence_ = false;
@@ -44,8 +43,8 @@ void TransferJob::take_up(Phase phase, std::uint16_t offset) noexcept {
 
 Telegram TransferJob::telegram() const noexcept {
   const SlaveNumber slave = request_.slave;
-  if (phase_ == Phase::cancel) return cancel_transfer(slave);
-  if (phase_ == Phase::initialise) {
+  if (phase_ == TransferPhase::cancel) return cancel_transfer(slave);
+  if (phase_ == TransferPhase::initialise) {
     const std::uint32_t address = request_.address + block_start_ / limits_.address_step;
     return TransferInitialise{slave, request_.direction, *BlockOffset::from(block_length_), address,
                               request_.sub_slave};
@@ -62,10 +61,12 @@ Telegram TransferJob::telegram() const noexcept {
 void TransferJob::sent(IntervalNumber now) noexcept {
   if (!was_sent_) first_sent_ = now;
   was_sent_ = true;
-  if (phase_ != Phase::cancel) on_slave_ = true;
+  if (phase_ != TransferPhase::cancel) on_slave_ = true;
 }
 
 void TransferJob::end(Outcome outcome, IntervalNumber now) noexcept {
+  left_open_ = phase_ == TransferPhase::cancel && !told_;
+  take(TransferEvent::ended);
   result_.outcome = outcome;
   result_.intervals =
       was_sent_ ? static_cast<std::uint32_t>(std::max<IntervalNumber>(now - first_sent_, 1)) : 0;
@@ -79,7 +80,7 @@ void TransferJob::slave_lost(IntervalNumber now) noexcept {
 
 Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexcept {
   if (reply.busy) return Step::again;
-  if (phase_ == Phase::cancel) {
+  if (phase_ == TransferPhase::cancel) {
     told_ = true;
     return cancelled(now);
   }
@@ -88,7 +89,7 @@ Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexc
     if (silence_ && about_order(error)) return refused_after_silence(reply, now);
     return refused(error, now);
   }
-  return phase_ == Phase::initialise ? initialised(reply, now) : block_answered(reply, now);
+  return phase_ == TransferPhase::initialise ? initialised(reply, now) : block_answered(reply, now);
 }
 
 Step TransferJob::initialised(const TransferReply& reply, IntervalNumber now) noexcept {
@@ -103,7 +104,8 @@ Step TransferJob::initialised(const TransferReply& reply, IntervalNumber now) no
     ends_here_ = fixed < block_length_;
     block_length_ = fixed;
   }
-  take_up(Phase::blocks, 0);
+  take(TransferEvent::accepted);
+  go_on_at(0);
   return Step::again;
 }
 
@@ -120,7 +122,8 @@ Step TransferJob::block_answered(const TransferReply& reply, IntervalNumber now)
 
 Step TransferJob::advance(IntervalNumber now) noexcept {
   if (last()) return block_complete(now);
-  take_up(Phase::blocks, static_cast<std::uint16_t>(offset_ + 6));
+  take(TransferEvent::bytes_taken);
+  go_on_at(static_cast<std::uint16_t>(offset_ + 6));
   result_.bytes = block_start_ + offset_;
   return Step::again;
 }
@@ -134,6 +137,7 @@ Step TransferJob::block_complete(IntervalNumber now) noexcept {
     return Step::ended;
   }
   timed_ = false;
+  take(TransferEvent::block_done);
   begin_block();
   return Step::again;
 }
@@ -152,9 +156,9 @@ Step TransferJob::refused(TransferError error, IntervalNumber now) noexcept {
 Step TransferJob::refused_after_silence(const TransferReply& reply, IntervalNumber now) noexcept {
   const auto error = static_cast<TransferError>(load_word(reply.payload.data()));
   // Not the last one: a slave that refused it has closed the block as well, and what it said was not heard.
-  const bool taken = request_.direction == TransferRequest::Direction::download && phase_ == Phase::blocks &&
-                     !last() && error == TransferError::other_block_expected &&
-                     reply.offset.value() == offset_ + 6;
+  const bool taken = request_.direction == TransferRequest::Direction::download &&
+                     phase_ == TransferPhase::body && !last() &&
+                     error == TransferError::other_block_expected && reply.offset.value() == offset_ + 6;
   if (taken) return advance(now);
   ++result_.repeated_blocks;
   result_.bytes = block_start_;
@@ -162,14 +166,14 @@ Step TransferJob::refused_after_silence(const TransferReply& reply, IntervalNumb
 }
 
 Step TransferJob::unanswered(IntervalNumber now) noexcept {
-  if (phase_ == Phase::cancel) return cancels_++ == 0 ? Step::again : cancelled(now);
+  if (phase_ == TransferPhase::cancel) return cancels_++ == 0 ? Step::again : cancelled(now);
   silence_ = true;
   ++result_.repeated_telegrams;
   return Step::again;
 }
 
 Step TransferJob::check_time(IntervalNumber now) noexcept {
-  if (phase_ == Phase::cancel) return now < cancel_deadline_ ? Step::again : cancelled(now);
+  if (phase_ == TransferPhase::cancel) return now < cancel_deadline_ ? Step::again : cancelled(now);
   if (!timed_) {
     timed_ = true;
     deadline_ = now + limits_.monitoring;
@@ -197,8 +201,8 @@ Step TransferJob::abort(Outcome outcome, IntervalNumber now) noexcept {
   after_cancel_ = outcome;
   if (!on_slave_) return cancelled(now);
   // Cancelled once more while it is told already: that time goes on.
-  if (phase_ != Phase::cancel) cancel_deadline_ = now + limits_.cancel_patience;
-  phase_ = Phase::cancel;
+  if (phase_ != TransferPhase::cancel) cancel_deadline_ = now + limits_.cancel_patience;
+  take(TransferEvent::given_up);
   cancels_ = 0;
   told_ = false;
   return Step::again;
@@ -208,6 +212,7 @@ Step TransferJob::cancelled(IntervalNumber now) noexcept {
   if (after_cancel_ == Outcome::done) {
     result_.error = TransferError::none;
     const bool may_be_open = on_slave_ && !told_;
+    take(TransferEvent::begun_again);
     begin_block();
     silence_ = may_be_open;
     return Step::again;

@@ -6,6 +6,7 @@
 #include "cansync/numbers.h"
 #include "cansync/parameter_job.h"
 #include "cansync/telegram.h"
+#include "cansync/transfer_phase.h"
 
 namespace cansync {
 
@@ -70,18 +71,17 @@ class TransferJob {
 
   /// True when the job ended without the slave having confirmed the cancel telegram: it may have a block
   /// open.
-  bool left_open() const noexcept { return phase_ == Phase::cancel && !told_; }
+  bool left_open() const noexcept { return left_open_; }
 
   /// True when the slave may have a block of this job open.
   bool on_slave() const noexcept { return on_slave_; }
 
  private:
-  enum class Phase : std::uint8_t { initialise, blocks, cancel };
-
   std::uint32_t total() const noexcept { return static_cast<std::uint32_t>(request_.data.size()); }
   bool last() const noexcept { return offset_ + 6u >= block_length_; }
   void begin_block() noexcept;
-  void take_up(Phase phase, std::uint16_t offset) noexcept;
+  void go_on_at(std::uint16_t offset) noexcept;
+  void take(TransferEvent event) noexcept { phase_ = next(phase_, event).value_or(phase_); }
   Step initialised(const TransferReply& reply, IntervalNumber now) noexcept;
   Step block_answered(const TransferReply& reply, IntervalNumber now) noexcept;
   Step block_complete(IntervalNumber now) noexcept;
@@ -94,7 +94,7 @@ class TransferJob {
   TransferRequest request_;
   TransferLimits limits_;
   TransferResult result_;
-  Phase phase_ = Phase::initialise;
+  TransferPhase phase_ = TransferPhase::initialise;  ///< changed by `take` alone
   Outcome after_cancel_ =
       Outcome::done;  ///< how the job ends after the cancel telegram; done = begin the block again
   std::uint32_t block_start_ = 0;
@@ -109,7 +109,8 @@ class TransferJob {
   bool was_sent_ = false;
   bool on_slave_ = false;  ///< an initialise was sent: the slave may have an open block
   bool timed_ = false;
-  bool told_ = false;  ///< the slave has answered the cancel telegram
+  bool told_ = false;       ///< the slave has answered the cancel telegram
+  bool left_open_ = false;  ///< ended in the cancel phase, and the slave had not answered
   IntervalNumber first_sent_ = 0;
   IntervalNumber deadline_ = 0;         ///< of the block, however often it is begun anew after silence
   IntervalNumber cancel_deadline_ = 0;  ///< of the cancel telegram

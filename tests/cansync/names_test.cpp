@@ -11,6 +11,7 @@
 #include "cansync/mode.h"
 #include "cansync/slave_state.h"
 #include "cansync/telegram.h"
+#include "cansync/transfer_phase.h"
 
 namespace cansync {
 namespace {
@@ -53,6 +54,13 @@ TEST(Names, SlaveStates) {
   EXPECT_EQ(static_cast<unsigned>(SlaveState::held) + 1, kSlaveStates);
   expect_names(SlaveEvent::check_failed);
   EXPECT_EQ(static_cast<unsigned>(SlaveEvent::check_failed) + 1, kSlaveEvents);
+}
+
+TEST(Names, TransferPhases) {
+  expect_names(TransferPhase::ended);
+  EXPECT_EQ(static_cast<unsigned>(TransferPhase::ended) + 1, kTransferPhases);
+  expect_names(TransferEvent::ended);
+  EXPECT_EQ(static_cast<unsigned>(TransferEvent::ended) + 1, kTransferEvents);
 }
 
 TEST(Names, StatesByTheirRegisterValue) {
