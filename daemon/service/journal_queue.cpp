@@ -29,16 +29,16 @@ class NoSignals {
   sigset_t before_{};
 };
 
-struct Entry {
-  LogPriority priority;
-  EventCode event;
-  std::string message;
-  std::vector<JournalField> fields;
-};
-
 }  // namespace
 
 struct JournalQueue::Waiting {
+  struct Entry {
+    LogPriority priority;
+    EventCode event;
+    std::string message;
+    std::vector<JournalField> fields;
+  };
+
   Waiting(JournalSink& sink_in, std::string bus_in, JournalQueueLimits limits_in)
       : sink(sink_in), bus(std::move(bus_in)), limits(limits_in) {}
 

@@ -8,7 +8,6 @@
 namespace cansync::cli {
 namespace {
 
-constexpr unsigned kSlaves = 32;
 
 std::vector<unsigned> numbers_of(std::uint32_t mask) {
   std::vector<unsigned> numbers;

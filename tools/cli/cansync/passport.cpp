@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <variant>
 
+#include "cli/text/slave_list.h"
 #include "profile/hash.h"
 #include "profile/reader.h"
 #include "profile/scaling.h"
@@ -18,7 +19,6 @@ namespace {
 
 constexpr std::string_view kFirstLine = "# CANsync drive passport, version 1; docs/passport.md";
 constexpr std::string_view kNone = "-";
-constexpr unsigned kSlaves = 32;
 constexpr unsigned kHighestParameter = 4095;
 constexpr std::size_t kFields = 7;
 

@@ -27,11 +27,11 @@ struct SetTexts {
 };
 
 /// The values of one telegram.
-struct Telegram {
+struct TelegramToSet {
   std::array<std::int32_t, 4> value{};
   std::uint8_t valid = 0;
 };
-using Telegrams = std::array<Telegram, 2>;
+using Telegrams = std::array<TelegramToSet, 2>;
 
 /// How the values are given.
 struct Pace {
@@ -63,7 +63,7 @@ Telegrams parse_telegrams(const SetTexts& texts, const client::MasterStatus& sta
   for (const std::string& text : texts.assignments) {
     const Assignment assignment = parse_assignment(text);
     const unsigned value = parse_value_number(assignment.value, lookup);
-    Telegram& telegram = telegrams[value / 4];
+    TelegramToSet& telegram = telegrams[value / 4];
     telegram.value[value % 4] = parse_value(assignment, status.reference_value[value], texts.scaled);
     telegram.valid = static_cast<std::uint8_t>(telegram.valid | (1u << (value % 4)));
   }
@@ -143,7 +143,7 @@ class Complaints {
 /// Writes one sample of each telegram that has values; empty, or what failed.
 std::string write_once(client::ReferenceWriter& writer, const Telegrams& telegrams, std::uint32_t release) {
   std::uint8_t number = 0;
-  for (const Telegram& telegram : telegrams) {
+  for (const TelegramToSet& telegram : telegrams) {
     ++number;
     if (telegram.valid == 0) continue;
     std::string problem = writer.write(number, telegram.value, telegram.valid, release);
@@ -154,7 +154,7 @@ std::string write_once(client::ReferenceWriter& writer, const Telegrams& telegra
 
 void give_up(client::ReferenceWriter& writer, const Telegrams& telegrams) {
   std::uint8_t number = 0;
-  for (const Telegram& telegram : telegrams) {
+  for (const TelegramToSet& telegram : telegrams) {
     ++number;
     if (telegram.valid != 0) writer.release(number);
   }

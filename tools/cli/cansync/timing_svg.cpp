@@ -46,7 +46,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-double microseconds(std::int64_t nanoseconds) {
+double in_microseconds(std::int64_t nanoseconds) {
   return static_cast<double>(nanoseconds) / 1000.0;
 }
 
@@ -82,14 +82,14 @@ class Drawing {
 class Axis {
  public:
   explicit Axis(const TimingReport& report)
-      : end_(microseconds(static_cast<std::int64_t>(report.interval_length))) {
+      : end_(in_microseconds(static_cast<std::int64_t>(report.interval_length))) {
     step_ = std::max(end_, 1.0) / 10.0;
     double least = 0;
     double most = end_;
     for (const SlotReport& slot : report.slots) {
       if (slot.count == 0) continue;
-      least = std::min(least, microseconds(slot.earliest));
-      most = std::max(most, microseconds(slot.latest));
+      least = std::min(least, in_microseconds(slot.earliest));
+      most = std::max(most, in_microseconds(slot.latest));
     }
     // Whole steps, and no more than one interval to either side.
     from_ = std::max(std::floor(least / step_) * step_, -end_);
@@ -117,10 +117,10 @@ double lane_top(std::size_t lane) {
 
 void draw_spread(Drawing& drawing, const Axis& axis, double top, std::int64_t earliest, std::int64_t mean,
                  std::int64_t latest, bool from_master) {
-  const double left = axis.x(microseconds(earliest));
-  const double width = std::max(axis.x(microseconds(latest)) - left, kLeastBar);
+  const double left = axis.x(in_microseconds(earliest));
+  const double width = std::max(axis.x(in_microseconds(latest)) - left, kLeastBar);
   drawing.box(left, top + 16, width, 20, from_master ? "sent" : "received");
-  const double middle = axis.x(microseconds(mean));
+  const double middle = axis.x(in_microseconds(mean));
   drawing.line(middle, top + 12, middle, top + 40, "mean");
 }
 
@@ -136,21 +136,21 @@ void draw_slot(Drawing& drawing, const Axis& axis, const TimingReport& report, s
   const SlotReport& slot = report.slots[index];
   const double top = lane_top(index + 1);
   const std::int64_t before = index == 0 ? 0 : report.slots[index - 1].latest_start;
-  const double window = axis.x(microseconds(before));
-  const double latest = axis.x(microseconds(slot.latest_start));
+  const double window = axis.x(in_microseconds(before));
+  const double latest = axis.x(in_microseconds(slot.latest_start));
   drawing.words(20, top + 23, "name", slot.name);
   drawing.words(20, top + 40, "small", kWords[index]);
   drawing.box(window, top + 6, std::max(latest - window, 0.0), kLane - 12, "allowed");
   drawing.line(latest, top + 6, latest, top + kLane - 6, "latest");
   if (slot.count > 0)
     draw_spread(drawing, axis, top, slot.earliest, slot.mean, slot.latest, slot.from_master);
-  if (slot.planned) drawing.triangle(axis.x(microseconds(*slot.planned)), top + 15);
+  if (slot.planned) drawing.triangle(axis.x(in_microseconds(*slot.planned)), top + 15);
   const auto seen = [&slot](std::int64_t time) {
-    return slot.count > 0 ? fmt::format("{:.1f}", microseconds(time)) : std::string("-");
+    return slot.count > 0 ? fmt::format("{:.1f}", in_microseconds(time)) : std::string("-");
   };
   draw_numbers(drawing, top,
                {fmt::format("{}", slot.count), seen(slot.earliest), seen(slot.mean), seen(slot.latest),
-                fmt::format("{:.1f}", microseconds(slot.latest_start)), fmt::format("{}", slot.late),
+                fmt::format("{:.1f}", in_microseconds(slot.latest_start)), fmt::format("{}", slot.late),
                 slot.left_out ? fmt::format("{}", *slot.left_out) : "-"});
 }
 
@@ -162,9 +162,9 @@ void draw_sync(Drawing& drawing, const Axis& axis, const TimingReport& report) {
               true);
   draw_numbers(
       drawing, top,
-      {fmt::format("{}", report.intervals), fmt::format("{:.1f}", microseconds(report.lateness_minimum)),
-       fmt::format("{:.1f}", microseconds(report.lateness_mean)),
-       fmt::format("{:.1f}", microseconds(report.lateness_maximum)), "-", "-",
+      {fmt::format("{}", report.intervals), fmt::format("{:.1f}", in_microseconds(report.lateness_minimum)),
+       fmt::format("{:.1f}", in_microseconds(report.lateness_mean)),
+       fmt::format("{:.1f}", in_microseconds(report.lateness_maximum)), "-", "-",
        fmt::format("{}", report.missed_syncs)});
 }
 

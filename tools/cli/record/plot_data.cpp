@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::size_t kSeconds = 1;
 constexpr std::size_t kSlave = 4;
-constexpr std::size_t kName = 5;
-constexpr unsigned kSlaves = 32;
+constexpr std::size_t kNameColumn = 5;
 
 template <class T>
 std::optional<T> number(const std::string& text) {
@@ -105,7 +104,7 @@ class Reading {
       throw reader_.error(fields_[kSlave].column,
                           fmt::format("slave: found '{}'; allowed: 0..31", fields_[kSlave].text));
     const double time = real(kSeconds);
-    names_[*slave] = fields_[kName].text;
+    names_[*slave] = fields_[kNameColumn].text;
     ++rows_[*slave];
     for (const std::size_t i : chosen_)
       if (!fields_[i].text.empty()) curves_[{i, *slave}].add({time, real(i)});

@@ -19,8 +19,8 @@ namespace cansync::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kLook = std::chrono::milliseconds(100);  // from one writing to the next
-constexpr std::size_t kMostWaiting = 65536;             // samples; 32 slaves fill that in some 30 s
+constexpr auto kWritingPeriod = std::chrono::milliseconds(100);  // from one writing to the next
+constexpr std::size_t kMostWaiting = 65536;                      // samples; 32 slaves fill that in some 30 s
 
 /// The arguments as they were typed.
 struct RecordTexts {
@@ -138,7 +138,7 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
   while (recorded.ended.empty()) {
     const auto left = std::chrono::duration<double>(duration - seconds_since(start));
     const auto next =
-        Clock::now() + std::min<Clock::duration>(kLook, std::chrono::ceil<Clock::duration>(left));
+        Clock::now() + std::min<Clock::duration>(kWritingPeriod, std::chrono::ceil<Clock::duration>(left));
     if (wait_until(next))
       recorded.ended = "signal";
     else if (seconds_since(start) >= duration)

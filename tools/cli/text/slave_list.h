@@ -8,6 +8,9 @@
 /// Lists of slaves as a person types them. Not for the realtime thread.
 namespace cansync::cli {
 
+/// Slaves that a line can have; their numbers are 0..31.
+inline constexpr unsigned kSlaves = 32;
+
 /// What a list needs to know of the line; asked only when numbers do not tell all.
 struct SlaveDirectory {
   /// Number of the slave with exactly this name; -1: nobody has it.

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "cli/text/slave_list.h"
+
 namespace cansync::cli {
 namespace {
 
-constexpr unsigned kSlaves = 32;
 constexpr unsigned kValues = 8;
 
 [[noreturn]] void refuse(std::string_view what, std::string_view found, std::string_view allowed) {
