@@ -8,7 +8,6 @@
 namespace cansync::cli {
 namespace {
 
-
 std::vector<unsigned> numbers_of(std::uint32_t mask) {
   std::vector<unsigned> numbers;
   for (unsigned slave = 0; slave < kSlaves; ++slave)
