@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cansync/reply_payload.h"
 #include "cansync/timing.h"
 
 namespace cansync {
@@ -77,9 +78,13 @@ std::optional<Duration> CommandChannel::note_response(SlaveNumber slave, Duratio
 bool CommandChannel::belongs_to_a_write(const ParameterReply& reply) noexcept {
   const auto* asked = std::get_if<ParameterCommand>(&asked_.telegram);
   if (asked == nullptr || reply.number != asked->number || reply.busy || reply.error) return false;
-  const bool read = asked->kind == ParameterCommand::Kind::read;
-  if (reply.payload_size == (read ? 6 : 2)) sends_sub_slave_.set(reply.slave);
-  return read && reply.payload_size == 2 && sends_sub_slave_.has(reply.slave);
+  if (asked->kind != ParameterCommand::Kind::read) {
+    if (confirms_write(reply) && write_sub_slave(reply)) sends_sub_slave_.set(reply.slave);
+    return false;
+  }
+  const auto answer = read_answer(reply);
+  if (answer && answer->doubleword) sends_sub_slave_.set(reply.slave);
+  return answer && !answer->sub_slave && sends_sub_slave_.has(reply.slave);
 }
 
 bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept {
@@ -89,7 +94,7 @@ bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept
   if (asked_.kind == Kind::supervision) {
     if (!supervision_.is_answer(reply)) return false;
     asked_.kind = Kind::none;
-    note_response(reply.slave, end, 2u + reply.payload_size);
+    note_response(reply.slave, end, data_bytes(reply));
     supervision_.answered(reply);
     return true;
   }
@@ -103,7 +108,7 @@ bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept
     return false;
   }
   asked_.kind = Kind::none;
-  note_response(reply.slave, end, 2u + reply.payload_size);
+  note_response(reply.slave, end, data_bytes(reply));
   return true;
 }
 
@@ -118,7 +123,7 @@ bool CommandChannel::receive(const TransferReply& reply, Duration end) noexcept 
       open_transfers_.known(reply.slave);
     }
     asked_.kind = Kind::none;
-    note_response(reply.slave, end, 2u + reply.payload_size);
+    note_response(reply.slave, end, data_bytes(reply));
     return true;
   }
   if (asked_.kind != Kind::transfer) return false;
@@ -127,7 +132,7 @@ bool CommandChannel::receive(const TransferReply& reply, Duration end) noexcept 
   const Step step = job.answered(reply, now_);
   if (step == Step::ignored) return false;
   asked_.kind = Kind::none;
-  note_response(reply.slave, end, 2u + reply.payload_size);
+  note_response(reply.slave, end, data_bytes(reply));
   if (job.result().bytes != before) listener_.transfer_progress(job.request().id, job.result().bytes);
   if (step == Step::ended) finish_transfer(reply.slave);
   return true;

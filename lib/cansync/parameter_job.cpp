@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "cansync/reply_payload.h"
+
 namespace cansync {
 namespace {
 
-/// The sub-slave address in a reply, after `value_bytes` of payload; true when it is absent or the one asked.
-bool same_sub_slave(const ParameterReply& reply, unsigned value_bytes, SubSlave asked) noexcept {
-  if (reply.payload_size < value_bytes + 2) return true;
-  return load_word(reply.payload.data() + value_bytes) == asked.value;
+/// True when the sub-slave address of a reply is left out or the one asked.
+bool same_sub_slave(std::optional<SubSlave> answered, SubSlave asked) noexcept {
+  return answered.value_or(asked) == asked;
 }
 
 }  // namespace
@@ -52,25 +53,27 @@ Step ParameterJob::answered(const ParameterReply& reply, IntervalNumber now) noe
     return Step::again;
   }
   if (reply.error) {
-    if (reply.payload_size < 2 || !same_sub_slave(reply, 2, request_.sub_slave)) return Step::ignored;
-    result_.error = static_cast<ParameterError>(load_word(reply.payload.data()));
+    const auto answer = error_answer(reply);
+    if (!answer || !same_sub_slave(answer->sub_slave, request_.sub_slave)) return Step::ignored;
+    result_.error = answer->error;
     end(Outcome::slave_error, now);
     return Step::ended;
   }
   if (reading()) return take_read(reply, now);
-  if (reply.payload_size > 2 || !same_sub_slave(reply, 0, request_.sub_slave)) return Step::ignored;
+  if (!confirms_write(reply) || !same_sub_slave(write_sub_slave(reply), request_.sub_slave)) {
+    return Step::ignored;
+  }
   end(Outcome::done, now);
   return Step::ended;
 }
 
 Step ParameterJob::take_read(const ParameterReply& reply, IntervalNumber now) noexcept {
-  // Two bytes are a word whose sub-slave address is left out; see docs/cansync-protocol.md.
-  const bool doubleword = reply.payload_size == 6;
-  if (reply.payload_size == 0 || !same_sub_slave(reply, doubleword ? 4 : 2, request_.sub_slave))
-    return Step::ignored;
+  const auto answer = read_answer(reply);
+  if (!answer || !same_sub_slave(answer->sub_slave, request_.sub_slave)) return Step::ignored;
+  const bool doubleword = answer->doubleword;
   if (asking_format_) return take_format(doubleword, now);
   result_.doubleword = doubleword;
-  result_.value = doubleword ? load_doubleword(reply.payload.data()) : load_word(reply.payload.data());
+  result_.value = answer->value;
   const bool wrong = request_.format != ParameterFormat::as_slave_says &&
                      doubleword != (request_.format == ParameterFormat::doubleword);
   const Outcome mismatch = doubleword ? Outcome::doubleword_expected : Outcome::word_expected;

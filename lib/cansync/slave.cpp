@@ -1,37 +1,26 @@
 #include "cansync/slave.h"
 
+#include "cansync/reply_payload.h"
+
 namespace cansync {
 namespace {
 
 constexpr std::uint8_t kFirstUserCommand = 128;
 
-ParameterReply header(const ParameterCommand& command) noexcept {
+/// The reply to a parameter command (M 3.2.1.3, parameter response).
+ParameterReply reply_to(const ParameterCommand& command, const ParameterAnswer& answer) noexcept {
   ParameterReply reply;
   reply.slave = command.slave;
   reply.number = command.number;
-  return reply;
-}
-
-void append_word(ParameterReply& reply, std::uint16_t word) noexcept {
-  store_word(reply.payload.data() + reply.payload_size, word);
-  reply.payload_size = static_cast<std::uint8_t>(reply.payload_size + 2);
-}
-
-/// The reply to a parameter command (M 3.2.1.3, parameter response).
-ParameterReply reply_to(const ParameterCommand& command, const ParameterAnswer& answer) noexcept {
-  ParameterReply reply = header(command);
   if (answer.busy) {
-    reply.busy = true;
-    return reply;
-  }
-  if (answer.error != ParameterError::none) {
-    reply.error = true;
-    append_word(reply, static_cast<std::uint16_t>(answer.error));
+    put_busy(reply);
+  } else if (answer.error != ParameterError::none) {
+    put_error(reply, answer.error, command.sub_slave);
   } else if (command.kind == ParameterCommand::Kind::read) {
-    append_word(reply, static_cast<std::uint16_t>(answer.value & 0xFFFF));
-    if (answer.doubleword) append_word(reply, static_cast<std::uint16_t>(answer.value >> 16));
+    put_value(reply, answer.value, answer.doubleword, command.sub_slave);
+  } else {
+    put_confirmation(reply, command.sub_slave);
   }
-  append_word(reply, command.sub_slave.value);
   return reply;
 }
 

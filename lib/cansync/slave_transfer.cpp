@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "cansync/reply_payload.h"
 #include "cansync/slave.h"
 
 // The slave's uploads and downloads (M 3.2.1.3, "Start of an upload or download" and following).
@@ -9,7 +10,6 @@ namespace {
 using Direction = TransferInitialise::Direction;
 using BlockAnswer = SlaveApplication::BlockAnswer;
 
-constexpr std::uint16_t kBytesPerTelegram = 6;
 /// Limit of the option modules, which has an error code of its own.
 constexpr std::uint16_t kModuleBlockLimit = 300;
 
@@ -54,8 +54,9 @@ TransferReply Slave::answer(const TransferInitialise& initialise) noexcept {
   if (begun.busy || begun.error != TransferError::none) {
     transfer_.phase = begun.busy ? OpenBlock::Phase::beginning : OpenBlock::Phase::none;
     transfer_.initialise = initialise;
-    reply.busy = begun.busy;
-    return begun.busy ? reply : refuse({}, begun.error);
+    if (!begun.busy) return refuse({}, begun.error);
+    put_busy(reply);
+    return reply;
   }
   const bool fixed = initialise.direction == Direction::upload && begun.length != 0;
   const std::optional<BlockOffset> fixed_length = BlockOffset::from(fixed ? begun.length : 0);
@@ -74,13 +75,12 @@ TransferReply Slave::answer(const UploadBlock& block) noexcept {
       error != TransferError::none) {
     return refuse(block.offset, error);
   }
-  std::array<std::uint8_t, kBytesPerTelegram> data = {};
+  std::array<std::uint8_t, kTransferBytes> data = {};
   const BlockAnswer read = application_.read_block(transfer_.expected, std::span(data).first(bytes_due()));
   TransferReply reply = block_done(block.offset, block.last, read);
   if (!reply.busy && !reply.error) {
     // Always six bytes; what the block does not have is padded with zeros.
-    reply.payload = data;
-    reply.payload_size = kBytesPerTelegram;
+    put_upload(reply, data);
   }
   return reply;
 }
@@ -100,14 +100,14 @@ TransferReply Slave::block_done(BlockOffset offset, bool last, const BlockAnswer
   reply.slave = settings_.number;
   reply.offset = offset;
   if (answer.busy) {
-    reply.busy = true;
+    put_busy(reply);
     return reply;
   }
   if (answer.error != TransferError::none) {
     if (answer.error == TransferError::cancelled_by_slave) drop_transfer();
     return refuse(offset, answer.error);
   }
-  transfer_.expected = static_cast<std::uint16_t>(transfer_.expected + kBytesPerTelegram);
+  transfer_.expected = static_cast<std::uint16_t>(transfer_.expected + kTransferBytes);
   if (last) {
     transfer_ = {};
     application_.end_block(true);
@@ -129,26 +129,24 @@ TransferError Slave::check_length(const TransferInitialise& initialise) const no
 TransferError Slave::check_order(Direction direction, BlockOffset offset, bool last) const noexcept {
   if (!transfer_open() || transfer_.initialise.direction != direction) return TransferError::mode_not_allowed;
   if (offset.value() != transfer_.expected) return TransferError::other_block_expected;
-  const bool is_last = transfer_.expected + kBytesPerTelegram >= transfer_.length;
+  const bool is_last = transfer_.expected + kTransferBytes >= transfer_.length;
   if (last && !is_last) return TransferError::end_not_expected;
   if (!last && is_last) return TransferError::end_expected;
   return TransferError::none;
 }
 
 std::size_t Slave::bytes_due() const noexcept {
-  return std::min<std::size_t>(kBytesPerTelegram, transfer_.length - transfer_.expected);
+  return std::min<std::size_t>(kTransferBytes, transfer_.length - transfer_.expected);
 }
 
 TransferReply Slave::refuse(BlockOffset offset, TransferError error) const noexcept {
   TransferReply reply;
   reply.slave = settings_.number;
-  reply.error = true;
+  put_error(reply, error);
   // "The slave expects the block that the counter names" (M 3.2.2.6): the reply's offset is that counter.
   reply.offset = error == TransferError::other_block_expected
                      ? BlockOffset::from(transfer_.expected).value_or(offset)
                      : offset;
-  store_word(reply.payload.data(), static_cast<std::uint16_t>(error));
-  reply.payload_size = 2;
   return reply;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cansync/reply_payload.h"
 #include "cansync/timing.h"
 
 namespace cansync {
@@ -124,10 +125,11 @@ void Supervision::sent(const Telegram& telegram) noexcept {
 }
 
 void Supervision::answered(const ParameterReply& reply) noexcept {
-  if (reply.busy || reply.error || reply.payload_size < 2) return;
+  const auto answer = read_answer(reply);
+  if (reply.busy || reply.error || !answer) return;
   const SlaveNumber slave = reply.slave;
   SlaveStatus& status = at(slave);
-  const std::uint16_t word = load_word(reply.payload.data());
+  const std::uint16_t word = static_cast<std::uint16_t>(answer->value & 0xFFFF);
   const bool changed = !status.status_known || word != status.status_word;
   status.status_word = word;
   status.status_known = true;

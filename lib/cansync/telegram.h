@@ -119,7 +119,7 @@ struct DownloadBlock {
 };
 
 /// Answer to a parameter command. What the payload means depends on the command that was asked; see
-/// `parameter_job.h`. DLC is 2 + `payload_size`.
+/// `reply_payload.h`. DLC is 2 + `payload_size`.
 struct ParameterReply {
   SlaveNumber slave;
   ParameterNumber number;
@@ -130,7 +130,8 @@ struct ParameterReply {
   friend bool operator==(const ParameterReply&, const ParameterReply&) = default;
 };
 
-/// Answer to an upload or download telegram. DLC is 2 + `payload_size`.
+/// Answer to an upload or download telegram; for the payload see `reply_payload.h`. DLC is 2 +
+/// `payload_size`.
 struct TransferReply {
   SlaveNumber slave;
   BlockOffset offset;  ///< offset of the block, or the length after an initialise

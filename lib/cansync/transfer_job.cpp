@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cansync/reply_payload.h"
+
 namespace cansync {
 namespace {
 
@@ -85,15 +87,15 @@ Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexc
     return cancelled(now);
   }
   if (reply.error) {
-    const auto error = static_cast<TransferError>(load_word(reply.payload.data()));
-    if (silence_ && about_order(error)) return refused_after_silence(reply, now);
+    const TransferError error = error_answer(reply).value_or(TransferError::none);
+    if (silence_ && about_order(error)) return refused_after_silence(error, reply.offset, now);
     return refused(error, now);
   }
   return phase_ == TransferPhase::initialise ? initialised(reply, now) : block_answered(reply, now);
 }
 
 Step TransferJob::initialised(const TransferReply& reply, IntervalNumber now) noexcept {
-  if (reply.payload_size != 0) return Step::ignored;
+  if (!is_acknowledgement(reply)) return Step::ignored;
   const std::uint16_t fixed = reply.offset.value();
   if (request_.direction == TransferRequest::Direction::upload && fixed != 0 && fixed != block_length_) {
     if (fixed > total() - block_start_) {
@@ -111,11 +113,12 @@ Step TransferJob::initialised(const TransferReply& reply, IntervalNumber now) no
 
 Step TransferJob::block_answered(const TransferReply& reply, IntervalNumber now) noexcept {
   const bool upload = request_.direction == TransferRequest::Direction::upload;
-  if (reply.payload_size != (upload ? 6 : 0)) return Step::ignored;
+  const auto brought = upload_bytes(reply);
+  if (upload ? !brought : !is_acknowledgement(reply)) return Step::ignored;
   if (reply.offset.value() != offset_) return refused(TransferError::wrong_block_acknowledged, now);
   if (upload) {
     const std::ptrdiff_t bytes = std::min<std::ptrdiff_t>(6, block_length_ - offset_);
-    std::copy_n(reply.payload.begin(), bytes, request_.data.begin() + block_start_ + offset_);
+    std::copy_n(brought->begin(), bytes, request_.data.begin() + block_start_ + offset_);
   }
   return advance(now);
 }
@@ -153,12 +156,12 @@ Step TransferJob::refused(TransferError error, IntervalNumber now) noexcept {
   return fail_block(Outcome::slave_error, about_order(error), now);
 }
 
-Step TransferJob::refused_after_silence(const TransferReply& reply, IntervalNumber now) noexcept {
-  const auto error = static_cast<TransferError>(load_word(reply.payload.data()));
+Step TransferJob::refused_after_silence(TransferError error, BlockOffset expected,
+                                        IntervalNumber now) noexcept {
   // Not the last one: a slave that refused it has closed the block as well, and what it said was not heard.
   const bool taken = request_.direction == TransferRequest::Direction::download &&
                      phase_ == TransferPhase::body && !last() &&
-                     error == TransferError::other_block_expected && reply.offset.value() == offset_ + 6;
+                     error == TransferError::other_block_expected && expected.value() == offset_ + 6;
   if (taken) return advance(now);
   ++result_.repeated_blocks;
   result_.bytes = block_start_;

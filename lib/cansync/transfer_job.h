@@ -87,7 +87,7 @@ class TransferJob {
   Step block_complete(IntervalNumber now) noexcept;
   Step advance(IntervalNumber now) noexcept;
   Step refused(TransferError error, IntervalNumber now) noexcept;
-  Step refused_after_silence(const TransferReply& reply, IntervalNumber now) noexcept;
+  Step refused_after_silence(TransferError error, BlockOffset expected, IntervalNumber now) noexcept;
   Step fail_block(Outcome outcome, bool may_retry, IntervalNumber now) noexcept;
   Step cancelled(IntervalNumber now) noexcept;
 

@@ -100,6 +100,10 @@ PROTOCOL_ROOMS = re.compile(r"lib/\w+/(dds|sim|client)\b")
 # How an identifier is put together stands in one file.
 IDENTIFIER_BITS = re.compile(r"\b0x780u?\b|\b\w*(id|identifier)\b[^;]*&\s*~?0x7Fu?\b|uint32_t[^;]*=\s*0x7Fu?;")
 IDENTIFIER_FILE = "lib/cansync/telegram.h"
+# So does what stands where in a reply: nobody else takes its bytes or a number out of bytes.
+REPLY_BYTES = re.compile(r"(\.|->)payload(_size)?\b|\b(load|store)_(double)?word\b")
+REPLY_FILE = "lib/cansync/reply_payload.h"
+REPLY_FILES = {"lib/cansync/telegram.h", "lib/cansync/telegram.cpp", REPLY_FILE, "lib/cansync/reply_payload.cpp"}
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
 
 
@@ -189,6 +193,8 @@ def check(files, rooms):
                 report(f"{room} may not know CANsync")
             if IDENTIFIER_BITS.search(line) and file != IDENTIFIER_FILE:
                 report(f"channel and number of an identifier: channel_of and participant_of of {IDENTIFIER_FILE}")
+            if REPLY_BYTES.search(line) and file not in REPLY_FILES:
+                report(f"what a reply holds: the views of {REPLY_FILE}")
             if room in CORES and CORE_WORDS.search(line):
                 report("the sans-IO core reads no clock and no file")
             if room.startswith("lib/") and not may_use_dds(room, uses) and re.search(r"\bdds_[a-z]+", line):
@@ -254,6 +260,12 @@ PLANTED = [
     ("daemon/bus/planted.cpp", "const unsigned slave = frame.id & 0x7F;"),
     ("tools/simulator/planted.cpp", "const auto channel = identifier & ~0x7Fu;"),
     ("lib/sim/planted.cpp", "constexpr std::uint32_t kNumberBits = 0x7F;"),
+    ("lib/cansync/planted.cpp", "if (reply.payload_size == 6) return;"),
+    ("lib/cansync/planted.cpp", "const auto value = load_word(bytes);"),
+    ("lib/cansync/sim/planted.cpp", "answer->payload = {};"),
+    ("daemon/cansync/realtime/planted.cpp", "const auto code = cansync::load_doubleword(data);"),
+    ("tools/cli/cansync/planted.cpp", "const std::uint8_t low = reply.payload[0];"),
+    ("tools/cli/trace/planted.cpp", "store_word(bytes, 7);"),
     ("lib/can/planted.cpp", "int f(cansync::SlaveNumber);"),
     ("lib/profile/planted.cpp", "#include <toml++/toml.h>"),
     ("daemon/options/planted.cpp", "#include <toml++/toml.h>"),

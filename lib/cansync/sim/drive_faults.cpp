@@ -3,14 +3,13 @@
 #include <array>
 #include <variant>
 
+#include "cansync/reply_payload.h"
 #include "cansync/telegram.h"
 
 namespace sim {
 namespace {
 
 namespace identifier = cansync::identifier;
-
-constexpr unsigned kBlockBytes = 6;
 
 constexpr std::array<ChannelName, 7> kChannelNames = {{
     {"action", identifier::action, identifier::channel_bits | identifier::number_bits},
@@ -55,7 +54,8 @@ class DriveFaults final : public FaultProtocol {
     if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) {
       parameter->number = *cansync::ParameterNumber::from((parameter->number.value() + 1u) % 4096u);
     } else if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) {
-      transfer->offset = *cansync::BlockOffset::from((transfer->offset.value() + kBlockBytes) % 4096u);
+      transfer->offset =
+          *cansync::BlockOffset::from((transfer->offset.value() + cansync::kTransferBytes) % 4096u);
     }
     answer = cansync::encode(*telegram);
   }
@@ -64,14 +64,8 @@ class DriveFaults final : public FaultProtocol {
     auto decoded = cansync::decode(answer);
     auto* telegram = std::get_if<cansync::Telegram>(&decoded);
     if (telegram == nullptr) return;
-    const auto empty = [](auto& reply) {
-      reply.busy = true;
-      reply.error = false;
-      reply.payload_size = 0;
-      reply.payload = {};
-    };
-    if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) empty(*parameter);
-    if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) empty(*transfer);
+    if (auto* parameter = std::get_if<cansync::ParameterReply>(telegram)) put_busy(*parameter);
+    if (auto* transfer = std::get_if<cansync::TransferReply>(telegram)) put_busy(*transfer);
     answer = cansync::encode(*telegram);
   }
 };

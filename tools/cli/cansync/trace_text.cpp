@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cansync/errors.h"
+#include "cansync/reply_payload.h"
 #include "cli/text/values.h"
 
 namespace cansync::cli {
@@ -27,22 +28,13 @@ std::string words_text(std::span<const std::uint16_t> words) {
   return out;
 }
 
-std::string sub_slave_text(SubSlave sub_slave) {
-  return sub_slave.value == 0 ? "" : fmt::format(", sub-slave {}", sub_slave.value);
-}
-
-/// The sub-slave address that ends a payload, when there is one after `value_bytes`.
-std::string sub_slave_after(Bytes payload, std::size_t value_bytes) {
-  if (payload.size() < value_bytes + 2) return "";
-  return sub_slave_text({load_word(payload.data() + value_bytes)});
+/// Of the slave itself, or when the address is left out: nothing.
+std::string sub_slave_text(std::optional<SubSlave> sub_slave) {
+  return !sub_slave || sub_slave->value == 0 ? "" : fmt::format(", sub-slave {}", sub_slave->value);
 }
 
 std::string element_text(Element element) {
   return element == kValueElement ? "" : fmt::format(" element {}", element.value());
-}
-
-Bytes payload_of(const auto& reply) {
-  return Bytes(reply.payload).first(std::min<std::size_t>(reply.payload_size, reply.payload.size()));
 }
 
 std::string_view last_text(bool last) {
@@ -101,45 +93,41 @@ std::string text_of(const DownloadBlock& block) {
                      hex_bytes(block.data));
 }
 
-std::string error_text(std::string_view meaning, std::uint16_t code) {
-  return fmt::format("error 0x{:04X}, {}", code, meaning);
+std::string error_text(auto error) {
+  return fmt::format("error 0x{:04X}, {}", static_cast<std::uint16_t>(error), meaning(error));
 }
 
 std::string text_of(const ParameterReply& reply, const std::optional<Telegram>& asked) {
-  const Bytes payload = payload_of(reply);
   const std::string where = fmt::format("parameter {}", reply.number.value());
   if (reply.busy) return where + ": busy, to be asked again";
   if (reply.error) {
-    if (payload.size() < 2) return where + ": error without a code";
-    const std::uint16_t code = load_word(payload.data());
-    return where + ": " + error_text(meaning(static_cast<ParameterError>(code)), code) +
-           sub_slave_after(payload, 2);
+    const auto refused = error_answer(reply);
+    if (!refused) return where + ": error without a code";
+    return where + ": " + error_text(refused->error) + sub_slave_text(refused->sub_slave);
   }
   const auto* command = asked ? std::get_if<ParameterCommand>(&*asked) : nullptr;
   const bool known = command != nullptr && command->number == reply.number;
   // Without the command, lengths that only one answer can have still tell what it is.
-  const bool read = known ? command->kind == ParameterCommand::Kind::read : payload.size() >= 4;
-  if (!read) return where + ": written" + (known ? sub_slave_after(payload, 0) : std::string());
-  if (payload.size() == 6) {
-    const std::uint32_t value = load_doubleword(payload.data());
-    return fmt::format("{} = {} (0x{:08X}, doubleword){}", where, value, value, sub_slave_after(payload, 4));
-  }
-  if (payload.size() < 2) return where + ": answer without a value";
-  const std::uint16_t value = load_word(payload.data());
-  return fmt::format("{} = {} (0x{:04X}, word){}", where, value, value, sub_slave_after(payload, 2));
+  const auto answer = read_answer(reply);
+  const bool read = known ? command->kind == ParameterCommand::Kind::read : answer && answer->sub_slave;
+  if (!read) return where + ": written" + (known ? sub_slave_text(write_sub_slave(reply)) : std::string());
+  if (!answer) return where + ": answer without a value";
+  const std::string_view format = answer->doubleword ? "doubleword" : "word";
+  return fmt::format("{} = {} (0x{:0{}X}, {}){}", where, answer->value, answer->value,
+                     answer->doubleword ? 8 : 4, format, sub_slave_text(answer->sub_slave));
 }
 
 std::string text_of(const TransferReply& reply, const std::optional<Telegram>& asked) {
-  const Bytes payload = payload_of(reply);
   const unsigned offset = reply.offset.value();
   if (reply.busy) return fmt::format("transfer, {}: busy, to be asked again", offset);
   if (reply.error) {
-    if (payload.size() < 2) return fmt::format("transfer, {}: error without a code", offset);
-    const std::uint16_t code = load_word(payload.data());
-    return fmt::format("transfer, {}: {}", offset,
-                       error_text(meaning(static_cast<TransferError>(code)), code));
+    const auto error = error_answer(reply);
+    if (!error) return fmt::format("transfer, {}: error without a code", offset);
+    return fmt::format("transfer, {}: {}", offset, error_text(*error));
   }
-  if (payload.size() == 6) return fmt::format("upload: bytes from {}: {}", offset, hex_bytes(payload));
+  if (const auto bytes = upload_bytes(reply)) {
+    return fmt::format("upload: bytes from {}: {}", offset, hex_bytes(*bytes));
+  }
   if (asked && std::holds_alternative<TransferInitialise>(*asked))
     return fmt::format("transfer accepted, length {}", offset);
   if (asked && std::holds_alternative<DownloadBlock>(*asked))
