@@ -2,6 +2,8 @@
 //   flood_clients ROLE DOMAIN PARTITION SECONDS
 // "connected" is printed when it has found the daemon; it begins with a line on standard input, works for
 // SECONDS, and prints one JSON object: what was asked, how it was answered, how long that took.
+#include <cansync/client.h>
+#include <cansync/topics.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -25,7 +27,6 @@
 #include <vector>
 
 #include "cansync/dds/topics.h"
-#include "client/client.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 

@@ -5,6 +5,8 @@
 // daemon; a line on standard input then starts all of them. At the end one JSON object is printed: what was
 // asked, how it was answered, and what never was. Exit code 0 when every request was answered and every value
 // was right.
+#include <cansync/client.h>
+#include <cansync/topics.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -24,8 +26,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "client/client.h"
 
 namespace {
 

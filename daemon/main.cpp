@@ -4,12 +4,13 @@
 #include <exception>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include "daemon/arguments.h"
-#include "daemon/configuration.h"
+#include "daemon/cansync/config/bus_budget.h"
+#include "daemon/cansync/config/bus_budget_text.h"
+#include "daemon/cansync/config/dbc.h"
+#include "daemon/cansync/config/print.h"
 #include "daemon/daemon.h"
-#include "daemon/protocols.h"
 #include "daemon/service/service_log.h"
 
 namespace {
@@ -22,29 +23,26 @@ int print(const std::string& text) {
 }
 
 int run(const Arguments& arguments) {
-  const std::vector<std::string> settings = overrides(arguments);
-  if (arguments.print_default_config) return print(print_default_config(settings, protocols()));
-  if (arguments.print_options_markdown) return print(print_options_markdown(protocols()));
-  if (arguments.print_options_man) return print(print_options_man(protocols()));
+  if (arguments.print_default_config) return print(default_config());
+  if (arguments.print_options_markdown) return print(options_markdown());
+  if (arguments.print_options_man) return print(options_man());
   const bool check_only = !arguments.check.empty();
   const bool dbc_only = !arguments.dbc.empty();
   const std::string& path = check_only ? arguments.check : dbc_only ? arguments.dbc : arguments.config;
-  const LoadedConfig config = load_configuration(path, settings, protocols());
-  if (!config.problems.empty()) {
+  ConfigFile file = load_checked(path, overrides(arguments));
+  if (!file.problems.empty()) {
     if (check_only || dbc_only) {
-      fmt::print(stderr, "{}", problems_text(config.problems));
+      fmt::print(stderr, "{}", problems_text(file.problems));
     } else {
-      tell_wrong_configuration(config.bus_name, config.problems);
+      tell_wrong_configuration(file.config.bus.name, file.problems);
     }
     return exit_code::wrong_config;
   }
-  if (dbc_only && !config.dbc_text) {
-    fmt::print(stderr, "cansyncd: {}: the protocol of this bus has no DBC file\n", path);
-    return exit_code::wrong_usage;
+  if (dbc_only) return print(dbc_text(file.config));
+  if (check_only) {
+    return print(fmt::format("{}: in order\n{}", path, budget_text(bus_budget(budget_input(file.config)))));
   }
-  if (dbc_only) return print(config.dbc_text());
-  if (check_only) return print(fmt::format("{}: in order\n{}", path, config.check_text));
-  return run_daemon(config, path, settings);
+  return run_daemon(std::move(file), overrides(arguments));
 }
 
 }  // namespace

@@ -5,11 +5,12 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "cansync/timing.h"
 #include "daemon/service/service_log.h"
 
 namespace cansyncd {
 
-std::string flight_folder(const DaemonConfig& config, const char* state_directory) {
+std::string flight_folder(const Config& config, const char* state_directory) {
   if (config.recorder.folder) return *config.recorder.folder;
   if (state_directory != nullptr && *state_directory != '\0') {
     // More than one are separated by colons; the unit asks for one.
@@ -19,8 +20,8 @@ std::string flight_folder(const DaemonConfig& config, const char* state_director
   return "/var/lib/cansync/" + config.bus.name;
 }
 
-FlightDesk::FlightDesk(const DaemonConfig& config, const FlightProtocol& protocol, can::Bus& bus,
-                       const FlightWriter::Tell& tell, JournalSink& journal)
+FlightDesk::FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::Tell& tell,
+                       JournalSink& journal)
     : bus_(bus) {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing in this process changes its environment
   const std::string folder = flight_folder(config, std::getenv("STATE_DIRECTORY"));
@@ -34,9 +35,10 @@ FlightDesk::FlightDesk(const DaemonConfig& config, const FlightProtocol& protoco
     return;
   }
   parts_.emplace(config, bus);
+  const auto& times = cansync::slot_times(config.master.bit_rate);
   writer_.emplace(parts_->recorder,
                   FlightFileSettings{folder, config.recorder.files, config.bus.name, config.bus.interface,
-                                     config.bus.bits_per_second, protocol},
+                                     times.bits_per_second, times.interval},
                   tell);
 }
 

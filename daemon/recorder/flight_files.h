@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "daemon/loop/flight_tap.h"
 #include "rt/flight_recorder.h"
 
 /// A flight recording as files: what candump-style tools read, and a JSON header. Not for the realtime
@@ -18,7 +17,7 @@ struct FlightFileSettings {
   std::string bus;
   std::string interface;
   std::uint32_t bits_per_second = 0;
-  FlightProtocol protocol;
+  can::Time interval{};  ///< tSYNC
 };
 
 /// A recording taken out of the recorder.

@@ -13,27 +13,15 @@ endif()
 set_target_properties(cansync_shared PROPERTIES OUTPUT_NAME cansync EXPORT_NAME cansync LINKER_LANGUAGE CXX
   VERSION 1.${PROJECT_VERSION} SOVERSION 1 LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/libcansync.map)
 
-# <cansync/client.h> in this tree, as it is when it is installed.
-set(headers ${CMAKE_BINARY_DIR}/include/cansync)
-file(MAKE_DIRECTORY ${headers})
-foreach(header ${CANSYNC_PUBLIC_HEADERS})
-  get_filename_component(folder ${headers}/${header} DIRECTORY)
-  file(MAKE_DIRECTORY ${folder})
-  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${header} ${headers}/${header} SYMBOLIC)
-endforeach()
-foreach(model cansync gateway)
-  file(CREATE_LINK ${CMAKE_BINARY_DIR}/idl/${model}.h ${headers}/${model}.h SYMBOLIC)
-endforeach()
-target_include_directories(cansync_shared INTERFACE $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include>
+# The generated headers that <cansync/topics.h> includes lie beside it when they are installed.
+target_include_directories(cansync_shared INTERFACE
+  $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/idl>
   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 add_library(cansync::cansync ALIAS cansync_shared)
 
 install(TARGETS cansync_shared EXPORT cansyncTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
-foreach(header ${CANSYNC_PUBLIC_HEADERS})
-  get_filename_component(folder cansync/${header} DIRECTORY)
-  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT development)
-endforeach()
+install(DIRECTORY include/cansync DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN *.h)
 install(FILES ${CMAKE_BINARY_DIR}/idl/cansync.h ${CMAKE_BINARY_DIR}/idl/gateway.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cansync COMPONENT development)
 install(FILES ${CMAKE_SOURCE_DIR}/idl/cansync.idl ${CMAKE_SOURCE_DIR}/idl/gateway.idl ${CMAKE_SOURCE_DIR}/idl/layer2.idl DESTINATION ${CMAKE_INSTALL_DATADIR}/cansync/idl COMPONENT development)
 

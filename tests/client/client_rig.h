@@ -1,10 +1,11 @@
 #pragma once
 
+#include <cansync/client.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 
-#include "client/client.h"
 #include "dds/participant.h"
 
 /// What the tests of the client share.

@@ -1,5 +1,5 @@
-#include "client/client.h"
-
+#include <cansync/client.h>
+#include <cansync/topics.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -240,7 +240,7 @@ TEST_F(ClientTest, OpenJobsOfEveryKindEndWhenTheDaemonGoesAndTheNextOneServes) {
 }
 
 TEST_F(ClientTest, OpenJobsEndWhenTheClientGoes) {
-  const CommandJob done = client_->mode(cansync_MODE_RUN, true);
+  const CommandJob done = client_->mode(Mode::run, true);
   EXPECT_TRUE(done.wait().ok());
   const ParameterJob open =
       client_->submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
@@ -255,7 +255,7 @@ TEST_F(ClientTest, CommandsArriveWithTheirFields) {
       client_->broadcast({.priority = 1, .slave_mask = 5, .action = 130, .data_byte = 9, .data_word = 77})
           .wait()
           .ok());
-  EXPECT_TRUE(client_->mode(cansync_MODE_RUN, true).wait().ok());
+  EXPECT_TRUE(client_->mode(Mode::run, true).wait().ok());
   EXPECT_TRUE(client_->polling({.one = 2, .maximum_slave = 3}).wait().ok());
   EXPECT_TRUE(client_->cursors({.transfer = kAutomatic}).wait().ok());
   EXPECT_TRUE(client_->map_references({0x01, 0x03}).wait().ok());

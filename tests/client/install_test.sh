@@ -29,11 +29,28 @@ diff -u "$here/exported_symbols.txt" <(exported "$library") || {
   exit 1
 }
 
-# Headers find one another, the data model and the standard library, and nothing else.
-if grep -rnE '#[[:space:]]*include[[:space:]]*["<](dds|client|text|can)/' "$prefix/include/cansync" --exclude=cansync.h --exclude=gateway.h; then
-  echo "an installed header includes what is not installed"
+# The generated types and Cyclone DDS, as far as programs or headers include them that look into one folder alone.
+data_model() {
+  "$cxx" -std=c++20 -M -I "$1" -x c++ "${@:2}" | tr -d '\\' | tr -s ' ' '\n' |
+    grep -E '/cansync/(cansync|gateway|layer2)\.h$|/(dds|ddsc)/'
+}
+
+# Headers find one another and the standard library, and nothing else; topics.h the data model, too.
+headers=("$here/install/stranger.cpp")
+for header in "$prefix"/include/cansync/**/*.h; do
+  case ${header##*/} in cansync.h | gateway.h | layer2.h | topics.h) ;; *) headers+=("$header") ;; esac
+done
+[ ${#headers[@]} -ge 20 ]
+if data_model "$prefix/include" "${headers[@]}"; then
+  echo "the data model is for <cansync/topics.h>, but included by"
+  for header in "${headers[@]}"; do data_model "$prefix/include" "$header" >"$work/found" && echo "${header#"$prefix/include/"}"; done
   exit 1
 fi
+# The check finds what it is for: in topics.h, and where it is planted.
+data_model "$prefix/include" "$prefix/include/cansync/topics.h" | grep -q '/cansync/gateway.h$'
+cp -r "$prefix/include" "$work/planted"
+sed -i '1a #include "gateway.h"' "$work/planted/cansync/export.h"
+data_model "$work/planted" "$work/planted/cansync/client.h" | grep -q '/cansync/gateway.h$'
 for model in cansync gateway layer2; do [ -f "$prefix/share/cansync/idl/$model.idl" ]; done
 
 # A domain of this test's own is not needed: nobody serves a bus of this name.
@@ -46,10 +63,16 @@ cmake --build "$work/stranger" >"$work/build.log" || {
   cat "$work/build.log"
   exit 1
 }
-"$work/stranger/stranger" $domain >"$work/out"
-cat "$work/out"
-grep -q 'NoDaemon: no daemon found' "$work/out"
-grep -q 'SetupError: .*domain' "$work/out"
+"$work/stranger/stranger_topics"
+# The same program without CMake, and without Cyclone DDS's headers.
+"$cxx" -std=c++20 -Wall -Wextra -Wpedantic -Werror -I "$prefix/include" -o "$work/stranger_alone" "$here/install/stranger.cpp" \
+  -L "$(dirname "$library")" -lcansync
+for program in "$work/stranger/stranger" "$work/stranger_alone"; do
+  LD_LIBRARY_PATH=$(dirname "$library") "$program" $domain >"$work/out"
+  cat "$work/out"
+  grep -q 'NoDaemon: no daemon found' "$work/out"
+  grep -q 'SetupError: .*domain' "$work/out"
+done
 
 PKG_CONFIG_PATH=$(dirname "$(echo "$prefix"/**/cansync.pc)")
 export PKG_CONFIG_PATH

@@ -1,4 +1,4 @@
-#include "client/reference_turn.h"
+#include "client/src/reference_turn.h"
 
 #include <gtest/gtest.h>
 

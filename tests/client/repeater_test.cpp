@@ -1,3 +1,4 @@
+#include <cansync/reference_repeater.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include <thread>
 
 #include "client/fake_daemon.h"
-#include "client/reference_repeater.h"
 #include "support/dds_places.h"
 
 namespace cansync::client {

@@ -1,3 +1,5 @@
+#include <cansync/client.h>
+#include <cansync/topics.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -9,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "client/client.h"
 #include "client/client_rig.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
@@ -73,7 +74,7 @@ TEST_F(ImpatientClient, EveryKindOfRequestEndsWhenTheDaemonAnswersNothing) {
       client_.submit(TransferRequest{
           .download = true, .slave = 1, .address = 0x100, .data = {1, 2, 3}, .timeout_ms = 50})};
   const std::vector<CommandJob> commands = {client_.broadcast({.slave_mask = 1, .action = 130}),
-                                            client_.mode(cansync_MODE_RUN),
+                                            client_.mode(Mode::run),
                                             client_.release(1),
                                             client_.polling({.one = 1}),
                                             client_.cursors({.transfer = 1}),
@@ -169,7 +170,7 @@ TEST_F(ImpatientClient, WaitForATransferOrCommandEndsLikewise) {
     return client_.submit(TransferRequest{.slave = 1, .address = 0x100, .length = 10, .timeout_ms = 1})
         .wait(never);
   });
-  auto command = std::async(std::launch::async, [&] { return client_.mode(cansync_MODE_RUN).wait(); });
+  auto command = std::async(std::launch::async, [&] { return client_.mode(Mode::run).wait(); });
   EXPECT_EQ(transfer.wait_for(seconds(20)), std::future_status::ready);
   EXPECT_EQ(command.wait_for(seconds(20)), std::future_status::ready);
   stands.reset();  // whoever waits still is let go

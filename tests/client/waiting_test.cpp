@@ -1,9 +1,10 @@
+#include <cansync/client.h>
+#include <cansync/topics.h>
 #include <gtest/gtest.h>
 
 #include <future>
 #include <string>
 
-#include "client/client.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
 

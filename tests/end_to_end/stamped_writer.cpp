@@ -2,6 +2,8 @@
 // milliseconds. Tells on standard output, a line for each, the value and when it had surely been written. For
 // suspension_test.py, which compares that with the time at which the telegram was on the bus.
 //   stamped_writer DOMAIN BUS PERIOD_MS RELEASE_INTERVALS
+#include <cansync/client.h>
+
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -10,8 +12,6 @@
 #include <exception>
 #include <string>
 #include <thread>
-
-#include "client/client.h"
 
 namespace {
 

@@ -5,6 +5,8 @@
 // standard output: "done" with what was read, or the reply's code and reason.
 //   read SLAVE NUMBER | write SLAVE NUMBER VALUE | upload SLAVE ADDRESS LENGTH | download SLAVE ADDRESS HEX
 //   status: option status, synchronized slaves, open parameter jobs, open transfers
+#include <cansync/client.h>
+#include <cansync/topics.h>
 #include <fmt/format.h>
 
 #include <chrono>
@@ -17,8 +19,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "client/client.h"
 
 namespace {
 

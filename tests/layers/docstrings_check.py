@@ -2,8 +2,8 @@
 """Checks that every public declaration of the installed headers and of the protocols' cores has a docstring.
 
 Usage: docstrings_check.py PROJECT | docstrings_check.py --self-test PROJECT
-The headers are those of CANSYNC_PUBLIC_HEADERS in lib/client/CMakeLists.txt, lib/client/function_blocks/*.h
-and the *.h of CORES. A docstring is `///` right above the declaration or at its end; in cansync_c.h, which C
+The headers are those of lib/client/include, which are installed, those of the function blocks in
+lib/client/src, and the *.h of CORES. A docstring is `///` right above the declaration or at its end; in cansync_c.h, which C
 compilers read, a plain comment. Needed by:
   - functions, constructors, and C's types of callbacks; one that follows another of its name at once, without
     a blank line, shares the docstring. Not by destructors, operators == and <=>, defaulted and deleted ones.
@@ -244,11 +244,8 @@ def owner_is_open(owner):
 
 
 def headers(project):
-    build = (project / "lib/client/CMakeLists.txt").read_text(encoding="utf-8")
-    installed = re.search(r"set\(CANSYNC_PUBLIC_HEADERS([^)]*)\)", build).group(1).split()
-    paths = [project / "lib/client" / name for name in installed]
-    cores = [path for core in CORES for path in sorted((project / core).glob("*.h"))]
-    return paths + sorted(project.glob("lib/client/function_blocks/*.h")) + cores
+    places = ["lib/client/include/**/*.h", "lib/client/src/function_blocks/*.h", *(f"{core}/*.h" for core in CORES)]
+    return [path for place in places for path in sorted(project.glob(place))]
 
 
 SAMPLE = """

@@ -8,6 +8,7 @@ Each room may include its own headers and those of the rooms its line in ROOMS n
 so there are no circles. A folder that has no line is a violation: whoever makes a room says what it may use; and so is
 a line that allows what no file needs.
 The core of each protocol is sans-IO besides: it includes only what is listed here, and names no clock.
+lib/client/include is installed and included as <cansync/...>; what lies in lib/client/src is the library's own.
 """
 import os
 import re
@@ -32,35 +33,28 @@ lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
 lib/layer2/sim:             lib/can lib/sim
 lib/client:                 idl lib/dds lib/cansync/dds
 
-daemon/config:              lib/can lib/sync
+daemon/cansync:             lib/can lib/cansync lib/rt lib/sync
+daemon/config:              lib/config lib/profile lib/can lib/cansync lib/sync
+daemon/options:             lib/config lib/profile daemon/config
 daemon/service:             lib/config
-daemon/loop:                lib/can lib/rt lib/sync daemon/config
-daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
-daemon/options:             lib/config lib/profile daemon/config daemon/bus
-daemon/segment:             lib/config lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
-                            daemon/bus
-daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
-daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
-daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
-daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
-                            daemon/cansync/config
-daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/service daemon/bus daemon/loop
-                            daemon/cansync daemon/cansync/config
-daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/cansync/config daemon/cansync/texts
-daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop
-                            daemon/cansync/texts
-daemon/desk:                idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
-                            daemon/cansync/config daemon/cansync/texts daemon/cansync/requests
+daemon/bus:                 lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync
+                            daemon/config
+daemon/loop:                lib/can lib/cansync lib/rt lib/sync daemon/cansync daemon/config
+daemon/cansync/config:      lib/config lib/can lib/cansync daemon/config daemon/options daemon/bus
+daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/cansync daemon/config daemon/bus daemon/loop
+daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/cansync daemon/config
+                            daemon/service daemon/bus daemon/loop
+daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/config daemon/cansync/texts
+daemon/recorder:            lib/text lib/can lib/cansync lib/rt daemon/config daemon/service daemon/loop daemon/cansync/texts
+daemon/desk:                idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/config daemon/service
+                            daemon/cansync/texts daemon/cansync/requests
 daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds lib/cansync/dds daemon/cansync
-                            daemon/service daemon/bus daemon/cansync/config daemon/cansync/texts daemon/desk
-daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
-                            daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
-                            daemon/cansync/status
-daemon/cansync/segment:     lib/cansync lib/rt lib/dds lib/cansync/dds lib/cansync/sim daemon/service daemon/bus
-                            daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
-                            daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
-daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
-                            daemon/cansync/segment
+                            daemon/config daemon/service daemon/bus daemon/cansync/texts daemon/desk
+daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/config daemon/service
+                            daemon/cansync/texts daemon/cansync/requests daemon/desk daemon/cansync/status
+daemon:                     lib/text lib/cansync lib/rt lib/dds lib/cansync/dds daemon/cansync daemon/service
+                            daemon/bus daemon/loop daemon/cansync/config daemon/cansync/realtime daemon/recorder
+                            daemon/cansync/gateway
 
 tools/cli/text:
 tools/cli/base:             lib/text lib/client tools/cli/text
@@ -72,8 +66,8 @@ tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/b
 tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
-tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
-                            daemon/cansync/bus
+tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/bus
+                            daemon/cansync/config
 """
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
 
@@ -90,15 +84,13 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
                  "lib/sim": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/sync": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
-# Rooms of the daemon that every protocol has: its words, but not the paths of this product.
-CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[A-Z]|"cansync[.]h"|namespace cansync\b')
-                  for room in "config service loop bus options segment".split()}
-# Rooms of the daemon within a room are a protocol's; the one file beside them that may include them.
-PROTOCOL_LIST = "daemon/protocols.cpp"
 # What a protocol's library has beside its core: rooms of their own.
 PROTOCOL_ROOMS = re.compile(r"lib/\w+/(dds|sim|client)\b")
 # How an identifier is put together stands in one file.
 IDENTIFIER_BITS = re.compile(r"\b0x780u?\b|\b\w*(id|identifier)\b[^;]*&\s*~?0x7Fu?\b|uint32_t[^;]*=\s*0x7Fu?;")
+# What is installed of the client library, and the one header that shows the generated types.
+INSTALLED = "lib/client/include/cansync/"
+DATA_MODEL_FILE = INSTALLED + "topics.h"
 IDENTIFIER_FILE = "lib/cansync/telegram.h"
 # So does what stands where in a reply: nobody else takes its bytes or a number out of bytes.
 REPLY_BYTES = re.compile(r"(\.|->)payload(_size)?\b|\b(load|store)_(double)?word\b")
@@ -137,6 +129,8 @@ def included_room(file, bracket, path, libraries):
     first = path.split("/")[0]
     if bracket == "<" and first == "dds":
         return "dds"
+    if bracket == "<" and first == "cansync":
+        return "lib/client"
     if path in ("cansync.h", "layer2.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
         return "idl"
     if "/" not in path:
@@ -175,6 +169,15 @@ def may_use_dds(room, uses):
     return any(re.fullmatch(r"lib/(\w+/)?dds", other) for other in uses | {room})
 
 
+def installed_may_include(files, file, bracket, path, there):
+    if there == "idl":
+        return file == DATA_MODEL_FILE
+    if bracket == "<":
+        return "/" not in path
+    beside = os.path.normpath(f"{os.path.dirname(file)}/{path}")
+    return beside.startswith(INSTALLED) and beside in files
+
+
 def check(files, rooms):
     """Violations in {path: text}, as "path:line: text   <- rule"."""
     found = []
@@ -206,6 +209,10 @@ def check(files, rooms):
             if path.startswith("toml++") and room != "lib/config":
                 report("lib/config is the one reader of TOML")
             there = included_room(file, bracket, path, libraries)
+            if path.startswith("client/src/") and room != "lib/client":
+                report("lib/client/src is the library's own: include <cansync/...>")
+            if file.startswith(INSTALLED) and not installed_may_include(files, file, bracket, path, there):
+                report("an installed header includes its own kind and the standard library; topics.h the data model")
             if room in CORES:
                 protocol = room.split("/")[1]
                 own = bracket == '"' and (path == "can/frame.h" or re.fullmatch(protocol + r"/[a-z_]+\.h", path))
@@ -214,8 +221,6 @@ def check(files, rooms):
             elif there == "dds":
                 if not may_use_dds(room, uses):
                     report(f"{room} may not use DDS")
-            elif room == "daemon" and there and there.count("/") == 2 and file != PROTOCOL_LIST:
-                report(f"{PROTOCOL_LIST} is the only list of protocols")
             elif there not in uses | {room, None}:
                 report(f"{room} may not include {there}")
     return found
@@ -241,8 +246,11 @@ CLEAN = {
     "lib/sim/clean.h": '#include "can/bus.h"\n',
     "lib/dds/clean.cpp": '#include <dds/dds.h>\n#include "gateway.h"\n',
     "lib/cansync/dds/clean.cpp": '#include "cansync/jobs.h"\n#include "cansync.h"\n#include "dds/topic.h"\n',
-    "lib/client/c_face/clean.c": '#include "../clean.h"\n#include "client/client.h"\n',
-    "daemon/config/clean.h": '#include <vector>\n#include "daemon/config/daemon_config.h"\n#include "clean_too.h"\n',
+    "lib/client/src/c_face/clean.c": '#include "../clean.h"\n#include "client/src/link.h"\n#include <cansync/client.h>\n',
+    INSTALLED + "clean.h": '#include <vector>\n',
+    INSTALLED + "blocks/clean.h": '#include "../clean.h"\n',
+    DATA_MODEL_FILE: '#include "cansync.h"\n#include "clean.h"\n',
+    "daemon/config/clean.h": '#include <vector>\n#include "daemon/config/config.h"\n#include "clean_too.h"\n',
     "tools/cli/text/clean.cpp": '#include "cli/text/table.h"\n// dds_interface\n',
 }
 
@@ -273,9 +281,6 @@ PLANTED = [
     ("lib/config/planted.cpp", "using cansyncd::Config;"),
     ("lib/config/planted.cpp", "// as the daemon has it"),
     ("lib/rt/planted.h", "void f(const cansync::Telegram&);"),
-    ("daemon/bus/planted.h", "void f(const cansync::Telegram&);"),
-    ("daemon/segment/planted.cpp", "cansync_MasterStatus sample;"),
-    ("daemon/planted.cpp", '#include "daemon/cansync/segment/master_protocol.h"'),
     ("lib/sim/planted.h", "void f(const cansync::Telegram&);"),
     ("lib/rt/planted.cpp", "auto x = dds_create_participant(0, nullptr, nullptr);"),
     ("lib/dds/planted.h", "cansync::Telegram f();"),
@@ -291,6 +296,10 @@ PLANTED = [
     ("tools/cli/planted.cpp", "#include <vector>"),
     ("tools/cli/base/planted.cpp", "#include <dds/dds.h>"),
     ("tools/simulator/planted.cpp", '#include "tools/cli/base/session.h"'),
+    ("tools/simulator/planted.cpp", "#include <cansync/client.h>"),
+    ("tools/cli/base/planted.cpp", '#include "client/src/link.h"'),
+    *[(INSTALLED + "planted.h", f"#include {header}") for header in
+      ('"cansync.h"', '"gateway.h"', "<dds/dds.h>", '"dds/endpoint.h"', '"client/src/link.h"', '"../../src/link.h"')],
 ]
 
 

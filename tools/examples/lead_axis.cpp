@@ -4,6 +4,7 @@
 // (dds.interval_topic = true); 65536 increments are one revolution.
 // Usage: lead_axis DOMAIN BUS RPM SECONDS        Exit code: 0 done, 1 failed
 #include <cansync/client.h>
+#include <cansync/topics.h>
 
 #include <algorithm>
 #include <atomic>

@@ -2,6 +2,7 @@
 // and spin_once() runs the node's own callbacks on the main thread. Prints the joints' positions ten times a
 // second. Usage: ros_style_consumer DOMAIN BUS MESSAGES        Exit code: 0 done, 1 failed
 #include <cansync/client.h>
+#include <cansync/topics.h>
 
 #include <array>
 #include <chrono>

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/cansync/config/draft.h"
+#include "daemon/config/draft.h"
 
 namespace cansyncd {
 

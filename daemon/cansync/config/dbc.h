@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "daemon/cansync/config/config.h"
+#include "daemon/config/config.h"
 
 namespace cansyncd {
 

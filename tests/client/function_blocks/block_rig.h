@@ -1,14 +1,15 @@
 #pragma once
 
+#include <cansync/client.h>
+#include <cansync/function_blocks.h>
+#include <cansync/topics.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <string>
 #include <thread>
 
-#include "client/client.h"
 #include "client/fake_daemon.h"
-#include "client/function_blocks.h"
 #include "daemon/whole/whole_rig.h"
 #include "support/dds_places.h"
 

@@ -44,7 +44,7 @@ TEST_F(ModeMa, SetsUpAndEnablesActiveOperation) {
 // setting the operating mode."
 TEST_F(ModeMa, WaitShowsThatTheLineIsStopped) {
   rig.release();
-  ASSERT_TRUE(client.mode(cansync_MODE_STOP).wait().ok());
+  ASSERT_TRUE(client.mode(Mode::stop).wait().ok());
   ASSERT_TRUE(repeat_until([&] { cycle(block, now); }, [&] { return block.x_WAIT; }));
   EXPECT_FALSE(block.x_MA || block.x_SYNC_MODE_ACTIV || block.x_CANsync_ACTIV);
   // The command is refused in this state, and says so.

@@ -4,21 +4,20 @@
 #include <cstdlib>
 #include <string_view>
 
-/// Uses what is installed: a class, an exception over the library's border, a text of the data model.
+/// Uses what is installed: a class, an exception over the library's border, a setting. No header of the data
+/// model.
 int main(int argc, char** argv) {
   using namespace cansync::client;
   if (argc != 2) return 2;
-  cansync_SlaveStatus status = {};
-  status.name[0] = 'w';
-  if (text(status.name) != std::string_view("w")) return 3;
+  if (name(ReplyCode::slave_error) != std::string_view("slave_error")) return 3;
 
   Options options;
   options.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
   options.bus = "nobody";
   options.wait = std::chrono::milliseconds(1);
   try {
-    const Client client = Client::connect(options);
-    return 4;
+    Client client = Client::connect(options);
+    return client.mode(Mode::run).wait().ok() ? 4 : 6;
   } catch (const NoDaemon& error) {
     std::printf("NoDaemon: %s\n", error.what());
   }

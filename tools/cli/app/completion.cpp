@@ -1,5 +1,7 @@
 #include "cli/app/completion.h"
 
+#include <cansync/client.h>
+#include <cansync/topics.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -9,7 +11,6 @@
 
 #include "cli/cansync/profiles.h"
 #include "cli/text/values.h"
-#include "client/client.h"
 
 namespace cansync::cli {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cstdint>
+#include <cansync/types.h>
 
-#include "client/types.h"
+#include <cstdint>
 
 namespace cansync::cli {
 

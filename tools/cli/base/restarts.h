@@ -1,10 +1,11 @@
 #pragma once
 
+#include <cansync/client.h>
+#include <cansync/topics.h>
+
 #include <atomic>
 #include <string_view>
 #include <utility>
-
-#include "client/client.h"
 
 namespace cansync::cli {
 

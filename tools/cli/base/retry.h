@@ -1,11 +1,11 @@
 #pragma once
 
+#include <cansync/types.h>
+
 #include <chrono>
 #include <functional>
 #include <string>
 #include <string_view>
-
-#include "client/types.h"
 
 /// Trying again what surely did nothing (`--retry`). Main thread only.
 namespace cansync::cli {

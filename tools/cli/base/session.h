@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cansync/client.h>
+#include <cansync/topics.h>
+
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -14,7 +17,6 @@
 #include "cli/base/output.h"
 #include "cli/base/retry.h"
 #include "cli/text/values.h"
-#include "client/client.h"
 
 /// What every verb works with. Main thread only.
 namespace cansync::cli {

@@ -87,17 +87,17 @@ ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
 }
 
 client::Mode parse_mode(std::string_view text) {
-  if (text == "setup") return cansync_MODE_SETUP;
-  if (text == "run") return cansync_MODE_RUN;
-  if (text == "stop") return cansync_MODE_STOP;
-  if (text == "reset-can") return cansync_MODE_RESET_CAN;
-  if (text == "restart") return cansync_MODE_RESTART;
+  if (text == "setup") return client::Mode::setup;
+  if (text == "run") return client::Mode::run;
+  if (text == "stop") return client::Mode::stop;
+  if (text == "reset-can") return client::Mode::reset_can;
+  if (text == "restart") return client::Mode::restart;
   throw UsageError(fmt::format("MODE: found '{}'; allowed: setup, run, stop, reset-can, restart", text));
 }
 
 ExitCode mode_verb(Session& session, const ModeTexts& texts) {
   const client::Mode mode = parse_mode(texts.mode);
-  if (texts.force && mode != cansync_MODE_RUN) throw UsageError("--force: only `mode run` takes it");
+  if (texts.force && mode != client::Mode::run) throw UsageError("--force: only `mode run` takes it");
   const client::CommandReply reply =
       session.ask(Effect::changes, [&] { return session.client().mode(mode, texts.force); });
   return session.finish(reply, JsonObject().add("mode", texts.mode).add("force", texts.force),

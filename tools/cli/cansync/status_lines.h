@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cansync/topics.h>
+#include <cansync/types.h>
+
 #include <string>
 #include <vector>
-
-#include "client/types.h"
 
 /// What `status` writes for people. Pure functions.
 namespace cansync::cli {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cansync/topics.h>
+#include <cansync/types.h>
+
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -9,7 +12,6 @@
 #include <vector>
 
 #include "cli/text/table.h"
-#include "client/types.h"
 #include "text/json.h"
 
 /// What the samples of the topic Timing say, for people and for programs. Pure functions.

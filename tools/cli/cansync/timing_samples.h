@@ -1,11 +1,12 @@
 #pragma once
 
+#include <cansync/client.h>
+#include <cansync/topics.h>
+
 #include <cstddef>
 #include <deque>
 #include <mutex>
 #include <optional>
-
-#include "client/client.h"
 
 namespace cansync::cli {
 

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <cansync/topics.h>
+#include <cansync/types.h>
+
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "client/types.h"
 
 /// What `cansync wait` can wait for. Pure.
 namespace cansync::cli {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cansync/topics.h>
+#include <cansync/types.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,7 +12,6 @@
 #include "can/link_facts.h"
 #include "cli/base/exit_codes.h"
 #include "cli/doctor/doctor_facts.h"
-#include "client/types.h"
 
 /// What is well and what is not with a bus, its daemon and this computer. Pure functions.
 namespace cansync::cli {

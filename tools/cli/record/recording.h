@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cansync/topics.h>
+#include <cansync/types.h>
+
 #include <array>
 #include <cstdint>
 #include <map>
@@ -10,7 +13,6 @@
 #include <vector>
 
 #include "cli/watch/watch_rows.h"
-#include "client/types.h"
 
 /// From samples of actual values to rows of a CSV file. No clocks, no files; one thread.
 namespace cansync::cli {

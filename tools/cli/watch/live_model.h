@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cansync/topics.h>
+#include <cansync/types.h>
+
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -9,7 +12,6 @@
 
 #include "cli/cansync/timing_report.h"
 #include "cli/watch/watch_rows.h"
-#include "client/types.h"
 
 /// What the live view knows: the newest of everything, and a bounded past. Main thread only.
 namespace cansync::cli {

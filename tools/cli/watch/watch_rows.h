@@ -1,11 +1,12 @@
 #pragma once
 
+#include <cansync/client.h>
+#include <cansync/topics.h>
+
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <vector>
-
-#include "client/client.h"
 
 /// What `watch` knows of the slaves at one moment, from the newest samples of their topics.
 namespace cansync::cli {

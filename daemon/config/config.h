@@ -1,0 +1,222 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "can/bit_timing.h"
+#include "cansync/mapping.h"
+#include "cansync/numbers.h"
+#include "cansync/settings.h"
+#include "daemon/config/flight_triggers.h"
+#include "profile/profile.h"
+#include "sync/input.h"
+
+/// The whole configuration of one daemon, one bus: plain values. `config_file.h` reads it from a TOML file;
+/// docs/configuration.md lists every option. Not for the realtime thread, except `Config::master`, which is
+/// copied into the master.
+namespace cansyncd {
+
+/// What stands behind the bus.
+enum class BusKind : std::uint8_t {
+  simulated,  ///< simulated line with simulated drives, in real time
+  socketcan,  ///< a CAN network interface of the kernel
+};
+
+/// What the daemon asks of a controller's one-shot mode, in which a frame that nobody acknowledges is not
+/// repeated.
+enum class OneShot : std::uint8_t {
+  prefer,   ///< without it, say so and send
+  enforce,  ///< without it, refuse to start, and send nothing
+  ignore,   ///< without it, send
+};
+
+/// The bus. Bit rate and send margin are in `Config::master`.
+struct BusConfig {
+  std::string name = "sim";  ///< name for people, log lines and the default DDS partition; 1..63 characters
+  BusKind kind = BusKind::simulated;
+  std::string interface = "sim";  ///< "sim", or the network interface's name
+  bool wake_on_frame = false;     ///< CAN interface: wake for each frame instead of at the slots
+  OneShot one_shot = OneShot::prefer;
+  std::optional<std::uint8_t> btr0;  ///< bit timing registers of the controller the line was set up with;
+  std::optional<std::uint8_t> btr1;  ///< both or none
+  can::Controller registers_of = can::Controller::plc;  ///< whose clock the registers count in
+};
+
+/// What to do when the realtime thread cannot get what it asks for.
+enum class RealtimeMode : std::uint8_t {
+  enforce,  ///< refuse to start
+  ignore,   ///< say so once and run anyway
+};
+
+/// The realtime thread.
+struct RealtimeConfig {
+  RealtimeMode mode = RealtimeMode::ignore;
+  int priority = 60;                  ///< SCHED_FIFO priority, 1..98; 0: normal scheduling
+  int cpu = -1;                       ///< processor the thread is bound to; -1: any
+  bool lock_memory = true;            ///< mlockall
+  std::uint32_t request_queue = 256;  ///< requests on their way to the realtime thread
+  std::uint32_t report_queue = 1024;  ///< reports on their way from the realtime thread
+};
+
+/// Where the SYNC edge goes beside the bus itself. A simulated bus has its own SYNC line.
+enum class SyncOutput : std::uint8_t {
+  none,
+  gpio,  ///< a GPIO line
+  phc,   ///< a periodic output of a PTP hardware clock, which the timeline follows
+  can,   ///< the software SYNC frame
+};
+
+/// The external SYNC that the timeline follows.
+enum class SyncInput : std::uint8_t {
+  none,
+  gpio,  ///< edges of a GPIO line
+  pps,   ///< one pulse per second
+  can,   ///< the software SYNC frame of another node
+};
+
+using SyncEdge = sync_line::Edge;
+
+/// The SYNC line.
+struct SyncConfig {
+  SyncOutput output = SyncOutput::none;
+  SyncEdge edge = SyncEdge::falling;  ///< at the GPIO line or the clock's pin
+  std::string gpio_chip = "/dev/gpiochip0";
+  std::uint32_t gpio_line = 0;
+  std::string phc_device = "/dev/ptp0";
+  int phc_pin = 0;  ///< -1: the clock's pins are fixed
+  std::uint32_t phc_channel = 0;
+  std::uint32_t can_identifier = 0x080;  ///< of the software SYNC frame
+  SyncInput input = SyncInput::none;
+  std::string input_gpio_chip = "/dev/gpiochip0";
+  std::uint32_t input_gpio_line = 0;
+  SyncEdge input_edge = SyncEdge::falling;
+  std::string pps_device = "/dev/pps0";
+  SyncEdge pps_edge = SyncEdge::rising;       ///< rising: assert; falling: clear
+  std::chrono::nanoseconds input_offset{0};   ///< from the input's edge to the timeline's
+  std::chrono::milliseconds holdover{1000};   ///< without edges until the input counts as lost
+  std::chrono::nanoseconds greatest_step{0};  ///< per interval; 0: a thousandth of the interval
+
+  /// Does the bus carry software SYNC frames for or from this daemon?
+  bool uses_frame() const noexcept { return output == SyncOutput::can || input == SyncInput::can; }
+};
+
+/// How far the daemon goes by itself after its start.
+enum class StartTarget : std::uint8_t {
+  none,    ///< waiting for start; clients give the mode commands
+  setup,   ///< set-up: SYNC runs, slaves are activated, the command channel is served
+  active,  ///< set-up, then active operation as soon as the enable rule allows
+};
+
+/// Start-up. What concerns the master alone is in `Config::master.startup`.
+struct StartConfig {
+  StartTarget target = StartTarget::active;
+};
+
+/// What happens when the writer of reference values dies, leaves, or falls silent. New values end each.
+enum class LossReaction : std::uint8_t {
+  stop_release,  ///< no reference value telegrams of that channel
+  hold,          ///< a running release goes on with its last values for a limited time, then stops
+  control_word,  ///< the release stops, and a control word is sent to slaves
+};
+
+/// Failsafe behaviour of the reference values. How old they may grow on the bus is
+/// `Config::master.process.too_old_after`.
+struct FailsafeConfig {
+  LossReaction reaction = LossReaction::stop_release;
+  std::uint32_t hold_intervals = 50;                      ///< 1..60'000
+  std::optional<std::uint16_t> control_word;              ///< given when it is the reaction
+  std::optional<cansync::SlaveMask> control_word_slaves;  ///< nothing: every configured slave
+  /// A writer that gives nothing new for so long has missed its deadline; 0: not looked at.
+  std::chrono::milliseconds reference_deadline{0};
+  /// A sample of reference values whose source time lies further away is not taken; 0: not looked at.
+  std::chrono::milliseconds reference_max_age{500};
+};
+
+/// Name, unit and scaling of one value: scaled = number * factor + offset, in `unit`. The number has 16 bits
+/// when the mapping carries the value's low word alone, else 32.
+struct ValueConfig {
+  std::string name;  ///< empty: no name; else 1..64 characters
+  std::string unit;  ///< 0..16 characters
+  double factor = 1.0;
+  double offset = 0.0;
+  bool is_signed = true;  ///< the number is two's complement
+  friend bool operator==(const ValueConfig&, const ValueConfig&) = default;
+};
+using ValueConfigs = std::array<ValueConfig, cansync::kValues>;
+
+/// What people call a slave and its actual values. Number, mapping and limits are in `Config::master.slaves`.
+struct SlaveConfig {
+  std::string name;  ///< default "slaveN"; 1..64 characters, unique, no number
+  ValueConfigs actual = {};
+  std::string profile;                                 ///< name or file of its drive profile; empty: none
+  std::shared_ptr<const profile::Profile> parameters;  ///< that profile, read; null: none
+  friend bool operator==(const SlaveConfig&, const SlaveConfig&) = default;
+};
+
+/// DDS.
+struct DdsConfig {
+  std::uint32_t domain = 0;      ///< 0..230
+  std::string interface = "lo";  ///< network interface DDS is bound to
+  std::string partition;         ///< of all topics; never empty after parsing (default: the bus's name)
+  bool interval_topic = false;   ///< publish the topic Interval
+  std::chrono::milliseconds request_max_age{5000};  ///< of a request when it arrives; 0: any
+  std::string security;  ///< folder of the daemon's identity; empty: without DDS Security
+  std::string xml;       ///< Cyclone DDS configuration used instead of the generated one; empty: generated
+};
+
+/// Who may do what.
+struct AccessConfig {
+  bool read_only = false;     ///< refuse every request that would change a drive or the line
+  bool profile_rules = true;  ///< refuse writes that the slave's profile does not allow
+};
+
+/// The simulated line; looked at only with `BusKind::simulated`.
+struct SimConfig {
+  cansync::SlaveMask drives;  ///< which slave numbers have a drive; default: every configured slave
+  std::chrono::milliseconds lock_time{500};  ///< from SYNC and activation to bit 15 of the status word
+  std::uint64_t seed = 1;
+  std::string fault_script;           ///< file with faults to inject; empty: none
+  std::uint32_t memory = 256 * 1024;  ///< bytes of upload/download memory per drive
+  std::uint16_t missing_references =
+      10;             ///< intervals in a row without reference values until a drive faults
+  std::string trace;  ///< file for a candump text log of the bus; empty: none
+};
+
+/// The flight recorder: what is kept of the realtime thread's last moments, and when it is saved.
+struct RecorderConfig {
+  std::optional<std::string> folder;   ///< empty: off; nothing: the service's state folder, see docs
+  std::uint32_t files = 10;            ///< recordings kept
+  std::uint32_t entries = 16384;       ///< things kept in memory: wake-ups, frames, states
+  std::uint32_t intervals_after = 50;  ///< recording goes on so long after a fault
+  FlightTriggers triggers;
+};
+
+/// The metrics file for node_exporter's textfile collector.
+struct MetricsConfig {
+  std::string file;                 ///< empty: none
+  std::chrono::seconds period{10};  ///< 1..3600
+};
+
+/// Everything.
+struct Config {
+  BusConfig bus;
+  RealtimeConfig realtime;
+  SyncConfig sync;
+  StartConfig startup;
+  FailsafeConfig failsafe;
+  cansync::MasterSettings master;  ///< bit rate, slots, slaves, mappings, polling, command channel, start-up
+  std::array<SlaveConfig, cansync::kSlaves> slaves =
+      {};                        ///< by slave number; see `master.slaves[n].configured`
+  ValueConfigs references = {};  ///< reference values 0..7
+  DdsConfig dds;
+  AccessConfig access;
+  SimConfig sim;
+  RecorderConfig recorder;
+  MetricsConfig metrics;
+};
+
+}  // namespace cansyncd

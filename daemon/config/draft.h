@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "config/rows.h"
+#include "config/settings.h"
+#include "daemon/config/config.h"
+
+/// What the daemon's rows of options fill while a file is read. Main thread only.
+namespace cansyncd {
+
+using config::Option;
+using config::OptionType;
+using config::Position;
+using config::Problem;
+using config::Scalar;
+using config::Setting;
+using config::Settings;
+using config::Value;
+
+/// One telegram's mapping while a file is being read.
+struct MappingDraft {
+  std::optional<std::array<std::uint8_t, cansync::kWords>> registers;
+  std::optional<std::array<int, cansync::kWords>> values;
+  std::optional<std::array<bool, cansync::kWords>> high;
+};
+using MappingDrafts = std::array<MappingDraft, cansync::kChannels>;
+
+/// A configuration while it is being read.
+struct Draft {
+  Config config;
+  MappingDrafts reference = {};
+  MappingDrafts actual_common = {};  ///< of slaves that do not give their own
+  std::array<MappingDrafts, cansync::kSlaves> actual = {};
+  unsigned slave = 0;  ///< slave number an option of [[slave]] belongs to
+  unsigned value = 0;  ///< value number an option of [[slave.value]], [[actual]] or [[reference]] belongs to
+};
+
+using Row = config::Row<Draft>;
+
+}  // namespace cansyncd

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command_slot.h"
+#include "types.h"
+
+namespace cansync::client::function_blocks {
+
+/// CANsync_MODE_MA (M 4.10): sets the operating mode and shows the state.
+///
+/// Commands go out when an input becomes TRUE, once. x_CANsync_RUN is given again every 500 ms while it stays
+/// TRUE and the daemon refuses it, because the daemon enables active operation only when the slaves are
+/// ready. x_SYNC_MODE with x_CANsync_RUN: first the one, then the other. x_SET_INIT_DATA does nothing,
+/// because the initialisation data are the daemon's configuration file; the reserved inputs x_ASYNC_MODE0 and
+/// 1 are refused. The outputs show what the daemon told last. x_HS_ACTIV is the state start-up (0x0001).
+class CANSYNC_PUBLIC MODE_MA {
+ public:
+  BOOL x_RESET_SOFTWARE = false;            ///< the daemon starts the line anew, up to the configured state
+  BOOL x_SET_INIT_DATA = false;             ///< no effect
+  BOOL x_CANsync_RUN = false;               ///< enables active operation
+  BOOL x_RESET_CANsync_CONTROLLER = false;  ///< leaves bus-off
+  BOOL x_SYNC_MODE = false;                 ///< sets up synchronous operation
+  BOOL x_ASYNC_MODE0 = false;               ///< reserved
+  BOOL x_ASYNC_MODE1 = false;               ///< reserved
+
+  BOOL x_HS_ACTIV = false;
+  BOOL x_INIT_POSSIBLE = false;
+  BOOL x_WAIT = false;
+  BOOL x_PREPARE_ACTIV = false;
+  BOOL x_CANsync_ACTIV = false;
+  BOOL x_SYNC_MODE_ACTIV = false;
+  BOOL x_ASYNC_MODE_ACTIV = false;  ///< never
+  BOOL x_SL = false;                ///< never: the daemon is the master
+  BOOL x_MA = false;
+
+  /// Who refused the last command and why, in words; empty without an error. Not in the manual.
+  const std::string& error() const noexcept { return slot_.error(); }
+
+  /// `client` must outlive the block.
+  explicit MODE_MA(Client& client) : client_(&client), slot_(client) {}
+  /// One cycle: enters a command for each input that has become TRUE, and shows the state. `now` counts the
+  /// 500 ms.
+  void call(Clock::time_point now = Clock::now());
+
+ private:
+  void enter(Mode mode);
+  void show(WORD option_status);
+
+  Client* client_;
+  CommandSlot slot_;
+  BOOL reset_was_ = false;
+  BOOL controller_was_ = false;
+  BOOL sync_was_ = false;
+  BOOL run_was_ = false;
+  bool run_wanted_ = false;
+  std::optional<Clock::time_point> run_given_;
+};
+
+}  // namespace cansync::client::function_blocks

@@ -1,0 +1,80 @@
+#include <new>
+
+#include "client/src/c_face/handle.h"
+
+namespace {
+
+namespace client = cansync::client;
+
+// The numbers of the two lists are the same.
+static_assert(static_cast<int>(client::ReplyCode::done) == CANSYNC_DONE);
+static_assert(static_cast<int>(client::ReplyCode::value_too_wide) == CANSYNC_VALUE_TOO_WIDE);
+static_assert(static_cast<int>(client::ReplyCode::no_reply) == CANSYNC_NO_REPLY);
+
+std::string text_or(const char* text, const std::string& otherwise) {
+  return text == nullptr ? otherwise : text;
+}
+
+client::Options options_of(const cansync_options& from) {
+  client::Options options;
+  options.domain = from.domain;
+  options.bus = text_or(from.bus, options.bus);
+  options.interface = text_or(from.interface, options.interface);
+  options.client_name = text_or(from.client_name, options.client_name);
+  options.security = text_or(from.security, options.security);
+  if (from.wait_ms != 0) options.wait = std::chrono::milliseconds(from.wait_ms);
+  return options;
+}
+
+}  // namespace
+
+const char* cansync_version() noexcept {
+  return CANSYNC_VERSION;
+}
+
+const char* cansync_result_name(int result) noexcept {
+  switch (result) {
+    case CANSYNC_NO_DAEMON:
+      return "no_daemon";
+    case CANSYNC_SETUP_FAILED:
+      return "setup_failed";
+    case CANSYNC_NO_DATA:
+      return "no_data";
+    case CANSYNC_INVALID:
+      return "invalid";
+    case CANSYNC_FAILED:
+      return "failed";
+    case CANSYNC_TAKE_UP:
+      return "take_up";
+    case CANSYNC_REPLACED:
+      return client::name(client::ReplyCode::replaced).data();
+    default:
+      break;
+  }
+  if (result < CANSYNC_DONE || result > CANSYNC_NO_REPLY) return "unknown";
+  // The words are literals, terminated by 0.
+  return client::name(static_cast<client::ReplyCode>(result)).data();
+}
+
+cansync_client* cansync_new() noexcept {
+  return new (std::nothrow) cansync_client;
+}
+
+void cansync_free(cansync_client* handle) noexcept {
+  delete handle;
+}
+
+const char* cansync_last_error(const cansync_client* handle) noexcept {
+  return handle == nullptr ? "the handle is NULL" : handle->error.c_str();
+}
+
+int cansync_connect(cansync_client* handle, const cansync_options* options) noexcept {
+  return client::c_face::guarded(handle, [&](cansync_client& open) {
+    if (open.client)
+      return client::c_face::fail(open, CANSYNC_INVALID,
+                                  "the handle is connected already; take a new one for another bus");
+    open.client.emplace(
+        client::Client::connect(options_of(options == nullptr ? cansync_options{} : *options)));
+    return static_cast<int>(CANSYNC_DONE);
+  });
+}

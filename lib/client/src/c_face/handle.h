@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cansync/cansync_c.h>
+#include <cansync/client.h>
+
+#include <atomic>
+#include <exception>
+#include <optional>
+#include <string>
+#include <utility>
+
+/// What stands behind the handle of the C face. Internal to lib/client.
+struct cansync_client {
+  std::optional<cansync::client::Client> client;
+  std::string error;               ///< of the last call
+  std::atomic<bool> stop = false;  ///< the transfer that is waited for is to be cancelled
+  // After the client: they end before it.
+  std::optional<cansync::client::ReferenceWriter> writer;
+  cansync::client::Subscription actual_values;
+  cansync::client::Subscription events;
+};
+
+namespace cansync::client::c_face {
+
+/// Keeps the reason and gives the result back.
+inline int fail(cansync_client& handle, int result, std::string reason) {
+  handle.error = std::move(reason);
+  return result;
+}
+
+/// The result of a reply; the reason is kept, with who said it.
+int result_of(cansync_client& handle, const Reply& reply);
+
+/// Runs `call(handle)` and turns what it throws into a result.
+template <class Call>
+int guarded(cansync_client* handle, Call&& call) noexcept {
+  if (handle == nullptr) return CANSYNC_INVALID;
+  try {
+    handle->error.clear();
+    return std::forward<Call>(call)(*handle);
+  } catch (const NoDaemon& error) {
+    return fail(*handle, CANSYNC_NO_DAEMON, error.what());
+  } catch (const SetupError& error) {
+    return fail(*handle, CANSYNC_SETUP_FAILED, error.what());
+  } catch (const std::exception& error) {
+    return fail(*handle, CANSYNC_FAILED, error.what());
+  }
+}
+
+/// Like `guarded`, for a handle that must be connected: `call(handle, client)`.
+template <class Call>
+int connected(cansync_client* handle, Call&& call) noexcept {
+  return guarded(handle, [&](cansync_client& open) {
+    if (!open.client)
+      return fail(open, CANSYNC_INVALID, "the handle is not connected; call cansync_connect() first");
+    return std::forward<Call>(call)(open, *open.client);
+  });
+}
+
+}  // namespace cansync::client::c_face

@@ -1,0 +1,228 @@
+#include <cansync/client.h>
+#include <cansync/topics.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "client/src/link.h"
+#include "client/src/set_up.h"
+
+namespace cansync::client {
+namespace {
+
+/// A slave number in decimal or 0x hexadecimal; nothing when `text` is none at all.
+std::optional<unsigned> parse_number(std::string_view text) {
+  const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+  if (hexadecimal) text.remove_prefix(2);
+  unsigned value = 0;
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), value, hexadecimal ? 16 : 10);
+  if (text.empty() || error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+bool is_configured(const MasterStatus& master, unsigned slave) {
+  return ((master.slaves_configured >> slave) & 1u) != 0;
+}
+
+}  // namespace
+
+NoDaemon::~NoDaemon() = default;
+SetupError::~SetupError() = default;
+
+std::string_view name(ReplyCode code) noexcept {
+  switch (code) {
+    case ReplyCode::done:
+      return "done";
+    case ReplyCode::refused:
+      return "refused";
+    case ReplyCode::slave_error:
+      return "slave_error";
+    case ReplyCode::timeout:
+      return "timeout";
+    case ReplyCode::no_answer:
+      return "no_answer";
+    case ReplyCode::word_expected:
+      return "word_expected";
+    case ReplyCode::doubleword_expected:
+      return "doubleword_expected";
+    case ReplyCode::value_too_wide:
+      return "value_too_wide";
+    case ReplyCode::cancelled:
+      return "cancelled";
+    case ReplyCode::master_stopped:
+      return "master_stopped";
+    case ReplyCode::slave_lost:
+      return "slave_lost";
+    case ReplyCode::replaced:
+      return "replaced";
+    case ReplyCode::no_reply:
+      break;
+  }
+  return "no_reply";
+}
+
+std::string_view name(Speaker speaker) noexcept {
+  switch (speaker) {
+    case Speaker::client:
+      return "client";
+    case Speaker::daemon:
+      return "daemon";
+    case Speaker::slave:
+      return "slave";
+    case Speaker::nobody:
+      break;
+  }
+  return "nobody there";
+}
+
+std::string describe(const Reply& reply) {
+  if (reply.ok()) return "";
+  return std::string(name(reply.speaker)) + ": " + reply.reason;
+}
+
+Subscription::~Subscription() {
+  if (!hold_) return;
+  const std::lock_guard lock(hold_->running);
+  hold_->callback = nullptr;
+}
+
+Subscription& Subscription::operator=(Subscription&& other) noexcept {
+  if (this == &other) return *this;
+  const Subscription ended(std::move(*this));
+  hold_ = std::move(other.hold_);
+  return *this;
+}
+
+Client::Client(std::shared_ptr<detail::Link> link) : link_(std::move(link)) {}
+Client::Client(Client&&) noexcept = default;
+
+Client& Client::operator=(Client&& other) noexcept {
+  if (this == &other) return *this;
+  if (link_) link_->close();
+  link_ = std::move(other.link_);
+  return *this;
+}
+
+Client::~Client() {
+  if (link_) link_->close();
+}
+
+Client Client::connect(const Options& options) {
+  Client client(detail::set_up([&] { return std::make_shared<detail::Link>(options); }));
+  client.link_->connect(options.wait);
+  return client;
+}
+
+std::string Client::place() const {
+  return link_->participant().place();
+}
+bool Client::daemon_present() const {
+  return link_->daemon_present();
+}
+
+std::uint32_t Client::participants() const noexcept {
+  return link_->participant().others();
+}
+
+MasterStatus Client::master_status() const {
+  return link_->open<MasterStatus>().known().front();
+}
+
+Validity Client::validity() const {
+  return link_->validity();
+}
+
+std::optional<MasterStatus> Client::wait_status(const std::function<bool(const MasterStatus&)>& fits,
+                                                std::chrono::milliseconds time) const {
+  std::optional<MasterStatus> found;
+  (void)link_->open<MasterStatus>().wait(time, [&](const std::vector<MasterStatus>& known) {
+    if (!known.empty() && fits(known.front())) found = known.front();
+    return found.has_value();
+  });
+  return found;
+}
+
+std::vector<SlaveStatus> Client::slaves(std::chrono::milliseconds time) const {
+  const MasterStatus master = master_status();
+  auto& feed = link_->open<SlaveStatus>();
+  (void)feed.wait(time, [&](const std::vector<SlaveStatus>& known) {
+    std::uint32_t mask = 0;
+    for (const SlaveStatus& slave : known) mask |= 1u << (slave.slave % cansync_SLAVES);
+    return (master.slaves_configured & ~mask) == 0;
+  });
+  std::vector<SlaveStatus> slaves = feed.known();
+  std::erase_if(
+      slaves, [&](const SlaveStatus& slave) { return !is_configured(master, slave.slave % cansync_SLAVES); });
+  std::sort(slaves.begin(), slaves.end(),
+            [](const SlaveStatus& a, const SlaveStatus& b) { return a.slave < b.slave; });
+  return slaves;
+}
+
+std::optional<ActualValues> Client::actual_values(std::uint8_t slave, std::chrono::milliseconds time) const {
+  std::optional<ActualValues> found;
+  (void)link_->open<ActualValues>().wait(time, [&](const std::vector<ActualValues>& known) {
+    const auto entry = std::find_if(known.begin(), known.end(),
+                                    [&](const ActualValues& values) { return values.slave == slave; });
+    if (entry != known.end()) found = *entry;
+    return found.has_value();
+  });
+  return found;
+}
+
+SlaveLookup Client::find_slave(std::string_view number_or_name) const {
+  if (const auto number = parse_number(number_or_name)) {
+    if (*number < cansync_SLAVES) return {static_cast<std::uint8_t>(*number), ""};
+    return {std::nullopt,
+            "slave " + std::string(number_or_name) + ": out of range; allowed 0..31 or a slave's name"};
+  }
+  std::string names;
+  for (const SlaveStatus& slave : slaves()) {
+    const std::string_view slave_name = text(slave.name);
+    if (!slave_name.empty() && slave_name == number_or_name) return {slave.slave, ""};
+    if (slave_name.empty()) continue;
+    names += names.empty() ? "" : ", ";
+    names += slave_name;
+  }
+  return {std::nullopt, "slave '" + std::string(number_or_name) +
+                            "': no slave has this name; allowed 0..31 or " +
+                            (names.empty() ? "a name, but no slave has one" : names)};
+}
+
+std::vector<Event> Client::recent_events(std::chrono::milliseconds quiet) const {
+  auto& feed = link_->open<Event>();
+  feed.wait_quiet(quiet);
+  return feed.known();
+}
+
+Subscription Client::on_actual_values(std::function<void(const ActualValues&)> callback) {
+  return link_->subscribe<ActualValues>(std::move(callback));
+}
+Subscription Client::on_master_status(std::function<void(const MasterStatus&)> callback) {
+  return link_->subscribe<MasterStatus>(std::move(callback));
+}
+Subscription Client::on_restart(std::function<void(const MasterStatus&)> callback) {
+  using Identity = std::array<std::uint8_t, 16>;
+  return on_master_status(
+      [callback = std::move(callback), known = Identity{}](const MasterStatus& status) mutable {
+        Identity now{};
+        std::copy(std::begin(status.daemon), std::end(status.daemon), now.begin());
+        if (now == Identity{}) return;
+        const Identity before = std::exchange(known, now);
+        if (before != Identity{} && before != now) callback(status);
+      });
+}
+Subscription Client::on_slave_status(std::function<void(const SlaveStatus&)> callback) {
+  return link_->subscribe<SlaveStatus>(std::move(callback));
+}
+Subscription Client::on_event(std::function<void(const Event&)> callback) {
+  return link_->subscribe<Event>(std::move(callback));
+}
+Subscription Client::on_timing(std::function<void(const Timing&)> callback) {
+  return link_->subscribe<Timing>(std::move(callback));
+}
+Subscription Client::on_interval(std::function<void(const Interval&)> callback) {
+  return link_->subscribe<Interval>(std::move(callback));
+}
+
+}  // namespace cansync::client

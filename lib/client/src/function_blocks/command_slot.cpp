@@ -1,0 +1,38 @@
+#include <cansync/function_blocks/command_slot.h>
+
+#include <utility>
+
+namespace cansync::client::function_blocks {
+
+void CommandSlot::enter(Submit submit) {
+  waiting_ = std::move(submit);
+  sent_ = false;
+  error_.clear();
+}
+
+void CommandSlot::refuse(std::string reason) {
+  waiting_ = nullptr;
+  sent_ = false;
+  error_ = std::move(reason);
+}
+
+void CommandSlot::poll() {
+  constexpr std::chrono::milliseconds kNow{0};
+  if (older_ && older_->wait_for(kNow)) older_.reset();
+  if (job_) {
+    const std::optional<CommandReply> reply = job_->wait_for(kNow);
+    if (!reply) {
+      if (!newest_at_once_ || !waiting_ || older_) return;
+      older_ = job_;
+    } else if (!waiting_ && error_.empty()) {
+      // What was entered meanwhile counts, not what it has replaced.
+      sent_ = reply->ok();
+      error_ = describe(*reply);
+    }
+    job_.reset();
+  }
+  if (!waiting_) return;
+  job_.emplace(std::exchange(waiting_, nullptr)(*client_));
+}
+
+}  // namespace cansync::client::function_blocks

@@ -1,0 +1,168 @@
+#pragma once
+
+#include <cansync/job.h>
+#include <cansync/types.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dds/endpoint.h"
+
+/// Internal to lib/client.
+namespace cansync::client::detail {
+
+/// The reply writers of the daemons that are matched.
+using Daemons = std::vector<dds_instance_handle_t>;
+
+/// One request of a client, shared by its Job and the receiver thread.
+template <class R>
+struct JobState {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::optional<R> reply;  // once there, it never changes
+  std::vector<std::function<void(const R&)>> callbacks;
+  std::uint32_t done = 0;
+  std::uint32_t total = 0;
+  std::uint64_t progress = 0;  // rises with each progress sample
+  std::uint64_t request = 0;   // constant from here on
+  std::weak_ptr<Link> link;
+  Daemons daemons;  // who could answer when it was sent
+
+  // Of a request whose reply does not come. The first two stay as they are, the others are guarded by
+  // `mutex`.
+  using Clock = std::chrono::steady_clock;
+  std::chrono::milliseconds monitoring{0};
+  std::chrono::milliseconds grace{0};
+  Clock::time_point since;  // submitted; transfers: last sign that the daemon has it
+  bool given_up = false;    // the library has asked for its cancellation
+
+  /// When the library cancels it.
+  Clock::time_point cancel_at() const { return since + monitoring + grace / 2; }
+  /// When it ends without a reply.
+  Clock::time_point end_at() const { return since + monitoring + grace; }
+  /// The receiver thread ends it by then; when that one stands in a callback, who waits for the job does.
+  Clock::time_point last_moment() const { return end_at() + std::chrono::seconds(1); }
+  bool abandoned(Clock::time_point now) const { return !reply && now >= last_moment(); }
+
+  bool ended() {
+    const std::lock_guard lock(mutex);
+    return reply.has_value();
+  }
+
+  /// Ends it as one of which nothing is known.
+  void end_unheard() {
+    end(ReplyCode::no_reply,
+        fmt::format(
+            "the daemon gave no reply within {} ms (monitoring time {} ms and {} ms of grace); whether the "
+            "request was done is not known",
+            (monitoring + grace).count(), monitoring.count(), grace.count()));
+  }
+
+  /// Ends the job; a second reply is ignored.
+  void finish(R&& terminal) {
+    std::vector<std::function<void(const R&)>> waiting;
+    {
+      const std::lock_guard lock(mutex);
+      if (reply) return;
+      if (given_up && terminal.code == ReplyCode::cancelled) {
+        terminal.code = ReplyCode::timeout;
+        terminal.speaker = Speaker::client;
+        terminal.reason = fmt::format(
+            "no reply within {} ms (monitoring time {} ms): the line has too much to do; the request was "
+            "cancelled",
+            (monitoring + grace / 2).count(), monitoring.count());
+      }
+      reply = std::move(terminal);
+      waiting.swap(callbacks);
+    }
+    changed.notify_all();
+    for (const auto& callback : waiting) callback(*reply);
+  }
+  void end(ReplyCode code, const std::string& reason) {
+    R terminal;
+    terminal.code = code;
+    terminal.reason = reason;
+    terminal.speaker = code == ReplyCode::no_reply ? Speaker::nobody : Speaker::client;
+    finish(std::move(terminal));
+  }
+};
+
+/// The open jobs of one kind, by request number. Guarded by the link's mutex.
+template <class R>
+class OpenJobs {
+ public:
+  using State = std::shared_ptr<JobState<R>>;
+
+  void add(const State& state) { open_.emplace(state->request, state); }
+
+  /// The job of a request; nullptr when it is not (or no longer) open.
+  State find(std::uint64_t request) const {
+    const auto entry = open_.find(request);
+    return entry == open_.end() ? nullptr : entry->second;
+  }
+
+  State remove(std::uint64_t request) {
+    State state = find(request);
+    open_.erase(request);
+    return state;
+  }
+
+  std::size_t size() const { return open_.size(); }
+
+  /// Jobs whose reply is late: those to be cancelled now (told once), and those that are over, which it
+  /// removes.
+  void look_at_time(std::chrono::steady_clock::time_point now, std::vector<std::uint64_t>& cancel,
+                    std::vector<State>& over) {
+    for (auto entry = open_.begin(); entry != open_.end();) {
+      JobState<R>& job = *entry->second;
+      std::unique_lock lock(job.mutex);
+      // Never both at once: the answer to the cancel has to have time to come.
+      const bool ended = job.reply.has_value() || (job.given_up && now >= job.end_at());
+      if (!job.given_up && now >= job.cancel_at()) {
+        job.given_up = true;
+        cancel.push_back(job.request);
+      }
+      lock.unlock();
+      if (!ended) {
+        ++entry;
+        continue;
+      }
+      over.push_back(entry->second);
+      entry = open_.erase(entry);
+    }
+  }
+
+  /// Removes and returns the jobs that none of `alive` can answer any more.
+  std::vector<State> remove_lost(const Daemons& alive) {
+    std::vector<State> lost;
+    for (auto entry = open_.begin(); entry != open_.end();) {
+      const Daemons& asked = entry->second->daemons;
+      const bool answerable = std::any_of(asked.begin(), asked.end(), [&](dds_instance_handle_t daemon) {
+        return std::find(alive.begin(), alive.end(), daemon) != alive.end();
+      });
+      if (answerable) {
+        ++entry;
+        continue;
+      }
+      lost.push_back(entry->second);
+      entry = open_.erase(entry);
+    }
+    return lost;
+  }
+
+ private:
+  std::map<std::uint64_t, State> open_;
+};
+
+}  // namespace cansync::client::detail

@@ -1,0 +1,184 @@
+#pragma once
+
+#include <cansync/client.h>
+#include <cansync/topics.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "cansync/dds/convert.h"
+#include "cansync/dds/topics.h"
+#include "client/src/feed.h"
+#include "client/src/job_state.h"
+#include "client/src/settings_book.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+
+/// Internal to lib/client.
+namespace cansync::client::detail {
+
+/// The DDS side of a Client: entities, open jobs and the receiver thread. Every function may be called from
+/// any thread.
+class Link : public std::enable_shared_from_this<Link> {
+ public:
+  /// Throws SetupError and dds::SetupError.
+  explicit Link(const Options& options);
+  ~Link();
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  /// Starts the receiver thread and waits for the daemon. Throws NoDaemon.
+  void connect(std::chrono::milliseconds wait);
+
+  /// Ends the receiver thread and every open job. Not from a callback.
+  void close();
+
+  bool daemon_present() const;
+  /// As the daemon has told last; after `connect`. `mapping` (null: not wanted): the reference mapping of it.
+  Validity validity(MappingBytes* mapping = nullptr) const;
+  /// Of the function blocks.
+  SettingsBook& settings() noexcept { return settings_; }
+  /// Why nothing was written to a topic that the identity may not write.
+  std::string not_permitted(std::string_view topic) const;
+  const dds::Participant& participant() const noexcept { return participant_; }
+  /// The client's name for the daemon's journal.
+  const std::string& name() const noexcept { return options_.client_name; }
+
+  std::shared_ptr<JobState<ParameterReply>> submit(const ParameterRequest& request);
+  std::shared_ptr<JobState<TransferReply>> submit(const TransferRequest& request);
+  /// Client and number are filled in here.
+  std::shared_ptr<JobState<CommandReply>> submit(cansync_Command command);
+  bool cancel(std::uint64_t request);
+
+  /// The feed with its reader open.
+  template <class T>
+  Feed<T>& open();
+  template <class T>
+  Subscription subscribe(std::function<void(const T&)> callback);
+
+ private:
+  using Identity = std::array<std::uint8_t, 16>;
+
+  /// A new job; ended already when too many are open.
+  template <class R>
+  std::shared_ptr<JobState<R>> begin(OpenJobs<R>& jobs, std::chrono::milliseconds monitoring);
+  /// The monitoring time of a request: its own, or that of the daemon.
+  std::chrono::milliseconds monitoring(std::uint32_t own_ms, std::uint32_t MasterStatus::*otherwise) const;
+  template <class Request>
+  void address(Request& request, std::uint64_t number) const;
+  template <class R, class Request>
+  void send(dds::Writer<Request>& writer, std::string_view topic, const Request& request, OpenJobs<R>& jobs,
+            JobState<R>& state);
+  template <class T>
+  Feed<T>& feed();
+  template <class Sample>
+  bool mine(const Sample& sample) const;
+
+  void receive();
+  void take_replies();
+  void take_command_replies();
+  void take_transfer_replies();
+  void take_progress();
+  void dispatch_feeds();
+  void end_lost_jobs(const Daemons& alive);
+  /// Cancels and ends the jobs whose reply does not come.
+  void end_overdue_jobs();
+  Daemons matched_daemons() const;
+  /// True when all of so many daemons hear what is written on every topic, and have been heard.
+  bool everything_matched(std::size_t daemons) const;
+  std::string not_found(std::chrono::milliseconds waited) const;
+
+  Options options_;
+  Identity identity_;
+  dds::Participant participant_;
+  dds::DataSignal signal_;
+
+  dds::Writer<cansync_ParameterRequest> parameter_writer_{participant_, 0, &signal_};
+  dds::Writer<cansync_TransferRequest> transfer_writer_{participant_, 0, &signal_};
+  dds::Writer<cansync_Command> command_writer_{participant_, 0, &signal_};
+  dds::Writer<gateway_JobCancel> cancel_writer_{participant_, 0, &signal_};
+  std::optional<dds::Writer<cansync_Command>> engineer_writer_;  // with DDS Security on
+  dds::Reader<cansync_ParameterReply> parameter_reader_{participant_, &signal_};
+  dds::Reader<cansync_TransferReply> transfer_reader_{participant_, &signal_};
+  dds::Reader<cansync_TransferProgress> progress_reader_{participant_, &signal_};
+  dds::Reader<cansync_CommandReply> command_reader_{participant_, &signal_};
+
+  SettingsBook settings_;
+  Feed<MasterStatus> master_;
+  Feed<SlaveStatus> slaves_;
+  Feed<ActualValues> actual_;
+  Feed<Event> events_;
+  Feed<Timing> timing_;
+  Feed<Interval> interval_;
+
+  mutable std::mutex mutex_;  // everything below
+  std::condition_variable ready_changed_;
+  bool ready_ = false;
+  bool closed_ = false;
+  std::uint64_t last_request_ = 0;
+  Daemons daemons_;
+  bool reachable_ = false;  ///< all of them hear every request, and their replies get here
+  OpenJobs<ParameterReply> parameter_jobs_;
+  OpenJobs<TransferReply> transfer_jobs_;
+  OpenJobs<CommandReply> command_jobs_;
+
+  std::chrono::steady_clock::time_point looked_at_time_;  // receiver thread only
+  std::atomic<bool> stop_ = false;
+  std::thread receiver_;
+};
+
+template <>
+inline Feed<MasterStatus>& Link::feed() {
+  return master_;
+}
+template <>
+inline Feed<SlaveStatus>& Link::feed() {
+  return slaves_;
+}
+template <>
+inline Feed<ActualValues>& Link::feed() {
+  return actual_;
+}
+template <>
+inline Feed<Event>& Link::feed() {
+  return events_;
+}
+template <>
+inline Feed<Timing>& Link::feed() {
+  return timing_;
+}
+template <>
+inline Feed<Interval>& Link::feed() {
+  return interval_;
+}
+
+template <class T>
+Feed<T>& Link::open() {
+  feed<T>().open(participant_, signal_);
+  return feed<T>();
+}
+
+template <class T>
+Subscription Link::subscribe(std::function<void(const T&)> callback) {
+  auto hold = std::make_shared<Subscription::Hold>();
+  hold->callback = [function = std::move(callback)](const void* sample) {
+    function(*static_cast<const T*>(sample));
+  };
+  open<T>().add(hold);
+  signal_.raise();  // what is known already is delivered now
+  return Subscription(std::move(hold));
+}
+
+}  // namespace cansync::client::detail

@@ -1,0 +1,119 @@
+#include <cansync/reference_repeater.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "client/src/reference_turn.h"
+
+namespace cansync::client {
+namespace {
+
+constexpr std::chrono::microseconds kShortest(100);
+
+}  // namespace
+
+struct ReferenceRepeater::Impl {
+  Impl(Client& client, std::chrono::microseconds every, std::int32_t strength, std::uint32_t intervals)
+      : writer(client, strength), period(std::max(every, kShortest)), release_intervals(intervals) {}
+
+  void run() {
+    auto next = std::chrono::steady_clock::now();
+    std::unique_lock lock(mutex);
+    while (!stopped) {
+      if (std::exchange(wanted_again, false)) {
+        writer.take_up();
+        standing = ReferenceStanding::current;
+      }
+      const std::array<RepeatedTelegram, 2> now = telegrams;
+      lock.unlock();
+      std::string failed = write_turn(now, [&](std::uint8_t telegram, const RepeatedTelegram& values) {
+        return writer.write(telegram, values.value, values.valid, release_intervals);
+      });
+      const ReferenceStanding seen = writer.standing();
+      lock.lock();
+      if (standing == ReferenceStanding::current) error = std::move(failed);
+      if (seen != ReferenceStanding::current && !wanted_again) lose(seen);
+      // What was missed is not made up for.
+      next = std::max(next + period, std::chrono::steady_clock::now());
+      changed.wait_until(lock, next, [&] { return stopped; });
+    }
+  }
+
+  /// Nothing that was set before goes out again.
+  void lose(ReferenceStanding now) {
+    if (standing == ReferenceStanding::current) {
+      writer.release(1);
+      writer.release(2);
+      error = now == ReferenceStanding::daemon_restarted
+                  ? "the daemon was started anew, and settings that clients had made are lost"
+                  : "the mapping of the reference values was changed";
+      error += ": nothing is repeated until the program calls take_up()";
+    }
+    standing = now;
+    telegrams = {};
+  }
+
+  ReferenceWriter writer;
+  const std::chrono::microseconds period;
+  const std::uint32_t release_intervals;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::array<RepeatedTelegram, 2> telegrams;
+  bool stopped = false;
+  bool wanted_again = false;  ///< take_up was called
+  ReferenceStanding standing = ReferenceStanding::current;
+  std::string error;
+  std::thread thread;
+};
+
+ReferenceRepeater::ReferenceRepeater(Client& client, std::chrono::microseconds period, std::int32_t strength,
+                                     std::uint32_t release_intervals)
+    : impl_(std::make_unique<Impl>(client, period, strength, release_intervals)) {
+  impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+}
+
+ReferenceRepeater::~ReferenceRepeater() {
+  stop();
+}
+
+void ReferenceRepeater::set(std::uint8_t telegram, const std::array<std::int32_t, 4>& value,
+                            std::uint8_t valid) {
+  if (telegram < 1 || telegram > 2) return;
+  const std::lock_guard lock(impl_->mutex);
+  impl_->telegrams[telegram - 1u] = {value, valid};
+}
+
+void ReferenceRepeater::stop() {
+  std::thread thread;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->stopped = true;
+    thread.swap(impl_->thread);
+  }
+  impl_->changed.notify_all();
+  if (!thread.joinable()) return;
+  thread.join();
+  impl_->writer.release(1);
+  impl_->writer.release(2);
+}
+
+ReferenceStanding ReferenceRepeater::standing() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->standing;
+}
+
+void ReferenceRepeater::take_up() {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->telegrams = {};
+  impl_->wanted_again = true;
+}
+
+std::string ReferenceRepeater::error() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->error;
+}
+
+}  // namespace cansync::client
