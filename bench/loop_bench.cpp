@@ -10,7 +10,9 @@
 #include <thread>
 
 #include "bench/measured_bus.h"
+#include "cansync/timing.h"
 #include "daemon/bus/bus_choice.h"
+#include "daemon/cansync/bus/bus_plan.h"
 #include "daemon/cansync/config/file.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
@@ -65,8 +67,9 @@ int run(const char* path, double seconds) {
     return std::fprintf(stderr, "%s", config::problems_text(file.problems).c_str()), 1;
   }
   const cansyncd::Config& config = file.config;
-  cansyncd::BusChoice choice(config);
-  cansyncd::SyncLine sync_line(config, sync_line::kernel());
+  cansyncd::BusChoice choice(cansyncd::bus_plan(config));
+  cansyncd::SyncLine sync_line(config, cansync::slot_times(config.master.bit_rate).interval,
+                               sync_line::kernel());
   bench::MeasuredBus bus(choice.bus(), choice.sync_wire());
   cansyncd::Exchange exchange(cansyncd::ExchangeSizes{});
   cansyncd::LoopSettings settings;
@@ -79,7 +82,10 @@ int run(const char* path, double seconds) {
   realtime.cpu = config.realtime.cpu;
   {
     rt::RealtimeThread thread(realtime, [&] { loop.run(); });
-    choice.start(exchange);
+    choice.start([&](const can::LinkFacts& facts) {
+      exchange.link.write(facts);
+      exchange.gateway_wake.signal();
+    });
     play_gateway(exchange,
                  std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::nanoseconds>(
                                                         std::chrono::duration<double>(seconds)));

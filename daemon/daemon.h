@@ -1,15 +1,11 @@
 #pragma once
 
+#include <span>
 #include <string>
-#include <vector>
 
-#include "daemon/cansync/config/file.h"
+#include "daemon/segment/protocol.h"
 
 namespace cansyncd {
-
-/// Reads and checks a configuration completely: the file, what stands behind it, and whether this version can
-/// run it. Main thread.
-ConfigFile load_checked(const std::string& path, const std::vector<std::string>& overrides);
 
 /// Exit codes of the program.
 namespace exit_code {
@@ -20,7 +16,7 @@ inline constexpr int wrong_config = 78;  ///< wrong configuration; EX_CONFIG, no
 }  // namespace exit_code
 
 /// Runs the daemon with a configuration that has no problems until SIGTERM or SIGINT; SIGHUP reads the file
-/// again with the same overrides. Returns an exit code. Main thread, before any other thread exists.
-int run_daemon(ConfigFile file, const std::vector<std::string>& overrides);
+/// `path` again with the same overrides. Returns an exit code. Main thread, before any other thread exists.
+int run_daemon(const LoadedConfig& config, const std::string& path, std::span<const std::string> overrides);
 
 }  // namespace cansyncd

@@ -4,13 +4,12 @@
 #include <exception>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "daemon/arguments.h"
-#include "daemon/cansync/config/bus_budget.h"
-#include "daemon/cansync/config/bus_budget_text.h"
-#include "daemon/cansync/config/dbc.h"
-#include "daemon/cansync/config/print.h"
+#include "daemon/configuration.h"
 #include "daemon/daemon.h"
+#include "daemon/protocols.h"
 #include "daemon/service/service_log.h"
 
 namespace {
@@ -23,26 +22,29 @@ int print(const std::string& text) {
 }
 
 int run(const Arguments& arguments) {
-  if (arguments.print_default_config) return print(default_config());
-  if (arguments.print_options_markdown) return print(options_markdown());
-  if (arguments.print_options_man) return print(options_man());
+  const std::vector<std::string> settings = overrides(arguments);
+  if (arguments.print_default_config) return print(print_default_config(settings, protocols()));
+  if (arguments.print_options_markdown) return print(print_options_markdown(protocols()));
+  if (arguments.print_options_man) return print(print_options_man(protocols()));
   const bool check_only = !arguments.check.empty();
   const bool dbc_only = !arguments.dbc.empty();
   const std::string& path = check_only ? arguments.check : dbc_only ? arguments.dbc : arguments.config;
-  ConfigFile file = load_checked(path, overrides(arguments));
-  if (!file.problems.empty()) {
+  const LoadedConfig config = load_configuration(path, settings, protocols());
+  if (!config.problems.empty()) {
     if (check_only || dbc_only) {
-      fmt::print(stderr, "{}", problems_text(file.problems));
+      fmt::print(stderr, "{}", problems_text(config.problems));
     } else {
-      tell_wrong_configuration(file.config.bus.name, file.problems);
+      tell_wrong_configuration(config.bus_name, config.problems);
     }
     return exit_code::wrong_config;
   }
-  if (dbc_only) return print(dbc_text(file.config));
-  if (check_only) {
-    return print(fmt::format("{}: in order\n{}", path, budget_text(bus_budget(budget_input(file.config)))));
+  if (dbc_only && !config.dbc_text) {
+    fmt::print(stderr, "cansyncd: {}: the protocol of this bus has no DBC file\n", path);
+    return exit_code::wrong_usage;
   }
-  return run_daemon(std::move(file), overrides(arguments));
+  if (dbc_only) return print(config.dbc_text());
+  if (check_only) return print(fmt::format("{}: in order\n{}", path, config.check_text));
+  return run_daemon(config, path, settings);
 }
 
 }  // namespace

@@ -3,14 +3,9 @@
 #include <fmt/format.h>
 
 #include "can/bit_timing.h"
-#include "cansync/timing.h"
 
 namespace cansyncd {
 namespace {
-
-std::uint32_t bits_per_second(const Config& config) {
-  return cansync::slot_times(config.master.bit_rate).bits_per_second;
-}
 
 can::BitTimingRegisters registers(const BusConfig& bus) {
   return {bus.btr0.value_or(0), bus.btr1.value_or(0)};
@@ -29,8 +24,7 @@ std::string presets(std::uint32_t wanted) {
 
 }  // namespace
 
-std::optional<BitTimingProblem> check_bit_timing(const Config& config) {
-  const BusConfig& bus = config.bus;
+std::optional<BitTimingProblem> check_bit_timing(const BusConfig& bus) {
   if (!bus.btr0 && !bus.btr1) return std::nullopt;
   if (!bus.btr0 || !bus.btr1) {
     const bool first = bus.btr0.has_value();
@@ -38,7 +32,7 @@ std::optional<BitTimingProblem> check_bit_timing(const Config& config) {
         first ? "bus.btr0" : "bus.btr1",
         fmt::format("found without {}; allowed: both together", first ? "bus.btr1" : "bus.btr0")};
   }
-  const std::uint32_t wanted = bits_per_second(config);
+  const std::uint32_t wanted = bus.bits_per_second;
   const std::uint32_t clock = can::clock_hz(bus.registers_of);
   const auto timing = can::decode(registers(bus), clock);
   if (timing && timing->exact && timing->bits_per_second == wanted) return std::nullopt;
@@ -52,13 +46,13 @@ std::optional<BitTimingProblem> check_bit_timing(const Config& config) {
                   *bus.btr0, *bus.btr1, found, wanted, presets(wanted))};
 }
 
-std::uint16_t wanted_sample_point(const Config& config) {
-  can::BitTimingRegisters chosen = registers(config.bus);
-  can::Controller controller = config.bus.registers_of;
-  if (!config.bus.btr0 || !config.bus.btr1) {
+std::uint16_t wanted_sample_point(const BusConfig& bus) {
+  can::BitTimingRegisters chosen = registers(bus);
+  can::Controller controller = bus.registers_of;
+  if (!bus.btr0 || !bus.btr1) {
     controller = can::Controller::plc;
     for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
-      if (preset.controller == controller && preset.bits_per_second == bits_per_second(config)) {
+      if (preset.controller == controller && preset.bits_per_second == bus.bits_per_second) {
         chosen = preset.registers;
       }
     }
@@ -67,17 +61,16 @@ std::uint16_t wanted_sample_point(const Config& config) {
   return timing ? timing->sample_point : std::uint16_t{0};
 }
 
-std::string bit_rate_command(const Config& config) {
-  const std::string& name = config.bus.interface;
-  const unsigned sample_point = wanted_sample_point(config);
+std::string bit_rate_command(const BusConfig& bus) {
+  const unsigned sample_point = wanted_sample_point(bus);
   return fmt::format(
       "ip link set {0} down; ip link set {0} type can bitrate {1} sample-point 0.{2:03}; ip link set {0} up",
-      name, bits_per_second(config), sample_point);
+      bus.interface, bus.bits_per_second, sample_point);
 }
 
-std::string one_shot_command(const Config& config) {
+std::string one_shot_command(const BusConfig& bus) {
   return fmt::format("ip link set {0} down; ip link set {0} type can one-shot on; ip link set {0} up",
-                     config.bus.interface);
+                     bus.interface);
 }
 
 }  // namespace cansyncd

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "daemon/config/config.h"
+#include "daemon/config/daemon_config.h"
 
-/// The bit timing a configuration asks for. Pure functions; not for the realtime thread (they allocate).
+/// The bit timing that a bus is to have. Pure functions; not for the realtime thread (they allocate).
 namespace cansyncd {
 
 /// What is wrong with the bit timing registers of a configuration.
@@ -16,16 +16,16 @@ struct BitTimingProblem {
 };
 
 /// Checks that the registers, when given, are complete, can work, and give the configured bit rate.
-std::optional<BitTimingProblem> check_bit_timing(const Config& config);
+std::optional<BitTimingProblem> check_bit_timing(const BusConfig& bus);
 
 /// Sample point the interface should have, in 1/1000 of a bit: of the registers when given, else of the PLC's
 /// preset (M 4.9).
-std::uint16_t wanted_sample_point(const Config& config);
+std::uint16_t wanted_sample_point(const BusConfig& bus);
 
 /// Shell command that sets the interface to the configured bit timing and up.
-std::string bit_rate_command(const Config& config);
+std::string bit_rate_command(const BusConfig& bus);
 
 /// Shell command that sets the interface to one-shot mode and up.
-std::string one_shot_command(const Config& config);
+std::string one_shot_command(const BusConfig& bus);
 
 }  // namespace cansyncd

@@ -1,25 +1,25 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
+#include "daemon/bus/bus_plan.h"
 #include "daemon/bus/sim_bus.h"
 #include "daemon/bus/socketcan_line.h"
-#include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 #include "sync/sync_wire.h"
 
 namespace cansyncd {
 
-/// The bus a configuration names: the simulated line or a CAN interface. Main thread, but for what `bus`
+/// The bus that a plan names: the simulated line or a CAN interface. Main thread, but for what `bus`
 /// gives.
 class BusChoice {
  public:
   /// Throws what the chosen one throws; all of it is a std::exception that says what to do.
-  explicit BusChoice(const Config& config) {
-    if (config.bus.kind == BusKind::simulated) {
-      simulated_.emplace(config);
+  explicit BusChoice(BusPlan plan) {
+    if (plan.bus.kind == BusKind::simulated) {
+      simulated_.emplace(std::move(plan));
     } else {
-      socketcan_.emplace(config);
+      socketcan_.emplace(plan);
     }
   }
 
@@ -32,9 +32,10 @@ class BusChoice {
   /// What people should know of the interface as it was found; empty: nothing.
   std::string advice() const { return socketcan_ ? socketcan_->advice() : std::string(); }
 
-  /// Once the realtime thread runs; it must be stopped before `exchange` goes.
-  void start(Exchange& exchange) {
-    if (socketcan_) socketcan_->start(exchange);
+  /// Once the realtime thread runs. `listener` is told of a CAN interface's state on a thread of the bus;
+  /// what it uses must live until `stop`.
+  void start(LinkListener listener) {
+    if (socketcan_) socketcan_->start(std::move(listener));
   }
 
   /// After the realtime thread has ended.

@@ -6,7 +6,7 @@
 
 #include "can/bus.h"
 #include "config/problem.h"
-#include "daemon/config/config.h"
+#include "daemon/bus/bus_plan.h"
 #include "sim/line.h"
 #include "sim/trace_file.h"
 #include "sync/sync_wire.h"
@@ -14,15 +14,16 @@
 namespace cansyncd {
 
 /// Everything wrong with the fault script that `config` names; empty when there is none. Main thread.
-std::vector<config::Problem> check_fault_script(const Config& config);
+std::vector<config::Problem> check_fault_script(const DaemonConfig& config,
+                                                const sim::FaultProtocol& protocol);
 
-/// The simulated line of a configuration in real time: drives, faults and trace. Built on the main thread;
+/// The simulated line of a plan in real time: nodes, faults and trace. Built on the main thread;
 /// afterwards `bus` belongs to the realtime thread.
 class SimBus {
  public:
   /// Throws std::system_error when the trace file cannot be opened. The fault script must have passed
   /// `check_fault_script`.
-  explicit SimBus(const Config& config);
+  explicit SimBus(BusPlan plan);
 
   can::Bus& bus() noexcept { return *line_; }
   sync_line::SyncWire& sync_wire() noexcept { return *line_; }

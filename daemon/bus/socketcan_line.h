@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -8,32 +9,33 @@
 #include "can/link_kernel.h"
 #include "can/link_watch.h"
 #include "can/socketcan_bus.h"
-#include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
+#include "daemon/bus/bus_plan.h"
+#include "daemon/config/daemon_config.h"
 
 namespace cansyncd {
 
-/// What the master has to receive: actual values and responses of the configured slaves; and the identifiers
-/// of a master, for its own echoes and to notice a second one; and the software SYNC frame, when the timeline
-/// follows it or the line sends it.
-can::SocketcanSettings socketcan_settings(const Config& config);
+/// Takes what was found of an interface, on the watching thread.
+using LinkListener = std::function<void(const can::LinkFacts&)>;
+
+/// What the kernel is asked for.
+can::SocketcanSettings socketcan_settings(const BusPlan& plan);
 
 /// Why the daemon must not start on this interface; empty when it may, also when it is missing or down.
-std::string interface_refusal(const Config& config, const can::LinkFacts& facts);
+std::string interface_refusal(const BusConfig& bus, const can::LinkFacts& facts);
 
 /// How this controller comes to one-shot mode, or what to do without.
-std::string one_shot_remedy(const Config& config, const can::LinkFacts& facts);
+std::string one_shot_remedy(const BusConfig& bus, const can::LinkFacts& facts);
 
 /// What is to be said at the start of a controller without one-shot mode; empty when nothing is.
-std::string one_shot_advice(const Config& config, const can::LinkFacts& facts);
+std::string one_shot_advice(const BusConfig& bus, const can::LinkFacts& facts);
 
-/// The CAN interface of a configuration with the thread that watches it. Built on the main thread; afterwards
+/// The CAN interface of a bus with the thread that watches it. Built on the main thread; afterwards
 /// `bus` belongs to the realtime thread.
 class SocketcanLine {
  public:
   /// Throws std::system_error when the kernel has no SocketCAN, std::runtime_error when the interface is set
   /// up with another bit rate, is not in the one-shot mode that is demanded, or is none for CAN.
-  explicit SocketcanLine(const Config& config);
+  explicit SocketcanLine(const BusPlan& plan);
   ~SocketcanLine() { stop(); }
   SocketcanLine(const SocketcanLine&) = delete;
   SocketcanLine& operator=(const SocketcanLine&) = delete;
@@ -42,8 +44,8 @@ class SocketcanLine {
   /// What people should know of the interface as it was found; empty: nothing.
   const std::string& advice() const noexcept { return advice_; }
 
-  /// Starts the watching thread, which writes what it finds into `exchange`; it must live until `stop`.
-  void start(Exchange& exchange);
+  /// Starts the watching thread, which tells `listener` what it finds; what that uses must live until `stop`.
+  void start(LinkListener listener);
 
   /// Ends that thread.
   void stop() noexcept;

@@ -14,6 +14,7 @@
 #include "cansync/settings.h"
 #include "cansync/settings_in_force.h"
 #include "daemon/cansync/slot_statistics.h"
+#include "daemon/loop/moment.h"
 #include "rt/latest_value.h"
 #include "rt/spsc_ring.h"
 #include "rt/wake_signal.h"
@@ -129,13 +130,6 @@ struct Refused {
 using Terminal = std::variant<ParameterDone, TransferDone, CommandDone, Refused>;
 
 // --- realtime thread -> gateway: counted as `lost_reports` when there is no room
-
-/// An instant on all three timelines.
-struct Moment {
-  cansync::IntervalNumber interval = 0;
-  can::Time bus{};          ///< clock of the bus
-  can::Time wall_clock{0};  ///< CLOCK_REALTIME, ns since 1970
-};
 
 /// The master changed its state.
 struct StateChanged {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 
 /// What a request is allowed to do. Pure functions; any thread.
 namespace cansyncd {

@@ -1,7 +1,5 @@
 #include "daemon/loop/flight_tap.h"
 
-#include <variant>
-
 namespace cansyncd {
 
 using Kind = rt::FlightEntry::Kind;
@@ -41,37 +39,35 @@ void FlightTap::received(const can::ReceivedFrame& received) noexcept {
   record(received.own ? Kind::echo : Kind::received, received.end, received.end, 0, received.frame);
 }
 
-void FlightTap::left_out(cansync::Slot slot) noexcept {
-  record(Kind::left_out, moment_.bus, moment_.bus, static_cast<std::uint32_t>(slot));
+void FlightTap::left_out(std::uint32_t slot) noexcept {
+  record(Kind::left_out, moment_.bus, moment_.bus, slot);
 }
 
-void FlightTap::report(const Report& report) noexcept {
-  if (const auto* state = std::get_if<StateChanged>(&report)) {
-    record(Kind::state, state->when.bus, state->when.bus, static_cast<std::uint32_t>(state->to));
-  } else if (const auto* controller = std::get_if<ControllerChanged>(&report)) {
-    record(Kind::controller, controller->when.bus, controller->when.bus,
-           static_cast<std::uint32_t>(controller->to));
-    fault(triggers_.bus_off && controller->to == can::ControllerState::bus_off, FlightReason::bus_off, 0,
-          controller->when);
-  } else if (const auto* missed = std::get_if<SyncsMissed>(&report)) {
-    fault(triggers_.syncs_missed != 0 && missed->count >= triggers_.syncs_missed, FlightReason::syncs_missed,
-          missed->count, missed->when);
-  } else if (const auto* sending = std::get_if<SendingChanged>(&report)) {
-    fault(triggers_.sending_failed && sending->result != can::SendResult::queued,
-          FlightReason::sending_failed, static_cast<std::uint64_t>(sending->result), sending->when);
-  } else if (const auto* link = std::get_if<LinkChanged>(&report)) {
-    fault(triggers_.sending_failed && link->to != can::LinkState::up, FlightReason::sending_failed,
-          static_cast<std::uint64_t>(can::SendResult::interface_down), link->when);
-  } else if (const auto* delivery = std::get_if<DeliveryChanged>(&report)) {
-    fault(triggers_.sending_failed && delivery->from == can::Delivery::normal, FlightReason::sending_failed,
-          static_cast<std::uint64_t>(can::SendResult::not_delivered), delivery->when);
-  } else if (const auto* event = std::get_if<EventReport>(&report)) {
-    using Code = cansync::MasterEvent::Code;
-    fault(triggers_.slave_lost && event->event.code == Code::slave_lost, FlightReason::slave_lost,
-          event->event.slave ? event->event.slave->value() : 0U, event->when);
-    fault(triggers_.second_master && event->event.code == Code::second_master, FlightReason::second_master,
-          event->event.detail, event->when);
+void FlightTap::state(const Moment& when, std::uint32_t state) noexcept {
+  record(Kind::state, when.bus, when.bus, state);
+}
+
+void FlightTap::controller(const Moment& when, can::ControllerState state) noexcept {
+  record(Kind::controller, when.bus, when.bus, static_cast<std::uint32_t>(state));
+  if (state == can::ControllerState::bus_off) fault(FlightReason::bus_off, 0, when);
+}
+
+bool FlightTap::wanted(FlightReason reason, std::uint64_t detail) const noexcept {
+  switch (reason) {
+    case FlightReason::requested:
+      return true;
+    case FlightReason::bus_off:
+      return triggers_.bus_off;
+    case FlightReason::syncs_missed:
+      return triggers_.syncs_missed != 0 && detail >= triggers_.syncs_missed;
+    case FlightReason::slave_lost:
+      return triggers_.slave_lost;
+    case FlightReason::second_master:
+      return triggers_.second_master;
+    case FlightReason::sending_failed:
+      return triggers_.sending_failed;
   }
+  return false;
 }
 
 void FlightTap::record(Kind kind, can::Time at, can::Time due, std::uint32_t value,
@@ -79,8 +75,8 @@ void FlightTap::record(Kind kind, can::Time at, can::Time due, std::uint32_t val
   recorder_.record({kind, value, moment_.interval, at, due, frame});
 }
 
-void FlightTap::fault(bool wanted, FlightReason reason, std::uint64_t detail, const Moment& when) noexcept {
-  if (!wanted) return;
+void FlightTap::fault(FlightReason reason, std::uint64_t detail, const Moment& when) noexcept {
+  if (!wanted(reason, detail)) return;
   recorder_.fault(
       {static_cast<std::uint32_t>(reason), detail, when.interval, when.bus, when.wall_clock - when.bus});
 }

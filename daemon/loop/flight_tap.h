@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "can/bus.h"
-#include "cansync/master.h"
-#include "daemon/cansync/exchange.h"
 #include "daemon/config/flight_triggers.h"
+#include "daemon/loop/moment.h"
 #include "rt/flight_recorder.h"
 
 namespace cansyncd {
@@ -23,7 +23,15 @@ enum class FlightReason : std::uint8_t {
 /// Name of a reason, as files and events carry it, e.g. "bus_off".
 const char* name(FlightReason reason) noexcept;
 
-/// Feeds the flight recorder on the realtime thread: from the bus, from the loop, and from its reports.
+/// What a recording's header says in a protocol's words: the names of numbers that the tap was told.
+struct FlightProtocol {
+  using Name = std::string_view (*)(std::uint32_t number) noexcept;
+  can::Time interval{};  ///< between two SYNC edges; 0: there are none
+  Name slot = nullptr;   ///< of `left_out`; null: there are none
+  Name state = nullptr;  ///< of `state`; null: there are none
+};
+
+/// Feeds the flight recorder on the realtime thread: from the bus, and from the loop with what it reports.
 /// Realtime safe; one thread.
 class FlightTap {
  public:
@@ -38,15 +46,21 @@ class FlightTap {
   void edge(can::Time due, can::Time at) noexcept { record(rt::FlightEntry::Kind::edge, at, due); }
   void sent(can::Time at, const can::Frame& frame, can::SendResult result) noexcept;
   void received(const can::ReceivedFrame& received) noexcept;
-  void left_out(cansync::Slot slot) noexcept;
+  /// A frame was not handed over in time; `slot`: the protocol's number for its place.
+  void left_out(std::uint32_t slot) noexcept;
+  /// `state`: the protocol's number for it.
+  void state(const Moment& when, std::uint32_t state) noexcept;
+  /// Freezes the recorder, too, when the controller went bus-off and that is wanted.
+  void controller(const Moment& when, can::ControllerState state) noexcept;
 
-  /// Keeps what the report tells, and freezes the recorder when it is one of the faults.
-  void report(const Report& report) noexcept;
+  /// Freezes the recorder when a recording is wanted for that reason. `detail`: a number for the header; of
+  /// `syncs_missed` how many.
+  void fault(FlightReason reason, std::uint64_t detail, const Moment& when) noexcept;
 
  private:
   void record(rt::FlightEntry::Kind kind, can::Time at, can::Time due, std::uint32_t value = 0,
               const can::Frame& frame = {}) noexcept;
-  void fault(bool wanted, FlightReason reason, std::uint64_t detail, const Moment& when) noexcept;
+  bool wanted(FlightReason reason, std::uint64_t detail) const noexcept;
 
   rt::FlightRecorder& recorder_;
   const FlightTriggers triggers_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cansync/timing.h"
 #include "sync/pps.h"
 #include "sync/software_sync.h"
 
@@ -41,12 +40,11 @@ std::unique_ptr<sync_line::Input> make_input(const SyncConfig& config, sync_line
 
 }  // namespace
 
-SyncLine::SyncLine(const Config& config, sync_line::System& system)
+SyncLine::SyncLine(const DaemonConfig& config, can::Time interval, sync_line::System& system)
     : config_(config.sync),
-      bits_per_second_(cansync::slot_times(config.master.bit_rate).bits_per_second),
+      bits_per_second_(config.bus.bits_per_second),
       system_(system),
       input_(make_input(config.sync, system)) {
-  const can::Time interval = cansync::slot_times(config.master.bit_rate).interval;
   if (config_.output == SyncOutput::gpio) {
     gpio_.emplace(system, sync_line::GpioLine{config_.gpio_chip, config_.gpio_line, config_.edge},
                   "sync.gpio_chip", "sync.gpio_line");

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "can/bus.h"
-#include "daemon/config/config.h"
+#include "daemon/config/daemon_config.h"
 #include "sync/gpio.h"
 #include "sync/input.h"
 #include "sync/phase_lock.h"
@@ -21,9 +21,9 @@ namespace cansyncd {
 /// GPIO output 2, GPIO input 1 to 2, PPS one in 16 intervals, hardware clock and software SYNC none.
 class SyncLine {
  public:
-  /// Takes the devices. Throws sync_line::SetupError, which names option, device and remedy. `system` must
-  /// outlive the line.
-  SyncLine(const Config& config, sync_line::System& system);
+  /// Takes the devices. `interval`: between two edges. Throws sync_line::SetupError, which names option,
+  /// device and remedy. `system` must outlive the line.
+  SyncLine(const DaemonConfig& config, can::Time interval, sync_line::System& system);
 
   /// Starts what runs beside the realtime thread. Throws std::system_error.
   void start();

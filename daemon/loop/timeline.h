@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "can/bus.h"
-#include "cansync/numbers.h"
+#include "daemon/loop/moment.h"
 #include "sync/phase_lock.h"
 
 namespace cansyncd {
@@ -16,8 +16,8 @@ class Timeline {
  public:
   /// What became of edges that were missed.
   struct Missed {
-    cansync::IntervalNumber count = 0;  ///< edges skipped
-    bool wait = false;                  ///< the next edge is still to be waited for
+    IntervalNumber count = 0;  ///< edges skipped
+    bool wait = false;         ///< the next edge is still to be waited for
   };
 
   /// `follow`: settings of the phase lock; empty: the timeline stands by itself.
@@ -38,10 +38,10 @@ class Timeline {
   /// The next edge.
   can::Time due() const noexcept { return due_; }
   /// Number of the interval that the next edge begins.
-  cansync::IntervalNumber next() const noexcept { return next_; }
+  IntervalNumber next() const noexcept { return next_; }
 
   /// `n` edges have passed.
-  void advance(cansync::IntervalNumber n = 1) noexcept {
+  void advance(IntervalNumber n = 1) noexcept {
     next_ += n;
     if (lock_) {
       lock_->advance(n);
@@ -60,8 +60,7 @@ class Timeline {
     const can::Time period = lock_ ? can::Time(std::llround(lock_->period())) : interval_;
     Missed missed;
     for (can::Time late = now - due_; late > tolerance_; late = now - due_) {
-      const auto n =
-          static_cast<cansync::IntervalNumber>((late - tolerance_ + period - can::Time(1)) / period);
+      const auto n = static_cast<IntervalNumber>((late - tolerance_ + period - can::Time(1)) / period);
       missed.count += n;
       advance(n);
     }
@@ -82,7 +81,7 @@ class Timeline {
   std::optional<sync_line::PhaseLock> lock_;
   std::optional<can::Time> made_;  ///< the last edge, as it was made
   can::Time due_{0};
-  cansync::IntervalNumber next_ = 0;
+  IntervalNumber next_ = 0;
 };
 
 }  // namespace cansyncd

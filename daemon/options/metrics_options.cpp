@@ -7,22 +7,22 @@ namespace {
 
 using namespace config::rows;  // the table reads better without the prefix in every line
 
-constexpr auto kRows = std::to_array<Row>({
+constexpr auto kRows = std::to_array<DaemonRow>({
     // --- [metrics]
     {string(
          "metrics.file", OptionType::text, "\"\"", 0, 4096,
          "File for metrics in OpenMetrics text, for the textfile collector of node_exporter, which wants a "
          "name that ends in .prom; empty = none. A relative path starts at the configuration file's folder."),
-     [](Draft& d, const Value& v) { d.config.metrics.file = words(v); }},
+     [](DaemonConfig& c, const Value& v) { c.metrics.file = words(v); }},
     {whole_number("metrics.period_s", "10", 1, 3600, "s", "How often that file is written."),
-     [](Draft& d, const Value& v) {
-       d.config.metrics.period = std::chrono::seconds(whole<std::int64_t>(v));
+     [](DaemonConfig& c, const Value& v) {
+       c.metrics.period = std::chrono::seconds(whole<std::int64_t>(v));
      }},
 });
 
 }  // namespace
 
-std::span<const Row> rows::metrics_options() {
+std::span<const DaemonRow> rows::metrics_options() {
   return kRows;
 }
 

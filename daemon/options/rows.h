@@ -1,15 +1,34 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 
-#include "daemon/config/draft.h"
+#include "config/rows.h"
+#include "daemon/config/daemon_config.h"
 
-/// The daemon's own rows of options.
-namespace cansyncd::rows {
+/// The daemon's own rows of options. Every protocol's table of options has them beside its own.
+namespace cansyncd {
 
-std::span<const Row> daemon_options();   ///< bus, realtime, recorder, dds, sim
-std::span<const Row> access_options();   ///< access
-std::span<const Row> metrics_options();  ///< metrics
-std::span<const Row> sync_options();     ///< sync
+using config::Option;
+using config::OptionType;
+using config::Value;
 
-}  // namespace cansyncd::rows
+using DaemonRow = config::Row<DaemonConfig>;
+
+namespace rows {
+
+std::span<const DaemonRow> daemon_options();   ///< bus, realtime, recorder, dds, sim
+std::span<const DaemonRow> access_options();   ///< access
+std::span<const DaemonRow> metrics_options();  ///< metrics
+std::span<const DaemonRow> sync_options();     ///< sync
+
+/// The option by which a file chooses its protocol, as it stands in the table of one protocol: `name` is that
+/// protocol's, `initial` the same in TOML's notation. It belongs first into the section `bus`.
+constexpr Option protocol_option(std::string_view name, std::string_view initial) {
+  return config::rows::choice(
+      "bus.protocol", initial, name,
+      "What the daemon is on this bus. Each protocol has its own options; those of another one are refused.");
+}
+
+}  // namespace rows
+}  // namespace cansyncd

@@ -5,12 +5,11 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "cansync/timing.h"
 #include "daemon/service/service_log.h"
 
 namespace cansyncd {
 
-std::string flight_folder(const Config& config, const char* state_directory) {
+std::string flight_folder(const DaemonConfig& config, const char* state_directory) {
   if (config.recorder.folder) return *config.recorder.folder;
   if (state_directory != nullptr && *state_directory != '\0') {
     // More than one are separated by colons; the unit asks for one.
@@ -20,8 +19,8 @@ std::string flight_folder(const Config& config, const char* state_directory) {
   return "/var/lib/cansync/" + config.bus.name;
 }
 
-FlightDesk::FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::Tell& tell,
-                       JournalSink& journal)
+FlightDesk::FlightDesk(const DaemonConfig& config, const FlightProtocol& protocol, can::Bus& bus,
+                       const FlightWriter::Tell& tell, JournalSink& journal)
     : bus_(bus) {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing in this process changes its environment
   const std::string folder = flight_folder(config, std::getenv("STATE_DIRECTORY"));
@@ -35,10 +34,9 @@ FlightDesk::FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::
     return;
   }
   parts_.emplace(config, bus);
-  const auto& times = cansync::slot_times(config.master.bit_rate);
   writer_.emplace(parts_->recorder,
                   FlightFileSettings{folder, config.recorder.files, config.bus.name, config.bus.interface,
-                                     times.bits_per_second, times.interval},
+                                     config.bus.bits_per_second, protocol},
                   tell);
 }
 

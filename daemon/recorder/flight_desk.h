@@ -4,7 +4,7 @@
 #include <string>
 
 #include "can/bus.h"
-#include "daemon/config/config.h"
+#include "daemon/config/daemon_config.h"
 #include "daemon/loop/flight_tap.h"
 #include "daemon/recorder/flight_writer.h"
 #include "daemon/service/journal.h"
@@ -14,16 +14,16 @@ namespace cansyncd {
 
 /// The folder for recordings: what is configured; else `state_directory`, which the service manager gives
 /// (null: none); else /var/lib/cansync/NAME. Empty: no recorder. Pure.
-std::string flight_folder(const Config& config, const char* state_directory);
+std::string flight_folder(const DaemonConfig& config, const char* state_directory);
 
 /// The flight recorder of a daemon with all that belongs to it, or nothing of it when it is off.
 class FlightDesk {
  public:
   /// Takes the memory and starts the writing thread, unless there is no folder that can be written, which is
-  /// said in `journal` once. `bus` must outlive the desk; `tell` is called on the writing thread. Throws
-  /// std::system_error without a thread or a file descriptor.
-  FlightDesk(const Config& config, can::Bus& bus, const FlightWriter::Tell& tell,
-             JournalSink& journal = process_journal());
+  /// said in `journal` once. `protocol`: for the header of recordings. `bus` must outlive the desk; `tell` is
+  /// called on the writing thread. Throws std::system_error without a thread or a file descriptor.
+  FlightDesk(const DaemonConfig& config, const FlightProtocol& protocol, can::Bus& bus,
+             const FlightWriter::Tell& tell, JournalSink& journal = process_journal());
 
   /// The bus the realtime loop is to drive, and its tap (null: off).
   can::Bus& bus() noexcept { return parts_ ? static_cast<can::Bus&>(parts_->bus) : bus_; }
@@ -37,7 +37,7 @@ class FlightDesk {
 
  private:
   struct Parts {
-    Parts(const Config& config, can::Bus& inner)
+    Parts(const DaemonConfig& config, can::Bus& inner)
         : recorder(config.recorder.entries, config.recorder.intervals_after),
           tap(recorder, config.recorder.triggers),
           bus(inner, tap) {}

@@ -15,8 +15,6 @@
 
 #include "can/bus_names.h"
 #include "can/candump.h"
-#include "cansync/mode.h"
-#include "daemon/loop/flight_tap.h"
 #include "daemon/service/replace_file.h"
 #include "text/json.h"
 
@@ -71,13 +69,12 @@ const char* name_of(can::SendResult result) noexcept {
   return "unknown";
 }
 
-const char* slot_name(std::uint32_t slot) noexcept {
-  constexpr std::array<const char*, cansync::kSlots> kNames = {"WRC1", "WRC2", "CC"};
-  return slot < kNames.size() ? kNames[slot] : "unknown";
+std::string_view name_of(FlightProtocol::Name name, std::uint32_t number) noexcept {
+  return name == nullptr ? "unknown" : name(number);
 }
 
 /// One entry as a JSON object, for the list its kind has in the header.
-std::string object_of(const rt::FlightEntry& entry, can::Time offset) {
+std::string object_of(const rt::FlightEntry& entry, can::Time offset, const FlightProtocol& protocol) {
   const auto at = (entry.at + offset).count();
   switch (entry.kind) {
     case Kind::wake:
@@ -90,10 +87,10 @@ std::string object_of(const rt::FlightEntry& entry, can::Time offset) {
                          name_of(static_cast<can::SendResult>(entry.value)));
     case Kind::left_out:
       return fmt::format("{{\"interval\": {}, \"time_ns\": {}, \"slot\": \"{}\"}}", entry.interval, at,
-                         slot_name(entry.value));
+                         name_of(protocol.slot, entry.value));
     case Kind::state:
       return fmt::format("{{\"interval\": {}, \"time_ns\": {}, \"state\": \"{}\"}}", entry.interval, at,
-                         cansync::name(static_cast<cansync::State>(entry.value)));
+                         name_of(protocol.state, entry.value));
     case Kind::controller:
       return fmt::format("{{\"interval\": {}, \"time_ns\": {}, \"controller\": \"{}\"}}", entry.interval, at,
                          name(static_cast<can::ControllerState>(entry.value)));
@@ -105,13 +102,13 @@ std::string object_of(const rt::FlightEntry& entry, can::Time offset) {
 }
 
 void add_list(std::string& out, std::string_view key, const FlightRecording& recording,
-              std::initializer_list<Kind> kinds) {
+              const FlightProtocol& protocol, std::initializer_list<Kind> kinds) {
   fmt::format_to(std::back_inserter(out), ",\n  \"{}\": [", key);
   const char* between = "\n    ";
   for (const rt::FlightEntry& entry : recording.entries) {
     if (std::find(kinds.begin(), kinds.end(), entry.kind) == kinds.end()) continue;
     out += between;
-    out += object_of(entry, recording.trigger.wall_clock_offset);
+    out += object_of(entry, recording.trigger.wall_clock_offset, protocol);
     between = ",\n    ";
   }
   out += "]";
@@ -184,13 +181,13 @@ std::string flight_header(const FlightRecording& recording, const FlightFileSett
       "  \"reason\": \"{}\",\n  \"detail\": {},\n  \"fault_interval\": {},\n  \"fault_time_ns\": {},\n"
       "  \"faults_without_recording\": {},\n  \"candump\": {},\n  \"frames\": {}",
       json_string(settings.bus), json_string(settings.interface), settings.bits_per_second,
-      settings.interval.count(), reason_of(recording), trigger.detail, trigger.interval,
+      settings.protocol.interval.count(), reason_of(recording), trigger.detail, trigger.interval,
       (trigger.at + trigger.wall_clock_offset).count(), recording.further_faults, json_string(log), frames);
-  add_list(out, "states", recording, {Kind::state, Kind::controller});
-  add_list(out, "left_out", recording, {Kind::left_out});
-  add_list(out, "handed_over", recording, {Kind::sent});
-  add_list(out, "sync_edges", recording, {Kind::edge});
-  add_list(out, "wake_ups", recording, {Kind::wake});
+  add_list(out, "states", recording, settings.protocol, {Kind::state, Kind::controller});
+  add_list(out, "left_out", recording, settings.protocol, {Kind::left_out});
+  add_list(out, "handed_over", recording, settings.protocol, {Kind::sent});
+  add_list(out, "sync_edges", recording, settings.protocol, {Kind::edge});
+  add_list(out, "wake_ups", recording, settings.protocol, {Kind::wake});
   return out + "\n}\n";
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/loop/flight_tap.h"
 #include "rt/flight_recorder.h"
 
 /// A flight recording as files: what candump-style tools read, and a JSON header. Not for the realtime
@@ -17,7 +18,7 @@ struct FlightFileSettings {
   std::string bus;
   std::string interface;
   std::uint32_t bits_per_second = 0;
-  can::Time interval{};  ///< tSYNC
+  FlightProtocol protocol;
 };
 
 /// A recording taken out of the recorder.

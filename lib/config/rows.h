@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,21 +28,61 @@ struct Row {
   bool (*takes)(const Draft&, const Value&) = nullptr;
 };
 
+/// The rows of one owner, which fill a whole draft or one part of it.
+template <class Draft>
+class Part {
+ public:
+  /// A row and what it fills, seen from the whole draft.
+  struct Entry {
+    Option option;
+    std::function<void(Draft&, const Value&)> apply;
+    std::function<bool(const Draft&, const Value&)> takes;  ///< empty: as `Row::takes`
+  };
+
+  /// Rows of the draft itself; implicit, so that a list of parts may name them as they are.
+  Part(std::span<const Row<Draft>> rows) {
+    for (const Row<Draft>& row : rows) entries_.push_back({row.option, row.apply, row.takes});
+  }
+
+  /// Rows that fill the draft's member `member`, or a base of it.
+  template <class Own, class Member>
+  Part(std::span<const Row<Own>> rows, Member Draft::*member) {
+    for (const Row<Own>& row : rows) {
+      Entry entry;
+      entry.option = row.option;
+      entry.apply = [apply = row.apply, member](Draft& draft, const Value& value) {
+        apply(draft.*member, value);
+      };
+      if (row.takes != nullptr) {
+        entry.takes = [takes = row.takes, member](const Draft& draft, const Value& value) {
+          return takes(draft.*member, value);
+        };
+      }
+      entries_.push_back(std::move(entry));
+    }
+  }
+
+  const std::vector<Entry>& entries() const noexcept { return entries_; }
+
+ private:
+  std::vector<Entry> entries_;
+};
+
 /// The rows of one file, from several owners.
 template <class Draft>
 class Rows {
  public:
   /// As for `Table`; rows of one section keep the order of `parts`.
-  Rows(std::span<const Section> sections, std::vector<std::span<const Row<Draft>>> parts) {
+  Rows(std::span<const Section> sections, const std::vector<Part<Draft>>& parts) {
     std::vector<Option> options;
-    for (const auto part : parts) {
-      for (const Row<Draft>& row : part) {
+    for (const Part<Draft>& part : parts) {
+      for (const Entry& row : part.entries()) {
         rows_.push_back(row);
         options.push_back(row.option);
       }
     }
     table_ = Table(sections, std::move(options));
-    std::stable_sort(rows_.begin(), rows_.end(), [&](const Row<Draft>& a, const Row<Draft>& b) {
+    std::stable_sort(rows_.begin(), rows_.end(), [&](const Entry& a, const Entry& b) {
       return table_.place_of(a.option) < table_.place_of(b.option);
     });
   }
@@ -50,7 +91,7 @@ class Rows {
 
   /// Puts every fixed default into the draft, but those of numbered sections: they are the draft's own.
   void apply_defaults(Draft& draft) const {
-    for (const Row<Draft>& row : rows_) {
+    for (const Entry& row : rows_) {
       if (!row.option.has_initial() || table_.is_numbered(row.option.section())) continue;
       row.apply(draft, *parse_value(std::string(row.option.initial)));
     }
@@ -59,8 +100,8 @@ class Rows {
   /// Puts a value into the draft. Returns what was found and what is allowed when the option, one of
   /// `table()`, does not take it.
   std::optional<std::string> apply(const Option& option, const Value& value, Draft& draft) const {
-    const Row<Draft>& row = rows_[static_cast<std::size_t>(&option - table_.options().data())];
-    if (!takes(option, value) || (row.takes != nullptr && !row.takes(draft, value))) {
+    const Entry& row = rows_[static_cast<std::size_t>(&option - table_.options().data())];
+    if (!takes(option, value) || (row.takes && !row.takes(draft, value))) {
       return mismatch_text(option, value);
     }
     row.apply(draft, value);
@@ -68,8 +109,10 @@ class Rows {
   }
 
  private:
+  using Entry = typename Part<Draft>::Entry;
+
   Table table_;
-  std::vector<Row<Draft>> rows_;  ///< in the order of the table
+  std::vector<Entry> rows_;  ///< in the order of the table
 };
 
 /// What the options of rows are written with. A default in round brackets is what holds when the option is

@@ -9,8 +9,8 @@
 #include "can/bus.h"
 #include "cansync/settings.h"
 #include "cansync/sim/drive.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 #include "dice.h"
 #include "sim/faults.h"
 

@@ -13,14 +13,19 @@
 /// A table of options that has nothing to do with this project: ovens and their trays.
 namespace bakery {
 
-struct Draft {
+struct Shop {
   std::string town;
   std::int64_t loaves = -1;
   bool open = false;
+};
+
+/// What rows of two owners fill.
+struct Draft {
+  Shop shop;
   std::vector<std::string> trays;
 };
 
-inline bool takes_even(const Draft& /*draft*/, const config::Value& value) {
+inline bool takes_even(const Shop& /*shop*/, const config::Value& value) {
   const auto* number = config::scalar<std::int64_t>(value);
   return number != nullptr && *number % 2 == 0;
 }
@@ -43,17 +48,18 @@ inline const config::Rows<Draft>& rows() {
            example("\"rye\"", string("oven.tray.bread", OptionType::name, "(none)", 1, 5, "What is on it."))),
        [](Draft& d, const Value& v) { d.trays.push_back(words(v)); }},
   });
-  static constexpr auto kShop = std::to_array<Row<Draft>>({
+  static constexpr auto kShop = std::to_array<Row<Shop>>({
       {string("shop.town", OptionType::identifier, "\"Ulm\"", 1, 8, "Where it is. And where not."),
-       [](Draft& d, const Value& v) { d.town = words(v); }},
+       [](Shop& s, const Value& v) { s.town = words(v); }},
       {whole_number("shop.loaves", "12", 0, 99, "loaves", "Loaves a day."),
-       [](Draft& d, const Value& v) { d.loaves = whole<std::int64_t>(v); }},
+       [](Shop& s, const Value& v) { s.loaves = whole<std::int64_t>(v); }},
       {reloadable(boolean("shop.open", "true", "Is it open?")),
-       [](Draft& d, const Value& v) { d.open = flag(v); }},
+       [](Shop& s, const Value& v) { s.open = flag(v); }},
       {example("4", other("shop.doors", "an even number", "(as the law says)", "Doors.")),
-       [](Draft&, const Value&) {}, takes_even},
+       [](Shop&, const Value&) {}, takes_even},
   });
-  static const config::Rows<Draft> all(kSections, {kOvens, kShop});
+  static const config::Rows<Draft> all(
+      kSections, {std::span<const Row<Draft>>(kOvens), {std::span<const Row<Shop>>(kShop), &Draft::shop}});
   return all;
 }
 

@@ -47,16 +47,16 @@ TEST(ConfigTable, RefusesRowsThatFitNoSection) {
 TEST(ConfigRows, EachRowTakesItsOwnValue) {
   bakery::Draft draft;
   bakery::rows().apply_defaults(draft);
-  EXPECT_EQ(draft.town, "Ulm");
-  EXPECT_EQ(draft.loaves, 12);
-  EXPECT_TRUE(draft.open);
+  EXPECT_EQ(draft.shop.town, "Ulm");
+  EXPECT_EQ(draft.shop.loaves, 12);
+  EXPECT_TRUE(draft.shop.open);
   for (const config::Setting& setting :
        bakery::read(
            "[shop]\ntown = \"Bonn\"\n[[oven]]\nnumber = 1\n[[oven.tray]]\nnumber = 0\nbread = \"rye\"\n")
            .items) {
     EXPECT_EQ(bakery::rows().apply(*setting.option, setting.value, draft), std::nullopt) << setting.key;
   }
-  EXPECT_EQ(draft.town, "Bonn");
+  EXPECT_EQ(draft.shop.town, "Bonn");
   EXPECT_EQ(draft.trays, std::vector<std::string>{"rye"});
 }
 

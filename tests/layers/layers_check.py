@@ -33,28 +33,35 @@ lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
 lib/layer2/sim:             lib/can lib/sim
 lib/client:                 idl lib/dds lib/cansync/dds
 
-daemon/cansync:             lib/can lib/cansync lib/rt lib/sync
-daemon/config:              lib/config lib/profile lib/can lib/cansync lib/sync
-daemon/options:             lib/config lib/profile daemon/config
+daemon/config:              lib/can lib/sync
 daemon/service:             lib/config
-daemon/bus:                 lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync
-                            daemon/config
-daemon/loop:                lib/can lib/cansync lib/rt lib/sync daemon/cansync daemon/config
-daemon/cansync/config:      lib/config lib/can lib/cansync daemon/config daemon/options daemon/bus
-daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/cansync daemon/config daemon/bus daemon/loop
-daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/cansync daemon/config
-                            daemon/service daemon/bus daemon/loop
-daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/config daemon/cansync/texts
-daemon/recorder:            lib/text lib/can lib/cansync lib/rt daemon/config daemon/service daemon/loop daemon/cansync/texts
-daemon/desk:                idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/config daemon/service
-                            daemon/cansync/texts daemon/cansync/requests
+daemon/loop:                lib/can lib/rt lib/sync daemon/config
+daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
+daemon/options:             lib/config lib/profile daemon/config daemon/bus
+daemon/segment:             lib/config lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
+                            daemon/bus
+daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
+daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
+daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
+daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
+                            daemon/cansync/config
+daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/service daemon/bus daemon/loop
+                            daemon/cansync daemon/cansync/config
+daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/cansync/config daemon/cansync/texts
+daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop
+                            daemon/cansync/texts
+daemon/desk:                idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
+                            daemon/cansync/config daemon/cansync/texts daemon/cansync/requests
 daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds lib/cansync/dds daemon/cansync
-                            daemon/config daemon/service daemon/bus daemon/cansync/texts daemon/desk
-daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/config daemon/service
-                            daemon/cansync/texts daemon/cansync/requests daemon/desk daemon/cansync/status
-daemon:                     lib/text lib/cansync lib/rt lib/dds lib/cansync/dds daemon/cansync daemon/service
-                            daemon/bus daemon/loop daemon/cansync/config daemon/cansync/realtime daemon/recorder
-                            daemon/cansync/gateway
+                            daemon/service daemon/bus daemon/cansync/config daemon/cansync/texts daemon/desk
+daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
+                            daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
+                            daemon/cansync/status
+daemon/cansync/segment:     lib/cansync lib/rt lib/dds lib/cansync/dds lib/cansync/sim daemon/service daemon/bus
+                            daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
+                            daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
+daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
+                            daemon/cansync/segment
 
 tools/cli/text:
 tools/cli/base:             lib/text lib/client tools/cli/text
@@ -66,8 +73,8 @@ tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/b
 tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
-tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/bus
-                            daemon/cansync/config
+tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
+                            daemon/cansync/bus
 """
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
 
@@ -84,6 +91,11 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
                  "lib/sim": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/sync": re.compile("cansync/|cansync::|namespace cansync"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
+# Rooms of the daemon that every protocol has: its words, but not the paths of this product.
+CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[A-Z]|"cansync[.]h"|namespace cansync\b')
+                  for room in "config service loop bus options segment".split()}
+# Rooms of the daemon within a room are a protocol's; the one file beside them that may include them.
+PROTOCOL_LIST = "daemon/protocols.cpp"
 # What a protocol's library has beside its core: rooms of their own.
 PROTOCOL_ROOMS = re.compile(r"lib/\w+/(dds|sim|client)\b")
 # How an identifier is put together stands in one file.
@@ -221,6 +233,8 @@ def check(files, rooms):
             elif there == "dds":
                 if not may_use_dds(room, uses):
                     report(f"{room} may not use DDS")
+            elif room == "daemon" and there and there.count("/") == 2 and file != PROTOCOL_LIST:
+                report(f"{PROTOCOL_LIST} is the only list of protocols")
             elif there not in uses | {room, None}:
                 report(f"{room} may not include {there}")
     return found
@@ -250,7 +264,7 @@ CLEAN = {
     INSTALLED + "clean.h": '#include <vector>\n',
     INSTALLED + "blocks/clean.h": '#include "../clean.h"\n',
     DATA_MODEL_FILE: '#include "cansync.h"\n#include "clean.h"\n',
-    "daemon/config/clean.h": '#include <vector>\n#include "daemon/config/config.h"\n#include "clean_too.h"\n',
+    "daemon/config/clean.h": '#include <vector>\n#include "daemon/config/daemon_config.h"\n#include "clean_too.h"\n',
     "tools/cli/text/clean.cpp": '#include "cli/text/table.h"\n// dds_interface\n',
 }
 
@@ -281,6 +295,9 @@ PLANTED = [
     ("lib/config/planted.cpp", "using cansyncd::Config;"),
     ("lib/config/planted.cpp", "// as the daemon has it"),
     ("lib/rt/planted.h", "void f(const cansync::Telegram&);"),
+    ("daemon/bus/planted.h", "void f(const cansync::Telegram&);"),
+    ("daemon/segment/planted.cpp", "cansync_MasterStatus sample;"),
+    ("daemon/planted.cpp", '#include "daemon/cansync/segment/master_protocol.h"'),
     ("lib/sim/planted.h", "void f(const cansync::Telegram&);"),
     ("lib/rt/planted.cpp", "auto x = dds_create_participant(0, nullptr, nullptr);"),
     ("lib/dds/planted.h", "cansync::Telegram f();"),

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "daemon/bus/drive_settings.h"
+#include "daemon/cansync/bus/drive_settings.h"
 #include "daemon/cansync/config/file.h"
 #include "sim/trace_file.h"
 #include "support/virtual_line.h"

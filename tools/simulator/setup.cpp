@@ -10,7 +10,7 @@
 #include "cansync/sim/drive_faults.h"
 #include "cansync/telegram.h"
 #include "config/document.h"
-#include "daemon/bus/drive_settings.h"
+#include "daemon/cansync/bus/drive_settings.h"
 #include "daemon/cansync/config/file.h"
 #include "daemon/cansync/config/options.h"
 #include "sim/fault_script.h"
@@ -135,7 +135,7 @@ class SetupReader {
           "interface: found 'sim', which is the daemon's own simulated line; allowed: a CAN interface of the "
           "kernel, such as vcan0 or can0");
     }
-    cansync::SlaveMask chosen = config.sim.drives;
+    cansync::SlaveMask chosen = config.drives.slaves;
     if (!arguments_.config.empty() && !arguments_.slaves.empty()) {
       chosen = slaves;
       const cansync::SlaveMask strange{chosen.bits & ~config.master.configured().bits};

@@ -9,7 +9,7 @@
 
 #include "cansync/settings.h"
 #include "cansync/settings_check.h"
-#include "daemon/config/config.h"
+#include "daemon/cansync/config/config.h"
 
 /// What an interval has room for, worked out from the settings before anything starts. Pure functions for
 /// set-up code on a normal thread: they read no clock, file or bus, and allocate.

@@ -15,7 +15,8 @@ constexpr auto kRows = std::to_array<Row>({
     {one_number("bus.bit_rate", "1000000", "125000|250000|500000|1000000", "bit/s",
                 "Bit rate; it fixes the interval: 8, 4, 2 or 1 ms."),
      [](Draft& d, const Value& v) {
-       d.config.master.bit_rate = cansync::slot_times_for(whole<std::uint32_t>(v))->bit_rate;
+       d.config.bus.bits_per_second = whole<std::uint32_t>(v);
+       d.config.master.bit_rate = cansync::slot_times_for(d.config.bus.bits_per_second)->bit_rate;
      }},
     {example("50",
              whole_number(
@@ -70,16 +71,16 @@ constexpr auto kRows = std::to_array<Row>({
     // --- [sim]
     {example("[0]", other("sim.drives", kSlavesWords, "(every configured slave)",
                           "Slaves that have a simulated drive; the others stay silent.")),
-     [](Draft& d, const Value& v) { d.config.sim.drives = slave_mask(d.config, v); }, takes_slaves},
+     [](Draft& d, const Value& v) { d.config.drives.slaves = slave_mask(d.config, v); }, takes_slaves},
     {whole_number("sim.lock_time_ms", "500", 0, 60'000, "ms",
                   "Time from activation to bit 15 of a drive's status word."),
-     [](Draft& d, const Value& v) { d.config.sim.lock_time = milliseconds(v); }},
+     [](Draft& d, const Value& v) { d.config.drives.lock_time = milliseconds(v); }},
     {whole_number("sim.memory_bytes", "262144", 4096, 16'777'216, "bytes",
                   "Memory of each drive for uploads and downloads."),
-     [](Draft& d, const Value& v) { d.config.sim.memory = whole<std::uint32_t>(v); }},
+     [](Draft& d, const Value& v) { d.config.drives.memory = whole<std::uint32_t>(v); }},
     {whole_number("sim.missing_references", "10", 0, 65535, "intervals",
                   "Intervals in a row without reference values until a drive faults; 0 = never."),
-     [](Draft& d, const Value& v) { d.config.sim.missing_references = whole<std::uint16_t>(v); }},
+     [](Draft& d, const Value& v) { d.config.drives.missing_references = whole<std::uint16_t>(v); }},
 });
 
 }  // namespace

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "cansync/mapping.h"
 #include "cansync/settings_check.h"
-#include "daemon/bus/bit_timing_check.h"
 #include "daemon/cansync/config/bus_budget.h"
 #include "daemon/cansync/config/check_sync.h"
+#include "daemon/options/check_daemon.h"
 #include "daemon/options/check_profiles.h"
 
 namespace cansyncd {
@@ -41,9 +40,7 @@ constexpr auto kOptionOfField = std::to_array<std::pair<std::string_view, std::s
 class Checker {
  public:
   Checker(Draft& draft, const std::vector<Setting>& settings, const std::string& path)
-      : draft_(draft), path_(path) {
-    for (const Setting& setting : settings) places_.emplace(setting.key, &setting);
-  }
+      : draft_(draft), findings_(settings, path) {}
 
   Problems run() {
     mappings(draft_.reference, "process.reference", draft_.config.master.process.reference_mapping);
@@ -57,27 +54,18 @@ class Checker {
     }
     slave_names();
     return_parameters();
-    fault_script();
-    finish_path("dds.security", draft_.config.dds.security);
-    finish_path("metrics.file", draft_.config.metrics.file);
+    check_daemon(draft_.config, findings_);
     failsafe();
     profiles();
-    for (SyncProblem& found : check_sync(draft_.config.sync)) problem(found.key, std::move(found.text));
-    if (const auto wrong = check_bit_timing(draft_.config)) problem(wrong->option, wrong->text);
-    if (problems_.empty()) master();
-    return std::move(problems_);
+    if (const auto wrong = wrong_sync_identifier(draft_.config.sync)) problem("sync.can_identifier", *wrong);
+    if (findings_.problems().empty()) master();
+    return std::move(findings_.problems());
   }
 
  private:
-  const Setting* place(const std::string& key) const {
-    const auto found = places_.find(key);
-    return found == places_.end() ? nullptr : found->second;
-  }
+  const Setting* place(const std::string& key) const { return findings_.place(key); }
 
-  void problem(const std::string& key, std::string text) {
-    const Setting* setting = place(key);
-    problems_.push_back({setting != nullptr ? setting->where : Position{path_, 0, 0}, key, std::move(text)});
-  }
+  void problem(const std::string& key, std::string text) { findings_.problem(key, std::move(text)); }
 
   void mappings(const MappingDrafts& drafts, const std::string& prefix, cansync::ProcessMapping& mapping) {
     for (unsigned telegram = 0; telegram < cansync::kChannels; ++telegram) {
@@ -160,29 +148,8 @@ class Checker {
     }
   }
 
-  /// A relative path of the file starts at its folder, one of the command line where that was typed.
-  void finish_path(const std::string& key, std::string& path) {
-    const Setting* setting = place(key);
-    if (path.empty() || setting == nullptr || setting->overridden) return;
-    const std::filesystem::path file = path;
-    if (file.is_relative()) path = (std::filesystem::path(path_).parent_path() / file).string();
-  }
-
-  void fault_script() {
-    namespace fs = std::filesystem;
-    std::string& script = draft_.config.sim.fault_script;
-    if (script.empty()) return;
-    finish_path("sim.fault_script", script);
-    const fs::path file = script;
-    std::error_code error;
-    if (!fs::is_regular_file(file, error) || !std::ifstream(file)) {
-      problem("sim.fault_script",
-              fmt::format("found \"{}\", which cannot be read; allowed: a readable file", script));
-    }
-  }
-
   void profiles() {
-    ProfileFiles files(std::filesystem::path(path_).parent_path().string());
+    ProfileFiles files(std::filesystem::path(findings_.path()).parent_path().string());
     for (unsigned n = 0; n < cansync::kSlaves; ++n) {
       SlaveConfig& slave = draft_.config.slaves[n];
       if (slave.profile.empty()) continue;
@@ -192,7 +159,7 @@ class Checker {
       auto [parameters, problem_text, found] = files.load(slave.profile, typed);
       slave.parameters = std::move(parameters);
       if (!problem_text.empty()) problem(key, std::move(problem_text));
-      for (Problem& wrong : found) problems_.push_back(std::move(wrong));
+      for (Problem& wrong : found) findings_.problems().push_back(std::move(wrong));
     }
   }
 
@@ -243,9 +210,7 @@ class Checker {
   }
 
   Draft& draft_;
-  const std::string& path_;
-  std::map<std::string, const Setting*> places_;
-  Problems problems_;
+  Findings findings_;
 };
 
 }  // namespace

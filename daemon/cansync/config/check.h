@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/draft.h"
+#include "daemon/cansync/config/draft.h"
 
 namespace cansyncd {
 

@@ -1,20 +1,14 @@
 #pragma once
 
+#include <optional>
 #include <string>
-#include <vector>
 
-#include "daemon/config/config.h"
+#include "daemon/config/daemon_config.h"
 
 namespace cansyncd {
 
-/// Something wrong with [sync] that one option alone cannot tell.
-struct SyncProblem {
-  std::string key;   ///< the option to be changed
-  std::string text;  ///< what was found and what is allowed
-};
-
-/// Combinations of output and input that make no sense, and a software SYNC identifier that CANsync uses.
-/// Main thread.
-std::vector<SyncProblem> check_sync(const SyncConfig& sync);
+/// What is wrong with `sync.can_identifier`: CANsync uses it itself. Nothing: no software SYNC frame is on
+/// the bus, or it has an identifier of its own. Main thread.
+std::optional<std::string> wrong_sync_identifier(const SyncConfig& sync);
 
 }  // namespace cansyncd

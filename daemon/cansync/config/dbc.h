@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "daemon/config/config.h"
+#include "daemon/cansync/config/config.h"
 
 namespace cansyncd {
 

@@ -6,6 +6,7 @@
 #include "config/document.h"
 #include "daemon/cansync/config/check.h"
 #include "daemon/cansync/config/options.h"
+#include "daemon/options/check_daemon.h"
 
 namespace cansyncd {
 namespace {
@@ -24,14 +25,12 @@ bool given(const std::vector<Setting>& settings, std::string_view key) {
 }
 
 /// Defaults that follow from other options.
-void apply_derived(Config& config, const std::vector<Setting>& settings) {
-  if (!given(settings, "bus.name")) config.bus.name = config.bus.interface;
-  if (!given(settings, "dds.partition")) config.dds.partition = config.bus.name;
+void apply_derived_of_line(Config& config, const std::vector<Setting>& settings) {
   if (!given(settings, "bus.send_margin_us")) {
     config.master.send_margin = cansync::default_send_margin(config.master.bit_rate);
   }
   const cansync::SlaveMask configured = config.master.configured();
-  if (!given(settings, "sim.drives")) config.sim.drives = configured;
+  if (!given(settings, "sim.drives")) config.drives.slaves = configured;
   if (given(settings, "process.maximum_slave")) return;
   for (const cansync::SlaveNumber slave : configured) config.master.process.maximum_slave = slave;
 }
@@ -89,6 +88,7 @@ ConfigFile build_config(Settings settings, const std::string& path) {
   option_rows().apply_defaults(draft);
   apply_settings(draft, settings.items, file.problems);
   apply_derived(draft.config, settings.items);
+  apply_derived_of_line(draft.config, settings.items);
   // With wrong values the cross-checks would only complain about what is missing because of them.
   if (file.problems.empty()) file.problems = check_and_finish(draft, settings.items, path);
   config::sort_by_place(file.problems);

@@ -8,6 +8,10 @@
 namespace cansyncd {
 namespace {
 
+constexpr auto kProtocol = std::to_array<DaemonRow>({
+    {rows::protocol_option(kMasterProtocol, "\"cansync-master\""), [](DaemonConfig&, const Value&) {}},
+});
+
 /// In the order of the documents.
 constexpr auto kSections = std::to_array<config::Section>({
     {"bus", "", ""},
@@ -35,10 +39,15 @@ constexpr auto kSections = std::to_array<config::Section>({
 }  // namespace
 
 const config::Rows<Draft>& option_rows() {
-  static const config::Rows<Draft> all(
-      kSections,
-      {rows::daemon_options(), rows::access_options(), rows::metrics_options(), rows::sync_options(),
-       rows::bus_options(), rows::failsafe_options(), rows::line_options(), rows::slave_options()});
+  static const config::Rows<Draft> all(kSections, {{std::span<const DaemonRow>(kProtocol), &Draft::config},
+                                                   {rows::daemon_options(), &Draft::config},
+                                                   {rows::access_options(), &Draft::config},
+                                                   {rows::metrics_options(), &Draft::config},
+                                                   {rows::sync_options(), &Draft::config},
+                                                   rows::bus_options(),
+                                                   rows::failsafe_options(),
+                                                   rows::line_options(),
+                                                   rows::slave_options()});
   return all;
 }
 

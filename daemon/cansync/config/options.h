@@ -1,9 +1,14 @@
 #pragma once
 
+#include <string_view>
+
 #include "config/rows.h"
-#include "daemon/config/draft.h"
+#include "daemon/cansync/config/draft.h"
 
 namespace cansyncd {
+
+/// The protocol's name, as `bus.protocol` has it.
+inline constexpr std::string_view kMasterProtocol = "cansync-master";
 
 /// Every option of a configuration file: the daemon's and CANsync's. Main thread.
 const config::Rows<Draft>& option_rows();

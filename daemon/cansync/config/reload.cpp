@@ -6,7 +6,7 @@
 
 namespace cansyncd {
 
-ReloadPlan plan_reload(const ConfigFile& running, const ConfigFile& wanted) {
+ConfigReload plan_reload(const ConfigFile& running, const ConfigFile& wanted) {
   // What a slave, that only one of the two files has, gives does not take effect: the set of slaves needs a
   // restart.
   config::Changes changes = config::compare(running.settings, wanted.settings, [&](const Setting& setting) {

@@ -8,7 +8,7 @@
 namespace cansyncd {
 
 /// What a reload does.
-struct ReloadPlan {
+struct ConfigReload {
   ConfigFile merged;                 ///< the running configuration with all changes that are possible now
   std::vector<std::string> applied;  ///< options that changed and take effect, e.g. "slave.3.name"
   std::vector<std::string> needs_restart;  ///< options that changed and keep their running value
@@ -16,6 +16,6 @@ struct ReloadPlan {
 
 /// Compares the running configuration with a newly read one that has no problems. `merged` has problems when
 /// the changes make no sense without those that need a restart; nothing is to be applied then. Main thread.
-ReloadPlan plan_reload(const ConfigFile& running, const ConfigFile& wanted);
+ConfigReload plan_reload(const ConfigFile& running, const ConfigFile& wanted);
 
 }  // namespace cansyncd

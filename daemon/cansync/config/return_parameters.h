@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "cansync/settings.h"
-#include "daemon/config/draft.h"
+#include "daemon/cansync/config/draft.h"
 
 namespace cansyncd {
 

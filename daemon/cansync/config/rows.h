@@ -6,7 +6,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "daemon/config/draft.h"
+#include "daemon/cansync/config/draft.h"
 
 /// CANsync's rows of options, and what they are written with.
 namespace cansyncd::rows {

@@ -7,9 +7,9 @@
 
 #include "cansync/jobs.h"
 #include "cansync/numbers.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/texts/refusal_text.h"
-#include "daemon/config/config.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"
 

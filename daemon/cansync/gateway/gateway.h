@@ -6,13 +6,13 @@
 #include <thread>
 #include <vector>
 
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/failsafe_commands.h"
 #include "daemon/cansync/gateway/gateway_references.h"
 #include "daemon/cansync/status/gateway_state.h"
 #include "daemon/cansync/status/metrics_desk.h"
 #include "daemon/cansync/status/status_line.h"
-#include "daemon/config/config.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_jobs.h"

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "cansync/release_status.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/reference_age.h"
 #include "daemon/cansync/status/reference_status.h"
 #include "daemon/cansync/texts/event_text.h"
-#include "daemon/config/config.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/service/daemon_identity.h"
 

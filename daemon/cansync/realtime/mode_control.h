@@ -4,8 +4,8 @@
 
 #include "can/bus.h"
 #include "cansync/master.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 
 namespace cansyncd {
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "daemon/cansync/realtime/flight_reports.h"
+
 namespace cansyncd {
 
 void Reporter::at(cansync::IntervalNumber interval, can::Time bus_time) noexcept {
@@ -45,7 +47,7 @@ void Reporter::event(const cansync::MasterEvent& event) noexcept {
 }
 
 void Reporter::report(const Report& report) noexcept {
-  if (tap_ != nullptr) tap_->report(report);
+  if (tap_ != nullptr) tell(*tap_, report);
   if (!exchange_.reports.try_push(report)) ++lost_reports_;
   pending_ = true;
 }

@@ -42,7 +42,7 @@ class Reporter final : public cansync::MasterListener {
 
   /// Nothing was sent in a slot; for the flight recorder.
   void left_out(cansync::Slot slot) noexcept {
-    if (tap_ != nullptr) tap_->left_out(slot);
+    if (tap_ != nullptr) tap_->left_out(static_cast<std::uint32_t>(slot));
   }
 
   /// Notes that something was written for the gateway.

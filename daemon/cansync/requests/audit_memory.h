@@ -10,8 +10,8 @@
 #include <tuple>
 
 #include "cansync/mode.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 
 namespace cansyncd {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cansync.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 
 /// Commands of clients as requests to the realtime thread, and requests in words for the journal. Pure
 /// functions; not for the realtime thread (allocates).

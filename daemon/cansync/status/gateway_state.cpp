@@ -231,7 +231,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.cansync_status = master_.cansync_status;
   sample.interval = master_.when.interval;
   fill_bus(master_, link_, sample);
-  sample.sample_point_wanted = wanted_sample_point(config_);
+  sample.sample_point_wanted = wanted_sample_point(config_.bus);
   sample.slaves_configured = master_.configured.bits;
   sample.slaves_responding = master_.responding.bits;
   sample.slaves_synchronized = master_.synchronized.bits;

@@ -7,9 +7,9 @@
 
 #include "cansync.h"
 #include "cansync/dds/topics.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/status/reference_status.h"
-#include "daemon/config/config.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/rejections.h"
 #include "daemon/service/daemon_identity.h"

@@ -3,8 +3,8 @@
 #include <memory>
 #include <optional>
 
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/status/gateway_state.h"
-#include "daemon/config/config.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/metrics_file.h"
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 
 namespace cansyncd {
 

@@ -71,7 +71,7 @@ EventText describe_link(const LinkChanged& report, const Config& config) {
       return event(gateway_SEVERITY_ERROR, "interface_down",
                    fmt::format("{0} is down, nothing is sent; set it up with: {1}", interface,
                                report.bits_per_second == 0 ? fmt::format("ip link set {} up", interface)
-                                                           : bit_rate_command(config)));
+                                                           : bit_rate_command(config.bus)));
     case can::LinkState::missing:
       return event(gateway_SEVERITY_ERROR, "interface_missing",
                    fmt::format("there is no CAN interface {}, nothing is sent; plug the adapter in, or load "
@@ -82,13 +82,13 @@ EventText describe_link(const LinkChanged& report, const Config& config) {
           gateway_SEVERITY_ERROR, "wrong_bit_rate",
           fmt::format("{} is set to {} bit/s instead of {}, nothing is sent; set it with: {}", interface,
                       report.bits_per_second, cansync::slot_times(config.master.bit_rate).bits_per_second,
-                      bit_rate_command(config)));
+                      bit_rate_command(config.bus)));
     case can::LinkState::not_one_shot:
       return event(
           gateway_SEVERITY_ERROR, "not_one_shot",
           fmt::format("{0} is not in one-shot mode, which bus.one_shot demands, nothing is sent; set it "
                       "with: {1}",
-                      interface, one_shot_command(config)));
+                      interface, one_shot_command(config.bus)));
   }
   return event(gateway_SEVERITY_ERROR, "interface_down", fmt::format("{} is in an unknown state", interface));
 }
@@ -127,7 +127,7 @@ EventText describe_delivery(const DeliveryChanged& report, const Config& config)
                   "controller and goes out when somebody does, and nothing else is sent before; empty it as "
                   "root: ip link set {0} down && ip link set {0} up; for the next time: one-shot mode ({1}), "
                   "or CAP_NET_ADMIN for the daemon",
-                  interface, one_shot_command(config)),
+                  interface, one_shot_command(config.bus)),
       report.when};
 }
 

@@ -3,9 +3,9 @@
 #include <string>
 
 #include "can/bus_names.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/texts/event_text.h"
-#include "daemon/config/config.h"
 
 /// State and faults of the bus in words. Pure functions; not for the realtime thread (they allocate).
 namespace cansyncd {

@@ -118,7 +118,7 @@ std::string_view remedy_of(can::SendResult result) noexcept {
   return "unknown reason";
 }
 
-struct Describer {
+struct ReportDescriber {
   const Config& config;
 
   std::optional<EventText> operator()(const StateChanged& report) const {
@@ -213,7 +213,7 @@ EventCode code_of(Code code) {
 }
 
 std::optional<EventText> describe(const Report& report, const Config& config) {
-  return std::visit(Describer{config}, report);
+  return std::visit(ReportDescriber{config}, report);
 }
 
 }  // namespace cansyncd

@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "cansync.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 #include "daemon/service/event_codes.h"
 
 /// What the realtime thread reports, in words. Pure functions; not for the realtime thread (allocates).

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "cansync.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 
 /// What drive profiles say of requests. Pure functions; any thread; they allocate.
 namespace cansyncd {

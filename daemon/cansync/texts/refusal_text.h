@@ -6,8 +6,8 @@
 #include "cansync/jobs.h"
 #include "cansync/mode.h"
 #include "cansync/numbers.h"
+#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
-#include "daemon/config/config.h"
 
 /// What people read when the master does not take a request. Not for the realtime thread (allocates).
 namespace cansyncd {

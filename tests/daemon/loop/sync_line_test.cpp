@@ -25,9 +25,8 @@ using sync_line::test::FakeSystem;
 
 constexpr can::Time kInterval = milliseconds(1);
 
-Config config_with(const SyncConfig& sync) {
-  Config config;
-  config.master = master_settings(3);
+DaemonConfig config_with(const SyncConfig& sync) {
+  DaemonConfig config;
   config.sync = sync;
   return config;
 }
@@ -43,7 +42,8 @@ constexpr can::Time kApart = -seconds(77);
 
 /// A loop with a SYNC line, and somebody who makes edges at whole intervals plus `phase`.
 struct SyncRig {
-  explicit SyncRig(const SyncConfig& sync) : line(config_with(sync), system), rig(settings_with(line)) {
+  explicit SyncRig(const SyncConfig& sync)
+      : line(config_with(sync), kInterval, system), rig(settings_with(line)) {
     rig.bus.on_sleep = [this, play = rig.bus.on_sleep](can::Time now) {
       tick(now);
       play(now);
@@ -275,7 +275,7 @@ TEST(SyncOutput, AGpioPulseBeginsAtTheEdgeAndEndsBeforeTheFirstTelegram) {
 
 TEST(SyncOutput, WithoutSyncThereIsNoPulse) {
   FakeSystem system;
-  SyncLine line(config_with(output(SyncOutput::gpio)), system);
+  SyncLine line(config_with(output(SyncOutput::gpio)), kInterval, system);
   LoopSettings settings = virtual_time(StartTarget::none);
   settings.sync_line = &line;
   LoopRig rig(settings);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "can/candump.h"
+#include "daemon/cansync/realtime/flight_reports.h"
 #include "daemon/loop/flight_tap.h"
 #include "daemon/recorder/flight_desk.h"
 #include "daemon/recorder/flight_files.h"
@@ -44,7 +45,7 @@ class FlightFolder : public testing::Test {
   }
 
   FlightFileSettings settings() const {
-    return {folder.string(), 3, "line 1", "can0", 1'000'000, milliseconds(1)};
+    return {folder.string(), 3, "line 1", "can0", 1'000'000, flight_protocol(milliseconds(1))};
   }
   std::vector<std::string> files() const {
     std::vector<std::string> out;
@@ -406,12 +407,12 @@ TEST_F(FlightFolder, WithoutAFolderTheLoopDrivesTheBusItself) {
   Config config;
   config.recorder.folder = (folder / "not" / "there").string();
   ScriptedBus bus;
-  FlightDesk off(config, bus, [](const EventText&) {});
+  FlightDesk off(config, flight_protocol(milliseconds(1)), bus, [](const EventText&) {});
   EXPECT_EQ(&off.bus(), &bus);
   EXPECT_EQ(off.tap(), nullptr);
   EXPECT_FALSE(off.request());
   config.recorder.folder = folder.string();
-  FlightDesk on(config, bus, [](const EventText&) {});
+  FlightDesk on(config, flight_protocol(milliseconds(1)), bus, [](const EventText&) {});
   EXPECT_NE(&on.bus(), &bus);
   EXPECT_TRUE(on.request());
 }

@@ -19,7 +19,7 @@ TEST(Config, AFileWithOneSlaveIsEnough) {
   EXPECT_EQ(config.dds.interface, "lo");
   EXPECT_EQ(config.slaves[0].name, "slave0");
   EXPECT_EQ(config.master.configured().bits, 1U);
-  EXPECT_EQ(config.sim.drives.bits, 1U);
+  EXPECT_EQ(config.drives.slaves.bits, 1U);
   EXPECT_TRUE(cansync::check(config.master).empty());
 }
 
@@ -27,11 +27,11 @@ TEST(Config, ASimulatedLineWithoutSlavesHasAll32) {
   for (const char* text : {"", "[bus]\ninterface = \"sim\"\n", "[sim]\nseed = 3\n"}) {
     const Config config = good(text);
     EXPECT_EQ(config.master.configured(), cansync::SlaveMask::all()) << text;
-    EXPECT_EQ(config.sim.drives, cansync::SlaveMask::all()) << text;
+    EXPECT_EQ(config.drives.slaves, cansync::SlaveMask::all()) << text;
     EXPECT_EQ(config.slaves[31].name, "slave31") << text;
     EXPECT_EQ(config.master.process.maximum_slave.value(), 31) << text;
   }
-  EXPECT_EQ(good("", {"slave.7.name=winder", "sim.drives=[\"winder\"]"}).sim.drives.bits, 1U << 7);
+  EXPECT_EQ(good("", {"slave.7.name=winder", "sim.drives=[\"winder\"]"}).drives.slaves.bits, 1U << 7);
   const Config one = good("[bus]\ninterface = \"can0\"\n[[slave]]\nnumber = 4\n");
   EXPECT_EQ(one.master.configured().bits, 1U << 4);
 }
@@ -164,10 +164,10 @@ TEST(Config, DefaultsOfTheDaemonAreThoseOfTheStructs) {
   EXPECT_EQ(config.dds.domain, plain.dds.domain);
   EXPECT_EQ(config.dds.interval_topic, plain.dds.interval_topic);
   EXPECT_EQ(config.dds.xml, plain.dds.xml);
-  EXPECT_EQ(config.sim.lock_time, plain.sim.lock_time);
+  EXPECT_EQ(config.drives.lock_time, plain.drives.lock_time);
   EXPECT_EQ(config.sim.seed, plain.sim.seed);
-  EXPECT_EQ(config.sim.memory, plain.sim.memory);
-  EXPECT_EQ(config.sim.missing_references, plain.sim.missing_references);
+  EXPECT_EQ(config.drives.memory, plain.drives.memory);
+  EXPECT_EQ(config.drives.missing_references, plain.drives.missing_references);
   EXPECT_EQ(config.sim.trace, plain.sim.trace);
   EXPECT_EQ(config.references, plain.references);
 }
@@ -216,7 +216,7 @@ TEST(Config, CursorsTakeSlaveNamesWhereverTheSlaveStands) {
   EXPECT_EQ(config.master.process.polling[1].kind, cansync::Cursor::Kind::nobody);
   EXPECT_EQ(config.master.command_channel.parameter, (cansync::Cursor{cansync::Cursor::Kind::fixed, seven}));
   EXPECT_EQ(config.master.process.maximum_slave, seven);
-  EXPECT_EQ(config.sim.drives.bits, 0x81U);
+  EXPECT_EQ(config.drives.slaves.bits, 0x81U);
 }
 
 TEST(Config, SlavesWithoutTheirOwnValueTakeTheCommonOne) {
@@ -286,7 +286,7 @@ TEST(Override, WinsOverTheFileAndTakesBareWords) {
   EXPECT_EQ(config.references[2].factor, 0.25);
   EXPECT_EQ(config.slaves[3].actual[2].name, "torque");
   EXPECT_EQ(config.master.process.polling[0].slave.value(), 3);
-  EXPECT_TRUE(config.sim.drives.empty());
+  EXPECT_TRUE(config.drives.slaves.empty());
   EXPECT_EQ(config.dds.domain, 7U);
 }
 
@@ -298,7 +298,8 @@ struct WrongOverride {
 TEST(Override, GoesThroughTheSameChecks) {
   const WrongOverride cases[] = {
       {"bus.bit_rate=1", "--set bus.bit_rate=1: bus.bit_rate: found 1; allowed: 125000, 250000"},
-      {"bus.rate=1", "--set bus.rate=1: bus.rate: no such option; allowed in this section: name, interface"},
+      {"bus.rate=1",
+       "--set bus.rate=1: bus.rate: no such option; allowed in this section: protocol, name, interface"},
       {"bus.name", "--set bus.name: found no '='; allowed: KEY=VALUE"},
       {"slave.name=a", "--set slave.name=a: slave.name: found key slave.name; allowed: slave.N.OPTION"},
       {"slave.3.value.name=a",

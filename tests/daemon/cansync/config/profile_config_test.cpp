@@ -105,7 +105,7 @@ TEST(ProfileConfig, AReloadReadsTheFileAgain) {
   folder.add("profiles/drive.toml", kProfile);
   const ConfigFile running = folder.load("drive");
   folder.add("profiles/drive.toml", std::string(kProfile) + "minimum = 7\n");
-  const ReloadPlan plan = plan_reload(running, folder.load("drive"));
+  const ConfigReload plan = plan_reload(running, folder.load("drive"));
   ASSERT_EQ(problems_text(plan.merged.problems), "");
   EXPECT_EQ(plan.merged.config.slaves[3].parameters->find(12)->minimum, 7);
 }

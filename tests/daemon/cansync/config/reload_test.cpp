@@ -20,27 +20,27 @@ ConfigFile from_text(const std::string& text) {
   return file;
 }
 
-ReloadPlan plan(const std::string& before, const std::string& after) {
+ConfigReload plan(const std::string& before, const std::string& after) {
   return plan_reload(from_text(before), from_text(after));
 }
 
 constexpr const char* kSlave = "[[slave]]\nnumber = 1\n";
 
 TEST(Reload, TheSameFileChangesNothing) {
-  const ReloadPlan same = plan(kSlave, kSlave);
+  const ConfigReload same = plan(kSlave, kSlave);
   EXPECT_EQ(same.applied, Keys{});
   EXPECT_EQ(same.needs_restart, Keys{});
 }
 
 TEST(Reload, WritingADefaultDownIsNoChange) {
-  const ReloadPlan same =
+  const ConfigReload same =
       plan(kSlave, std::string("[bus]\nbit_rate = 1000000\n[dds]\ndomain = 0\n") + kSlave);
   EXPECT_EQ(same.applied, Keys{});
   EXPECT_EQ(same.needs_restart, Keys{});
 }
 
 TEST(Reload, MappingNamesScalingAndPollingTakeEffect) {
-  const ReloadPlan changed =
+  const ConfigReload changed =
       plan(std::string("[process]\npolling_1 = 1\n") + kSlave,
            "[process]\npolling_2 = 1\nreference_registers_1 = [0x09, 0, 0, 0]\n"
            "[command_channel]\ntransfer_cursor = \"winder\"\n[[reference]]\nnumber = 2\nname = \"speed\"\n"
@@ -63,7 +63,7 @@ TEST(Reload, MappingNamesScalingAndPollingTakeEffect) {
 }
 
 TEST(Reload, WhatNeedsARestartKeepsItsRunningValue) {
-  const ReloadPlan changed =
+  const ConfigReload changed =
       plan(std::string("[bus]\nbit_rate = 500000\n") + kSlave,
            std::string("[bus]\nbit_rate = 125000\n[dds]\ndomain = 5\n[process]\npolling_1 = \"nobody\"\n") +
                kSlave);
@@ -75,7 +75,7 @@ TEST(Reload, WhatNeedsARestartKeepsItsRunningValue) {
 }
 
 TEST(Reload, TheSetOfSlavesNeedsARestart) {
-  const ReloadPlan changed =
+  const ConfigReload changed =
       plan("[[slave]]\nnumber = 1\n[[slave]]\nnumber = 2\nname = \"gone\"\n",
            "[[slave]]\nnumber = 1\nname = \"kept\"\n[[slave]]\nnumber = 3\nname = \"new\"\n");
   EXPECT_EQ(changed.needs_restart,
@@ -87,7 +87,7 @@ TEST(Reload, TheSetOfSlavesNeedsARestart) {
 }
 
 TEST(Reload, ASimulatedLineOfAllSlavesStaysOne) {
-  const ReloadPlan fewer = plan("", "[[slave]]\nnumber = 1\nname = \"winder\"\n");
+  const ConfigReload fewer = plan("", "[[slave]]\nnumber = 1\nname = \"winder\"\n");
   EXPECT_EQ(fewer.needs_restart, (Keys{"slave.1.number"}));
   EXPECT_EQ(fewer.applied, (Keys{"slave.1.name"}));
   EXPECT_EQ(fewer.merged.config.master.configured(), cansync::SlaveMask::all());
@@ -96,8 +96,8 @@ TEST(Reload, ASimulatedLineOfAllSlavesStaysOne) {
 }
 
 TEST(Reload, ChangesThatMakeNoSenseWithoutARestartAreRefused) {
-  const ReloadPlan changed = plan("[[slave]]\nnumber = 1\n[[slave]]\nnumber = 2\nname = \"winder\"\n",
-                                  "[[slave]]\nnumber = 1\nname = \"winder\"\n");
+  const ConfigReload changed = plan("[[slave]]\nnumber = 1\n[[slave]]\nnumber = 2\nname = \"winder\"\n",
+                                    "[[slave]]\nnumber = 1\nname = \"winder\"\n");
   ASSERT_EQ(changed.merged.problems.size(), 1U);
   EXPECT_NE(to_string(changed.merged.problems[0]).find("which is the name of slave 1 too"), std::string::npos)
       << to_string(changed.merged.problems[0]);
@@ -105,8 +105,8 @@ TEST(Reload, ChangesThatMakeNoSenseWithoutARestartAreRefused) {
 
 TEST(Reload, TheNextReloadComparesWithWhatIsRunning) {
   const std::string wanted = std::string("[dds]\ndomain = 5\n[process]\npolling_1 = 1\n") + kSlave;
-  const ReloadPlan first = plan(kSlave, wanted);
-  const ReloadPlan second = plan_reload(first.merged, from_text(wanted));
+  const ConfigReload first = plan(kSlave, wanted);
+  const ConfigReload second = plan_reload(first.merged, from_text(wanted));
   EXPECT_EQ(second.applied, Keys{});
   EXPECT_EQ(second.needs_restart, (Keys{"dds.domain"}));
 }

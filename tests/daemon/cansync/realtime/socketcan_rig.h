@@ -17,6 +17,7 @@
 #include "can/link_watch.h"
 #include "can/socketcan_bus.h"
 #include "daemon/bus/socketcan_line.h"
+#include "daemon/cansync/bus/bus_plan.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 #include "support/virtual_line.h"
 
@@ -174,13 +175,14 @@ inline Config config_for(const cansync::MasterSettings& settings) {
   config.bus.kind = BusKind::socketcan;
   config.bus.interface = "can0";
   config.master = settings;
+  config.bus.bits_per_second = cansync::slot_times(settings.bit_rate).bits_per_second;
   return config;
 }
 
 /// Four drives at 1 Mbit/s; the interface is watched by hand.
 struct Rig {
   explicit Rig(const can::LinkFacts& facts = can::test::can0())
-      : bus((links.facts = facts, watch.look(), socketcan_settings(config)), board, links, kernel) {
+      : bus((links.facts = facts, watch.look(), socketcan_settings(bus_plan(config))), board, links, kernel) {
     links.on_set_up = [this](bool up) { kernel.set_up(up); };
     wire.on_edge = [this](std::uint64_t edge) {
       static_cast<void>(exchange.master.read(latest));

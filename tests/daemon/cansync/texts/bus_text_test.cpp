@@ -14,6 +14,7 @@ Config can_config(cansync::BitRate rate = cansync::BitRate::kbit500) {
   config.bus.kind = BusKind::socketcan;
   config.bus.interface = "can0";
   config.master.bit_rate = rate;
+  config.bus.bits_per_second = cansync::slot_times(rate).bits_per_second;
   return config;
 }
 
@@ -23,8 +24,8 @@ TEST(BitTiming, PresetsOfBothControllersFitTheirBitRates) {
     config.bus.btr0 = preset.registers.btr0;
     config.bus.btr1 = preset.registers.btr1;
     config.bus.registers_of = preset.controller;
-    EXPECT_FALSE(check_bit_timing(config)) << preset.bits_per_second;
-    EXPECT_EQ(wanted_sample_point(config), preset.controller == can::Controller::plc ? 600 : 875);
+    EXPECT_FALSE(check_bit_timing(config.bus)) << preset.bits_per_second;
+    EXPECT_EQ(wanted_sample_point(config.bus), preset.controller == can::Controller::plc ? 600 : 875);
   }
 }
 
@@ -32,7 +33,7 @@ TEST(BitTiming, RegistersOfAnotherBitRateAreRefusedWithThoseThatFit) {
   Config config = can_config();
   config.bus.btr0 = 0x43;
   config.bus.btr1 = 0x34;
-  const auto wrong = check_bit_timing(config);
+  const auto wrong = check_bit_timing(config.bus);
   ASSERT_TRUE(wrong);
   EXPECT_STREQ(wrong->option, "bus.btr0");
   EXPECT_EQ(
@@ -44,7 +45,7 @@ TEST(BitTiming, RegistersOfAnotherBitRateAreRefusedWithThoseThatFit) {
 TEST(BitTiming, OneRegisterAloneIsRefused) {
   Config config = can_config();
   config.bus.btr1 = 0x34;
-  const auto wrong = check_bit_timing(config);
+  const auto wrong = check_bit_timing(config.bus);
   ASSERT_TRUE(wrong);
   EXPECT_STREQ(wrong->option, "bus.btr1");
   EXPECT_EQ(wrong->text, "found without bus.btr0; allowed: both together");
@@ -53,18 +54,18 @@ TEST(BitTiming, OneRegisterAloneIsRefused) {
 TEST(InterfaceRefusal, NamesTheCommandThatSetsTheBitRate) {
   const Config config = can_config();
   EXPECT_EQ(
-      interface_refusal(config, can::test::can0(250'000)),
+      interface_refusal(config.bus, can::test::can0(250'000)),
       "can0 is set to 250000 bit/s, bus.bit_rate is 500000; set it with: ip link set can0 down; ip link set "
       "can0 type can bitrate 500000 sample-point 0.600; ip link set can0 up");
-  EXPECT_EQ(interface_refusal(config, can::test::can0(500'000)), "");
-  EXPECT_EQ(interface_refusal(config, {}), "") << "it may come later";
+  EXPECT_EQ(interface_refusal(config.bus, can::test::can0(500'000)), "");
+  EXPECT_EQ(interface_refusal(config.bus, {}), "") << "it may come later";
   can::LinkFacts ethernet = can::test::can0(500'000);
   ethernet.is_can = false;
-  EXPECT_EQ(interface_refusal(config, ethernet),
+  EXPECT_EQ(interface_refusal(config.bus, ethernet),
             "can0 is no CAN interface; give another one as bus.interface");
   can::LinkFacts virtual_one = can::test::can0();
   virtual_one.timing.reset();
-  EXPECT_EQ(interface_refusal(config, virtual_one), "");
+  EXPECT_EQ(interface_refusal(config.bus, virtual_one), "");
 }
 
 TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
@@ -87,28 +88,28 @@ TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
 TEST(BusLine, OneShotModeIsAskedForAsTheConfigurationSays) {
   Config config = can_config();
   can::LinkFacts facts = can::test::can0(500'000);
-  EXPECT_EQ(one_shot_advice(config, facts), "") << "a virtual interface, or a driver that does not tell";
+  EXPECT_EQ(one_shot_advice(config.bus, facts), "") << "a virtual interface, or a driver that does not tell";
   facts.one_shot = false;
-  EXPECT_EQ(interface_refusal(config, facts), "");
+  EXPECT_EQ(interface_refusal(config.bus, facts), "");
   EXPECT_EQ(
-      one_shot_advice(config, facts),
+      one_shot_advice(config.bus, facts),
       "can0 is not in one-shot mode: with nobody on the bus telegrams wait in the controller until the "
       "daemon has reset it; set it with: ip link set can0 down; ip link set can0 type can one-shot on; ip "
       "link set can0 up");
   facts.can_one_shot = false;
-  EXPECT_NE(one_shot_advice(config, facts).find("its driver has none"), std::string::npos);
+  EXPECT_NE(one_shot_advice(config.bus, facts).find("its driver has none"), std::string::npos);
   config.bus.one_shot = OneShot::enforce;
   EXPECT_EQ(
-      interface_refusal(config, facts),
+      interface_refusal(config.bus, facts),
       "can0 is not in one-shot mode, bus.one_shot is \"enforce\"; its driver has none: set bus.one_shot to "
       "\"ignore\", and let the daemon reset the controller (CAP_NET_ADMIN, see the example reset.conf)");
-  EXPECT_EQ(one_shot_advice(config, facts), "");
+  EXPECT_EQ(one_shot_advice(config.bus, facts), "");
   facts.one_shot = true;
-  EXPECT_EQ(interface_refusal(config, facts), "");
+  EXPECT_EQ(interface_refusal(config.bus, facts), "");
   config.bus.one_shot = OneShot::ignore;
   facts.one_shot = false;
-  EXPECT_EQ(interface_refusal(config, facts), "");
-  EXPECT_EQ(one_shot_advice(config, facts), "");
+  EXPECT_EQ(interface_refusal(config.bus, facts), "");
+  EXPECT_EQ(one_shot_advice(config.bus, facts), "");
 }
 
 TEST(BusEvents, NobodyAcknowledges) {

@@ -2,7 +2,7 @@
 
 #include "cansync/numbers.h"
 #include "cansync/sim/drive.h"
-#include "daemon/config/config.h"
+#include "daemon/cansync/config/config.h"
 
 namespace cansyncd {
 

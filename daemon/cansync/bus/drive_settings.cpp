@@ -1,4 +1,4 @@
-#include "daemon/bus/drive_settings.h"
+#include "daemon/cansync/bus/drive_settings.h"
 
 namespace cansyncd {
 
@@ -13,10 +13,10 @@ sim::DriveSettings drive_settings(const Config& config, cansync::SlaveNumber num
   settings.slave.block_limit = slave.block_limit;
   settings.slave.activate_command = config.master.startup.activate_command;
   settings.slave.activate_data = config.master.startup.activate_data;
-  settings.lock_time = config.sim.lock_time;
-  settings.misses_until_fault = config.sim.missing_references;
+  settings.lock_time = config.drives.lock_time;
+  settings.misses_until_fault = config.drives.missing_references;
   settings.status_parameter = slave.status_parameter;
-  settings.memory.size = config.sim.memory;
+  settings.memory.size = config.drives.memory;
   settings.memory.address_step = config.master.command_channel.address_step;
   return settings;
 }

@@ -7,7 +7,7 @@
 
 #include "config/rows.h"
 #include "config/settings.h"
-#include "daemon/config/config.h"
+#include "daemon/cansync/config/config.h"
 
 /// What the daemon's rows of options fill while a file is read. Main thread only.
 namespace cansyncd {

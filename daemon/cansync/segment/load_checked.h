@@ -1,0 +1,13 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "daemon/cansync/config/file.h"
+
+namespace cansyncd {
+
+/// Reads and checks a configuration completely: the file, and what stands behind it. Main thread.
+ConfigFile load_checked(const std::string& path, std::span<const std::string> overrides);
+
+}  // namespace cansyncd

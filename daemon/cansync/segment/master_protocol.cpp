@@ -1,0 +1,37 @@
+#include "daemon/cansync/segment/master_protocol.h"
+
+#include <memory>
+#include <utility>
+
+#include "daemon/cansync/config/bus_budget.h"
+#include "daemon/cansync/config/bus_budget_text.h"
+#include "daemon/cansync/config/dbc.h"
+#include "daemon/cansync/config/options.h"
+#include "daemon/cansync/config/print.h"
+#include "daemon/cansync/segment/load_checked.h"
+#include "daemon/cansync/segment/master_segment.h"
+
+namespace cansyncd {
+namespace {
+
+LoadedConfig load(const std::string& path, std::span<const std::string> overrides) {
+  // Shared: both functions below have it, and only one of them is called.
+  const auto file = std::make_shared<ConfigFile>(load_checked(path, overrides));
+  LoadedConfig loaded;
+  loaded.problems = file->problems;
+  loaded.bus_name = file->config.bus.name;
+  if (!loaded.problems.empty()) return loaded;
+  loaded.check_text = budget_text(bus_budget(budget_input(file->config)));
+  loaded.dbc_text = [file] { return dbc_text(file->config); };
+  loaded.make_segment = [file](JournalSink& journal) {
+    return std::make_unique<MasterSegment>(std::move(*file), journal);
+  };
+  return loaded;
+}
+
+}  // namespace
+
+const ProtocolInfo cansync_master = {kMasterProtocol, options,          load,
+                                     default_config,  options_markdown, options_man};
+
+}  // namespace cansyncd

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "daemon/segment/protocol.h"
+
+namespace cansyncd {
+
+/// The master of a CANsync line.
+extern const ProtocolInfo cansync_master;
+
+}  // namespace cansyncd

@@ -1,0 +1,104 @@
+#include "daemon/cansync/segment/master_segment.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "cansync/timing.h"
+#include "daemon/cansync/bus/bus_plan.h"
+#include "daemon/cansync/config/reload.h"
+#include "daemon/cansync/realtime/flight_reports.h"
+#include "daemon/cansync/segment/load_checked.h"
+#include "daemon/segment/segment_start.h"
+
+namespace cansyncd {
+namespace {
+
+ExchangeSizes exchange_sizes(const Config& config) {
+  return {config.realtime.request_queue,
+          terminals_for(config.master.command_channel, config.realtime.request_queue),
+          config.realtime.report_queue};
+}
+
+can::Time interval_of(const Config& config) {
+  return cansync::slot_times(config.master.bit_rate).interval;
+}
+
+LoopSettings loop_settings(const Config& config, FlightTap* tap, sync_line::SyncWire* wire,
+                           SyncLine* sync_line) {
+  LoopSettings settings;
+  settings.sync_wire = wire;
+  settings.sync_line = sync_line;
+  settings.target = config.startup.target;
+  settings.report_intervals = config.dds.interval_topic;
+  settings.tap = tap;
+  // The simulated line costs no system call to look at.
+  settings.look_at_every_slot = config.bus.kind == BusKind::simulated || config.bus.wake_on_frame;
+  return settings;
+}
+
+}  // namespace
+
+MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal)
+    : file_(std::move(file)),
+      log_(file_.config.bus.name, journal),
+      bus_(bus_plan(file_.config)),
+      sync_line_(make_sync_line(file_.config, interval_of(file_.config), file_.settings, file_.path)),
+      exchange_(exchange_sizes(file_.config)),
+      participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
+                    file_.config.dds.xml, file_.config.dds.security, true}),
+      gateway_(file_.config, exchange_, participant_, journal),
+      flight_(
+          file_.config, flight_protocol(interval_of(file_.config)), bus_.bus(),
+          [this](const EventText& event) { gateway_.post(event); }, journal),
+      loop_(file_.config.master,
+            loop_settings(file_.config, flight_.tap(), bus_.sync_wire(), sync_line_.get()), flight_.bus(),
+            exchange_) {}
+
+MasterSegment::~MasterSegment() {
+  stop();
+}
+
+void MasterSegment::start() {
+  const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
+  if (sync_line_) sync_line_->start();
+  thread_.emplace(settings, [this] { loop_.run(); });
+  tell_grants(log_, settings, thread_->grants());
+  gateway_.set_realtime(settings, thread_->grants());
+  if (const std::string advice = bus_.advice(); !advice.empty())
+    log_.say(LogPriority::warning, "not_one_shot", advice);
+  bus_.start([this](const can::LinkFacts& facts) {
+    exchange_.link.write(facts);
+    exchange_.gateway_wake.signal();
+  });
+  gateway_.start();
+  wait_until_running([this] { return loop_.wake_ups(); });
+  log_.say(LogPriority::notice, "daemon_running",
+           fmt::format("running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
+                       file_.config.bus.interface, file_.config.bus.bits_per_second,
+                       __builtin_popcount(file_.config.master.configured().bits), participant_.place()));
+}
+
+void MasterSegment::stop() noexcept {
+  if (!thread_) return;
+  loop_.request_stop();
+  thread_.reset();
+  flight_.stop();
+  bus_.stop();
+  gateway_.stop();
+  tell_trace(log_, file_.config.sim.trace, bus_.close_trace());
+}
+
+ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {
+  ConfigFile wanted = load_checked(file_.path, overrides);
+  if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
+  ConfigReload changes = cansyncd::plan_reload(file_, wanted);
+  if (!changes.merged.problems.empty()) return {false, std::move(changes.merged.problems), {}, {}, {}};
+  const auto apply = [this, merged = std::move(changes.merged)] {
+    file_ = merged;
+    gateway_.reload(file_.config);
+  };
+  return {false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
+}
+
+}  // namespace cansyncd

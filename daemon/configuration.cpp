@@ -1,0 +1,92 @@
+#include "daemon/configuration.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "config/document.h"
+#include "config/settings.h"
+#include "daemon/options/rows.h"
+
+namespace cansyncd {
+namespace {
+
+constexpr auto kBus = std::to_array<config::Section>({{"bus", "", ""}});
+
+/// The protocol that is chosen; null with what is wrong with the choice.
+struct Choice {
+  const ProtocolInfo* protocol = nullptr;
+  std::vector<config::Problem> problems;
+};
+
+std::string names_of(Protocols protocols) {
+  std::string names;
+  for (const ProtocolInfo* protocol : protocols)
+    names += (names.empty() ? "" : "|") + std::string(protocol->name);
+  return names;
+}
+
+/// Where a document says which protocol it is for; everything else is that protocol's own.
+config::Document protocol_alone(config::Document document) {
+  std::erase_if(document.nodes, [](const config::Node& node) {
+    return node.kind != config::Node::Kind::value || node.path.size() != 2 ||
+           node.path.front().name != "bus" || node.name() != "protocol";
+  });
+  document.problems.clear();
+  return document;
+}
+
+Choice choose(const config::Document& document, std::span<const std::string> overrides, Protocols protocols) {
+  const std::string names = names_of(protocols);
+  const config::Table table(kBus, {rows::protocol_option(names, "")});
+  config::Settings settings = config::resolve(document, table);
+  for (const std::string& assignment : overrides) {
+    if (assignment.starts_with("bus.protocol=")) config::override_setting(settings, assignment, table);
+  }
+  if (settings.items.empty()) return {protocols.front(), {}};
+  const config::Setting& given = settings.items.back();
+  if (!config::takes(*given.option, given.value))
+    return {nullptr, {{given.where, given.key, config::mismatch_text(*given.option, given.value)}}};
+  const auto& name = *config::scalar<std::string>(given.value);
+  return {*std::find_if(protocols.begin(), protocols.end(),
+                        [&](const ProtocolInfo* protocol) { return protocol->name == name; }),
+          {}};
+}
+
+}  // namespace
+
+LoadedConfig load_configuration(const std::string& path, std::span<const std::string> overrides,
+                                Protocols protocols) {
+  // A file that cannot be read, or is not TOML, is told by the protocol's own reader.
+  Choice choice = choose(protocol_alone(config::read_document(path)), overrides, protocols);
+  if (choice.protocol != nullptr) return choice.protocol->load(path, overrides);
+  LoadedConfig loaded;
+  loaded.problems = std::move(choice.problems);
+  loaded.bus_name = BusConfig{}.name;
+  return loaded;
+}
+
+std::string print_default_config(std::span<const std::string> overrides, Protocols protocols) {
+  const Choice choice = choose({}, overrides, protocols);
+  if (choice.protocol == nullptr) throw std::runtime_error(config::to_string(choice.problems.front()));
+  return choice.protocol->default_config();
+}
+
+std::string print_options_markdown(Protocols protocols) {
+  std::string out;
+  for (const ProtocolInfo* protocol : protocols) out += protocol->options_markdown();
+  return out;
+}
+
+std::string print_options_man(Protocols protocols) {
+  std::string out;
+  for (const ProtocolInfo* protocol : protocols) out += protocol->options_man();
+  return out;
+}
+
+}  // namespace cansyncd

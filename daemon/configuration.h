@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "daemon/segment/protocol.h"
+
+/// Configuration files whatever their protocol, and what is printed of all options. Main thread.
+namespace cansyncd {
+
+using Protocols = std::span<const ProtocolInfo* const>;
+
+/// Reads and checks `path` as the protocol does that its option `bus.protocol` names; without it, as the
+/// first of `protocols`. `overrides` are "KEY=VALUE" and win over the file. A name that no protocol has is
+/// the only problem then. Never throws for a wrong file.
+LoadedConfig load_configuration(const std::string& path, std::span<const std::string> overrides,
+                                Protocols protocols);
+
+/// The default configuration of the protocol that `overrides` name, else of the first. Throws
+/// std::runtime_error, which says what is allowed, for a name that none has.
+std::string print_default_config(std::span<const std::string> overrides, Protocols protocols);
+
+/// docs/configuration.md: what each protocol says of its options.
+std::string print_options_markdown(Protocols protocols);
+
+/// The options' part of cansync.toml(5) in mdoc, likewise.
+std::string print_options_man(Protocols protocols);
+
+}  // namespace cansyncd

@@ -1,0 +1,21 @@
+#include "daemon/protocols.h"
+
+#include <array>
+
+#include "daemon/cansync/segment/master_protocol.h"
+
+namespace cansyncd {
+namespace {
+
+/// The only list of protocols.
+constexpr auto kProtocols = std::to_array<const ProtocolInfo*>({
+    &cansync_master,
+});
+
+}  // namespace
+
+std::span<const ProtocolInfo* const> protocols() noexcept {
+  return kProtocols;
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/option.h"
+#include "config/problem.h"
+#include "daemon/config/daemon_config.h"
+#include "daemon/segment/segment.h"
+#include "daemon/service/journal.h"
+
+/// What a protocol is to the daemon. A new one is a folder `daemon/NAME/` with its own CMakeLists.txt that
+/// adds its sources to the target `cansync_daemon`, and one line in `daemon/protocols.cpp`.
+namespace cansyncd {
+
+/// A configuration as a protocol has read it. Main thread.
+struct LoadedConfig {
+  /// Everything found wrong, in the order of the file. Not empty: of the rest only `bus_name` is there.
+  std::vector<config::Problem> problems;
+  std::string bus_name;  ///< for the journal; a default when the file is wrong
+  /// What `--check` tells beside "in order": lines that end with a line feed; may be empty.
+  std::string check_text;
+  /// The bus as a DBC file; empty: the protocol has none. Called at most once.
+  std::function<std::string()> dbc_text;
+  /// Makes the segment. Called at most once, before any other thread exists but the journal's, which must
+  /// outlive the segment. Throws a std::exception that names what cannot be had and the remedy.
+  std::function<std::unique_ptr<Segment>(JournalSink& journal)> make_segment;
+};
+
+/// One protocol. All members are needed; the functions are for the main thread.
+struct ProtocolInfo {
+  std::string_view name;  ///< value of `bus.protocol`: a literal of lower-case letters, digits and '-'
+
+  /// Every option of its files: the daemon's rows (daemon/options/rows.h), with `rows::protocol_option`
+  /// first, and its own. What stands in no row is refused by the reader, with line and column.
+  const config::Table& (*options)();
+
+  /// Reads and checks a file completely, also what stands behind it (other files, rights). `overrides` are
+  /// "KEY=VALUE" and win over the file. Never throws for a wrong file.
+  LoadedConfig (*load)(const std::string& path, std::span<const std::string> overrides);
+
+  /// A file with every option at its default, each explained in a comment.
+  std::string (*default_config)();
+  /// Its part of docs/configuration.md.
+  std::string (*options_markdown)();
+  /// Its part of the options in cansync.toml(5), in mdoc.
+  std::string (*options_man)();
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "config/problem.h"
+#include "daemon/service/heartbeat.h"
+
+namespace cansyncd {
+
+/// What reading a configuration again would change.
+struct ReloadPlan {
+  bool file_wrong = false;  ///< the file itself has problems; else the changes cannot be made while running
+  std::vector<config::Problem> problems;   ///< not empty: nothing is to change
+  std::vector<std::string> applied;        ///< keys of options that changed and take effect
+  std::vector<std::string> needs_restart;  ///< keys of options that changed and keep their running value
+  std::function<void()> apply;  ///< puts it all into force; empty with problems. Called at most once
+};
+
+/// One protocol on one bus, with all of its threads: bus, realtime thread, DDS side, flight recorder. What a
+/// segment needs is taken when it is made, and nothing runs before `start`.
+///
+/// Every function is for the main thread alone; none is called again once `stop` was.
+class Segment {
+ public:
+  virtual ~Segment() = default;
+
+  /// Starts everything and returns once the realtime thread runs; tells the journal so (`daemon_running`).
+  /// Called once. Throws a std::exception that names what cannot be had and the remedy; nothing but the
+  /// destructor is called then, which ends what has begun.
+  virtual void start() = 0;
+
+  /// Answers every open request of a client, ends all threads and tells the journal how files of this run
+  /// ended. May be called before `start` and more than once.
+  virtual void stop() noexcept = 0;
+
+  /// How far the threads have come; the service manager's watchdog is fed while both numbers rise.
+  virtual Heartbeat::Progress progress() const noexcept = 0;
+
+  /// Saves what the flight recorder has. False: there is none, or it is off.
+  virtual bool record() noexcept = 0;
+
+  /// Reads its file again, with `overrides` ("KEY=VALUE") that win over it. Nothing changes before `apply` of
+  /// the plan, which must be called or dropped before anything else here is.
+  virtual ReloadPlan plan_reload(std::span<const std::string> overrides) = 0;
+
+ protected:
+  Segment() = default;
+  Segment(const Segment&) = default;
+  Segment& operator=(const Segment&) = default;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,143 @@
+// Configuration files whatever their protocol: which one reads a file, and what is shipped and documented of
+// all.
+#include "daemon/configuration.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "daemon/protocols.h"
+
+namespace cansyncd {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& path) {
+  std::ostringstream out;
+  out << std::ifstream(path).rdbuf();
+  return out.str();
+}
+
+/// A protocol that takes every file, and tells by its bus that it did.
+template <char name>
+LoadedConfig load(const std::string& /*path*/, std::span<const std::string> /*overrides*/) {
+  LoadedConfig loaded;
+  loaded.bus_name = name;
+  return loaded;
+}
+template <char name>
+std::string print() {
+  return {name};
+}
+constexpr ProtocolInfo kBread = {"bread", nullptr, load<'b'>, print<'b'>, print<'b'>, print<'b'>};
+constexpr ProtocolInfo kCake = {"cake-2", nullptr, load<'c'>, print<'c'>, print<'c'>, print<'c'>};
+constexpr std::array<const ProtocolInfo*, 2> kBakery = {&kBread, &kCake};
+
+class ProtocolOfAFile : public testing::Test {
+ protected:
+  ProtocolOfAFile() {
+    std::string name = (fs::temp_directory_path() / "cansyncd-test-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~ProtocolOfAFile() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  LoadedConfig load(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    std::ofstream(folder_ / "f.toml") << text;
+    return load_configuration((folder_ / "f.toml").string(), overrides, kBakery);
+  }
+  /// The problems, with the file's folder left out.
+  std::string problems(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    std::string out = config::problems_text(load(text, overrides).problems);
+    const std::string folder = folder_.string() + "/";
+    if (out.starts_with(folder)) out.erase(0, folder.size());
+    return out;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ProtocolOfAFile, IsTheFirstUnlessTheFileOrTheCommandLineNamesAnother) {
+  EXPECT_EQ(load("").bus_name, "b");
+  EXPECT_EQ(load("[bus]\nname = \"x\"\n[oven]\nheat = 3\n").bus_name, "b");
+  EXPECT_EQ(load("[bus]\nprotocol = \"cake-2\"\n[oven]\nheat = 3\n").bus_name, "c");
+  EXPECT_EQ(load("", {"bus.name=x", "bus.protocol=cake-2"}).bus_name, "c");
+  EXPECT_EQ(load("[bus]\nprotocol = \"cake-2\"\n", {"bus.protocol=bread"}).bus_name, "b");
+}
+
+TEST_F(ProtocolOfAFile, OfAWrongNameTheErrorListsAll) {
+  EXPECT_EQ(problems("[bus]\nprotocol = \"pie\"\n[oven]\nheat = 3\n"),
+            "f.toml:2:12: bus.protocol: found \"pie\"; allowed: \"bread\" or \"cake-2\"\n");
+  EXPECT_EQ(problems("[bus]\nprotocol = 3\n"),
+            "f.toml:2:12: bus.protocol: found 3; allowed: \"bread\" or \"cake-2\"\n");
+  EXPECT_EQ(problems("", {"bus.protocol=pie"}),
+            "--set bus.protocol=pie: bus.protocol: found \"pie\"; allowed: \"bread\" or \"cake-2\"\n");
+}
+
+TEST_F(ProtocolOfAFile, ThatCannotBeReadIsToldByTheFirst) {
+  EXPECT_EQ(load("[bus\n").bus_name, "b");
+  EXPECT_EQ(load_configuration("/no/such/file", {}, kBakery).bus_name, "b");
+}
+
+TEST(PrintedConfiguration, IsOfTheChosenProtocolAndOfAllInTheDocuments) {
+  EXPECT_EQ(print_default_config({}, kBakery), "b");
+  EXPECT_EQ(print_default_config(std::vector<std::string>{"bus.protocol=cake-2"}, kBakery), "c");
+  EXPECT_THROW((void)print_default_config(std::vector<std::string>{"bus.protocol=pie"}, kBakery),
+               std::runtime_error);
+  EXPECT_EQ(print_options_markdown(kBakery), "bc");
+  EXPECT_EQ(print_options_man(kBakery), "bc");
+}
+
+TEST(ShippedConfiguration, EveryFileIsValid) {
+  for (const auto& entry : fs::directory_iterator(CANSYNC_SOURCE_DIR "/config")) {
+    if (entry.path().extension() != ".toml") continue;
+    EXPECT_EQ(problems_text(load_configuration(entry.path().string(), {}, protocols()).problems), "")
+        << entry.path();
+  }
+}
+
+TEST_F(ProtocolOfAFile, SectionsThatItDoesNotHaveAreRefusedWithTheirPlace) {
+  for (const ProtocolInfo* protocol : protocols()) {
+    const fs::path file = folder_ / "strange.toml";
+    std::ofstream(file) << "[bus]\nprotocol = \"" << protocol->name << "\"\n[strange]\nthing = 1\n";
+    EXPECT_TRUE(problems_text(load_configuration(file.string(), {}, protocols()).problems)
+                    .starts_with(file.string() + ":3:2: strange: no such section; allowed: [bus], "))
+        << protocol->name;
+  }
+}
+
+TEST(ShippedConfiguration, EachProtocolHasItsNameAsTheFirstOption) {
+  for (const ProtocolInfo* protocol : protocols()) {
+    const config::Option& first = protocol->options().options().front();
+    EXPECT_EQ(first.key, "bus.protocol");
+    EXPECT_EQ(first.choices, protocol->name);
+  }
+}
+
+TEST(ShippedConfiguration, TheDefaultFileIsWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/config/cansync.toml"), print_default_config({}, protocols()))
+      << "run: cansyncd --print-default-config > config/cansync.toml";
+}
+
+TEST(ShippedConfiguration, TheOptionListIsWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/docs/configuration.md"), print_options_markdown(protocols()))
+      << "run: cansyncd --print-options-markdown > docs/configuration.md";
+}
+
+TEST(ShippedConfiguration, TheOptionsOfTheManPageAreWhatTheProgramPrints) {
+  EXPECT_EQ(content(CANSYNC_SOURCE_DIR "/docs/man/cansync.toml.5.d/50-options.mdoc"),
+            print_options_man(protocols()))
+      << "run: cansyncd --print-options-man > docs/man/cansync.toml.5.d/50-options.mdoc";
+}
+
+}  // namespace
+}  // namespace cansyncd
