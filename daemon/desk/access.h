@@ -4,31 +4,23 @@
 #include <optional>
 #include <string>
 
-#include "daemon/cansync/config/config.h"
-#include "daemon/cansync/exchange.h"
-
 /// What a request is allowed to do. Pure functions; any thread.
 namespace cansyncd {
 
 /// Who may give a request, with DDS Security on. Each includes those before it.
 enum class Right : std::uint8_t {
-  operate,   ///< operators: control words, broadcasts, reference values, cancelling
-  engineer,  ///< engineers: parameters, transfers, modes, polling, cursors, mappings
+  operate,   ///< operators: what runs a line that is set up, e.g. control words, and cancelling
+  engineer,  ///< engineers: what sets it up, e.g. parameters, transfers, modes
 };
 
-/// The least right a request needs.
-Right needed_right(const Request& request);
+/// What a request needs and does.
+struct Effect {
+  Right right = Right::engineer;  ///< the least it needs
+  bool changes = true;            ///< it would change a drive, the line or the master
+};
 
-/// Would it change a drive, the line or the master? False for reads, uploads, cancelling and withdrawing.
-bool changes_something(const Request& request);
-
-/// Why `request` is not taken from a topic that gives only `right`; nothing when it may be taken.
-std::optional<std::string> right_refusal(const Request& request, Right right);
-
-/// Why `request` is not taken because the daemon is read-only; nothing when it may be taken.
-std::optional<std::string> read_only_refusal(const Request& request, const Config& config);
-
-/// The same for reference values.
-std::optional<std::string> read_only_refusal_of_references(const Config& config);
+/// Why a request with this effect is not taken because the daemon is read-only (access.read_only); nothing
+/// when it may be taken.
+std::optional<std::string> read_only_refusal(const Effect& effect, bool read_only);
 
 }  // namespace cansyncd

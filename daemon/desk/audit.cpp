@@ -1,8 +1,9 @@
 #include "daemon/desk/audit.h"
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
 
-#include "cansync/dds/convert.h"
+#include <array>
 
 namespace cansyncd {
 namespace {
@@ -19,23 +20,27 @@ std::string line_of(const Requester& who, const Change& change, const std::strin
 
 }  // namespace
 
-void AuditTrail::ended(const Requester& who, const std::optional<Change>& change, const Request& request,
-                       cansync::State state_before, cansync::Outcome outcome, SteadyTime now) {
-  const bool done = outcome == cansync::Outcome::done;
-  if (change) {
-    write({who, *change, memory_.before(request, state_before), std::string(cansync::name(outcome)),
-           done ? EventCode("request_done") : EventCode("request_failed")},
-          now);
+std::string data_text(const std::uint8_t* data, std::size_t size) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest = {};
+  unsigned length = 0;
+  if (EVP_Digest(data, size, digest.data(), &length, EVP_sha256(), nullptr) != 1) {
+    return fmt::format("{} bytes", size);
   }
-  if (done) memory_.done(request);
+  std::string text = fmt::format("{} bytes, SHA-256 ", size);
+  for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
+  return text;
 }
 
-void AuditTrail::refused(const Requester& who, const std::optional<Change>& change, const Request* request,
-                         cansync::State state_before, const std::string& reason, SteadyTime now) {
-  if (!change || !may_record_refusal(now)) return;
-  const std::string before =
-      request == nullptr ? AuditMemory::kNotKnown : memory_.before(*request, state_before);
-  write({who, *change, before, "refused: " + reason, "request_refused"}, now);
+void AuditTrail::ended(const Requester& who, const Change& change, const std::string& before, const End& end,
+                       SteadyTime now) {
+  write({who, change, before, std::string(end.outcome),
+         end.done ? EventCode("request_done") : EventCode("request_failed")},
+        now);
+}
+
+void AuditTrail::refused(const Requester& who, const Change& change, const std::string& before,
+                         const std::string& reason, SteadyTime now) {
+  if (may_record_refusal(now)) write({who, change, before, "refused: " + reason, "request_refused"}, now);
 }
 
 bool AuditTrail::may_record_refusal(SteadyTime now) {
@@ -80,8 +85,7 @@ void AuditTrail::write(const Entry& entry, SteadyTime now) {
                   {"CANSYNC_NEW", change.new_value},
                   {"CANSYNC_RESULT", entry.result}});
   EventText event{entry.code == "request_done" ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, entry.code,
-                  change.slave < static_cast<int>(cansync::kSlaves) ? change.slave : -1, std::move(line),
-                  std::nullopt};
+                  change.slave < slaves_ ? change.slave : -1, std::move(line), std::nullopt};
   event.request = RequestRecord{entry.who.name, entry.who.participant, change.action,
                                 entry.before,   change.new_value,      entry.result};
   events_.publish(event, now);

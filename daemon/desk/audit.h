@@ -4,13 +4,25 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
-#include "daemon/cansync/requests/audit_memory.h"
-#include "daemon/cansync/requests/audit_text.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/service/journal.h"
 
 namespace cansyncd {
+
+/// A change that a client asked for, in words. Its fields may be out of range: refused requests are recorded
+/// too.
+struct Change {
+  std::string_view action;  ///< stable word; a literal
+  int slave = -1;           ///< number, whatever a client gave; -1: none
+  std::string what;         ///< which parameter, address or slaves; may be empty
+  std::string new_value;    ///< what was asked for
+  int parameter = -1;       ///< number, whatever a client gave; -1: none
+};
+
+/// "12 bytes, SHA-256 0123…": which data was downloaded.
+std::string data_text(const std::uint8_t* data, std::size_t size);
 
 /// Who gave a request.
 struct Requester {
@@ -30,23 +42,26 @@ struct Requester {
 class AuditTrail {
  public:
   static constexpr unsigned kRefused = 100;
+  /// The old value where nobody knows it.
+  static constexpr const char* kNotKnown = "not known";
 
-  /// All must outlive the object.
-  AuditTrail(JournalSink& journal, EventPublisher& events, const Config& config)
-      : journal_(journal), events_(events), memory_(config), bus_(config.bus.name) {}
+  /// How a request ended.
+  struct End {
+    std::string_view outcome;  ///< its name
+    bool done = false;         ///< as it was asked for
+  };
 
-  /// A request that had been accepted ended as `outcome`. `change` empty: it asked for no change.
-  void ended(const Requester& who, const std::optional<Change>& change, const Request& request,
-             cansync::State state_before, cansync::Outcome outcome, SteadyTime now);
+  /// `journal` and `events` must outlive the object. `slaves`: events name slaves below this number alone.
+  AuditTrail(JournalSink& journal, EventPublisher& events, std::string bus, int slaves)
+      : journal_(journal), events_(events), bus_(std::move(bus)), slaves_(slaves) {}
 
-  /// A request was refused for `reason`; `request`: as far as it was understood.
-  void refused(const Requester& who, const std::optional<Change>& change, const Request* request,
-               cansync::State state_before, const std::string& reason, SteadyTime now);
+  /// A request that had been accepted ended. `before`: the value it replaced, or would have.
+  void ended(const Requester& who, const Change& change, const std::string& before, const End& end,
+             SteadyTime now);
 
-  /// A parameter was read or written; call it after `ended`.
-  void learn(const cansync::ParameterRequest& request, const cansync::ParameterResult& result) {
-    memory_.learn(request, result);
-  }
+  /// A request was refused for `reason`.
+  void refused(const Requester& who, const Change& change, const std::string& before,
+               const std::string& reason, SteadyTime now);
 
   /// Tells what was counted. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
@@ -55,7 +70,7 @@ class AuditTrail {
   struct Entry {
     const Requester& who;
     const Change& change;
-    std::string before;
+    const std::string& before;
     std::string result;
     EventCode code;
   };
@@ -64,8 +79,8 @@ class AuditTrail {
 
   JournalSink& journal_;
   EventPublisher& events_;
-  AuditMemory memory_;
   std::string bus_;
+  int slaves_;
   SteadyTime window_;
   unsigned recorded_ = 0;  ///< refusals of this window
   std::uint64_t not_recorded_ = 0;

@@ -3,42 +3,47 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <map>
 #include <optional>
 #include <tuple>
-
-#include "cansync/jobs.h"
-#include "cansync/settings.h"
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace cansyncd {
 
 /// A client's identity, as its requests carry it.
 using ClientIdentity = std::array<std::uint8_t, 16>;
 
-/// What a request competes for.
-enum class LaneKind : std::uint8_t { parameter, transfer, control_word, broadcast, line };
-inline constexpr unsigned kLaneKinds = 5;
+/// Number of a request that is open at the daemon; no two have the same.
+using JobId = std::uint64_t;
 
-/// One queue of the master: all jobs of a kind for one slave (broadcast: of one priority; line: the one lane
-/// of everything that takes effect at once).
+/// One queue of whoever executes requests: all jobs of a kind for one number.
 struct Lane {
-  LaneKind kind = LaneKind::line;
-  std::uint8_t number = 0;  ///< slave or priority
+  constexpr Lane() = default;
+  /// `lane_kind`: an enumeration of the protocol's, from 0 without gaps; it says what `lane_number` is.
+  template <class Kind>
+  requires std::is_enum_v<Kind>
+  constexpr Lane(Kind lane_kind, std::uint8_t lane_number) noexcept
+      : kind(static_cast<std::uint8_t>(lane_kind)), number(lane_number) {}
+
+  std::uint8_t kind = 0;
+  std::uint8_t number = 0;  ///< e.g. a slave or a priority
   friend bool operator==(const Lane&, const Lane&) = default;
   friend bool operator<(const Lane& a, const Lane& b) {
     return std::tie(a.kind, a.number) < std::tie(b.kind, b.number);
   }
 };
 
-/// How many jobs of a kind the master may have at a time.
-struct LaneLimits {
-  std::array<unsigned, kLaneKinds> in_lane = {};   ///< of one lane
-  std::array<unsigned, kLaneKinds> together = {};  ///< of all lanes of the kind
+/// How many jobs of a kind may be given at a time.
+struct LaneLimit {
+  unsigned in_lane = 1;                                      ///< of one lane
+  unsigned together = std::numeric_limits<unsigned>::max();  ///< of all lanes of the kind
 };
 
-/// The limits that keep every queue of the master from filling up: few jobs of a lane, so that nobody waits
-/// behind many of another client, but enough that the slave need not wait for this thread.
-LaneLimits lane_limits(const cansync::CommandChannelSettings& settings) noexcept;
+/// The limits of a protocol's kinds of lanes; index: kind.
+using LaneLimits = std::vector<LaneLimit>;
 
 /// Holds requests back until it is their turn, so that clients share every lane fairly.
 ///
@@ -48,16 +53,17 @@ LaneLimits lane_limits(const cansync::CommandChannelSettings& settings) noexcept
 /// share the limit `together` take turns too. Not thread safe; allocates.
 class FairLanes {
  public:
-  explicit FairLanes(const LaneLimits& limits) noexcept : limits_(limits) {}
+  /// A lane of a kind that has no limit must not be used.
+  explicit FairLanes(LaneLimits limits) : limits_(std::move(limits)), together_(limits_.size()) {}
 
   /// Puts a request behind the others of its client in its lane. `id` must be new.
-  void add(cansync::JobId id, const ClientIdentity& client, Lane lane);
+  void add(JobId id, const ClientIdentity& client, Lane lane);
 
   /// Forgets a request, whether it still waits or was given and has ended. An unknown one is ignored.
-  void remove(cansync::JobId id);
+  void remove(JobId id);
 
   /// True while the request has not been given.
-  bool waits(cansync::JobId id) const;
+  bool waits(JobId id) const;
 
   /// Calls `give(id)` for every request whose turn it is, until limits are reached or `give` returns false
   /// (there is no room): that request keeps its turn. Returns false only then.
@@ -73,7 +79,7 @@ class FairLanes {
  private:
   struct Queue {
     std::deque<ClientIdentity> turns;  ///< clients with waiting requests, the next in front
-    std::map<ClientIdentity, std::deque<cansync::JobId>> waiting;
+    std::map<ClientIdentity, std::deque<JobId>> waiting;
     unsigned given = 0;
   };
   struct Where {
@@ -83,15 +89,15 @@ class FairLanes {
   };
 
   std::optional<Lane> next_lane() const;
-  cansync::JobId first_of(Lane lane) const;
+  JobId first_of(Lane lane) const;
   void given(Lane lane);
-  static void drop_waiting(Queue& queue, const ClientIdentity& client, cansync::JobId id);
+  static void drop_waiting(Queue& queue, const ClientIdentity& client, JobId id);
 
   LaneLimits limits_;
   std::map<Lane, Queue> lanes_;
-  std::map<cansync::JobId, Where> jobs_;
-  std::array<unsigned, kLaneKinds> together_ = {};
-  Lane last_;  ///< lane that gave last
+  std::map<JobId, Where> jobs_;
+  std::vector<unsigned> together_;  ///< given, by kind
+  std::optional<Lane> last_;        ///< lane that gave last
 };
 
 }  // namespace cansyncd

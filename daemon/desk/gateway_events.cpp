@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "cansync/dds/convert.h"
+#include "dds/bounded_text.h"
 
 namespace cansyncd {
 namespace {
@@ -114,7 +114,7 @@ void EventPublisher::record(const EventText& event) {
 }
 
 std::vector<JournalField> EventPublisher::fields_of(const EventText& event) const {
-  const cansync::IntervalNumber interval = event.when ? event.when->interval : interval_;
+  const std::uint64_t interval = event.when ? event.when->interval : interval_;
   return {{"BUS", bus_},
           {"SLAVE", event.slave >= 0 ? std::to_string(event.slave) : std::string()},
           {"PARAMETER", event.parameter >= 0 ? std::to_string(event.parameter) : std::string()},

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "cansync.h"
-#include "daemon/cansync/texts/event_text.h"
+#include "daemon/desk/event_text.h"
 #include "daemon/service/journal.h"
 #include "dds/endpoint.h"
 #include "dds/gateway_topics.h"
 #include "dds/participant.h"
+#include "gateway.h"
 
 namespace cansyncd {
 
@@ -90,7 +90,7 @@ class EventPublisher {
       : writer_(participant), journal_(journal), bus_(std::move(bus)) {}
 
   /// Number of the running interval, for events that carry no moment of their own.
-  void set_interval(cansync::IntervalNumber interval) noexcept { interval_ = interval; }
+  void set_interval(std::uint64_t interval) noexcept { interval_ = interval; }
 
   /// Publishes `event` unless events of its kind come too fast. False: it is told in a sum, later.
   bool publish(const EventText& event, SteadyTime now);
@@ -110,7 +110,7 @@ class EventPublisher {
   const std::string bus_;
   FloodGuard guard_;
   std::uint64_t number_ = 0;
-  cansync::IntervalNumber interval_ = 0;
+  std::uint64_t interval_ = 0;
 };
 
 }  // namespace cansyncd

@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "cansync.h"
 #include "daemon/desk/gateway_events.h"
 #include "dds/endpoint.h"
 #include "dds/signal.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "daemon/cansync/texts/event_text.h"
+#include "daemon/desk/event_text.h"
 
 namespace cansyncd {
 

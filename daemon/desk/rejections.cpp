@@ -68,17 +68,6 @@ std::optional<SteadyTime> Rejections::tick(SteadyTime now) {
   return next;
 }
 
-void fill_rejections(const RejectionCounts& counts, cansync_MasterStatus& sample) noexcept {
-  const auto of = [&counts](Rejection kind) { return counts[static_cast<unsigned>(kind)]; };
-  sample.rejected_values = of(Rejection::value);
-  sample.rejected_full = of(Rejection::full);
-  sample.rejected_stale = of(Rejection::stale);
-  sample.rejected_numbers = of(Rejection::number);
-  sample.rejected_identities = of(Rejection::identity);
-  sample.rejected_malformed = of(Rejection::malformed);
-  sample.rejected_state = of(Rejection::state);
-}
-
 std::optional<std::string> stale(std::int64_t written, std::int64_t now, std::chrono::milliseconds limit) {
   if (limit.count() == 0) return std::nullopt;
   constexpr std::int64_t kMillisecond = 1'000'000;

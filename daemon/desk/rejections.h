@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 
-#include "cansync.h"
 #include "daemon/desk/gateway_events.h"
 
 namespace cansyncd {
@@ -57,9 +56,6 @@ class Rejections {
   SteadyTime second_;
   unsigned lines_ = 0;
 };
-
-/// Fills the fields of MasterStatus that count rejections.
-void fill_rejections(const RejectionCounts& counts, cansync_MasterStatus& sample) noexcept;
 
 /// Nothing, or why a request written at `written` (ns since 1970, the client's clock) is not taken at `now`;
 /// it may be older or further in the future by `limit` at most, 0 = any.

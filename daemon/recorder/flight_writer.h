@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "daemon/cansync/texts/event_text.h"
+#include "daemon/desk/event_text.h"
 #include "daemon/recorder/flight_files.h"
 #include "rt/flight_recorder.h"
 

@@ -36,6 +36,7 @@ lib/client:                 idl lib/dds lib/cansync/dds
 daemon/config:              lib/can lib/sync
 daemon/service:             lib/config
 daemon/loop:                lib/can lib/rt lib/sync daemon/config
+daemon/desk:                idl lib/dds daemon/service daemon/loop
 daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/segment:             lib/config lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
@@ -46,12 +47,10 @@ daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansyn
 daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
                             daemon/cansync/config
 daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/service daemon/bus daemon/loop
-                            daemon/cansync daemon/cansync/config
-daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/cansync daemon/cansync/config daemon/cansync/texts
-daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop
+                            daemon/desk daemon/cansync daemon/cansync/config
+daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
                             daemon/cansync/texts
-daemon/desk:                idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
-                            daemon/cansync/config daemon/cansync/texts daemon/cansync/requests
+daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
 daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds lib/cansync/dds daemon/cansync
                             daemon/service daemon/bus daemon/cansync/config daemon/cansync/texts daemon/desk
 daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
@@ -93,7 +92,7 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
 # Rooms of the daemon that every protocol has: its words, but not the paths of this product.
 CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[A-Z]|"cansync[.]h"|namespace cansync\b')
-                  for room in "config service loop bus options segment".split()}
+                  for room in "config service loop bus options segment desk".split()}
 # Rooms of the daemon within a room are a protocol's; the one file beside them that may include them.
 PROTOCOL_LIST = "daemon/protocols.cpp"
 # What a protocol's library has beside its core: rooms of their own.
@@ -310,6 +309,9 @@ PLANTED = [
     ("daemon/planted/planted.h", "#include <vector>"),
     ("daemon/config/planted.h", '#include "daemon/planted/planted_too.h"'),
     ("daemon/desk/planted.cpp", '#include "cli/base/session.h"'),
+    ("daemon/desk/planted.cpp", '#include "daemon/cansync/exchange.h"'),
+    ("daemon/desk/planted.h", '#include "cansync.h"'),
+    ("daemon/desk/planted.h", "std::optional<cansync_Command> newest;"),
     ("tools/cli/planted.cpp", "#include <vector>"),
     ("tools/cli/base/planted.cpp", "#include <dds/dds.h>"),
     ("tools/simulator/planted.cpp", '#include "tools/cli/base/session.h"'),

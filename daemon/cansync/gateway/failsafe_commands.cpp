@@ -22,7 +22,7 @@ const Requester& daemon_itself() {
 
 }  // namespace
 
-FailsafeCommands::FailsafeCommands(EventPublisher& events, AuditTrail& audit, const Config& config)
+FailsafeCommands::FailsafeCommands(EventPublisher& events, RequestAudit& audit, const Config& config)
     : events_(events), audit_(audit) {
   if (config.failsafe.reaction != LossReaction::control_word) return;
   word_ = config.failsafe.control_word;
@@ -102,7 +102,7 @@ bool FailsafeCommands::finish(const Terminal& terminal, const Config& config, co
   bool withdrawn = false;
   if (const auto* refused = std::get_if<Refused>(&terminal)) {
     outcome = refusal_text(refused->refusal, request, config, line);
-    audit_.refused(daemon_itself(), change, &request, line.state, outcome, now);
+    audit_.refused(daemon_itself(), change, request, line.state, outcome, now);
   } else if (const auto* done = std::get_if<CommandDone>(&terminal)) {
     withdrawn = done->outcome == cansync::Outcome::cancelled;
     if (done->outcome == cansync::Outcome::no_answer) {

@@ -9,8 +9,8 @@
 #include "cansync/numbers.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
+#include "daemon/cansync/requests/request_audit.h"
 #include "daemon/cansync/texts/refusal_text.h"
-#include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"
 
 namespace cansyncd {
@@ -21,7 +21,7 @@ namespace cansyncd {
 class FailsafeCommands {
  public:
   /// `events` and `audit` must outlive this object.
-  FailsafeCommands(EventPublisher& events, AuditTrail& audit, const Config& config);
+  FailsafeCommands(EventPublisher& events, RequestAudit& audit, const Config& config);
 
   /// The slaves it sends its control word to; none unless that is the configured reaction.
   cansync::SlaveMask slaves() const noexcept { return slaves_; }
@@ -46,7 +46,7 @@ class FailsafeCommands {
   void end(const Config& config, SteadyTime now);
 
   EventPublisher& events_;
-  AuditTrail& audit_;
+  RequestAudit& audit_;
   std::optional<std::uint16_t> word_;  ///< nothing: another reaction is configured
   cansync::SlaveMask slaves_;
   std::array<bool, cansync::kChannels> missing_ = {};  ///< values of these telegrams

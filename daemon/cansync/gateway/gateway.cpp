@@ -9,8 +9,8 @@
 #include <chrono>
 #include <utility>
 
+#include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/gateway_requests.h"
-#include "daemon/desk/access.h"
 #include "daemon/service/service.h"
 #include "dds/malformed.h"
 
@@ -43,10 +43,12 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
       exchange_(exchange),
       events_(participant, journal, config.bus.name),
       state_(participant, config, identity),
-      audit_(journal, events_, config),
+      trail_(journal, events_, config.bus.name, cansync::kSlaves),
+      audit_(trail_, config),
       failsafe_(events_, audit_, config),
       references_(participant, signal_, events_, config, identity, exchange_),
-      jobs_(participant, signal_, events_, config, audit_),
+      jobs_(participant, signal_, events_, trail_, CansyncRequests(config, audit_),
+            !config.dds.security.empty()),
       status_line_(service::status) {
   state_.set_givers(references_.givers());
 }
@@ -118,7 +120,8 @@ JobContext Gateway::context(SteadyTime now) {
           config_,
           {master.state, master.when.interval, master.responding, master.released,
            state_.settings().mapping_number, state_.settings().reference_mapping},
-          now};
+          now,
+          {config_.dds.request_max_age, config_.access.read_only}};
 }
 
 SteadyTime Gateway::pass(bool samples_may_wait) {
@@ -144,7 +147,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
     if (references_.take_reaction(channel)) {
       failsafe_.start(channel, config_, now);
       // What they had asked for before the loss must not follow the word.
-      jobs_.replace_waiting(failsafe_.slaves(), failsafe_.slaves(), jobs);
+      jobs_.replace_waiting({failsafe_.slaves(), failsafe_.slaves()}, jobs);
     }
     if (references_.take_return(channel)) failsafe_.values_back(channel, config_, now);
   }
@@ -166,7 +169,7 @@ void Gateway::take_reports(const JobContext& context) {
   Report report;
   while (exchange_.reports.try_pop(report)) {
     if (const auto* progress = std::get_if<TransferProgress>(&report)) {
-      jobs_.progress(*progress, context.now);
+      jobs_.progress(progress->id, progress->bytes, context.now);
     } else if (const auto* refused = std::get_if<ReferenceRefused>(&report)) {
       references_.refused(*refused, config_, context.line, context.now);
     } else {

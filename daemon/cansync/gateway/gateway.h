@@ -10,12 +10,14 @@
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/failsafe_commands.h"
 #include "daemon/cansync/gateway/gateway_references.h"
+#include "daemon/cansync/requests/protocol.h"
+#include "daemon/cansync/requests/request_audit.h"
 #include "daemon/cansync/status/gateway_state.h"
 #include "daemon/cansync/status/metrics_desk.h"
 #include "daemon/cansync/status/status_line.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"
-#include "daemon/desk/gateway_jobs.h"
+#include "daemon/desk/job_desk.h"
 #include "daemon/service/daemon_identity.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -91,10 +93,11 @@ class Gateway {
   gateway::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
   StatePublisher state_;
-  AuditTrail audit_;
+  AuditTrail trail_;
+  RequestAudit audit_;
   FailsafeCommands failsafe_;
   ReferenceInput references_;
-  JobDesk jobs_;
+  JobDesk<CansyncRequests> jobs_;
   FaultRow missed_syncs_{kSyncQuiet};
   StatusLine status_line_;
   std::optional<MetricsDesk> metrics_;  ///< from `start` to `stop`

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cansync/dds/convert.h"
-#include "daemon/desk/access.h"
+#include "daemon/cansync/requests/access.h"
 
 namespace cansyncd {
 

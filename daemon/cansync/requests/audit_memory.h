@@ -6,12 +6,11 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <string>
 #include <tuple>
 
-#include "cansync/mode.h"
+#include "cansync/jobs.h"
+#include "cansync/settings_in_force.h"
 #include "daemon/cansync/config/config.h"
-#include "daemon/cansync/exchange.h"
 
 namespace cansyncd {
 
@@ -21,23 +20,30 @@ class AuditMemory {
  public:
   /// Parameter values remembered; then the oldest is forgotten.
   static constexpr std::size_t kParameters = 4096;
-  static constexpr const char* kNotKnown = "not known";
 
   explicit AuditMemory(const Config& config);
 
-  /// The value `request` would replace, or "not known". `state`: the master's, when the request was taken.
-  std::string before(const Request& request, cansync::State state) const;
-
-  /// `request` ended as done.
-  void done(const Request& request);
+  /// The newest value of the parameter that `request` names; nothing: not known.
+  std::optional<std::uint32_t> parameter(const cansync::ParameterRequest& request) const;
   /// A parameter was read or written, or a write got no answer.
   void learn(const cansync::ParameterRequest& request, const cansync::ParameterResult& result);
 
+  /// The control word that a slave got last; nothing: not known.
+  std::optional<std::uint16_t> control_word(cansync::SlaveNumber slave) const {
+    return control_words_[slave.value()];
+  }
+  void set_control_word(cansync::SlaveNumber slave, std::uint16_t word) {
+    control_words_[slave.value()] = word;
+  }
+
+  /// Mappings, polling and cursors.
+  const cansync::SettingsInForce& settings() const noexcept { return settings_; }
+  cansync::SettingsInForce& settings() noexcept { return settings_; }
+
  private:
   using Key = std::tuple<std::uint8_t, std::uint16_t, std::uint16_t>;  ///< slave, sub-slave, number
-  struct Before;
-  struct Done;
 
+  static Key key_of(const cansync::ParameterRequest& request) noexcept;
   void remember(const Key& key, std::uint32_t value);
 
   std::map<Key, std::uint32_t> parameters_;

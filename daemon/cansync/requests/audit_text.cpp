@@ -1,9 +1,6 @@
 #include "daemon/cansync/requests/audit_text.h"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
-
-#include <array>
 
 #include "cansync/dds/convert.h"
 #include "daemon/cansync/requests/gateway_requests.h"
@@ -91,17 +88,6 @@ std::optional<Change> change_of(const cansync_Command& sample) {
       return Change{"release", bounded(sample.slave), "", sample.force ? "released by force" : "released"};
   }
   return Change{"unknown", -1, fmt::format("kind {}", static_cast<unsigned>(sample.kind)), ""};
-}
-
-std::string data_text(const std::uint8_t* data, std::size_t size) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest = {};
-  unsigned length = 0;
-  if (EVP_Digest(data, size, digest.data(), &length, EVP_sha256(), nullptr) != 1) {
-    return fmt::format("{} bytes", size);
-  }
-  std::string text = fmt::format("{} bytes, SHA-256 ", size);
-  for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
-  return text;
 }
 
 std::string polling_text(const std::string& one, const std::string& two, const std::string& maximum_slave) {

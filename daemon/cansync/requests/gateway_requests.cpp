@@ -2,12 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <string_view>
-#include <vector>
-
 #include "cansync/dds/convert.h"
-#include "daemon/cansync/texts/profile_rules.h"
-#include "daemon/cansync/texts/refusal_text.h"
+#include "daemon/cansync/requests/kinds.h"
 
 namespace cansyncd {
 namespace {
@@ -32,22 +28,6 @@ std::optional<Mode> to_mode(cansync_Mode mode) noexcept {
   return std::nullopt;
 }
 
-std::string_view name(Mode mode) noexcept {
-  switch (mode) {
-    case Mode::set_up:
-      return "setup";
-    case Mode::run:
-      return "run";
-    case Mode::stop:
-      return "stop";
-    case Mode::reset_can:
-      return "reset-can";
-    case Mode::restart:
-      return "restart";
-  }
-  return "unknown";
-}
-
 SetPolling to_polling(const cansync_Command& command, JobId id) {
   SetPolling request;
   request.id = id;
@@ -62,69 +42,6 @@ SetCursors to_cursors(const cansync_Command& command, JobId id) {
   return {id, dds::to_cursor(command.cursor_control_word), dds::to_cursor(command.cursor_parameter),
           dds::to_cursor(command.cursor_transfer)};
 }
-
-std::string text(const std::optional<cansync::Cursor>& cursor) {
-  return cursor ? cursor_text(*cursor) : "unchanged";
-}
-
-std::string text(const cansync::ProcessMapping& mapping) {
-  std::uint8_t bytes[8] = {};
-  dds::to_registers(mapping, bytes);
-  std::string out;
-  for (const unsigned byte : bytes) out += fmt::format("{}{:02X}", out.empty() ? "" : " ", byte);
-  return out;
-}
-
-struct Describer {
-  const Config& config;
-  using Text = std::optional<std::string>;
-
-  Text operator()(const cansync::ParameterRequest& r) const {
-    if (!r.write) return std::nullopt;
-    const bool own = r.sub_slave.value == 0;
-    return fmt::format("write {} sub-slave {} {} = {} (0x{:X})", slave_label(config, r.slave.value()),
-                       r.sub_slave.value,
-                       own ? parameter_label(config, r.slave.value(), r.number.value())
-                           : fmt::format("parameter {}", r.number.value()),
-                       r.value, r.value);
-  }
-  Text operator()(const cansync::TransferRequest& r) const {
-    if (r.direction == cansync::TransferRequest::Direction::upload) return std::nullopt;
-    return fmt::format("download {} bytes to {} sub-slave {} address 0x{:X}", r.data.size(),
-                       slave_label(config, r.slave.value()), r.sub_slave.value, r.address);
-  }
-  Text operator()(const cansync::ControlWordRequest& r) const {
-    return fmt::format("control word 0x{:04X} to {}", r.control_word, slave_label(config, r.slave.value()));
-  }
-  Text operator()(const cansync::BroadcastRequest& r) const {
-    return fmt::format("broadcast {} to slaves 0x{:08X}: command {}, data 0x{:02X} 0x{:04X}", r.priority,
-                       r.action.slaves.bits, r.action.command, r.action.data_byte, r.action.data_word);
-  }
-  Text operator()(const ModeRequest& r) const {
-    return fmt::format("mode {}{}", name(r.mode), r.force ? " with force" : "");
-  }
-  Text operator()(const SetPolling& r) const {
-    return fmt::format("polling 1 {}, 2 {}, maximum slave {}", text(r.polling[0]), text(r.polling[1]),
-                       r.maximum_slave ? std::to_string(r.maximum_slave->value()) : "unchanged");
-  }
-  Text operator()(const SetCursors& r) const {
-    return fmt::format("cursors control word {}, parameter {}, transfer {}", text(r.control_word),
-                       text(r.parameter), text(r.transfer));
-  }
-  Text operator()(const SetReferenceMapping& r) const {
-    return fmt::format("mapping of the reference values {}", text(r.mapping));
-  }
-  Text operator()(const SetActualMapping& r) const {
-    return fmt::format("mapping of the actual values of {} {}", slave_label(config, r.slave.value()),
-                       text(r.mapping));
-  }
-  Text operator()(const ReleaseSlave& r) const {
-    return fmt::format("release of {}{}", slave_label(config, r.slave.value()), r.force ? " with force" : "");
-  }
-  Text operator()(const cansync::ReferenceUpdate&) const { return std::nullopt; }
-  Text operator()(const Cancel&) const { return std::nullopt; }
-  Text operator()(const StopRelease&) const { return std::nullopt; }
-};
 
 template <class T>
 std::optional<T> if_new(const T& from, const T& to) {
@@ -175,7 +92,7 @@ std::optional<Request> to_request(const cansync_Command& command, JobId id) {
 }
 
 std::optional<std::string> describe(const Request& request, const Config& config) {
-  return std::visit(Describer{config}, request);
+  return with_row(request, [&](auto row, const auto& kind) { return row.text(kind, config); });
 }
 
 std::vector<Request> changes(const Config& from, const Config& to) {

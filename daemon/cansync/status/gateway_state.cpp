@@ -111,6 +111,18 @@ void fill_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted
   sample.cpu_held_awake = wanted.hold_cpu_awake && granted.cpu_held_awake;
 }
 
+/// The fields of MasterStatus that count rejections.
+void fill_rejections(const RejectionCounts& counts, cansync_MasterStatus& sample) noexcept {
+  const auto of = [&counts](Rejection kind) { return counts[static_cast<unsigned>(kind)]; };
+  sample.rejected_values = of(Rejection::value);
+  sample.rejected_full = of(Rejection::full);
+  sample.rejected_stale = of(Rejection::stale);
+  sample.rejected_numbers = of(Rejection::number);
+  sample.rejected_identities = of(Rejection::identity);
+  sample.rejected_malformed = of(Rejection::malformed);
+  sample.rejected_state = of(Rejection::state);
+}
+
 }  // namespace
 
 StatePublisher::StatePublisher(const dds::Participant& participant, const Config& config,

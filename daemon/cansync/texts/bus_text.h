@@ -3,6 +3,7 @@
 #include <string>
 
 #include "can/bus_names.h"
+#include "cansync.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/texts/event_text.h"

@@ -1,38 +1,14 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <string_view>
 
-#include "cansync.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
+#include "daemon/desk/event_text.h"
 #include "daemon/service/event_codes.h"
 
 /// What the realtime thread reports, in words. Pure functions; not for the realtime thread (allocates).
 namespace cansyncd {
-
-/// The request of a client that an event tells of (request_done, request_failed, request_refused).
-struct RequestRecord {
-  std::string client;
-  std::string participant;
-  std::string_view action;  ///< stable word; a literal
-  std::string old_value;
-  std::string new_value;
-  std::string result;
-};
-
-/// One event before it is numbered and published.
-struct EventText {
-  gateway_EventSeverity severity = gateway_SEVERITY_INFO;
-  EventCode code;
-  int slave = -1;  ///< 0..31; -1: none
-  std::string text;
-  std::optional<Moment> when;                           ///< nothing: now
-  std::optional<RequestRecord> request = std::nullopt;  ///< has its own entry in the journal
-  std::string client = {};                              ///< who has to do with it, for the journal
-  int parameter = -1;                                   ///< number, for the journal; -1: none
-};
 
 /// The kind of a master's event.
 EventCode code_of(cansync::MasterEvent::Code code);

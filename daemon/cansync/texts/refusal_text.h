@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <string>
 
 #include "cansync/jobs.h"
@@ -35,12 +34,5 @@ std::string refusal_text(cansync::Refusal refusal, const Request& request, const
 
 /// Why an accepted job ended so, where the slave's name belongs into the reason; empty for other outcomes.
 std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config);
-
-/// Why the gateway has no room for one more client, for one more request of a client, or for the bytes of a
-/// transfer: what there is, what is allowed, and when to try again.
-std::string too_many_clients(std::size_t clients, std::size_t most);
-std::string too_many_requests(std::size_t open, std::size_t most);
-std::string too_many_bytes_of_client(std::size_t bytes, std::size_t open_bytes, std::size_t most);
-std::string too_many_bytes(std::size_t bytes, std::size_t open_bytes, std::size_t most);
 
 }  // namespace cansyncd

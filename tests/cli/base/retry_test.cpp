@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "daemon/cansync/texts/refusal_text.h"
+#include "daemon/desk/limits_text.h"
 #include "daemon/desk/rejections.h"
 
 namespace cansync::cli {

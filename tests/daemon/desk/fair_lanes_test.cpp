@@ -1,16 +1,13 @@
-#include "daemon/desk/fair_lanes.h"
-
 #include <gtest/gtest.h>
 
 #include <vector>
 
+#include "daemon/cansync/requests/lanes.h"
 #include "daemon/desk/rejections.h"
 #include "daemon/desk/request_numbers.h"
 
 namespace cansyncd {
 namespace {
-
-using cansync::JobId;
 
 constexpr Lane kSlaveOne{LaneKind::parameter, 1};
 

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "access_requests.h"
-#include "daemon/desk/access.h"
+#include "daemon/cansync/requests/access.h"
 #include "support/gateway_rig.h"
 
 /// Who may change what.

@@ -230,7 +230,7 @@ TEST(GatewayRefusals, ANumberThatIsOpenIsNotExecutedTwice) {
 
 TEST(GatewayRefusals, AClientHasALimitThatLeavesRoomForOthers) {
   GatewayRig rig;
-  for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) rig.client.write(good_read(number));
+  for (std::uint64_t number = 1; number <= JobBook::kPerClient; ++number) rig.client.write(good_read(number));
   rig.client.write(good_read(100));
   const auto refused = rig.client.reply<cansync_ParameterReply>(100);
   ASSERT_TRUE(refused);

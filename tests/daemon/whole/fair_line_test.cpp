@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "daemon/desk/fair_lanes.h"
+#include "daemon/cansync/requests/lanes.h"
 #include "support/virtual_line.h"
 
 namespace cansyncd {

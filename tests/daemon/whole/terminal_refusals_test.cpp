@@ -77,13 +77,13 @@ void ask_a_stopped_line(WholeRig& rig, TestClient& client) {
 
 void ask_too_much(WholeRig& rig, TestClient& client) {
   rig.hold();
-  for (std::uint64_t number = 1; number <= JobDesk::kPerClient; ++number) {
+  for (std::uint64_t number = 1; number <= JobBook::kPerClient; ++number) {
     client.write(parameter(number, 1, false, 0));
   }
   // After these, because it goes the same way.
-  client.deliver(parameter(JobDesk::kPerClient + 1, 1, true, 0));
+  client.deliver(parameter(JobBook::kPerClient + 1, 1, true, 0));
   pass_marker(rig);
-  ask_two(client, JobDesk::kPerClient + 2);
+  ask_two(client, JobBook::kPerClient + 2);
   EXPECT_TRUE(rig.all_answered(3));
   rig.release();
 }
@@ -100,7 +100,7 @@ const std::vector<Refused>& refusals() {
       {"read-only", [](Config& config) { config.access.read_only = true; }, ask_for_changes},
       {"the slave does not answer", nothing, ask_a_silent_slave},
       {"the line is stopped", nothing, ask_a_stopped_line},
-      {"too many open", nothing, ask_too_much, JobDesk::kPerClient + 3},
+      {"too many open", nothing, ask_too_much, JobBook::kPerClient + 3},
   };
   return all;
 }

@@ -1,0 +1,28 @@
+#include "daemon/cansync/requests/request_audit.h"
+
+#include "daemon/cansync/requests/kinds.h"
+
+namespace cansyncd {
+
+std::string RequestAudit::before(const Request& request, cansync::State state) const {
+  return with_row(request, [&](auto row, const auto& kind) { return row.before(kind, memory_, state); });
+}
+
+void RequestAudit::ended(const Requester& who, const Change& change, const Request& request,
+                         cansync::State state_before, cansync::Outcome outcome, SteadyTime now) {
+  const AuditTrail::End end{cansync::name(outcome), outcome == cansync::Outcome::done};
+  trail_.ended(who, change, before(request, state_before), end, now);
+  remember(request, outcome);
+}
+
+void RequestAudit::refused(const Requester& who, const Change& change, const Request& request,
+                           cansync::State state_before, const std::string& reason, SteadyTime now) {
+  trail_.refused(who, change, before(request, state_before), reason, now);
+}
+
+void RequestAudit::remember(const Request& request, cansync::Outcome outcome) {
+  if (outcome != cansync::Outcome::done) return;
+  with_row(request, [&](auto row, const auto& kind) { row.done(kind, memory_); });
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,54 @@
+#include "daemon/desk/request_readers.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+
+#include "daemon/desk/job_book.h"
+#include "dds/malformed.h"
+
+namespace cansyncd {
+
+const LivingPlaces& RequestReaders::look(PlaceFinder& places) {
+  if (living_.look(handles_, places)) {
+    for (std::size_t i = 0; i < guards_.size(); ++i) guards_[i]->keep(living_.writers(i));
+  }
+  return living_;
+}
+
+void RequestReaders::count_dropped(Rejections& rejections, EventPublisher& events, SteadyTime now) {
+  std::uint64_t keys = 0;
+  for (gateway::dds::KeyGuard* guard : guards_) keys += guard->take_dropped();
+  if (keys != 0) {
+    rejections.add(
+        Rejection::identity, "",
+        fmt::format("{} samples were dropped unread: one program may use {} client identities at a time, all "
+                    "together {}",
+                    keys, gateway::dds::KeyGuard::kKeysPerWriter, gateway::dds::KeyGuard::kKeys),
+        now, keys);
+  }
+  std::uint64_t forgotten = 0;
+  for (gateway::dds::KeyGuard* guard : guards_) forgotten += guard->take_forgotten();
+  if (forgotten != 0) {
+    rejections.add(
+        Rejection::full, "",
+        fmt::format("{} requests were dropped without a reply: their program writes on while {} of its "
+                    "requests wait and {} are being refused",
+                    forgotten, JobBook::kPerClient, gateway::dds::KeyGuard::kTurnedAwayPerKey),
+        now, forgotten);
+  }
+  const gateway::dds::Malformed malformed = gateway::dds::take_malformed();
+  for (const std::string& line : malformed.further)
+    events.publish({gateway_SEVERITY_WARNING, "dds_message", -1, "DDS says: " + line, std::nullopt}, now);
+  if (malformed.count != 0) {
+    rejections.add(
+        Rejection::malformed, "",
+        fmt::format(
+            "{} samples or packets were dropped because DDS could not read them (an unknown enumerator, a "
+            "sequence over its bound, another data model?); the newest: {}",
+            malformed.count, malformed.newest),
+        now, malformed.count);
+  }
+}
+
+}  // namespace cansyncd

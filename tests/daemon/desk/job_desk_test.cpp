@@ -1,0 +1,258 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "made_up_protocol.h"
+#include "support/dds_places.h"
+#include "support/kept_journal.h"
+
+/// A desk for a protocol of the test's own: one topic of requests, and nothing that a protocol may leave out.
+namespace cansyncd {
+namespace {
+
+using made_up::Executor;
+using made_up::Granted;
+using made_up::Wish;
+
+static_assert(RequestProtocol<made_up::Protocol>);
+static_assert(!Replaces<made_up::Protocol> && !GivesOwn<made_up::Protocol>);
+static_assert(!KeepsState<made_up::Protocol> && !ShowsProgress<made_up::WishTopic>);
+
+/// A client of the made-up topics in another place.
+class Client {
+ public:
+  explicit Client(const gateway::dds::ParticipantOptions& options)
+      : participant_(options),
+        answers_(participant_, &signal_),
+        wishes_(participant_, 0, &signal_),
+        cancels_(participant_, 0, &signal_) {}
+
+  bool wait_for_desk() {
+    return eventually(
+        signal_, [&] { return answers_.matched() > 0 && wishes_.matched() > 0 && cancels_.matched() > 0; });
+  }
+  void wish(std::uint64_t request, std::uint32_t number) {
+    made_up_Wish sample = {};
+    sample.client[0] = 1;
+    sample.request = request;
+    sample.number = number;
+    gateway::dds::copy_text("tester", sample.client_name);
+    deliver(wishes_, sample);
+  }
+  void cancel(std::uint64_t request) {
+    gateway_JobCancel sample = {};
+    sample.client[0] = 1;
+    sample.request = request;
+    deliver(cancels_, sample);
+  }
+  /// Everything that has come to this request, until `last` is answered.
+  std::vector<made_up_Answer> answers_until(std::uint64_t last) {
+    EXPECT_TRUE(eventually(signal_, [&] {
+      answers_.take([&](const made_up_Answer& answer) { came_.push_back(answer); });
+      return std::any_of(came_.begin(), came_.end(), [&](const auto& a) { return a.request == last; });
+    }));
+    return came_;
+  }
+  std::size_t count(std::uint64_t request) const {
+    return static_cast<std::size_t>(
+        std::count_if(came_.begin(), came_.end(), [&](const auto& a) { return a.request == request; }));
+  }
+  made_up_Answer answer(std::uint64_t request) {
+    for (const made_up_Answer& came : answers_until(request)) {
+      if (came.request == request) return came;
+    }
+    return {};
+  }
+
+ private:
+  template <class T>
+  static void deliver(gateway::dds::Writer<T>& writer, const T& sample) {
+    ASSERT_EQ(writer.write(sample), DDS_RETCODE_OK);
+    ASSERT_EQ(dds_wait_for_acks(writer.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
+  }
+
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+  gateway::dds::Reader<made_up_Answer> answers_;
+  gateway::dds::Writer<made_up_Wish> wishes_;
+  gateway::dds::Writer<gateway_JobCancel> cancels_;
+  std::vector<made_up_Answer> came_;
+};
+
+/// A desk whose passes the test makes itself.
+class MadeUpDesk : public ::testing::Test {
+ protected:
+  MadeUpDesk()
+      : participant_(places_.here),
+        events_(participant_, journal, "madeup0"),
+        trail_(journal, events_, "madeup0", 1),
+        desk(participant_, signal_, events_, trail_, made_up::Protocol{}, false),
+        client(places_.there) {
+    EXPECT_TRUE(client.wait_for_desk());
+  }
+
+  made_up::Context context() { return {executor, std::chrono::steady_clock::now(), rules}; }
+
+  /// Passes of the gateway thread until `condition` holds.
+  template <class Condition>
+  void pass_until(Condition&& condition) {
+    EXPECT_TRUE(eventually(signal_, [&] {
+      if (desk.take_requests(context())) signal_.raise();
+      if (desk.retry(context())) signal_.raise();
+      return condition();
+    }));
+  }
+  Wish next_wish() {
+    pass_until([&] { return !executor.wishes.empty(); });
+    if (executor.wishes.empty()) return {};
+    const Wish wish = executor.wishes.front();
+    executor.wishes.pop_front();
+    return wish;
+  }
+  void grant(const Wish& wish) { desk.finish(Granted{wish.id, std::nullopt}, context()); }
+  void write_replies() {
+    pass_until([&] { return !desk.replies_waiting(); });
+  }
+
+ private:
+  TwoPlaces places_{"madeup0"};
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+
+ public:
+  KeptJournal journal;
+
+ private:
+  EventPublisher events_;
+  AuditTrail trail_;
+
+ public:
+  Executor executor;
+  RequestRules rules;
+  JobDesk<made_up::Protocol> desk;
+  Client client;
+};
+
+TEST_F(MadeUpDesk, ARequestIsHandedOnAndAnsweredOnce) {
+  client.wish(1, 42);
+  const Wish wish = next_wish();
+  EXPECT_EQ(wish.number, 42u);
+  EXPECT_EQ(desk.clients(), 1u);
+  grant(wish);
+  grant(wish);  // nobody's any more
+  client.wish(2, 43);
+  grant(next_wish());
+  write_replies();
+  EXPECT_TRUE(client.answer(1).done);
+  EXPECT_TRUE(client.answer(2).done);
+  EXPECT_EQ(client.count(1), 1u);
+}
+
+TEST_F(MadeUpDesk, EveryEndStandsInTheAuditTrailWithoutAnOldValue) {
+  client.wish(1, 42);
+  grant(next_wish());
+  client.wish(2, 43);
+  desk.finish(Granted{next_wish().id, "no more of these"}, context());
+  write_replies();
+  EXPECT_FALSE(client.answer(2).done);
+  EXPECT_STREQ(client.answer(2).reason, "no more of these");
+  const auto changes = journal.changes();
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].message, "wish = 42 (before: not known) by 'tester' (01000000): granted");
+  EXPECT_EQ(changes[1].message,
+            "wish = 43 (before: not known) by 'tester' (01000000): refused: no more of these");
+}
+
+TEST_F(MadeUpDesk, TheSecondUseOfANumberIsRefused) {
+  client.wish(1, 42);
+  const Wish first = next_wish();
+  client.wish(1, 43);
+  pass_until([&] { return desk.rejections()[static_cast<unsigned>(Rejection::number)] == 1; });
+  write_replies();
+  EXPECT_NE(std::string(client.answer(1).reason).find("this number is open already"), std::string::npos);
+  EXPECT_TRUE(executor.wishes.empty());
+  grant(first);
+  write_replies();
+  client.wish(1, 44);
+  pass_until([&] { return desk.rejections()[static_cast<unsigned>(Rejection::number)] == 2; });
+  EXPECT_TRUE(executor.wishes.empty());
+}
+
+TEST_F(MadeUpDesk, AFieldOutOfRangeIsRefused) {
+  client.wish(1, 100);
+  pass_until([&] { return desk.rejections()[static_cast<unsigned>(Rejection::value)] == 1; });
+  write_replies();
+  EXPECT_STREQ(client.answer(1).reason, "number: allowed 0..99");
+}
+
+TEST_F(MadeUpDesk, AReadOnlyDaemonTakesNothingThatChangesSomething) {
+  rules.read_only = true;
+  client.wish(1, 42);
+  pass_until([&] { return desk.rejections()[static_cast<unsigned>(Rejection::state)] == 1; });
+  write_replies();
+  EXPECT_NE(std::string(client.answer(1).reason).find("access.read_only"), std::string::npos);
+}
+
+TEST_F(MadeUpDesk, WhatWaitsIsCancelledAtOnceAndWhatWasHandedOnByItsExecutor) {
+  client.wish(1, 1);
+  const Wish first = next_wish();
+  client.wish(2, 2);
+  const Wish second = next_wish();
+  client.wish(3, 3);  // two of the lane are with the executor: it waits
+  client.cancel(1);
+  client.cancel(3);
+  pass_until([&] { return !executor.cancelled.empty(); });
+  write_replies();
+  EXPECT_EQ(executor.cancelled, std::vector<JobId>{first.id});
+  EXPECT_STREQ(client.answer(3).reason, "cancelled");
+  EXPECT_EQ(client.count(1), 0u);
+  grant(second);
+  grant(first);
+  write_replies();
+  EXPECT_TRUE(client.answer(1).done) << "the executor was faster than the cancel";
+}
+
+TEST_F(MadeUpDesk, ACancelThatCameBeforeItsRequestIsKept) {
+  client.cancel(1);
+  pass_until([&] { return desk.clients() == 1; });
+  client.wish(1, 1);
+  client.wish(2, 2);
+  EXPECT_EQ(next_wish().number, 2u);
+  write_replies();
+  EXPECT_STREQ(client.answer(1).reason, "cancelled");
+}
+
+TEST_F(MadeUpDesk, WhatFindsNoRoomIsHandedOnLater) {
+  executor.room = 0;
+  client.wish(1, 1);
+  std::optional<SteadyTime> again;
+  pass_until([&] { return desk.clients() == 1; });
+  again = desk.retry(context());
+  EXPECT_TRUE(again) << "nobody else wakes the desk when there is room";
+  executor.room = 1;
+  EXPECT_EQ(next_wish().number, 1u);
+}
+
+TEST_F(MadeUpDesk, AllEndsWhenItStops) {
+  client.wish(1, 1);
+  const Wish first = next_wish();
+  client.wish(2, 2);
+  client.wish(3, 3);
+  client.wish(4, 4);
+  desk.stop(context());
+  write_replies();
+  for (std::uint64_t request = 1; request <= 4; ++request) {
+    EXPECT_STREQ(client.answer(request).reason, "stopped") << request;
+    EXPECT_EQ(client.count(request), 1u);
+  }
+  grant(first);
+  EXPECT_FALSE(desk.replies_waiting()) << "it was answered";
+}
+
+}  // namespace
+}  // namespace cansyncd
