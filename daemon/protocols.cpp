@@ -3,6 +3,7 @@
 #include <array>
 
 #include "daemon/cansync/segment/master_protocol.h"
+#include "daemon/layer2/segment/layer2_protocol.h"
 
 namespace cansyncd {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 /// The only list of protocols.
 constexpr auto kProtocols = std::to_array<const ProtocolInfo*>({
     &cansync_master,
+    &layer2_protocol,
 });
 
 }  // namespace

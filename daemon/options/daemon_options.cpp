@@ -12,15 +12,16 @@ constexpr auto kRows = std::to_array<DaemonRow>({
     {example("\"sim\"", string("bus.name", OptionType::identifier, "(the interface)", 1, 63,
                                "Name of the bus; clients find it by this name.")),
      [](DaemonConfig& c, const Value& v) { c.bus.name = words(v); }},
-    {string("bus.interface", OptionType::identifier, "\"sim\"", 1, 15,
-            "\"sim\": simulated line and drives, in real time; else the CAN network interface."),
+    {string(
+         "bus.interface", OptionType::identifier, "\"sim\"", 1, 15,
+         "\"sim\": simulated line with its drives or nodes, in real time; else the CAN network interface."),
      [](DaemonConfig& c, const Value& v) {
        c.bus.interface = words(v);
        c.bus.kind = words(v) == "sim" ? BusKind::simulated : BusKind::socketcan;
      }},
     {boolean("bus.wake_on_frame", "false",
              "CAN interface: wake for every frame, for lower latency and more system calls; false = look for "
-             "frames at the SYNC edge and after WRC2."),
+             "frames at the SYNC edge and after WRC2, with general frames every millisecond."),
      [](DaemonConfig& c, const Value& v) { c.bus.wake_on_frame = flag(v); }},
     {choice("bus.one_shot", "\"prefer\"", "enforce|prefer|ignore",
             "One-shot mode of the controller, in which no telegram goes out late: enforce = send nothing "

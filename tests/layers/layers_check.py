@@ -31,6 +31,7 @@ lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
 lib/layer2/sim:             lib/can lib/sim
+lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
 lib/client:                 idl lib/dds lib/cansync/dds
 
 daemon/config:              lib/can lib/sync
@@ -59,8 +60,16 @@ daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansy
 daemon/cansync/segment:     lib/cansync lib/rt lib/dds lib/cansync/dds lib/cansync/sim daemon/service daemon/bus
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
+daemon/layer2:              lib/can lib/layer2 lib/rt
+daemon/layer2/config:       lib/config lib/can lib/layer2 daemon/config daemon/options
+daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/layer2
+daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/config daemon/service daemon/bus daemon/desk
+                            daemon/layer2 daemon/layer2/config
+daemon/layer2/segment:      lib/config lib/can lib/rt lib/dds lib/layer2/dds lib/layer2/sim daemon/service daemon/loop
+                            daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
+                            daemon/layer2/realtime daemon/layer2/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
-                            daemon/cansync/segment
+                            daemon/cansync/segment daemon/layer2/segment
 
 tools/cli/text:
 tools/cli/base:             lib/text lib/client tools/cli/text
@@ -70,7 +79,8 @@ tools/cli/watch:            lib/client tools/cli/text tools/cli/base tools/cli/c
 tools/cli/record:           lib/client tools/cli/text tools/cli/base tools/cli/watch
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
 tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
+tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base
+tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/layer2 tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
 tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus

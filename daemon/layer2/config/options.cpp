@@ -1,0 +1,154 @@
+#include "daemon/layer2/config/options.h"
+
+#include <algorithm>
+#include <span>
+
+#include "config/print.h"
+#include "daemon/options/rows.h"
+
+namespace cansyncd {
+namespace {
+
+using namespace config::rows;  // the table reads better without the prefix in every line
+using config::Scalar;
+
+using Row = config::Row<Layer2Draft>;
+
+Layer2Draft::Range& range(Layer2Draft& draft) {
+  return draft.ranges[draft.number];
+}
+SimNodeConfig& node(Layer2Draft& draft) {
+  return draft.nodes[draft.number].node;
+}
+
+constexpr std::size_t kMostData = 8;
+
+bool takes_data(const Layer2Draft& /*draft*/, const Value& value) {
+  return value.kind == Value::Kind::list && value.items.size() <= kMostData &&
+         std::all_of(value.items.begin(), value.items.end(), [](const Scalar& item) {
+           const auto* number = std::get_if<std::int64_t>(&item);
+           return number != nullptr && *number >= 0 && *number <= 255;
+         });
+}
+
+void put_data(Layer2Draft& draft, const Value& value) {
+  can::Frame& frame = node(draft).frame;
+  frame.dlc = static_cast<std::uint8_t>(value.items.size());
+  std::transform(value.items.begin(), value.items.end(), frame.data.begin(),
+                 [](const Scalar& item) { return static_cast<std::uint8_t>(std::get<std::int64_t>(item)); });
+}
+
+constexpr std::int64_t kLargestIdentifier = can::kExtendedIdentifierMask;
+constexpr std::int64_t kLongestTime = 3'600'000;
+
+constexpr auto kProtocol = std::to_array<DaemonRow>({
+    {rows::protocol_option(kLayer2Protocol, "\"layer2\""), [](DaemonConfig&, const Value&) {}},
+});
+
+constexpr auto kRows = std::to_array<Row>({
+    // --- [bus]
+    {one_number("bus.bit_rate", "500000", "10000|20000|50000|100000|125000|250000|500000|800000|1000000",
+                "bit/s", "Bit rate; a CAN interface must be set to the same."),
+     [](Layer2Draft& d, const Value& v) { d.config.bus.bits_per_second = whole<std::uint32_t>(v); }},
+    // --- [send]
+    {whole_number("send.queue", "64", 1, 256, "requests",
+                  "Requests that may wait to be sent; more wait at their clients' turn, or are refused."),
+     [](Layer2Draft& d, const Value& v) { d.config.send.queue = whole<std::uint16_t>(v); }},
+    {whole_number("send.timeout_ms", "1000", 1, kLongestTime, "ms",
+                  "Monitoring time of requests that name none: until the frame stands on the bus."),
+     [](Layer2Draft& d, const Value& v) { d.config.send.timeout = milliseconds(v); }},
+    // --- [[receive]]
+    {label("receive.number", layer2::RangeFilter::kMostRanges - 1,
+           "Place among the ranges: of several that take a frame the first counts."),
+     [](Layer2Draft& d, const Value&) { range(d).given = true; }},
+    {example("0x000", whole_number("receive.first", "(0)", 0, kLargestIdentifier, "",
+                                   "First identifier that is received.")),
+     [](Layer2Draft& d, const Value& v) { range(d).first = whole<std::uint32_t>(v); }},
+    {example("0x7FF", whole_number("receive.last", "(the largest)", 0, kLargestIdentifier, "",
+                                   "Last identifier that is received.")),
+     [](Layer2Draft& d, const Value& v) { range(d).last = whole<std::uint32_t>(v); }},
+    {boolean("receive.extended", "false", "29-bit identifiers; false = 11-bit ones."),
+     [](Layer2Draft& d, const Value& v) { range(d).extended = flag(v); }},
+    {choice("receive.kinds", "\"data_and_remote\"", "data_and_remote|data|remote",
+            "Which kinds of frames are received."),
+     [](Layer2Draft& d, const Value& v) {
+       range(d).kinds = words(v) == "data"     ? layer2::FrameKinds::data
+                        : words(v) == "remote" ? layer2::FrameKinds::remote
+                                               : layer2::FrameKinds::data_and_remote;
+     }},
+    // --- [[node]]
+    {label("node.number", 31, "Number of the simulated node."),
+     [](Layer2Draft& d, const Value&) { d.nodes[d.number].given = true; }},
+    {whole_number("node.identifier", "0", 0, kLargestIdentifier, "", "Identifier of its data frame."),
+     [](Layer2Draft& d, const Value& v) { node(d).frame.id = whole<std::uint32_t>(v); }},
+    {boolean("node.extended", "false", "The identifier has 29 bits; false = 11."),
+     [](Layer2Draft& d, const Value& v) { node(d).frame.extended = flag(v); }},
+    {example("[0x01, 0x02]", other("node.data", "a list of at most eight numbers 0..255", "([])",
+                                   "Its data bytes. With a period the first counts up.")),
+     put_data, takes_data},
+    {whole_number("node.period_ms", "0", 0, kLongestTime, "ms",
+                  "Between two of its frames; 0 = sent as the answer to remote frames alone."),
+     [](Layer2Draft& d, const Value& v) { node(d).period = milliseconds(v); }},
+});
+
+/// In the order of the documents.
+constexpr auto kSections = std::to_array<config::Section>({
+    {"bus", "", ""},
+    {"realtime", "", ""},
+    {"recorder", "", ""},
+    {"dds", "", ""},
+    {"access", "", ""},
+    {"sim", "", ""},
+    {"send", "", ""},
+    {"receive", "numbers",
+     "Once for each range of identifiers that is received. Without any, every frame is."},
+    {"node", "numbers", "Once for each simulated node beside the daemon on a simulated bus."},
+});
+
+constexpr std::string_view kMarkdownHead = R"(
+# Configuration with bus.protocol = "layer2"
+
+General CAN frames, which nobody interprets ([layer2.md](layer2.md)). The smallest file is `bus.protocol = "layer2"` alone: a
+simulated bus without other nodes, from which every frame is received.
+
+After SIGHUP the options marked "running" take effect at once.
+)";
+
+constexpr std::string_view kConfigHead =
+    R"(# Configuration of cansyncd for general CAN frames with every option. What is not commented out stands at its default;
+# delete what you do not change. Printed by `cansyncd --print-default-config --set bus.protocol=layer2`.
+)";
+
+constexpr std::string_view kManHead =
+    ".Sh OPTIONS WITH BUS.PROTOCOL = LAYER2\n"
+    "General CAN frames.\n"
+    "Those that do not say \"changes while running\" need a restart.\n";
+
+}  // namespace
+
+const config::Rows<Layer2Draft>& layer2_option_rows() {
+  static const config::Rows<Layer2Draft> all(kSections,
+                                             {{std::span<const DaemonRow>(kProtocol), &Layer2Draft::config},
+                                              {rows::daemon_options(), &Layer2Draft::config},
+                                              {rows::access_options(), &Layer2Draft::config},
+                                              std::span<const Row>(kRows)});
+  return all;
+}
+
+const config::Table& layer2_options() {
+  return layer2_option_rows().table();
+}
+
+std::string layer2_options_markdown() {
+  return config::options_markdown(layer2_options(), kMarkdownHead);
+}
+
+std::string layer2_options_man() {
+  return config::options_man(layer2_options(), kManHead);
+}
+
+std::string layer2_default_config() {
+  return config::default_file(layer2_options(), kConfigHead);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "config/rows.h"
+#include "daemon/layer2/config/config.h"
+
+/// The options of a bus of general frames. Main thread.
+namespace cansyncd {
+
+/// Value of `bus.protocol`.
+inline constexpr std::string_view kLayer2Protocol = "layer2";
+
+/// Configuration while it is being read.
+struct Layer2Draft {
+  /// One [[receive]].
+  struct Range {
+    bool given = false;
+    std::optional<std::uint32_t> first;
+    std::optional<std::uint32_t> last;
+    bool extended = false;
+    layer2::FrameKinds kinds = layer2::FrameKinds::data_and_remote;
+  };
+  /// One [[node]].
+  struct Node {
+    bool given = false;
+    SimNodeConfig node;
+  };
+
+  Layer2Config config;
+  std::array<Range, layer2::RangeFilter::kMostRanges> ranges = {};
+  std::array<Node, 32> nodes = {};
+  unsigned number = 0;  ///< of the section an option belongs to
+};
+
+/// Every row: the daemon's, but for the SYNC line and metrics, and those of general frames.
+const config::Rows<Layer2Draft>& layer2_option_rows();
+
+/// The table of the rows.
+const config::Table& layer2_options();
+
+/// Its part of docs/configuration.md, generated from the table.
+std::string layer2_options_markdown();
+/// Its part of the options in cansync.toml(5), in mdoc.
+std::string layer2_options_man();
+/// A file with every option at its default, each explained in a comment.
+std::string layer2_default_config();
+
+}  // namespace cansyncd

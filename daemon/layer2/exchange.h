@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "can/bus.h"
+#include "can/frame.h"
+#include "can/link_facts.h"
+#include "layer2/station.h"
+#include "rt/latest_value.h"
+#include "rt/spsc_ring.h"
+#include "rt/wake_signal.h"
+
+/// Everything that the realtime thread of a bus of general frames and its gateway thread share. The gateway
+/// writes `requests` and reads the rest; the realtime thread the other way round. All of it is bounded,
+/// allocated at the start and wait-free on both sides.
+namespace cansyncd {
+
+/// Takes back an order that still waits; no answer of its own: the order answers. An unknown one is ignored.
+struct CancelOrder {
+  layer2::OrderId id = 0;
+};
+
+/// A request of the gateway. Each SendOrder has exactly one `SendDone`.
+using Layer2Request = std::variant<layer2::SendOrder, CancelOrder>;
+
+/// The one answer to a SendOrder.
+struct SendDone {
+  layer2::Answer answer;
+  layer2::Refusal refusal = layer2::Refusal::none;  ///< not none: nothing was sent, `answer` has the id alone
+  can::Time sent_time{0};                           ///< done: CLOCK_REALTIME of the frame's last bit
+};
+
+/// A frame that a range takes.
+struct ReceivedReport {
+  can::Frame frame;
+  can::Time receive_time{0};  ///< CLOCK_REALTIME of its last bit
+  std::uint8_t range = 0;     ///< position of the range
+};
+
+/// State of the bus; written when it changes and ten times a second.
+struct BusSnapshot {
+  can::ControllerStatus controller;
+  layer2::StationCounters counters;
+  std::uint64_t lost = 0;      ///< frames that had no room in `frames`
+  std::uint32_t waiting = 0;   ///< orders that wait to be handed over
+  std::uint32_t bus_load = 0;  ///< permille, of the last second
+};
+
+/// The shared structures. Constructed before both threads, destroyed after both.
+///
+/// The realtime thread takes a request only while `done` has room for the answer of every order it has taken,
+/// so that no answer can be lost. What still waits in `requests` when it stops is answered as stopped, as far
+/// as there is room; once it has ended, whatever is left was never begun.
+struct Layer2Exchange {
+  /// `request_queue` and `report_queue`: entries of `requests` and of `frames`.
+  Layer2Exchange(std::size_t request_queue, std::size_t report_queue)
+      : requests(request_queue),
+        done(request_queue + layer2::Station::kMostQueue + layer2::Station::kMostHandedOver),
+        frames(report_queue) {}
+
+  rt::SpscRing<Layer2Request> requests;  ///< gateway -> realtime
+  rt::SpscRing<SendDone> done;           ///< realtime -> gateway
+  rt::SpscRing<ReceivedReport> frames;   ///< realtime -> gateway, lossy
+  rt::LatestValue<BusSnapshot> status;
+  rt::WakeSignal gateway_wake;  ///< signalled when anything above was written for the gateway
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "daemon/desk/audit.h"
+#include "daemon/desk/event_text.h"
+#include "daemon/desk/gateway_events.h"
+#include "daemon/desk/job_desk.h"
+#include "daemon/layer2/config/config.h"
+#include "daemon/layer2/exchange.h"
+#include "daemon/layer2/gateway/send_requests.h"
+#include "daemon/service/daemon_identity.h"
+#include "daemon/service/journal.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+#include "dds/signal.h"
+#include "layer2.h"
+
+namespace cansyncd {
+
+/// Binds the exchange with the realtime thread of a bus of general frames to the DDS topics: one thread of
+/// normal priority that sleeps until the realtime thread or DDS has something, and the only one that touches
+/// DDS.
+///
+/// Every request of a client gets exactly one reply; those open when the gateway stops are answered with
+/// REPLY_MASTER_STOPPED.
+class FrameGateway {
+ public:
+  /// Losing frames again and again is one row until none was lost for so long.
+  static constexpr std::chrono::seconds kLossQuiet{3};
+  /// Time between two samples of BusStatus of a bus that does not change.
+  static constexpr std::chrono::seconds kStatusPeriod{1};
+  /// Most events of other threads that wait.
+  static constexpr std::size_t kPosted = 16;
+
+  /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
+  /// `journal` must outlive the gateway. `identity`: of this start. Throws gateway::dds::SetupError.
+  FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
+               const gateway::dds::Participant& participant, JournalSink& journal = process_journal(),
+               const DaemonIdentity& identity = random_daemon_identity());
+
+  /// Stops.
+  ~FrameGateway();
+  FrameGateway(const FrameGateway&) = delete;
+  FrameGateway& operator=(const FrameGateway&) = delete;
+
+  /// Starts the thread; once. Throws std::system_error when there is no thread to be had.
+  void start();
+
+  /// Answers every open request, waits a little until the clients have the replies, and ends the thread. What
+  /// the realtime thread has left in the exchange is still told. Further calls do nothing.
+  void stop() noexcept;
+
+  /// Passes over everything that may have come, so far: stands still for longer than a second only when the
+  /// thread does. Any thread.
+  std::uint64_t passes() const noexcept { return passes_.load(std::memory_order_relaxed); }
+
+  /// Publishes an event of another thread. Any thread; returns at once. More than `kPosted` are lost.
+  void post(const EventText& event);
+
+  /// Takes over what can change while running: access, greatest age of requests. Any thread; returns at once.
+  void reload(const Layer2Config& config);
+
+ private:
+  void run();
+  /// Returns when the next pass is due at the latest. The readers are asked only when `samples_may_wait`.
+  SteadyTime pass(bool samples_may_wait);
+  void take_configuration(SteadyTime now);
+  void publish_posted(SteadyTime now);
+  void take_answers(const SendContext& context);
+  /// True: there may be more.
+  bool publish_frames();
+  void tell_losses(SteadyTime now);
+  void tell_bus(const can::ControllerStatus& before, SteadyTime now);
+  /// Returns when to call again.
+  SteadyTime publish_status(SteadyTime now);
+  void end_jobs();
+  SendContext context(SteadyTime now) const;
+
+  Layer2Config config_;  ///< gateway thread only, once it runs
+  Layer2Exchange& exchange_;
+  const DaemonIdentity identity_;
+  gateway::dds::DataSignal signal_;  ///< before everything that raises it
+  EventPublisher events_;
+  AuditTrail trail_;
+  JobDesk<SendRequests> jobs_;
+  gateway::dds::Writer<layer2_FrameBatch> batches_;
+  gateway::dds::Writer<layer2_BusStatus> status_;
+
+  std::vector<layer2_ReceivedFrame> batch_;  ///< memory of one batch
+  std::uint64_t batch_number_ = 0;
+  std::uint64_t unwritten_ = 0;  ///< frames of batches that could not be written
+  BusSnapshot bus_;              ///< newest
+  std::uint64_t told_lost_ = 0;
+  FaultRow losses_{kLossQuiet};
+  SteadyTime next_status_;
+  bool status_due_ = true;  ///< at once
+
+  std::mutex mutex_;
+  std::optional<Layer2Config> new_configuration_;
+  std::vector<EventText> posted_;
+  std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> passes_{0};
+  std::thread thread_;
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/desk/job_desk.h"
+#include "daemon/layer2/config/config.h"
+#include "daemon/layer2/exchange.h"
+#include "layer2.h"
+#include "layer2/dds/convert.h"
+#include "layer2/dds/topics.h"
+#include "layer2/dds/validate.h"
+
+/// Requests to send a frame, for the desk; daemon/desk/job_protocol.h says what each member is for. Gateway
+/// thread only.
+namespace cansyncd {
+
+/// What they need to know of the rest of the gateway.
+struct SendContext {
+  Layer2Exchange& exchange;
+  const Layer2Config& config;
+  SteadyTime now;
+  RequestRules rules;
+};
+
+/// "123#0102", as candump writes a frame.
+std::string frame_text(const can::Frame& frame);
+
+/// Topic SendRequest.
+struct SendTopic {
+  using Sample = layer2_SendRequest;
+  using Reply = layer2_SendReply;
+  static constexpr Right kRight = Right::operate;
+
+  static Reply refused(const gateway::dds::RequestKey& key, std::string_view reason) {
+    return layer2::dds::send_refused(key, reason);
+  }
+  static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
+    return layer2::dds::send_reply(key, {.outcome = outcome}, 0);
+  }
+  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done,
+                      const layer2::SendOrder& /*request*/, std::span<std::uint8_t> /*data*/,
+                      const SendContext& /*context*/) {
+    return layer2::dds::send_reply(key, done.answer, done.sent_time.count());
+  }
+};
+
+/// The protocol of the desk.
+class SendRequests {
+ public:
+  using Topics = RequestTopics<SendTopic>;
+  using Request = layer2::SendOrder;
+  using Terminal = SendDone;
+  using Outcome = layer2::Outcome;
+  using Context = SendContext;
+  static constexpr Outcome kCancelled = Outcome::cancelled;
+  static constexpr Outcome kStopped = Outcome::stopped;
+
+  explicit SendRequests(const SendConfig& config) : config_(config) {}
+
+  /// All frames share the one queue of the station; clients take turns in it.
+  LaneLimits lane_limits() const { return {{config_.queue, config_.queue}}; }
+
+  static std::optional<Change> change_of(const layer2_SendRequest& sample, const SendContext& context);
+  static std::optional<std::string> check(const layer2_SendRequest& sample) {
+    return layer2::dds::check(sample);
+  }
+  std::optional<Request> request_of(const layer2_SendRequest& sample, JobId id,
+                                    std::vector<std::uint8_t>& /*data*/) const {
+    return layer2::dds::to_core(sample, id, config_.timeout);
+  }
+  static Lane lane_of(const Request& /*request*/) noexcept { return {}; }
+  static Effect effect_of(const Request& /*request*/) noexcept { return {Right::operate, true}; }
+  static std::string wrong_topic() { return "topic: this one gives no right to send"; }
+  static bool hand_on(const Request& request, const SendContext& context) {
+    return context.exchange.requests.try_push(request);
+  }
+  static bool hand_on_cancel(JobId id, const SendContext& context) {
+    return context.exchange.requests.try_push(CancelOrder{id});
+  }
+
+  static JobId id_of(const SendDone& done) noexcept { return done.answer.id; }
+  std::optional<std::string> refusal(const SendDone& done, const Request& /*request*/,
+                                     const SendContext& /*context*/) const;
+  static Outcome outcome_of(const SendDone& done) noexcept { return done.answer.outcome; }
+  static std::string_view name(Outcome outcome) noexcept;
+  static bool is_done(Outcome outcome) noexcept { return outcome == Outcome::done; }
+
+ private:
+  SendConfig config_;
+};
+
+extern template class JobDesk<SendRequests>;
+
+}  // namespace cansyncd

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "can/bus.h"
+#include "daemon/bus/bus_load.h"
+#include "daemon/layer2/exchange.h"
+#include "daemon/loop/flight_tap.h"
+#include "daemon/loop/wall_clock.h"
+#include "layer2/station.h"
+
+namespace cansyncd {
+
+/// What the realtime thread of a bus of general frames needs to know.
+struct FrameMachineSettings {
+  layer2::StationSettings station;
+  std::uint32_t bits_per_second = 500'000;            ///< over 0
+  WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
+  FlightTap* tap = nullptr;                           ///< flight recorder; null: none
+};
+
+/// Binds a `layer2::Station` to a bus and to the gateway; driven by `DeadlineLoop`. Realtime thread only;
+/// realtime safe after its construction.
+class FrameMachine {
+ public:
+  /// Bus and exchange must outlive the machine.
+  FrameMachine(const FrameMachineSettings& settings, can::Bus& bus, Layer2Exchange& exchange) noexcept
+      : bus_(bus),
+        exchange_(exchange),
+        station_(settings.station),
+        clock_(settings.wall_clock),
+        load_(settings.bits_per_second),
+        tap_(settings.tap) {}
+
+  // --- for DeadlineLoop, which says what each is
+  void begin(can::Time now) noexcept;
+  void advance(can::Time now) noexcept;
+  void receive(const can::ReceivedFrame& received) noexcept;
+  std::optional<can::Frame> next_frame() noexcept { return station_.next_frame(); }
+  void handed_over(can::SendResult result) noexcept;
+  can::Time next_deadline() const noexcept { return station_.next_deadline(); }
+  void publish(can::Time now) noexcept;
+  void end(can::Time now) noexcept;
+
+ private:
+  void take_requests(can::Time now) noexcept;
+  void watch_bus(can::Time now) noexcept;
+  void answer(const SendDone& done) noexcept;
+  void pass_answers() noexcept;
+
+  can::Bus& bus_;
+  Layer2Exchange& exchange_;
+  layer2::Station station_;
+  WallClock clock_;
+  BusLoad load_;
+  FlightTap* const tap_;
+  std::uint64_t turns_ = 0;  ///< of the loop
+  BusSnapshot snapshot_;
+  can::Time next_second_{};
+  can::Time next_status_{};
+  std::size_t unanswered_ = 0;  ///< orders taken whose answer was not pushed yet
+  bool changed_ = false;        ///< the state of the bus, since it was published
+  bool pending_ = false;        ///< something was written for the gateway
+};
+
+}  // namespace cansyncd

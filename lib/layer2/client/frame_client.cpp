@@ -1,0 +1,140 @@
+#include "layer2/client/frame_client.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "dds/bounded_text.h"
+#include "layer2/dds/convert.h"
+
+namespace layer2::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+/// Waiting is looked at again so often: `stop` is seen soon.
+constexpr milliseconds kLook{20};
+/// From the end of a request's monitoring time to its reply, and from a cancel to it.
+constexpr milliseconds kGrace{5000};
+/// For the monitoring time of a daemon that has not told its own.
+constexpr milliseconds kDefaultMonitoring{1000};
+
+/// 16 random bytes: no two clients have the same.
+std::array<std::uint8_t, 16> random_identity() {
+  std::array<std::uint8_t, 16> identity;
+  if (getrandom(identity.data(), identity.size(), 0) != static_cast<ssize_t>(identity.size()))
+    throw gateway::dds::SetupError("the system gave no random numbers for the client's identity");
+  return identity;
+}
+
+}  // namespace
+
+FrameClient::FrameClient(const Options& options)
+    : options_(options),
+      identity_(random_identity()),
+      participant_({.domain = options.domain,
+                    .partition = options.bus,
+                    .interface = options.interface,
+                    .xml = options.xml,
+                    .security = options.security}),
+      replies_(participant_, &signal_),
+      batches_(participant_, &signal_),
+      status_(participant_, &signal_),
+      requests_(participant_, 0, &signal_),
+      cancels_(participant_, 0, &signal_) {
+  const auto end = steady_clock::now() + options.wait;
+  while (!matched()) {
+    if (stopped() || steady_clock::now() >= end) {
+      throw NoDaemon(
+          fmt::format("no daemon of general frames found: looked for {} on {}; is cansyncd running "
+                      "for bus {} with bus.protocol = \"layer2\", and with the same domain and "
+                      "interface in its [dds] section?",
+                      options.wait, participant_.place(), options.bus));
+    }
+    (void)signal_.wait(static_cast<int>(kLook.count()));
+    signal_.clear();
+  }
+}
+
+bool FrameClient::matched() const noexcept {
+  return replies_.matched() != 0 && batches_.matched() != 0 && status_.matched() != 0 &&
+         (requests_.matched() != 0 || !requests_.permitted()) &&
+         (cancels_.matched() != 0 || !cancels_.permitted());
+}
+
+SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) {
+  layer2_SendRequest request = {};
+  std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
+  request.request = ++number_;
+  gateway::dds::copy_text(options_.client_name, request.client_name);
+  request.content = dds::to_idl(frame);
+  request.timeout = timeout_ms;
+  if (const auto code = requests_.write(request); code != DDS_RETCODE_OK) {
+    return {true, gateway_REPLY_REFUSED,
+            code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY
+                ? "the identity has no right to write topic SendRequest, nothing was sent"
+                : fmt::format("the request could not be written: {}", dds_strretcode(code)),
+            0};
+  }
+  const auto monitoring = timeout_ms != 0 ? milliseconds(timeout_ms)
+                          : newest_       ? milliseconds(newest_->send_timeout)
+                                          : kDefaultMonitoring;
+  auto end = steady_clock::now() + monitoring + kGrace;
+  bool cancelled = false;
+  while (steady_clock::now() < end) {
+    if (auto result = take_reply(request.request)) return *result;
+    if (!daemon_present()) return {false, gateway_REPLY_DONE, "the daemon has gone", 0};
+    if (stopped() && !cancelled) {
+      cancelled = true;
+      cancel(request.request);
+      end = std::min(end, steady_clock::now() + kGrace);
+    }
+    (void)signal_.wait(static_cast<int>(kLook.count()));
+    signal_.clear();
+  }
+  return {false, gateway_REPLY_DONE, "the daemon did not answer", 0};
+}
+
+std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
+  std::optional<SendResult> result;
+  replies_.take([&](const layer2_SendReply& reply) {
+    if (reply.request != request || !std::equal(identity_.begin(), identity_.end(), reply.client)) return;
+    result = {true, reply.code, std::string(gateway::dds::text(reply.reason)), reply.sent_time};
+  });
+  return result;
+}
+
+void FrameClient::cancel(std::uint64_t request) {
+  gateway_JobCancel sample = {};
+  std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
+  sample.request = request;
+  (void)cancels_.write(sample);
+}
+
+bool FrameClient::receive(milliseconds time, const std::function<void(const layer2_FrameBatch&)>& on_batch) {
+  const auto end = steady_clock::now() + time;
+  while (true) {
+    signal_.clear();
+    if (batches_.take(on_batch) > 0) return true;
+    if (!daemon_present()) return false;
+    const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
+    if (left <= milliseconds{0} || stopped()) return true;
+    (void)signal_.wait(static_cast<int>(std::min(left, kLook).count()));
+  }
+}
+
+std::optional<layer2_BusStatus> FrameClient::status(milliseconds time) {
+  const auto end = steady_clock::now() + time;
+  while (true) {
+    signal_.clear();
+    status_.take([this](const layer2_BusStatus& sample) { newest_ = sample; });
+    if (newest_ || stopped() || !daemon_present() || steady_clock::now() >= end) return newest_;
+    (void)signal_.wait(static_cast<int>(kLook.count()));
+  }
+}
+
+}  // namespace layer2::client

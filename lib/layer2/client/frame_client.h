@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "can/frame.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+#include "dds/signal.h"
+#include "layer2.h"
+#include "layer2/dds/topics.h"
+
+/// A program's side of a bus of general frames.
+namespace layer2::client {
+
+/// No daemon serves the bus; the text says where it was looked for, and the remedy.
+class NoDaemon : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// How to find the daemon.
+struct Options {
+  std::uint32_t domain = 0;      ///< DDS domain, 0..230
+  std::string bus = "sim";       ///< name of the bus: the DDS partition
+  std::string interface = "lo";  ///< network interface
+  std::string client_name;       ///< for the daemon's journal
+  std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
+  std::string security;          ///< folder of the identity; empty: without DDS Security
+  std::chrono::milliseconds wait{3000};  ///< how long to look for the daemon
+  const std::atomic<bool>* stop =
+      nullptr;  ///< set by another thread or a signal handler: ends waiting; null: none
+};
+
+/// How a request to send ended.
+struct SendResult {
+  bool replied = false;  ///< false: the daemon went away, or did not answer; `code` says nothing then
+  gateway_ReplyCode code = gateway_REPLY_DONE;
+  std::string reason;          ///< empty when done
+  std::int64_t sent_time = 0;  ///< done: CLOCK_REALTIME (ns) of the frame's last bit
+};
+
+/// A connection to the daemon of one bus. One thread.
+class FrameClient {
+ public:
+  /// Waits until a daemon serves the bus and everything is matched with it, so that nothing is lost. Throws
+  /// NoDaemon when `options.wait` is over or `stop` is set, gateway::dds::SetupError when DDS cannot be set
+  /// up.
+  explicit FrameClient(const Options& options);
+
+  /// Sends a frame and waits for the reply. `timeout_ms`: monitoring time, 0 = the daemon's default. When
+  /// `stop` is set the request is taken back, and the reply says whether that was in time.
+  SendResult send(const can::Frame& frame, std::uint32_t timeout_ms);
+
+  /// Waits at most `time` for frames that the daemon received, and calls `on_batch` for each batch that came.
+  /// False: the daemon has gone.
+  bool receive(std::chrono::milliseconds time, const std::function<void(const layer2_FrameBatch&)>& on_batch);
+
+  /// What the daemon told last of the bus, waiting at most `time` for the first; nothing: none came.
+  std::optional<layer2_BusStatus> status(std::chrono::milliseconds time);
+
+  /// A daemon serves the bus now.
+  bool daemon_present() const noexcept { return replies_.matched() != 0; }
+
+  /// Where the daemon was looked for, for messages.
+  std::string place() const { return participant_.place(); }
+
+ private:
+  bool stopped() const noexcept { return options_.stop != nullptr && options_.stop->load(); }
+  bool matched() const noexcept;
+  std::optional<SendResult> take_reply(std::uint64_t request);
+  void cancel(std::uint64_t request);
+
+  Options options_;
+  std::array<std::uint8_t, 16> identity_;
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+  gateway::dds::Reader<layer2_SendReply> replies_;
+  gateway::dds::Reader<layer2_FrameBatch> batches_;
+  gateway::dds::Reader<layer2_BusStatus> status_;
+  gateway::dds::Writer<layer2_SendRequest> requests_;
+  gateway::dds::Writer<gateway_JobCancel> cancels_;
+  std::uint64_t number_ = 0;  ///< of the last request
+  std::optional<layer2_BusStatus> newest_;
+};
+
+}  // namespace layer2::client

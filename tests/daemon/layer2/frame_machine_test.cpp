@@ -1,0 +1,252 @@
+// A station on the simulated bus, in virtual time: the realtime loop with the machine on it.
+#include "daemon/layer2/realtime/frame_machine.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "can/flagged_frames.h"
+#include "daemon/loop/deadline_loop.h"
+#include "layer2/sim/frame_node.h"
+#include "sim/line.h"
+
+namespace cansyncd {
+namespace {
+
+using can::test::data_frame;
+using can::test::extended;
+using can::test::remote;
+using layer2::Outcome;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr can::Time kTimeout = milliseconds(100);
+
+FrameMachineSettings everything() {
+  FrameMachineSettings settings;
+  settings.wall_clock = nullptr;
+  settings.bits_per_second = 1'000'000;
+  settings.station.filter.add({0, 0x7FF, false, layer2::FrameKinds::data_and_remote});
+  settings.station.filter.add({0, 0x1FFFFFFF, true, layer2::FrameKinds::data_and_remote});
+  return settings;
+}
+
+/// Does what the test wants at an instant of the bus, before the machine looks.
+class ScriptedBus final : public can::Bus {
+ public:
+  explicit ScriptedBus(can::Bus& line) : line_(line) {}
+
+  std::multimap<can::Time, std::function<void()>> script;
+  can::SendResult refusal = can::SendResult::queued;  ///< what `send` says instead of sending
+  can::ControllerStatus status_on_top;                ///< added to the line's
+
+  can::Time now() noexcept override { return line_.now(); }
+  can::Wake wait_until(can::Time deadline) noexcept override {
+    if (!script.empty()) deadline = std::min(deadline, script.begin()->first);
+    const can::Wake wake = line_.wait_until(deadline);
+    while (!script.empty() && script.begin()->first <= line_.now()) {
+      const auto action = script.begin()->second;
+      script.erase(script.begin());
+      action();
+    }
+    return wake;
+  }
+  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
+  can::SendResult send(const can::Frame& frame) noexcept override {
+    return refusal == can::SendResult::queued ? line_.send(frame) : refusal;
+  }
+  can::ControllerStatus status() noexcept override {
+    can::ControllerStatus status = line_.status();
+    status.unacknowledged = status_on_top.unacknowledged;
+    return status;
+  }
+  can::ResetResult reset() noexcept override { return line_.reset(); }
+  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
+  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
+
+ private:
+  can::Bus& line_;
+};
+
+struct Rig {
+  explicit Rig(const FrameMachineSettings& settings = everything(),
+               std::vector<std::unique_ptr<sim::Node>> nodes = {}, std::size_t report_queue = 64)
+      : line({}, std::move(nodes)), exchange(16, report_queue), machine(settings, bus, exchange) {}
+
+  void order_at(can::Time when, layer2::OrderId id, const can::Frame& frame, can::Time timeout = kTimeout) {
+    bus.script.emplace(when, [this, id, frame, timeout] {
+      EXPECT_TRUE(exchange.requests.try_push(layer2::SendOrder{id, frame, timeout}));
+    });
+  }
+  void run_until(can::Time end) {
+    bus.script.emplace(end, [this] { loop.request_stop(); });
+    loop.run();
+    SendDone done;
+    while (exchange.done.try_pop(done)) answers.emplace(done.answer.id, done);
+    ReceivedReport report;
+    while (exchange.frames.try_pop(report)) received.push_back(report);
+  }
+  /// The only answer to an order.
+  SendDone answer_to(layer2::OrderId id) {
+    EXPECT_EQ(answers.count(id), 1u) << id;
+    const auto found = answers.find(id);
+    return found == answers.end() ? SendDone{} : found->second;
+  }
+  BusSnapshot status() {
+    BusSnapshot newest;
+    EXPECT_TRUE(exchange.status.read(newest));
+    return newest;
+  }
+
+  sim::Line line;
+  ScriptedBus bus{line};
+  Layer2Exchange exchange;
+  FrameMachine machine;
+  DeadlineLoop<FrameMachine> loop{machine, bus};
+  std::multimap<layer2::OrderId, SendDone> answers;
+  std::vector<ReceivedReport> received;
+};
+
+std::vector<std::unique_ptr<sim::Node>> one(sim::FrameNodeSettings settings) {
+  std::vector<std::unique_ptr<sim::Node>> nodes;
+  nodes.push_back(std::make_unique<sim::FrameNode>(std::move(settings)));
+  return nodes;
+}
+
+TEST(FrameMachine, SendsFramesOfEveryKindAndAnswersEachOnce) {
+  Rig rig;
+  layer2::OrderId id = 0;
+  for (const can::Frame& frame : can::test::four_kinds()) rig.order_at(milliseconds(1), ++id, frame);
+  rig.run_until(milliseconds(20));
+  ASSERT_EQ(rig.answers.size(), id);
+  can::Time before{0};
+  for (layer2::OrderId i = 1; i <= id; ++i) {
+    const SendDone done = rig.answer_to(i);
+    EXPECT_EQ(done.refusal, layer2::Refusal::none);
+    EXPECT_EQ(done.answer.outcome, Outcome::done);
+    EXPECT_GT(done.sent_time, before);  // in the order they were asked for
+    before = done.sent_time;
+  }
+  EXPECT_EQ(rig.status().counters.sent, id);
+}
+
+TEST(FrameMachine, ARequestWaitsNoLongerThanALook) {
+  Rig rig;
+  rig.order_at(microseconds(5500), 1, data_frame(0x123, {1}));
+  rig.run_until(milliseconds(20));
+  const can::Time length = rig.line.bit_times(100);
+  EXPECT_LT(rig.answer_to(1).sent_time, microseconds(5500) + milliseconds(1) + length);
+}
+
+TEST(FrameMachine, ARemoteFrameIsAnsweredByTheNodeThatHasTheData) {
+  Rig rig(everything(), one({.answers = {extended(data_frame(0x18DAF110, {1, 2, 3}))}}));
+  rig.order_at(milliseconds(1), 1, extended(remote(data_frame(0x18DAF110, {0, 0, 0}))));
+  rig.run_until(milliseconds(20));
+  EXPECT_EQ(rig.answer_to(1).answer.outcome, Outcome::done);
+  ASSERT_EQ(rig.received.size(), 1u);  // the own frame is not received
+  EXPECT_EQ(rig.received[0].frame, extended(data_frame(0x18DAF110, {1, 2, 3})));
+  EXPECT_EQ(rig.received[0].range, 1);
+  EXPECT_GT(rig.received[0].receive_time, rig.answer_to(1).sent_time);
+}
+
+TEST(FrameMachine, OnlyFramesThatARangeTakesAreHandedOn) {
+  FrameMachineSettings settings;
+  settings.wall_clock = nullptr;
+  settings.station.filter.add({0x200, 0x2FF, false, layer2::FrameKinds::data_and_remote});
+  std::vector<std::unique_ptr<sim::Node>> nodes;
+  for (const std::uint32_t identifier : {0x1FFu, 0x200u, 0x2FFu, 0x300u}) {
+    nodes.push_back(std::make_unique<sim::FrameNode>(
+        sim::FrameNodeSettings{.periodic = remote(data_frame(identifier, {})), .period = milliseconds(10)}));
+  }
+  Rig rig(settings, std::move(nodes));
+  rig.run_until(milliseconds(15));
+  ASSERT_EQ(rig.received.size(), 2u);
+  EXPECT_EQ(rig.received[0].frame.id, 0x200u);
+  EXPECT_EQ(rig.received[1].frame.id, 0x2FFu);
+  const BusSnapshot status = rig.status();
+  EXPECT_EQ(status.counters.received, 4u);
+  EXPECT_EQ(status.counters.taken, 2u);
+}
+
+TEST(FrameMachine, WhatDoesNotFitIsCounted) {
+  Rig rig(everything(), one({.periodic = data_frame(0x100, {0}), .period = milliseconds(1)}), 16);
+  rig.run_until(milliseconds(60));
+  EXPECT_EQ(rig.received.size(), 16u);
+  const BusSnapshot status = rig.status();
+  EXPECT_EQ(status.lost, status.counters.taken - 16u);
+  EXPECT_GT(status.lost, 0u);
+}
+
+TEST(FrameMachine, ABusThatTakesNothingIsTheReasonOfATimeout) {
+  Rig rig;
+  rig.bus.refusal = can::SendResult::bus_off;
+  rig.order_at(milliseconds(1), 1, data_frame(0x123, {1}), milliseconds(20));
+  rig.run_until(milliseconds(50));
+  EXPECT_EQ(rig.answer_to(1).answer.outcome, Outcome::timeout);
+  EXPECT_EQ(rig.answer_to(1).answer.obstacle, layer2::Obstacle::bus_off);
+}
+
+TEST(FrameMachine, AControllerThatWasEmptiedEndsWhatItHad) {
+  Rig rig;
+  rig.order_at(milliseconds(1), 1, data_frame(0x123, {1, 2, 3, 4, 5, 6, 7, 8}), milliseconds(500));
+  rig.order_at(milliseconds(1), 2, data_frame(0x124, {1, 2, 3, 4, 5, 6, 7, 8}), milliseconds(500));
+  // The first frame is on the bus then, the second behind it in the controller.
+  rig.bus.script.emplace(milliseconds(1) + microseconds(10), [&rig] {
+    rig.line.reset();
+    rig.bus.status_on_top.unacknowledged = 2;
+  });
+  rig.run_until(milliseconds(10));
+  EXPECT_EQ(rig.answer_to(1).answer.outcome, Outcome::no_answer);
+  EXPECT_EQ(rig.answer_to(2).answer.outcome, Outcome::no_answer);
+}
+
+TEST(FrameMachine, AWaitingOrderIsTakenBack) {
+  Rig rig;
+  rig.bus.refusal = can::SendResult::queue_full;
+  rig.order_at(milliseconds(1), 1, data_frame(0x123, {}));
+  rig.bus.script.emplace(milliseconds(5),
+                         [&rig] { EXPECT_TRUE(rig.exchange.requests.try_push(CancelOrder{1})); });
+  rig.run_until(milliseconds(10));
+  EXPECT_EQ(rig.answer_to(1).answer.outcome, Outcome::cancelled);
+}
+
+TEST(FrameMachine, StoppingAnswersWhatIsOpenAndWhatWasNotTaken) {
+  Rig rig;
+  rig.bus.refusal = can::SendResult::interface_down;
+  rig.order_at(milliseconds(1), 1, data_frame(0x123, {}));
+  rig.order_at(milliseconds(5), 2, data_frame(0x124, {}));  // in the instant of the stop: not looked at
+  rig.run_until(milliseconds(5));
+  EXPECT_EQ(rig.answer_to(1).answer.outcome, Outcome::stopped);
+  EXPECT_EQ(rig.answer_to(2).refusal, layer2::Refusal::stopped);
+}
+
+TEST(FrameMachine, NoAnswerIsLostWhenTheGatewayReadsNone) {
+  Rig rig;
+  rig.bus.refusal = can::SendResult::queue_full;
+  unsigned pushed = 0;
+  for (unsigned n = 0; n < 200; ++n) {
+    rig.bus.script.emplace(milliseconds(1 + n), [&rig, &pushed] {
+      for (unsigned i = 0; i < 16; ++i) {
+        if (rig.exchange.requests.try_push(
+                layer2::SendOrder{pushed + 1, data_frame(0x100, {}), milliseconds(1)}))
+          ++pushed;
+      }
+    });
+  }
+  rig.run_until(milliseconds(300));
+  // What was not taken because its answer has no room is left for the gateway.
+  Layer2Request left;
+  unsigned not_taken = 0;
+  while (rig.exchange.requests.try_pop(left)) ++not_taken;
+  EXPECT_EQ(rig.answers.size() + not_taken, pushed);
+  for (layer2::OrderId id = 1; id <= rig.answers.size(); ++id) EXPECT_EQ(rig.answers.count(id), 1u) << id;
+  EXPECT_GT(not_taken, 0u);
+}
+
+}  // namespace
+}  // namespace cansyncd

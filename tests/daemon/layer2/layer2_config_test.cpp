@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "config/problem.h"
+#include "daemon/layer2/config/file.h"
+#include "daemon/layer2/config/options.h"
+#include "daemon/layer2/segment/layer2_segment.h"
+
+namespace cansyncd {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Layer2Configuration : public testing::Test {
+ protected:
+  Layer2Configuration() {
+    std::string name = (fs::temp_directory_path() / "cansyncd-test-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~Layer2Configuration() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  Layer2File load(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    std::ofstream(folder_ / "f.toml") << text;
+    return load_layer2_config((folder_ / "f.toml").string(), overrides);
+  }
+  /// The configuration of a file that is in order.
+  Layer2Config good(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    const Layer2File file = load(text, overrides);
+    EXPECT_EQ(config::problems_text(file.problems), "");
+    return file.config;
+  }
+  /// The problems, with the file's folder left out.
+  std::string problems(const std::string& text) const {
+    std::string out = config::problems_text(load(text).problems);
+    const std::string folder = folder_.string() + "/";
+    for (std::size_t at = 0; (at = out.find(folder, at)) != std::string::npos;) out.erase(at, folder.size());
+    return out;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Layer2Configuration, WithoutRangesEverythingIsReceived) {
+  const Layer2Config config = good("");
+  const std::vector<layer2::ReceiveRange> all = {{0, 0x7FF, false, layer2::FrameKinds::data_and_remote},
+                                                 {0, 0x1FFFFFFF, true, layer2::FrameKinds::data_and_remote}};
+  EXPECT_EQ(config.receive, all);
+  EXPECT_EQ(config.bus.bits_per_second, 500'000u);
+  EXPECT_EQ(config.send.queue, 64);
+  EXPECT_EQ(config.send.timeout, std::chrono::milliseconds(1000));
+}
+
+TEST_F(Layer2Configuration, RangesStandInTheOrderOfTheirNumbers) {
+  const Layer2Config config = good(R"([[receive]]
+number = 7
+first = 0x18FE0000
+extended = true
+kinds = "data"
+[[receive]]
+number = 2
+first = 0x180
+last = 0x1FF
+kinds = "remote"
+)");
+  const std::vector<layer2::ReceiveRange> wanted = {{0x180, 0x1FF, false, layer2::FrameKinds::remote},
+                                                    {0x18FE0000, 0x1FFFFFFF, true, layer2::FrameKinds::data}};
+  EXPECT_EQ(config.receive, wanted);
+}
+
+TEST_F(Layer2Configuration, WrongRangesAreToldWithTheirPlace) {
+  EXPECT_EQ(problems("[[receive]]\nnumber = 0\nlast = 0x800\n"),
+            "f.toml:3:8: receive.0.last: found 0x800; allowed: 0..0x7FF, or extended = true beside it\n");
+  EXPECT_EQ(problems("[[receive]]\nnumber = 3\nfirst = 0x200\nlast = 0x1FF\n"),
+            "f.toml:3:9: receive.3.first: found 0x200, which is after last, 0x1FF; allowed: 0..0x1FF\n");
+}
+
+TEST_F(Layer2Configuration, SimulatedNodesHaveTheirFrame) {
+  const Layer2Config config = good(R"([[node]]
+number = 4
+identifier = 0x321
+data = [1, 0xFF]
+period_ms = 20
+)");
+  ASSERT_EQ(config.nodes.size(), 1u);
+  EXPECT_EQ(config.nodes[0].number, 4u);
+  EXPECT_EQ(config.nodes[0].frame.id, 0x321u);
+  EXPECT_EQ(config.nodes[0].frame.dlc, 2);
+  EXPECT_EQ(config.nodes[0].frame.data[1], 0xFF);
+  EXPECT_EQ(config.nodes[0].period, std::chrono::milliseconds(20));
+  EXPECT_EQ(layer2_bus_plan(config).sim.nodes.size(), 1u);
+}
+
+TEST_F(Layer2Configuration, WrongNodesAreToldWithTheirPlace) {
+  EXPECT_EQ(
+      problems("[[node]]\nnumber = 1\nidentifier = 0x20000\n"),
+      "f.toml:3:14: node.1.identifier: found 0x20000; allowed: 0..0x7FF, or extended = true beside it\n");
+  EXPECT_NE(problems("[[node]]\nnumber = 1\ndata = [256]\n").find("a list of at most eight numbers 0..255"),
+            std::string::npos);
+}
+
+TEST_F(Layer2Configuration, SectionsOfAnotherProtocolAreRefused) {
+  EXPECT_NE(problems("[[slave]]\nnumber = 1\n").find("f.toml:1:"), std::string::npos);
+  EXPECT_NE(problems("[process]\n").find("no such section"), std::string::npos);
+}
+
+TEST_F(Layer2Configuration, TheDefaultFileIsRightAndSaysTheDefaults) {
+  const Layer2Config printed = good(layer2_default_config());
+  EXPECT_EQ(printed.send.queue, SendConfig{}.queue);
+  EXPECT_EQ(printed.bus.bits_per_second, good("").bus.bits_per_second);
+}
+
+}  // namespace
+}  // namespace cansyncd

@@ -1,0 +1,175 @@
+// The whole of a bus of general frames but for the main program: realtime thread on a simulated bus in real
+// time, gateway thread, and a client over real DDS.
+#include "daemon/layer2/segment/layer2_segment.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "can/flagged_frames.h"
+#include "daemon/layer2/segment/layer2_protocol.h"
+#include "dds/bounded_text.h"
+#include "layer2/client/frame_client.h"
+#include "layer2/dds/convert.h"
+#include "support/dds_places.h"
+#include "support/kept_journal.h"
+
+namespace cansyncd {
+namespace {
+
+using can::test::data_frame;
+using can::test::extended;
+using can::test::remote;
+using layer2::client::FrameClient;
+using layer2::client::SendResult;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Two nodes: one answers remote frames, one sends by itself.
+Layer2File file_for(const TwoPlaces& places) {
+  Layer2File file;
+  Layer2Config& config = file.config;
+  config.bus.name = places.here.partition;
+  config.bus.bits_per_second = 500'000;
+  config.dds.domain = places.here.domain;
+  config.dds.partition = places.here.partition;
+  config.dds.request_max_age = milliseconds(0);  // the computer may be slow
+  config.realtime.priority = 0;
+  config.realtime.lock_memory = false;
+  config.recorder.folder = "";
+  // The monitoring time is the simulated bus's, which runs in real time, on a computer that may be slow.
+  config.send.timeout = seconds(20);
+  config.receive = {{0x100, 0x1FF, false, layer2::FrameKinds::data_and_remote},
+                    {0, 0x1FFFFFFF, true, layer2::FrameKinds::data}};
+  config.nodes = {{0, extended(data_frame(0x18DAF110, {1, 2, 3})), milliseconds(0)},
+                  {1, data_frame(0x150, {0, 9}), milliseconds(20)},
+                  {2, data_frame(0x250, {0}), milliseconds(5)}};  // no range takes it
+  return file;
+}
+
+layer2::client::Options options_for(const TwoPlaces& places) {
+  layer2::client::Options options;
+  options.domain = places.there.domain;
+  options.bus = places.there.partition;
+  options.xml = places.there.xml;
+  options.client_name = "tester";
+  options.wait = seconds(20);
+  return options;
+}
+
+class Layer2Bus : public testing::Test {
+ protected:
+  void start(Layer2File file) {
+    segment_.emplace(std::move(file), journal_);
+    segment_->start();
+    client_.emplace(options_for(places_));
+  }
+  void start() { start(file_for(places_)); }
+  /// Takes frames until one fits, at most 20 s.
+  template <class Fits>
+  bool comes(const Fits& fits) {
+    bool found = false;
+    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    while (!found && std::chrono::steady_clock::now() < end) {
+      client_->receive(milliseconds(100), [&](const layer2_FrameBatch& batch) {
+        EXPECT_GT(batch.number, number_);
+        number_ = batch.number;
+        for (std::uint32_t i = 0; i < batch.frames._length; ++i) {
+          seen_.push_back(batch.frames._buffer[i]);
+          found = found || fits(layer2::dds::to_core(seen_.back().received), seen_.back());
+        }
+      });
+    }
+    return found;
+  }
+
+  TwoPlaces places_{"layer2bus"};
+  KeptJournal journal_;
+  std::optional<Layer2Segment> segment_;
+  std::optional<FrameClient> client_;
+  std::uint64_t number_ = 0;
+  std::vector<layer2_ReceivedFrame> seen_;
+};
+
+TEST_F(Layer2Bus, SendsFramesOfEveryKindWithOneReplyEach) {
+  start();
+  std::int64_t before = 0;
+  for (const can::Frame& frame : can::test::four_kinds()) {
+    const SendResult result = client_->send(frame, 0);
+    EXPECT_TRUE(result.replied);
+    EXPECT_EQ(result.code, gateway_REPLY_DONE) << result.reason;
+    EXPECT_GT(result.sent_time, before);
+    before = result.sent_time;
+  }
+  segment_->stop();
+  unsigned recorded = 0;
+  for (const auto& entry : journal_.all()) recorded += entry.field("EVENT") == "request_done" ? 1u : 0u;
+  EXPECT_EQ(recorded, can::test::four_kinds().size());
+}
+
+TEST_F(Layer2Bus, PublishesWhatItsRangesTakeInTheOrderOfTheBus) {
+  start();
+  EXPECT_TRUE(comes([](const can::Frame& frame, const layer2_ReceivedFrame& received) {
+    return frame.id == 0x150 && frame.data[1] == 9 && received.range_index == 0 && frame.data[0] >= 2;
+  }));
+  std::int64_t before = 0;
+  for (const layer2_ReceivedFrame& frame : seen_) {
+    EXPECT_EQ(frame.received.identifier, 0x150u);  // nothing of 0x250
+    EXPECT_GT(frame.receive_time, before);
+    before = frame.receive_time;
+  }
+}
+
+TEST_F(Layer2Bus, ARemoteFrameBringsTheDataOfTheNodeThatHasIt) {
+  start();
+  const can::Frame asked = extended(remote(data_frame(0x18DAF110, {0, 0, 0})));
+  EXPECT_EQ(client_->send(asked, 0).code, gateway_REPLY_DONE);
+  EXPECT_TRUE(comes([](const can::Frame& frame, const layer2_ReceivedFrame& received) {
+    return frame == extended(data_frame(0x18DAF110, {1, 2, 3})) && received.range_index == 1;
+  }));
+  for (const layer2_ReceivedFrame& frame : seen_) EXPECT_FALSE(frame.received.remote);  // not the own one
+}
+
+TEST_F(Layer2Bus, ARequestThatIsWrongIsRefusedWithItsReason) {
+  start();
+  const SendResult result = client_->send(data_frame(0x123, {1}), 4'000'000);
+  EXPECT_EQ(result.code, gateway_REPLY_REFUSED);
+  EXPECT_EQ(result.reason,
+            "timeout 4000000 ms: out of range; allowed 0..3600000 ms, 0 = the daemon's default");
+}
+
+TEST_F(Layer2Bus, AReadOnlyDaemonSendsNothing) {
+  Layer2File file = file_for(places_);
+  file.config.access.read_only = true;
+  start(std::move(file));
+  const SendResult result = client_->send(data_frame(0x123, {1}), 0);
+  EXPECT_EQ(result.code, gateway_REPLY_REFUSED);
+  EXPECT_NE(result.reason.find("access.read_only"), std::string::npos) << result.reason;
+  EXPECT_TRUE(client_->status(seconds(20))->read_only);
+}
+
+TEST_F(Layer2Bus, TellsItsState) {
+  start();
+  EXPECT_EQ(client_->send(data_frame(0x123, {1}), 0).code, gateway_REPLY_DONE);
+  std::optional<layer2_BusStatus> status;
+  const auto end = std::chrono::steady_clock::now() + seconds(20);
+  // The sample of the start has no counts yet.
+  do {
+    client_.emplace(options_for(places_));
+    status = client_->status(seconds(20));
+  } while (std::chrono::steady_clock::now() < end && (!status || status->sent == 0));
+  ASSERT_TRUE(status);
+  EXPECT_EQ(gateway::dds::text(status->bus_name), "layer2bus");
+  EXPECT_EQ(gateway::dds::text(status->state), "error-active");
+  EXPECT_EQ(gateway::dds::text(status->link), "up");
+  EXPECT_EQ(status->bit_rate, 500'000u);
+  EXPECT_EQ(status->sent, 1u);
+  EXPECT_EQ(status->send_timeout, 20'000u);
+}
+
+}  // namespace
+}  // namespace cansyncd

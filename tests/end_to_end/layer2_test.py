@@ -1,0 +1,131 @@
+"""General frames: the daemon with simulated nodes, and the verbs `frames` and `send`."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
+from help_text import helps
+
+from gateway import CANSYNC, CANSYNCD, LONG, Place, end, wait_for
+
+CONFIG = """
+[bus]
+protocol = "layer2"
+name = "{bus}"
+[dds]
+domain = {domain}
+[send]
+timeout_ms = 30000
+[[receive]]
+number = 0
+first = 0x100
+last = 0x1FF
+[[receive]]
+number = 5
+extended = true
+[[node]]
+number = 0
+identifier = 0x123
+data = [1, 2, 0xFF]
+[[node]]
+number = 1
+identifier = 0x18DAF110
+extended = true
+data = [0, 7]
+period_ms = 20
+[[node]]
+number = 2
+identifier = 0x250
+data = [0]
+period_ms = 20
+"""
+
+
+class Frames(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = Place()
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.config = os.path.join(folder, "bus.toml")
+        cls.log = os.path.join(folder, "log")
+        with open(cls.config, "w", encoding="utf-8") as file:
+            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
+        with open(cls.log, "wb") as log:
+            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
+        cls.addClassCleanup(lambda: end(cls.daemon))
+        wait_for("a frame is sent", lambda: cls.place.run("send", "0x100").returncode == 0)
+
+    def one(self, *arguments, code=0):
+        """The only object of a verb."""
+        result = self.place.run(*arguments, "--json")
+        self.assertEqual(result.returncode, code, result.stderr)
+        lines = result.stdout.splitlines()
+        self.assertEqual(len(lines), 1, lines)
+        return json.loads(lines[0])
+
+    def test_frames_of_every_kind_are_sent(self):
+        sent = self.one("send", "0x123", "0102FF")
+        self.assertEqual((sent["result"], sent["data"], sent["extended"]), ("done", [1, 2, 255], False))
+        self.assertGreater(sent["sent_time_ns"], 0)
+        self.assertEqual(self.one("send", "0x1FFFFFFF", "00", "--extended")["result"], "done")
+        self.assertEqual(self.one("send", "0x123", "--remote", "--length", "3")["length"], 3)
+        self.assertEqual(self.one("send", "5", "--remote", "--extended")["result"], "done")
+        self.assertIn("frame 123 sent", self.place.run("send", "0x123", "01 02").stderr)
+
+    def test_what_is_wrong_is_told(self):
+        for arguments, words in ((("send", "0x800"), "ID: found"), (("send", "1", "0"), "DATA: found '0'"),
+                                 (("send", "1", "00" * 9), "DATA: found"),
+                                 (("send", "1", "00", "--remote"), "DATA: not with --remote"),
+                                 (("frames", "--count", "0"), "--count")):
+            result = self.place.run(*arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(words, result.stderr)
+
+    def test_the_ranges_say_which_frames_come(self):
+        with self.place.start("frames", "--json", "--count", 3) as frames:
+            found = [frames.next_object() for _ in range(3)]
+        for frame in found:
+            self.assertEqual((frame["identifier"], frame["extended"], frame["range"]), (0x18DAF110, True, 1))
+        counters = [frame["data"][0] for frame in found]
+        self.assertEqual(counters, [(counters[0] + i) % 256 for i in range(3)])
+        self.assertEqual(sorted(frame["time_ns"] for frame in found), [frame["time_ns"] for frame in found])
+
+    def test_a_remote_frame_brings_the_data(self):
+        with self.place.start("frames", "--json") as frames:
+            frames.next_object()  # it is listening
+            self.assertEqual(self.one("send", "0x123", "--remote", "--length", "3")["result"], "done")
+            answer = wait_for("the answer", lambda: (f := frames.next_object())["identifier"] == 0x123 and f)
+            self.assertEqual((answer["data"], answer["remote"], answer["range"]), ([1, 2, 255], False, 0))
+            frames.send_signal(signal.SIGINT)
+
+    def test_the_table_is_explained(self):
+        lines = self.place.run("frames", "--count", 2).stdout.decode().splitlines()
+        self.assertEqual(len(lines), 3)
+        self.assertEqual(re.split("  *", lines[0].strip()), list(helps(CANSYNC)["frames"].explained("Columns")))
+        self.assertRegex(lines[1], r"^\d{4}-\d\d-\d\d [\d:.]+ +18DAF110 +2 +[0-9A-F]{2} 07 +1$")
+
+    def test_the_configuration_is_checked(self):
+        result = subprocess.run([CANSYNCD, "--check", self.config], capture_output=True, text=True, timeout=LONG)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("general frames at 500000 bit/s, 2 ranges received", result.stdout)
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write('[bus]\nprotocol = "layer2"\n[[slave]]\nnumber = 1\n')
+            file.flush()
+            result = subprocess.run([CANSYNCD, "--check", file.name], capture_output=True, text=True, timeout=LONG)
+        self.assertEqual(result.returncode, 78)
+        self.assertIn(":3:", result.stderr)
+
+    def test_without_a_daemon_it_says_where_it_looked(self):
+        result = self.place.run("--bus", "nobody", "--timeout", 1, "send", 1)
+        self.assertEqual(result.returncode, 6)
+        self.assertIn('bus.protocol = "layer2"', result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v", *filter(None, sys.argv[1:])])
