@@ -230,6 +230,72 @@ class OneBus(unittest.TestCase):
         self.assertEqual(self.daemon.status()["controller_state"], "error-active")
 
 
+class GeneralFrames(unittest.TestCase):
+    """The daemon on can0 serves general frames; can1 is somebody else."""
+
+    CONFIG = """
+[bus]
+protocol = "layer2"
+name = "{bus}"
+interface = "can0"
+bit_rate = {bit_rate}
+[dds]
+domain = {domain}
+[send]
+timeout_ms = 30000
+[[receive]]
+number = 0
+first = 0x100
+last = 0x1FF
+"""
+
+    @classmethod
+    def setUpClass(cls):
+        for interface in ("can0", "can1"):
+            bring_up(interface)
+        cls.place = Place()
+        config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml"))
+        config.write(cls.CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, bit_rate=BIT_RATE))
+        config.flush()
+        cls.daemon = subprocess.Popen([CANSYNCD, config.name])
+        cls.addClassCleanup(lambda: end(cls.daemon))
+        cls.other = cls.enterClassContext(socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW))
+        cls.other.bind(("can1",))
+        cls.other.settimeout(LONG)
+
+    def sent(self, *arguments):
+        return wait_for(f"send {arguments}", lambda: self.place.run("send", *arguments).returncode == 0, LONG)
+
+    def test_frames_are_on_the_bus_and_answered_once(self):
+        extended, remote = socket.CAN_EFF_FLAG, socket.CAN_RTR_FLAG
+        for arguments, identifier, length, data in (
+            (("0x7FF", "0102"), 0x7FF, 2, "0102"),
+            (("0x18DAF110", "FF", "--extended"), 0x18DAF110 | extended, 1, "FF"),
+            (("0x123", "--remote", "--length", "3"), 0x123 | remote, 3, ""),
+        ):
+            self.sent(*arguments)
+            found, size, bytes_ = struct.unpack("=IB3x8s", self.other.recv(16))
+            self.assertEqual((found, size), (identifier, length))
+            self.assertEqual(bytes_, bytes.fromhex(data).ljust(8, b"\0"))
+
+    def test_frames_of_others_come_through_the_range(self):
+        with self.place.start("frames", "--json") as frames:
+            came = threading.Event()
+
+            def send():
+                while not came.wait(0.2):
+                    for identifier in (0x0FF, 0x1FF):
+                        self.other.send(struct.pack("=IB3x8s", identifier, 1, b"\x55"))
+
+            sender = threading.Thread(target=send, daemon=True)
+            sender.start()
+            found = frames.next_object()
+            came.set()
+            sender.join(LONG)
+            frames.terminate()
+        self.assertEqual((found["identifier"], found["data"], found["range"]), (0x1FF, [0x55], 0))
+
+
 if __name__ == "__main__":
     # Arguments name tests, as those of unittest do; without any: all.
     names = sys.argv[1:]

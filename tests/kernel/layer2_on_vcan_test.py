@@ -1,0 +1,83 @@
+"""General frames on a real CAN socket: what cansyncd publishes and sends, against another program on the bus."""
+
+import json
+import select
+import signal
+import tempfile
+import unittest
+
+from canline import INTERFACE, Candump, Place, Process, Wire, create_interface, delete_interface, interface_exists
+from gateway import CANSYNCD, wait_for
+
+CONFIG = """
+[bus]
+protocol = "layer2"
+name = "{bus}"
+interface = "{interface}"
+bit_rate = 500000
+[dds]
+domain = {domain}
+[send]
+timeout_ms = 30000
+[[receive]]
+number = 0
+first = 0x100
+last = 0x1FF
+[[receive]]
+number = 1
+extended = true
+kinds = "remote"
+"""
+
+
+class GeneralFrames(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if interface_exists():
+            delete_interface()
+        create_interface()
+        cls.place = Place()
+        config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8"))
+        config.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, interface=INTERFACE))
+        config.flush()
+        cls.log = cls.enterClassContext(Candump())
+        cls.daemon = cls.enterClassContext(Process(CANSYNCD, config.name))
+        cls.wire = cls.enterClassContext(Wire())
+
+    def sent(self, *arguments):
+        """The object of a frame that was sent; in this kernel a program may find its daemon late."""
+
+        def attempt():
+            result = self.place.run("send", *arguments, "--json")
+            return json.loads(result.stdout) if result.returncode == 0 else None
+
+        return wait_for(f"send {arguments}", attempt)
+
+    def test_frames_of_every_kind_are_on_the_bus_as_candump_sees_them(self):
+        for arguments, frame in ((("0x7FF", "0102030405060708"), "7FF#0102030405060708"),
+                                 (("0x18DAF110", "FF", "--extended"), "18DAF110#FF"),
+                                 (("0x123", "--remote", "--length", 3), "123#R3"),
+                                 (("0x1ABCDE", "--remote", "--extended"), "001ABCDE#R")):
+            self.assertEqual(self.sent(*arguments)["result"], "done")
+            self.log.wait_for_frame(frame)
+            self.assertEqual(self.log.frames().count(frame), 1, frame)
+
+    def test_frames_of_others_come_through_the_ranges(self):
+        self.sent("0x001")  # the daemon runs
+        with self.place.start("frames", "--json") as frames:
+            # Until the program listens.
+            wait_for("a frame comes", lambda: self.wire.send("150#AA") or frames_wait(frames))
+            for frame in ("0FF#01", "100#02", "18DAF110#03", "0000ABCD#R", "1FF#04"):
+                self.wire.send(frame)
+            found = []
+            while not found or found[-1][0] != 0x1FF:
+                object_ = frames.next_object()
+                if object_["identifier"] != 0x150:
+                    found.append((object_["identifier"], object_["extended"], object_["remote"], object_["range"]))
+            frames.send_signal(signal.SIGINT)
+        self.assertEqual(found, [(0x100, False, False, 0), (0xABCD, True, True, 1), (0x1FF, False, False, 0)])
+
+
+def frames_wait(frames):
+    """An object of the program; None when none came for a while."""
+    return frames.next_object() if select.select([frames.stdout], [], [], 0.5)[0] else None
