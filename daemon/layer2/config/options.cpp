@@ -12,7 +12,7 @@ namespace {
 using namespace config::rows;  // the table reads better without the prefix in every line
 using config::Scalar;
 
-using Row = config::Row<Layer2Draft>;
+using Layer2Row = config::Row<Layer2Draft>;
 
 Layer2Draft::Range& range(Layer2Draft& draft) {
   return draft.ranges[draft.number];
@@ -45,7 +45,7 @@ constexpr auto kProtocol = std::to_array<DaemonRow>({
     {rows::protocol_option(kLayer2Protocol, "\"layer2\""), [](DaemonConfig&, const Value&) {}},
 });
 
-constexpr auto kRows = std::to_array<Row>({
+constexpr auto kRows = std::to_array<Layer2Row>({
     // --- [bus]
     {one_number("bus.bit_rate", "500000", "10000|20000|50000|100000|125000|250000|500000|800000|1000000",
                 "bit/s", "Bit rate; a CAN interface must be set to the same."),
@@ -58,8 +58,8 @@ constexpr auto kRows = std::to_array<Row>({
                   "Monitoring time of requests that name none: until the frame stands on the bus."),
      [](Layer2Draft& d, const Value& v) { d.config.send.timeout = milliseconds(v); }},
     // --- [[receive]]
-    {label("receive.number", layer2::RangeFilter::kMostRanges - 1,
-           "Place among the ranges: of several that take a frame the first counts."),
+    {config::rows::label("receive.number", layer2::RangeFilter::kMostRanges - 1,
+                         "Place among the ranges: of several that take a frame the first counts."),
      [](Layer2Draft& d, const Value&) { range(d).given = true; }},
     {example("0x000", whole_number("receive.first", "(0)", 0, kLargestIdentifier, "",
                                    "First identifier that is received.")),
@@ -77,7 +77,7 @@ constexpr auto kRows = std::to_array<Row>({
                                                : layer2::FrameKinds::data_and_remote;
      }},
     // --- [[node]]
-    {label("node.number", 31, "Number of the simulated node."),
+    {config::rows::label("node.number", 31, "Number of the simulated node."),
      [](Layer2Draft& d, const Value&) { d.nodes[d.number].given = true; }},
     {whole_number("node.identifier", "0", 0, kLargestIdentifier, "", "Identifier of its data frame."),
      [](Layer2Draft& d, const Value& v) { node(d).frame.id = whole<std::uint32_t>(v); }},
@@ -131,7 +131,7 @@ const config::Rows<Layer2Draft>& layer2_option_rows() {
                                              {{std::span<const DaemonRow>(kProtocol), &Layer2Draft::config},
                                               {rows::daemon_options(), &Layer2Draft::config},
                                               {rows::access_options(), &Layer2Draft::config},
-                                              std::span<const Row>(kRows)});
+                                              std::span<const Layer2Row>(kRows)});
   return all;
 }
 
