@@ -1,0 +1,103 @@
+// What the realtime thread of a bus of general frames must not do, watched in virtual time on a busy bus.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "can/flagged_frames.h"
+#include "daemon/layer2/realtime/frame_machine.h"
+#include "daemon/loop/deadline_loop.h"
+#include "daemon/loop/flight_tap.h"
+#include "layer2/sim/frame_node.h"
+#include "rt/alloc_counter.h"
+#include "rt/flight_recorder.h"
+#include "sim/line.h"
+
+namespace cansyncd {
+namespace {
+
+using can::test::data_frame;
+using std::chrono::milliseconds;
+
+/// Plays the gateway between two turns of the loop: orders, takes back, reads everything.
+class BusyBus final : public can::Bus {
+ public:
+  BusyBus(can::Bus& line, Layer2Exchange& exchange) : line_(line), exchange_(exchange) {}
+
+  static constexpr std::uint64_t kTurns = 5000;
+  DeadlineLoop<FrameMachine>* loop = nullptr;  ///< ended after so many turns
+  std::uint64_t turns = 0;
+  std::uint64_t answers = 0;
+  std::uint64_t frames = 0;
+  rt::ThreadCalls before;
+  rt::ThreadCalls after;
+
+  can::Time now() noexcept override { return line_.now(); }
+  can::Wake wait_until(can::Time deadline) noexcept override {
+    if (++turns == 10) before = rt::thread_calls();
+    if (turns == kTurns) {
+      after = rt::thread_calls();
+      loop->request_stop();
+    }
+    work();
+    return line_.wait_until(deadline);
+  }
+  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
+  // Now and then the bus takes nothing.
+  can::SendResult send(const can::Frame& frame) noexcept override {
+    return turns % 50 < 5 ? can::SendResult::queue_full : line_.send(frame);
+  }
+  can::ControllerStatus status() noexcept override { return line_.status(); }
+  can::ResetResult reset() noexcept override { return line_.reset(); }
+  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
+  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
+
+ private:
+  void work() noexcept {
+    ++number_;
+    exchange_.requests.try_push(
+        layer2::SendOrder{number_, {.id = static_cast<std::uint32_t>(number_ % 0x800)}, milliseconds(2)});
+    if (number_ % 7 == 0) exchange_.requests.try_push(CancelOrder{number_});
+    SendDone done;
+    while (exchange_.done.try_pop(done)) ++answers;
+    ReceivedReport report;
+    while (exchange_.frames.try_pop(report)) ++frames;
+  }
+
+  can::Bus& line_;
+  Layer2Exchange& exchange_;
+  std::uint64_t number_ = 0;
+};
+
+TEST(RealtimeRules, TheLoopOfGeneralFramesNeitherAllocatesNorLocksNorWritesAnythingButItsWakeSignal) {
+  std::vector<std::unique_ptr<sim::Node>> nodes;
+  nodes.push_back(std::make_unique<sim::FrameNode>(
+      sim::FrameNodeSettings{.periodic = data_frame(0x100, {0, 1, 2}), .period = milliseconds(1)}));
+  sim::Line line({}, std::move(nodes));
+  Layer2Exchange exchange(64, 64);
+  BusyBus busy(line, exchange);
+  rt::FlightRecorder recorder(4096, 10);
+  FlightTap tap(recorder, {});
+  RecordedBus recorded(busy, tap);
+  FrameMachineSettings settings;
+  settings.tap = &tap;
+  settings.station.filter.add({0, 0x7FF, false, layer2::FrameKinds::data_and_remote});
+  FrameMachine machine(settings, recorded, exchange);
+
+  DeadlineLoop<FrameMachine> loop(machine, recorded);
+  busy.loop = &loop;
+  loop.run();
+
+  EXPECT_GT(busy.answers, 1000u);
+  EXPECT_GT(busy.frames, 100u);
+  EXPECT_EQ(busy.after.allocations, busy.before.allocations);
+  EXPECT_EQ(busy.after.locks, busy.before.locks);
+  // Nobody takes the signal, so that it is given once, before the turns that are watched.
+  EXPECT_EQ(busy.after.writes, busy.before.writes);
+}
+
+}  // namespace
+}  // namespace cansyncd
