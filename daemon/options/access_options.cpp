@@ -7,7 +7,7 @@ namespace {
 
 using namespace config::rows;  // the table reads better without the prefix in every line
 
-constexpr auto kRows = std::to_array<DaemonRow>({
+constexpr auto kAccessRows = std::to_array<DaemonRow>({
     // --- [access]
     {reloadable(
          boolean("access.read_only", "false",
@@ -25,7 +25,7 @@ constexpr auto kRows = std::to_array<DaemonRow>({
 }  // namespace
 
 std::span<const DaemonRow> rows::access_options() {
-  return kRows;
+  return kAccessRows;
 }
 
 }  // namespace cansyncd

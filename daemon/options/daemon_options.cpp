@@ -7,7 +7,7 @@ namespace {
 
 using namespace config::rows;  // the table reads better without the prefix in every line
 
-constexpr auto kRows = std::to_array<DaemonRow>({
+constexpr auto kDaemonRows = std::to_array<DaemonRow>({
     // --- [bus]
     {example("\"sim\"", string("bus.name", OptionType::identifier, "(the interface)", 1, 63,
                                "Name of the bus; clients find it by this name.")),
@@ -139,7 +139,7 @@ constexpr auto kRows = std::to_array<DaemonRow>({
 }  // namespace
 
 std::span<const DaemonRow> rows::daemon_options() {
-  return kRows;
+  return kDaemonRows;
 }
 
 }  // namespace cansyncd

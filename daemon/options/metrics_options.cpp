@@ -7,7 +7,7 @@ namespace {
 
 using namespace config::rows;  // the table reads better without the prefix in every line
 
-constexpr auto kRows = std::to_array<DaemonRow>({
+constexpr auto kMetricsRows = std::to_array<DaemonRow>({
     // --- [metrics]
     {string(
          "metrics.file", OptionType::text, "\"\"", 0, 4096,
@@ -23,7 +23,7 @@ constexpr auto kRows = std::to_array<DaemonRow>({
 }  // namespace
 
 std::span<const DaemonRow> rows::metrics_options() {
-  return kRows;
+  return kMetricsRows;
 }
 
 }  // namespace cansyncd

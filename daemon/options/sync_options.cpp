@@ -11,7 +11,7 @@ SyncEdge edge(const Value& value) {
   return words(value) == "falling" || words(value) == "clear" ? SyncEdge::falling : SyncEdge::rising;
 }
 
-constexpr auto kRows = std::to_array<DaemonRow>({
+constexpr auto kSyncRows = std::to_array<DaemonRow>({
     // --- [sync]
     {choice("sync.output", "\"none\"", "none|gpio|phc|can",
             "Where the SYNC edge goes: none = nowhere (a simulated bus has its own SYNC line); gpio = a GPIO "
@@ -88,7 +88,7 @@ constexpr auto kRows = std::to_array<DaemonRow>({
 }  // namespace
 
 std::span<const DaemonRow> rows::sync_options() {
-  return kRows;
+  return kSyncRows;
 }
 
 }  // namespace cansyncd

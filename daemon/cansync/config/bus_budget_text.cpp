@@ -10,7 +10,7 @@ namespace {
 
 using cansync::Duration;
 
-double us(Duration duration) noexcept {
+double microseconds_of(Duration duration) noexcept {
   return std::chrono::duration<double, std::micro>(duration).count();
 }
 
@@ -21,18 +21,20 @@ std::string percent(unsigned permille) {
 std::string polling_line(std::string_view name, unsigned round, Duration interval) {
   if (round == 0) return fmt::format("{}: nobody is asked\n", name);
   return fmt::format("{}: every slave asked once in {} interval{}, {:.3f} ms\n", name, round,
-                     round == 1 ? "" : "s", us(round * interval) / 1000);
+                     round == 1 ? "" : "s", microseconds_of(round * interval) / 1000);
 }
 
 }  // namespace
 
 std::string budget_text(const BusBudget& budget) {
-  std::string out = fmt::format("bus budget at {} bit/s: intervals of {:.0f} us, {} bits each\n",
-                                budget.bits_per_second, us(budget.interval), budget.capacity_bits);
+  std::string out =
+      fmt::format("bus budget at {} bit/s: intervals of {:.0f} us, {} bits each\n", budget.bits_per_second,
+                  microseconds_of(budget.interval), budget.capacity_bits);
   out += "telegram  bytes  bits at most  planned us  latest start us  latest end us\n";
   for (const SlotBudget& slot : budget.slots) {
     out += fmt::format("{:<8}  {:>5}  {:>12}  {:>10.0f}  {:>15.0f}  {:>13.0f}\n", slot.name, slot.bytes,
-                       slot.bits, us(slot.planned), us(slot.latest), us(slot.end));
+                       slot.bits, microseconds_of(slot.planned), microseconds_of(slot.latest),
+                       microseconds_of(slot.end));
   }
   out += fmt::format("bus load: idle {}, typical {}, worst {}\n", percent(budget.idle),
                      percent(budget.typical), percent(budget.worst));
@@ -40,13 +42,14 @@ std::string budget_text(const BusBudget& budget) {
   out += polling_line("RDC2", budget.polling_round[1], budget.interval);
   out +=
       fmt::format("parameter read: at least {:.0f} us on the bus, at most one in {} interval{} per slave\n",
-                  us(budget.parameter_least), budget.parameter_round, budget.parameter_round == 1 ? "" : "s");
+                  microseconds_of(budget.parameter_least), budget.parameter_round,
+                  budget.parameter_round == 1 ? "" : "s");
   out += fmt::format("transfer of {} bytes: at least {:.3f} s, {} intervals (blocks of {} bytes)\n",
-                     kTransferBytes, us(budget.transfer_least) / 1e6, budget.transfer_intervals,
+                     kTransferBytes, microseconds_of(budget.transfer_least) / 1e6, budget.transfer_intervals,
                      budget.transfer_block);
   if (budget.sync_delay > Duration{0}) {
-    out +=
-        fmt::format("SYNC frame: up to {:.0f} us late behind the longest command\n", us(budget.sync_delay));
+    out += fmt::format("SYNC frame: up to {:.0f} us late behind the longest command\n",
+                       microseconds_of(budget.sync_delay));
   }
   return out;
 }

@@ -10,7 +10,7 @@ using namespace rows;
 
 using cansync::EnableRule;
 
-constexpr auto kRows = std::to_array<Row>({
+constexpr auto kBusRows = std::to_array<Row>({
     // --- [bus]
     {one_number("bus.bit_rate", "1000000", "125000|250000|500000|1000000", "bit/s",
                 "Bit rate; it fixes the interval: 8, 4, 2 or 1 ms."),
@@ -86,7 +86,7 @@ constexpr auto kRows = std::to_array<Row>({
 }  // namespace
 
 std::span<const Row> rows::bus_options() {
-  return kRows;
+  return kBusRows;
 }
 
 }  // namespace cansyncd

@@ -8,7 +8,7 @@ namespace {
 using namespace config::rows;  // the table reads better without the prefix in every line
 using namespace rows;
 
-constexpr auto kRows = std::to_array<Row>({
+constexpr auto kFailsafeRows = std::to_array<Row>({
     // --- [failsafe]
     {choice(
          "failsafe.reaction", "\"stop_release\"", "stop_release|hold|control_word",
@@ -51,7 +51,7 @@ constexpr auto kRows = std::to_array<Row>({
 }  // namespace
 
 std::span<const Row> rows::failsafe_options() {
-  return kRows;
+  return kFailsafeRows;
 }
 
 }  // namespace cansyncd

@@ -16,7 +16,7 @@ constexpr std::string_view kCommonMappingHelp =
 constexpr std::string_view kMappingOne = "(doubleword values 0 and 1, low word first)";
 constexpr std::string_view kMappingTwo = "(doubleword values 4 and 5, low word first)";
 
-constexpr auto kRows = std::to_array<Row>({
+constexpr auto kLineRows = std::to_array<Row>({
     // --- [process]
     {reloadable(other("process.polling_1", kCursorWords, "\"automatic\"",
                       "Slave that WRC1 asks for its actual values 0..3.")),
@@ -186,7 +186,7 @@ constexpr auto kRows = std::to_array<Row>({
 }  // namespace
 
 std::span<const Row> rows::line_options() {
-  return kRows;
+  return kLineRows;
 }
 
 }  // namespace cansyncd

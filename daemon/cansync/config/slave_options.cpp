@@ -11,7 +11,7 @@ using namespace rows;
 
 constexpr std::int64_t kLongestPath = 4096;
 
-constexpr auto kRows = std::to_array<Row>({
+constexpr auto kSlaveRows = std::to_array<Row>({
     // --- [slave]
     {whole_number("slave.number", "(required)", 0, 31, "",
                   "Slave number on the bus; makes this slave part of the line."),
@@ -93,7 +93,7 @@ constexpr auto kRows = std::to_array<Row>({
 }  // namespace
 
 std::span<const Row> rows::slave_options() {
-  return kRows;
+  return kSlaveRows;
 }
 
 }  // namespace cansyncd
