@@ -75,13 +75,17 @@ class Frames(unittest.TestCase):
         self.assertGreater(sent["sent_time_ns"], 0)
         self.assertEqual(self.one("send", "0x1FFFFFFF", "00", "--extended")["result"], "done")
         self.assertEqual(self.one("send", "0x123", "--remote", "--length", "3")["length"], 3)
-        self.assertEqual(self.one("send", "5", "--remote", "--extended")["result"], "done")
+        self.assertEqual(self.one("send", "00000005", "--remote", "--extended")["identifier"], 5)
+        self.assertEqual(self.one("send", "7fF", "00")["identifier"], 0x7FF)
         self.assertIn("frame 123 sent", self.place.run("send", "0x123", "01 02").stderr)
 
     def test_what_is_wrong_is_told(self):
-        for arguments, words in ((("send", "0x800"), "ID: found"), (("send", "1", "0"), "DATA: found '0'"),
-                                 (("send", "1", "00" * 9), "DATA: found"),
-                                 (("send", "1", "00", "--remote"), "DATA: not with --remote"),
+        for arguments, words in ((("send", "0x800"), "ID: found"), (("send", "800"), "allowed: 3 hexadecimal digits, 000..7FF"),
+                                 (("send", "5"), "ID: found '5'"), (("send", "0x"), "ID: found"), (("send", "12G"), "ID: found"),
+                                 (("send", "0123"), "29 bits: --extended"), (("send", "123", "--extended"), "8 hexadecimal digits"),
+                                 (("send", "20000000", "--extended"), "00000000..1FFFFFFF"),
+                                 (("send", "0x1", "0"), "DATA: found '0'"), (("send", "001", "00" * 9), "DATA: found"),
+                                 (("send", "001", "00", "--remote"), "DATA: not with --remote"),
                                  (("frames", "--count", "0"), "--count")):
             result = self.place.run(*arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
@@ -122,7 +126,7 @@ class Frames(unittest.TestCase):
         self.assertIn(":3:", result.stderr)
 
     def test_without_a_daemon_it_says_where_it_looked(self):
-        result = self.place.run("--bus", "nobody", "--timeout", 1, "send", 1)
+        result = self.place.run("--bus", "nobody", "--timeout", 1, "send", "001")
         self.assertEqual(result.returncode, 6)
         self.assertIn('bus.protocol = "layer2"', result.stderr)
 

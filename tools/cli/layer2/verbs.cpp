@@ -67,12 +67,28 @@ void parse_data(std::string_view text, can::Frame& frame) {
     frame.data[frame.dlc++] = static_cast<std::uint8_t>(std::stoul(digits.substr(i, 2), nullptr, 16));
 }
 
+/// Hexadecimal, as `frames` and candump show it. Without 0x it must have all its digits: a decimal number
+/// would be another identifier.
+std::uint32_t parse_identifier(std::string_view text, bool extended) {
+  const std::size_t width = extended ? 8 : 3;
+  const auto largest = extended ? can::kExtendedIdentifierMask : can::kStandardIdentifierMask;
+  const std::string wrong =
+      fmt::format("ID: found '{}'; allowed: {} hexadecimal digits, {:0{}X}..{:0{}X}, or with 0x fewer{}",
+                  text, width, 0, width, largest, width, extended ? "" : "; 29 bits: --extended");
+  const bool marked = text.starts_with("0x") || text.starts_with("0X");
+  const std::string digits(text.substr(marked ? 2 : 0));
+  if (digits.empty() || digits.size() > width || (!marked && digits.size() != width)) throw UsageError(wrong);
+  if (digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos) throw UsageError(wrong);
+  const unsigned long identifier = std::stoul(digits, nullptr, 16);
+  if (identifier > largest) throw UsageError(wrong);
+  return static_cast<std::uint32_t>(identifier);
+}
+
 can::Frame parse_frame(const SendTexts& texts) {
   can::Frame frame;
   frame.extended = texts.extended;
   frame.remote = texts.remote;
-  const auto largest = frame.extended ? can::kExtendedIdentifierMask : can::kStandardIdentifierMask;
-  frame.id = static_cast<std::uint32_t>(parse_integer(texts.identifier, "ID", 0, largest));
+  frame.id = parse_identifier(texts.identifier, frame.extended);
   if (!frame.remote) {
     if (!texts.length.empty()) throw UsageError("--length: only with --remote; else DATA has the length");
     parse_data(texts.data, frame);
@@ -232,7 +248,8 @@ void add_frames(CLI::App& app, Verb& chosen) {
 void add_send(CLI::App& app, Verb& chosen) {
   auto* send = app.add_subcommand("send", "general frames: send one");
   auto texts = std::make_shared<SendTexts>();
-  send->add_option("ID", texts->identifier, "identifier, also 0x..; 0..0x7FF, with --extended 0..0x1FFFFFFF")
+  send->add_option("ID", texts->identifier,
+                   "identifier in three hexadecimal digits, 000..7FF; with --extended in eight; or 0x..")
       ->required();
   send->add_option("DATA", texts->data,
                    "up to 8 bytes of two hexadecimal digits, e.g. 0102FF; none: no data");
