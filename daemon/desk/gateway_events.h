@@ -58,10 +58,11 @@ class FaultRow {
 
   /// `count` faults happened. True: they begin a row, and are to be told.
   bool add(std::uint64_t count, SteadyTime now) {
+    if (count == 0) return false;  // no fault: the row is not prolonged
     const bool first = count_ == 0;
     count_ += count;
     last_ = now;
-    return first && count != 0;
+    return first;
   }
 
   /// Faults of the row that is over, and forgets them; 0: none is over.

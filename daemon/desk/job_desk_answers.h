@@ -148,6 +148,7 @@ void JobDesk<P>::forget(const ClientIdentity& identity, SteadyTime now) {
 
 template <RequestProtocol P>
 std::string JobDesk<P>::before(const Job& job) {
+  if (!job.understood) return AuditTrail::kNotKnown;
   if constexpr (requires { protocol_.before(job.request, job.state_before); }) {
     return protocol_.before(job.request, job.state_before);
   } else {

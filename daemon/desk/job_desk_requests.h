@@ -193,8 +193,7 @@ void JobDesk<P>::refuse(const Job& job, Rejection kind, const std::string& reaso
   }
   // Recorded and counted first: whoever has the reply finds both.
   if (job.change) {
-    audit_.refused(job.who, *job.change, job.understood ? before(job) : AuditTrail::kNotKnown, reason,
-                   context.now);
+    audit_.refused(job.who, *job.change, before(job), reason, context.now);
   }
   rejections_.add(kind, job.who.name,
                   fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, reason),
@@ -243,6 +242,7 @@ void JobDesk<P>::hand_on_own(const Context& context) {
       if (!protocol_.hand_on(own_.front(), context)) return;
       Job& job = jobs_[id];
       job.request = std::move(own_.front());
+      job.understood = true;
       job.who.name = job.who.label = "the configuration file";
       own_.pop_front();
     }

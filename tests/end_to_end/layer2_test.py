@@ -84,7 +84,7 @@ class Frames(unittest.TestCase):
                                  (("send", "5"), "ID: found '5'"), (("send", "0x"), "ID: found"), (("send", "12G"), "ID: found"),
                                  (("send", "0123"), "29 bits: --extended"), (("send", "123", "--extended"), "8 hexadecimal digits"),
                                  (("send", "20000000", "--extended"), "00000000..1FFFFFFF"),
-                                 (("send", "0x1", "0"), "DATA: found '0'"), (("send", "001", "00" * 9), "DATA: found"),
+                                 (("send", "0x1", "0"), "DATA: found '0'"), (("send", "001", "1 2"), "DATA: found '1 2'"), (("send", "001", "00" * 9), "DATA: found"),
                                  (("send", "001", "00", "--remote"), "DATA: not with --remote"),
                                  (("frames", "--count", "0"), "--count")):
             result = self.place.run(*arguments)

@@ -1,5 +1,7 @@
 #include "daemon/layer2/gateway/send_requests.h"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "can/candump.h"
@@ -20,7 +22,9 @@ std::string frame_text(const can::Frame& frame) {
 std::optional<Change> SendRequests::change_of(const layer2_SendRequest& sample, const SendContext&) {
   Change change;
   change.action = "send_frame";
-  change.new_value = frame_text(layer2::dds::to_core(sample.content));
+  change.new_value = check(sample) ? fmt::format("identifier 0x{:X}, {} bytes", sample.content.identifier,
+                                                 sample.content.length)
+                                   : frame_text(layer2::dds::to_core(sample.content));
   return change;
 }
 

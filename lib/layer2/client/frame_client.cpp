@@ -23,6 +23,9 @@ constexpr milliseconds kGrace{5000};
 /// For the monitoring time of a daemon that has not told its own.
 constexpr milliseconds kDefaultMonitoring{1000};
 
+/// Replies to other clients come, too; they must be taken, for a full reader holds up all topics.
+constexpr std::uint64_t kNobodysRequest = 0;
+
 /// 16 random bytes: no two clients have the same.
 std::array<std::uint8_t, 16> random_identity() {
   std::array<std::uint8_t, 16> identity;
@@ -85,13 +88,13 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
                                           : kDefaultMonitoring;
   auto end = steady_clock::now() + monitoring + kGrace;
   bool cancelled = false;
-  while (steady_clock::now() < end) {
+  while (!cancelled || steady_clock::now() < end) {
     if (auto result = take_reply(request.request)) return *result;
     if (!daemon_present()) return {false, gateway_REPLY_DONE, "the daemon has gone", 0};
-    if (stopped() && !cancelled) {
+    if (!cancelled && (stopped() || steady_clock::now() >= end)) {
       cancelled = true;
       cancel(request.request);
-      end = std::min(end, steady_clock::now() + kGrace);
+      end = steady_clock::now() + kGrace;
     }
     (void)signal_.wait(static_cast<int>(kLook.count()));
     signal_.clear();
@@ -119,6 +122,7 @@ bool FrameClient::receive(milliseconds time, const std::function<void(const laye
   const auto end = steady_clock::now() + time;
   while (true) {
     signal_.clear();
+    (void)take_reply(kNobodysRequest);
     if (batches_.take(on_batch) > 0) return true;
     if (!daemon_present()) return false;
     const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
@@ -131,6 +135,7 @@ std::optional<layer2_BusStatus> FrameClient::status(milliseconds time) {
   const auto end = steady_clock::now() + time;
   while (true) {
     signal_.clear();
+    (void)take_reply(kNobodysRequest);
     status_.take([this](const layer2_BusStatus& sample) { newest_ = sample; });
     if (newest_ || stopped() || !daemon_present() || steady_clock::now() >= end) return newest_;
     (void)signal_.wait(static_cast<int>(kLook.count()));

@@ -55,7 +55,9 @@ class FrameClient {
   explicit FrameClient(const Options& options);
 
   /// Sends a frame and waits for the reply. `timeout_ms`: monitoring time, 0 = the daemon's default. When
-  /// `stop` is set the request is taken back, and the reply says whether that was in time.
+  /// `stop` is set, or no reply has come 5 s after the monitoring time, the request is taken back, and the
+  /// reply says whether that was in time. Without one 5 s later it gives up: the frame may have been sent, or
+  /// be sent yet.
   SendResult send(const can::Frame& frame, std::uint32_t timeout_ms);
 
   /// Waits at most `time` for frames that the daemon received, and calls `on_batch` for each batch that came.

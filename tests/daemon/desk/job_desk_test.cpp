@@ -32,9 +32,10 @@ class Client {
         wishes_(participant_, 0, &signal_),
         cancels_(participant_, 0, &signal_) {}
 
-  bool wait_for_desk() {
-    return eventually(
-        signal_, [&] { return answers_.matched() > 0 && wishes_.matched() > 0 && cancels_.matched() > 0; });
+  bool wait_for_desks(unsigned desks) {
+    return eventually(signal_, [&] {
+      return answers_.matched() >= desks && wishes_.matched() >= desks && cancels_.matched() >= desks;
+    });
   }
   void wish(std::uint64_t request, std::uint32_t number) {
     made_up_Wish sample = {};
@@ -93,7 +94,7 @@ class MadeUpDesk : public ::testing::Test {
         trail_(journal, events_, "madeup0", 1),
         desk(participant_, signal_, events_, trail_, made_up::Protocol{}, false),
         client(places_.there) {
-    EXPECT_TRUE(client.wait_for_desk());
+    EXPECT_TRUE(client.wait_for_desks(1));
   }
 
   made_up::Context context() { return {executor, std::chrono::steady_clock::now(), rules}; }
@@ -119,19 +120,12 @@ class MadeUpDesk : public ::testing::Test {
     pass_until([&] { return !desk.replies_waiting(); });
   }
 
- private:
   TwoPlaces places_{"madeup0"};
   gateway::dds::Participant participant_;
   gateway::dds::DataSignal signal_;
-
- public:
   KeptJournal journal;
-
- private:
   EventPublisher events_;
   AuditTrail trail_;
-
- public:
   Executor executor;
   RequestRules rules;
   JobDesk<made_up::Protocol> desk;
@@ -252,6 +246,21 @@ TEST_F(MadeUpDesk, AllEndsWhenItStops) {
   }
   grant(first);
   EXPECT_FALSE(desk.replies_waiting()) << "it was answered";
+}
+
+/// Knows what the value was before: the number of the wish.
+struct Remembering : made_up::Protocol {
+  static std::string before(const Wish& wish, const auto& /*state*/) { return std::to_string(wish.number); }
+};
+
+TEST_F(MadeUpDesk, NothingIsSaidOfTheValueBeforeOfWhatWasNotLookedAt) {
+  JobDesk<Remembering> other(participant_, signal_, events_, trail_, Remembering{}, false);
+  ASSERT_TRUE(client.wait_for_desks(2));
+  client.wish(1, 7);
+  other.stop(context());
+  const std::vector<KeptJournal::Entry> ended = journal.all();
+  ASSERT_FALSE(ended.empty());
+  EXPECT_TRUE(ended.back().message.starts_with("wish = 7 (before: not known)")) << ended.back().message;
 }
 
 }  // namespace

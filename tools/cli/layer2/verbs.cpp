@@ -59,7 +59,11 @@ void parse_data(std::string_view text, can::Frame& frame) {
       fmt::format("DATA: found '{}'; allowed: up to 8 bytes of two hexadecimal digits, e.g. 0102FF", text);
   std::string digits;
   for (const char digit : text) {
-    if (digit != ' ' && digit != '.') digits += digit;
+    if (digit != ' ' && digit != '.') {
+      digits += digit;
+    } else if (digits.size() % 2 != 0) {
+      throw UsageError(wrong);  // "1 2" is no 12
+    }
   }
   if (digits.size() % 2 != 0 || digits.size() > 2 * kMostData) throw UsageError(wrong);
   if (digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos) throw UsageError(wrong);
@@ -193,6 +197,10 @@ class FrameLines {
 };
 
 void FrameLines::tell_missed(const layer2_FrameBatch& batch) {
+  if (number_ != 0 && batch.number <= number_) {
+    output_.remark("the daemon was started anew; frames may have been missed");
+    number_ = 0;
+  }
   if (number_ != 0 && batch.number != number_ + 1)
     output_.remark(fmt::format("{} batches of frames were missed", batch.number - number_ - 1));
   if (number_ != 0 && batch.lost != lost_)

@@ -222,6 +222,19 @@ TEST(FaultRow, TellsTheFirstAndCountsTheOthers) {
   EXPECT_TRUE(row.add(1, now));
 }
 
+TEST(FaultRow, IsNotProlongedByLooksThatFindNothing) {
+  FaultRow row(std::chrono::seconds(2));
+  SteadyTime now{std::chrono::hours(1)};
+  EXPECT_FALSE(row.add(0, now));
+  EXPECT_TRUE(row.add(1, now));
+  for (int look = 0; look < 2; ++look) {
+    now += std::chrono::seconds(1);
+    EXPECT_FALSE(row.add(0, now));
+  }
+  EXPECT_EQ(row.take_over(now), 1u);
+  EXPECT_TRUE(row.add(1, now)) << "the next row is told again";
+}
+
 TEST(GatewayRequests, OnlyWhatChangesSomethingIsWorthALine) {
   const Config config = line();
   cansync::ParameterRequest parameter;
