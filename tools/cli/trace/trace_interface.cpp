@@ -24,7 +24,7 @@
 namespace cansync::cli {
 namespace {
 
-constexpr int kLookMs = 50;
+constexpr int kLongestPollMs = 50;
 
 std::string system_text(int error) {
   return std::generic_category().message(error);
@@ -58,7 +58,7 @@ class InterfaceSource final : public TraceSource {
 
   TraceItem next() override {
     pollfd ready{socket_.number(), POLLIN, 0};
-    if (::poll(&ready, 1, kLookMs) <= 0) return TraceNothing{};
+    if (::poll(&ready, 1, kLongestPollMs) <= 0) return TraceNothing{};
     can_frame raw{};
     iovec part{&raw, sizeof raw};
     alignas(cmsghdr) std::array<char, 256> control{};
