@@ -72,7 +72,16 @@ void Station::echo(const can::Frame& frame, Time end_of_frame) noexcept {
   if (found == handed_over_.size()) return;
   if (!handed_over_[found].answered) end(handed_over_[found], Outcome::done, end_of_frame);
   handed_over_.erase(found);
-  for (std::size_t i = found; i-- > 0;) {
+  overtake(found);
+}
+
+void Station::echoes_lost() noexcept {
+  overtake(handed_over_.size());
+}
+
+/// The `count` frames handed over first keep their places until they are answered, and no longer.
+void Station::overtake(std::size_t count) noexcept {
+  for (std::size_t i = count; i-- > 0;) {
     handed_over_[i].overtaken = true;
     if (handed_over_[i].answered) handed_over_.erase(i);
   }

@@ -80,7 +80,8 @@ struct StationCounters {
 /// Sans-IO: it is told what came and when, asked what to send, and asked when it must be told the time again.
 /// Frames are handed over in the order of their orders, at most `kMostHandedOver` without an echo. One whose
 /// echo is missed keeps its place after its answer, for it may stand in the controller still; it loses it by
-/// its late echo, by that of a later frame (the controller keeps the order), or when the controller is empty.
+/// its late echo, by that of a later frame (the controller keeps the order), when the controller is empty, or
+/// when echoes were lost, for then nobody knows whether its own was one of them.
 /// Realtime safe; one thread.
 class Station {
  public:
@@ -107,12 +108,16 @@ class Station {
   std::optional<can::Frame> next_frame() const noexcept;
   /// The bus took what `next_frame` said.
   void handed_over() noexcept;
-  /// The bus did not take what `next_frame` said: the order waits on.
+  /// What keeps the first waiting order from the bus, which waits on: the bus did not take what `next_frame`
+  /// said, or takes nothing more while `kMostHandedOver` stand in the controller.
   void held_back(Obstacle obstacle) noexcept;
   /// An own frame stood on the bus until `end`.
   void echo(const can::Frame& frame, Time end) noexcept;
   /// Whatever was handed over is gone from the controller: it was reset, or its interface went.
   void controller_emptied() noexcept;
+  /// Frames were lost on their way here, echoes perhaps too: what was handed over so far may have been sent,
+  /// and keeps no place beyond its answer.
+  void echoes_lost() noexcept;
 
   // --- time and answers
 
@@ -158,11 +163,12 @@ class Station {
     can::Frame frame;
     Time until{};
     bool answered = false;   ///< handed over, and its echo missed
-    bool overtaken = false;  ///< handed over, and a later frame was seen on the bus
+    bool overtaken = false;  ///< handed over; a later frame was seen on the bus, or its echo may be lost
   };
 
   std::size_t open() const noexcept { return waiting_.size() + handed_over_.size() + answers_.size(); }
   void end(const Open& order, Outcome outcome, Time sent = {}) noexcept;
+  void overtake(std::size_t count) noexcept;
 
   RangeFilter filter_;
   std::size_t queue_;

@@ -191,6 +191,26 @@ TEST(Station, AResetOfTheControllerEndsWhatWasHandedOver) {
   EXPECT_EQ(station.handed_over_count(), 0u);
 }
 
+TEST(Station, LostEchoesKeepNoPlaceOfWhatWasAnswered) {
+  Station station({});
+  for (OrderId id = 1; id <= Station::kMostHandedOver; ++id) {
+    const Time timeout = id == 1 ? kTimeout / 2 : kTimeout;
+    ASSERT_EQ(station.submit(order(id, order(id).frame, timeout), Time{0}), Refusal::none);
+    hand_over(station);
+  }
+  station.advance(kTimeout / 2);
+  ASSERT_EQ(only_answer(station).id, 1u);
+  station.echoes_lost();
+  EXPECT_EQ(station.handed_over_count(), Station::kMostHandedOver - 1);  // the others' echoes may come yet
+  station.echo(order(2).frame, kTimeout / 2);
+  EXPECT_EQ(only_answer(station).outcome, Outcome::done);
+  station.advance(kTimeout);
+  EXPECT_EQ(answers(station).size(), Station::kMostHandedOver - 2);
+  EXPECT_EQ(station.handed_over_count(), 0u);
+  ASSERT_EQ(station.submit(order(20), kTimeout), Refusal::none);
+  EXPECT_EQ(hand_over(station).id, order(20).frame.id);
+}
+
 TEST(Station, TheQueueIsBounded) {
   Station station({.queue = 3});
   for (OrderId id = 1; id <= 3; ++id) ASSERT_EQ(station.submit(order(id), Time{0}), Refusal::none);

@@ -1,7 +1,11 @@
 #include "daemon/layer2/config/options.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "config/print.h"
 #include "daemon/options/rows.h"
@@ -91,6 +95,19 @@ constexpr auto kRows = std::to_array<Layer2Row>({
      [](Layer2Draft& d, const Value& v) { node(d).period = milliseconds(v); }},
 });
 
+/// Options of the daemon that mean nothing without slaves, intervals and SYNC edges.
+constexpr auto kWithoutEffect =
+    std::to_array<std::string_view>({"recorder.syncs_missed", "recorder.slave_lost", "recorder.second_master",
+                                     "dds.interval_topic", "access.profile_rules"});
+
+std::vector<DaemonRow> with_effect(std::span<const DaemonRow> rows) {
+  std::vector<DaemonRow> wanted;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(wanted), [](const DaemonRow& row) {
+    return std::find(kWithoutEffect.begin(), kWithoutEffect.end(), row.option.key) == kWithoutEffect.end();
+  });
+  return wanted;
+}
+
 /// In the order of the documents.
 constexpr auto kSections = std::to_array<config::Section>({
     {"bus", "", ""},
@@ -127,11 +144,11 @@ constexpr std::string_view kManHead =
 }  // namespace
 
 const config::Rows<Layer2Draft>& layer2_option_rows() {
-  static const config::Rows<Layer2Draft> all(kSections,
-                                             {{std::span<const DaemonRow>(kProtocol), &Layer2Draft::config},
-                                              {rows::daemon_options(), &Layer2Draft::config},
-                                              {rows::access_options(), &Layer2Draft::config},
-                                              std::span<const Layer2Row>(kRows)});
+  static const config::Rows<Layer2Draft> all(
+      kSections, {{std::span<const DaemonRow>(kProtocol), &Layer2Draft::config},
+                  {std::span<const DaemonRow>(with_effect(rows::daemon_options())), &Layer2Draft::config},
+                  {std::span<const DaemonRow>(with_effect(rows::access_options())), &Layer2Draft::config},
+                  std::span<const Layer2Row>(kRows)});
   return all;
 }
 

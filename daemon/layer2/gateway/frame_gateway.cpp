@@ -224,7 +224,8 @@ void FrameGateway::end_jobs() {
   constexpr int kLook = 20;
   const SteadyTime end = steady_clock::now() + kPatience;
   take_answers(context(steady_clock::now()));
-  (void)publish_frames();
+  while (publish_frames()) {
+  }  // the realtime thread has ended: the ring grows no more
   publish_posted(steady_clock::now());
   jobs_.stop(context(steady_clock::now()));
   while (jobs_.replies_waiting() && steady_clock::now() < end) {

@@ -27,6 +27,14 @@ layer2::Obstacle obstacle_of(can::SendResult result) noexcept {
   return layer2::Obstacle::not_delivered;
 }
 
+/// What keeps the controller from sending what it has; none: other frames.
+layer2::Obstacle obstacle_of(const can::ControllerStatus& status) noexcept {
+  if (status.link != can::LinkState::up) return layer2::Obstacle::interface_down;
+  if (status.state == can::ControllerState::bus_off) return layer2::Obstacle::bus_off;
+  if (status.delivery != can::Delivery::normal) return layer2::Obstacle::not_delivered;
+  return layer2::Obstacle::none;
+}
+
 }  // namespace
 
 void FrameMachine::begin(can::Time now) noexcept {
@@ -35,6 +43,7 @@ void FrameMachine::begin(can::Time now) noexcept {
   next_second_ = now + kSecond;
   next_status_ = now;
   snapshot_.controller = bus_.status();
+  changed_ = true;  // nobody has been told how the bus is
 }
 
 void FrameMachine::advance(can::Time now) noexcept {
@@ -50,18 +59,38 @@ void FrameMachine::advance(can::Time now) noexcept {
   station_.advance(now);
 }
 
-/// What was handed over is gone when the controller was emptied, left bus-off, or lost its interface.
+/// What was handed over is gone when the controller was emptied, left bus-off, or lost its interface. Frames
+/// that the kernel dropped may have been echoes.
 void FrameMachine::watch_bus(can::Time when) noexcept {
   const can::ControllerStatus before = snapshot_.controller;
   const can::ControllerStatus now = bus_.status();
   snapshot_.controller = now;
   const bool emptied = now.unacknowledged != before.unacknowledged || now.restarts != before.restarts ||
                        (now.link != before.link && now.link != can::LinkState::up);
-  if (emptied) station_.controller_emptied();
+  if (emptied) {
+    station_.controller_emptied();
+  } else if (now.dropped != before.dropped) {
+    station_.echoes_lost();
+  }
   if (now.state != before.state || now.link != before.link || now.delivery != before.delivery)
     changed_ = true;
-  if (tap_ != nullptr && now.state != before.state)
-    tap_->controller({turns_, when, clock_.at(when)}, now.state);
+  if (tap_ != nullptr) record_faults(before, when);
+  // The bus is not asked about a frame that has no place in the controller.
+  if (station_.waiting() != 0 && station_.handed_over_count() == layer2::Station::kMostHandedOver)
+    station_.held_back(obstacle_of(now));
+}
+
+/// Tells the flight recorder, which must be there, what changed since `before`.
+void FrameMachine::record_faults(const can::ControllerStatus& before, can::Time when) noexcept {
+  const can::ControllerStatus& now = snapshot_.controller;
+  const Moment moment{turns_, when, clock_.at(when)};
+  const auto not_sent = [&](can::SendResult result) {
+    tap_->fault(FlightReason::sending_failed, static_cast<std::uint64_t>(result), moment);
+  };
+  if (now.state != before.state) tap_->controller(moment, now.state);
+  if (now.link != before.link && now.link != can::LinkState::up) not_sent(can::SendResult::interface_down);
+  if (now.delivery != before.delivery && before.delivery == can::Delivery::normal)
+    not_sent(can::SendResult::not_delivered);
 }
 
 void FrameMachine::take_requests(can::Time now) noexcept {
@@ -140,7 +169,7 @@ void FrameMachine::end(can::Time now) noexcept {
     const auto* order = std::get_if<layer2::SendOrder>(&request);
     if (order == nullptr) continue;
     ++unanswered_;
-    answer({{.id = order->id}, layer2::Refusal::stopped, {}});
+    answer({{.id = order->id, .outcome = layer2::Outcome::stopped}, layer2::Refusal::none, {}});
   }
   changed_ = true;
   publish(now);

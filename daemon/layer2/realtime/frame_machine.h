@@ -47,6 +47,7 @@ class FrameMachine {
  private:
   void take_requests(can::Time now) noexcept;
   void watch_bus(can::Time now) noexcept;
+  void record_faults(const can::ControllerStatus& before, can::Time when) noexcept;
   void answer(const SendDone& done) noexcept;
   void pass_answers() noexcept;
 

@@ -28,7 +28,7 @@ std::string_view reason_of_timeout(Obstacle obstacle) noexcept {
              "and that somebody acknowledges";
     case Obstacle::bus_off:
       return "not sent within the monitoring time: the controller is in bus-off; check wiring, termination and "
-             "bit rate, and reset it";
+             "bit rate; it leaves bus-off by its interface's restart-ms, or when the interface is set up anew";
     case Obstacle::interface_down:
       return "not sent within the monitoring time: the interface is missing or down; set it up with the "
              "configured bit rate";

@@ -7,12 +7,15 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "can/flagged_frames.h"
 #include "daemon/loop/deadline_loop.h"
+#include "daemon/loop/flight_tap.h"
 #include "layer2/sim/frame_node.h"
+#include "rt/flight_recorder.h"
 #include "sim/line.h"
 
 namespace cansyncd {
@@ -43,7 +46,8 @@ class ScriptedBus final : public can::Bus {
 
   std::multimap<can::Time, std::function<void()>> script;
   can::SendResult refusal = can::SendResult::queued;  ///< what `send` says instead of sending
-  can::ControllerStatus status_on_top;                ///< added to the line's
+  can::ControllerStatus status_on_top;                ///< what of the status is not the line's
+  bool lose_echoes = false;                           ///< none comes
 
   can::Time now() noexcept override { return line_.now(); }
   can::Wake wait_until(can::Time deadline) noexcept override {
@@ -56,13 +60,22 @@ class ScriptedBus final : public can::Bus {
     }
     return wake;
   }
-  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
+  bool receive(can::ReceivedFrame& out) noexcept override {
+    while (line_.receive(out)) {
+      if (!out.own || !lose_echoes) return true;
+    }
+    return false;
+  }
   can::SendResult send(const can::Frame& frame) noexcept override {
     return refusal == can::SendResult::queued ? line_.send(frame) : refusal;
   }
   can::ControllerStatus status() noexcept override {
     can::ControllerStatus status = line_.status();
     status.unacknowledged = status_on_top.unacknowledged;
+    status.dropped = status_on_top.dropped;
+    status.state = status_on_top.state;
+    status.link = status_on_top.link;
+    status.delivery = status_on_top.delivery;
     return status;
   }
   can::ResetResult reset() noexcept override { return line_.reset(); }
@@ -222,7 +235,95 @@ TEST(FrameMachine, StoppingAnswersWhatIsOpenAndWhatWasNotTaken) {
   rig.order_at(milliseconds(5), 2, data_frame(0x124, {}));  // in the instant of the stop: not looked at
   rig.run_until(milliseconds(5));
   EXPECT_EQ(rig.answer_to(1).answer.outcome, Outcome::stopped);
-  EXPECT_EQ(rig.answer_to(2).refusal, layer2::Refusal::stopped);
+  EXPECT_EQ(rig.answer_to(2).answer.outcome, Outcome::stopped);
+  EXPECT_EQ(rig.answer_to(2).refusal, layer2::Refusal::none);
+}
+
+TEST(FrameMachine, EchoesThatWereDroppedDoNotEndTheSending) {
+  Rig rig;
+  rig.bus.lose_echoes = true;
+  for (layer2::OrderId id = 1; id <= layer2::Station::kMostHandedOver; ++id)
+    rig.order_at(milliseconds(1), id, data_frame(0x100, {static_cast<std::uint8_t>(id)}), milliseconds(20));
+  rig.bus.script.emplace(milliseconds(10), [&rig] {
+    rig.bus.lose_echoes = false;
+    rig.bus.status_on_top.dropped = layer2::Station::kMostHandedOver;
+  });
+  rig.order_at(milliseconds(30), 20, data_frame(0x123, {1}));
+  rig.run_until(milliseconds(50));
+  for (layer2::OrderId id = 1; id <= layer2::Station::kMostHandedOver; ++id)
+    EXPECT_EQ(rig.answer_to(id).answer.outcome, Outcome::no_answer) << id;
+  EXPECT_EQ(rig.answer_to(20).answer.outcome, Outcome::done);
+}
+
+TEST(FrameMachine, ADroppedEchoIsMissedByItsOwnFrameAlone) {
+  Rig rig;
+  rig.bus.lose_echoes = true;
+  // Each is answered before the next is asked for.
+  for (layer2::OrderId id = 1; id <= 4; ++id)
+    rig.order_at(milliseconds(30 * id), id, data_frame(0x123, {1}), milliseconds(20));
+  rig.bus.script.emplace(milliseconds(40), [&rig] {
+    rig.bus.lose_echoes = false;
+    rig.bus.status_on_top.dropped = 1;
+  });
+  rig.run_until(milliseconds(150));
+  EXPECT_EQ(rig.answer_to(1).answer.outcome, Outcome::no_answer);
+  for (layer2::OrderId id = 2; id <= 4; ++id)
+    EXPECT_EQ(rig.answer_to(id).answer.outcome, Outcome::done) << id;
+}
+
+TEST(FrameMachine, WhatKeepsTheControllerFromSendingIsTheReasonOfATimeoutBehindIt) {
+  std::vector<std::pair<can::ControllerStatus, layer2::Obstacle>> cases(4);
+  cases[0].second = layer2::Obstacle::none;  // earlier frames
+  cases[1] = {{.delivery = can::Delivery::unacknowledged}, layer2::Obstacle::not_delivered};
+  cases[2] = {{.state = can::ControllerState::bus_off}, layer2::Obstacle::bus_off};
+  cases[3] = {{.link = can::LinkState::missing}, layer2::Obstacle::interface_down};
+  for (const auto& [status, obstacle] : cases) {
+    Rig rig;
+    rig.bus.lose_echoes = true;
+    rig.bus.status_on_top = status;
+    for (layer2::OrderId id = 1; id <= layer2::Station::kMostHandedOver + 1; ++id)
+      rig.order_at(milliseconds(1), id, data_frame(0x123, {}), milliseconds(20));
+    rig.run_until(milliseconds(50));
+    const layer2::Answer last = rig.answer_to(layer2::Station::kMostHandedOver + 1).answer;
+    EXPECT_EQ(last.outcome, Outcome::timeout);
+    EXPECT_EQ(last.obstacle, obstacle);
+  }
+}
+
+TEST(FrameMachine, TheStateAtTheStartIsToldAtOnce) {
+  Rig rig;
+  rig.bus.status_on_top.link = can::LinkState::missing;
+  rig.machine.begin(can::Time{0});
+  rig.machine.publish(can::Time{0});
+  EXPECT_TRUE(rig.exchange.gateway_wake.wait(milliseconds(0)));
+  EXPECT_EQ(rig.status().controller.link, can::LinkState::missing);
+}
+
+/// What froze the recorder of a bus to which something happens at 5 ms; nothing: it was not frozen.
+std::optional<rt::FlightTrigger> recorded(const FlightTriggers& triggers, const can::ControllerStatus& then) {
+  rt::FlightRecorder recorder(256, 0);
+  FlightTap tap(recorder, triggers);
+  FrameMachineSettings settings = everything();
+  settings.tap = &tap;
+  Rig rig(settings);
+  rig.bus.script.emplace(milliseconds(5), [&rig, &then] { rig.bus.status_on_top = then; });
+  rig.run_until(milliseconds(10));
+  if (!recorder.wait_frozen(milliseconds(0))) return std::nullopt;
+  return recorder.trigger();
+}
+
+TEST(FrameMachine, ABusToWhichNothingCanBeHandedIsRecordedWhenThatIsWanted) {
+  const can::ControllerStatus missing{.link = can::LinkState::missing};
+  const can::ControllerStatus alone{.delivery = can::Delivery::unacknowledged};
+  for (const auto& [then, detail] : {std::pair{missing, can::SendResult::interface_down},
+                                     std::pair{alone, can::SendResult::not_delivered}}) {
+    const auto trigger = recorded({}, then);
+    ASSERT_TRUE(trigger);
+    EXPECT_EQ(trigger->reason, static_cast<std::uint32_t>(FlightReason::sending_failed));
+    EXPECT_EQ(trigger->detail, static_cast<std::uint64_t>(detail));
+    EXPECT_FALSE(recorded({.sending_failed = false}, then));
+  }
+  EXPECT_FALSE(recorded({}, {}));
 }
 
 TEST(FrameMachine, NoAnswerIsLostWhenTheGatewayReadsNone) {

@@ -109,6 +109,22 @@ TEST_F(Layer2Configuration, SectionsOfAnotherProtocolAreRefused) {
   EXPECT_NE(problems("[process]\n").find("no such section"), std::string::npos);
 }
 
+TEST_F(Layer2Configuration, OptionsWithoutEffectAreRefusedWithTheirPlace) {
+  for (const std::string key : {"recorder.syncs_missed", "recorder.slave_lost", "recorder.second_master",
+                                "dds.interval_topic", "access.profile_rules"}) {
+    const std::size_t dot = key.find('.');
+    const std::string text = "[" + key.substr(0, dot) + "]\n" + key.substr(dot + 1) + " = true\n";
+    EXPECT_EQ(problems(text).find("f.toml:2:1: " + key + ": "), 0u) << problems(text);
+  }
+  EXPECT_FALSE(good("[recorder]\nsending_failed = false\n").recorder.triggers.sending_failed);
+}
+
+TEST_F(Layer2Configuration, AnIdentityIsRefused) {
+  EXPECT_EQ(problems("[dds]\nsecurity = \"identity\"\n"),
+            "f.toml:2:12: dds.security: found an identity; allowed: \"\", because cansync-security gives no "
+            "rights for general frames\n");
+}
+
 TEST_F(Layer2Configuration, TheDefaultFileIsRightAndSaysTheDefaults) {
   const Layer2Config printed = good(layer2_default_config());
   EXPECT_EQ(printed.send.queue, SendConfig{}.queue);

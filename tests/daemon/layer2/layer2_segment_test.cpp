@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "can/flagged_frames.h"
+#include "daemon/layer2/gateway/frame_gateway.h"
 #include "daemon/layer2/segment/layer2_protocol.h"
 #include "dds/bounded_text.h"
 #include "layer2/client/frame_client.h"
@@ -150,6 +151,23 @@ TEST_F(Layer2Bus, AReadOnlyDaemonSendsNothing) {
   EXPECT_EQ(result.code, gateway_REPLY_REFUSED);
   EXPECT_NE(result.reason.find("access.read_only"), std::string::npos) << result.reason;
   EXPECT_TRUE(client_->status(seconds(20))->read_only);
+}
+
+TEST_F(Layer2Bus, WhatWasReceivedBeforeTheStopIsPublished) {
+  constexpr unsigned kFrames = 5000;  // more than one pass publishes
+  const Layer2File file = file_for(places_);
+  Layer2Exchange exchange(16, kFrames);
+  const gateway::dds::Participant participant(places_.here);
+  FrameGateway gateway(file.config, exchange, participant, journal_);
+  gateway.start();
+  client_.emplace(options_for(places_));
+  for (unsigned n = 0; n < kFrames; ++n)
+    ASSERT_TRUE(exchange.frames.try_push({data_frame(0x100, {}), can::Time{1 + n}, 0}));
+  gateway.stop();
+  EXPECT_TRUE(comes([](const can::Frame&, const layer2_ReceivedFrame& received) {
+    return received.receive_time == kFrames;
+  }));
+  EXPECT_EQ(seen_.size(), kFrames);
 }
 
 TEST_F(Layer2Bus, TellsItsState) {
