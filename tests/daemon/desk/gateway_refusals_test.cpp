@@ -237,6 +237,11 @@ TEST(GatewayRefusals, AClientHasALimitThatLeavesRoomForOthers) {
   expect_refused(refused->code, refused->reason, {"queue full", "64 requests", "at most 64"});
   // Another client has its own, and its turn: behind the four the slave has, not behind all 64.
   rig.client.deliver(good_read(1, 2));
+  // What is refused behind it tells that it has been taken, too.
+  auto wrong = good_read(2, 2);
+  wrong.slave = 99;
+  rig.client.write(wrong);
+  ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(2, TestClient::identity(2)));
   std::vector<cansync::JobId> jobs;
   for (unsigned i = 0; i < 4; ++i) jobs.push_back(rig.expect_request<cansync::ParameterRequest>().id);
   cansync::JobId other = 0;
