@@ -180,7 +180,7 @@ def main():
         work.chmod(0o755)
         with stage("build the packages of this commit and of the one before"):
             build(work)
-        # Both wait for one processor most of the time.
+        # Neither uses what the other makes.
         with stage("lintian; install them in a fresh Debian"), concurrent.futures.ThreadPoolExecutor() as threads:
             steps = [threads.submit(step, work) for step in (check, install)]
             for step in steps:
