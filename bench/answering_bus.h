@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "can/bus.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 
 namespace bench {
 

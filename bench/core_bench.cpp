@@ -6,8 +6,8 @@
 #include <chrono>
 
 #include "cansync/master.h"
-#include "cansync/telegram.h"
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
+#include "cansync/telegram/telegram.h"
 
 namespace {
 

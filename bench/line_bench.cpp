@@ -5,7 +5,7 @@
 #include <chrono>
 #include <memory>
 
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 #include "support/virtual_line.h"
 
 namespace {

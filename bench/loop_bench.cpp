@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "bench/measured_bus.h"
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 #include "daemon/bus/bus_choice.h"
 #include "daemon/cansync/bus/bus_plan.h"
 #include "daemon/cansync/config/file.h"

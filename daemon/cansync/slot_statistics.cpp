@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "can/frame_length.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansyncd {
 

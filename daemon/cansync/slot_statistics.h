@@ -6,7 +6,7 @@
 
 #include "can/bus.h"
 #include "can/frame.h"
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 
 namespace cansyncd {
 

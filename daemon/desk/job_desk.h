@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -80,6 +81,10 @@ class JobDesk {
   /// Answers every open request, and those that still come in this call, as stopped. Transfers' data stays
   /// until this object is destroyed, because the realtime thread may still have it.
   void stop(const Context& context);
+
+  /// Stops, and waits at most half a second each until the replies are written and until the clients have
+  /// them. `context()` makes a context of now; `signal`: of the constructor.
+  void stop_and_deliver(gateway::dds::DataSignal& signal, const std::function<Context()>& context);
 
   /// True while replies wait to be written (`retry` writes them).
   bool replies_waiting() const noexcept;

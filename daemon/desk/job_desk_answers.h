@@ -141,6 +141,20 @@ void JobDesk<P>::tell_gone(const ClientIdentity& identity, const ClientEntry& cl
 }
 
 template <RequestProtocol P>
+void JobDesk<P>::stop_and_deliver(gateway::dds::DataSignal& signal, const std::function<Context()>& context) {
+  constexpr std::chrono::milliseconds kPatience{500};
+  constexpr int kLook = 20;
+  const SteadyTime end = std::chrono::steady_clock::now() + kPatience;
+  stop(context());
+  while (replies_waiting() && std::chrono::steady_clock::now() < end) {
+    (void)signal.wait(kLook);
+    signal.clear();
+    (void)retry(context());
+  }
+  wait_for_readers(DDS_MSECS(kPatience.count()));
+}
+
+template <RequestProtocol P>
 void JobDesk<P>::forget(const ClientIdentity& identity, SteadyTime now) {
   book_.clients().erase(identity);
   each_topic([&](auto& topic, std::size_t) { topic.forget(identity, now); });

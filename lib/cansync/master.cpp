@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 
-#include "cansync/command_channel.h"
-#include "cansync/process_data.h"
-#include "cansync/strays.h"
-#include "cansync/supervision.h"
-#include "cansync/telegram.h"
-#include "cansync/timing.h"
+#include "cansync/channel/command_channel.h"
+#include "cansync/process_data/process_data.h"
+#include "cansync/settings/timing.h"
+#include "cansync/supervision/strays.h"
+#include "cansync/supervision/supervision.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansync {
 namespace {

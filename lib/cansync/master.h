@@ -6,15 +6,15 @@
 #include <optional>
 
 #include "can/frame.h"
-#include "cansync/jobs.h"
-#include "cansync/mapping.h"
-#include "cansync/mode.h"
-#include "cansync/numbers.h"
-#include "cansync/release_status.h"
-#include "cansync/settings.h"
-#include "cansync/slave_state.h"
-#include "cansync/strays.h"
-#include "cansync/telegram.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/process_data/release_status.h"
+#include "cansync/settings/mode.h"
+#include "cansync/settings/settings.h"
+#include "cansync/supervision/slave_state.h"
+#include "cansync/supervision/strays.h"
+#include "cansync/telegram/mapping.h"
+#include "cansync/telegram/numbers.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansync {
 

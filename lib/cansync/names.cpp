@@ -1,11 +1,11 @@
-#include "cansync/errors.h"
-#include "cansync/jobs.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/channel/transfer_phase.h"
 #include "cansync/master.h"
-#include "cansync/mode.h"
-#include "cansync/slave_state.h"
-#include "cansync/strays.h"
-#include "cansync/telegram.h"
-#include "cansync/transfer_phase.h"
+#include "cansync/settings/mode.h"
+#include "cansync/supervision/slave_state.h"
+#include "cansync/supervision/strays.h"
+#include "cansync/telegram/errors.h"
+#include "cansync/telegram/telegram.h"
 
 // No `default` in these switches: the compiler then warns when an enumerator has no name.
 namespace cansync {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cansync/jobs.h"
+#include "cansync/channel/jobs.h"
 #include "sim/faults.h"
 
 namespace cansyncd::campaign {

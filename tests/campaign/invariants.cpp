@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 
 namespace cansyncd::campaign {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cansync/jobs.h"
+#include "cansync/channel/jobs.h"
 #include "cansync/sim/drive.h"
 #include "dice.h"
 

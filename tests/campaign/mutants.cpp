@@ -6,8 +6,8 @@
 #include <utility>
 #include <variant>
 
-#include "cansync/telegram.h"
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansyncd::campaign {
 namespace {

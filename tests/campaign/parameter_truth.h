@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "cansync/jobs.h"
+#include "cansync/channel/jobs.h"
 #include "cansync/sim/drive.h"
 
 namespace cansyncd::campaign {

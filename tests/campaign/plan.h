@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "can/bus.h"
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
 #include "cansync/sim/drive.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"

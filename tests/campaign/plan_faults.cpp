@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "plan.h"
 
 namespace cansyncd::campaign {

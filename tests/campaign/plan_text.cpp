@@ -2,7 +2,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 #include "plan.h"
 
 namespace cansyncd::campaign {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "cansync/supervision.h"
+#include "cansync/supervision/supervision.h"
 
 namespace cansyncd::campaign {
 namespace {

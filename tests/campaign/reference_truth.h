@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "can/bus.h"
-#include "cansync/jobs.h"
-#include "cansync/telegram.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansyncd::campaign {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "cansync/jobs.h"
-#include "cansync/telegram.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansyncd::campaign {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "daemon/cansync/exchange.h"
 #include "plan.h"
 #include "reference_truth.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cansync/strays.h"
+#include "cansync/supervision/strays.h"
 #include "master_rig.h"
 
 namespace cansync::test {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansync {
 namespace {

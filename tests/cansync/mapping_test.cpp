@@ -1,4 +1,4 @@
-#include "cansync/mapping.h"
+#include "cansync/telegram/mapping.h"
 
 #include <gtest/gtest.h>
 

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "cansync/jobs.h"
+#include "cansync/channel/jobs.h"
 #include "cansync/master.h"
-#include "cansync/telegram.h"
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansync::test {
 

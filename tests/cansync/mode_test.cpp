@@ -1,7 +1,7 @@
 // Every (role, state, command) against the table in docs/cansync-protocol.md, which is read here line by
 // line.
 
-#include "cansync/mode.h"
+#include "cansync/settings/mode.h"
 
 #include <gtest/gtest.h>
 

@@ -5,13 +5,13 @@
 #include <set>
 #include <string>
 
-#include "cansync/errors.h"
-#include "cansync/jobs.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/channel/transfer_phase.h"
 #include "cansync/master.h"
-#include "cansync/mode.h"
-#include "cansync/slave_state.h"
-#include "cansync/telegram.h"
-#include "cansync/transfer_phase.h"
+#include "cansync/settings/mode.h"
+#include "cansync/supervision/slave_state.h"
+#include "cansync/telegram/errors.h"
+#include "cansync/telegram/telegram.h"
 
 namespace cansync {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <span>
 
-#include "cansync/slave.h"
+#include "cansync/slave/slave.h"
 #include "master_rig.h"
 
 namespace cansync::test {

@@ -1,4 +1,4 @@
-#include "cansync/release_status.h"
+#include "cansync/process_data/release_status.h"
 #include "master_rig.h"
 
 /// How long reference values are released: age, hold and withdrawal, exact to the interval.

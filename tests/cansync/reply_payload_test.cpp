@@ -1,6 +1,6 @@
 // What is put into a reply goes over the bus to where the protocol has it, and is found there again.
 
-#include "cansync/reply_payload.h"
+#include "cansync/telegram/reply_payload.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cansync/settings_check.h"
+#include "cansync/settings/settings_check.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cansync/settings_in_force.h"
+#include "cansync/settings/settings_in_force.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "cansync/slave.h"
+#include "cansync/slave/slave.h"
 
 namespace cansync::test {
 

@@ -1,6 +1,6 @@
 // Every (state, event) of a slave against the table in docs/cansync-protocol.md.
 
-#include "cansync/slave_state.h"
+#include "cansync/supervision/slave_state.h"
 
 #include <gtest/gtest.h>
 

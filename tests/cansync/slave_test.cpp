@@ -1,4 +1,4 @@
-#include "cansync/slave.h"
+#include "cansync/slave/slave.h"
 
 #include <gtest/gtest.h>
 

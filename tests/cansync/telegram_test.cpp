@@ -1,6 +1,6 @@
 // The codec as a whole: what is rejected and why, and that encode and decode are each other's inverse.
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The slot table of M 3.1.1 against figures typed a second time, and what they must satisfy together.
 
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Every (phase, event) of a transfer against the table in docs/cansync-protocol.md.
 
-#include "cansync/transfer_phase.h"
+#include "cansync/channel/transfer_phase.h"
 
 #include <gtest/gtest.h>
 

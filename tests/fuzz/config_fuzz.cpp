@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bytes.h"
-#include "cansync/settings_check.h"
+#include "cansync/settings/settings_check.h"
 #include "config/document.h"
 #include "daemon/cansync/config/file.h"
 #include "daemon/cansync/config/options.h"

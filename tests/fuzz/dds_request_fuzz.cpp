@@ -11,7 +11,7 @@
 #include "bytes.h"
 #include "cansync/dds/convert.h"
 #include "cansync/dds/validate.h"
-#include "cansync/settings_check.h"
+#include "cansync/settings/settings_check.h"
 #include "daemon/cansync/requests/gateway_requests.h"
 #include "master_model.h"
 #include "require.h"

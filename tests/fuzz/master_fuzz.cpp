@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "bytes.h"
-#include "cansync/settings_check.h"
-#include "cansync/timing.h"
+#include "cansync/settings/settings_check.h"
+#include "cansync/settings/timing.h"
 #include "frames.h"
 #include "master_model.h"
 

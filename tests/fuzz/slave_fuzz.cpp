@@ -8,7 +8,7 @@
 
 #include "bytes.h"
 #include "cansync/sim/drive.h"
-#include "cansync/slave.h"
+#include "cansync/slave/slave.h"
 #include "frames.h"
 #include "require.h"
 #include "slave_model.h"

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "bytes.h"
-#include "cansync/slave.h"
+#include "cansync/slave/slave.h"
 #include "require.h"
 
 namespace fuzz {

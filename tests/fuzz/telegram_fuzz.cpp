@@ -1,6 +1,6 @@
-// Frames to telegrams and back, and telegrams to frames and back (lib/cansync/telegram.h).
+// Frames to telegrams and back, and telegrams to frames and back (lib/cansync/telegram/telegram.h).
 #include "bytes.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "frames.h"
 #include "require.h"
 

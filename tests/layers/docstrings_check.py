@@ -245,7 +245,9 @@ def owner_is_open(owner):
 
 def headers(project):
     places = ["lib/client/include/**/*.h", "lib/client/src/function_blocks/*.h", *(f"{core}/*.h" for core in CORES)]
-    return [path for place in places for path in sorted(project.glob(place))]
+    found = [path for place in places for path in sorted(project.glob(place))]
+    return found + [path for core in CORES for path in sorted(project.glob(f"{core}/*/*.h"))
+                    if path.parent.name not in ("dds", "sim", "client")]
 
 
 SAMPLE = """

@@ -37,7 +37,7 @@ lib/client:                 idl lib/dds lib/cansync/dds
 daemon/config:              lib/can lib/sync
 daemon/service:             lib/config
 daemon/loop:                lib/can lib/rt lib/sync daemon/config
-daemon/desk:                idl lib/dds daemon/service daemon/loop
+daemon/desk:                idl lib/rt lib/dds daemon/service daemon/loop
 daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/segment:             lib/config lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
@@ -112,11 +112,11 @@ IDENTIFIER_BITS = re.compile(r"\b0x780u?\b|\b\w*(id|identifier)\b[^;]*&\s*~?0x7F
 # What is installed of the client library, and the one header that shows the generated types.
 INSTALLED = "lib/client/include/cansync/"
 DATA_MODEL_FILE = INSTALLED + "topics.h"
-IDENTIFIER_FILE = "lib/cansync/telegram.h"
+IDENTIFIER_FILE = "lib/cansync/telegram/telegram.h"
 # So does what stands where in a reply: nobody else takes its bytes or a number out of bytes.
 REPLY_BYTES = re.compile(r"(\.|->)payload(_size)?\b|\b(load|store)_(double)?word\b")
-REPLY_FILE = "lib/cansync/reply_payload.h"
-REPLY_FILES = {"lib/cansync/telegram.h", "lib/cansync/telegram.cpp", REPLY_FILE, "lib/cansync/reply_payload.cpp"}
+REPLY_FILE = "lib/cansync/telegram/reply_payload.h"
+REPLY_FILES = {REPLY_FILE, *(f"lib/cansync/telegram/{name}" for name in ("telegram.h", "telegram.cpp", "reply_payload.cpp"))}
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
 
 
@@ -236,7 +236,8 @@ def check(files, rooms):
                 report("an installed header includes its own kind and the standard library; topics.h the data model")
             if room in CORES:
                 protocol = room.split("/")[1]
-                own = bracket == '"' and (path == "can/frame.h" or re.fullmatch(protocol + r"/[a-z_]+\.h", path))
+                own = bracket == '"' and (path == "can/frame.h" or re.fullmatch(protocol + r"/([a-z_]+/)?[a-z_]+\.h", path)
+                                         and there == room)
                 if not own and not (bracket == "<" and path in CORE_HEADERS):
                     report("not on the list of headers for the sans-IO core")
             elif there == "dds":
@@ -264,11 +265,11 @@ def load(root):
 # --- self-test
 
 CLEAN = {
-    "lib/cansync/clean.cpp": '#include <array>\n#include "can/frame.h"\n#include "cansync/numbers.h"\n',
+    "lib/cansync/clean.cpp": '#include <array>\n#include "can/frame.h"\n#include "cansync/telegram/numbers.h"\n',
     "lib/layer2/clean.cpp": '#include <array>\n#include "can/frame.h"\n#include "layer2/station.h"\n',
     "lib/sim/clean.h": '#include "can/bus.h"\n',
     "lib/dds/clean.cpp": '#include <dds/dds.h>\n#include "gateway.h"\n',
-    "lib/cansync/dds/clean.cpp": '#include "cansync/jobs.h"\n#include "cansync.h"\n#include "dds/topic.h"\n',
+    "lib/cansync/dds/clean.cpp": '#include "cansync/channel/jobs.h"\n#include "cansync.h"\n#include "dds/topic.h"\n',
     "lib/client/src/c_face/clean.c": '#include "../clean.h"\n#include "client/src/link.h"\n#include <cansync/client.h>\n',
     INSTALLED + "clean.h": '#include <vector>\n',
     INSTALLED + "blocks/clean.h": '#include "../clean.h"\n',
@@ -282,7 +283,7 @@ PLANTED = [
       "thread mutex fstream iostream atomic sys/socket.h unistd.h time.h ctime random fmt/format.h".split()],
     ("lib/cansync/planted.h", '# include "can/bus.h"'),
     ("lib/layer2/planted.h", '# include "can/bus.h"'),
-    ("lib/layer2/planted.h", '#include "cansync/mode.h"'),
+    ("lib/layer2/planted.h", '#include "cansync/settings/mode.h"'),
     ("lib/layer2/planted.cpp", "auto now = std::chrono::steady_clock::now();"),
     ("lib/cansync/planted.h", '#include "planted_too.h"'),
     ("lib/cansync/planted.cpp", "auto now = std::chrono::steady_clock::now();"),

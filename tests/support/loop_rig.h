@@ -12,9 +12,9 @@
 #include <variant>
 #include <vector>
 
-#include "cansync/settings.h"
-#include "cansync/telegram.h"
-#include "cansync/timing.h"
+#include "cansync/settings/settings.h"
+#include "cansync/settings/timing.h"
+#include "cansync/telegram/telegram.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 #include "scripted_bus.h"

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
+#include "cansync/settings/timing.h"
 #include "cansync/sim/drive.h"
 #include "cansync/sim/drive_faults.h"
-#include "cansync/timing.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 #include "sim/line.h"

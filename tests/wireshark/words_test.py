@@ -93,8 +93,8 @@ def check_simulated_line(folder):
 
 
 def check_slot_times():
-    """Every row of kSlotTimes in lib/cansync/timing.h."""
-    header = (SOURCE / "lib/cansync/timing.h").read_text().replace("'", "")
+    """Every row of kSlotTimes in lib/cansync/settings/timing.h."""
+    header = (SOURCE / "lib/cansync/settings/timing.h").read_text().replace("'", "")
     rows = re.findall(r"\{BitRate::\w+,\s*(\d+),\s*((?:us\(\d+\),\s*)+)\d+\}", header)
     assert len(rows) == 4, rows
     lua = (SOURCE / "tools/wireshark/cansync/cansync_names.lua").read_text()

@@ -7,9 +7,9 @@
 
 #include "can/bus.h"
 #include "can/frame.h"
-#include "cansync/numbers.h"
+#include "cansync/settings/timing.h"
 #include "cansync/sim/drive.h"
-#include "cansync/timing.h"
+#include "cansync/telegram/numbers.h"
 #include "sim/arbitration.h"
 #include "sim/faults.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cansync/sim/drive_faults.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "config/document.h"
 #include "daemon/cansync/bus/drive_settings.h"
 #include "daemon/cansync/config/file.h"

@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "cansync/settings/timing.h"
 #include "cansync/sim/drive.h"
 #include "cansync/sim/drive_faults.h"
-#include "cansync/telegram.h"
-#include "cansync/timing.h"
+#include "cansync/telegram/telegram.h"
 #include "daemon/cansync/bus/drive_settings.h"
 
 namespace cansyncd {

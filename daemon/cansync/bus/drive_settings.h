@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cansync/numbers.h"
 #include "cansync/sim/drive.h"
+#include "cansync/telegram/numbers.h"
 #include "daemon/cansync/config/config.h"
 
 namespace cansyncd {

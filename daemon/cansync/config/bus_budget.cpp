@@ -8,7 +8,7 @@
 #include <string>
 
 #include "can/frame_length.h"
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 
 namespace cansyncd {
 namespace {

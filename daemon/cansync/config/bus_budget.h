@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cansync/settings.h"
-#include "cansync/settings_check.h"
+#include "cansync/settings/settings.h"
+#include "cansync/settings/settings_check.h"
 #include "daemon/cansync/config/config.h"
 
 /// What an interval has room for, worked out from the settings before anything starts. Pure functions for

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "cansync/mapping.h"
-#include "cansync/settings_check.h"
+#include "cansync/settings/settings_check.h"
+#include "cansync/telegram/mapping.h"
 #include "daemon/cansync/config/bus_budget.h"
 #include "daemon/cansync/config/check_sync.h"
 #include "daemon/options/check_daemon.h"

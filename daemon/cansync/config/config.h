@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "cansync/mapping.h"
-#include "cansync/numbers.h"
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
+#include "cansync/telegram/mapping.h"
+#include "cansync/telegram/numbers.h"
 #include "daemon/config/daemon_config.h"
 #include "profile/profile.h"
 

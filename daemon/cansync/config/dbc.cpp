@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "daemon/cansync/config/dbc_names.h"
 
 namespace cansyncd {

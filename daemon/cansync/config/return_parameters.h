@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
 #include "daemon/cansync/config/draft.h"
 
 namespace cansyncd {

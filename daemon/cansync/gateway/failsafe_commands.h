@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "cansync/jobs.h"
-#include "cansync/numbers.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/telegram/numbers.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/requests/request_audit.h"

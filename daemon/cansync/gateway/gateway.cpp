@@ -1,18 +1,14 @@
 #include "daemon/cansync/gateway/gateway.h"
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <pthread.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <utility>
 
 #include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/gateway_requests.h"
 #include "daemon/service/service.h"
-#include "dds/malformed.h"
 
 namespace cansyncd {
 namespace {
@@ -29,12 +25,6 @@ void take_changeable(const Config& to, Config& config) {
   cansync::put_in_force(cansync::in_force(to.master), config.master);
 }
 
-/// Milliseconds from now to `due`, rounded up, at least 0.
-int milliseconds_to(SteadyTime due) {
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(due - steady_clock::now());
-  return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
-}
-
 }  // namespace
 
 Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::Participant& participant,
@@ -49,7 +39,10 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
       references_(participant, signal_, events_, config, identity, exchange_),
       jobs_(participant, signal_, events_, trail_, CansyncRequests(config, audit_),
             !config.dds.security.empty()),
-      status_line_(service::status) {
+      status_line_(service::status),
+      thread_(
+          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
+          [this] { end_jobs(); }) {
   state_.set_givers(references_.givers());
 }
 
@@ -58,19 +51,12 @@ Gateway::~Gateway() {
 }
 
 void Gateway::start() {
-  gateway::dds::count_malformed();
   metrics_.emplace(config_.metrics, [this](const EventText& event) { post(event); });
-  thread_ = std::thread([this] {
-    pthread_setname_np(pthread_self(), "cansync-gateway");  // for `top -H` and whoever measures
-    run();
-  });
+  thread_.start();
 }
 
 void Gateway::stop() noexcept {
-  if (!thread_.joinable()) return;
-  stop_ = true;
-  exchange_.gateway_wake.signal();
-  thread_.join();
+  thread_.stop();
   metrics_.reset();
 }
 
@@ -83,35 +69,8 @@ void Gateway::reload(const Config& config) {
 }
 
 void Gateway::post(const EventText& event) {
-  {
-    const std::lock_guard lock(posted_mutex_);
-    if (posted_.size() < kPosted) posted_.push_back(event);
-  }
+  posted_.post(event);
   exchange_.gateway_wake.signal();
-}
-
-void Gateway::publish_posted(SteadyTime now) {
-  std::vector<EventText> taken;
-  {
-    const std::lock_guard lock(posted_mutex_);
-    taken.swap(posted_);
-  }
-  for (const EventText& event : taken) events_.publish(event, now);
-}
-
-void Gateway::run() {
-  std::array<pollfd, 2> wake{{{exchange_.gateway_wake.descriptor(), POLLIN, 0}, {signal_.fd(), POLLIN, 0}}};
-  bool samples_may_wait = true;
-  while (!stop_) {
-    const SteadyTime due = pass(samples_may_wait);
-    passes_.fetch_add(1, std::memory_order_relaxed);
-    // An interrupted or failed poll only means one pass too many.
-    const int ready = ::poll(wake.data(), wake.size(), milliseconds_to(due));
-    if (ready > 0 && wake[0].revents != 0) exchange_.gateway_wake.clear();
-    samples_may_wait = ready <= 0 || wake[1].revents != 0;
-    if (samples_may_wait) signal_.clear();
-  }
-  end_jobs();
 }
 
 JobContext Gateway::context(SteadyTime now) {
@@ -133,7 +92,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   take_reports(jobs);
   references_.set_line(state_.master().when);
   references_.watch(state_.master().release, now);
-  publish_posted(now);
+  posted_.publish(events_, now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
     // Both take a bounded number, so that no writer keeps this thread from the rest of its work.
@@ -215,19 +174,10 @@ void Gateway::take_configuration(SteadyTime now) {
 }
 
 void Gateway::end_jobs() {
-  constexpr std::chrono::milliseconds kPatience{500};
-  constexpr int kLook = 20;
-  const SteadyTime end = steady_clock::now() + kPatience;
   (void)state_.step(exchange_, steady_clock::now());
   take_reports(context(steady_clock::now()));
-  publish_posted(steady_clock::now());
-  jobs_.stop(context(steady_clock::now()));
-  while (jobs_.replies_waiting() && steady_clock::now() < end) {
-    (void)signal_.wait(kLook);
-    signal_.clear();
-    (void)jobs_.retry(context(steady_clock::now()));
-  }
-  jobs_.wait_for_readers(DDS_MSECS(kPatience.count()));
+  posted_.publish(events_, steady_clock::now());
+  jobs_.stop_and_deliver(signal_, [this] { return context(steady_clock::now()); });
 }
 
 }  // namespace cansyncd

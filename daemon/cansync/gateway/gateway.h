@@ -1,10 +1,7 @@
 #pragma once
 
-#include <atomic>
 #include <mutex>
 #include <optional>
-#include <thread>
-#include <vector>
 
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
@@ -17,6 +14,7 @@
 #include "daemon/cansync/status/status_line.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"
+#include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/job_desk.h"
 #include "daemon/service/daemon_identity.h"
 #include "dds/participant.h"
@@ -61,12 +59,11 @@ class Gateway {
 
   /// Passes over everything that may have come, so far: stands still for longer than a second only when the
   /// thread does. Any thread.
-  std::uint64_t passes() const noexcept { return passes_.load(std::memory_order_relaxed); }
+  std::uint64_t passes() const noexcept { return thread_.passes(); }
 
-  /// Publishes an event of another thread. Any thread; returns at once. At most `kPosted` wait, more are
-  /// lost.
+  /// Publishes an event of another thread. Any thread; returns at once. More than `PostedEvents::kMost` that
+  /// wait are lost.
   void post(const EventText& event);
-  static constexpr std::size_t kPosted = 16;
 
   /// Takes over what can change while running: names, units and scaling, mappings, polling, cursors, greatest
   /// age of reference values. Only what differs from the configuration before is changed on the line, so that
@@ -75,7 +72,6 @@ class Gateway {
   void reload(const Config& config);
 
  private:
-  void run();
   /// One pass over everything that may have come; returns when the next is due at the latest. The readers are
   /// asked only when `samples_may_wait`.
   SteadyTime pass(bool samples_may_wait);
@@ -84,7 +80,6 @@ class Gateway {
   /// Tells when the row of skipped SYNC edges is over. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tell_syncs(SteadyTime now);
   void take_configuration(SteadyTime now);
-  void publish_posted(SteadyTime now);
   void end_jobs();
   JobContext context(SteadyTime now);
 
@@ -104,11 +99,8 @@ class Gateway {
 
   std::mutex configuration_mutex_;
   std::optional<Config> new_configuration_;
-  std::mutex posted_mutex_;
-  std::vector<EventText> posted_;
-  std::atomic<bool> stop_{false};
-  std::atomic<std::uint64_t> passes_{0};
-  std::thread thread_;
+  PostedEvents posted_;
+  GatewayThread thread_;  ///< last: it uses all of them
 };
 
 }  // namespace cansyncd

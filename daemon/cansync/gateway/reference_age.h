@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "cansync/numbers.h"
+#include "cansync/telegram/numbers.h"
 #include "daemon/cansync/exchange.h"
 
 namespace cansyncd {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 
 namespace cansyncd {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "cansync/release_status.h"
+#include "cansync/process_data/release_status.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/reference_age.h"

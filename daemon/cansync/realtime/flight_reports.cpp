@@ -4,7 +4,7 @@
 #include <string_view>
 #include <variant>
 
-#include "cansync/mode.h"
+#include "cansync/settings/mode.h"
 
 namespace cansyncd {
 namespace {

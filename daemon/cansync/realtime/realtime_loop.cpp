@@ -16,7 +16,7 @@
 #include <chrono>
 #include <ctime>
 
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 
 namespace cansyncd {
 

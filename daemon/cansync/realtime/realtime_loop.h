@@ -6,7 +6,7 @@
 
 #include "can/bus.h"
 #include "cansync/master.h"
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
 #include "daemon/bus/bus_load.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"

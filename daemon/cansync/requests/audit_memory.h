@@ -8,8 +8,8 @@
 #include <optional>
 #include <tuple>
 
-#include "cansync/jobs.h"
-#include "cansync/settings_in_force.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/settings/settings_in_force.h"
 #include "daemon/cansync/config/config.h"
 
 namespace cansyncd {

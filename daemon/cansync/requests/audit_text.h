@@ -5,8 +5,8 @@
 #include <string>
 
 #include "cansync.h"
-#include "cansync/mapping.h"
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
+#include "cansync/telegram/mapping.h"
 #include "daemon/desk/audit.h"
 
 /// What a request of a client would change, in words. Pure functions; not for the realtime thread

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
 #include "daemon/desk/fair_lanes.h"
 
 namespace cansyncd {

@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "cansync/dds/convert.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "daemon/cansync/requests/audit_text.h"
 #include "daemon/cansync/requests/gateway_requests.h"
 #include "daemon/cansync/requests/kinds.h"

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 #include "daemon/cansync/bus/bus_plan.h"
 #include "daemon/cansync/config/reload.h"
 #include "daemon/cansync/realtime/flight_reports.h"

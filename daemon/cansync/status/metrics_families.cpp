@@ -2,7 +2,7 @@
 
 #include "can/bus_names.h"
 #include "cansync/master.h"
-#include "cansync/mode.h"
+#include "cansync/settings/mode.h"
 #include "daemon/cansync/status/metrics_fill.h"
 #include "sync/phase_lock.h"
 

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "cansync.h"
-#include "cansync/numbers.h"
-#include "cansync/release_status.h"
+#include "cansync/process_data/release_status.h"
+#include "cansync/telegram/numbers.h"
 
 namespace cansyncd {
 

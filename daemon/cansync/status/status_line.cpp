@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "can/bus_names.h"
-#include "cansync/mode.h"
-#include "cansync/timing.h"
+#include "cansync/settings/mode.h"
+#include "cansync/settings/timing.h"
 
 namespace cansyncd {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "cansync/dds/convert.h"
-#include "cansync/timing.h"
+#include "cansync/settings/timing.h"
 #include "daemon/bus/bit_timing_check.h"
 
 namespace cansyncd {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "cansync/dds/validate.h"
-#include "cansync/mode.h"
+#include "cansync/settings/mode.h"
 #include "daemon/cansync/texts/bus_text.h"
 
 namespace cansyncd {

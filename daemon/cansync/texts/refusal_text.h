@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "cansync/jobs.h"
-#include "cansync/mode.h"
-#include "cansync/numbers.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/settings/mode.h"
+#include "cansync/telegram/numbers.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 

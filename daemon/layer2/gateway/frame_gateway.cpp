@@ -1,18 +1,14 @@
 #include "daemon/layer2/gateway/frame_gateway.h"
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <pthread.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <utility>
 
 #include "can/bus_names.h"
 #include "daemon/layer2/gateway/bus_events.h"
 #include "dds/bounded_text.h"
-#include "dds/malformed.h"
 #include "layer2/dds/convert.h"
 
 namespace cansyncd {
@@ -22,12 +18,6 @@ using std::chrono::steady_clock;
 
 /// Batches published in one pass: requests must not wait behind a bus that never rests.
 constexpr unsigned kBatchesAtOnce = 16;
-
-/// Milliseconds from now to `due`, rounded up, at least 0.
-int milliseconds_to(SteadyTime due) {
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(due - steady_clock::now());
-  return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
-}
 
 }  // namespace
 
@@ -41,7 +31,10 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
       trail_(journal, events_, config.bus.name, 0),
       jobs_(participant, signal_, events_, trail_, SendRequests(config.send), !config.dds.security.empty()),
       batches_(participant, 0, &signal_),
-      status_(participant, 0, &signal_) {
+      status_(participant, 0, &signal_),
+      thread_(
+          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
+          [this] { end_jobs(); }) {
   batch_.reserve(layer2_BATCH);
 }
 
@@ -50,25 +43,15 @@ FrameGateway::~FrameGateway() {
 }
 
 void FrameGateway::start() {
-  gateway::dds::count_malformed();
-  thread_ = std::thread([this] {
-    pthread_setname_np(pthread_self(), "cansync-gateway");  // for `top -H` and whoever measures
-    run();
-  });
+  thread_.start();
 }
 
 void FrameGateway::stop() noexcept {
-  if (!thread_.joinable()) return;
-  stop_ = true;
-  exchange_.gateway_wake.signal();
-  thread_.join();
+  thread_.stop();
 }
 
 void FrameGateway::post(const EventText& event) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (posted_.size() < kPosted) posted_.push_back(event);
-  }
+  posted_.post(event);
   exchange_.gateway_wake.signal();
 }
 
@@ -78,21 +61,6 @@ void FrameGateway::reload(const Layer2Config& config) {
     new_configuration_ = config;
   }
   exchange_.gateway_wake.signal();
-}
-
-void FrameGateway::run() {
-  std::array<pollfd, 2> wake{{{exchange_.gateway_wake.descriptor(), POLLIN, 0}, {signal_.fd(), POLLIN, 0}}};
-  bool samples_may_wait = true;
-  while (!stop_) {
-    const SteadyTime due = pass(samples_may_wait);
-    passes_.fetch_add(1, std::memory_order_relaxed);
-    // An interrupted or failed poll only means one pass too many.
-    const int ready = ::poll(wake.data(), wake.size(), milliseconds_to(due));
-    if (ready > 0 && wake[0].revents != 0) exchange_.gateway_wake.clear();
-    samples_may_wait = ready <= 0 || wake[1].revents != 0;
-    if (samples_may_wait) signal_.clear();
-  }
-  end_jobs();
 }
 
 SendContext FrameGateway::context(SteadyTime now) const {
@@ -106,7 +74,7 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
   // A frame that was sent is told before what came after it.
   take_answers(jobs);
   const bool more_frames = publish_frames();
-  publish_posted(now);
+  posted_.publish(events_, now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait && jobs_.take_requests(jobs)) signal_.raise();
   SteadyTime due = publish_status(now);
@@ -128,15 +96,6 @@ void FrameGateway::take_configuration(SteadyTime now) {
   status_due_ = true;
   events_.publish(
       {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
-}
-
-void FrameGateway::publish_posted(SteadyTime now) {
-  std::vector<EventText> taken;
-  {
-    const std::lock_guard lock(mutex_);
-    taken.swap(posted_);
-  }
-  for (const EventText& event : taken) events_.publish(event, now);
 }
 
 void FrameGateway::take_answers(const SendContext& context) {
@@ -220,20 +179,11 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
 }
 
 void FrameGateway::end_jobs() {
-  constexpr std::chrono::milliseconds kPatience{500};
-  constexpr int kLook = 20;
-  const SteadyTime end = steady_clock::now() + kPatience;
   take_answers(context(steady_clock::now()));
   while (publish_frames()) {
   }  // the realtime thread has ended: the ring grows no more
-  publish_posted(steady_clock::now());
-  jobs_.stop(context(steady_clock::now()));
-  while (jobs_.replies_waiting() && steady_clock::now() < end) {
-    (void)signal_.wait(kLook);
-    signal_.clear();
-    (void)jobs_.retry(context(steady_clock::now()));
-  }
-  jobs_.wait_for_readers(DDS_MSECS(kPatience.count()));
+  posted_.publish(events_, steady_clock::now());
+  jobs_.stop_and_deliver(signal_, [this] { return context(steady_clock::now()); });
 }
 
 }  // namespace cansyncd

@@ -1,18 +1,16 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "daemon/desk/audit.h"
 #include "daemon/desk/event_text.h"
 #include "daemon/desk/gateway_events.h"
+#include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/job_desk.h"
 #include "daemon/layer2/config/config.h"
 #include "daemon/layer2/exchange.h"
@@ -38,8 +36,6 @@ class FrameGateway {
   static constexpr std::chrono::seconds kLossQuiet{3};
   /// Time between two samples of BusStatus of a bus that does not change.
   static constexpr std::chrono::seconds kStatusPeriod{1};
-  /// Most events of other threads that wait.
-  static constexpr std::size_t kPosted = 16;
 
   /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
   /// `journal` must outlive the gateway. `identity`: of this start. Throws gateway::dds::SetupError.
@@ -61,20 +57,19 @@ class FrameGateway {
 
   /// Passes over everything that may have come, so far: stands still for longer than a second only when the
   /// thread does. Any thread.
-  std::uint64_t passes() const noexcept { return passes_.load(std::memory_order_relaxed); }
+  std::uint64_t passes() const noexcept { return thread_.passes(); }
 
-  /// Publishes an event of another thread. Any thread; returns at once. More than `kPosted` are lost.
+  /// Publishes an event of another thread. Any thread; returns at once. More than `PostedEvents::kMost`
+  /// that wait are lost.
   void post(const EventText& event);
 
   /// Takes over what can change while running: access, greatest age of requests. Any thread; returns at once.
   void reload(const Layer2Config& config);
 
  private:
-  void run();
   /// Returns when the next pass is due at the latest. The readers are asked only when `samples_may_wait`.
   SteadyTime pass(bool samples_may_wait);
   void take_configuration(SteadyTime now);
-  void publish_posted(SteadyTime now);
   void take_answers(const SendContext& context);
   /// True: there may be more.
   bool publish_frames();
@@ -106,10 +101,8 @@ class FrameGateway {
 
   std::mutex mutex_;
   std::optional<Layer2Config> new_configuration_;
-  std::vector<EventText> posted_;
-  std::atomic<bool> stop_{false};
-  std::atomic<std::uint64_t> passes_{0};
-  std::thread thread_;
+  PostedEvents posted_;
+  GatewayThread thread_;  ///< last: it uses all of them
 };
 
 }  // namespace cansyncd

@@ -8,11 +8,11 @@
 #include <string_view>
 
 #include "cansync.h"
+#include "cansync/channel/jobs.h"
 #include "cansync/dds/topics.h"
-#include "cansync/jobs.h"
-#include "cansync/mapping.h"
 #include "cansync/master.h"
-#include "cansync/settings.h"
+#include "cansync/settings/settings.h"
+#include "cansync/telegram/mapping.h"
 #include "dds/bounded_text.h"
 #include "dds/request_key.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "cansync/dds/validate.h"
-#include "cansync/numbers.h"
+#include "cansync/telegram/numbers.h"
 
 /// Building blocks of the checks in validate.cpp and validate_command.cpp; internal to lib/dds.
 namespace cansync::dds {

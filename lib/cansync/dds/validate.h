@@ -6,8 +6,8 @@
 #include <string>
 
 #include "cansync.h"
-#include "cansync/jobs.h"
-#include "cansync/settings.h"
+#include "cansync/channel/jobs.h"
+#include "cansync/settings/settings.h"
 
 /// Every range check of what comes in over DDS, in one place. A problem text names field, value, allowed
 /// range and, where there is one, the remedy; it fits `gateway_TEXT`. Gateway thread only (allocates).

@@ -3,8 +3,8 @@
 #include "cansync/dds/convert.h"
 #include "cansync/dds/ranges.h"
 #include "cansync/dds/validate.h"
-#include "cansync/mapping.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/mapping.h"
+#include "cansync/telegram/telegram.h"
 #include "dds/enumerator.h"
 
 namespace cansync::dds {

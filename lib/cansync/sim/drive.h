@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "can/bus.h"
-#include "cansync/mapping.h"
+#include "cansync/settings/timing.h"
 #include "cansync/sim/drive_memory.h"
 #include "cansync/sim/drive_motion.h"
 #include "cansync/sim/drive_parameters.h"
 #include "cansync/sim/drive_sync.h"
-#include "cansync/slave.h"
-#include "cansync/timing.h"
+#include "cansync/slave/slave.h"
+#include "cansync/telegram/mapping.h"
 #include "sim/node.h"
 
 // docs/simulated-drive.md describes the drive as a user sees it.

@@ -3,8 +3,8 @@
 #include <array>
 #include <variant>
 
-#include "cansync/reply_payload.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/reply_payload.h"
+#include "cansync/telegram/telegram.h"
 
 namespace sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "cansync/slave.h"
+#include "cansync/slave/slave.h"
 
 namespace sim {
 

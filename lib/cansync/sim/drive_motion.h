@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "cansync/numbers.h"
+#include "cansync/telegram/numbers.h"
 
 namespace sim {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "cansync/numbers.h"
-#include "cansync/slave.h"
+#include "cansync/slave/slave.h"
+#include "cansync/telegram/numbers.h"
 
 namespace sim {
 

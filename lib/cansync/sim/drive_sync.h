@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "can/bus.h"
-#include "cansync/numbers.h"
+#include "cansync/telegram/numbers.h"
 
 namespace sim {
 

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "cansync/settings/timing.h"
 #include "cansync/sim/drive.h"
-#include "cansync/telegram.h"
-#include "cansync/timing.h"
+#include "cansync/telegram/telegram.h"
 
 namespace sim {
 

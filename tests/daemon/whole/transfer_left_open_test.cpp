@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "support/virtual_line.h"
 
 namespace cansyncd::test {

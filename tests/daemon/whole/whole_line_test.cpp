@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "can/frame_length.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "support/virtual_line.h"
 
 namespace cansyncd::test {

@@ -6,8 +6,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "cansync/errors.h"
-#include "cansync/reply_payload.h"
+#include "cansync/telegram/errors.h"
+#include "cansync/telegram/reply_payload.h"
 #include "cli/text/values.h"
 
 namespace cansync::cli {

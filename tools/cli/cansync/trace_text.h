@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "can/candump.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "cli/text/table.h"
 
 /// Frames of a CANsync line in words.

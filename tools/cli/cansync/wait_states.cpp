@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cansync/mode.h"
+#include "cansync/settings/mode.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 

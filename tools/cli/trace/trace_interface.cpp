@@ -17,7 +17,7 @@
 
 #include "can/candump.h"
 #include "can/kernel_frame.h"
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "cli/trace/trace_source.h"
 #include "text/descriptor.h"
 

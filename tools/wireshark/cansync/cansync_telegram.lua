@@ -1,5 +1,5 @@
 -- Frames of CANsync as tables, and in words. Pure functions without Wireshark's API; the bytes and the words
--- are those of lib/cansync/telegram.cpp and tools/cli/cansync/trace_text.cpp.
+-- are those of lib/cansync/telegram/telegram.cpp and tools/cli/cansync/trace_text.cpp.
 -- A frame: { id, kind = "standard" | "extended" | "remote", dlc, [0..dlc-1] = bytes }.
 local names = ...
 local M = {}

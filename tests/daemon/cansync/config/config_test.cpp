@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "cansync/settings_check.h"
+#include "cansync/settings/settings_check.h"
 #include "config_text.h"
 
 namespace cansyncd {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "socketcan_rig.h"
 
 namespace cansyncd::test {

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "cansync/settings/timing.h"
 #include "cansync/sim/drive.h"
-#include "cansync/timing.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 #include "daemon/loop/flight_tap.h"
 #include "rt/alloc_counter.h"

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "cansync/telegram.h"
+#include "cansync/telegram/telegram.h"
 #include "socketcan_rig.h"
 
 namespace cansyncd::test {

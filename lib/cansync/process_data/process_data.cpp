@@ -1,0 +1,172 @@
+#include "cansync/process_data/process_data.h"
+
+#include <algorithm>
+#include <span>
+
+namespace cansync {
+
+ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept
+    : settings_(settings.process),
+      listener_(listener),
+      configured_(settings.configured()),
+      output_{Output{ReferenceRelease(Channel::one, settings.process, listener), 0, std::nullopt},
+              Output{ReferenceRelease(Channel::two, settings.process, listener), 0, std::nullopt}} {
+  for (unsigned i = 0; i < kSlaves; ++i) actual_mapping_[i] = settings.slaves[i].actual_mapping;
+}
+
+void ProcessData::stop() noexcept {
+  for (Output& output : output_) {
+    output.release.stop();
+    output.asked.reset();
+  }
+}
+
+std::array<std::optional<SlaveNumber>, kChannels> ProcessData::begin_interval(IntervalNumber now) noexcept {
+  now_ = now;
+  std::array<std::optional<SlaveNumber>, kChannels> missed;
+  for (unsigned i = 0; i < kChannels; ++i) {
+    Output& output = output_[i];
+    missed[i] = output.asked;
+    output.asked.reset();
+    if (!first_) {
+      output.automatic = output.automatic >= settings_.maximum_slave.value()
+                             ? 0
+                             : static_cast<std::uint8_t>(output.automatic + 1);
+    }
+  }
+  first_ = false;
+  return missed;
+}
+
+Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
+  // Whatever becomes of this update: the giver before gives no longer.
+  if (update.takes_over) output_[index(update.channel)].release.withdraw(0);
+  if (update.mapping_number != mapping_number_) return Refusal::mapping_changed;
+  if (update.valid_mask == 0 || update.valid_mask > 0x0F) return Refusal::nothing_valid;
+  if (update.release_intervals == 0 || update.release_intervals > settings_.release_limit) {
+    return Refusal::release_too_long;
+  }
+  if (!fits_words(update)) return Refusal::value_too_wide;
+  const bool next = update.from_interval == 0;
+  if (!next && (update.from_interval < now_ || update.from_interval > now_ + settings_.ahead_limit)) {
+    return Refusal::interval_passed;
+  }
+  if (update.begins_before() != 0 && update.begins_before() <= now_) return Refusal::too_old;
+  return output_[index(update.channel)].release.add(update) ? Refusal::none : Refusal::queue_full;
+}
+
+bool ProcessData::fits_words(const ReferenceUpdate& update) const noexcept {
+  const unsigned first = index(update.channel) * 4;
+  const unsigned words = settings_.reference_mapping[index(update.channel)].word_mask();
+  for (unsigned v = 0; v < 4; ++v) {
+    if (((words >> (first + v)) & 1u) == 0) continue;
+    const bool is_new = ((update.valid_mask >> v) & 1u) != 0;
+    // One that keeps its value may have got it under another mapping.
+    if (!fits_word(is_new ? update.value[v] : references_[first + v])) return false;
+  }
+  return true;
+}
+
+void ProcessData::stop_release(Channel channel, std::uint32_t hold) noexcept {
+  output_[index(channel)].release.withdraw(hold);
+}
+
+std::uint8_t ProcessData::polled(const Output& output, Channel channel) const noexcept {
+  const Cursor& cursor = settings_.polling[index(channel)];
+  switch (cursor.kind) {
+    case Cursor::Kind::automatic:
+      return output.automatic;
+    case Cursor::Kind::fixed:
+      return cursor.slave.value();
+    case Cursor::Kind::nobody:
+      break;
+  }
+  return settings_.poll_nobody;
+}
+
+std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept {
+  Output& output = output_[index(channel)];
+  const unsigned first_value = index(channel) * 4;
+  while (const auto update = output.release.next_due(now_)) {
+    for (unsigned v = 0; v < 4; ++v) {
+      if (((update->valid_mask >> v) & 1u) != 0) references_[first_value + v] = update->value[v];
+    }
+  }
+  ReferenceTelegram telegram;
+  telegram.channel = channel;
+  telegram.polled = polled(output, channel);
+  if (!output.release.decide(now_)) {
+    ++not_released_;
+    if (!settings_.poll_without_reference) return std::nullopt;
+    telegram.words = 0;
+    return telegram;
+  }
+  const TelegramMapping& mapping = settings_.reference_mapping[index(channel)];
+  telegram.word = pack(mapping, references_);
+  telegram.words = settings_.full_length ? kWords : mapping.used_words();
+  return telegram;
+}
+
+void ProcessData::sent(Channel channel) noexcept {
+  Output& output = output_[index(channel)];
+  output.on_bus = false;
+  output.release.sent();
+  const auto slave = SlaveNumber::from(polled(output, channel));
+  if (slave && configured_.has(*slave)) output.asked = slave;
+}
+
+void ProcessData::left_out(Channel channel) noexcept {
+  output_[index(channel)].release.left_out();
+}
+
+bool ProcessData::receive(const ActualTelegram& telegram) noexcept {
+  Output& output = output_[index(telegram.channel)];
+  // What comes before the question was on the bus answers an earlier one, and is that old.
+  if (output.asked != telegram.slave || !output.on_bus) return false;
+  output.asked.reset();
+  const unsigned channel = index(telegram.channel);
+  ActualValues& actual = actual_[telegram.slave.value()];
+  const TelegramMapping& mapping = actual_mapping_[telegram.slave.value()][channel];
+  unpack(mapping, std::span(telegram.word).first(telegram.words), actual.value);
+  const unsigned others = telegram.channel == Channel::one ? 0xF0u : 0x0Fu;
+  actual.words = static_cast<std::uint8_t>((actual.words & others) | mapping.word_mask());
+  actual.arrived = {};
+  actual.arrived[channel] = true;
+  actual.interval[channel] = now_;
+  ++actual.count[channel];
+  listener_.actual_values(telegram.slave, actual);
+  return true;
+}
+
+namespace {
+
+bool fits(const ProcessMapping& mapping) noexcept {
+  return values_fit(mapping[0], Channel::one) && values_fit(mapping[1], Channel::two);
+}
+
+}  // namespace
+
+Refusal ProcessData::set_reference_mapping(const ProcessMapping& mapping) noexcept {
+  if (!fits(mapping)) return Refusal::mapping;
+  if (mapping == settings_.reference_mapping) return Refusal::none;
+  settings_.reference_mapping = mapping;
+  ++mapping_number_;
+  for (Output& output : output_) output.release.mapping_changed();
+  return Refusal::none;
+}
+
+Refusal ProcessData::set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept {
+  if (!configured_.has(slave)) return Refusal::slave_not_configured;
+  if (!fits(mapping)) return Refusal::mapping;
+  actual_mapping_[slave.value()] = mapping;
+  return Refusal::none;
+}
+
+Refusal ProcessData::set_polling(Channel channel, const Cursor& cursor) noexcept {
+  if (cursor.kind == Cursor::Kind::fixed && !configured_.has(cursor.slave))
+    return Refusal::slave_not_configured;
+  settings_.polling[index(channel)] = cursor;
+  return Refusal::none;
+}
+
+}  // namespace cansync

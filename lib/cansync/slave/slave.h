@@ -1,0 +1,206 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "can/frame.h"
+#include "cansync/settings/mode.h"
+#include "cansync/settings/timing.h"
+#include "cansync/telegram/errors.h"
+#include "cansync/telegram/mapping.h"
+#include "cansync/telegram/numbers.h"
+#include "cansync/telegram/telegram.h"
+
+namespace cansync {
+
+/// Answer of a slave's application to one parameter access.
+struct ParameterAnswer {
+  bool busy = false;  ///< not ready: the master asks again
+  ParameterError error = ParameterError::none;
+  bool doubleword = false;  ///< format of the parameter
+  std::uint32_t value = 0;  ///< read: the value
+};
+
+/// What stands behind a slave: parameters, memory and control word. Called on the slave's thread; must not
+/// allocate, block or throw, nor call the slave.
+class SlaveApplication {
+ public:
+  /// Answer to one step of an upload or download.
+  struct BlockAnswer {
+    bool busy = false;  ///< not ready: the master sends the same telegram again
+    TransferError error =
+        TransferError::none;   ///< `cancelled_by_slave` closes the block, others leave it open
+    std::uint16_t length = 0;  ///< `begin_block` of an upload: length fixed by the slave; 0 = as asked
+  };
+
+  virtual ~SlaveApplication() = default;
+
+  /// Reads element 0..7 of a parameter; 7 is the value.
+  virtual ParameterAnswer read_parameter(ParameterNumber number, Element element, SubSlave sub) noexcept = 0;
+
+  /// Writes a parameter; the element is always 7 (others are refused before). Answers `wrong_format` when
+  /// `doubleword` is not the parameter's format.
+  virtual ParameterAnswer write_parameter(ParameterNumber number, Element element, SubSlave sub,
+                                          bool doubleword, std::uint32_t value) noexcept = 0;
+
+  /// The parameter access answered busy last is dropped: the master has asked for another one.
+  virtual void parameter_dropped() noexcept {}
+
+  /// Begins a block. For an upload the answer may fix another length, 1..4095 bytes. Asked again with the
+  /// same telegram while it answers busy.
+  virtual BlockAnswer begin_block(const TransferInitialise& initialise) noexcept = 0;
+
+  /// Fills up to 6 bytes at `offset` of the block begun last; `out` is as long as the block still has bytes.
+  virtual BlockAnswer read_block(std::uint16_t offset, std::span<std::uint8_t> out) noexcept = 0;
+
+  /// Takes up to 6 bytes at `offset` of the block begun last; padding of the last telegram is not in `data`.
+  virtual BlockAnswer write_block(std::uint16_t offset, std::span<const std::uint8_t> data) noexcept = 0;
+
+  /// The block is complete (`complete`), or it was cancelled or replaced. Also called with false for a block
+  /// that `begin_block` answered busy and the master then dropped.
+  virtual void end_block(bool complete) noexcept = 0;
+
+  /// The action "SYNC mode: activate" arrived, for the first time or again.
+  virtual void sync_activated() noexcept {}
+
+  /// A control word arrived (action command 1).
+  virtual void control_word(std::uint16_t word) noexcept = 0;
+
+  /// A user command 128..255 arrived.
+  virtual void action(std::uint8_t command, std::uint8_t data_byte, std::uint16_t data_word) noexcept = 0;
+};
+
+/// Settings of one slave.
+struct SlaveSideSettings {
+  SlaveNumber number;
+  BitRate bit_rate = BitRate::mbit1;
+  ProcessMapping reference_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
+  ProcessMapping actual_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
+  /// Mapping by which this slave reads other slaves' actual values, if it listens to them.
+  std::array<std::optional<ProcessMapping>, kSlaves> monitored = {};
+  bool full_length = true;            ///< RDC telegrams always have 8 bytes; false: as many as are mapped
+  std::uint16_t block_limit = 300;    ///< longest block it takes, 1..4095 bytes
+  std::uint8_t activate_command = 2;  ///< action "SYNC mode: activate" (unconfirmed)
+  std::uint8_t activate_data = 1;     ///< its data byte (unconfirmed)
+};
+
+/// The slave's side of CANsync, sans-IO (M 3.2.3): the full counterpart of `Master`.
+///
+/// `on_sync` at each edge, `receive` for every frame on the bus; a returned frame is this slave's answer, to
+/// be started as soon as the bus is free and not after the slot time. Before synchronous operation nothing is
+/// heard; setting up, action commands, parameters and transfers are served; active, process data too.
+/// A command that replaces one answered busy drops the latter, unanswered. A transfer telegram that was
+/// answered well and comes again (its answer was lost) gets the same answer, and the application is not
+/// asked. Nothing allocates, blocks or throws; not thread safe.
+class Slave {
+ public:
+  /// `application` must outlive the slave.
+  Slave(const SlaveSideSettings& settings, SlaveApplication& application) noexcept;
+
+  /// A SYNC edge arrived: reference values count as old, actual values as not released, from here on.
+  void on_sync() noexcept {
+    fresh_ = {};
+    released_ = {};
+  }
+
+  /// A frame was on the bus. Returns the frame this slave answers with, if any. What is no CANsync telegram
+  /// is ignored.
+  std::optional<can::Frame> receive(const can::Frame& frame) noexcept;
+
+  /// The same for a frame that is already decoded.
+  std::optional<can::Frame> receive(const Telegram& telegram) noexcept;
+
+  /// Releases actual values for the telegram of `channel` in this interval (control register 0x05, M 4.17):
+  /// `values` 0..3 for channel one, 4..7 for channel two. One release is good for one telegram. A reference
+  /// telegram that asks for actual values that are not released gets no answer.
+  void release_actual(Channel channel, const Values& values) noexcept {
+    const unsigned first = index(channel) * kWords;
+    for (unsigned i = first; i < first + kWords; ++i) actual_[i] = values[i];
+    released_[index(channel)] = true;
+  }
+
+  /// Reference values, as the mapping filled them; `reference_fresh` tells if that telegram came, with at
+  /// least one word, since the last edge.
+  const Values& references() const noexcept { return references_; }
+  /// True when that telegram came, with at least one word, since the last edge.
+  bool reference_fresh(Channel channel) const noexcept { return fresh_[index(channel)]; }
+
+  /// Values taken from another slave's actual value telegrams; zeros before the first.
+  const Values& monitored(SlaveNumber slave) const noexcept { return monitored_[slave.value()]; }
+  /// Those telegrams of one channel so far; goes on from 2^32 - 1 with 0.
+  std::uint32_t monitored_count(SlaveNumber slave, Channel channel) const noexcept {
+    return monitored_count_[slave.value()][index(channel)];
+  }
+
+  /// Other mappings, from the next telegram on (M 4.8: also during active operation).
+  void set_reference_mapping(const ProcessMapping& mapping) noexcept {
+    settings_.reference_mapping = mapping;
+  }
+  /// How this slave's own values are sent, from the next telegram on (M 4.8).
+  void set_actual_mapping(const ProcessMapping& mapping) noexcept { settings_.actual_mapping = mapping; }
+
+  /// True after the action "SYNC mode: activate".
+  bool sync_activated() const noexcept { return sync_activated_; }
+
+  /// Gives a command of the slave's control register; false: not allowed in this state. Leaving synchronous
+  /// operation drops open blocks and pending parameter accesses and forgets the activation.
+  bool control(ControlCommand command) noexcept;
+  /// Value of `w_OPTION_STATUS` (M 3.2.2.3).
+  State state() const noexcept { return state_; }
+
+  /// The settings of the constructor, with the mappings in force.
+  const SlaveSideSettings& settings() const noexcept { return settings_; }
+
+  /// True while an upload or download block is open.
+  bool transfer_open() const noexcept { return transfer_.phase == OpenBlock::Phase::open; }
+
+ private:
+  struct OpenBlock {
+    enum class Phase : std::uint8_t { none, beginning, open };  ///< `beginning`: begin_block answered busy
+    Phase phase = Phase::none;
+    TransferInitialise initialise;
+    std::uint16_t length = 0;
+    std::uint16_t expected = 0;  ///< next offset
+  };
+
+  std::optional<can::Frame> answer(const ReferenceTelegram& telegram) noexcept;
+  std::optional<can::Frame> answer(const ParameterCommand& command) noexcept;
+  /// Answers a transfer telegram to this slave; one answered well before gets the remembered answer.
+  template <class Command>
+  std::optional<can::Frame> serve_transfer(const Command& command) noexcept;
+  TransferReply answer(const TransferInitialise& initialise) noexcept;
+  TransferReply answer(const UploadBlock& block) noexcept;
+  TransferReply answer(const DownloadBlock& block) noexcept;
+  TransferError check_length(const TransferInitialise& initialise) const noexcept;
+  TransferError check_order(TransferInitialise::Direction direction, BlockOffset offset,
+                            bool last) const noexcept;
+  /// The reply to a block telegram with the application's answer; moves on to the next block.
+  TransferReply block_done(BlockOffset offset, bool last,
+                           const SlaveApplication::BlockAnswer& answer) noexcept;
+  TransferReply refuse(BlockOffset offset, TransferError error) const noexcept;
+  void drop_transfer() noexcept;
+  std::size_t bytes_due() const noexcept;
+  void take(const ActionCommand& action) noexcept;
+  void take(const ActualTelegram& telegram) noexcept;
+
+  // What every interval touches comes first, to lie together.
+  State state_ = State::start_up;
+  bool sync_activated_ = false;
+  std::array<bool, kChannels> fresh_ = {};
+  std::array<bool, kChannels> released_ = {};
+  Values references_ = {};
+  Values actual_ = {};
+  SlaveSideSettings settings_;
+  SlaveApplication& application_;
+  std::optional<ParameterCommand> pending_;  ///< answered busy
+  OpenBlock transfer_;
+  std::optional<Telegram> answered_;  ///< transfer telegram answered last, without busy or error
+  can::Frame last_answer_;            ///< its answer
+  std::array<Values, kSlaves> monitored_ = {};
+  std::array<std::array<std::uint32_t, kChannels>, kSlaves> monitored_count_ = {};
+};
+
+}  // namespace cansync

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cansync/channel/jobs.h"
+#include "cansync/channel/parameter_job.h"
+#include "cansync/settings/settings.h"
+#include "cansync/telegram/numbers.h"
+#include "cansync/telegram/telegram.h"
+
+namespace cansync {
+
+/// Goes through the list of parameters that a slave must have after it was away: reads each and compares, or
+/// writes each and reads it back. Ends at the first that is not right. Pure state machine, realtime safe.
+class ReturnCheck {
+ public:
+  /// Begins at the first parameter; over at once when the slave has none or is simply released. `settings`
+  /// must stay; `monitoring` is the longest time of each read and write, in intervals.
+  void begin(const SlaveSettings& settings, SlaveNumber slave, IntervalNumber monitoring) noexcept;
+  /// Gives up without a result.
+  void stop() noexcept { settings_ = nullptr; }
+
+  /// False: never begun, over, or given up.
+  bool running() const noexcept { return settings_ != nullptr; }
+
+  /// The telegram to send now, while running. Writes are sent again when unanswered: the value is the same.
+  ParameterCommand telegram() const noexcept { return job_.telegram(); }
+  /// The telegram was handed to the bus.
+  void sent(IntervalNumber now) noexcept { job_.sent(now); }
+  /// A parameter reply of this slave. Step::ended: not running any more; see `passed`.
+  Step answered(const ParameterReply& reply, IntervalNumber now) noexcept;
+  /// To be asked once an interval while running: ends a read or write that takes too long.
+  Step check_time(IntervalNumber now) noexcept;
+
+  /// After the end: did every parameter have its value?
+  bool passed() const noexcept { return failure_ == nullptr; }
+  /// Parameters that were right.
+  unsigned checked() const noexcept { return at_; }
+  /// After a failure: the parameter that was not right, and how reading or writing it ended. Done: it has
+  /// another value, `found().value`.
+  const ReturnParameter& failed() const noexcept { return *failure_; }
+  /// Result of the read or write that was last; while running, of the one under way.
+  const ParameterResult& found() const noexcept { return job_.result(); }
+
+ private:
+  const ReturnParameter& wanted() const noexcept { return settings_->return_parameters[at_]; }
+  void ask(bool write) noexcept;
+  Step step_ended() noexcept;
+
+  const SlaveSettings* settings_ = nullptr;
+  const ReturnParameter* failure_ = nullptr;
+  SlaveNumber slave_;
+  IntervalNumber monitoring_ = 1;
+  unsigned at_ = 0;
+  ParameterJob job_;
+};
+
+}  // namespace cansync

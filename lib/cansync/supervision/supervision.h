@@ -1,0 +1,149 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "cansync/master.h"
+#include "cansync/settings/settings.h"
+#include "cansync/supervision/return_check.h"
+#include "cansync/supervision/slave_state.h"
+#include "cansync/telegram/numbers.h"
+#include "cansync/telegram/telegram.h"
+
+namespace cansync {
+
+/// A slave that answers for so long without being synchronized is activated again: it may have missed the
+/// activation. Slaves need up to seconds to synchronize (M 3.2.2.3).
+inline constexpr Duration kActivateAgain = std::chrono::seconds(5);
+
+/// Knows which slaves respond and are synchronized: sends "SYNC mode: activate", reads status words, counts
+/// silence (M 3.2.0.1, 3.2.2.3, 3.2.2.7), and holds a slave out that was away until it is synchronized and
+/// has passed its list of parameters. Realtime safe; not thread safe.
+class Supervision {
+ public:
+  /// Both must outlive this object; `settings` must have passed `check` (settings_check.h).
+  Supervision(const MasterSettings& settings, MasterListener& listener) noexcept;
+
+  /// Synchronous operation begins in interval `now`: nothing is known of any slave.
+  void begin(IntervalNumber now) noexcept;
+
+  /// A new interval; `active` as in `is_active`.
+  void begin_interval(IntervalNumber now, bool active) noexcept {
+    now_ = now;
+    active_ = active;
+  }
+
+  /// True while the activation, or a slave's first status word of this start-up, is still to be sent: goes
+  /// before jobs.
+  bool urgent() const noexcept { return !to_activate_.empty() || !first_round_.empty(); }
+
+  /// True while status words should not wait for ever behind jobs: in set-up until all are synchronized that
+  /// answer, in active operation when a slave is suspected to be gone or one that is not released is due.
+  bool pressing() const noexcept { return !wanted().empty(); }
+
+  /// What supervision wants to send in this interval; nothing when no status word is due.
+  std::optional<Telegram> telegram() noexcept;
+  /// The telegram was handed to the bus.
+  void sent(const Telegram& telegram) noexcept;
+
+  /// Is this the answer to a status read?
+  bool is_answer(const ParameterReply& reply) const noexcept {
+    return reply.number.value() == settings_.slaves[reply.slave.value()].status_parameter;
+  }
+  /// Takes the answer to a status read, after `responded`.
+  void answered(const ParameterReply& reply) noexcept;
+
+  /// Any telegram of a slave arrived.
+  void seen(SlaveNumber slave) noexcept;
+  /// A response that nobody asked for came from this slave: it is there.
+  void heard(SlaveNumber slave) noexcept { silence_[slave.value()] = 0; }
+  /// A command to this slave got its answer; `response` from the end of the command to the end of the answer.
+  void responded(SlaveNumber slave, std::optional<Duration> response, bool slow) noexcept;
+  /// A command to this slave got no answer. True: it is given up now. Its jobs are to be ended, then `lost`
+  /// called.
+  bool silent(SlaveNumber slave) noexcept;
+  /// This slave was given up, and so many jobs of it were ended.
+  void lost(SlaveNumber slave, unsigned jobs) noexcept;
+  /// A slave that was asked for actual values sent none.
+  void missed_actual(SlaveNumber slave) noexcept;
+
+  /// Nothing can be sent or received: nothing is known of any slave, and each that answers again is
+  /// activated. No event for each slave; whoever tells that the bus is gone has said it all.
+  void bus_lost() noexcept;
+
+  /// The mask of configured slaves that do not yet meet the enable rule. One that is held out does not.
+  SlaveMask missing(EnableRule rule) const noexcept;
+
+  /// Configured slaves that have answered and were not lost since.
+  SlaveMask responding() const noexcept { return responding_; }
+  /// Slaves that have not answered so often in a row that nothing but status reads is sent to them.
+  SlaveMask given_up() const noexcept { return given_up_; }
+  /// Slaves that were away and must not be enabled yet (`is_held_out`).
+  SlaveMask held_out() const noexcept { return held_out_; }
+
+  // --- the lists of parameters of slaves that were away
+
+  /// Slaves whose list is being gone through: one telegram each at a time, on the command channel.
+  SlaveMask checking() const noexcept { return checking_; }
+  /// The read or write that the slave's list needs next. Only for a slave of `checking`.
+  ParameterCommand check_telegram(SlaveNumber slave) const noexcept {
+    return checks_[slave.value()].telegram();
+  }
+  /// The telegram of `check_telegram` was handed to the bus.
+  void check_sent(SlaveNumber slave) noexcept { checks_[slave.value()].sent(now_); }
+  /// False: not the answer.
+  bool check_answered(SlaveNumber slave, const ParameterReply& reply) noexcept;
+  /// Ends what takes too long; once an interval.
+  void check_times() noexcept;
+  /// See `Master::release`.
+  Refusal release(SlaveNumber slave, bool force) noexcept;
+
+  /// What is known of a slave, also of one that is not configured; changes with the next call.
+  const SlaveStatus& status(SlaveNumber slave) const noexcept { return status_[slave.value()]; }
+
+ private:
+  SlaveStatus& at(SlaveNumber slave) noexcept { return status_[slave.value()]; }
+  std::optional<SlaveNumber> next_due() noexcept;
+  bool due(SlaveNumber slave) const noexcept;
+  void set_synchronized(SlaveNumber slave, bool synchronized) noexcept;
+  void tell(MasterEvent::Code code, std::optional<SlaveNumber> slave, std::uint32_t detail = 0) noexcept;
+  SlaveMask wanted() const noexcept;
+  bool wanted(SlaveNumber slave) const noexcept;
+  IntervalNumber pause(SlaveNumber slave) const noexcept;
+  void forget(SlaveNumber slave) noexcept;
+  void change(SlaveNumber slave, SlaveEvent event) noexcept;
+  void take(SlaveNumber slave, SlaveEvent event) noexcept;
+  void synchronized_again(SlaveNumber slave) noexcept;
+  void end_check(SlaveNumber slave) noexcept;
+
+  const MasterSettings& settings_;
+  MasterListener& listener_;
+  SlaveMask configured_;
+  IntervalNumber period_;          ///< between status words of a released slave; 0: never
+  IntervalNumber lost_period_;     ///< of a slave that is given up
+  IntervalNumber recheck_;         ///< of a slave that is neither
+  IntervalNumber monitoring_;      ///< longest time of a read or write of a list
+  IntervalNumber activate_again_;  ///< after an activation that did not help
+  std::array<SlaveStatus, kSlaves> status_ = {};
+  std::array<IntervalNumber, kSlaves> next_read_ = {};
+  std::array<std::uint8_t, kSlaves> silence_ = {};
+  std::array<IntervalNumber, kSlaves> activated_ = {};  ///< when last
+  SlaveMask to_activate_;
+  SlaveMask first_round_;
+  SlaveMask responding_;
+  SlaveMask synchronized_;
+  SlaveMask suspect_;  ///< did not answer, or sent no actual values when asked, and has not answered since
+  SlaveMask given_up_;
+  SlaveMask held_out_;
+  SlaveMask released_;
+  SlaveMask checking_;
+  std::array<ReturnCheck, kSlaves> checks_ = {};
+  std::array<IntervalNumber, kSlaves> suspect_again_ = {};  ///< when missing actual values count again
+  std::uint8_t last_read_ = kSlaves - 1;
+  IntervalNumber now_ = 0;
+  bool active_ = false;
+};
+
+}  // namespace cansync
