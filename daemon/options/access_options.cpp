@@ -1,5 +1,6 @@
 #include <array>
 
+#include "config/fields.h"
 #include "daemon/options/rows.h"
 
 namespace cansyncd {
@@ -9,17 +10,19 @@ using namespace config::rows;  // the table reads better without the prefix in e
 
 constexpr auto kAccessRows = std::to_array<DaemonRow>({
     // --- [access]
-    {reloadable(
-         boolean("access.read_only", "false",
-                 "Refuse every request that would change a drive or the line: writes, downloads, control "
-                 "words, broadcasts, reference values, modes, polling, cursors, mappings. What the master "
-                 "does by itself goes on.")),
-     [](DaemonConfig& c, const Value& v) { c.access.read_only = flag(v); }},
-    {reloadable(
-         boolean("access.profile_rules", "true",
-                 "Refuse a write that the slave's drive profile does not allow: to a parameter that is "
-                 "read-only, outside its limits, or too wide for its format.")),
-     [](DaemonConfig& c, const Value& v) { c.access.profile_rules = flag(v); }},
+    field(
+        [](auto& c) -> auto& { return c.access.read_only; },
+        reloadable(
+            boolean("access.read_only",
+                    "Refuse every request that would change a drive or the line: writes, downloads, control "
+                    "words, broadcasts, reference values, modes, polling, cursors, mappings. What the master "
+                    "does by itself goes on."))),
+    field(
+        [](auto& c) -> auto& { return c.access.profile_rules; },
+        reloadable(
+            boolean("access.profile_rules",
+                    "Refuse a write that the slave's drive profile does not allow: to a parameter that is "
+                    "read-only, outside its limits, or too wide for its format."))),
 });
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <array>
 
+#include "config/fields.h"
 #include "daemon/options/rows.h"
 
 namespace cansyncd {
@@ -9,15 +10,15 @@ using namespace config::rows;  // the table reads better without the prefix in e
 
 constexpr auto kMetricsRows = std::to_array<DaemonRow>({
     // --- [metrics]
-    {string(
-         "metrics.file", OptionType::text, "\"\"", 0, 4096,
-         "File for metrics in OpenMetrics text, for the textfile collector of node_exporter, which wants a "
-         "name that ends in .prom; empty = none. A relative path starts at the configuration file's folder."),
-     [](DaemonConfig& c, const Value& v) { c.metrics.file = words(v); }},
-    {whole_number("metrics.period_s", "10", 1, 3600, "s", "How often that file is written."),
-     [](DaemonConfig& c, const Value& v) {
-       c.metrics.period = std::chrono::seconds(whole<std::int64_t>(v));
-     }},
+    field(
+        [](auto& c) -> auto& { return c.metrics.file; },
+        string(
+            "metrics.file", OptionType::text, 0, 4096,
+            "File for metrics in OpenMetrics text, for the textfile collector of node_exporter, which wants a "
+            "name that ends in .prom; empty = none. A relative path starts at the configuration file's folder.")),
+    duration<std::chrono::seconds>(
+        [](auto& c) -> auto& { return c.metrics.period; },
+        whole_number("metrics.period_s", 1, 3600, "s", "How often that file is written.")),
 });
 
 }  // namespace

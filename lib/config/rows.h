@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,6 +28,8 @@ struct Row {
   void (*apply)(Draft&, const Value&) = nullptr;  ///< takes a value that the option takes
   /// A check beside the option's type; null: none. With `OptionType::other` the only one.
   bool (*takes)(const Draft&, const Value&) = nullptr;
+  /// The default, read from a draft as it is made; null: `option.initial` says it.
+  Value (*initial)(Draft&) = nullptr;
 };
 
 /// The rows of one owner, which fill a whole draft or one part of it.
@@ -37,11 +41,14 @@ class Part {
     Option option;
     std::function<void(Draft&, const Value&)> apply;
     std::function<bool(const Draft&, const Value&)> takes;  ///< empty: as `Row::takes`
+    std::function<Value(Draft&)> initial;                   ///< empty: as `Row::initial`
   };
 
   /// Rows of the draft itself; implicit, so that a list of parts may name them as they are.
   Part(std::span<const Row<Draft>> rows) {
-    for (const Row<Draft>& row : rows) entries_.push_back({row.option, row.apply, row.takes});
+    for (const Row<Draft>& row : rows) {
+      entries_.push_back({row.option, row.apply, row.takes, row.initial});
+    }
   }
 
   /// Rows that fill the draft's member `member`, or a base of it.
@@ -57,6 +64,9 @@ class Part {
         entry.takes = [takes = row.takes, member](const Draft& draft, const Value& value) {
           return takes(draft.*member, value);
         };
+      }
+      if (row.initial != nullptr) {
+        entry.initial = [initial = row.initial, member](Draft& draft) { return initial(draft.*member); };
       }
       entries_.push_back(std::move(entry));
     }
@@ -74,11 +84,13 @@ class Rows {
  public:
   /// As for `Table`; rows of one section keep the order of `parts`.
   Rows(std::span<const Section> sections, const std::vector<Part<Draft>>& parts) {
+    const auto fresh = std::make_unique<Draft>();
     std::vector<Option> options;
     for (const Part<Draft>& part : parts) {
-      for (const Entry& row : part.entries()) {
-        rows_.push_back(row);
+      for (Entry row : part.entries()) {
+        if (row.initial) row.option.initial = initials_.emplace_back(row.initial(*fresh).text);
         options.push_back(row.option);
+        rows_.push_back(std::move(row));
       }
     }
     table_ = Table(sections, std::move(options));
@@ -87,15 +99,10 @@ class Rows {
     });
   }
 
-  const Table& table() const noexcept { return table_; }
+  Rows(const Rows&) = delete;  // the options point at the texts of their defaults
+  Rows& operator=(const Rows&) = delete;
 
-  /// Puts every fixed default into the draft, but those of numbered sections: they are the draft's own.
-  void apply_defaults(Draft& draft) const {
-    for (const Entry& row : rows_) {
-      if (!row.option.has_initial() || table_.is_numbered(row.option.section())) continue;
-      row.apply(draft, *parse_value(std::string(row.option.initial)));
-    }
-  }
+  const Table& table() const noexcept { return table_; }
 
   /// Puts a value into the draft. Returns what was found and what is allowed when the option, one of
   /// `table()`, does not take it.
@@ -111,6 +118,7 @@ class Rows {
  private:
   using Entry = typename Part<Draft>::Entry;
 
+  std::deque<std::string> initials_;
   Table table_;
   std::vector<Entry> rows_;  ///< in the order of the table
 };

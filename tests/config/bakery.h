@@ -3,21 +3,30 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "config/document.h"
-#include "config/rows.h"
+#include "config/fields.h"
 #include "config/settings.h"
 
 /// A table of options that has nothing to do with this project: ovens and their trays.
 namespace bakery {
 
+enum class Day : std::uint8_t { monday, sunday };
+
 struct Shop {
-  std::string town;
-  std::int64_t loaves = -1;
-  bool open = false;
+  std::string town = "Ulm";
+  std::int64_t loaves = 12;
+  bool open = true;
+  std::chrono::microseconds rest{1'500'000};
+  Day closed = Day::sunday;
 };
+
+inline constexpr auto kDays =
+    std::to_array<config::rows::Word<Day>>({{"monday", Day::monday}, {"sunday", Day::sunday}});
 
 /// What rows of two owners fill.
 struct Draft {
@@ -49,12 +58,19 @@ inline const config::Rows<Draft>& rows() {
        [](Draft& d, const Value& v) { d.trays.push_back(words(v)); }},
   });
   static constexpr auto kShop = std::to_array<Row<Shop>>({
-      {string("shop.town", OptionType::identifier, "\"Ulm\"", 1, 8, "Where it is. And where not."),
-       [](Shop& s, const Value& v) { s.town = words(v); }},
-      {whole_number("shop.loaves", "12", 0, 99, "loaves", "Loaves a day."),
-       [](Shop& s, const Value& v) { s.loaves = whole<std::int64_t>(v); }},
-      {reloadable(boolean("shop.open", "true", "Is it open?")),
-       [](Shop& s, const Value& v) { s.open = flag(v); }},
+      field(
+          [](auto& s) -> auto& { return s.town; },
+          string("shop.town", OptionType::identifier, 1, 8, "Where it is. And where not.")),
+      field(
+          [](auto& s) -> auto& { return s.loaves; },
+          whole_number("shop.loaves", 0, 99, "loaves", "Loaves a day.")),
+      field(
+          [](auto& s) -> auto& { return s.open; }, reloadable(boolean("shop.open", "Is it open?"))),
+      duration<std::chrono::milliseconds>(
+          [](auto& s) -> auto& { return s.rest; },
+          whole_number("shop.rest_ms", 0, 9999, "ms", "Between two loaves.")),
+      chosen<kDays>(
+          [](auto& s) -> auto& { return s.closed; }, word("shop.closed", "Day without bread.")),
       {example("4", other("shop.doors", "an even number", "(as the law says)", "Doors.")),
        [](Shop&, const Value&) {}, takes_even},
   });

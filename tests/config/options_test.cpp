@@ -32,7 +32,7 @@ TEST(ConfigTable, StandsInTheOrderOfItsSectionsWhoeverBroughtTheRows) {
     order += std::string(option.key) + " ";
   EXPECT_EQ(
       order,
-      "shop.town shop.loaves shop.open shop.doors oven.number oven.heat oven.tray.number oven.tray.bread ");
+      "shop.town shop.loaves shop.open shop.rest_ms shop.closed shop.doors oven.number oven.heat oven.tray.number oven.tray.bread ");
 }
 
 TEST(ConfigTable, RefusesRowsThatFitNoSection) {
@@ -44,9 +44,26 @@ TEST(ConfigTable, RefusesRowsThatFitNoSection) {
   EXPECT_THROW(config::Table(ovens, {}), std::logic_error) << "a numbered section without an option number";
 }
 
+TEST(ConfigRows, ADefaultIsWhatItsFieldHoldsBeforeAnythingIsRead) {
+  const auto initial = [](const char* key) { return std::string(bakery::rows().table().find(key)->initial); };
+  EXPECT_EQ(initial("shop.town"), "\"Ulm\"");
+  EXPECT_EQ(initial("shop.loaves"), "12");
+  EXPECT_EQ(initial("shop.open"), "true");
+  EXPECT_EQ(initial("shop.rest_ms"), "1500");
+  EXPECT_EQ(initial("shop.closed"), "\"sunday\"");
+}
+
+TEST(ConfigRows, AWordAndADurationGoIntoTheirFields) {
+  bakery::Draft draft;
+  for (const config::Setting& setting : bakery::read("[shop]\nclosed = \"monday\"\nrest_ms = 7\n").items)
+    EXPECT_EQ(bakery::rows().apply(*setting.option, setting.value, draft), std::nullopt) << setting.key;
+  EXPECT_EQ(draft.shop.closed, bakery::Day::monday);
+  EXPECT_EQ(draft.shop.rest, std::chrono::milliseconds(7));
+  EXPECT_EQ(mismatch("shop.closed", "\"friday\""), "found \"friday\"; allowed: \"monday\" or \"sunday\"");
+}
+
 TEST(ConfigRows, EachRowTakesItsOwnValue) {
   bakery::Draft draft;
-  bakery::rows().apply_defaults(draft);
   EXPECT_EQ(draft.shop.town, "Ulm");
   EXPECT_EQ(draft.shop.loaves, 12);
   EXPECT_TRUE(draft.shop.open);
@@ -83,8 +100,9 @@ TEST(ConfigSettings, CarryTheNumbersOfTheirSections) {
 
 TEST(ConfigSettings, ProblemsNamePlaceFindAndRange) {
   EXPECT_EQ(problems("[ship]\n"), "f:1:2: ship: no such section; allowed: [shop], [[oven]], [[oven.tray]]\n");
-  EXPECT_EQ(problems("[shop]\ntwon = 1\n"),
-            "f:2:1: shop.twon: no such option; allowed in this section: town, loaves, open, doors\n");
+  EXPECT_EQ(
+      problems("[shop]\ntwon = 1\n"),
+      "f:2:1: shop.twon: no such option; allowed in this section: town, loaves, open, rest_ms, closed, doors\n");
   EXPECT_EQ(problems("[oven]\nnumber = 1\n"),
             "f:1:2: oven: found single brackets; allowed: sections [[oven]]\n");
   EXPECT_EQ(problems("[[oven]]\nheat = \"gas\"\n"), "f:1:1: oven.number: missing; allowed: 1..4\n");

@@ -15,6 +15,8 @@ TEST(ConfigPrint, TheDefaultFileShowsEveryOptionAndIsTaken) {
             "town = \"Ulm\"\n"
             "# Loaves a day. Allowed: 0..99 loaves.\nloaves = 12\n"
             "# Is it open? Allowed: true or false.\nopen = true\n"
+            "# Between two loaves. Allowed: 0..9999 ms.\nrest_ms = 1500\n"
+            "# Day without bread. Allowed: \"monday\" or \"sunday\".\nclosed = \"sunday\"\n"
             "# Doors. Allowed: an even number. Default: as the law says.\n# doors = 4\n"
             "\n[[oven]]\n# Once for each oven.\n# Which oven. Allowed: 1..4. Default: required.\nnumber = 1\n"
             "# What heats it. Allowed: \"gas\" or \"wood\".\nheat = \"gas\"\n"

@@ -1,5 +1,6 @@
 #include <array>
 
+#include "config/fields.h"
 #include "daemon/cansync/config/rows.h"
 
 namespace cansyncd {
@@ -10,14 +11,21 @@ using namespace rows;
 
 using cansync::EnableRule;
 
+constexpr auto kTarget = std::to_array<Word<StartTarget>>(
+    {{"none", StartTarget::none}, {"setup", StartTarget::setup}, {"active", StartTarget::active}});
+constexpr auto kEnable = std::to_array<Word<EnableRule>>({{"all_synchronized", EnableRule::all_synchronized},
+                                                          {"all_responding", EnableRule::all_responding},
+                                                          {"any", EnableRule::any}});
+
 constexpr auto kBusRows = std::to_array<Row>({
     // --- [bus]
-    {one_number("bus.bit_rate", "1000000", "125000|250000|500000|1000000", "bit/s",
+    {one_number("bus.bit_rate", "", "125000|250000|500000|1000000", "bit/s",
                 "Bit rate; it fixes the interval: 8, 4, 2 or 1 ms."),
      [](Draft& d, const Value& v) {
        d.config.bus.bits_per_second = whole<std::uint32_t>(v);
        d.config.master.bit_rate = cansync::slot_times_for(d.config.bus.bits_per_second)->bit_rate;
-     }},
+     },
+     nullptr, [](Draft& d) { return value_of(d.config.bus.bits_per_second); }},
     {example("50",
              whole_number(
                  "bus.send_margin_us", "(50 bit times)", 0, 1000, "us",
@@ -26,61 +34,63 @@ constexpr auto kBusRows = std::to_array<Row>({
        d.config.master.send_margin = std::chrono::microseconds(whole<std::int64_t>(v));
      }},
     // --- [startup]
-    {choice("startup.target", "\"active\"", "none|setup|active",
-            "How far the daemon goes by itself: none = waits for mode commands; setup = SYNC and command "
-            "channel; active = set-up, then active operation as soon as `enable` allows."),
-     [](Draft& d, const Value& v) {
-       d.config.startup.target = words(v) == "none"    ? StartTarget::none
-                                 : words(v) == "setup" ? StartTarget::setup
-                                                       : StartTarget::active;
-     }},
-    {choice("startup.enable", "\"all_synchronized\"", "all_synchronized|all_responding|any",
+    chosen<kTarget>(
+        [](auto& d) -> auto& { return d.config.startup.target; },
+        word("startup.target",
+             "How far the daemon goes by itself: none = waits for mode commands; setup = SYNC and command "
+             "channel; active = set-up, then active operation as soon as `enable` allows.")),
+    chosen<kEnable>(
+        [](auto& d) -> auto& { return d.config.master.startup.enable; },
+        word(
+            "startup.enable",
             "When active operation may begin: every configured slave responds and is synchronized, every one "
-            "responds, or at once."),
-     [](Draft& d, const Value& v) {
-       d.config.master.startup.enable = words(v) == "any"              ? EnableRule::any
-                                        : words(v) == "all_responding" ? EnableRule::all_responding
-                                                                       : EnableRule::all_synchronized;
-     }},
-    {whole_number("startup.activate_command", "2", 2, 255, "",
-                  "Command number of the action \"SYNC mode: activate\" (unconfirmed)."),
-     [](Draft& d, const Value& v) { d.config.master.startup.activate_command = whole<std::uint8_t>(v); }},
-    {whole_number("startup.activate_data", "1", 0, 255, "", "Data byte of that action (unconfirmed)."),
-     [](Draft& d, const Value& v) { d.config.master.startup.activate_data = whole<std::uint8_t>(v); }},
-    {whole_number("startup.status_parameter", "301", 0, 4095, "",
+            "responds, or at once.")),
+    field(
+        [](auto& d) -> auto& { return d.config.master.startup.activate_command; },
+        whole_number("startup.activate_command", 2, 255, "",
+                     "Command number of the action \"SYNC mode: activate\" (unconfirmed).")),
+    field(
+        [](auto& d) -> auto& { return d.config.master.startup.activate_data; },
+        whole_number("startup.activate_data", 0, 255, "", "Data byte of that action (unconfirmed).")),
+    {whole_number("startup.status_parameter", 0, 4095, "",
                   "Parameter number of the status word of slaves that do not give their own (unconfirmed)."),
      [](Draft& d, const Value& v) {
        for (auto& slave : d.config.master.slaves) slave.status_parameter = whole<std::uint16_t>(v);
-     }},
-    {whole_number("startup.status_period_ms", "1000", 0, 3'600'000, "ms",
-                  "How often each slave's status word is read in active operation; 0 = never."),
-     [](Draft& d, const Value& v) { d.config.master.startup.status_period = milliseconds(v); }},
-    {whole_number(
-         "startup.lost_after", "3", 1, 255, "telegrams",
-         "Unanswered telegrams in a row until a slave counts as lost. Then its jobs end, and new ones are "
-         "refused until it answers again."),
-     [](Draft& d, const Value& v) { d.config.master.startup.lost_after = whole<std::uint8_t>(v); }},
-    {whole_number(
-         "startup.enabling_control_bits", "15", 0, 65535, "",
-         "A control word with all of these bits enables a drive. It is refused for a slave that is lost, or "
-         "was away or lost SYNC and is not released yet; others always pass, so that a drive can be stopped. "
-         "0 = none is refused."),
-     [](Draft& d, const Value& v) {
-       d.config.master.startup.enabling_control_bits = whole<std::uint16_t>(v);
-     }},
+     },
+     nullptr, [](Draft& d) { return value_of(slave_settings(d).status_parameter); }},
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return d.config.master.startup.status_period; },
+        whole_number("startup.status_period_ms", 0, 3'600'000, "ms",
+                     "How often each slave's status word is read in active operation; 0 = never.")),
+    field(
+        [](auto& d) -> auto& { return d.config.master.startup.lost_after; },
+        whole_number(
+            "startup.lost_after", 1, 255, "telegrams",
+            "Unanswered telegrams in a row until a slave counts as lost. Then its jobs end, and new ones are "
+            "refused until it answers again.")),
+    field(
+        [](auto& d) -> auto& { return d.config.master.startup.enabling_control_bits; },
+        whole_number(
+            "startup.enabling_control_bits", 0, 65535, "",
+            "A control word with all of these bits enables a drive. It is refused for a slave that is lost, or "
+            "was away or lost SYNC and is not released yet; others always pass, so that a drive can be stopped. "
+            "0 = none is refused.")),
     // --- [sim]
     {example("[0]", other("sim.drives", kSlavesWords, "(every configured slave)",
                           "Slaves that have a simulated drive; the others stay silent.")),
      [](Draft& d, const Value& v) { d.config.drives.slaves = slave_mask(d.config, v); }, takes_slaves},
-    {whole_number("sim.lock_time_ms", "500", 0, 60'000, "ms",
-                  "Time from activation to bit 15 of a drive's status word."),
-     [](Draft& d, const Value& v) { d.config.drives.lock_time = milliseconds(v); }},
-    {whole_number("sim.memory_bytes", "262144", 4096, 16'777'216, "bytes",
-                  "Memory of each drive for uploads and downloads."),
-     [](Draft& d, const Value& v) { d.config.drives.memory = whole<std::uint32_t>(v); }},
-    {whole_number("sim.missing_references", "10", 0, 65535, "intervals",
-                  "Intervals in a row without reference values until a drive faults; 0 = never."),
-     [](Draft& d, const Value& v) { d.config.drives.missing_references = whole<std::uint16_t>(v); }},
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return d.config.drives.lock_time; },
+        whole_number("sim.lock_time_ms", 0, 60'000, "ms",
+                     "Time from activation to bit 15 of a drive's status word.")),
+    field(
+        [](auto& d) -> auto& { return d.config.drives.memory; },
+        whole_number("sim.memory_bytes", 4096, 16'777'216, "bytes",
+                     "Memory of each drive for uploads and downloads.")),
+    field(
+        [](auto& d) -> auto& { return d.config.drives.missing_references; },
+        whole_number("sim.missing_references", 0, 65535, "intervals",
+                     "Intervals in a row without reference values until a drive faults; 0 = never.")),
 });
 
 }  // namespace

@@ -85,7 +85,6 @@ ConfigFile build_config(Settings settings, const std::string& path) {
   file.path = path;
   file.problems = std::move(settings.problems);
   Draft draft;
-  option_rows().apply_defaults(draft);
   apply_settings(draft, settings.items, file.problems);
   apply_derived(draft.config, settings.items);
   apply_derived_of_line(draft.config, settings.items);

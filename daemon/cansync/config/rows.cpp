@@ -67,6 +67,12 @@ cansync::Cursor rows::to_cursor(const Config& config, const Value& value) {
   return slave ? cansync::Cursor{Kind::fixed, *slave} : cansync::Cursor{Kind::nobody, {}};
 }
 
+Value rows::to_value(const cansync::Cursor& cursor) {
+  using Kind = cansync::Cursor::Kind;
+  if (cursor.kind == Kind::fixed) return config::scalar_value(std::int64_t{cursor.slave.value()});
+  return config::scalar_value(std::string(cursor.kind == Kind::automatic ? "automatic" : "nobody"));
+}
+
 cansync::SlaveMask rows::slave_mask(const Config& config, const Value& value) {
   cansync::SlaveMask mask;
   for (const Scalar& item : value.items) {

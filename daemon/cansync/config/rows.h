@@ -46,6 +46,8 @@ bool takes_flags(const Draft& draft, const Value& value);
 std::optional<cansync::SlaveNumber> find_slave(const Config& config, const Scalar& who);
 
 cansync::Cursor to_cursor(const Config& config, const Value& value);
+/// The same the other way round.
+Value to_value(const cansync::Cursor& cursor);
 
 cansync::SlaveMask slave_mask(const Config& config, const Value& value);
 

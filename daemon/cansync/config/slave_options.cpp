@@ -1,5 +1,6 @@
 #include <array>
 
+#include "config/fields.h"
 #include "daemon/cansync/config/return_parameters.h"
 #include "daemon/cansync/config/rows.h"
 
@@ -10,6 +11,10 @@ using namespace config::rows;  // the table reads better without the prefix in e
 using namespace rows;
 
 constexpr std::int64_t kLongestPath = 4096;
+
+constexpr auto kOnReturn = std::to_array<Word<cansync::OnReturn>>({{"release", cansync::OnReturn::release},
+                                                                   {"check", cansync::OnReturn::check},
+                                                                   {"write", cansync::OnReturn::write}});
 
 constexpr auto kSlaveRows = std::to_array<Row>({
     // --- [slave]
@@ -45,21 +50,19 @@ constexpr auto kSlaveRows = std::to_array<Row>({
     {example("[false, true, false, true]",
              reloadable(other("slave.actual_high_2", kFlagsWords, "(process.actual_high_2)", kSecondHelp))),
      [](Draft& d, const Value& v) { d.actual[d.slave][1].high = four<bool>(v); }, takes_flags},
-    {reloadable(string("slave.profile", OptionType::text, "\"\"", 0, kLongestPath,
-                       "Drive profile of this slave: a name, looked up as NAME.toml in the folder profiles "
-                       "beside this file, /etc/cansync/profiles, /usr/local/share/cansync/profiles and "
-                       "/usr/share/cansync/profiles; or a file, with '/' or .toml. Empty = none.")),
-     [](Draft& d, const Value& v) { d.config.slaves[d.slave].profile = words(v); }},
-    {choice(
-         "slave.on_return", "\"release\"", "release|check|write",
-         "When this slave was away or lost SYNC and is synchronized again: release = it may be used at once; "
-         "check = when every return parameter has its value; write = when each was written and read back."),
-     [](Draft& d, const Value& v) {
-       using cansync::OnReturn;
-       slave_settings(d).on_return = words(v) == "check"   ? OnReturn::check
-                                     : words(v) == "write" ? OnReturn::write
-                                                           : OnReturn::release;
-     }},
+    field(
+        [](auto& d) -> auto& { return d.config.slaves[d.slave].profile; },
+        reloadable(
+            string("slave.profile", OptionType::text, 0, kLongestPath,
+                   "Drive profile of this slave: a name, looked up as NAME.toml in the folder profiles "
+                   "beside this file, /etc/cansync/profiles, /usr/local/share/cansync/profiles and "
+                   "/usr/share/cansync/profiles; or a file, with '/' or .toml. Empty = none."))),
+    chosen<kOnReturn>(
+        [](auto& d) -> auto& { return slave_settings(d).on_return; },
+        word(
+            "slave.on_return",
+            "When this slave was away or lost SYNC and is synchronized again: release = it may be used at once; "
+            "check = when every return parameter has its value; write = when each was written and read back.")),
     {other(
          "slave.return_parameters", kReturnParametersWords, "[]",
          "The parameters for check and write, in this order. A value is raw, as on the bus: no sign, and at "

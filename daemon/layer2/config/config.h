@@ -28,6 +28,8 @@ struct SimNodeConfig {
 
 /// Everything.
 struct Layer2Config : DaemonConfig {
+  Layer2Config() { bus.bits_per_second = 500'000; }
+
   std::vector<layer2::ReceiveRange> receive;  ///< by number, at most RangeFilter::kMostRanges, all in order
   SendConfig send;
   std::vector<SimNodeConfig> nodes;  ///< by number, each once

@@ -62,7 +62,6 @@ Layer2File build_layer2_config(config::Settings settings, const std::string& pat
   file.path = path;
   file.problems = std::move(settings.problems);
   Layer2Draft draft;
-  layer2_option_rows().apply_defaults(draft);
   for (const config::Setting& setting : settings.items) {
     draft.number = setting.numbers.empty() ? 0 : static_cast<unsigned>(setting.numbers.front());
     if (auto text = layer2_option_rows().apply(*setting.option, setting.value, draft))

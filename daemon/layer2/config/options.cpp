@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/fields.h"
 #include "config/print.h"
 #include "daemon/options/rows.h"
 
@@ -49,18 +50,26 @@ constexpr auto kProtocol = std::to_array<DaemonRow>({
     {rows::protocol_option(kLayer2Protocol, "\"layer2\""), [](DaemonConfig&, const Value&) {}},
 });
 
+constexpr auto kKinds =
+    std::to_array<Word<layer2::FrameKinds>>({{"data_and_remote", layer2::FrameKinds::data_and_remote},
+                                             {"data", layer2::FrameKinds::data},
+                                             {"remote", layer2::FrameKinds::remote}});
+
 constexpr auto kRows = std::to_array<Layer2Row>({
     // --- [bus]
-    {one_number("bus.bit_rate", "500000", "10000|20000|50000|100000|125000|250000|500000|800000|1000000",
-                "bit/s", "Bit rate; a CAN interface must be set to the same."),
-     [](Layer2Draft& d, const Value& v) { d.config.bus.bits_per_second = whole<std::uint32_t>(v); }},
+    field(
+        [](auto& d) -> auto& { return d.config.bus.bits_per_second; },
+        one_number("bus.bit_rate", "10000|20000|50000|100000|125000|250000|500000|800000|1000000", "bit/s",
+                   "Bit rate; a CAN interface must be set to the same.")),
     // --- [send]
-    {whole_number("send.queue", "64", 1, 256, "requests",
-                  "Requests that may wait to be sent; more wait at their clients' turn, or are refused."),
-     [](Layer2Draft& d, const Value& v) { d.config.send.queue = whole<std::uint16_t>(v); }},
-    {whole_number("send.timeout_ms", "1000", 1, kLongestTime, "ms",
-                  "Monitoring time of requests that name none: until the frame stands on the bus."),
-     [](Layer2Draft& d, const Value& v) { d.config.send.timeout = milliseconds(v); }},
+    field(
+        [](auto& d) -> auto& { return d.config.send.queue; },
+        whole_number("send.queue", 1, 256, "requests",
+                     "Requests that may wait to be sent; more wait at their clients' turn, or are refused.")),
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return d.config.send.timeout; },
+        whole_number("send.timeout_ms", 1, kLongestTime, "ms",
+                     "Monitoring time of requests that name none: until the frame stands on the bus.")),
     // --- [[receive]]
     {config::rows::label("receive.number", layer2::RangeFilter::kMostRanges - 1,
                          "Place among the ranges: of several that take a frame the first counts."),
@@ -71,28 +80,28 @@ constexpr auto kRows = std::to_array<Layer2Row>({
     {example("0x7FF", whole_number("receive.last", "(the largest)", 0, kLargestIdentifier, "",
                                    "Last identifier that is received.")),
      [](Layer2Draft& d, const Value& v) { range(d).last = whole<std::uint32_t>(v); }},
-    {boolean("receive.extended", "false", "29-bit identifiers; false = 11-bit ones."),
-     [](Layer2Draft& d, const Value& v) { range(d).extended = flag(v); }},
-    {choice("receive.kinds", "\"data_and_remote\"", "data_and_remote|data|remote",
-            "Which kinds of frames are received."),
-     [](Layer2Draft& d, const Value& v) {
-       range(d).kinds = words(v) == "data"     ? layer2::FrameKinds::data
-                        : words(v) == "remote" ? layer2::FrameKinds::remote
-                                               : layer2::FrameKinds::data_and_remote;
-     }},
+    field(
+        [](auto& d) -> auto& { return range(d).extended; },
+        boolean("receive.extended", "29-bit identifiers; false = 11-bit ones.")),
+    chosen<kKinds>(
+        [](auto& d) -> auto& { return range(d).kinds; },
+        word("receive.kinds", "Which kinds of frames are received.")),
     // --- [[node]]
     {config::rows::label("node.number", 31, "Number of the simulated node."),
      [](Layer2Draft& d, const Value&) { d.nodes[d.number].given = true; }},
-    {whole_number("node.identifier", "0", 0, kLargestIdentifier, "", "Identifier of its data frame."),
-     [](Layer2Draft& d, const Value& v) { node(d).frame.id = whole<std::uint32_t>(v); }},
-    {boolean("node.extended", "false", "The identifier has 29 bits; false = 11."),
-     [](Layer2Draft& d, const Value& v) { node(d).frame.extended = flag(v); }},
+    field(
+        [](auto& d) -> auto& { return node(d).frame.id; },
+        whole_number("node.identifier", 0, kLargestIdentifier, "", "Identifier of its data frame.")),
+    field(
+        [](auto& d) -> auto& { return node(d).frame.extended; },
+        boolean("node.extended", "The identifier has 29 bits; false = 11.")),
     {example("[0x01, 0x02]", other("node.data", "a list of at most eight numbers 0..255", "([])",
                                    "Its data bytes. With a period the first counts up.")),
      put_data, takes_data},
-    {whole_number("node.period_ms", "0", 0, kLongestTime, "ms",
-                  "Between two of its frames; 0 = sent as the answer to remote frames alone."),
-     [](Layer2Draft& d, const Value& v) { node(d).period = milliseconds(v); }},
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return node(d).period; },
+        whole_number("node.period_ms", 0, kLongestTime, "ms",
+                     "Between two of its frames; 0 = sent as the answer to remote frames alone.")),
 });
 
 /// Options of the daemon that mean nothing without slaves, intervals and SYNC edges.
