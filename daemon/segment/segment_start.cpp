@@ -10,6 +10,7 @@
 
 #include "daemon/bus/sim_bus.h"
 #include "daemon/loop/realtime_text.h"
+#include "dds/gateway_topics.h"
 #include "dds/security.h"
 #include "rt/kernel_type.h"
 #include "sync/system.h"
@@ -27,21 +28,22 @@ config::Position place_of(std::string_view key, const std::vector<config::Settin
 }
 
 /// What is wrong with the daemon's identity; nothing also without DDS Security.
-std::optional<std::string> security_problem(const DdsConfig& config, std::string_view status_topic) {
+std::optional<std::string> security_problem(const DdsConfig& config) {
   const std::string& folder = config.security;
   if (folder.empty()) return std::nullopt;
   if (auto problem = gateway::dds::security_problem(folder, config.partition)) return problem;
-  if (gateway::dds::may_publish(folder, status_topic)) return std::nullopt;
-  return fmt::format("{}: is an identity of a client ({}); allowed: one made with --role daemon", folder,
-                     gateway::dds::security_subject(folder));
+  if (gateway::dds::may_publish(folder, gateway::dds::topic_info<gateway_GatewayStatus>.name))
+    return std::nullopt;
+  return fmt::format(
+      "{}: is an identity of a client, or older than data model 7 ({}); allowed: one made with --role daemon",
+      folder, gateway::dds::security_subject(folder));
 }
 
 }  // namespace
 
 std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
                                                 const std::vector<config::Setting>& settings,
-                                                const std::string& path, const sim::FaultProtocol& faults,
-                                                std::string_view status_topic) {
+                                                const std::string& path, const sim::FaultProtocol& faults) {
   if (config.bus.kind != BusKind::simulated && !config.sim.trace.empty()) {
     return {{place_of("sim.trace", settings, path), "sim.trace",
              fmt::format("found with bus.interface = \"{0}\"; allowed: with the simulated bus alone. A CAN "
@@ -49,7 +51,7 @@ std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
                          config.bus.interface)}};
   }
   std::vector<config::Problem> problems = check_fault_script(config, faults);
-  if (auto wrong = security_problem(config.dds, status_topic))
+  if (auto wrong = security_problem(config.dds))
     problems.push_back({place_of("dds.security", settings, path), "dds.security", *std::move(wrong)});
   return problems;
 }

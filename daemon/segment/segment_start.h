@@ -21,11 +21,10 @@ namespace cansyncd {
 
 /// What a file says of the system around it, and what is wrong with that: a trace of a bus that is not
 /// simulated, the fault script (`faults`: what scripts know of the protocol), the daemon's identity for DDS
-/// Security, which must be allowed to write the topic `status_topic`. Empty: nothing.
+/// Security, which must be allowed to write GatewayStatus. Empty: nothing.
 std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
                                                 const std::vector<config::Setting>& settings,
-                                                const std::string& path, const sim::FaultProtocol& faults,
-                                                std::string_view status_topic);
+                                                const std::string& path, const sim::FaultProtocol& faults);
 
 /// What the realtime thread asks of the system.
 rt::RealtimeSettings realtime_settings(const RealtimeConfig& config);

@@ -3,12 +3,15 @@
 #include "dds/topic.h"
 #include "gateway.h"
 
-/// Topics of gateway.idl.
+/// Topics of gateway.idl, which every bus has.
 namespace gateway::dds {
 
 template <>
 inline constexpr TopicInfo topic_info<gateway_JobCancel> = {"JobCancel", &gateway_JobCancel_desc,
                                                             kFromClients, kind::request()};
+template <>
+inline constexpr TopicInfo topic_info<gateway_GatewayStatus> = {"GatewayStatus", &gateway_GatewayStatus_desc,
+                                                                kFromDaemon, kind::state()};
 template <>
 inline constexpr TopicInfo topic_info<gateway_Event> = {"Event", &gateway_Event_desc, kFromDaemon,
                                                         kind::events()};

@@ -121,6 +121,11 @@ class FakeDaemon {
   }
 
   void publish_state() {
+    gateway_GatewayStatus gateway = {};
+    gateway::dds::copy_text(participant_.options().partition, gateway.bus);
+    gateway.data_model = gateway_DATA_MODEL;
+    std::copy(identity_.begin(), identity_.end(), std::begin(gateway.daemon));
+    (void)gateway_writer_.write(gateway);
     cansync_MasterStatus master = {};
     cansync::dds::fill_master_status(settings_, {}, cansync::State::active_master, master);
     gateway::dds::copy_text(participant_.options().partition, master.bus);
@@ -280,6 +285,7 @@ class FakeDaemon {
   gateway::dds::Writer<cansync_TransferReply> transfer_writer_{participant_};
   gateway::dds::Writer<cansync_TransferProgress> progress_writer_{participant_};
   gateway::dds::Writer<cansync_CommandReply> command_writer_{participant_};
+  gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_{participant_};
   gateway::dds::Writer<cansync_MasterStatus> master_writer_{participant_};
   gateway::dds::Writer<cansync_SlaveStatus> slave_writer_{participant_};
   gateway::dds::Writer<cansync_ActualValues> actual_writer_{participant_};

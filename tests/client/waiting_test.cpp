@@ -2,7 +2,9 @@
 #include <cansync/topics.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <future>
+#include <iterator>
 #include <string>
 
 #include "client/fake_daemon.h"
@@ -33,7 +35,9 @@ TEST_F(WaitingTest, ForAStateThatIsThereAndOneThatNeverComes) {
   const auto active =
       client->wait_status([](const MasterStatus& s) { return s.option_status == 0x80; }, seconds(20));
   ASSERT_TRUE(active);
-  EXPECT_EQ(text(active->bus), places.here.partition);
+  EXPECT_EQ(text(client->gateway_status().bus), places.here.partition);
+  EXPECT_TRUE(
+      std::equal(std::begin(active->daemon), std::end(active->daemon), client->gateway_status().daemon));
   EXPECT_FALSE(
       client->wait_status([](const MasterStatus& s) { return s.option_status == 0x43; }, milliseconds(20)));
 }

@@ -42,6 +42,7 @@ daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/segment:             lib/config lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
                             daemon/bus
+daemon/status:              idl lib/dds daemon/config daemon/service daemon/desk
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
@@ -56,16 +57,17 @@ daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds lib/
                             daemon/service daemon/bus daemon/cansync/config daemon/cansync/texts daemon/desk
 daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
                             daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
-                            daemon/cansync/status
-daemon/cansync/segment:     lib/cansync lib/rt lib/dds lib/cansync/dds lib/cansync/sim daemon/service daemon/bus
+                            daemon/status daemon/cansync/status
+daemon/cansync/segment:     lib/cansync lib/rt lib/dds lib/cansync/sim daemon/service daemon/bus
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
 daemon/layer2:              lib/can lib/layer2 lib/rt
 daemon/layer2/config:       lib/config lib/can lib/layer2 daemon/config daemon/options
 daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/layer2
 daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/config daemon/service daemon/bus daemon/desk
+                            daemon/status
                             daemon/layer2 daemon/layer2/config
-daemon/layer2/segment:      lib/config lib/can lib/rt lib/dds lib/layer2/dds lib/layer2/sim daemon/service daemon/loop
+daemon/layer2/segment:      lib/config lib/can lib/rt lib/dds lib/layer2/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
@@ -102,7 +104,7 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
 # Rooms of the daemon that every protocol has: its words, but not the paths of this product.
 CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[A-Z]|"cansync[.]h"|namespace cansync\b')
-                  for room in "config service loop bus options segment desk".split()}
+                  for room in "config service loop bus options segment desk status".split()}
 # Rooms of the daemon within a room are a protocol's; the one file beside them that may include them.
 PROTOCOL_LIST = "daemon/protocols.cpp"
 # What a protocol's library has beside its core: rooms of their own.

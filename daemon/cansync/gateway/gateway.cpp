@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "daemon/cansync/config/options.h"
 #include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/gateway_requests.h"
 #include "daemon/service/service.h"
@@ -32,6 +33,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
     : config_(config),
       exchange_(exchange),
       events_(participant, journal, config.bus.name),
+      common_(participant, config, kMasterProtocol, identity),
       state_(participant, config, identity),
       trail_(journal, events_, config.bus.name, cansync::kSlaves),
       audit_(trail_, config),
@@ -112,6 +114,8 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   }
   const auto failsafe_due = failsafe_.push(exchange_, now);
   state_.set_clients(jobs_.clients(), jobs_.rejections());
+  common_.set_clients(jobs_.clients(), jobs_.rejections());
+  due = std::min(due, common_.step(now));
   for (const auto next : {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
                           status_line_.step(state_.master(), config_, now), metrics_->step(state_, now)}) {
     if (next) due = std::min(due, *next);
@@ -167,6 +171,7 @@ void Gateway::take_configuration(SteadyTime now) {
   for (const Request& request : changes(config_, *taken)) jobs_.give(request);
   take_changeable(*taken, config_);
   state_.set_names(config_);
+  common_.set_access(config_.access);
   references_.set_maximum_age(config_.failsafe.reference_max_age);
   references_.set_refusal(read_only_refusal_of_references(config_));
   events_.publish(

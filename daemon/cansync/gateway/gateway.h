@@ -17,6 +17,7 @@
 #include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/job_desk.h"
 #include "daemon/service/daemon_identity.h"
+#include "daemon/status/common_status.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 
@@ -87,6 +88,7 @@ class Gateway {
   Exchange& exchange_;
   gateway::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
+  CommonStatus common_;
   StatePublisher state_;
   AuditTrail trail_;
   RequestAudit audit_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "can/bus_names.h"
+#include "daemon/layer2/config/options.h"
 #include "daemon/layer2/gateway/bus_events.h"
 #include "dds/bounded_text.h"
 #include "layer2/dds/convert.h"
@@ -28,6 +29,7 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
       exchange_(exchange),
       identity_(identity),
       events_(participant, journal, config.bus.name),
+      common_(participant, config, kLayer2Protocol, identity),
       trail_(journal, events_, config.bus.name, 0),
       jobs_(participant, signal_, events_, trail_, SendRequests(config.send), !config.dds.security.empty()),
       batches_(participant, 0, &signal_),
@@ -77,7 +79,8 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
   posted_.publish(events_, now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait && jobs_.take_requests(jobs)) signal_.raise();
-  SteadyTime due = publish_status(now);
+  common_.set_clients(jobs_.clients(), jobs_.rejections());
+  SteadyTime due = std::min(common_.step(now), publish_status(now));
   for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next()}) {
     if (next) due = std::min(due, *next);
   }
@@ -93,6 +96,7 @@ void FrameGateway::take_configuration(SteadyTime now) {
   if (!taken) return;
   config_.access = taken->access;
   config_.dds.request_max_age = taken->dds.request_max_age;
+  common_.set_access(config_.access);
   status_due_ = true;
   events_.publish(
       {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);

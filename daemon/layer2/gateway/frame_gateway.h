@@ -17,6 +17,7 @@
 #include "daemon/layer2/gateway/send_requests.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
+#include "daemon/status/common_status.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -85,6 +86,7 @@ class FrameGateway {
   const DaemonIdentity identity_;
   gateway::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
+  CommonStatus common_;
   AuditTrail trail_;
   JobDesk<SendRequests> jobs_;
   gateway::dds::Writer<layer2_FrameBatch> batches_;

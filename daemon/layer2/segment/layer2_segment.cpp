@@ -9,7 +9,6 @@
 #include "can/frame_filter.h"
 #include "config/reload.h"
 #include "daemon/segment/segment_start.h"
-#include "layer2/dds/topics.h"
 #include "layer2/sim/frame_faults.h"
 #include "layer2/sim/frame_node.h"
 
@@ -41,8 +40,7 @@ SimPlan sim_plan(const Layer2Config& config) {
 Layer2File load_layer2_checked(const std::string& path, std::span<const std::string> overrides) {
   Layer2File file = load_layer2_config(path, overrides);
   if (file.problems.empty()) {
-    file.problems = check_surroundings(file.config, file.settings, path, sim::frame_faults(),
-                                       gateway::dds::topic_info<layer2_BusStatus>.name);
+    file.problems = check_surroundings(file.config, file.settings, path, sim::frame_faults());
   }
   return file;
 }

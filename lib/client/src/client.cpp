@@ -125,6 +125,10 @@ std::uint32_t Client::participants() const noexcept {
   return link_->participant().others();
 }
 
+GatewayStatus Client::gateway_status() const {
+  return link_->open<GatewayStatus>().known().front();
+}
+
 MasterStatus Client::master_status() const {
   return link_->open<MasterStatus>().known().front();
 }
@@ -198,16 +202,18 @@ std::vector<Event> Client::recent_events(std::chrono::milliseconds quiet) const 
 Subscription Client::on_actual_values(std::function<void(const ActualValues&)> callback) {
   return link_->subscribe<ActualValues>(std::move(callback));
 }
+Subscription Client::on_gateway_status(std::function<void(const GatewayStatus&)> callback) {
+  return link_->subscribe<GatewayStatus>(std::move(callback));
+}
 Subscription Client::on_master_status(std::function<void(const MasterStatus&)> callback) {
   return link_->subscribe<MasterStatus>(std::move(callback));
 }
-Subscription Client::on_restart(std::function<void(const MasterStatus&)> callback) {
+Subscription Client::on_restart(std::function<void(const GatewayStatus&)> callback) {
   using Identity = std::array<std::uint8_t, 16>;
-  return on_master_status(
-      [callback = std::move(callback), known = Identity{}](const MasterStatus& status) mutable {
+  return on_gateway_status(
+      [callback = std::move(callback), known = Identity{}](const GatewayStatus& status) mutable {
         Identity now{};
         std::copy(std::begin(status.daemon), std::end(status.daemon), now.begin());
-        if (now == Identity{}) return;
         const Identity before = std::exchange(known, now);
         if (before != Identity{} && before != now) callback(status);
       });

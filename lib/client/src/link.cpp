@@ -42,9 +42,10 @@ Link::~Link() {
 }
 
 void Link::connect(std::chrono::milliseconds wait) {
-  // The master's status comes through the reader that is announced last: when the daemon has sent it here, it
-  // knows every reply reader too, and no reply can get lost.
+  // These come through the readers that are announced last: when the daemon has sent both here, it knows
+  // every reply reader too, and no reply can get lost.
   open<MasterStatus>();
+  open<GatewayStatus>();
   receiver_ = std::thread([this] { receive(); });
   std::unique_lock lock(mutex_);
   if (!ready_changed_.wait_for(lock, wait, [&] { return ready_; })) {
@@ -117,7 +118,8 @@ bool Link::everything_matched(std::size_t daemons) const {
   const auto hear = [&](const auto& writer) { return !writer.permitted() || writer.matched() >= daemons; };
   return hear(parameter_writer_) && hear(transfer_writer_) && hear(command_writer_) && hear(cancel_writer_) &&
          (!engineer_writer_ || hear(*engineer_writer_)) && heard_by(parameter_reader_) &&
-         heard_by(transfer_reader_) && heard_by(command_reader_) && master_.heard() >= daemons;
+         heard_by(transfer_reader_) && heard_by(command_reader_) && master_.heard() >= daemons &&
+         gateway_.heard() >= daemons;
 }
 
 Daemons Link::matched_daemons() const {
@@ -181,6 +183,7 @@ void Link::end_overdue_jobs() {
 }
 
 void Link::dispatch_feeds() {
+  gateway_.dispatch();
   master_.dispatch();
   slaves_.dispatch();
   actual_.dispatch();

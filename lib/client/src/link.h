@@ -116,6 +116,7 @@ class Link : public std::enable_shared_from_this<Link> {
   dds::Reader<cansync_CommandReply> command_reader_{participant_, &signal_};
 
   SettingsBook settings_;
+  Feed<GatewayStatus> gateway_;
   Feed<MasterStatus> master_;
   Feed<SlaveStatus> slaves_;
   Feed<ActualValues> actual_;
@@ -139,6 +140,10 @@ class Link : public std::enable_shared_from_this<Link> {
   std::thread receiver_;
 };
 
+template <>
+inline Feed<GatewayStatus>& Link::feed() {
+  return gateway_;
+}
 template <>
 inline Feed<MasterStatus>& Link::feed() {
   return master_;

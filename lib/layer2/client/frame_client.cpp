@@ -47,6 +47,7 @@ FrameClient::FrameClient(const Options& options)
       replies_(participant_, &signal_),
       batches_(participant_, &signal_),
       status_(participant_, &signal_),
+      gateway_(participant_, &signal_),
       requests_(participant_, 0, &signal_),
       cancels_(participant_, 0, &signal_) {
   const auto end = steady_clock::now() + options.wait;
@@ -60,11 +61,16 @@ FrameClient::FrameClient(const Options& options)
     }
     (void)signal_.wait(static_cast<int>(kLook.count()));
     signal_.clear();
+    take_gateway_status();
   }
 }
 
+void FrameClient::take_gateway_status() {
+  gateway_.take([this](const gateway_GatewayStatus& sample) { gateway_newest_ = sample; });
+}
+
 bool FrameClient::matched() const noexcept {
-  return replies_.matched() != 0 && batches_.matched() != 0 && status_.matched() != 0 &&
+  return gateway_newest_ && replies_.matched() != 0 && batches_.matched() != 0 && status_.matched() != 0 &&
          (requests_.matched() != 0 || !requests_.permitted()) &&
          (cancels_.matched() != 0 || !cancels_.permitted());
 }
@@ -103,6 +109,7 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
 }
 
 std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
+  take_gateway_status();
   std::optional<SendResult> result;
   replies_.take([&](const layer2_SendReply& reply) {
     if (reply.request != request || !std::equal(identity_.begin(), identity_.end(), reply.client)) return;

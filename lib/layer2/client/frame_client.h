@@ -64,6 +64,10 @@ class FrameClient {
   /// False: the daemon has gone.
   bool receive(std::chrono::milliseconds time, const std::function<void(const layer2_FrameBatch&)>& on_batch);
 
+  /// Which daemon serves the bus, as it told last; it is told once a second, and taken by every function
+  /// here.
+  const gateway_GatewayStatus& gateway_status() const noexcept { return *gateway_newest_; }
+
   /// What the daemon told last of the bus, waiting at most `time` for the first; nothing: none came.
   std::optional<layer2_BusStatus> status(std::chrono::milliseconds time);
 
@@ -76,6 +80,7 @@ class FrameClient {
  private:
   bool stopped() const noexcept { return options_.stop != nullptr && options_.stop->load(); }
   bool matched() const noexcept;
+  void take_gateway_status();
   std::optional<SendResult> take_reply(std::uint64_t request);
   void cancel(std::uint64_t request);
 
@@ -86,10 +91,12 @@ class FrameClient {
   gateway::dds::Reader<layer2_SendReply> replies_;
   gateway::dds::Reader<layer2_FrameBatch> batches_;
   gateway::dds::Reader<layer2_BusStatus> status_;
+  gateway::dds::Reader<gateway_GatewayStatus> gateway_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
   std::uint64_t number_ = 0;  ///< of the last request
   std::optional<layer2_BusStatus> newest_;
+  std::optional<gateway_GatewayStatus> gateway_newest_;  ///< there once it is constructed
 };
 
 }  // namespace layer2::client

@@ -3,10 +3,12 @@
 #include "daemon/layer2/segment/layer2_segment.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -182,6 +184,19 @@ TEST_F(Layer2Bus, WhatWasReceivedBeforeTheStopIsPublished) {
       std::count_if(seen_.begin(), seen_.end(),
                     [](const layer2_ReceivedFrame& frame) { return frame.received.identifier == 0x100; }),
       kFrames);
+}
+
+TEST_F(Layer2Bus, TellsWhichDaemonItIs) {
+  start();
+  const gateway_GatewayStatus first = client_->gateway_status();
+  EXPECT_EQ(gateway::dds::text(first.bus), "layer2bus");
+  EXPECT_EQ(gateway::dds::text(first.protocol), "layer2");
+  EXPECT_EQ(first.process, static_cast<std::uint32_t>(getpid()));
+  client_.reset();
+  segment_.reset();
+  start();
+  EXPECT_FALSE(std::equal(std::begin(first.daemon), std::end(first.daemon), client_->gateway_status().daemon))
+      << "another start";
 }
 
 TEST_F(Layer2Bus, TellsItsState) {

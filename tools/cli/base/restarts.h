@@ -19,7 +19,7 @@ inline constexpr std::string_view kStartedAnew =
 class Restarts {
  public:
   explicit Restarts(client::Client& client)
-      : subscription_(client.on_restart([this](const client::MasterStatus&) { ++seen_; })) {}
+      : subscription_(client.on_restart([this](const client::GatewayStatus&) { ++seen_; })) {}
 
   /// True when it was since the last call; however often.
   bool take() noexcept {

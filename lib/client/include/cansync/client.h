@@ -78,6 +78,9 @@ class CANSYNC_PUBLIC Client {
 
   // --- state: latest known
 
+  /// Which daemon serves the bus, as it told last: its start, version and data model, host and process; whom
+  /// it has refused. At most about a second old while it lives. Waits for nothing.
+  GatewayStatus gateway_status() const;
   /// The line as the daemon told it last; at most about a second old while it lives. Waits for nothing.
   MasterStatus master_status() const;
   /// Waits at most `time` until the master's status fits, looking at each one that comes (at least one a
@@ -106,11 +109,12 @@ class CANSYNC_PUBLIC Client {
   /// Each actual value telegram of each slave as it arrives; `arrived` tells which of the two it was.
   [[nodiscard]] Subscription on_actual_values(std::function<void(const ActualValues&)> callback);
   /// On every change and once a second.
+  [[nodiscard]] Subscription on_gateway_status(std::function<void(const GatewayStatus&)> callback);
+  /// On every change and once a second.
   [[nodiscard]] Subscription on_master_status(std::function<void(const MasterStatus&)> callback);
   /// The daemon was started anew: settings that clients made before are lost, interval and event numbers
-  /// begin again. Noticed by MasterStatus.daemon, however short it was away; counted from this call. Never
-  /// for a daemon that is older than this.
-  [[nodiscard]] Subscription on_restart(std::function<void(const MasterStatus&)> callback);
+  /// begin again. Noticed by GatewayStatus.daemon, however short it was away; counted from this call.
+  [[nodiscard]] Subscription on_restart(std::function<void(const GatewayStatus&)> callback);
   /// Each slave on every change, at most every 100 ms a slave.
   [[nodiscard]] Subscription on_slave_status(std::function<void(const SlaveStatus&)> callback);
   /// The last 100 events first, then each as it happens.

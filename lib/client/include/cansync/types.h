@@ -17,6 +17,7 @@ struct cansync_MasterStatus;
 struct cansync_SlaveStatus;
 struct cansync_Timing;
 struct gateway_Event;
+struct gateway_GatewayStatus;
 
 /// Requests and replies as clients see them. State topics are the IDL's own structs: they are plain values
 /// that can be copied (their texts: `text()`). Programs that look into them include <cansync/topics.h>.
@@ -28,6 +29,7 @@ using SlaveStatus = cansync_SlaveStatus;
 using Timing = cansync_Timing;
 using Interval = cansync_Interval;
 using Event = gateway_Event;
+using GatewayStatus = gateway_GatewayStatus;
 
 /// Modes of the line, for `Client::mode`; the numbers stay.
 enum class Mode : std::uint8_t {

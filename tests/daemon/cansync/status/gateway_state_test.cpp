@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "support/gateway_rig.h"
 
@@ -49,6 +50,35 @@ TEST(GatewayState, TelegramsThatCameBetweenTwoLooksAreToldTogether) {
   const auto both = rig.client.wait_for<cansync_ActualValues>([](const auto& s) { return s.ever == 3; });
   ASSERT_TRUE(both);
   EXPECT_TRUE(both->arrived == 3 || rig.client.all<cansync_ActualValues>().size() == 2);
+}
+
+TEST(GatewayState, GatewayStatusTellsWhichDaemonItIs) {
+  Config config = gateway_config();
+  config.dds.interface = "lo";
+  config.access.read_only = true;
+  GatewayRig rig(config);
+  const auto status = rig.client.wait_for<gateway_GatewayStatus>([](const auto&) { return true; });
+  ASSERT_TRUE(status);
+  std::array<char, 256> host = {};
+  ASSERT_EQ(gethostname(host.data(), host.size() - 1), 0);
+  EXPECT_EQ(text(status->bus), "testbus");
+  EXPECT_EQ(status->data_model, static_cast<unsigned>(gateway_DATA_MODEL));
+  EXPECT_EQ(text(status->protocol), "cansync-master");
+  EXPECT_NE(text(status->version), "");
+  EXPECT_TRUE(std::equal(kTestDaemon.begin(), kTestDaemon.end(), status->daemon));
+  EXPECT_EQ(text(status->host), std::string_view(host.data()).substr(0, sizeof status->host - 1));
+  EXPECT_EQ(status->process, static_cast<std::uint32_t>(getpid()));
+  EXPECT_EQ(text(status->dds_interface), "lo");
+  EXPECT_TRUE(status->read_only);
+  EXPECT_FALSE(status->secured);
+
+  // It comes at once when the configuration changes it, and by itself every second.
+  config.access.read_only = false;
+  rig.gateway->reload(config);
+  ASSERT_TRUE(rig.client.wait_for<gateway_GatewayStatus>([](const auto& s) { return !s.read_only; }));
+  const std::size_t before = rig.client.all<gateway_GatewayStatus>().size();
+  ASSERT_TRUE(eventually(rig.client.signal(),
+                         [&] { return rig.client.all<gateway_GatewayStatus>().size() >= before + 2; }));
 }
 
 TEST(GatewayState, MasterStatusComesEverySecond) {
