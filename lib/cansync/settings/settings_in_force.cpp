@@ -2,6 +2,14 @@
 
 namespace cansync {
 
+SlaveMask MasterSettings::configured() const noexcept {
+  SlaveMask mask;
+  for (unsigned i = 0; i < kSlaves; ++i) {
+    if (slaves[i].configured) mask.bits |= 1u << i;
+  }
+  return mask;
+}
+
 SettingsInForce in_force(const MasterSettings& settings) noexcept {
   SettingsInForce out;
   out.reference_mapping = settings.process.reference_mapping;

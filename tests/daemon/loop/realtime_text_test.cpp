@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "rt/kernel_type.h"
-
 namespace {
 
 using cansyncd::realtime_text;
@@ -37,14 +35,6 @@ TEST(RealtimeText, NamesWhatWasNotAskedFor) {
   EXPECT_EQ(realtime_text(settings, grants, "k"),
             "realtime thread: SCHED_OTHER as configured, any processor, memory not locked as configured, "
             "cpu_dma_latency not asked for, kernel k");
-}
-
-TEST(KernelType, TellsHowAKernelPreemptsItself) {
-  EXPECT_EQ(rt::preemption_of("#1 SMP PREEMPT_RT Debian 6.1.140-1 (2025-05-22)"), "PREEMPT_RT");
-  EXPECT_EQ(rt::preemption_of("#1 SMP PREEMPT_DYNAMIC Debian 6.1.140-1 (2025-05-22)"), "PREEMPT_DYNAMIC");
-  EXPECT_EQ(rt::preemption_of("#41 SMP PREEMPT Tue Jan 1"), "PREEMPT");
-  EXPECT_EQ(rt::preemption_of("#1 SMP Debian 4.19"), "no preemption");
-  EXPECT_NE(rt::kernel_type().find(" ("), std::string::npos);
 }
 
 }  // namespace
