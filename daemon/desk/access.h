@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
+
+#include "dds/denial.h"
 
 /// What a request is allowed to do. Pure functions; any thread.
 namespace cansyncd {
@@ -21,6 +21,6 @@ struct Effect {
 
 /// Why a request with this effect is not taken because the daemon is read-only (access.read_only); nothing
 /// when it may be taken.
-std::optional<std::string> read_only_refusal(const Effect& effect, bool read_only);
+gateway::dds::Problem read_only_refusal(const Effect& effect, bool read_only);
 
 }  // namespace cansyncd

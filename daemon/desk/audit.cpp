@@ -39,8 +39,9 @@ void AuditTrail::ended(const Requester& who, const Change& change, const std::st
 }
 
 void AuditTrail::refused(const Requester& who, const Change& change, const std::string& before,
-                         const std::string& reason, SteadyTime now) {
-  if (may_record_refusal(now)) write({who, change, before, "refused: " + reason, "request_refused"}, now);
+                         const gateway::dds::Denial& denial, SteadyTime now) {
+  if (may_record_refusal(now))
+    write({who, change, before, "refused: " + text_of(denial), "request_refused"}, now);
 }
 
 bool AuditTrail::may_record_refusal(SteadyTime now) {

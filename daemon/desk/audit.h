@@ -8,6 +8,7 @@
 
 #include "daemon/desk/gateway_events.h"
 #include "daemon/service/journal.h"
+#include "dds/denial.h"
 
 namespace cansyncd {
 
@@ -59,9 +60,9 @@ class AuditTrail {
   void ended(const Requester& who, const Change& change, const std::string& before, const End& end,
              SteadyTime now);
 
-  /// A request was refused for `reason`.
+  /// A request was refused: the entry has the word of the cause, then the reason.
   void refused(const Requester& who, const Change& change, const std::string& before,
-               const std::string& reason, SteadyTime now);
+               const gateway::dds::Denial& denial, SteadyTime now);
 
   /// Tells what was counted. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);

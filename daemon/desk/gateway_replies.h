@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "daemon/desk/gateway_events.h"
+#include "dds/denial.h"
 #include "dds/endpoint.h"
 #include "dds/signal.h"
 
@@ -74,8 +75,10 @@ class ReplyOutbox {
   /// Pause after a write that timed out, and between looks for readers.
   static constexpr std::chrono::milliseconds kPause{10};
 
-  /// Writes `reply`, now or later. `data` is what the reply borrows.
-  void send(const Reply& reply, const Place& place, SteadyTime now, std::vector<std::uint8_t> data = {}) {
+  /// Writes `reply`, now or later, with a cause exactly when it says REPLY_REFUSED. `data` is what the reply
+  /// borrows.
+  void send(Reply reply, const Place& place, SteadyTime now, std::vector<std::uint8_t> data = {}) {
+    (void)gateway::dds::settle_cause(reply);
     const auto place_waits = per_place_.find(place);
     if ((place_waits != per_place_.end() && place_waits->second >= kWaitingPerPlace) ||
         waiting_data_ + data.size() > kWaitingData) {

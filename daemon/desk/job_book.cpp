@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "daemon/desk/limits_text.h"
+#include "daemon/desk/rejections.h"
 
 namespace cansyncd {
 
@@ -27,39 +28,37 @@ JobBook::Admission JobBook::admit(const RequestKey& key,
                                   const std::pair<ClientEntry*, ClientTable::Admission>& entered,
                                   std::int64_t written, std::int64_t now, std::chrono::milliseconds max_age) {
   const auto [client, admission] = entered;
-  const auto refused = [](Rejection kind, std::string reason) {
-    return Admission{nullptr, kind, std::move(reason)};
+  const auto refused = [](gateway_RefusalCause cause, std::string reason) {
+    return Admission{nullptr, {cause, std::move(reason)}};
   };
   if (admission == ClientTable::Admission::leaving) {
     return refused(
-        Rejection::identity,
+        gateway_CAUSE_IDENTITY,
         "client: the program that had this identity is gone, and its requests are not all cancelled yet; "
         "choose an identity at random at every start");
   }
   if (admission == ClientTable::Admission::full) {
-    Admission full = refused(Rejection::full, too_many_clients(clients_.size(), ClientTable::kClients));
-    full.forget = true;
-    return full;
+    return {nullptr, too_many_clients(clients_.size(), ClientTable::kClients), true};
   }
   const std::uint64_t number = key.request;
   if (!client->numbers.use(number)) {
     if (find(key)) {
-      return refused(Rejection::number,
+      return refused(gateway_CAUSE_NUMBER_USED,
                      fmt::format("request {}: this number is open already and is answered by itself; every "
                                  "request needs a number of its own, rising by one",
                                  number));
     }
     return refused(
-        Rejection::number,
+        gateway_CAUSE_NUMBER_USED,
         fmt::format("request {}: this number was used already, or is too far behind the highest, {}; every "
                     "request needs a number of its own, rising by one",
                     number, client->numbers.highest()));
   }
-  if (const auto problem = stale(written, now, max_age)) return refused(Rejection::stale, *problem);
+  if (auto problem = stale(written, now, max_age)) return {nullptr, *std::move(problem)};
   return {client};
 }
 
-std::optional<std::string> JobBook::no_room(const ClientEntry& client, std::size_t bytes) const {
+gateway::dds::Problem JobBook::no_room(const ClientEntry& client, std::size_t bytes) const {
   if (client.open >= kPerClient) return too_many_requests(client.open, kPerClient);
   if (client.transfer_bytes + bytes > kClientTransferMemory)
     return too_many_bytes_of_client(bytes, client.transfer_bytes, kClientTransferMemory);

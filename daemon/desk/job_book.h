@@ -15,7 +15,7 @@
 #include "daemon/desk/fair_lanes.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_replies.h"
-#include "daemon/desk/rejections.h"
+#include "dds/denial.h"
 #include "dds/request_key.h"
 #include "dds/topic.h"
 
@@ -41,8 +41,7 @@ class JobBook {
   /// Whether a request may be looked at.
   struct Admission {
     ClientEntry* client = nullptr;  ///< null: it may not
-    Rejection rejection = Rejection::number;
-    std::string reason = {};
+    gateway::dds::Denial denial = {};
     bool forget = false;  ///< nothing is kept of its client once it was answered
   };
 
@@ -53,7 +52,7 @@ class JobBook {
                   std::int64_t now, std::chrono::milliseconds max_age);
 
   /// Why the client cannot have one more request with `bytes` of data; nothing when it can.
-  std::optional<std::string> no_room(const ClientEntry& client, std::size_t bytes) const;
+  gateway::dds::Problem no_room(const ClientEntry& client, std::size_t bytes) const;
 
   /// A number that no request had before.
   JobId next_id() noexcept { return next_id_++; }

@@ -23,6 +23,7 @@
 #include "daemon/desk/rejections.h"
 #include "daemon/desk/request_readers.h"
 #include "daemon/desk/request_topic.h"
+#include "dds/denial.h"
 #include "dds/gateway_topics.h"
 #include "dds/signal.h"
 
@@ -129,14 +130,13 @@ class JobDesk {
   template <class Row>
   void accept(const typename Row::Sample& sample, Job job, Right right, std::int64_t written,
               const Context& context);
-  /// What is wrong with a request whose fields are in range; its kind of rejection with it.
-  std::optional<std::pair<Rejection, std::string>> objection(const Request& request, Right right,
-                                                             const Context& context);
+  /// What is wrong with a request whose fields are in range.
+  gateway::dds::Problem objection(const Request& request, Right right, const Context& context);
   /// Answers those for which a client had too many waiting.
   bool refuse_turned_away(const Context& context);
   /// The client of a request that may be taken; null: it was answered, or must not be.
   ClientEntry* admit(Job& job, std::int64_t written, const Context& context);
-  void refuse(const Job& job, Rejection kind, const std::string& reason, const Context& context);
+  void refuse(const Job& job, const gateway::dds::Denial& denial, const Context& context);
   bool take_cancels(const Context& context);
   void take_cancel(const gateway::dds::RequestKey& key, const Place& place, const Context& context);
   /// Clients take turns in a lane: without this, what was given earlier could go out later.

@@ -18,7 +18,7 @@ void JobDesk<P>::finish(const Terminal& terminal, const Context& context) {
   if (found == jobs_.end()) return;
   Job& job = found->second;
   if (const auto refused = protocol_.refusal(terminal, job.request, context)) {
-    refuse(job, Rejection::state, *refused, context);
+    refuse(job, *refused, context);
   } else {
     answer(job, terminal, context);
   }

@@ -80,7 +80,8 @@ bool JobDesk<P>::accept_from(Topic& topic, std::size_t index, const Context& con
 
 template <RequestProtocol P>
 bool JobDesk<P>::refuse_turned_away(const Context& context) {
-  const std::string reason = too_many_requests(gateway::dds::KeyGuard::kSamplesPerKey, JobBook::kPerClient);
+  const gateway::dds::Denial denial =
+      too_many_requests(gateway::dds::KeyGuard::kSamplesPerKey, JobBook::kPerClient);
   const auto refuse_of = [&](std::size_t topic, const gateway::dds::RequestKey& key, const Place& place) {
     Job job;
     job.topic = topic;
@@ -92,9 +93,10 @@ bool JobDesk<P>::refuse_turned_away(const Context& context) {
     if (topic == kOwn || (client != nullptr && client->place != place)) {
       // A cancel has no reply of its own, and who uses another's identity gets none.
       rejections_.add(Rejection::full, job.who.name,
-                      fmt::format("request {} of {}: {}", key.request, job.who.label, reason), context.now);
+                      fmt::format("request {} of {}: {}", key.request, job.who.label, text_of(denial)),
+                      context.now);
     } else {
-      refuse(job, Rejection::full, reason, context);
+      refuse(job, denial, context);
     }
   };
   bool more = cancels_.take_turned_away(
@@ -115,20 +117,20 @@ void JobDesk<P>::accept(const typename Row::Sample& sample, Job job, Right right
   ClientEntry* client = admit(job, written, context);
   if (client == nullptr) return;
   if (const auto problem = protocol_.check(sample)) {
-    return refuse(job, Rejection::value, *problem, context);
+    return refuse(job, *problem, context);
   }
   std::size_t bytes = 0;
   if constexpr (requires { Row::bytes_of(sample); }) bytes = Row::bytes_of(sample);
   if (const auto problem = book_.no_room(*client, bytes)) {
-    return refuse(job, Rejection::full, *problem, context);
+    return refuse(job, *problem, context);
   }
   const JobId id = book_.next_id();
   auto request = protocol_.request_of(sample, id, job.data);
-  if (!request) return refuse(job, Rejection::value, "kind: not known to this daemon", context);
+  if (!request) return refuse(job, {gateway_CAUSE_KIND, "kind: not known to this daemon"}, context);
   job.request = std::move(*request);
   job.understood = true;
   if (const auto problem = objection(job.request, right, context)) {
-    return refuse(job, problem->first, problem->second, context);
+    return refuse(job, *problem, context);
   }
   if (JobBook::take_early_cancel(*client, job.key.request, context.now)) {
     return end(job, P::kCancelled, context);
@@ -140,17 +142,12 @@ void JobDesk<P>::accept(const typename Row::Sample& sample, Job job, Right right
 }
 
 template <RequestProtocol P>
-std::optional<std::pair<Rejection, std::string>> JobDesk<P>::objection(const Request& request, Right right,
-                                                                       const Context& context) {
+gateway::dds::Problem JobDesk<P>::objection(const Request& request, Right right, const Context& context) {
   const Effect effect = protocol_.effect_of(request);
-  if (effect.right > right) return std::pair(Rejection::state, std::string(protocol_.wrong_topic()));
-  if (auto forbidden = read_only_refusal(effect, context.rules.read_only)) {
-    return std::pair(Rejection::state, *std::move(forbidden));
-  }
+  if (effect.right > right) return gateway::dds::Denial{gateway_CAUSE_RIGHT, protocol_.wrong_topic()};
+  if (auto forbidden = read_only_refusal(effect, context.rules.read_only)) return forbidden;
   if constexpr (requires { protocol_.objection(request, context); }) {
-    if (auto problem = protocol_.objection(request, context)) {
-      return std::pair(Rejection::value, *std::move(problem));
-    }
+    return protocol_.objection(request, context);
   }
   return std::nullopt;
 }
@@ -166,40 +163,41 @@ ClientEntry* JobDesk<P>::admit(Job& job, std::int64_t written, const Context& co
                     job.key.request, job.who.label),
         context.now);
     if (job.change) {
-      audit_.refused(job.who, *job.change, AuditTrail::kNotKnown, "the identity of another program",
-                     context.now);
+      audit_.refused(job.who, *job.change, AuditTrail::kNotKnown,
+                     {gateway_CAUSE_IDENTITY, "the identity of another program"}, context.now);
     }
     return nullptr;
   }
   if (stopping_) {
-    end(job, P::kStopped, context);
+    refuse(job, {gateway_CAUSE_STOPPING, "the daemon is being stopped; ask again when it runs"}, context);
     return nullptr;
   }
   const JobBook::Admission admission =
       book_.admit(job.key, entered, written, wall_clock_now(), context.rules.maximum_age);
-  if (admission.client == nullptr) refuse(job, admission.rejection, admission.reason, context);
+  if (admission.client == nullptr) refuse(job, admission.denial, context);
   if (admission.forget) forget(job.key.client, context.now);
   return admission.client;
 }
 
 template <RequestProtocol P>
-void JobDesk<P>::refuse(const Job& job, Rejection kind, const std::string& reason, const Context& context) {
+void JobDesk<P>::refuse(const Job& job, const gateway::dds::Denial& denial, const Context& context) {
   if (job.topic == kOwn) {
     const EventText event{gateway_SEVERITY_ERROR, "configuration_refused", -1,
-                          fmt::format("a changed setting was not taken: {}", reason), std::nullopt};
+                          fmt::format("a changed setting was not taken: {}", text_of(denial)), std::nullopt};
     // A reload may have many, and each is wanted in the journal.
     if (!events_.publish(event, context.now)) events_.record(event);
     return;
   }
   // Recorded and counted first: whoever has the reply finds both.
   if (job.change) {
-    audit_.refused(job.who, *job.change, before(job), reason, context.now);
+    audit_.refused(job.who, *job.change, before(job), denial, context.now);
   }
-  rejections_.add(kind, job.who.name,
-                  fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, reason),
-                  context.now);
+  rejections_.add(
+      rejection_of(denial.cause), job.who.name,
+      fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, text_of(denial)),
+      context.now);
   with_topic(job.topic, [&]<class Row>(RequestTopic<Row>& topic) {
-    topic.replies().send(Row::refused(job.key, reason), job.place, context.now);
+    topic.replies().send(Row::refused(job.key, denial), job.place, context.now);
   });
 }
 

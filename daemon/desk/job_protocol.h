@@ -15,6 +15,7 @@
 #include "daemon/desk/fair_lanes.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/request_topic.h"
+#include "dds/denial.h"
 #include "dds/request_key.h"
 
 /// What a protocol tells the desk of its requests. All of it runs on the gateway thread.
@@ -24,7 +25,7 @@
 ///     using Sample, Reply;              // IDL types with a topic_info; both begin with client and request,
 ///                                       // a Sample has client_name besides
 ///     static constexpr Right kRight;    // what the topic gives who may write it, with DDS Security on
-///     static Reply refused(key, reason);                      // not accepted; nothing was done
+///     static Reply refused(key, denial);                      // not accepted; nothing was done
 ///     static Reply ended(key, outcome);                       // ended without a result of its own
 ///     static Reply answer(key, terminal, request, data, context);  // ended with one; borrows from `data`,
 ///                                                             // which is kept until the reply is written
@@ -47,7 +48,7 @@
 ///     LaneLimits lane_limits();
 ///     std::optional<Change> change_of(sample, context);  // nothing: it only reads. Of every Sample, also of
 ///                                                        // one that `check` refuses
-///     std::optional<std::string> check(sample);          // why a field is out of range
+///     gateway::dds::Problem check(sample);               // why a field is out of range
 ///     std::optional<Request> request_of(sample, id, data);  // nothing: of no known kind. `data`: memory
 ///     that
 ///                                       // stays where it is until the request has ended
@@ -57,7 +58,7 @@
 ///     bool hand_on(request, context);   // false: no room now; tried again within 10 ms
 ///     bool hand_on_cancel(id, context); // the request ends by itself, soon; an unknown one is ignored
 ///     JobId id_of(terminal);
-///     std::optional<std::string> refusal(terminal, request, context);  // why it was not taken after all
+///     gateway::dds::Problem refusal(terminal, request, context);  // why it was not taken after all
 ///     Outcome outcome_of(terminal);     // of one that was taken
 ///     std::string_view name(outcome);   // for the audit trail
 ///     bool is_done(outcome);            // as it was asked for
@@ -66,7 +67,7 @@
 ///     std::string before(request, state_before);         // the value it would replace; else "not known"
 ///     void ended(request, outcome);                      // after its entry in the audit trail
 ///     void learn(request, terminal);                     // after `ended`, when it was handed on
-///     std::optional<std::string> objection(request, context);  // a value that is not allowed after all
+///     gateway::dds::Problem objection(request, context);  // a value that is not allowed after all
 ///     using Newer; static constexpr Outcome kReplaced;   // requests that others take the place of:
 ///     std::optional<Newer> newer_of(request, context);   //   what this one does to those that wait
 ///     bool loses_to(request, newer, context);            //   whether this one, waiting, loses its turn
@@ -99,13 +100,13 @@ template <class P, class Row>
 concept RowOf = requires(P& protocol, const typename Row::Sample& sample, const typename P::Context& context,
                          const typename P::Terminal& terminal, const typename P::Request& request,
                          typename P::Outcome outcome, const gateway::dds::RequestKey& key,
-                         std::string_view reason, std::vector<std::uint8_t>& data, JobId id) {
+                         const gateway::dds::Denial& denial, std::vector<std::uint8_t>& data, JobId id) {
   { Row::kRight } -> std::convertible_to<Right>;
-  { Row::refused(key, reason) } -> std::same_as<typename Row::Reply>;
+  { Row::refused(key, denial) } -> std::same_as<typename Row::Reply>;
   { Row::ended(key, outcome) } -> std::same_as<typename Row::Reply>;
   { Row::answer(key, terminal, request, std::span(data), context) } -> std::same_as<typename Row::Reply>;
   { protocol.change_of(sample, context) } -> std::same_as<std::optional<Change>>;
-  { protocol.check(sample) } -> std::same_as<std::optional<std::string>>;
+  { protocol.check(sample) } -> std::same_as<gateway::dds::Problem>;
   { protocol.request_of(sample, id, data) } -> std::same_as<std::optional<typename P::Request>>;
 };
 
@@ -132,7 +133,7 @@ concept RequestProtocol = std::default_initializable<typename P::Request> &&
   { protocol.hand_on(request, context) } -> std::same_as<bool>;
   { protocol.hand_on_cancel(id, context) } -> std::same_as<bool>;
   { protocol.id_of(terminal) } -> std::same_as<JobId>;
-  { protocol.refusal(terminal, request, context) } -> std::same_as<std::optional<std::string>>;
+  { protocol.refusal(terminal, request, context) } -> std::same_as<gateway::dds::Problem>;
   { protocol.outcome_of(terminal) } -> std::same_as<typename P::Outcome>;
   { protocol.name(outcome) } -> std::convertible_to<std::string_view>;
   { protocol.is_done(outcome) } -> std::same_as<bool>;

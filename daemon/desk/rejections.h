@@ -7,6 +7,7 @@
 #include <string>
 
 #include "daemon/desk/gateway_events.h"
+#include "dds/denial.h"
 
 namespace cansyncd {
 
@@ -21,6 +22,9 @@ enum class Rejection : std::uint8_t {
   state,      ///< refused by the master: the state of the line, a slave, a right
 };
 inline constexpr unsigned kRejections = 7;
+
+/// As what a refusal for this cause is counted.
+Rejection rejection_of(gateway_RefusalCause cause) noexcept;
 
 /// Counts by kind; index: `Rejection`.
 using RejectionCounts = std::array<std::uint64_t, kRejections>;
@@ -59,6 +63,6 @@ class Rejections {
 
 /// Nothing, or why a request written at `written` (ns since 1970, the client's clock) is not taken at `now`;
 /// it may be older or further in the future by `limit` at most, 0 = any.
-std::optional<std::string> stale(std::int64_t written, std::int64_t now, std::chrono::milliseconds limit);
+gateway::dds::Problem stale(std::int64_t written, std::int64_t now, std::chrono::milliseconds limit);
 
 }  // namespace cansyncd

@@ -49,12 +49,14 @@ void fill_head(Bytes& in, Request& out) {
 
 /// True when the request passed; a refusal begins with the field that is wrong, and fits its place in a
 /// reply.
-bool passed(const std::optional<std::string>& problem, Fields fields) {
+bool passed(const gateway::dds::Problem& problem, Fields fields) {
   if (!problem) return true;
-  require(!problem->empty() && problem->size() <= gateway_TEXT, "a reason is told, and fits its field");
+  const std::string& reason = problem->reason;
+  require(problem->cause > gateway_CAUSE_UNKNOWN, "a cause is told");
+  require(!reason.empty() && reason.size() <= gateway_TEXT, "a reason is told, and fits its field");
   for (const std::string_view field : fields) {
-    if (problem->starts_with(field) && problem->size() > field.size() &&
-        (*problem)[field.size()] == (field == "mapping" ? '[' : ' '))
+    if (reason.starts_with(field) && reason.size() > field.size() &&
+        reason[field.size()] == (field == "mapping" ? '[' : ' '))
       return false;
   }
   require(false, "a reason names a field of the request");
@@ -319,7 +321,8 @@ class Run {
         refusal == Refusal::none || refusal == Refusal::interval_passed || refusal == Refusal::value_too_wide,
         "only its interval, or a value for its word may be wrong");
     if (refusal != Refusal::none)
-      static_cast<void>(passed(dds::explain(refusal, limits_), {"from_interval:", "value:"}));
+      static_cast<void>(passed(gateway::dds::Denial{dds::to_cause(refusal), dds::explain(refusal, limits_)},
+                               {"from_interval:", "value:"}));
   }
 
   Bytes& in_;

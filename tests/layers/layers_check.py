@@ -48,7 +48,7 @@ daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/co
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
 daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
                             daemon/cansync/config
-daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/cansync/dds daemon/service daemon/bus daemon/loop
+daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/bus daemon/loop
                             daemon/desk daemon/cansync daemon/cansync/config
 daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
                             daemon/cansync/texts

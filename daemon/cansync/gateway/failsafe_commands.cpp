@@ -101,8 +101,9 @@ bool FailsafeCommands::finish(const Terminal& terminal, const Config& config, co
   std::string outcome;
   bool withdrawn = false;
   if (const auto* refused = std::get_if<Refused>(&terminal)) {
-    outcome = refusal_text(refused->refusal, request, config, line);
-    audit_.refused(daemon_itself(), change, request, line.state, outcome, now);
+    const gateway::dds::Denial denial = denial_of(refused->refusal, request, config, line);
+    outcome = text_of(denial);
+    audit_.refused(daemon_itself(), change, request, line.state, denial, now);
   } else if (const auto* done = std::get_if<CommandDone>(&terminal)) {
     withdrawn = done->outcome == cansync::Outcome::cancelled;
     if (done->outcome == cansync::Outcome::no_answer) {

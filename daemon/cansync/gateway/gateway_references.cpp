@@ -77,8 +77,7 @@ ReferenceSurroundings::Writer ReferenceInput::identify(WriterHandle writer) {
 void ReferenceInput::refused(const ReferenceRefused& report, const Config& config,
                              const RefusalContext& context, SteadyTime now) {
   const unsigned channel = cansync::index(report.channel);
-  gate_.refused(channel, refusal_text(report.refusal, gate_.newest(channel), config, context), report.when,
-                now);
+  gate_.refused(channel, denial_of(report.refusal, gate_.newest(channel), config, context), report.when, now);
 }
 
 }  // namespace cansyncd

@@ -55,7 +55,7 @@ class ReferenceInput : private ReferenceSurroundings {
   const std::array<ReferenceGiver, cansync::kChannels>& givers() const noexcept { return gate_.givers(); }
 
   /// With a reason every value is refused for it, and the release of what was given before is stopped.
-  void set_refusal(std::optional<std::string> reason) { gate_.set_refusal(std::move(reason)); }
+  void set_refusal(gateway::dds::Problem refusal) { gate_.set_refusal(std::move(refusal)); }
 
   /// Takes what is new and hands it on; needed only after the signal was raised. True: there may be more.
   bool take_samples(SteadyTime now);

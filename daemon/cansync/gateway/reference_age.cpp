@@ -6,22 +6,28 @@
 
 namespace cansyncd {
 
+using gateway::dds::Denial;
+
 ReferenceAge::Verdict ReferenceAge::judge(std::int64_t source, const ClockReading& now) const {
   if (limit_.count() == 0) return {};
   constexpr std::int64_t kFar = std::int64_t{1} << 62;  // a peer may write anything
   const std::chrono::nanoseconds age(now.wall - std::clamp(source, now.wall - kFar, now.wall + kFar));
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(age).count();
   if (age < -limit_) {
-    return {fmt::format(
-        "written {} ms in the future: at most {} ms are allowed (failsafe.reference_max_age_ms); set the "
-        "clocks of both computers",
-        -milliseconds, limit_.count())};
+    return {Denial{
+        gateway_CAUSE_STALE,
+        fmt::format(
+            "written {} ms in the future: at most {} ms are allowed (failsafe.reference_max_age_ms); set the "
+            "clocks of both computers",
+            -milliseconds, limit_.count())}};
   }
   if (age > limit_) {
-    return {fmt::format(
-        "age {} ms: at most {} ms are allowed (failsafe.reference_max_age_ms); write fresh values, and set "
-        "the clocks of both computers",
-        milliseconds, limit_.count())};
+    return {Denial{
+        gateway_CAUSE_STALE,
+        fmt::format(
+            "age {} ms: at most {} ms are allowed (failsafe.reference_max_age_ms); write fresh values, and set "
+            "the clocks of both computers",
+            milliseconds, limit_.count())}};
   }
   return {std::nullopt, first_interval_after(now.steady + (limit_ - age))};
 }

@@ -2,11 +2,10 @@
 
 #include <chrono>
 #include <cstdint>
-#include <optional>
-#include <string>
 
 #include "cansync/telegram/numbers.h"
 #include "daemon/cansync/exchange.h"
+#include "dds/denial.h"
 
 namespace cansyncd {
 
@@ -34,7 +33,7 @@ class ReferenceAge {
 
   /// What is said of values.
   struct Verdict {
-    std::optional<std::string> problem;        ///< why they are refused
+    gateway::dds::Problem problem;             ///< why they are refused
     cansync::IntervalNumber too_old_from = 0;  ///< ReferenceUpdate::too_old_from
   };
   /// `source`: when they were written, ns since 1970.

@@ -11,6 +11,8 @@
 namespace cansyncd {
 namespace {
 
+using gateway::dds::Denial;
+
 cansync::Channel channel_of(unsigned index) noexcept {
   return index == 0 ? cansync::Channel::one : cansync::Channel::two;
 }
@@ -22,7 +24,7 @@ constexpr std::string_view kTakeUp =
 }  // namespace
 
 ReferenceGate::ReferenceGate(const DaemonIdentity& daemon, const Config& config,
-                             ReferenceSurroundings& around, std::optional<std::string> refusal)
+                             ReferenceSurroundings& around, gateway::dds::Problem refusal)
     : daemon_(daemon),
       age_(config.failsafe.reference_max_age, cansync::slot_times(config.master.bit_rate).interval),
       hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0),
@@ -30,11 +32,11 @@ ReferenceGate::ReferenceGate(const DaemonIdentity& daemon, const Config& config,
       around_(around),
       refusal_(std::move(refusal)) {}
 
-void ReferenceGate::set_refusal(std::optional<std::string> reason) {
-  if (reason && !refusal_) {
+void ReferenceGate::set_refusal(gateway::dds::Problem refusal) {
+  if (refusal && !refusal_) {
     for (unsigned channel = 0; channel < cansync::kChannels; ++channel) stop(channel, 0);
   }
-  refusal_ = std::move(reason);
+  refusal_ = std::move(refusal);
 }
 
 void ReferenceGate::take(const ReferenceSample& sample, std::int64_t wall, SteadyTime now) {
@@ -47,7 +49,8 @@ void ReferenceGate::take(const ReferenceSample& sample, std::int64_t wall, Stead
     return;
   }
   if (!known_telegram) {
-    refused(channel, sample.problem.value_or("no such telegram"), std::nullopt, now);
+    refused(channel, sample.problem.value_or(Denial{gateway_CAUSE_FIELD, "no such telegram"}), std::nullopt,
+            now);
     return;
   }
   take_values(sample, channel, wall, now);
@@ -63,26 +66,28 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
   if (takes_over && facts.strength < givers_[channel].strength && !around_.yielded(telegram.owner)) return;
 
   const ReferenceAge::Verdict age = age_.judge(sample.written, {now, wall});
-  std::optional<std::string> reason = problem(sample, age, wall);
+  gateway::dds::Problem denied = problem(sample, age, wall);
   push_stops();
-  if (!reason && telegram.stop_wanted) reason = "request queue full: the stop of its release waits for room";
-  if (!reason) {
+  if (!denied && telegram.stop_wanted) {
+    denied = Denial{gateway_CAUSE_QUEUE_FULL, "request queue full: the stop of its release waits for room"};
+  }
+  if (!denied) {
     cansync::ReferenceUpdate update = sample.update;
     update.channel = channel_of(channel);
     update.takes_over = takes_over;
     update.too_old_from = age.too_old_from;
     if (std::string full = around_.hand_on(update); !full.empty()) {
-      reason = std::move(full);
+      denied = Denial{gateway_CAUSE_QUEUE_FULL, std::move(full)};
     } else {
       telegram.newest = update;
     }
   }
-  if (takes_over || (another && !reason)) new_owner(channel, sample.writer, facts, now);
-  if (reason) {
+  if (takes_over || (another && !denied)) new_owner(channel, sample.writer, facts, now);
+  if (denied) {
     // A take-over counts whatever its first values are refused for.
     if (takes_over) stop(channel, 0);
     push_stops();
-    refused(channel, std::move(*reason), std::nullopt, now);
+    refused(channel, *denied, std::nullopt, now);
     return;
   }
   telegram.given = now;
@@ -116,29 +121,34 @@ void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
   telegram.deadline_missed = false;
 }
 
-std::optional<std::string> ReferenceGate::problem(const ReferenceSample& sample,
-                                                  const ReferenceAge::Verdict& age, std::int64_t wall) const {
+gateway::dds::Problem ReferenceGate::problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age,
+                                             std::int64_t wall) const {
   if (sample.problem) return sample.problem;
   if (refusal_) return refusal_;
   if (sample.daemon == DaemonIdentity{}) {
-    return fmt::format(
+    return Denial{
+        gateway_CAUSE_OTHER_DAEMON,
         "daemon: not given; write MasterStatus.daemon and MasterStatus.mapping_number into it, as libcansync "
-        "of this version does");
+        "of this version does"};
   }
   if (sample.daemon != daemon_) {
-    return fmt::format(
-        "daemon {:02x}: the values are meant for another start of the daemon, and settings made before it "
-        "may be lost; {}",
-        fmt::join(sample.daemon, ""), kTakeUp);
+    return Denial{
+        gateway_CAUSE_OTHER_DAEMON,
+        fmt::format(
+            "daemon {:02x}: the values are meant for another start of the daemon, and settings made before it "
+            "may be lost; {}",
+            fmt::join(sample.daemon, ""), kTakeUp)};
   }
   if (age.problem || !age_.looked_at()) return age.problem;
   const std::int64_t not_before = telegrams_[sample.telegram - 1].not_before;
   // A wall clock that was set back since then tells nothing about it.
   if (sample.written >= not_before || wall < not_before) return std::nullopt;
-  return fmt::format(
-      "written {} ms before the telegram was given up by its writer then; write fresh values, and set the "
-      "clocks of the computers",
-      (not_before - sample.written) / 1'000'000);
+  return Denial{
+      gateway_CAUSE_STALE,
+      fmt::format(
+          "written {} ms before the telegram was given up by its writer then; write fresh values, and set the "
+          "clocks of the computers",
+          (not_before - sample.written) / 1'000'000)};
 }
 
 void ReferenceGate::given_up(unsigned channel, std::int64_t written, SteadyTime now) {
@@ -241,11 +251,11 @@ void ReferenceGate::push_stops() {
   }
 }
 
-void ReferenceGate::refused(unsigned channel, std::string reason, std::optional<Moment> when,
+void ReferenceGate::refused(unsigned channel, const Denial& denial, std::optional<Moment> when,
                             SteadyTime now) {
   Telegram& telegram = telegrams_[channel];
   if (!telegram.refused.add(1, now)) return;
-  telegram.reason = std::move(reason);
+  telegram.reason = text_of(denial);
   EventText event{
       gateway_SEVERITY_WARNING, "reference_refused", -1,
       fmt::format("reference values of telegram {} are refused: {}", channel + 1, telegram.reason), when};

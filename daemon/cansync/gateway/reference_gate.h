@@ -27,7 +27,7 @@ struct ReferenceSample {
   bool given_up = false;                 ///< nothing else but writer, telegram and `written` counts
   std::int64_t written = 0;              ///< source time, ns since 1970
   DaemonIdentity daemon = {};            ///< the start of the daemon the values are meant for
-  std::optional<std::string> problem;    ///< a field that is out of range
+  gateway::dds::Problem problem;         ///< a field that is out of range
   cansync::ReferenceUpdate update = {};  ///< `takes_over` is decided here
 };
 
@@ -76,7 +76,7 @@ class ReferenceGate {
 
   /// `daemon`: this start. `around` must outlive the gate. `refusal`: as for `set_refusal`.
   ReferenceGate(const DaemonIdentity& daemon, const Config& config, ReferenceSurroundings& around,
-                std::optional<std::string> refusal = std::nullopt);
+                gateway::dds::Problem refusal = std::nullopt);
 
   /// Values whose source time lies further away are refused; 0: not looked at.
   void set_maximum_age(std::chrono::milliseconds age) noexcept { age_.set_limit(age); }
@@ -84,8 +84,8 @@ class ReferenceGate {
   /// The line as last heard of: by it the age of values is told as a number of an interval.
   void set_line(const Moment& heard) noexcept { age_.set_line(heard); }
 
-  /// With a reason every value is refused for it, and the release of what was given before is stopped.
-  void set_refusal(std::optional<std::string> reason);
+  /// With a refusal every value is refused for it, and the release of what was given before is stopped.
+  void set_refusal(gateway::dds::Problem refusal);
 
   /// A sample came. `wall`: CLOCK_REALTIME, ns since 1970, read after `now`.
   void take(const ReferenceSample& sample, std::int64_t wall, SteadyTime now);
@@ -99,8 +99,9 @@ class ReferenceGate {
   /// Takes note of what the realtime thread has ended by itself.
   void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release, SteadyTime now);
 
-  /// The master refused what was handed on last, for this reason.
-  void refused(unsigned channel, std::string reason, std::optional<Moment> when, SteadyTime now);
+  /// The master refused what was handed on last.
+  void refused(unsigned channel, const gateway::dds::Denial& denial, std::optional<Moment> when,
+               SteadyTime now);
   /// Values handed on last, for the text of a refusal.
   const cansync::ReferenceUpdate& newest(unsigned channel) const noexcept {
     return telegrams_[channel].newest;
@@ -136,11 +137,11 @@ class ReferenceGate {
     std::uint64_t mapping_changed = 0;  ///< likewise
     cansync::ReferenceUpdate newest;    ///< handed on last
     FaultRow refused{kQuiet};
-    std::string reason;  ///< of the event that was told
+    std::string reason;  ///< of the event that was told, with its cause
   };
 
-  std::optional<std::string> problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age,
-                                     std::int64_t wall) const;
+  gateway::dds::Problem problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age,
+                                std::int64_t wall) const;
   void take_values(const ReferenceSample& sample, unsigned channel, std::int64_t wall, SteadyTime now);
   void given_up(unsigned channel, std::int64_t written, SteadyTime now);
   void new_owner(unsigned channel, WriterHandle writer, const ReferenceSurroundings::Writer& facts,
@@ -158,7 +159,7 @@ class ReferenceGate {
   std::uint32_t hold_;  ///< intervals for which the values of a lost writer go on; 0: not at all
   std::chrono::milliseconds deadline_;  ///< 0: not looked at
   ReferenceSurroundings& around_;
-  std::optional<std::string> refusal_;  ///< of everything
+  gateway::dds::Problem refusal_;  ///< of everything
   std::array<Telegram, cansync::kChannels> telegrams_;
   std::array<ReferenceGiver, cansync::kChannels> givers_;
 };

@@ -16,9 +16,9 @@ bool changes_something(const Request& request) {
   return effect_of(request).changes;
 }
 
-std::optional<std::string> right_refusal(const Request& request, Right right) {
+gateway::dds::Problem right_refusal(const Request& request, Right right) {
   if (needed_right(request) <= right) return std::nullopt;
-  return not_on_topic_command();
+  return gateway::dds::Denial{gateway_CAUSE_RIGHT, not_on_topic_command()};
 }
 
 std::string not_on_topic_command() {
@@ -26,11 +26,11 @@ std::string not_on_topic_command() {
          "cursors and mappings go over topic EngineerCommand, which the role engineer may write";
 }
 
-std::optional<std::string> read_only_refusal(const Request& request, const Config& config) {
+gateway::dds::Problem read_only_refusal(const Request& request, const Config& config) {
   return read_only_refusal(effect_of(request), config.access.read_only);
 }
 
-std::optional<std::string> read_only_refusal_of_references(const Config& config) {
+gateway::dds::Problem read_only_refusal_of_references(const Config& config) {
   return read_only_refusal(cansync::ReferenceUpdate{}, config);
 }
 

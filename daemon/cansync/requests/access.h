@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "daemon/cansync/config/config.h"
@@ -20,15 +19,15 @@ Right needed_right(const Request& request);
 bool changes_something(const Request& request);
 
 /// Why `request` is not taken from a topic that gives only `right`; nothing when it may be taken.
-std::optional<std::string> right_refusal(const Request& request, Right right);
+gateway::dds::Problem right_refusal(const Request& request, Right right);
 
 /// Why what only engineers may give is not taken from topic Command.
 std::string not_on_topic_command();
 
 /// Why `request` is not taken because the daemon is read-only; nothing when it may be taken.
-std::optional<std::string> read_only_refusal(const Request& request, const Config& config);
+gateway::dds::Problem read_only_refusal(const Request& request, const Config& config);
 
 /// The same for reference values.
-std::optional<std::string> read_only_refusal_of_references(const Config& config);
+gateway::dds::Problem read_only_refusal_of_references(const Config& config);
 
 }  // namespace cansyncd

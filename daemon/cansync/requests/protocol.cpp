@@ -82,7 +82,7 @@ std::string CansyncRequests::wrong_topic() {
   return not_on_topic_command();
 }
 
-std::optional<std::string> CansyncRequests::objection(const Request& request, const JobContext& context) {
+gateway::dds::Problem CansyncRequests::objection(const Request& request, const JobContext& context) {
   return profile_refusal(request, context.config);
 }
 
@@ -118,11 +118,11 @@ JobId CansyncRequests::id_of(const Terminal& terminal) {
   return std::visit([](const auto& done) { return done.id; }, terminal);
 }
 
-std::optional<std::string> CansyncRequests::refusal(const Terminal& terminal, const Request& request,
-                                                    const JobContext& context) {
+gateway::dds::Problem CansyncRequests::refusal(const Terminal& terminal, const Request& request,
+                                               const JobContext& context) {
   const auto* refused = std::get_if<Refused>(&terminal);
   if (refused == nullptr) return std::nullopt;
-  return refusal_text(refused->refusal, request, context.config, context.line);
+  return denial_of(refused->refusal, request, context.config, context.line);
 }
 
 void CansyncRequests::learn(const Request& request, const Terminal& terminal) {

@@ -53,7 +53,7 @@ class CansyncRequests {
   static std::optional<Change> change_of(const cansync_ParameterRequest& sample, const JobContext& context);
   static std::optional<Change> change_of(const cansync_TransferRequest& sample, const JobContext& context);
   template <class Sample>
-  std::optional<std::string> check(const Sample& sample) const {
+  gateway::dds::Problem check(const Sample& sample) const {
     return cansync::dds::check(sample, limits_);
   }
   static std::optional<Request> request_of(const cansync_Command& sample, JobId id,
@@ -69,7 +69,7 @@ class CansyncRequests {
   static Lane lane_of(const Request& request);
   static Effect effect_of(const Request& request) { return cansyncd::effect_of(request); }
   static std::string wrong_topic();
-  static std::optional<std::string> objection(const Request& request, const JobContext& context);
+  static gateway::dds::Problem objection(const Request& request, const JobContext& context);
   static std::optional<Superseded> newer_of(const Request& request, const JobContext& context);
   static bool loses_to(const Request& request, const Superseded& newer, const JobContext& context);
   static std::string text(const Request& request, const JobContext& context);
@@ -84,8 +84,8 @@ class CansyncRequests {
   // --- of its end
 
   static JobId id_of(const Terminal& terminal);
-  static std::optional<std::string> refusal(const Terminal& terminal, const Request& request,
-                                            const JobContext& context);
+  static gateway::dds::Problem refusal(const Terminal& terminal, const Request& request,
+                                       const JobContext& context);
   static Outcome outcome_of(const Terminal& terminal) { return cansyncd::outcome_of(terminal); }
   static std::string_view name(Outcome outcome) noexcept { return cansync::name(outcome); }
   static bool is_done(Outcome outcome) noexcept { return outcome == Outcome::done; }

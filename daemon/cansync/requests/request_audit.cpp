@@ -16,8 +16,8 @@ void RequestAudit::ended(const Requester& who, const Change& change, const Reque
 }
 
 void RequestAudit::refused(const Requester& who, const Change& change, const Request& request,
-                           cansync::State state_before, const std::string& reason, SteadyTime now) {
-  trail_.refused(who, change, before(request, state_before), reason, now);
+                           cansync::State state_before, const gateway::dds::Denial& denial, SteadyTime now) {
+  trail_.refused(who, change, before(request, state_before), denial, now);
 }
 
 void RequestAudit::remember(const Request& request, cansync::Outcome outcome) {

@@ -22,9 +22,9 @@ class RequestAudit {
   void ended(const Requester& who, const Change& change, const Request& request, cansync::State state_before,
              cansync::Outcome outcome, SteadyTime now);
 
-  /// A request was refused for `reason`: its entry.
+  /// A request was refused: its entry.
   void refused(const Requester& who, const Change& change, const Request& request,
-               cansync::State state_before, const std::string& reason, SteadyTime now);
+               cansync::State state_before, const gateway::dds::Denial& denial, SteadyTime now);
 
   /// `request` ended as `outcome`: keeps what it has set.
   void remember(const Request& request, cansync::Outcome outcome);

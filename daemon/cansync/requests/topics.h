@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "cansync.h"
 #include "cansync/dds/convert.h"
@@ -36,8 +35,8 @@ struct CommandTopic {
   static constexpr bool kUrgent = true;
   static constexpr gateway::dds::TopicInfo kEngineerTopic = cansync::dds::kEngineerCommandTopic;
 
-  static Reply refused(const gateway::dds::RequestKey& key, std::string_view reason) {
-    return cansync::dds::command_refused(key, reason);
+  static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
+    return cansync::dds::command_refused(key, denial);
   }
   static Reply ended(const gateway::dds::RequestKey& key, cansync::Outcome outcome) {
     return cansync::dds::command_reply(key, outcome);
@@ -53,8 +52,8 @@ struct ParameterTopic {
   static constexpr Right kRight = Right::engineer;
   static constexpr std::size_t kAtOnce = 16;
 
-  static Reply refused(const gateway::dds::RequestKey& key, std::string_view reason) {
-    return cansync::dds::parameter_refused(key, reason);
+  static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
+    return cansync::dds::parameter_refused(key, denial);
   }
   static Reply ended(const gateway::dds::RequestKey& key, cansync::Outcome outcome);
   static Reply answer(const gateway::dds::RequestKey& key, const Terminal& terminal, const Request& request,
@@ -68,8 +67,8 @@ struct TransferTopic {
   using Progress = cansync_TransferProgress;
   static constexpr Right kRight = Right::engineer;
 
-  static Reply refused(const gateway::dds::RequestKey& key, std::string_view reason) {
-    return cansync::dds::transfer_refused(key, reason);
+  static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
+    return cansync::dds::transfer_refused(key, denial);
   }
   static Reply ended(const gateway::dds::RequestKey& key, cansync::Outcome outcome);
   static Reply answer(const gateway::dds::RequestKey& key, const Terminal& terminal, const Request& request,

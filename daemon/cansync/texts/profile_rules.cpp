@@ -24,7 +24,7 @@ std::string parameter_text(const Config& config, const cansync_ParameterRequest&
   return fmt::format("parameter {} of sub-slave {}", sample.number, sample.sub_slave);
 }
 
-std::optional<std::string> profile_refusal(const Request& request, const Config& config) {
+gateway::dds::Problem profile_refusal(const Request& request, const Config& config) {
   const auto* job = std::get_if<cansync::ParameterRequest>(&request);
   if (job == nullptr || !job->write || job->sub_slave.value != 0 || !config.access.profile_rules) {
     return std::nullopt;
@@ -33,7 +33,8 @@ std::optional<std::string> profile_refusal(const Request& request, const Config&
   if (parameter == nullptr) return std::nullopt;
   const auto refused = profile::write_problem(*parameter, job->value);
   if (!refused) return std::nullopt;
-  return refused->text + "; by its drive profile, see access.profile_rules";
+  return gateway::dds::Denial{gateway_CAUSE_PROFILE,
+                              refused->text + "; by its drive profile, see access.profile_rules"};
 }
 
 }  // namespace cansyncd

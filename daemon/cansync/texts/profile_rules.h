@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "cansync.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
+#include "dds/denial.h"
 
 /// What drive profiles say of requests. Pure functions; any thread; they allocate.
 namespace cansyncd {
@@ -20,6 +20,6 @@ std::string parameter_text(const Config& config, const cansync_ParameterRequest&
 /// Why `request` is not taken because of the slave's profile: a write to a parameter that is read-only, with
 /// a value outside its limits or wider than its format. Nothing when it may be taken, the slave has no
 /// profile, its profile has no such parameter, or access.profile_rules is off.
-std::optional<std::string> profile_refusal(const Request& request, const Config& config);
+gateway::dds::Problem profile_refusal(const Request& request, const Config& config);
 
 }  // namespace cansyncd

@@ -195,6 +195,11 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
   return cansync::dds::explain(refusal, cansync::dds::limits_of(config.master));
 }
 
+gateway::dds::Denial denial_of(Refusal refusal, const Request& request, const Config& config,
+                               const RefusalContext& context) {
+  return {cansync::dds::to_cause(refusal), refusal_text(refusal, request, config, context)};
+}
+
 std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config) {
   if (outcome == cansync::Outcome::slave_held) return slave_held(request, config);
   if (outcome != cansync::Outcome::slave_lost) return {};

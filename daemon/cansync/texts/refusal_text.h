@@ -7,6 +7,7 @@
 #include "cansync/telegram/numbers.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
+#include "dds/denial.h"
 
 /// What people read when the master does not take a request. Not for the realtime thread (allocates).
 namespace cansyncd {
@@ -31,6 +32,10 @@ struct RefusalContext {
 /// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.
 std::string refusal_text(cansync::Refusal refusal, const Request& request, const Config& config,
                          const RefusalContext& context);
+
+/// The same with the cause for programs.
+gateway::dds::Denial denial_of(cansync::Refusal refusal, const Request& request, const Config& config,
+                               const RefusalContext& context);
 
 /// Why an accepted job ended so, where the slave's name belongs into the reason; empty for other outcomes.
 std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config);

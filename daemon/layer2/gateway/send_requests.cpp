@@ -28,9 +28,7 @@ std::optional<Change> SendRequests::change_of(const layer2_SendRequest& sample, 
   return change;
 }
 
-std::optional<std::string> SendRequests::refusal(const SendDone& done, const Request&,
-                                                 const SendContext&) const {
-  if (done.refusal == layer2::Refusal::none) return std::nullopt;
+gateway::dds::Problem SendRequests::refusal(const SendDone& done, const Request&, const SendContext&) const {
   return layer2::dds::explain(done.refusal, config_.queue);
 }
 

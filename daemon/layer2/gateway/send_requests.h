@@ -36,8 +36,8 @@ struct SendTopic {
   using Reply = layer2_SendReply;
   static constexpr Right kRight = Right::operate;
 
-  static Reply refused(const gateway::dds::RequestKey& key, std::string_view reason) {
-    return layer2::dds::send_refused(key, reason);
+  static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
+    return layer2::dds::send_refused(key, denial);
   }
   static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
     return layer2::dds::send_reply(key, {.outcome = outcome}, 0);
@@ -66,9 +66,7 @@ class SendRequests {
   LaneLimits lane_limits() const { return {{config_.queue, config_.queue}}; }
 
   static std::optional<Change> change_of(const layer2_SendRequest& sample, const SendContext& context);
-  static std::optional<std::string> check(const layer2_SendRequest& sample) {
-    return layer2::dds::check(sample);
-  }
+  static gateway::dds::Problem check(const layer2_SendRequest& sample) { return layer2::dds::check(sample); }
   std::optional<Request> request_of(const layer2_SendRequest& sample, JobId id,
                                     std::vector<std::uint8_t>& /*data*/) const {
     return layer2::dds::to_core(sample, id, config_.timeout);
@@ -84,8 +82,8 @@ class SendRequests {
   }
 
   static JobId id_of(const SendDone& done) noexcept { return done.answer.id; }
-  std::optional<std::string> refusal(const SendDone& done, const Request& /*request*/,
-                                     const SendContext& /*context*/) const;
+  gateway::dds::Problem refusal(const SendDone& done, const Request& /*request*/,
+                                const SendContext& /*context*/) const;
   static Outcome outcome_of(const SendDone& done) noexcept { return done.answer.outcome; }
   static std::string_view name(Outcome outcome) noexcept;
   static bool is_done(Outcome outcome) noexcept { return outcome == Outcome::done; }

@@ -14,6 +14,7 @@
 #include "cansync/settings/settings.h"
 #include "cansync/telegram/mapping.h"
 #include "dds/bounded_text.h"
+#include "dds/denial.h"
 #include "dds/request_key.h"
 
 /// Between the structs of the IDL and those of the core, in one file. Requests must have passed `check`
@@ -45,6 +46,8 @@ void to_registers(const ProcessMapping& mapping, std::uint8_t (&bytes)[8]) noexc
 // --- core -> replies ---
 
 gateway_ReplyCode to_reply_code(Outcome outcome) noexcept;
+/// The cause that goes with REPLY_REFUSED; none with every other code.
+gateway_RefusalCause to_cause(Outcome outcome) noexcept;
 
 /// Terminal replies of jobs; `reason` is filled by what the outcome and the slave's error code mean. The
 /// transfer reply borrows `data` (uploads): it must live until the reply was written, and is never freed by
@@ -55,9 +58,9 @@ cansync_TransferReply transfer_reply(const RequestKey& key, const TransferResult
 cansync_CommandReply command_reply(const RequestKey& key, Outcome outcome) noexcept;
 
 /// Refusals: nothing was sent.
-cansync_ParameterReply parameter_refused(const RequestKey& key, std::string_view reason) noexcept;
-cansync_TransferReply transfer_refused(const RequestKey& key, std::string_view reason) noexcept;
-cansync_CommandReply command_refused(const RequestKey& key, std::string_view reason) noexcept;
+cansync_ParameterReply parameter_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
+cansync_TransferReply transfer_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
+cansync_CommandReply command_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
 
 cansync_TransferProgress transfer_progress(const RequestKey& key, std::uint32_t done,
                                            std::uint32_t total) noexcept;

@@ -5,6 +5,8 @@
 namespace cansync::dds {
 namespace {
 
+using gateway::dds::Denial;
+
 /// Builds a reason from pieces in the reply's own memory, without allocation.
 template <std::size_t N>
 class ReasonBuilder {
@@ -87,18 +89,25 @@ void fill_reason(Outcome outcome, std::uint16_t code, std::string_view meaning, 
 }
 
 template <class Reply>
-Reply reply_to(const RequestKey& key, gateway_ReplyCode code) noexcept {
+Reply reply_to(const RequestKey& key) noexcept {
   Reply reply = {};
   std::copy(key.client.begin(), key.client.end(), std::begin(reply.client));
   reply.request = key.request;
-  reply.code = code;
   return reply;
 }
 
 template <class Reply>
-Reply refused(const RequestKey& key, std::string_view reason) noexcept {
-  Reply reply = reply_to<Reply>(key, gateway_REPLY_REFUSED);
-  copy_text(reason, reply.reason);
+Reply ended(const RequestKey& key, Outcome outcome) noexcept {
+  Reply reply = reply_to<Reply>(key);
+  reply.code = to_reply_code(outcome);
+  reply.cause = to_cause(outcome);
+  return reply;
+}
+
+template <class Reply>
+Reply refused(const RequestKey& key, const Denial& denial) noexcept {
+  Reply reply = reply_to<Reply>(key);
+  gateway::dds::refuse(reply, denial);
   return reply;
 }
 
@@ -134,8 +143,12 @@ gateway_ReplyCode to_reply_code(Outcome outcome) noexcept {
   return gateway_REPLY_MASTER_STOPPED;
 }
 
+gateway_RefusalCause to_cause(Outcome outcome) noexcept {
+  return outcome == Outcome::slave_held ? gateway_CAUSE_SLAVE_HELD : gateway_CAUSE_NONE;
+}
+
 cansync_ParameterReply parameter_reply(const RequestKey& key, const ParameterResult& result) noexcept {
-  auto reply = reply_to<cansync_ParameterReply>(key, to_reply_code(result.outcome));
+  auto reply = ended<cansync_ParameterReply>(key, result.outcome);
   reply.error_code = static_cast<std::uint16_t>(result.error);
   fill_reason(result.outcome, reply.error_code, meaning(result.error), reply.reason);
   reply.doubleword = result.doubleword;
@@ -146,7 +159,7 @@ cansync_ParameterReply parameter_reply(const RequestKey& key, const ParameterRes
 
 cansync_TransferReply transfer_reply(const RequestKey& key, const TransferResult& result,
                                      std::span<std::uint8_t> data) noexcept {
-  auto reply = reply_to<cansync_TransferReply>(key, to_reply_code(result.outcome));
+  auto reply = ended<cansync_TransferReply>(key, result.outcome);
   reply.error_code = static_cast<std::uint16_t>(result.error);
   fill_reason(result.outcome, reply.error_code, meaning(result.error), reply.reason);
   reply.error_offset = result.error_offset;
@@ -161,21 +174,21 @@ cansync_TransferReply transfer_reply(const RequestKey& key, const TransferResult
 }
 
 cansync_CommandReply command_reply(const RequestKey& key, Outcome outcome) noexcept {
-  auto reply = reply_to<cansync_CommandReply>(key, to_reply_code(outcome));
+  auto reply = ended<cansync_CommandReply>(key, outcome);
   copy_text(reason_of_command(outcome), reply.reason);
   return reply;
 }
 
-cansync_ParameterReply parameter_refused(const RequestKey& key, std::string_view reason) noexcept {
-  return refused<cansync_ParameterReply>(key, reason);
+cansync_ParameterReply parameter_refused(const RequestKey& key, const Denial& denial) noexcept {
+  return refused<cansync_ParameterReply>(key, denial);
 }
 
-cansync_TransferReply transfer_refused(const RequestKey& key, std::string_view reason) noexcept {
-  return refused<cansync_TransferReply>(key, reason);
+cansync_TransferReply transfer_refused(const RequestKey& key, const Denial& denial) noexcept {
+  return refused<cansync_TransferReply>(key, denial);
 }
 
-cansync_CommandReply command_refused(const RequestKey& key, std::string_view reason) noexcept {
-  return refused<cansync_CommandReply>(key, reason);
+cansync_CommandReply command_refused(const RequestKey& key, const Denial& denial) noexcept {
+  return refused<cansync_CommandReply>(key, denial);
 }
 
 cansync_TransferProgress transfer_progress(const RequestKey& key, std::uint32_t done,

@@ -4,9 +4,12 @@
 
 namespace cansync::dds {
 
+using gateway::dds::Denial;
+
 Problem in_range(std::string_view field, std::int64_t value, std::int64_t minimum, std::int64_t maximum) {
   if (value >= minimum && value <= maximum) return std::nullopt;
-  return fmt::format("{} {}: out of range; allowed {}..{}", field, value, minimum, maximum);
+  return Denial{gateway_CAUSE_FIELD,
+                fmt::format("{} {}: out of range; allowed {}..{}", field, value, minimum, maximum)};
 }
 
 std::string list_of(SlaveMask slaves) {
@@ -26,13 +29,15 @@ std::string list_of(SlaveMask slaves) {
 Problem configured_slave(std::string_view field, std::uint32_t slave, const Limits& limits) {
   if (Problem problem = in_range(field, slave, 0, SlaveNumber::max)) return problem;
   if (((limits.configured.bits >> slave) & 1u) != 0) return std::nullopt;
-  return fmt::format("{} {}: not configured; allowed {}", field, slave, list_of(limits.configured));
+  return Denial{gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+                fmt::format("{} {}: not configured; allowed {}", field, slave, list_of(limits.configured))};
 }
 
 Problem timeout_in_range(std::uint32_t timeout) {
   if (timeout <= kMaximumTimeoutMs) return std::nullopt;
-  return fmt::format("timeout {} ms: out of range; allowed 0..{} ms, 0 = the daemon's default", timeout,
-                     kMaximumTimeoutMs);
+  return Denial{gateway_CAUSE_FIELD,
+                fmt::format("timeout {} ms: out of range; allowed 0..{} ms, 0 = the daemon's default",
+                            timeout, kMaximumTimeoutMs)};
 }
 
 }  // namespace cansync::dds

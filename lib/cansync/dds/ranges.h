@@ -1,20 +1,19 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "cansync/dds/validate.h"
 #include "cansync/telegram/numbers.h"
+#include "dds/denial.h"
 
 /// Building blocks of the checks in validate.cpp and validate_command.cpp; internal to lib/dds.
 namespace cansync::dds {
 
-/// Nothing, or why a request is refused.
-using Problem = std::optional<std::string>;
+using gateway::dds::Problem;
 
-/// "field 33: out of range; allowed 0..31" unless `minimum` <= value <= `maximum`.
+/// Of a field: "field 33: out of range; allowed 0..31" unless `minimum` <= value <= `maximum`.
 Problem in_range(std::string_view field, std::int64_t value, std::int64_t minimum, std::int64_t maximum);
 
 /// "0..3, 7" for a mask; "none" for the empty one.

@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "cansync/dds/ranges.h"
 #include "dds/enumerator.h"
 
 namespace cansync::dds {
 namespace {
+
+using gateway::dds::Denial;
 
 constexpr std::uint32_t kLongestBlock = 4092;  // a multiple of 6 and 4 below 4096
 constexpr std::uint32_t kReservedAddresses = 0x100;
@@ -14,12 +18,15 @@ constexpr std::uint32_t kReservedAddresses = 0x100;
 Problem check_value(const cansync_ParameterRequest& request) {
   if (!request.write) return std::nullopt;
   if (request.element != kValueElement.value()) {
-    return fmt::format("element {}: cannot be written; allowed 7 (the value), the others can only be read",
-                       request.element);
+    return Denial{
+        gateway_CAUSE_ELEMENT_NOT_WRITABLE,
+        fmt::format("element {}: cannot be written; allowed 7 (the value), the others can only be read",
+                    request.element)};
   }
   if (request.format == cansync_FORMAT_WORD && request.value > 0xFFFF) {
-    return fmt::format("value {}: too wide for a word; allowed 0..65535, or format doubleword",
-                       request.value);
+    return Denial{
+        gateway_CAUSE_VALUE_TOO_WIDE,
+        fmt::format("value {}: too wide for a word; allowed 0..65535, or format doubleword", request.value)};
   }
   return std::nullopt;
 }
@@ -27,45 +34,53 @@ Problem check_value(const cansync_ParameterRequest& request) {
 Problem check_length(const cansync_TransferRequest& request) {
   const bool download = request.direction == cansync_DIRECTION_DOWNLOAD;
   if (request.length == 0 || request.length > cansync_MAXIMUM_TRANSFER) {
-    return fmt::format("length {}: out of range; allowed 1..{} bytes", request.length,
-                       cansync_MAXIMUM_TRANSFER);
+    return Denial{gateway_CAUSE_LENGTH, fmt::format("length {}: out of range; allowed 1..{} bytes",
+                                                    request.length, cansync_MAXIMUM_TRANSFER)};
   }
   if (download && request.data._length != request.length) {
-    return fmt::format("length {}: does not fit the data; allowed {}, the bytes of data", request.length,
-                       request.data._length);
+    return Denial{gateway_CAUSE_LENGTH,
+                  fmt::format("length {}: does not fit the data; allowed {}, the bytes of data",
+                              request.length, request.data._length)};
   }
   if (!download && request.data._length != 0) {
-    return fmt::format("data of {} bytes: not with an upload; allowed 0 bytes", request.data._length);
+    return Denial{gateway_CAUSE_LENGTH,
+                  fmt::format("data of {} bytes: not with an upload; allowed 0 bytes", request.data._length)};
   }
   return std::nullopt;
 }
 
 Problem check_address(const cansync_TransferRequest& request, const Limits& limits) {
   if (request.address < kReservedAddresses && !limits.allow_reserved_addresses) {
-    return fmt::format(
-        "address 0x{:X}: 0x00..0xFF belong to the slave's operating system; allowed 0x100..0xFFFFFFFF, or "
-        "set allow_reserved_addresses",
-        request.address);
+    return Denial{
+        gateway_CAUSE_ADDRESS,
+        fmt::format(
+            "address 0x{:X}: 0x00..0xFF belong to the slave's operating system; allowed 0x100..0xFFFFFFFF, or "
+            "set allow_reserved_addresses",
+            request.address)};
   }
   const std::uint64_t last = request.address + (std::uint64_t{request.length} - 1) / limits.address_step;
   if (last > 0xFFFFFFFFu) {
-    return fmt::format("address 0x{:X}: with length {} the end lies at 0x{:X}; allowed up to 0xFFFFFFFF",
-                       request.address, request.length, last);
+    return Denial{
+        gateway_CAUSE_ADDRESS,
+        fmt::format("address 0x{:X}: with length {} the end lies at 0x{:X}; allowed up to 0xFFFFFFFF",
+                    request.address, request.length, last)};
   }
   return std::nullopt;
 }
 
 Problem check_block_size(const cansync_TransferRequest& request, const Limits& limits) {
   if (request.block_size == 0) return std::nullopt;
-  if (Problem problem = in_range("block_size", request.block_size, 1, kLongestBlock)) return problem;
-  const std::uint16_t most = limits.block_limit[request.slave];
+  const std::uint32_t most = std::min<std::uint32_t>(limits.block_limit[request.slave], kLongestBlock);
   if (request.block_size > most) {
-    return fmt::format("block_size {}: over the limit of slave {}; allowed 1..{}, 0 = {}", request.block_size,
-                       request.slave, most, most);
+    return Denial{gateway_CAUSE_BLOCK_SIZE,
+                  fmt::format("block_size {}: over the limit of slave {}; allowed 1..{}, 0 = {}",
+                              request.block_size, request.slave, most, most)};
   }
   if (request.block_size % limits.address_step != 0) {
-    return fmt::format("block_size {}: no whole start addresses; allowed multiples of {} up to {}, 0 = {}",
-                       request.block_size, limits.address_step, most, most);
+    return Denial{
+        gateway_CAUSE_BLOCK_SIZE,
+        fmt::format("block_size {}: no whole start addresses; allowed multiples of {} up to {}, 0 = {}",
+                    request.block_size, limits.address_step, most, most)};
   }
   return std::nullopt;
 }
@@ -115,9 +130,65 @@ Problem check(const cansync_TransferRequest& request, const Limits& limits) {
 Problem check(const cansync_ReferenceValues& values, const Limits& limits) {
   if (Problem problem = in_range("telegram", values.telegram, 1, 2)) return problem;
   if (values.valid == 0 || values.valid > 15) {
-    return fmt::format("valid {}: out of range; allowed 1..15, bit n = value[n] is new", values.valid);
+    return Denial{
+        gateway_CAUSE_FIELD,
+        fmt::format("valid {}: out of range; allowed 1..15, bit n = value[n] is new", values.valid)};
   }
   return in_range("release_intervals", values.release_intervals, 0, limits.release_limit);
+}
+
+gateway_RefusalCause to_cause(Refusal refusal) noexcept {
+  switch (refusal) {
+    case Refusal::none:
+      break;
+    case Refusal::slave_not_configured:
+      return gateway_CAUSE_SLAVE_NOT_CONFIGURED;
+    case Refusal::element_not_writable:
+      return gateway_CAUSE_ELEMENT_NOT_WRITABLE;
+    case Refusal::value_too_wide:
+      return gateway_CAUSE_VALUE_TOO_WIDE;
+    case Refusal::length_zero:
+      return gateway_CAUSE_LENGTH;
+    case Refusal::block_size:
+      return gateway_CAUSE_BLOCK_SIZE;
+    case Refusal::address_reserved:
+    case Refusal::address_overflow:
+      return gateway_CAUSE_ADDRESS;
+    case Refusal::command_reserved:
+      return gateway_CAUSE_ACTION_RESERVED;
+    case Refusal::no_slaves:
+      return gateway_CAUSE_NO_SLAVES;
+    case Refusal::priority:
+    case Refusal::interval_passed:
+    case Refusal::release_too_long:
+    case Refusal::nothing_valid:
+      return gateway_CAUSE_FIELD;
+    case Refusal::queue_full:
+      return gateway_CAUSE_QUEUE_FULL;
+    case Refusal::wrong_state:
+      return gateway_CAUSE_WRONG_STATE;
+    case Refusal::slaves_missing:
+      return gateway_CAUSE_SLAVES_MISSING;
+    case Refusal::unknown_job:
+      return gateway_CAUSE_UNKNOWN_JOB;
+    case Refusal::mapping:
+      return gateway_CAUSE_MAPPING;
+    case Refusal::not_permitted:
+      return gateway_CAUSE_RIGHT;
+    case Refusal::bus_unavailable:
+      return gateway_CAUSE_BUS_UNAVAILABLE;
+    case Refusal::slave_lost:
+      return gateway_CAUSE_SLAVE_LOST;
+    case Refusal::slave_held:
+      return gateway_CAUSE_SLAVE_HELD;
+    case Refusal::not_held:
+      return gateway_CAUSE_NOT_HELD;
+    case Refusal::too_old:
+      return gateway_CAUSE_STALE;
+    case Refusal::mapping_changed:
+      return gateway_CAUSE_MAPPING_CHANGED;
+  }
+  return gateway_CAUSE_NONE;
 }
 
 std::string explain(Refusal refusal, const Limits& limits) {

@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "cansync.h"
 #include "cansync/channel/jobs.h"
 #include "cansync/settings/settings.h"
+#include "dds/denial.h"
 
 /// Every range check of what comes in over DDS, in one place. A problem text names field, value, allowed
 /// range and, where there is one, the remedy; it fits `gateway_TEXT`. Gateway thread only (allocates).
@@ -32,11 +32,14 @@ inline constexpr std::uint32_t kMaximumTimeoutMs = 3'600'000;
 Limits limits_of(const MasterSettings& settings) noexcept;
 
 /// Nothing, or why the request is refused. What passes can be converted (convert.h) without loss.
-std::optional<std::string> check(const cansync_ParameterRequest& request, const Limits& limits);
-std::optional<std::string> check(const cansync_TransferRequest& request, const Limits& limits);
-std::optional<std::string> check(const cansync_Command& command, const Limits& limits);
-/// Reference values have no reply; the text goes into an Event.
-std::optional<std::string> check(const cansync_ReferenceValues& values, const Limits& limits);
+gateway::dds::Problem check(const cansync_ParameterRequest& request, const Limits& limits);
+gateway::dds::Problem check(const cansync_TransferRequest& request, const Limits& limits);
+gateway::dds::Problem check(const cansync_Command& command, const Limits& limits);
+/// Reference values have no reply; cause and reason go into an Event.
+gateway::dds::Problem check(const cansync_ReferenceValues& values, const Limits& limits);
+
+/// The cause by which clients are told of a refusal of the master; none for Refusal::none.
+gateway_RefusalCause to_cause(Refusal refusal) noexcept;
 
 /// A refusal of the master in words, with limits and remedy; for what only the master knows, like a full
 /// queue.

@@ -10,23 +10,28 @@
 namespace cansync::dds {
 namespace {
 
+using gateway::dds::Denial;
+
 constexpr std::int32_t kUnchanged = -2;
 constexpr std::uint32_t kFirstUserAction = 128;
 
 Problem check_broadcast(const cansync_Command& command, const Limits& limits) {
   if (Problem problem = in_range("priority", command.priority, 0, 2)) return problem;
   if (command.slave_mask == 0) {
-    return fmt::format("slave_mask 0x0: no slave; allowed bits of the configured slaves {}",
-                       list_of(limits.configured));
+    return Denial{gateway_CAUSE_NO_SLAVES,
+                  fmt::format("slave_mask 0x0: no slave; allowed bits of the configured slaves {}",
+                              list_of(limits.configured))};
   }
   const std::uint32_t strangers = command.slave_mask & ~limits.configured.bits;
   if (strangers != 0) {
-    return fmt::format("slave_mask 0x{:X}: slaves {} are not configured; allowed bits of {}",
-                       command.slave_mask, list_of({strangers}), list_of(limits.configured));
+    return Denial{gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+                  fmt::format("slave_mask 0x{:X}: slaves {} are not configured; allowed bits of {}",
+                              command.slave_mask, list_of({strangers}), list_of(limits.configured))};
   }
   if (command.action != kCommandControlWord && (command.action < kFirstUserAction || command.action > 255)) {
-    return fmt::format("action {}: reserved or out of range; allowed 1 (control word) and 128..255",
-                       command.action);
+    return Denial{gateway_CAUSE_ACTION_RESERVED,
+                  fmt::format("action {}: reserved or out of range; allowed 1 (control word) and 128..255",
+                              command.action)};
   }
   if (Problem problem = in_range("data_byte", command.data_byte, 0, 0xFF)) return problem;
   if (Problem problem = in_range("data_word", command.data_word, 0, 0xFFFF)) return problem;
@@ -37,8 +42,10 @@ Problem check_cursor(std::string_view field, std::int32_t code, const Limits& li
   if (code == kUnchanged) return std::nullopt;
   const std::optional<Cursor> cursor = to_cursor(code);
   if (!cursor) {
-    return fmt::format("{} {}: out of range; allowed a slave 0..31, -128 automatic, -1 nobody, -2 unchanged",
-                       field, code);
+    return Denial{
+        gateway_CAUSE_FIELD,
+        fmt::format("{} {}: out of range; allowed a slave 0..31, -128 automatic, -1 nobody, -2 unchanged",
+                    field, code)};
   }
   if (cursor->kind != Cursor::Kind::fixed) return std::nullopt;
   return configured_slave(field, cursor->slave.value(), limits);
@@ -49,7 +56,9 @@ Problem check_polling(const cansync_Command& command, const Limits& limits) {
   if (Problem problem = check_cursor("polling_two", command.polling_two, limits)) return problem;
   if (command.maximum_slave == kUnchanged) return std::nullopt;
   if (command.maximum_slave < 0 || command.maximum_slave > SlaveNumber::max) {
-    return fmt::format("maximum_slave {}: out of range; allowed 0..31, -2 unchanged", command.maximum_slave);
+    return Denial{
+        gateway_CAUSE_FIELD,
+        fmt::format("maximum_slave {}: out of range; allowed 0..31, -2 unchanged", command.maximum_slave)};
   }
   return std::nullopt;
 }
@@ -66,15 +75,19 @@ Problem check_mapping(const cansync_Command& command) {
     const std::uint8_t byte = command.mapping[i];
     const std::optional<WordMapping> word = from_register(byte);
     if (!word) {
-      return fmt::format(
-          "mapping[{}] 0x{:02X}: no register byte; allowed 0 (unused), or bit 0 set, bit 1 high word, bits "
-          "2..6 value 0..7, bit 7 zero",
-          i, byte);
+      return Denial{
+          gateway_CAUSE_MAPPING,
+          fmt::format(
+              "mapping[{}] 0x{:02X}: no register byte; allowed 0 (unused), or bit 0 set, bit 1 high word, bits "
+              "2..6 value 0..7, bit 7 zero",
+              i, byte)};
     }
     const unsigned telegram = i / kWords;
     if (word->assigned && word->value / 4u != telegram) {
-      return fmt::format("mapping[{}] 0x{:02X}: value {} does not belong to telegram {}; allowed {}..{}", i,
-                         byte, word->value, telegram + 1, 4 * telegram, 4 * telegram + 3);
+      return Denial{
+          gateway_CAUSE_MAPPING,
+          fmt::format("mapping[{}] 0x{:02X}: value {} does not belong to telegram {}; allowed {}..{}", i,
+                      byte, word->value, telegram + 1, 4 * telegram, 4 * telegram + 3)};
     }
   }
   return std::nullopt;

@@ -9,12 +9,10 @@
 namespace layer2::dds {
 namespace {
 
-layer2_SendReply reply_to(const RequestKey& key, gateway_ReplyCode code, std::string_view reason) noexcept {
+layer2_SendReply reply_to(const RequestKey& key) noexcept {
   layer2_SendReply reply = {};
   std::copy(key.client.begin(), key.client.end(), std::begin(reply.client));
   reply.request = key.request;
-  reply.code = code;
-  copy_text(reason, reply.reason);
   return reply;
 }
 
@@ -109,14 +107,17 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept {
 }
 
 layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept {
-  layer2_SendReply reply =
-      reply_to(key, to_reply_code(answer.outcome), reason_of(answer.outcome, answer.obstacle));
+  layer2_SendReply reply = reply_to(key);
+  reply.code = to_reply_code(answer.outcome);
+  copy_text(reason_of(answer.outcome, answer.obstacle), reply.reason);
   if (answer.outcome == Outcome::done) reply.sent_time = sent_time;
   return reply;
 }
 
-layer2_SendReply send_refused(const RequestKey& key, std::string_view reason) noexcept {
-  return reply_to(key, gateway_REPLY_REFUSED, reason);
+layer2_SendReply send_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept {
+  layer2_SendReply reply = reply_to(key);
+  gateway::dds::refuse(reply, denial);
+  return reply;
 }
 
 }  // namespace layer2::dds

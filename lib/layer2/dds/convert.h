@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "can/frame.h"
+#include "dds/denial.h"
 #include "dds/request_key.h"
 #include "layer2.h"
 #include "layer2/dds/topics.h"
@@ -32,7 +33,7 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept;
 
 /// Terminal reply; `sent_time` is CLOCK_REALTIME (ns) of the frame's last bit and counts when done alone.
 layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept;
-/// Nothing was sent, for this reason.
-layer2_SendReply send_refused(const RequestKey& key, std::string_view reason) noexcept;
+/// Nothing was sent, for this cause and reason.
+layer2_SendReply send_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
 
 }  // namespace layer2::dds

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
+#include "dds/denial.h"
 #include "layer2.h"
 #include "layer2/station.h"
 
@@ -15,10 +15,10 @@ namespace layer2::dds {
 inline constexpr std::uint32_t kMaximumTimeoutMs = 3'600'000;
 
 /// Nothing, or why the request is refused. What passes can be converted (convert.h) without loss.
-std::optional<std::string> check(const layer2_SendRequest& request);
+gateway::dds::Problem check(const layer2_SendRequest& request);
 
-/// A refusal of the station in words, with limits and remedy; `queue` is the configured number of orders that
-/// may wait.
-std::string explain(Refusal refusal, std::uint16_t queue);
+/// A refusal of the station, with limits and remedy; nothing for Refusal::none. `queue` is the configured
+/// number of orders that may wait.
+gateway::dds::Problem explain(Refusal refusal, std::uint16_t queue);
 
 }  // namespace layer2::dds

@@ -196,15 +196,28 @@ TEST(Replies, EveryOutcomeHasItsCodeAndAllButDoneAReason) {
     const cansync_CommandReply reply = command_reply(key_with(1), outcome);
     EXPECT_EQ(reply.code, code);
     EXPECT_EQ(text(reply.reason).empty(), outcome == Outcome::done);
+    EXPECT_TRUE(gateway::dds::fits(reply.code, reply.cause)) << name(outcome);
+    ParameterResult parameter;
+    parameter.outcome = outcome;
+    EXPECT_EQ(parameter_reply(key_with(1), parameter).cause, reply.cause);
+    TransferResult transfer;
+    transfer.outcome = outcome;
+    EXPECT_EQ(transfer_reply(key_with(1), transfer, {}).cause, reply.cause);
   }
 }
 
-TEST(Replies, RefusalsCarryTheReasonAndNothingElse) {
+TEST(Replies, RefusalsCarryCauseAndReasonAndNothingElse) {
   const std::string reason(300, 'x');
-  EXPECT_EQ(parameter_refused(key_with(1), "slave 32: out of range").code, gateway_REPLY_REFUSED);
-  EXPECT_EQ(text(parameter_refused(key_with(1), "slave 32").reason), "slave 32");
-  EXPECT_EQ(text(transfer_refused(key_with(1), reason).reason), reason.substr(0, gateway_TEXT));
-  EXPECT_EQ(command_refused(key_with(9), reason).request, 9u);
+  const auto refused = parameter_refused(key_with(1), {gateway_CAUSE_FIELD, "slave 32: out of range"});
+  EXPECT_EQ(refused.code, gateway_REPLY_REFUSED);
+  EXPECT_EQ(refused.cause, gateway_CAUSE_FIELD);
+  EXPECT_EQ(text(refused.reason), "slave 32: out of range");
+  const auto transfer = transfer_refused(key_with(1), {gateway_CAUSE_LENGTH, reason});
+  EXPECT_EQ(transfer.cause, gateway_CAUSE_LENGTH);
+  EXPECT_EQ(text(transfer.reason), reason.substr(0, gateway_TEXT));
+  const auto command = command_refused(key_with(9), {gateway_CAUSE_NO_SLAVES, reason});
+  EXPECT_EQ(command.cause, gateway_CAUSE_NO_SLAVES);
+  EXPECT_EQ(command.request, 9u);
 }
 
 TEST(State, ActualValuesAreScaledAsSignedNumbers) {

@@ -29,11 +29,11 @@ struct Case {
 /// Applies each change to `good` and compares the problem's text.
 template <class T>
 void expect_texts(const T& good, const std::vector<Case<T>>& cases, const Limits& limits = line()) {
-  ASSERT_EQ(check(good, limits), std::nullopt);
+  ASSERT_FALSE(check(good, limits));
   for (const Case<T>& entry : cases) {
     T sample = good;
     entry.change(sample);
-    const std::string text = check(sample, limits).value_or("");
+    const std::string text = check(sample, limits).value_or(gateway::dds::Denial{}).reason;
     EXPECT_EQ(text, entry.expected);
     EXPECT_LE(text.size(), std::size_t{gateway_TEXT});
   }
@@ -136,7 +136,8 @@ TEST(Validate, Upload) {
              r.block_size = 121;
            },
            "block_size 121: over the limit of slave 2; allowed 1..120, 0 = 120"},
-          {[](R& r) { r.block_size = 4093; }, "block_size 4093: out of range; allowed 1..4092"},
+          {[](R& r) { r.block_size = 4093; },
+           "block_size 4093: over the limit of slave 1; allowed 1..300, 0 = 300"},
           {[](R& r) { r.timeout = 4'000'000; },
            "timeout 4000000 ms: out of range; allowed 0..3600000 ms, 0 = the daemon's default"},
       });
@@ -160,9 +161,12 @@ TEST(Validate, BlocksBeginAtWholeStartAddresses) {
   limits.address_step = 4;
   cansync_TransferRequest request = good_upload();
   request.block_size = 120;
-  EXPECT_EQ(check(request, limits), std::nullopt);
+  EXPECT_FALSE(check(request, limits));
   request.block_size = 122;
-  EXPECT_EQ(check(request, limits),
+  const auto problem = check(request, limits);
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->cause, gateway_CAUSE_BLOCK_SIZE);
+  EXPECT_EQ(problem->reason,
             "block_size 122: no whole start addresses; allowed multiples of 4 up to 300, 0 = 300");
 }
 
@@ -171,7 +175,7 @@ TEST(Validate, ReservedAddressesWhenTheSettingAllowsThem) {
   limits.allow_reserved_addresses = true;
   cansync_TransferRequest request = good_upload();
   request.address = 0;
-  EXPECT_EQ(check(request, limits), std::nullopt);
+  EXPECT_FALSE(check(request, limits));
 }
 
 TEST(Validate, AddressesThatCountDoublewordsReachFurther) {
@@ -179,7 +183,7 @@ TEST(Validate, AddressesThatCountDoublewordsReachFurther) {
   limits.address_step = 4;
   cansync_TransferRequest request = good_upload();
   request.address = 0xFFFFFFFF - 249;  // 1000 bytes are 250 addresses
-  EXPECT_EQ(check(request, limits), std::nullopt);
+  EXPECT_FALSE(check(request, limits));
   ++request.address;
   EXPECT_NE(check(request, limits), std::nullopt);
 }
@@ -307,16 +311,21 @@ TEST(Validate, ReferenceValues) {
 }
 
 TEST(Validate, NoConfiguredSlaveIsToldAsSuch) {
-  EXPECT_EQ(check(good_parameter(), Limits{}), "slave 3: not configured; allowed none");
+  const auto problem = check(good_parameter(), Limits{});
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->cause, gateway_CAUSE_SLAVE_NOT_CONFIGURED);
+  EXPECT_EQ(problem->reason, "slave 3: not configured; allowed none");
 }
 
 TEST(Explain, EveryRefusalHasAText) {
   for (int refusal = static_cast<int>(Refusal::slave_not_configured);
-       refusal <= static_cast<int>(Refusal::mapping); ++refusal) {
+       refusal <= static_cast<int>(Refusal::mapping_changed); ++refusal) {
     const std::string text = explain(static_cast<Refusal>(refusal), line());
     EXPECT_GT(text.size(), 5u) << refusal;
     EXPECT_LE(text.size(), std::size_t{gateway_TEXT}) << refusal;
+    EXPECT_GT(to_cause(static_cast<Refusal>(refusal)), gateway_CAUSE_UNKNOWN) << refusal;
   }
+  EXPECT_EQ(to_cause(Refusal::none), gateway_CAUSE_NONE);
   EXPECT_NE(explain(Refusal::queue_full, line()).find("256 parameter jobs and 32 transfers"),
             std::string::npos);
 }

@@ -132,16 +132,17 @@ TEST(WorthRepeating, WhatTheDaemonHasNoRoomFor) {
   const auto worth = [](const std::string& reason) {
     return worth_repeating(Effect::changes, {ReplyCode::refused, reason});
   };
-  EXPECT_TRUE(worth(cansyncd::too_many_clients(64, 64)));
-  EXPECT_TRUE(worth(cansyncd::too_many_requests(32, 32)));
-  EXPECT_TRUE(worth(cansyncd::too_many_bytes(10, 90, 95)));
-  EXPECT_FALSE(worth(cansyncd::too_many_bytes_of_client(10, 90, 95))) << "this program has no other open";
+  EXPECT_TRUE(worth(cansyncd::too_many_clients(64, 64).reason));
+  EXPECT_TRUE(worth(cansyncd::too_many_requests(32, 32).reason));
+  EXPECT_TRUE(worth(cansyncd::too_many_bytes(10, 90, 95).reason));
+  EXPECT_FALSE(worth(cansyncd::too_many_bytes_of_client(10, 90, 95).reason))
+      << "this program has no other open";
 }
 
 TEST(WorthRepeating, WhatCameTooLate) {
   const auto reason = cansyncd::stale(0, 3'000'000'000, std::chrono::seconds(2));
   ASSERT_TRUE(reason);
-  EXPECT_TRUE(worth_repeating(Effect::changes, {ReplyCode::refused, *reason}));
+  EXPECT_TRUE(worth_repeating(Effect::changes, {ReplyCode::refused, reason->reason}));
 }
 
 }  // namespace

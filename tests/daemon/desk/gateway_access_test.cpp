@@ -73,6 +73,7 @@ TEST(ReadOnly, WritesDownloadsAndEveryCommandAreRefusedAndReadsAndUploadsGoOn) {
   const auto expect_refused = [](const auto& reply) {
     ASSERT_TRUE(reply);
     EXPECT_EQ(reply->code, gateway_REPLY_REFUSED);
+    EXPECT_EQ(reply->cause, gateway_CAUSE_READ_ONLY);
     EXPECT_NE(std::string_view(reply->reason).find("access.read_only"), std::string_view::npos);
   };
   rig.client.write(parameter(number, true, 5));

@@ -160,8 +160,10 @@ TEST(Audit, RefusedRequestsAreRecordedWithTheReasonAndAsEvents) {
   const auto all = rig.journal.changes();
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].field("SLAVE"), "9");
-  EXPECT_NE(all[0].field("CANSYNC_RESULT").find("refused: slave"), std::string::npos) << all[0].message;
-  EXPECT_NE(all[1].field("CANSYNC_RESULT").find("refused: state"), std::string::npos) << all[1].message;
+  EXPECT_NE(all[0].field("CANSYNC_RESULT").find("refused: slave_not_configured: slave"), std::string::npos)
+      << all[0].message;
+  EXPECT_NE(all[1].field("CANSYNC_RESULT").find("refused: wrong_state: state"), std::string::npos)
+      << all[1].message;
   const auto event = rig.client.wait_for<gateway_Event>(
       [](const auto& e) { return std::string_view(e.code) == "request_refused"; });
   ASSERT_TRUE(event);

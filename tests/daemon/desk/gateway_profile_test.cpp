@@ -48,7 +48,10 @@ cansync::ParameterRequest write_of(unsigned slave, unsigned number, std::uint32_
 
 TEST(ProfileRules, OnlyAWriteToAKnownParameterOfTheSlaveItselfIsRefused) {
   const Config config = profile_config();
-  EXPECT_EQ(profile_refusal(write_of(1, 100, 51), config),
+  const auto refused = profile_refusal(write_of(1, 100, 51), config);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->cause, gateway_CAUSE_PROFILE);
+  EXPECT_EQ(refused->reason,
             "speed-limit (parameter 100): found 51 rpm (raw 51); allowed: 10..50 rpm; by its drive profile, "
             "see access.profile_rules");
   EXPECT_TRUE(profile_refusal(write_of(1, 101, 1), config));
@@ -89,7 +92,7 @@ TEST(GatewayProfile, AWriteOutsideTheLimitsIsRefusedAndRecordedByName) {
   const auto entries = rig.journal.with("CANSYNC_REQUEST", "1");
   ASSERT_EQ(entries.size(), 1U);
   EXPECT_EQ(entries.front().field("CANSYNC_WHAT"), "speed-limit (parameter 100)");
-  EXPECT_NE(rig.journal.all().front().field("CANSYNC_RESULT").find("refused: speed-limit"),
+  EXPECT_NE(rig.journal.all().front().field("CANSYNC_RESULT").find("refused: profile: speed-limit"),
             std::string::npos);
 }
 

@@ -38,9 +38,12 @@ cansync_Command good_command(std::uint64_t number, cansync_CommandKind kind = ca
   return command;
 }
 
-void expect_refused(gateway_ReplyCode code, std::string_view reason,
+template <class Reply>
+void expect_refused(const Reply& reply, gateway_RefusalCause cause,
                     std::initializer_list<std::string_view> pieces) {
-  EXPECT_EQ(code, gateway_REPLY_REFUSED) << reason;
+  const std::string_view reason = reply.reason;
+  EXPECT_EQ(reply.code, gateway_REPLY_REFUSED) << reason;
+  EXPECT_EQ(gateway::dds::name(reply.cause), gateway::dds::name(cause)) << reason;
   for (const auto piece : pieces)
     EXPECT_NE(reason.find(piece), std::string_view::npos) << piece << " in: " << reason;
 }
@@ -62,19 +65,23 @@ TEST(GatewayRefusals, ParameterFieldsOutOfRange) {
   GatewayRig rig;
   struct Case {
     std::function<void(cansync_ParameterRequest&)> spoil;
+    gateway_RefusalCause cause;
     std::initializer_list<std::string_view> pieces;
   };
   const Case cases[] = {
-      {[](auto& r) { r.slave = 9; }, {"slave", "9", "0..3"}},
-      {[](auto& r) { r.slave = 32; }, {"slave", "32"}},
-      {[](auto& r) { r.slave = 0xFFFFFFFF; }, {"slave", "4294967295"}},
-      {[](auto& r) { r.sub_slave = 65536; }, {"sub_slave", "65536", "0..65535"}},
-      {[](auto& r) { r.number = 4096; }, {"number", "4096", "0..4095"}},
-      {[](auto& r) { r.element = 8; }, {"element", "8", "0..7"}},
-      {[](auto& r) { r.write = true, r.element = 3; }, {"element", "3", "7"}},
+      {[](auto& r) { r.slave = 9; }, gateway_CAUSE_SLAVE_NOT_CONFIGURED, {"slave", "9", "0..3"}},
+      {[](auto& r) { r.slave = 32; }, gateway_CAUSE_FIELD, {"slave", "32"}},
+      {[](auto& r) { r.slave = 0xFFFFFFFF; }, gateway_CAUSE_FIELD, {"slave", "4294967295"}},
+      {[](auto& r) { r.sub_slave = 65536; }, gateway_CAUSE_FIELD, {"sub_slave", "65536", "0..65535"}},
+      {[](auto& r) { r.number = 4096; }, gateway_CAUSE_FIELD, {"number", "4096", "0..4095"}},
+      {[](auto& r) { r.element = 8; }, gateway_CAUSE_FIELD, {"element", "8", "0..7"}},
+      {[](auto& r) { r.write = true, r.element = 3; },
+       gateway_CAUSE_ELEMENT_NOT_WRITABLE,
+       {"element", "3", "7"}},
       {[](auto& r) { r.write = true, r.format = cansync_FORMAT_WORD, r.value = 65536; },
+       gateway_CAUSE_VALUE_TOO_WIDE,
        {"value", "65536", "0..65535"}},
-      {[](auto& r) { r.timeout = 3'600'001; }, {"timeout", "3600001", "3600000"}},
+      {[](auto& r) { r.timeout = 3'600'001; }, gateway_CAUSE_FIELD, {"timeout", "3600001", "3600000"}},
   };
   // What is no format is dropped by DDS.
   EXPECT_EQ(fields_of(cases), (Fields{"slave", "sub_slave", "number", "element", "value", "timeout"}));
@@ -85,7 +92,7 @@ TEST(GatewayRefusals, ParameterFieldsOutOfRange) {
     rig.client.write(request);
     const auto reply = rig.client.reply<cansync_ParameterReply>(number++);
     ASSERT_TRUE(reply);
-    expect_refused(reply->code, reply->reason, c.pieces);
+    expect_refused(*reply, c.cause, c.pieces);
   }
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
@@ -95,30 +102,36 @@ TEST(GatewayRefusals, TransferFieldsOutOfRange) {
   std::array<std::uint8_t, 4> four = {1, 2, 3, 4};
   struct Case {
     std::function<void(cansync_TransferRequest&)> spoil;
+    gateway_RefusalCause cause;
     std::initializer_list<std::string_view> pieces;
   };
   const Case cases[] = {
-      {[](auto& r) { r.slave = 9; }, {"slave", "9", "0..3"}},
-      {[](auto& r) { r.slave = 32; }, {"slave", "32"}},
-      {[](auto& r) { r.sub_slave = 65536; }, {"sub_slave", "65536", "0..65535"}},
+      {[](auto& r) { r.slave = 9; }, gateway_CAUSE_SLAVE_NOT_CONFIGURED, {"slave", "9", "0..3"}},
+      {[](auto& r) { r.slave = 32; }, gateway_CAUSE_FIELD, {"slave", "32"}},
+      {[](auto& r) { r.sub_slave = 65536; }, gateway_CAUSE_FIELD, {"sub_slave", "65536", "0..65535"}},
       {[&](auto& r) {
          r.data = {4, 4, four.data(), false};
        },
+       gateway_CAUSE_LENGTH,
        {"data", "4 bytes", "upload"}},
       {[](auto& r) { r.direction = cansync_DIRECTION_DOWNLOAD, r.length = 0; },
+       gateway_CAUSE_LENGTH,
        {"length", "0", "1..16777216"}},
-      {[](auto& r) { r.length = 0; }, {"length", "0", "1..16777216"}},
-      {[](auto& r) { r.length = 16'777'217; }, {"length", "16777217", "1..16777216"}},
+      {[](auto& r) { r.length = 0; }, gateway_CAUSE_LENGTH, {"length", "0", "1..16777216"}},
+      {[](auto& r) { r.length = 16'777'217; }, gateway_CAUSE_LENGTH, {"length", "16777217", "1..16777216"}},
       {[&](auto& r) {
          r.direction = cansync_DIRECTION_DOWNLOAD, r.data = {4, 4, four.data(), false};
        },
+       gateway_CAUSE_LENGTH,
        {"length", "100", "4"}},
-      {[](auto& r) { r.address = 0xFF; }, {"address", "0xFF", "0x100..0xFFFFFFFF"}},
-      {[](auto& r) { r.address = 0xFFFFFFFF; }, {"address", "0xFFFFFFFF"}},
-      {[](auto& r) { r.block_size = 4093; }, {"block_size", "4093", "1..4092"}},
-      {[](auto& r) { r.block_size = 301; }, {"block_size", "301", "1..300"}},
-      {[](auto& r) { r.block_size = 0xFFFFFFFF; }, {"block_size", "4294967295", "1..4092"}},
-      {[](auto& r) { r.timeout = 3'600'001; }, {"timeout", "3600001", "3600000"}},
+      {[](auto& r) { r.address = 0xFF; }, gateway_CAUSE_ADDRESS, {"address", "0xFF", "0x100..0xFFFFFFFF"}},
+      {[](auto& r) { r.address = 0xFFFFFFFF; }, gateway_CAUSE_ADDRESS, {"address", "0xFFFFFFFF"}},
+      {[](auto& r) { r.block_size = 4093; }, gateway_CAUSE_BLOCK_SIZE, {"block_size", "4093", "1..300"}},
+      {[](auto& r) { r.block_size = 301; }, gateway_CAUSE_BLOCK_SIZE, {"block_size", "301", "1..300"}},
+      {[](auto& r) { r.block_size = 0xFFFFFFFF; },
+       gateway_CAUSE_BLOCK_SIZE,
+       {"block_size", "4294967295", "1..300"}},
+      {[](auto& r) { r.timeout = 3'600'001; }, gateway_CAUSE_FIELD, {"timeout", "3600001", "3600000"}},
   };
   // What is no direction, and data over its bound, is dropped by DDS.
   EXPECT_EQ(fields_of(cases),
@@ -130,7 +143,7 @@ TEST(GatewayRefusals, TransferFieldsOutOfRange) {
     rig.client.write(request);
     const auto answer = rig.transfer_reply(number++);
     ASSERT_TRUE(answer);
-    expect_refused(answer->reply.code, answer->reply.reason, c.pieces);
+    expect_refused(answer->reply, c.cause, c.pieces);
   }
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
@@ -140,48 +153,115 @@ TEST(GatewayRefusals, CommandFieldsOutOfRange) {
   struct Case {
     cansync_CommandKind kind;
     std::function<void(cansync_Command&)> spoil;
+    gateway_RefusalCause cause;
     std::initializer_list<std::string_view> pieces;
   };
   const Case cases[] = {
-      {cansync_COMMAND_CONTROL_WORD, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
+      {cansync_COMMAND_CONTROL_WORD,
+       [](auto& c) { c.slave = 9; },
+       gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+       {"slave", "9", "0..3"}},
       {cansync_COMMAND_CONTROL_WORD,
        [](auto& c) { c.control_word = 65536; },
+       gateway_CAUSE_FIELD,
        {"control_word", "65536", "0..65535"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.priority = 3; }, {"priority", "3", "0..2"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.slave_mask = 0; }, {"slave_mask", "0x0", "0..3"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.slave_mask = 0x10; }, {"slave_mask", "0x10", "0..3"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 0; }, {"action", "0", "128..255"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 2; }, {"action", "2", "128..255"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 127; }, {"action", "127", "128..255"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.action = 256; }, {"action", "256", "128..255"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.data_byte = 256; }, {"data_byte", "256", "0..255"}},
-      {cansync_COMMAND_BROADCAST, [](auto& c) { c.data_word = 65536; }, {"data_word", "65536", "0..65535"}},
-      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_one = 32; }, {"polling_one", "32", "0..31"}},
-      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_two = -3; }, {"polling_two", "-3", "-128"}},
-      {cansync_COMMAND_POLLING, [](auto& c) { c.maximum_slave = 32; }, {"maximum_slave", "32", "0..31"}},
-      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_one = 9; }, {"polling_one", "9", "0..3"}},
-      {cansync_COMMAND_POLLING, [](auto& c) { c.polling_two = -129; }, {"polling_two", "-129", "-128"}},
-      {cansync_COMMAND_POLLING, [](auto& c) { c.maximum_slave = -1; }, {"maximum_slave", "-1", "-2"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.priority = 3; },
+       gateway_CAUSE_FIELD,
+       {"priority", "3", "0..2"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.slave_mask = 0; },
+       gateway_CAUSE_NO_SLAVES,
+       {"slave_mask", "0x0", "0..3"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.slave_mask = 0x10; },
+       gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+       {"slave_mask", "0x10", "0..3"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.action = 0; },
+       gateway_CAUSE_ACTION_RESERVED,
+       {"action", "0", "128..255"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.action = 2; },
+       gateway_CAUSE_ACTION_RESERVED,
+       {"action", "2", "128..255"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.action = 127; },
+       gateway_CAUSE_ACTION_RESERVED,
+       {"action", "127", "128..255"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.action = 256; },
+       gateway_CAUSE_ACTION_RESERVED,
+       {"action", "256", "128..255"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.data_byte = 256; },
+       gateway_CAUSE_FIELD,
+       {"data_byte", "256", "0..255"}},
+      {cansync_COMMAND_BROADCAST,
+       [](auto& c) { c.data_word = 65536; },
+       gateway_CAUSE_FIELD,
+       {"data_word", "65536", "0..65535"}},
+      {cansync_COMMAND_POLLING,
+       [](auto& c) { c.polling_one = 32; },
+       gateway_CAUSE_FIELD,
+       {"polling_one", "32", "0..31"}},
+      {cansync_COMMAND_POLLING,
+       [](auto& c) { c.polling_two = -3; },
+       gateway_CAUSE_FIELD,
+       {"polling_two", "-3", "-128"}},
+      {cansync_COMMAND_POLLING,
+       [](auto& c) { c.maximum_slave = 32; },
+       gateway_CAUSE_FIELD,
+       {"maximum_slave", "32", "0..31"}},
+      {cansync_COMMAND_POLLING,
+       [](auto& c) { c.polling_one = 9; },
+       gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+       {"polling_one", "9", "0..3"}},
+      {cansync_COMMAND_POLLING,
+       [](auto& c) { c.polling_two = -129; },
+       gateway_CAUSE_FIELD,
+       {"polling_two", "-129", "-128"}},
+      {cansync_COMMAND_POLLING,
+       [](auto& c) { c.maximum_slave = -1; },
+       gateway_CAUSE_FIELD,
+       {"maximum_slave", "-1", "-2"}},
       {cansync_COMMAND_CHANNEL_CURSORS,
        [](auto& c) { c.cursor_control_word = 32; },
+       gateway_CAUSE_FIELD,
        {"cursor_control_word", "32", "0..31"}},
       {cansync_COMMAND_CHANNEL_CURSORS,
        [](auto& c) { c.cursor_parameter = 9; },
+       gateway_CAUSE_SLAVE_NOT_CONFIGURED,
        {"cursor_parameter", "9", "0..3"}},
       {cansync_COMMAND_CHANNEL_CURSORS,
        [](auto& c) { c.cursor_transfer = -3; },
+       gateway_CAUSE_FIELD,
        {"cursor_transfer", "-3", "-128"}},
-      {cansync_COMMAND_REFERENCE_MAPPING, [](auto& c) { c.mapping[0] = 0x80; }, {"mapping[0]", "0x80"}},
+      {cansync_COMMAND_REFERENCE_MAPPING,
+       [](auto& c) { c.mapping[0] = 0x80; },
+       gateway_CAUSE_MAPPING,
+       {"mapping[0]", "0x80"}},
       {cansync_COMMAND_REFERENCE_MAPPING,
        [](auto& c) { c.mapping[0] = 0x11; },
+       gateway_CAUSE_MAPPING,
        {"mapping[0]", "0x11", "0..3"}},
       {cansync_COMMAND_REFERENCE_MAPPING,
        [](auto& c) { c.mapping[4] = 0x0D; },
+       gateway_CAUSE_MAPPING,
        {"mapping[4]", "0x0D", "4..7"}},
-      {cansync_COMMAND_ACTUAL_MAPPING, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
-      {cansync_COMMAND_ACTUAL_MAPPING, [](auto& c) { c.mapping[7] = 0x21; }, {"mapping[7]", "0x21"}},
-      {cansync_COMMAND_RELEASE, [](auto& c) { c.slave = 9; }, {"slave", "9", "0..3"}},
-      {cansync_COMMAND_RELEASE, [](auto& c) { c.slave = 32; }, {"slave", "32"}},
+      {cansync_COMMAND_ACTUAL_MAPPING,
+       [](auto& c) { c.slave = 9; },
+       gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+       {"slave", "9", "0..3"}},
+      {cansync_COMMAND_ACTUAL_MAPPING,
+       [](auto& c) { c.mapping[7] = 0x21; },
+       gateway_CAUSE_MAPPING,
+       {"mapping[7]", "0x21"}},
+      {cansync_COMMAND_RELEASE,
+       [](auto& c) { c.slave = 9; },
+       gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+       {"slave", "9", "0..3"}},
+      {cansync_COMMAND_RELEASE, [](auto& c) { c.slave = 32; }, gateway_CAUSE_FIELD, {"slave", "32"}},
   };
   // What is no kind or mode is dropped by DDS.
   EXPECT_EQ(fields_of(cases),
@@ -195,7 +275,7 @@ TEST(GatewayRefusals, CommandFieldsOutOfRange) {
     rig.client.write(command);
     const auto reply = rig.client.reply<cansync_CommandReply>(number++);
     ASSERT_TRUE(reply);
-    expect_refused(reply->code, reply->reason, c.pieces);
+    expect_refused(*reply, c.cause, c.pieces);
   }
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
@@ -207,12 +287,12 @@ TEST(GatewayRefusals, ANumberThatIsOpenIsNotExecutedTwice) {
   rig.client.write(good_read(5));
   const auto refused = rig.client.reply<cansync_ParameterReply>(5);
   ASSERT_TRUE(refused);
-  expect_refused(refused->code, refused->reason, {"request 5", "open already"});
+  expect_refused(*refused, gateway_CAUSE_NUMBER_USED, {"request 5", "open already"});
   // The numbers of all kinds of requests are one row.
   rig.client.write(good_command(5));
   const auto command = rig.client.reply<cansync_CommandReply>(5);
   ASSERT_TRUE(command);
-  expect_refused(command->code, command->reason, {"request 5", "open already"});
+  expect_refused(*command, gateway_CAUSE_NUMBER_USED, {"request 5", "open already"});
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 
   rig.answer(ParameterDone{job.id, {}});
@@ -224,7 +304,7 @@ TEST(GatewayRefusals, ANumberThatIsOpenIsNotExecutedTwice) {
   rig.client.write(good_read(5));
   const auto again = rig.client.reply<cansync_ParameterReply>(5);
   ASSERT_TRUE(again);
-  expect_refused(again->code, again->reason, {"request 5", "used already", "highest, 5"});
+  expect_refused(*again, gateway_CAUSE_NUMBER_USED, {"request 5", "used already", "highest, 5"});
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
 }
 
@@ -234,7 +314,7 @@ TEST(GatewayRefusals, AClientHasALimitThatLeavesRoomForOthers) {
   rig.client.write(good_read(100));
   const auto refused = rig.client.reply<cansync_ParameterReply>(100);
   ASSERT_TRUE(refused);
-  expect_refused(refused->code, refused->reason, {"queue full", "64 requests", "at most 64"});
+  expect_refused(*refused, gateway_CAUSE_CLIENT_LIMIT, {"queue full", "64 requests", "at most 64"});
   // Another client has its own, and its turn: behind the four the slave has, not behind all 64.
   rig.client.deliver(good_read(1, 2));
   // What is refused behind it tells that it has been taken, too.
@@ -285,13 +365,13 @@ TEST(GatewayRefusals, TransfersHaveALimitOfAClientAndOneOfAll) {
   for (std::uint64_t number = 1; number <= 3; ++number) ask(number, 1);
   const auto own = rig.transfer_reply(3);
   ASSERT_TRUE(own);
-  expect_refused(own->reply.code, own->reply.reason,
+  expect_refused(own->reply, gateway_CAUSE_CLIENT_LIMIT,
                  {"length 16777216", "of this client have 33554432 bytes, at most 33554432"});
   for (std::uint64_t number = 10; number < 16; ++number) ask(number, static_cast<std::uint8_t>(number / 2));
   ask(20, 9);
   const auto all = rig.transfer_reply(20);
   ASSERT_TRUE(all);
-  expect_refused(all->reply.code, all->reply.reason,
+  expect_refused(all->reply, gateway_CAUSE_SHARED_LIMIT,
                  {"length 16777216", "134217728 bytes, at most 134217728"});
 }
 
@@ -308,13 +388,13 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::wrong_state});
   const auto state = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(state);
-  expect_refused(state->code, state->reason, {"waiting for start", "0x0003", "0x0043", "mode setup"});
+  expect_refused(*state, gateway_CAUSE_WRONG_STATE, {"waiting for start", "0x0003", "0x0043", "mode setup"});
 
   rig.client.write(good_read(2));
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::queue_full});
   const auto queue = rig.client.reply<cansync_ParameterReply>(2);
   ASSERT_TRUE(queue);
-  expect_refused(queue->code, queue->reason, {"queue full", "256 parameter jobs", "at most 256"});
+  expect_refused(*queue, gateway_CAUSE_QUEUE_FULL, {"queue full", "256 parameter jobs", "at most 256"});
 
   auto mode = good_command(3, cansync_COMMAND_MODE);
   mode.mode = cansync_MODE_RUN;
@@ -322,7 +402,7 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   rig.answer(Refused{rig.expect_request<ModeRequest>().id, Refusal::slaves_missing});
   const auto missing = rig.client.reply<cansync_CommandReply>(3);
   ASSERT_TRUE(missing);
-  expect_refused(missing->code, missing->reason, {"slave 1 'feeder', slave 3 'rewinder'", "force"});
+  expect_refused(*missing, gateway_CAUSE_SLAVES_MISSING, {"slave 1 'feeder', slave 3 'rewinder'", "force"});
 
   auto control = good_command(4, cansync_COMMAND_CONTROL_WORD);
   control.slave = 1;
@@ -330,25 +410,26 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   rig.answer(Refused{rig.expect_request<cansync::ControlWordRequest>().id, Refusal::slave_held});
   const auto held = rig.client.reply<cansync_CommandReply>(4);
   ASSERT_TRUE(held);
-  expect_refused(held->code, held->reason, {"slave 1 'feeder'", "held out", "0x000F", "cansync release"});
+  expect_refused(*held, gateway_CAUSE_SLAVE_HELD,
+                 {"slave 1 'feeder'", "held out", "0x000F", "cansync release"});
 
   rig.client.write(good_read(5));
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::slave_lost});
   const auto lost = rig.client.reply<cansync_ParameterReply>(5);
   ASSERT_TRUE(lost);
-  expect_refused(lost->code, lost->reason, {"slave ", "does not answer", "bus cable"});
+  expect_refused(*lost, gateway_CAUSE_SLAVE_LOST, {"slave ", "does not answer", "bus cable"});
 
   rig.client.write(good_upload(6));
   rig.answer(Refused{rig.expect_request<cansync::TransferRequest>().id, Refusal::queue_full});
   const auto transfer = rig.transfer_reply(6);
   ASSERT_TRUE(transfer);
-  expect_refused(transfer->reply.code, transfer->reply.reason, {"32 transfers", "at most 32"});
+  expect_refused(transfer->reply, gateway_CAUSE_QUEUE_FULL, {"32 transfers", "at most 32"});
 
   rig.client.write(good_command(7, cansync_COMMAND_BROADCAST));
   rig.answer(Refused{rig.expect_request<cansync::BroadcastRequest>().id, Refusal::queue_full});
   const auto broadcast = rig.client.reply<cansync_CommandReply>(7);
   ASSERT_TRUE(broadcast);
-  expect_refused(broadcast->code, broadcast->reason, {"8 broadcasts of priority 1", "at most 8"});
+  expect_refused(*broadcast, gateway_CAUSE_QUEUE_FULL, {"8 broadcasts of priority 1", "at most 8"});
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ struct Wish {
 /// How it ended; refused with a reason.
 struct Granted {
   JobId id = 0;
-  std::optional<std::string> refused;
+  gateway::dds::Problem refused;
 };
 
 enum class Ending : std::uint8_t { granted, cancelled, stopped };
@@ -63,23 +63,27 @@ struct WishTopic {
   using Reply = made_up_Answer;
   static constexpr Right kRight = Right::operate;
 
-  static Reply reply(const gateway::dds::RequestKey& key, bool done, std::string_view reason) {
+  static Reply reply(const gateway::dds::RequestKey& key, gateway_ReplyCode code, std::string_view reason) {
     Reply reply = {};
     std::copy(key.client.begin(), key.client.end(), std::begin(reply.client));
     reply.request = key.request;
-    reply.done = done;
+    reply.code = code;
     gateway::dds::copy_text(reason, reply.reason);
     return reply;
   }
-  static Reply refused(const gateway::dds::RequestKey& key, std::string_view reason) {
-    return reply(key, false, reason);
+  static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
+    Reply refusal = reply(key, gateway_REPLY_REFUSED, denial.reason);
+    refusal.cause = denial.cause;
+    return refusal;
   }
   static Reply ended(const gateway::dds::RequestKey& key, Ending ending) {
-    return reply(key, false, ending == Ending::cancelled ? "cancelled" : "stopped");
+    const bool cancelled = ending == Ending::cancelled;
+    return reply(key, cancelled ? gateway_REPLY_CANCELLED : gateway_REPLY_MASTER_STOPPED,
+                 cancelled ? "cancelled" : "stopped");
   }
   static Reply answer(const gateway::dds::RequestKey& key, const Granted& /*granted*/, const Wish& /*wish*/,
                       std::span<std::uint8_t> /*data*/, const Context& /*context*/) {
-    return reply(key, true, "");
+    return reply(key, gateway_REPLY_DONE, "");
   }
 };
 
@@ -98,9 +102,9 @@ struct Protocol {
   static std::optional<Change> change_of(const made_up_Wish& sample, const Context& /*context*/) {
     return Change{"wish", -1, "", std::to_string(sample.number)};
   }
-  static std::optional<std::string> check(const made_up_Wish& sample) {
+  static gateway::dds::Problem check(const made_up_Wish& sample) {
     if (sample.number < 100) return std::nullopt;
-    return "number: allowed 0..99";
+    return gateway::dds::Denial{gateway_CAUSE_FIELD, "number: allowed 0..99"};
   }
   static std::optional<Wish> request_of(const made_up_Wish& sample, JobId id, std::vector<std::uint8_t>&) {
     return Wish{id, sample.number};
@@ -118,8 +122,8 @@ struct Protocol {
     return true;
   }
   static JobId id_of(const Granted& granted) { return granted.id; }
-  static std::optional<std::string> refusal(const Granted& granted, const Wish& /*wish*/,
-                                            const Context& /*context*/) {
+  static gateway::dds::Problem refusal(const Granted& granted, const Wish& /*wish*/,
+                                       const Context& /*context*/) {
     return granted.refused;
   }
   static Ending outcome_of(const Granted& /*granted*/) { return Ending::granted; }

@@ -77,5 +77,19 @@ TEST(ReplyOutbox, RepliesOfManyPlacesFillItNoMoreThanThat) {
   EXPECT_EQ(held.outbox.take_dropped(), 1001u);
 }
 
+TEST(SettleCause, ARefusalNeverGoesWithoutACauseAndNothingElseWithOne) {
+  for (unsigned code = gateway_REPLY_DONE; code <= gateway_REPLY_REPLACED; ++code) {
+    for (unsigned cause = gateway_CAUSE_NONE; cause < gateway::dds::kCauses; ++cause) {
+      cansync_CommandReply reply = {};
+      reply.code = static_cast<gateway_ReplyCode>(code);
+      reply.cause = static_cast<gateway_RefusalCause>(cause);
+      const bool right = (code == gateway_REPLY_REFUSED) == (cause != gateway_CAUSE_NONE);
+      EXPECT_EQ(gateway::dds::settle_cause(reply), right) << code << " with " << cause;
+      EXPECT_TRUE(gateway::dds::fits(reply.code, reply.cause));
+      EXPECT_TRUE(!right || reply.cause == cause) << "what is right stays";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cansyncd

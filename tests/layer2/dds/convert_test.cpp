@@ -99,9 +99,10 @@ TEST(Convert, EachObstacleHasAReasonOfItsOwnThatFits) {
   }
 }
 
-TEST(Convert, ARefusalHasItsReason) {
-  const layer2_SendReply reply = send_refused(kKey, "content.length 9: out of range");
+TEST(Convert, ARefusalHasItsCauseAndReason) {
+  const layer2_SendReply reply = send_refused(kKey, {gateway_CAUSE_LENGTH, "content.length 9: out of range"});
   EXPECT_EQ(reply.code, gateway_REPLY_REFUSED);
+  EXPECT_EQ(reply.cause, gateway_CAUSE_LENGTH);
   EXPECT_EQ(text(reply.reason), "content.length 9: out of range");
   EXPECT_EQ(reply.request, 42u);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 
 namespace layer2::dds {
 namespace {
@@ -18,7 +19,7 @@ layer2_SendRequest request(std::uint32_t identifier, bool extended, std::uint8_t
 }
 
 std::string problem(const layer2_SendRequest& asked) {
-  const std::string text = check(asked).value_or("");
+  const std::string text = check(asked).value_or(gateway::dds::Denial{}).reason;
   EXPECT_LE(text.size(), std::size_t{gateway_TEXT});
   return text;
 }
@@ -35,15 +36,23 @@ TEST(Validate, TextsNameFieldValueAndWhatIsAllowed) {
   EXPECT_EQ(problem(request(0x20000000, true, 0)),
             "content.identifier 0x20000000: out of range; allowed 0..0x1FFFFFFF");
   EXPECT_EQ(problem(request(0x7FF, false, 9)), "content.length 9: out of range; allowed 0..8");
+  EXPECT_EQ(check(request(0x7FF, false, 9))->cause, gateway_CAUSE_LENGTH);
+  EXPECT_EQ(check(request(0x800, false, 0))->cause, gateway_CAUSE_FIELD);
   EXPECT_EQ(problem(request(0, false, 0, 3'600'001)),
             "timeout 3600001 ms: out of range; allowed 0..3600000 ms, 0 = the daemon's default");
 }
 
 TEST(Validate, RefusalsOfTheStationHaveWords) {
-  EXPECT_EQ(explain(Refusal::queue_full, 64),
-            "queue full: at most 64 frames may wait to be sent; try again when one has been");
-  EXPECT_FALSE(explain(Refusal::bad_frame, 64).empty());
-  EXPECT_FALSE(explain(Refusal::stopped, 64).empty());
+  const auto expect = [](Refusal refusal, gateway_RefusalCause cause, std::string_view word) {
+    const auto problem = explain(refusal, 64);
+    ASSERT_TRUE(problem);
+    EXPECT_EQ(problem->cause, cause);
+    EXPECT_NE(problem->reason.find(word), std::string::npos) << problem->reason;
+  };
+  expect(Refusal::queue_full, gateway_CAUSE_QUEUE_FULL, "at most 64 frames may wait to be sent");
+  expect(Refusal::bad_frame, gateway_CAUSE_FIELD, "0..8 bytes");
+  expect(Refusal::stopped, gateway_CAUSE_STOPPING, "being stopped");
+  EXPECT_FALSE(explain(Refusal::none, 64));
 }
 
 }  // namespace

@@ -112,7 +112,10 @@ TEST_F(Gate, NothingOfTheWeakerWriterGoesOutAfterATakeOver) {
   const Spoiled cases[] = {
       {"good", [](GateRig&, ReferenceSample&) {}},
       {"interval passed", [](GateRig&, ReferenceSample& s) { s.update.from_interval = 1; }},
-      {"field out of range", [](GateRig&, ReferenceSample& s) { s.problem = "valid 0: out of range"; }},
+      {"field out of range",
+       [](GateRig&, ReferenceSample& s) {
+         s.problem = {gateway_CAUSE_FIELD, "valid 0: out of range"};
+       }},
       {"too old", [](GateRig&, ReferenceSample& s) { s.written -= 2'000'000'000; }},
       {"another start", [](GateRig&, ReferenceSample& s) { s.daemon = {9}; }},
       {"no start", [](GateRig&, ReferenceSample& s) { s.daemon = {}; }},
@@ -199,7 +202,7 @@ TEST_F(Gate, ATakeOverThatIsRefusedBeginsTheDeadlineAnew) {
   rig.take(rig.values(kWeak, 11, 1000));
   (void)rig.on_bus(50);
   ReferenceSample first = rig.values(kStrong, 22);
-  first.problem = "valid 0";
+  first.problem = {gateway_CAUSE_FIELD, "valid 0"};
   rig.take(first);
   (void)rig.on_bus(99);
   (void)rig.gate.tick(rig.now());
