@@ -152,6 +152,19 @@ TEST(CommandChannel, JobsKeepTheirMinimumShareAgainstAControlWordInEveryInterval
   EXPECT_EQ(share_against_control_words(8, 80), std::pair(10u, 9u));
 }
 
+TEST(CommandChannel, AShareWhoseCommandWasLeftOutIsStillDue) {
+  auto rig = active_line(settings_for(4));
+  ASSERT_EQ(rig->master.submit(ParameterRequest{.id = 1, .slave = slave(2), .number = parameter(5)}),
+            Refusal::none);
+  for (JobId i = 0; i < 9; ++i) {
+    ASSERT_EQ(rig->master.submit(ControlWordRequest{2000 + i, slave(3), 0x0F}), Refusal::none);
+    rig->leave_out_command = i == 7;  // the one that has the share
+    rig->step();
+    if (i == 7) continue;
+    EXPECT_EQ(std::holds_alternative<ParameterCommand>(*rig->command()), i == 8) << i;
+  }
+}
+
 TEST(CommandChannel, WithoutAMinimumShareControlWordsStarveJobsAsInTheManuals) {
   EXPECT_EQ(share_against_control_words(0, 80), std::pair(0u, 0u));
 }
@@ -207,6 +220,15 @@ TEST(CommandChannel, RefusesBroadcastsThatAreNotAllowed) {
   EXPECT_EQ(rig->told.commands.at(3), Outcome::cancelled);
   EXPECT_EQ(rig->told.commands.at(100), Outcome::cancelled);
   EXPECT_EQ(rig->told.commands.size(), 9u);
+}
+
+TEST(CommandChannel, ABroadcastToAllSlavesHasAllBitsOfTheMask) {
+  auto rig = active_line(settings_for(4));
+  ASSERT_EQ(rig->master.submit(BroadcastRequest{1, 0, {SlaveMask::all(), 1, 0, 0x0F}}), Refusal::none);
+  rig->step();
+  ASSERT_NE(rig->command(), nullptr);
+  EXPECT_EQ(encode(*rig->command()),
+            (can::Frame{.id = 0x010, .dlc = 8, .data = {0xFF, 0xFF, 0xFF, 0xFF, 1, 0, 0x0F, 0}}));
 }
 
 TEST(CommandChannel, ACommandLeftOutIsSentInALaterInterval) {

@@ -170,6 +170,27 @@ TEST(ProcessData, OnlyAskedActualValuesAreTaken) {
   EXPECT_EQ(rig->master.slave(slave(1)).missed_actual, 1u);
 }
 
+TEST(ProcessData, AnActualValueTelegramWithoutAllMappedWordsIsNotTaken) {
+  for (unsigned words = 0; words <= 4; ++words) {
+    MasterSettings settings = settings_for(4);
+    settings.process.polling[0] = {Cursor::Kind::fixed, slave(1)};
+    settings.process.polling[1] = {Cursor::Kind::nobody, {}};
+    settings.slaves[1].actual_mapping[0].word[3] = {};  // three words are mapped
+    auto rig = active_line(settings);
+    rig->answer = [words](const Telegram& telegram) -> std::optional<Telegram> {
+      if (!std::holds_alternative<ReferenceTelegram>(telegram)) return std::nullopt;
+      return ActualTelegram{Channel::one, slave(1), static_cast<std::uint8_t>(words), {1, 2, 3, 4}};
+    };
+    ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
+    rig->run(2);
+    const unsigned taken = words >= 3 ? 1 : 0;
+    EXPECT_EQ(rig->told.actual.size(), taken) << words;
+    EXPECT_EQ(rig->master.counters().unexpected, 1 - taken) << words;
+    EXPECT_EQ(rig->master.slave(slave(1)).missed_actual, 1 - taken) << words;
+    EXPECT_EQ(rig->master.actual(slave(1)).value[1], taken * 3) << words;
+  }
+}
+
 TEST(ProcessData, ADuplicateOfAnActualValueTelegramIsNotTakenTwice) {
   MasterSettings settings = settings_for(1);
   auto rig = active_line(settings);

@@ -145,7 +145,9 @@ TEST_F(SlaveTest, ActionCommandsReachTheNamedSlavesWithoutAnAnswer) {
   send(frame(0x010, {0x20, 0, 0, 0, 200, 7, 0x02, 0x01}));
   EXPECT_EQ(application_.take(), "action 200 7 258");
   send(frame(0x010, {0x20, 0, 0, 0, 3, 7, 0x02, 0x01}));
-  EXPECT_EQ(application_.take(), "") << "commands 2..127 are reserved";
+  EXPECT_EQ(application_.take(), "action 3 7 258") << "M 3.2.3.7: all the other commands are entered";
+  send(frame(0x010, {0x20, 0, 0, 0, 2, 9, 0x02, 0x01}));
+  EXPECT_EQ(application_.take(), "action 2 9 258") << "SYNC mode with other data";
 }
 
 TEST_F(SlaveTest, ActivationIsRememberedUntilColdRestart) {
@@ -155,7 +157,7 @@ TEST_F(SlaveTest, ActivationIsRememberedUntilColdRestart) {
   EXPECT_FALSE(slave_.sync_activated()) << "another data byte";
   send(frame(0x010, {0x20, 0, 0, 0, 2, 1, 0, 0}));
   EXPECT_TRUE(slave_.sync_activated());
-  EXPECT_EQ(application_.take(), "activated");
+  EXPECT_EQ(application_.take(), "action 2 0 0, activated");
   EXPECT_TRUE(slave_.control(ControlCommand::cold_restart));
   EXPECT_FALSE(slave_.sync_activated());
 }

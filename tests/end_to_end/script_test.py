@@ -92,7 +92,7 @@ class Lists(Script):
         self.assertEqual(self.slaves("control", "0-1,3", 0), [0, 1, 3])
         self.assertEqual(self.slaves("release", "2,winder", code=3), [1, 2])
         self.assertEqual(self.one("broadcast", "--slaves", "winder,2-3", "--command", 128)["slave_mask"], 0b1110)
-        self.assertEqual(self.one("broadcast", "--slaves", "all", "--command", 128)["slave_mask"], 0b1111)
+        self.assertEqual(self.one("broadcast", "--slaves", "all", "--command", 128)["slave_mask"], 0xFFFFFFFF)
 
     def test_looking(self):
         self.assertEqual(self.slaves("slaves", "0,2-3"), [0, 2, 3])

@@ -80,7 +80,7 @@ class Checker {
       } else if (draft.registers) {
         from_registers(registers, *draft.registers, mapping[telegram]);
       } else if (draft.values && draft.high) {
-        from_arrays(values, draft, mapping[telegram]);
+        from_arrays(draft, mapping[telegram]);
       } else if (draft.values || draft.high) {
         problem(draft.values ? values : high,
                 fmt::format("found without {}; allowed: both together", draft.values ? high : values));
@@ -104,13 +104,9 @@ class Checker {
     }
   }
 
-  void from_arrays(const std::string& key, const MappingDraft& draft, cansync::TelegramMapping& mapping) {
-    if (const auto decoded = cansync::from_arrays(*draft.values, *draft.high)) {
-      mapping = *decoded;
-    } else {
-      problem(key,
-              "found an unused word (-1) that is marked high; allowed: high only beside value numbers 0..7");
-    }
+  void from_arrays(const MappingDraft& draft, cansync::TelegramMapping& mapping) {
+    // The row has checked the numbers.
+    if (const auto decoded = cansync::from_arrays(*draft.values, *draft.high)) mapping = *decoded;
   }
 
   void slave_names() {

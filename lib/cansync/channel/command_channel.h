@@ -118,7 +118,7 @@ class CommandChannel {
   /// The telegram of `take` was handed to the bus: its answer or its echo is waited for from here on.
   void sent() noexcept;
   /// The telegram of `take` was not handed over: its job stays where it was and is chosen anew.
-  void left_out() noexcept { chosen_.kind = Kind::none; }
+  void left_out() noexcept;
 
   /// End of the last command on the bus, as a time since the start of the timeline.
   void transmitted(Duration end) noexcept;
@@ -182,6 +182,8 @@ class CommandChannel {
   std::optional<SlaveNumber> next_in_turn(const Scan& scan, SlaveMask waiting) const noexcept;
   bool share_due(const Scan& scan, SlaveMask waiting) const noexcept;
   void count_share(Scan& scan, SlaveMask waiting, bool served) noexcept;
+  /// Counts this interval for every kind; `served`: whose command was sent.
+  void count_shares(Kind served) noexcept;
 
   SlaveMask pressing() const noexcept;
   void choose() noexcept;

@@ -44,12 +44,21 @@ std::optional<Telegram> CommandChannel::take() noexcept {
   check_times();
   chosen_.kind = Kind::none;
   choose();
-  count_share(parameter_scan_, parameters_.waiting(), chosen_.kind == Kind::parameter);
-  count_share(transfer_scan_, transfers_waiting(), chosen_.kind == Kind::transfer);
-  count_share(check_scan_, supervision_.checking(), chosen_.kind == Kind::check);
-  count_share(supervision_scan_, pressing(), chosen_.kind == Kind::supervision);
-  if (chosen_.kind == Kind::none) return std::nullopt;
-  return chosen_.telegram;
+  if (chosen_.kind != Kind::none) return chosen_.telegram;
+  count_shares(Kind::none);
+  return std::nullopt;
+}
+
+void CommandChannel::count_shares(Kind served) noexcept {
+  count_share(parameter_scan_, parameters_.waiting(), served == Kind::parameter);
+  count_share(transfer_scan_, transfers_waiting(), served == Kind::transfer);
+  count_share(check_scan_, supervision_.checking(), served == Kind::check);
+  count_share(supervision_scan_, pressing(), served == Kind::supervision);
+}
+
+void CommandChannel::left_out() noexcept {
+  if (chosen_.kind != Kind::none) count_shares(Kind::none);
+  chosen_.kind = Kind::none;
 }
 
 SlaveMask CommandChannel::pressing() const noexcept {
@@ -185,6 +194,7 @@ bool CommandChannel::choose_supervision() noexcept {
 }
 
 void CommandChannel::sent() noexcept {
+  if (chosen_.kind != Kind::none) count_shares(chosen_.kind);
   asked_.kind = Kind::none;
   command_end_ = Duration(-1);
   const SlaveNumber slave = chosen_.slave;

@@ -18,15 +18,19 @@ constexpr std::uint32_t kFirstUserAction = 128;
 Problem check_broadcast(const cansync_Command& command, const Limits& limits) {
   if (Problem problem = in_range("priority", command.priority, 0, 2)) return problem;
   if (command.slave_mask == 0) {
-    return Denial{gateway_CAUSE_NO_SLAVES,
-                  fmt::format("slave_mask 0x0: no slave; allowed bits of the configured slaves {}",
-                              list_of(limits.configured))};
+    return Denial{
+        gateway_CAUSE_NO_SLAVES,
+        fmt::format("slave_mask 0x0: no slave; allowed bits of the configured slaves {}, or 0xFFFFFFFF",
+                    list_of(limits.configured))};
   }
-  const std::uint32_t strangers = command.slave_mask & ~limits.configured.bits;
+  const bool everybody = command.slave_mask == SlaveMask::all().bits;  // also slaves nobody has configured
+  const std::uint32_t strangers = everybody ? 0 : command.slave_mask & ~limits.configured.bits;
   if (strangers != 0) {
-    return Denial{gateway_CAUSE_SLAVE_NOT_CONFIGURED,
-                  fmt::format("slave_mask 0x{:X}: slaves {} are not configured; allowed bits of {}",
-                              command.slave_mask, list_of({strangers}), list_of(limits.configured))};
+    return Denial{
+        gateway_CAUSE_SLAVE_NOT_CONFIGURED,
+        fmt::format(
+            "slave_mask 0x{:X}: slaves {} are not configured; allowed bits of {}, or 0xFFFFFFFF for all that are on the bus",
+            command.slave_mask, list_of({strangers}), list_of(limits.configured))};
   }
   if (command.action != kCommandControlWord && (command.action < kFirstUserAction || command.action > 255)) {
     return Denial{gateway_CAUSE_ACTION_RESERVED,

@@ -123,10 +123,12 @@ bool ProcessData::receive(const ActualTelegram& telegram) noexcept {
   Output& output = output_[index(telegram.channel)];
   // What comes before the question was on the bus answers an earlier one, and is that old.
   if (output.asked != telegram.slave || !output.on_bus) return false;
-  output.asked.reset();
   const unsigned channel = index(telegram.channel);
-  ActualValues& actual = actual_[telegram.slave.value()];
   const TelegramMapping& mapping = actual_mapping_[telegram.slave.value()][channel];
+  // Else values that did not come would be told as new.
+  if (telegram.words < mapping.used_words()) return false;
+  output.asked.reset();
+  ActualValues& actual = actual_[telegram.slave.value()];
   unpack(mapping, std::span(telegram.word).first(telegram.words), actual.value);
   const unsigned others = telegram.channel == Channel::one ? 0xF0u : 0x0Fu;
   actual.words = static_cast<std::uint8_t>((actual.words & others) | mapping.word_mask());

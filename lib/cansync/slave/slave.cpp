@@ -7,8 +7,6 @@
 namespace cansync {
 namespace {
 
-constexpr std::uint8_t kFirstUserCommand = 128;
-
 /// The reply to a parameter command (M 3.2.1.3, parameter response).
 ParameterReply reply_to(const ParameterCommand& command, const ParameterAnswer& answer) noexcept {
   ParameterReply reply;
@@ -266,11 +264,10 @@ void Slave::take(const ActionCommand& action) noexcept {
   if (!action.slaves.has(settings_.number)) return;
   if (action.command == kCommandControlWord) {
     application_.control_word(action.data_word);
-  } else if (action.command == settings_.activate_command) {
-    if (action.data_byte != settings_.activate_data) return;
+  } else if (action.command == settings_.activate_command && action.data_byte == settings_.activate_data) {
     sync_activated_ = true;
     application_.sync_activated();
-  } else if (action.command >= kFirstUserCommand) {
+  } else {
     application_.action(action.command, action.data_byte, action.data_word);
   }
 }

@@ -69,7 +69,7 @@ class SlaveApplication {
   /// A control word arrived (action command 1).
   virtual void control_word(std::uint16_t word) noexcept = 0;
 
-  /// A user command 128..255 arrived.
+  /// Any other action command 2..255 arrived, also that of "SYNC mode" with other data (M 3.2.3.7).
   virtual void action(std::uint8_t command, std::uint8_t data_byte, std::uint16_t data_word) noexcept = 0;
 };
 

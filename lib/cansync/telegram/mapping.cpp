@@ -61,10 +61,7 @@ std::optional<TelegramMapping> from_arrays(std::span<const int, kWords> numbers,
                                            std::span<const bool, kWords> high) noexcept {
   TelegramMapping mapping;
   for (unsigned i = 0; i < kWords; ++i) {
-    if (numbers[i] == -1) {
-      if (high[i]) return std::nullopt;
-      continue;
-    }
+    if (numbers[i] == -1) continue;
     if (numbers[i] < 0 || numbers[i] >= static_cast<int>(kValues)) return std::nullopt;
     mapping.word[i] = {true, high[i], static_cast<std::uint8_t>(numbers[i])};
   }

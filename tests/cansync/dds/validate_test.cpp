@@ -221,26 +221,29 @@ TEST(Validate, Release) {
 
 TEST(Validate, Broadcast) {
   using C = cansync_Command;
-  expect_texts<C>(command_of(cansync_COMMAND_BROADCAST),
-                  {
-                      {[](C& c) { c.priority = 2; }, ""},
-                      {[](C& c) { c.priority = 3; }, "priority 3: out of range; allowed 0..2"},
-                      {[](C& c) { c.slave_mask = 0; },
-                       "slave_mask 0x0: no slave; allowed bits of the configured slaves 0..3, 7"},
-                      {[](C& c) { c.slave_mask = 0x80000011; },
-                       "slave_mask 0x80000011: slaves 4, 31 are not configured; allowed bits of 0..3, 7"},
-                      {[](C& c) { c.action = 0; },
-                       "action 0: reserved or out of range; allowed 1 (control word) and 128..255"},
-                      {[](C& c) { c.action = 2; },
-                       "action 2: reserved or out of range; allowed 1 (control word) and 128..255"},
-                      {[](C& c) { c.action = 127; },
-                       "action 127: reserved or out of range; allowed 1 (control word) and 128..255"},
-                      {[](C& c) { c.action = 128; }, ""},
-                      {[](C& c) { c.action = 256; },
-                       "action 256: reserved or out of range; allowed 1 (control word) and 128..255"},
-                      {[](C& c) { c.data_byte = 256; }, "data_byte 256: out of range; allowed 0..255"},
-                      {[](C& c) { c.data_word = 65536; }, "data_word 65536: out of range; allowed 0..65535"},
-                  });
+  expect_texts<C>(
+      command_of(cansync_COMMAND_BROADCAST),
+      {
+          {[](C& c) { c.priority = 2; }, ""},
+          {[](C& c) { c.priority = 3; }, "priority 3: out of range; allowed 0..2"},
+          {[](C& c) { c.slave_mask = 0; },
+           "slave_mask 0x0: no slave; allowed bits of the configured slaves 0..3, 7, or 0xFFFFFFFF"},
+          {[](C& c) { c.slave_mask = 0x80000011; },
+           "slave_mask 0x80000011: slaves 4, 31 are not configured; allowed bits of 0..3, 7, or 0xFFFFFFFF for all that are on "
+           "the bus"},
+          {[](C& c) { c.slave_mask = 0xFFFFFFFF; }, ""},  // all slaves (M 4.2)
+          {[](C& c) { c.action = 0; },
+           "action 0: reserved or out of range; allowed 1 (control word) and 128..255"},
+          {[](C& c) { c.action = 2; },
+           "action 2: reserved or out of range; allowed 1 (control word) and 128..255"},
+          {[](C& c) { c.action = 127; },
+           "action 127: reserved or out of range; allowed 1 (control word) and 128..255"},
+          {[](C& c) { c.action = 128; }, ""},
+          {[](C& c) { c.action = 256; },
+           "action 256: reserved or out of range; allowed 1 (control word) and 128..255"},
+          {[](C& c) { c.data_byte = 256; }, "data_byte 256: out of range; allowed 0..255"},
+          {[](C& c) { c.data_word = 65536; }, "data_word 65536: out of range; allowed 0..65535"},
+      });
 }
 
 TEST(Validate, PollingAndCursors) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <limits>
 #include <memory>
 
 #include "cli/cansync/verbs.h"
@@ -60,7 +61,9 @@ ExitCode control_verb(Session& session, const ControlTexts& texts) {
   });
 }
 
+/// "all" are all that are on the bus, also those nobody has configured: every bit of the mask (M 4.2).
 std::uint32_t parse_slaves(Session& session, const std::string& text) {
+  if (text == "all") return std::numeric_limits<std::uint32_t>::max();
   if (text.starts_with("0x") || text.starts_with("0X")) return parse_slave_mask(text);
   return session.slave_mask(text);
 }

@@ -2,7 +2,6 @@
 #include <cansync/function_blocks/controlword_ma.h>
 #include <cansync/topics.h>
 
-#include <limits>
 #include <utility>
 
 #include "client/src/function_blocks/slaves.h"
@@ -30,8 +29,6 @@ void BroadcastBlock::call() {
     broadcast.data_byte = static_cast<std::uint8_t>(si_BC_BYTE);
     broadcast.data_word = static_cast<std::uint16_t>(i_BC_WORD);
     broadcast.slave_mask = d_SL_MASK;
-    if (d_SL_MASK == std::numeric_limits<DWORD>::max())
-      broadcast.slave_mask = client_->master_status().slaves_configured;
     slot_.enter([broadcast](Client& client) { return client.broadcast(broadcast); });
   }
   slot_.poll();

@@ -12,7 +12,7 @@ class CANSYNC_PUBLIC BroadcastBlock {
   USINT us_BC_CMD_NR = 0;  ///< 1 (control word in i_BC_WORD) or 128..255; 2..127 are reserved and refused
   SINT si_BC_BYTE = 0;     ///< data byte; its 8 bits go out as they are
   INT i_BC_WORD = 0;       ///< data word, all 16 bits; us_BC_CMD_NR 1: the control word
-  DWORD d_SL_MASK = 0;     ///< bit n: slave n; 16#FFFFFFFF: every configured slave
+  DWORD d_SL_MASK = 0;     ///< bit n: slave n; 16#FFFFFFFF: every slave on the bus
   BOOL x_EN = false;
 
   BOOL x_OK = false;  ///< the broadcast entered last was seen on the bus
