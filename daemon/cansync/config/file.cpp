@@ -46,7 +46,7 @@ void complete_line(Config& config) {
 }
 
 /// The value number of an option of [[slave.value]], [[actual]] or [[reference]]; else 0.
-unsigned value_of(const Setting& setting) {
+unsigned number_of_value(const Setting& setting) {
   if (setting.numbers.empty() || setting.option->section() == "slave") return 0;
   return static_cast<unsigned>(setting.numbers.back());
 }
@@ -60,7 +60,7 @@ void apply_settings(Draft& draft, const std::vector<Setting>& settings, std::vec
     }
     const std::optional<unsigned> slave = slave_of(setting);
     draft.slave = slave.value_or(0);
-    draft.value = value_of(setting);
+    draft.value = number_of_value(setting);
     if (slave && phase(setting) > 0 && !draft.config.master.slaves[*slave].configured) {
       problems.push_back({setting.where, setting.key,
                           "no [[slave]] has this number; allowed: numbers of configured slaves"});
