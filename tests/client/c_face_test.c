@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cansync.h"
+
 static int failures = 0;
 
 #define CHECK(condition)                                                              \
@@ -147,6 +149,147 @@ static void check_commands(void) {
   CHECK(cansync_release_slave(client, 1, 0) == CANSYNC_DONE);
 }
 
+static void check_names(void) {
+  cansync_parameter_info info;
+  uint32_t raw = 0;
+  CHECK(cansync_find_parameter(client, 1, "0x10", &info) == CANSYNC_DONE);
+  CHECK(info.number == 16 && info.name[0] == 0 && info.factor == 1.0 && info.doubleword == 1);
+  CHECK(cansync_find_parameter(client, 1, "4096", &info) == CANSYNC_INVALID);
+  CHECK(cansync_find_parameter(client, 1, "speed", &info) == CANSYNC_INVALID);
+  CHECK(strstr(last_error(), "slave 1 has no profile") != NULL);
+  CHECK(cansync_list_parameter(client, 1, 0, &info) == CANSYNC_INVALID);
+  info.is_signed = 1;
+  info.doubleword = 0;
+  info.factor = 0.5;
+  info.offset = 10.0;
+  CHECK(cansync_to_unit(&info, 0xFFFE) == 9.0);
+  CHECK(cansync_from_unit(client, &info, 9.0, &raw) == CANSYNC_DONE && raw == 0xFFFE);
+  CHECK(cansync_from_unit(client, &info, 1e9, &raw) == CANSYNC_REFUSED);
+  info.access = 1;
+  CHECK(cansync_from_unit(client, &info, 9.0, &raw) == CANSYNC_REFUSED);
+}
+
+static cansync_reply ended(cansync_job* job) {
+  cansync_reply reply = {.result = -1};
+  while (cansync_job_wait(job, 1000) == 0) {
+  }
+  CHECK(cansync_job_reply(job, &reply) == CANSYNC_DONE);
+  return reply;
+}
+
+static void check_jobs(void) {
+  enum { MANY = 8 };
+  cansync_job* jobs[MANY];
+  cansync_reply reply = {.result = -1};
+  cansync_parameter_request request = {.write = 1, .slave = 2, .element = 7, .format = 2};
+  for (uint32_t i = 0; i < MANY; i++) {
+    request.number = 200 + i;
+    request.value = i;
+    jobs[i] = cansync_submit_parameter(client, &request);
+    CHECK(jobs[i] != NULL);
+  }
+  for (uint32_t i = 0; i < MANY; i++) {
+    CHECK(ended(jobs[i]).result == CANSYNC_DONE);
+    cansync_job_free(jobs[i]);
+  }
+  request.number = 4000; /* never answers */
+  cansync_job* silent = cansync_submit_parameter(client, &request);
+  CHECK(cansync_job_wait(silent, 1) == 0);
+  CHECK(cansync_job_reply(silent, &reply) == CANSYNC_NO_DATA && reply.result == -1);
+  CHECK(cansync_job_cancel(silent) == CANSYNC_DONE);
+  CHECK(ended(silent).result == CANSYNC_CANCELLED);
+  cansync_job_free(silent);
+  request.slave = 9;
+  cansync_job* refused = cansync_submit_parameter(client, &request);
+  reply = ended(refused);
+  CHECK(reply.result == CANSYNC_REFUSED && strncmp(reply.reason, "daemon: slave 9", 15) == 0);
+  cansync_job_free(refused);
+  request.format = 3;
+  CHECK(cansync_submit_parameter(client, &request) == NULL && strstr(last_error(), "format") != NULL);
+  CHECK(cansync_submit_parameter(NULL, &request) == NULL && cansync_submit_parameter(client, NULL) == NULL);
+  cansync_job_free(NULL);
+}
+
+static void check_transfer_jobs(void) {
+  const char text[] = "what is sent";
+  uint32_t total = 0;
+  cansync_transfer_request request = {
+      .download = 1, .slave = 2, .address = 0x100, .size = sizeof text, .data = text};
+  cansync_job* down = cansync_submit_transfer(client, &request);
+  CHECK(ended(down).result == CANSYNC_DONE);
+  cansync_job_progress(down, NULL, &total);
+  CHECK(total == sizeof text);
+  request.download = 0;
+  cansync_job* up = cansync_submit_transfer(client, &request);
+  const cansync_reply reply = ended(up);
+  CHECK(reply.result == CANSYNC_DONE && reply.size == sizeof text &&
+        memcmp(reply.data, text, sizeof text) == 0);
+  cansync_job_free(up);
+  cansync_job_free(down);
+}
+
+static void check_command_jobs(void) {
+  cansync_command_request command = {.slave = 2, .control_word = 7, .one = 1, .two = -128, .three = -2};
+  const int kinds[] = {CANSYNC_COMMAND_CONTROL_WORD, CANSYNC_COMMAND_POLLING, CANSYNC_COMMAND_CURSORS,
+                       CANSYNC_COMMAND_MAP_REFERENCES};
+  for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+    command.kind = kinds[i];
+    cansync_job* job = cansync_submit_command(client, &command);
+    CHECK(ended(job).result == CANSYNC_DONE);
+    cansync_job_free(job);
+  }
+  command.kind = 8;
+  CHECK(cansync_submit_command(client, &command) == NULL);
+  command.kind = CANSYNC_COMMAND_MODE;
+  command.mode = 5;
+  CHECK(cansync_submit_command(client, &command) == NULL);
+}
+
+static void on_sample(void* user, const void* sample) {
+  (void)sample;
+  pthread_mutex_lock(&lock);
+  *(uint64_t*)user += 1;
+  pthread_cond_signal(&changed);
+  pthread_mutex_unlock(&lock);
+}
+
+static void check_topics(void) {
+  cansync_MasterStatus master;
+  cansync_SlaveStatus slave;
+  uint64_t count = 0;
+  const uint32_t other = 1;
+  CHECK(cansync_get_sample(client, CANSYNC_TOPIC_MASTER_STATUS, 0, 0, &master, sizeof master) ==
+        CANSYNC_DONE);
+  CHECK(master.slaves_configured == 0xF);
+  CHECK(cansync_get_sample(client, CANSYNC_TOPIC_MASTER_STATUS, 0, 0, &master, 1) == CANSYNC_INVALID);
+  CHECK(cansync_get_sample(client, CANSYNC_TOPIC_SLAVE_STATUS, 3, 20000, &slave, sizeof slave) ==
+        CANSYNC_DONE);
+  CHECK(strcmp(slave.name, "slave3") == 0);
+  CHECK(cansync_get_sample(client, CANSYNC_TOPIC_SLAVE_STATUS, 9, 0, &slave, sizeof slave) ==
+        CANSYNC_NO_DATA);
+  CHECK(cansync_get_sample(client, CANSYNC_TOPIC_TIMING, 0, 0, &slave, sizeof slave) == CANSYNC_INVALID);
+  cansync_subscription* subscription = cansync_subscribe(client, CANSYNC_TOPIC_EVENT, on_sample, &count);
+  CHECK(subscription != NULL);
+  wait_until(&count, &other);
+  cansync_unsubscribe(subscription);
+  cansync_unsubscribe(NULL);
+  CHECK(cansync_subscribe(client, 99, on_sample, NULL) == NULL);
+  CHECK(cansync_subscribe(client, CANSYNC_TOPIC_EVENT, NULL, NULL) == NULL);
+}
+
+static int stop_asking(void* user) {
+  return ++*(int*)user < 3;
+}
+
+static void check_go_on(uint32_t domain) {
+  int asked = 0;
+  cansync_client* other = cansync_new();
+  const cansync_options options = {
+      .domain = domain, .bus = "nobody", .wait_ms = 600000, .go_on = stop_asking, .user = &asked};
+  CHECK(cansync_connect(other, &options) == CANSYNC_NO_DAEMON && asked == 3);
+  cansync_free(other);
+}
+
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   check_wrong_use();
@@ -161,6 +304,12 @@ int main(int argc, char** argv) {
   check_transfers();
   check_values();
   check_commands();
+  check_names();
+  check_jobs();
+  check_transfer_jobs();
+  check_command_jobs();
+  check_topics();
+  check_go_on(options.domain);
   cansync_free(client);
   return failures == 0 ? 0 : 1;
 }

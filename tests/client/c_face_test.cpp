@@ -26,7 +26,7 @@ TEST(CFace, EveryCheckOfTheCProgramHolds) {
   EXPECT_EQ(child.exit_code, 0) << child.output;
 
   const auto commands = daemon.commands();
-  ASSERT_EQ(commands.size(), 4u);
+  ASSERT_EQ(commands.size(), 8u);
   EXPECT_EQ(commands[0].kind, cansync_COMMAND_CONTROL_WORD);
   EXPECT_EQ(commands[0].control_word, 0x0Fu);
   EXPECT_EQ(commands[1].kind, cansync_COMMAND_BROADCAST);
@@ -34,6 +34,12 @@ TEST(CFace, EveryCheckOfTheCProgramHolds) {
   EXPECT_EQ(commands[2].mode, cansync_MODE_RUN);
   EXPECT_TRUE(commands[2].force);
   EXPECT_EQ(commands[3].kind, cansync_COMMAND_RELEASE);
+  EXPECT_EQ(commands[4].control_word, 7u);
+  EXPECT_EQ(commands[5].kind, cansync_COMMAND_POLLING);
+  EXPECT_EQ(commands[5].polling_two, -128);
+  EXPECT_EQ(commands[6].kind, cansync_COMMAND_CHANNEL_CURSORS);
+  EXPECT_EQ(commands[6].cursor_parameter, -128);
+  EXPECT_EQ(commands[7].kind, cansync_COMMAND_REFERENCE_MAPPING);
 }
 
 /// True when the daemon has got the value.

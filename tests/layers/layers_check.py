@@ -32,7 +32,7 @@ lib/cansync/sim:            lib/can lib/cansync lib/sim
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
 lib/layer2/sim:             lib/can lib/sim
 lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
-lib/client:                 idl lib/dds lib/cansync/dds
+lib/client:                 idl lib/profile lib/dds lib/cansync/dds
 
 daemon/config:              lib/can lib/sync
 daemon/service:             lib/config

@@ -76,6 +76,12 @@ R Job<R>::wait(const std::atomic<bool>& stop, const OnProgress& on_progress) con
 }
 
 template <class R>
+Progress Job<R>::progress() const {
+  const std::lock_guard lock(state_->mutex);
+  return {state_->done, state_->total};
+}
+
+template <class R>
 void Job<R>::then(std::function<void(const R&)> callback) const {
   {
     const std::lock_guard lock(state_->mutex);

@@ -47,11 +47,20 @@ void Link::connect(std::chrono::milliseconds wait) {
   open<MasterStatus>();
   open<GatewayStatus>();
   receiver_ = std::thread([this] { receive(); });
+  using Clock = std::chrono::steady_clock;
+  const auto began = Clock::now();
   std::unique_lock lock(mutex_);
-  if (!ready_changed_.wait_for(lock, wait, [&] { return ready_; })) {
+  while (!ready_) {
+    const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - began);
     lock.unlock();
-    throw NoDaemon(not_found(wait));
+    if (waited >= wait || !go_on()) throw NoDaemon(not_found(std::min(waited, wait)));
+    lock.lock();
+    ready_changed_.wait_until(lock, began + std::min(wait, waited + kAsk), [&] { return ready_; });
   }
+}
+
+bool Link::go_on() const {
+  return !options_.go_on || options_.go_on();
 }
 
 void Link::close() {

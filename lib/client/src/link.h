@@ -39,8 +39,13 @@ class Link : public std::enable_shared_from_this<Link> {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
+  /// How often `go_on` is to be asked while something is waited for.
+  static constexpr std::chrono::milliseconds kAsk{20};
+
   /// Starts the receiver thread and waits for the daemon. Throws NoDaemon.
   void connect(std::chrono::milliseconds wait);
+  /// Asks the program whether to wait any longer.
+  bool go_on() const;
 
   /// Ends the receiver thread and every open job. Not from a callback.
   void close();

@@ -78,12 +78,12 @@ ReferenceWriter::ReferenceWriter(Client& client, std::int32_t strength)
   while (impl_->writer.matched() == 0) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
-    if (left.count() <= 0) {
+    if (left.count() <= 0 || !impl_->link->go_on()) {
       throw NoDaemon(
           fmt::format("no daemon takes reference values: looked for {} s on {}; is cansyncd running?",
                       kWait.count(), impl_->link->participant().place()));
     }
-    (void)impl_->matched.wait(static_cast<int>(left.count()));
+    (void)impl_->matched.wait(static_cast<int>(std::min(left, detail::Link::kAsk).count()));
     impl_->matched.clear();
   }
   take_up();

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "profile/folders.h"
-#include "profile/reader.h"
+#include "profile/named.h"
 
 namespace cansync::cli {
 namespace {
@@ -20,14 +20,6 @@ std::vector<std::string> folders_of(const std::string& first) {
   return folders;
 }
 
-ProfilePointer read_profile(const std::string& path) {
-  profile::Reading reading = profile::read(path);
-  if (reading.profile) return std::make_shared<const profile::Profile>(std::move(*reading.profile));
-  std::string problems = config::problems_text(reading.problems);
-  problems.pop_back();  // the last line's end
-  throw std::runtime_error(problems);
-}
-
 std::string slave_text(const client::SlaveStatus& slave) {
   return std::string_view(slave.name).empty() ? fmt::format("slave {}", slave.slave)
                                               : fmt::format("slave {} '{}'", slave.slave, slave.name);
@@ -35,38 +27,19 @@ std::string slave_text(const client::SlaveStatus& slave) {
 
 /// The file of a profile that the daemon names.
 SlaveProfile load_named(const client::SlaveStatus& slave, const std::string& folder) {
-  const std::string_view name = slave.profile;
-  const std::string_view hash = slave.profile_hash;
-  const profile::FoundFile file = profile::find_file(name, folders_of(folder));
-  if (file.path.empty()) {
-    return {nullptr, fmt::format("{}: the daemon uses profile '{}', which is not on this computer ({}); copy "
-                                 "its file from the daemon's computer, or name its folder with --profiles or "
-                                 "CANSYNC_PROFILES",
-                                 slave_text(slave), name, file.problem)};
-  }
-  ProfilePointer profile;
-  try {
-    profile = read_profile(file.path);
-  } catch (const std::runtime_error& error) {
-    return {nullptr, error.what()};
-  }
-  if (profile->hash == hash) return {profile, ""};
-  constexpr std::size_t kShown = 12;
-  return {nullptr,
-          fmt::format("{}: {} is another version of profile '{}' than the daemon uses (SHA-256 {} here, {} "
-                      "there); copy the daemon's file, reload the daemon, or give --profile {} to use this "
-                      "one",
-                      slave_text(slave), file.path, name, profile->hash.substr(0, kShown),
-                      hash.substr(0, kShown), file.path)};
+  profile::NamedProfile found = profile::find_named(slave.profile, slave.profile_hash, folders_of(folder),
+                                                    {"--profiles or CANSYNC_PROFILES", "--profile"});
+  if (found.profile == nullptr) return {nullptr, fmt::format("{}: {}", slave_text(slave), found.problem)};
+  return {std::move(found.profile), ""};
 }
 
 }  // namespace
 
 ProfilePointer load_profile(const std::string& name_or_path, const std::string& folder) {
-  if (profile::is_path(name_or_path)) return read_profile(name_or_path);
+  if (profile::is_path(name_or_path)) return profile::load(name_or_path);
   const profile::FoundFile file = profile::find_file(name_or_path, folders_of(folder));
   if (file.path.empty()) throw std::runtime_error("--profile: " + file.problem);
-  return read_profile(file.path);
+  return profile::load(file.path);
 }
 
 SlaveProfile find_profile(Session& session, unsigned slave, const std::string& given) {

@@ -49,6 +49,10 @@ enum cansync_result {
 /* One connection to one bus. */
 typedef struct cansync_client cansync_client;
 
+/* Asked every 20 ms, on the waiting thread, while cansync_connect() or cansync_take_references() waits for
+ * the daemon; 0 ends the wait with CANSYNC_NO_DAEMON. It may not call a function with the same handle. */
+typedef int (*cansync_go_on)(void* user);
+
 /* Where the daemon is looked for. Zero and NULL mean the default. */
 typedef struct cansync_options {
   uint32_t domain;         /* DDS domain, 0..230 */
@@ -57,6 +61,9 @@ typedef struct cansync_options {
   const char* client_name; /* shown in the daemon's journal, at most 64 characters; default "client" */
   const char* security;    /* DDS Security: folder of this program's identity; default: without */
   uint32_t wait_ms;        /* how long to look for the daemon; default 5000 */
+  const char* profiles;    /* folder of drive profiles, before the standard ones (docs/profiles.md) */
+  cansync_go_on go_on;     /* NULL: nobody is asked */
+  void* user;              /* of go_on */
 } cansync_options;
 
 /* Version of the library, for example "0.1.0". */
@@ -226,6 +233,191 @@ CANSYNC_C_API int cansync_set_mode(cansync_client* client, int mode, int force) 
 
 /* Lets a slave that was away and is held out be used again; `force`: without its check. */
 CANSYNC_C_API int cansync_release_slave(cansync_client* client, uint32_t slave, int force) CANSYNC_C_NOEXCEPT;
+
+/* ---- Parameters by name, in their unit ---- */
+
+/* What a slave's drive profile says of a parameter: the value in its unit is number * factor + offset. */
+typedef struct cansync_parameter_info {
+  uint32_t number; /* 0..4095 */
+  char name[65];   /* empty: there is no profile, or it does not have this number; the value is the raw one */
+  char unit[17];
+  char group[65];
+  char text[201]; /* what it means */
+  int doubleword; /* 1: 32 bits, 0: 16 bits */
+  int is_signed;  /* the number is the raw value's two's complement */
+  double factor;  /* not 0 */
+  double offset;
+  int access;      /* 0: read and write, 1: read only, 2: neither */
+  int is_volatile; /* changes by itself */
+  int limited;     /* 1: only the numbers minimum..maximum may be written */
+  int64_t minimum; /* a raw number */
+  int64_t maximum; /* a raw number, inclusive */
+} cansync_parameter_info;
+
+/* The parameter with this number (0..4095 decimal, or hexadecimal with 0x) or name. A name takes the profile
+ * that the daemon names for the slave, in a profile folder of this computer; CANSYNC_INVALID: there is none,
+ * or not this name. Waits at most 2 s for the slave's status. */
+CANSYNC_C_API int cansync_find_parameter(cansync_client* client, uint32_t slave, const char* number_or_name,
+                                         cansync_parameter_info* out) CANSYNC_C_NOEXCEPT;
+
+/* The parameter at place `index` (0 and more) of the slave's profile, by rising number. CANSYNC_NO_DATA:
+ * there are no more. CANSYNC_INVALID: there is no profile. */
+CANSYNC_C_API int cansync_list_parameter(cansync_client* client, uint32_t slave, uint32_t index,
+                                         cansync_parameter_info* out) CANSYNC_C_NOEXCEPT;
+
+/* The value in its unit that a raw value stands for. `parameter` is not NULL. Any thread. */
+CANSYNC_C_API double cansync_to_unit(const cansync_parameter_info* parameter,
+                                     uint32_t raw) CANSYNC_C_NOEXCEPT;
+
+/* The raw value nearest to `value`. CANSYNC_REFUSED: the profile does not allow to write it. */
+CANSYNC_C_API int cansync_from_unit(cansync_client* client, const cansync_parameter_info* parameter,
+                                    double value, uint32_t* raw) CANSYNC_C_NOEXCEPT;
+
+/* ---- Requests that are on their way together ---- */
+
+/* One request on its way. Its functions may be called from any thread; it may outlive its client. */
+typedef struct cansync_job cansync_job;
+
+/* A parameter request; ranges are checked by the daemon. */
+typedef struct cansync_parameter_request {
+  int write;           /* 0: read */
+  uint32_t slave;      /* 0..31 */
+  uint32_t number;     /* 0..4095 */
+  uint32_t value;      /* write: raw */
+  uint32_t sub_slave;  /* 0..65535; 0: the slave itself */
+  uint32_t element;    /* 0..7; 7 is the value, the only one that may be written */
+  int format;          /* 0: word, 1: doubleword, 2: as the slave says */
+  uint32_t timeout_ms; /* monitoring time; 0: the daemon's default */
+} cansync_parameter_request;
+
+/* A transfer. */
+typedef struct cansync_transfer_request {
+  int download;        /* 0: upload, from the slave */
+  uint32_t slave;      /* 0..31 */
+  uint32_t address;    /* start address, 0x100 and more */
+  uint32_t size;       /* bytes, 1..16777216 */
+  const void* data;    /* download: `size` bytes, which are copied */
+  uint32_t sub_slave;  /* 0..65535 */
+  uint32_t block_size; /* bytes per initialise, 1..4092; 0: the slave's limit */
+  uint32_t timeout_ms; /* monitoring time per block; 0: the daemon's default */
+} cansync_transfer_request;
+
+/* Kinds of commands, for cansync_submit_command(). */
+enum cansync_command_kind {
+  CANSYNC_COMMAND_CONTROL_WORD = 0,   /* slave, control_word, timeout_ms */
+  CANSYNC_COMMAND_BROADCAST = 1,      /* priority, slave_mask, action, data_byte, data_word, timeout_ms */
+  CANSYNC_COMMAND_MODE = 2,           /* mode, force: see cansync_set_mode() */
+  CANSYNC_COMMAND_RELEASE = 3,        /* slave, force: see cansync_release_slave() */
+  CANSYNC_COMMAND_POLLING = 4,        /* one, two, three: slaves asked by WRC1, WRC2, and the maximum slave */
+  CANSYNC_COMMAND_CURSORS = 5,        /* one, two, three: slave of control words, parameters, transfers */
+  CANSYNC_COMMAND_MAP_REFERENCES = 6, /* mapping */
+  CANSYNC_COMMAND_MAP_ACTUALS = 7     /* slave, mapping */
+};
+
+/* A command; members that its kind does not name are not looked at. */
+typedef struct cansync_command_request {
+  int kind;
+  uint32_t slave;        /* 0..31 */
+  uint32_t control_word; /* 0..65535 */
+  uint32_t priority;     /* 0, 1 or 2 */
+  uint32_t slave_mask;   /* bit n: slave n */
+  uint32_t action;       /* 1 or 128..255 */
+  uint32_t data_byte;    /* 0..255 */
+  uint32_t data_word;    /* 0..65535 */
+  int mode;              /* cansync_mode_command */
+  int force;             /* 0 or 1 */
+  int32_t one;           /* slave 0..31, -128 automatic, -1 nobody, -2 unchanged; likewise the next two */
+  int32_t two;           /* as `one` */
+  int32_t three;         /* the maximum slave: 0..31 or -2 */
+  uint8_t mapping[8];    /* register bytes: words 0..3 of telegram 1, then of telegram 2 */
+  uint32_t timeout_ms;   /* control word, broadcast: in which it is sent; 0: the daemon's default */
+} cansync_command_request;
+
+/* How a request ended. Texts and data live as long as the job. */
+typedef struct cansync_reply {
+  int result;                  /* cansync_result */
+  const char* reason;          /* with who said it, as cansync_last_error(); empty when done */
+  uint16_t error_code;         /* the slave's; 0: none */
+  uint32_t value;              /* parameter: raw */
+  int doubleword;              /* parameter: 1: 32 bits, 0: 16 bits */
+  uint32_t intervals;          /* from the first telegram to the last answer */
+  uint32_t done;               /* transfer: bytes confirmed */
+  uint32_t error_offset;       /* transfer: byte offset where it failed */
+  uint32_t repeated_telegrams; /* transfer: sent again after silence or a refusal */
+  uint32_t repeated_blocks;    /* transfer: begun anew after a failure */
+  const void* data;            /* upload: what came */
+  uint32_t size;               /* upload: its bytes */
+} cansync_reply;
+
+/* Hands a request over and gives its job without waiting for an answer; at most 64 may be open. What is wrong
+ * with a request is its reply. Ends with cansync_job_free(). NULL: why tells cansync_last_error(). */
+CANSYNC_C_API cansync_job* cansync_submit_parameter(
+    cansync_client* client, const cansync_parameter_request* request) CANSYNC_C_NOEXCEPT;
+
+/* Likewise, for a transfer. */
+CANSYNC_C_API cansync_job* cansync_submit_transfer(
+    cansync_client* client, const cansync_transfer_request* request) CANSYNC_C_NOEXCEPT;
+
+/* Likewise, for a command. */
+CANSYNC_C_API cansync_job* cansync_submit_command(cansync_client* client,
+                                                  const cansync_command_request* request) CANSYNC_C_NOEXCEPT;
+
+/* Waits at most `timeout_ms` for the end; 1: it has ended, 0: not yet. Every job ends
+ * (docs/client-library.md). Not in a callback. */
+CANSYNC_C_API int cansync_job_wait(cansync_job* job, uint32_t timeout_ms) CANSYNC_C_NOEXCEPT;
+
+/* Bytes done and in total of a transfer, as the daemon told last. */
+CANSYNC_C_API void cansync_job_progress(const cansync_job* job, uint32_t* done,
+                                        uint32_t* total) CANSYNC_C_NOEXCEPT;
+
+/* How it ended. CANSYNC_NO_DATA: not yet, and `out` is left as it is. */
+CANSYNC_C_API int cansync_job_reply(cansync_job* job, cansync_reply* out) CANSYNC_C_NOEXCEPT;
+
+/* Asks the daemon to cancel; the reply says whether it did. Takes at most 1 s. CANSYNC_FAILED: the daemon
+ * could not be told. */
+CANSYNC_C_API int cansync_job_cancel(cansync_job* job) CANSYNC_C_NOEXCEPT;
+
+/* Forgets the job, not its request: that goes on. NULL is allowed. */
+CANSYNC_C_API void cansync_job_free(cansync_job* job) CANSYNC_C_NOEXCEPT;
+
+/* ---- Topics of the data model ---- */
+
+/* What a daemon publishes. A sample is the struct of the data model of that name: cansync_MasterStatus for
+ * CANSYNC_TOPIC_MASTER_STATUS and so on, as the generated headers <cansync/cansync.h>
+ * and <cansync/gateway.h> declare it. The numbers stay. */
+enum cansync_topic {
+  CANSYNC_TOPIC_MASTER_STATUS = 0, /* on every change and once a second */
+  CANSYNC_TOPIC_SLAVE_STATUS = 1,  /* each slave on every change, at most every 100 ms */
+  CANSYNC_TOPIC_ACTUAL_VALUES = 2, /* each telegram of each slave */
+  CANSYNC_TOPIC_EVENT = 3,         /* gateway_Event; the last 100 first */
+  CANSYNC_TOPIC_TIMING = 4,        /* once a second */
+  CANSYNC_TOPIC_INTERVAL = 5,      /* only when the daemon's configuration switches it on */
+  CANSYNC_TOPIC_GATEWAY_STATUS = 6 /* gateway_GatewayStatus; on every change and once a second */
+};
+
+/* Copies the newest sample that is known into `out`; `size` is that of the struct. Of the status of master
+ * and gateway, which is there since the connecting, and of a slave's status and actual values, for whose
+ * first sample it waits at most `timeout_ms`; `slave` is looked at for these. CANSYNC_NO_DATA;
+ * CANSYNC_INVALID: another topic, slave or size. */
+CANSYNC_C_API int cansync_get_sample(cansync_client* client, int topic, uint32_t slave, uint32_t timeout_ms,
+                                     void* out, size_t size) CANSYNC_C_NOEXCEPT;
+
+/* Called on a thread of the library for each sample, which lives during the call: be short, call no function
+ * that waits. */
+typedef void (*cansync_on_sample)(void* user, const void* sample);
+
+/* A topic that is followed. */
+typedef struct cansync_subscription cansync_subscription;
+
+/* Follows a topic: what is known comes first. As many as wanted; each ends with cansync_unsubscribe(). NULL:
+ * why tells cansync_last_error(). */
+CANSYNC_C_API cansync_subscription* cansync_subscribe(cansync_client* client, int topic,
+                                                      cansync_on_sample callback,
+                                                      void* user) CANSYNC_C_NOEXCEPT;
+
+/* Ends it; waits for a callback that is running, so not from that callback. May come after cansync_free() of
+ * the client. Any thread. NULL is allowed. */
+CANSYNC_C_API void cansync_unsubscribe(cansync_subscription* subscription) CANSYNC_C_NOEXCEPT;
 
 #ifdef __cplusplus
 }

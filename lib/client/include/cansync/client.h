@@ -33,6 +33,9 @@ struct CANSYNC_PUBLIC Options {
   std::string security = {};             ///< DDS Security: folder of this program's identity; empty: without
   std::chrono::milliseconds grace =
       kGrace;  ///< how long after its monitoring time a request ends at the latest
+  /// Asked every 20 ms, on the waiting thread, while `connect` or a ReferenceWriter waits for the daemon;
+  /// false ends the wait with NoDaemon. Empty: nobody is asked. Must not throw.
+  std::function<bool()> go_on = {};
 };
 
 /// Result of looking up a slave.

@@ -22,6 +22,12 @@ struct JobState;
 /// Bytes done and in total of a transfer.
 using OnProgress = std::function<void(std::uint32_t done, std::uint32_t total)>;
 
+/// How far a transfer is.
+struct Progress {
+  std::uint32_t done = 0;   ///< bytes
+  std::uint32_t total = 0;  ///< bytes
+};
+
 /// One request on its way: wait for its terminal reply, or cancel it. Cheap to copy (copies name the same
 /// request); every function may be called from any thread, and after the Client is gone (the reply is
 /// `no_reply` then).
@@ -40,6 +46,9 @@ class CANSYNC_PUBLIC Job {
   /// true, for example from a signal handler, the job is cancelled on the bus and its terminal reply is
   /// awaited, at most 5 s (then `no_reply`). `stop` is looked at every 20 ms.
   R wait(const std::atomic<bool>& stop, const OnProgress& on_progress = {}) const;
+
+  /// Bytes done and in total as the daemon has told last; zeros before it has, and for what is no transfer.
+  Progress progress() const;
 
   /// Calls `callback` once with the terminal reply: on the client's receiver thread (as short as callbacks of
   /// subscriptions, and it must not wait for a job of this client), or at once on this thread when the

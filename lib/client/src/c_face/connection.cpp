@@ -1,6 +1,7 @@
 #include <new>
 
 #include "client/src/c_face/handle.h"
+#include "profile/folders.h"
 
 namespace {
 
@@ -23,6 +24,8 @@ client::Options options_of(const cansync_options& from) {
   options.client_name = text_or(from.client_name, options.client_name);
   options.security = text_or(from.security, options.security);
   if (from.wait_ms != 0) options.wait = std::chrono::milliseconds(from.wait_ms);
+  if (from.go_on != nullptr)
+    options.go_on = [go_on = from.go_on, user = from.user] { return go_on(user) != 0; };
   return options;
 }
 
@@ -73,8 +76,11 @@ int cansync_connect(cansync_client* handle, const cansync_options* options) noex
     if (open.client)
       return client::c_face::fail(open, CANSYNC_INVALID,
                                   "the handle is connected already; take a new one for another bus");
-    open.client.emplace(
-        client::Client::connect(options_of(options == nullptr ? cansync_options{} : *options)));
+    const cansync_options given = options == nullptr ? cansync_options{} : *options;
+    open.profile_folders = profile::standard_folders();
+    if (given.profiles != nullptr && *given.profiles != '\0')
+      open.profile_folders.insert(open.profile_folders.begin(), given.profiles);
+    open.client.emplace(client::Client::connect(options_of(given)));
     return static_cast<int>(CANSYNC_DONE);
   });
 }

@@ -5,15 +5,21 @@
 
 #include <atomic>
 #include <exception>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include "profile/named.h"
 
 /// What stands behind the handle of the C face. Internal to lib/client.
 struct cansync_client {
   std::optional<cansync::client::Client> client;
   std::string error;               ///< of the last call
   std::atomic<bool> stop = false;  ///< the transfer that is waited for is to be cancelled
+  std::vector<std::string> profile_folders;
+  std::map<std::string, profile::NamedProfile> profiles;  ///< by SHA-256
   // After the client: they end before it.
   std::optional<cansync::client::ReferenceWriter> writer;
   cansync::client::Subscription actual_values;
@@ -27,6 +33,9 @@ inline int fail(cansync_client& handle, int result, std::string reason) {
   handle.error = std::move(reason);
   return result;
 }
+
+/// The result that stands for a code.
+int number_of(ReplyCode code) noexcept;
 
 /// The result of a reply; the reason is kept, with who said it.
 int result_of(cansync_client& handle, const Reply& reply);

@@ -23,10 +23,13 @@ constexpr std::uint16_t kActive = 0x0080;  // w_OPTION_STATUS
 
 namespace cansync::client::c_face {
 
+int number_of(ReplyCode code) noexcept {
+  const bool replaced = code == ReplyCode::replaced;  // its number is another one here
+  return replaced ? static_cast<int>(CANSYNC_REPLACED) : static_cast<int>(code);
+}
+
 int result_of(cansync_client& handle, const Reply& reply) {
-  const bool replaced = reply.code == ReplyCode::replaced;  // its number is another one here
-  return fail(handle, replaced ? static_cast<int>(CANSYNC_REPLACED) : static_cast<int>(reply.code),
-              describe(reply));
+  return fail(handle, number_of(reply.code), describe(reply));
 }
 
 }  // namespace cansync::client::c_face

@@ -1,0 +1,46 @@
+#include "profile/named.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "profile/folders.h"
+#include "profile/reader.h"
+
+namespace profile {
+
+std::shared_ptr<const Profile> load(const std::string& path) {
+  Reading reading = read(path);
+  if (reading.profile) return std::make_shared<const Profile>(std::move(*reading.profile));
+  std::string problems = config::problems_text(reading.problems);
+  problems.pop_back();  // the last line's end
+  throw std::runtime_error(problems);
+}
+
+NamedProfile find_named(std::string_view name, std::string_view hash, const std::vector<std::string>& folders,
+                        const Remedies& remedies) {
+  const FoundFile file = find_file(name, folders);
+  if (file.path.empty()) {
+    return {nullptr, fmt::format("the daemon uses profile '{}', which is not on this computer ({}); copy its "
+                                 "file from the daemon's computer, or name its folder with {}",
+                                 name, file.problem, remedies.folder)};
+  }
+  std::shared_ptr<const Profile> profile;
+  try {
+    profile = load(file.path);
+  } catch (const std::runtime_error& error) {
+    return {nullptr, error.what()};
+  }
+  if (profile->hash == hash) return {std::move(profile), ""};
+  constexpr std::size_t kShown = 12;
+  const std::string instead =
+      remedies.file.empty() ? "" : fmt::format(", or give {} {} to use this one", remedies.file, file.path);
+  return {
+      nullptr,
+      fmt::format("{} is another version of profile '{}' than the daemon uses (SHA-256 {} here, {} there); "
+                  "copy the daemon's file, or reload the daemon{}",
+                  file.path, name, profile->hash.substr(0, kShown), hash.substr(0, kShown), instead)};
+}
+
+}  // namespace profile

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "profile/profile.h"
+
+/// The profile that a daemon names for a slave, on this computer. Reads files, allocates.
+namespace profile {
+
+/// A profile, or why there is none.
+struct NamedProfile {
+  std::shared_ptr<const Profile> profile;  ///< null: none
+  std::string problem;                     ///< with a remedy; empty when there is one
+};
+
+/// How a program's users help themselves, for problems.
+struct Remedies {
+  std::string_view folder;  ///< names a folder of profiles, e.g. "--profiles"
+  std::string_view file;    ///< takes a file whatever the daemon uses, e.g. "--profile"; empty: nothing does
+};
+
+/// Reads the file. Throws std::runtime_error that names everything wrong with it.
+std::shared_ptr<const Profile> load(const std::string& path);
+
+/// The profile `name` in the first of `folders` that has it; a problem when its file is not the one whose
+/// SHA-256 is `hash`.
+NamedProfile find_named(std::string_view name, std::string_view hash, const std::vector<std::string>& folders,
+                        const Remedies& remedies);
+
+}  // namespace profile
