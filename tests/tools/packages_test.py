@@ -10,7 +10,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).parents[2]
 ESSENTIAL = {"g++"}  # of build-essential, which no Debian source package names
-OF_PACKAGES_ALONE = {"debhelper-compat", "dh-sequence-installsysusers"}  # only the packages are made with it
+OF_PACKAGES_ALONE = {"debhelper-compat", "dh-sequence-installsysusers", "dh-sequence-python3", "python3-cffi", "python3-dev"}  # only the packages are made with it
 
 
 class PackagesTest(unittest.TestCase):

@@ -194,3 +194,8 @@ class Running(unittest.TestCase):
         text = wait_for("the file of the metrics", lambda: run("cat", "/run/cansync/vcan0/cansync.prom", expect=None))
         self.assertTrue(text.endswith("# EOF\n"), text)
         self.assertRegex(text, r'cansync_\w+\{[^}]*bus="vcan0"')
+
+    def test_14_the_python_package_works(self):
+        program = (f"import cansync\nwith cansync.connect('{INTERFACE}', timeout={LONG}) as line:\n"
+                   f"    line.wait_active({LONG})\n    print(line.slave('axis-1'), line.read('axis-1', 103).raw)\n")
+        self.assertEqual(run("/usr/bin/python3", "-c", program).split(), ["1", "1"])

@@ -7,7 +7,7 @@ import unittest
 from machine import *
 
 APT = ("apt-get", "--yes", "-o", "Dpkg::Options::=--force-unsafe-io", "-o", "Dpkg::Use-Pty=0")
-NAMES = ("cansyncd", "cansync-tools", "libcansync1", "libcansync-dev")
+NAMES = ("cansyncd", "cansync-tools", "libcansync1", "libcansync-dev", "python3-cansync")
 SLOW = 240
 
 

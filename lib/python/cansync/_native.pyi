@@ -1,0 +1,4 @@
+import typing
+
+ffi: typing.Any
+lib: typing.Any

@@ -1,0 +1,325 @@
+"""The connection to a bus."""
+
+from __future__ import annotations
+
+import typing
+import weakref
+
+from ._link import Link, must_not_wait
+from ._native import ffi, lib
+from .codes import Code, Mode
+from .errors import error_of
+from .jobs import Job, Progress
+from .parameters import Parameter, Value
+from .references import References
+from .streams import Stream, Subscription
+from .topics import NUMBERS, ActualValues, MasterStatus, SlaveStatus
+
+T = typing.TypeVar("T")
+Slave = typing.Union[int, str]  # number 0..31, or name in the daemon's configuration
+
+AUTOMATIC = -128
+NOBODY = -1
+UNCHANGED = -2
+
+_VALUE = 7  # element of a parameter
+_AS_SLAVE_SAYS = 2  # format of a parameter
+
+
+def _milliseconds(seconds: float | None) -> int:
+    """0 is the daemon's default."""
+    return 0 if seconds is None else max(1, round(seconds * 1000))
+
+
+def connect(bus: str = "can0", *, domain: int = 0, interface: str = "lo", name: str = "python", timeout: float = 5.0,
+            security: str | None = None, profiles: str | None = None) -> Client:
+    """Waits until a daemon serves the bus and gives the connection to it.
+
+    bus: the bus's name in the daemon's configuration
+    domain, interface: DDS domain 0..230 and network interface, as in the daemon's section [dds]
+    name: shown in the daemon's journal, at most 64 characters
+    timeout: seconds for which the daemon is looked for; NotConnected is raised then
+    security: folder of this program's identity (docs/security.md); None: without DDS Security
+    profiles: folder of drive profiles, looked into before the standard ones (docs/profiles.md)
+    """
+    options: dict[str, typing.Any] = {"bus": bus, "domain": domain, "interface": interface, "client_name": name,
+                                      "wait_ms": _milliseconds(timeout)}
+    options |= {key: given for key, given in (("security", security), ("profiles", profiles)) if given is not None}
+    return Client(Link(options))
+
+
+class Client:
+    """One connection to one bus, made by :func:`connect`; a context manager that closes it.
+
+    Slaves are given by number 0..31 or by name. Every method may be called from any thread, but those that wait not from
+    a callback. Times are in seconds. A method that waits ends at once with Ctrl-C, and cancels what it has asked for.
+    """
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+        self._slaves: dict[str, int] = {}
+        # Also when the interpreter ends: before that nothing of the library may run any more.
+        self._end = weakref.finalize(self, link.close)
+
+    def close(self) -> None:
+        """Ends the connection and everything that was followed. Requests go on in the daemon."""
+        self._end()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # --- state
+
+    @typing.overload
+    def status(self) -> MasterStatus: ...
+
+    @typing.overload
+    def status(self, topic: type[T]) -> T: ...
+
+    def status(self, topic: typing.Any = MasterStatus) -> typing.Any:
+        """What the daemon told last, at most about a second old. Waits for nothing.
+
+        topic: MasterStatus, the line; GatewayStatus, which daemon serves it
+        """
+        return self._sample(topic, 0, 0.0)
+
+    def slave_status(self, slave: Slave, timeout: float = 2.0) -> SlaveStatus:
+        """The newest status of a configured slave. Timeout when none comes within `timeout`."""
+        return typing.cast(SlaveStatus, self._sample(SlaveStatus, self.slave(slave), timeout))
+
+    def slaves(self, timeout: float = 2.0) -> list[SlaveStatus]:
+        """The newest status of every configured slave, by number."""
+        configured = self.status().slaves_configured
+        return [self.slave_status(slave, timeout) for slave in range(32) if configured >> slave & 1]
+
+    def actual_values(self, slave: Slave, timeout: float = 0.5) -> ActualValues:
+        """The newest actual values of a slave. Timeout when none come within `timeout`."""
+        return typing.cast(ActualValues, self._sample(ActualValues, self.slave(slave), timeout))
+
+    def wait_active(self, timeout: float = 30.0) -> None:
+        """Waits until the line is in active operation and every configured slave synchronized. Timeout."""
+        reason: list[Exception] = []
+
+        def active() -> bool:
+            try:
+                return self._link.call(lib.cansync_wait_active, 0)
+            except TimeoutError as error:
+                reason[:] = [error]
+                return False
+
+        if not self._link.poll(timeout, active):
+            raise reason[0]
+
+    def slave(self, number_or_name: Slave) -> int:
+        """The number of a slave. Invalid, with the names there are, when there is none of this name."""
+        if isinstance(number_or_name, int):
+            return number_or_name
+        if number_or_name not in self._slaves:
+            must_not_wait()
+            self.slaves()  # so that the library need not wait
+            found = ffi.new("uint32_t *")
+            self._link.call(lib.cansync_find_slave, number_or_name.encode(), found)
+            self._slaves[number_or_name] = found[0]
+        return self._slaves[number_or_name]
+
+    def follow(self, topic: type[T], *, depth: int = 10000, timeout: float | None = None) -> Stream[T]:
+        """An iterator over a topic: one of the classes of :mod:`cansync.topics`. What is known comes first.
+
+        depth: so many samples wait at most; the oldest are dropped then, and counted
+        timeout: seconds after which the iterator raises Timeout when nothing comes
+        """
+        return Stream(self, self._link, topic, depth, timeout)
+
+    def subscribe(self, topic: type[T], callback: typing.Callable[[T], object]) -> Subscription:
+        """Calls `callback` for each sample of a topic. It runs on a thread of the library: see :class:`Subscription`."""
+        return Subscription(self._link, topic, callback)
+
+    # --- parameters
+
+    def read(self, slave: Slave, parameter: int | str, *, timeout: float | None = None) -> Value:
+        """Reads a parameter by number 0..4095, or by the name it has in the slave's profile.
+
+        timeout: monitoring time; None: the daemon's
+        """
+        return self.submit_read(slave, parameter, timeout=timeout)._finish()
+
+    def write(self, slave: Slave, parameter: int | str, value: float, *, timeout: float | None = None) -> None:
+        """Writes a parameter: by name `value` is in its unit, and what the profile does not allow is refused before
+        anything is sent; by number it is the raw value.
+
+        After OutcomeUnknown read it back: whether the slave took it is not known.
+        """
+        self.submit_write(slave, parameter, value, timeout=timeout)._finish()
+
+    def submit_read(self, slave: Slave, parameter: int | str, *, timeout: float | None = None, sub_slave: int = 0,
+                    element: int = _VALUE, format: int = _AS_SLAVE_SAYS) -> Job[Value]:
+        """Like `read`, without waiting. sub_slave: participant below the slave; element: 0..7; format: 0 word, 1 doubleword."""
+        number = self.slave(slave)
+        info = self._find(number, parameter) if isinstance(parameter, str) else None
+        request = {"slave": number, "number": parameter if info is None else info.number, "sub_slave": sub_slave,
+                   "element": element, "format": format, "timeout_ms": _milliseconds(timeout)}
+
+        def value_of(reply: typing.Any) -> Value:
+            value = reply.value if info is None else lib.cansync_to_unit(info, reply.value)
+            known = Parameter._of(info) if info is not None else None
+            return Value(request["number"], value, reply.value, bool(reply.doubleword), known.name if known else "",
+                         known.unit if known else "", reply.intervals)
+
+        return self._submit_parameter(request, value_of)
+
+    def submit_write(self, slave: Slave, parameter: int | str, value: float, *, timeout: float | None = None,
+                     sub_slave: int = 0, format: int = _AS_SLAVE_SAYS) -> Job[None]:
+        """Like `write`, without waiting; the rest as for `submit_read`."""
+        number = self.slave(slave)
+        if isinstance(parameter, str):
+            info, raw = self._find(number, parameter), ffi.new("uint32_t *")
+            self._link.call(lib.cansync_from_unit, info, value, raw)
+            parameter, value = info.number, raw[0]
+        elif value != int(value):
+            raise error_of(Code.INVALID, f"client: value {value}: a raw value is a whole number")
+        return self._submit_parameter({"write": 1, "slave": number, "number": parameter, "value": int(value),
+                                       "sub_slave": sub_slave, "element": _VALUE, "format": format,
+                                       "timeout_ms": _milliseconds(timeout)}, lambda reply: None)
+
+    def parameter(self, slave: Slave, number_or_name: int | str) -> Parameter:
+        """What the slave's profile says of a parameter; of a number that it does not have, an empty name."""
+        return Parameter._of(self._find(self.slave(slave), str(number_or_name)))
+
+    def parameters(self, slave: Slave) -> list[Parameter]:
+        """Every parameter of the slave's profile, by number."""
+        number = self.slave(slave)
+        found: list[Parameter] = []
+        self.slave_status(number)
+        info = ffi.new("cansync_parameter_info *")
+        while self._link.call(lib.cansync_list_parameter, number, len(found), info, missing=True):
+            found.append(Parameter._of(info))
+        return found
+
+    # --- transfers
+
+    def upload(self, slave: Slave, address: int, size: int, progress: Progress | None = None) -> bytes:
+        """Reads `size` bytes (1..16777216) from a start address (0x100 and more) of a slave.
+
+        progress: called with bytes done and in total, on this thread; what it raises cancels the transfer
+        """
+        return self.submit_upload(slave, address, size)._finish(progress)
+
+    def download(self, slave: Slave, address: int, data: bytes, progress: Progress | None = None) -> None:
+        """Writes 1..16777216 bytes to a start address of a slave. When it fails the slave may hold a part."""
+        self.submit_download(slave, address, data)._finish(progress)
+
+    def submit_upload(self, slave: Slave, address: int, size: int, *, timeout: float | None = None, sub_slave: int = 0,
+                      block_size: int = 0) -> Job[bytes]:
+        """Like `upload`, without waiting. timeout: monitoring time of a block; block_size: bytes of one, 0: the slave's."""
+        return self._submit_transfer({"slave": self.slave(slave), "address": address, "size": size, "sub_slave": sub_slave,
+                                      "block_size": block_size, "timeout_ms": _milliseconds(timeout)},
+                                     lambda reply: bytes(ffi.buffer(reply.data, reply.size)))
+
+    def submit_download(self, slave: Slave, address: int, data: bytes, *, timeout: float | None = None, sub_slave: int = 0,
+                        block_size: int = 0) -> Job[None]:
+        """Like `download`, without waiting; the rest as for `submit_upload`."""
+        return self._submit_transfer({"download": 1, "slave": self.slave(slave), "address": address, "size": len(data),
+                                      "data": ffi.from_buffer(data), "sub_slave": sub_slave, "block_size": block_size,
+                                      "timeout_ms": _milliseconds(timeout)}, lambda reply: None)
+
+    # --- reference values
+
+    def references(self, strength: int = 0) -> References:
+        """The right to give reference values: of the living writers of a telegram the strongest wins. A client has one."""
+        return References(self._link, strength)
+
+    # --- commands: each waits until it was on the bus, or is in effect
+
+    def control_word(self, slave: Slave, word: int, *, timeout: float | None = None) -> None:
+        """Control word 0..65535 to a slave. Cancelled: a newer word, or a stop, took its place. OutcomeUnknown: it was not
+        seen on the bus; look at the slave's status before it is sent again."""
+        self._command(lib.CANSYNC_COMMAND_CONTROL_WORD, slave=self.slave(slave), control_word=word,
+                      timeout_ms=_milliseconds(timeout))
+
+    def broadcast(self, slaves: typing.Iterable[Slave], action: int, *, priority: int = 2, data_byte: int = 0,
+                  data_word: int = 0, timeout: float | None = None) -> None:
+        """Action command 1 (control word in `data_word`) or 128..255 to a group of slaves.
+
+        priority: 0 (before everything else), 1 or 2
+        """
+        mask = 0
+        for slave in slaves:
+            mask |= 1 << self.slave(slave)
+        self._command(lib.CANSYNC_COMMAND_BROADCAST, priority=priority, slave_mask=mask, action=action,
+                      data_byte=data_byte, data_word=data_word, timeout_ms=_milliseconds(timeout))
+
+    def set_mode(self, mode: Mode, *, force: bool = False) -> None:
+        """Changes the mode of the line. force: Mode.RUN also when slaves are missing."""
+        self._command(lib.CANSYNC_COMMAND_MODE, mode=int(mode), force=force)
+
+    def release(self, slave: Slave, *, force: bool = False) -> None:
+        """Lets a slave that was away and is held out be used again. force: without its check."""
+        self._command(lib.CANSYNC_COMMAND_RELEASE, slave=self.slave(slave), force=force)
+
+    def polling(self, one: int = UNCHANGED, two: int = UNCHANGED, maximum_slave: int = UNCHANGED) -> None:
+        """Which slave WRC1 and WRC2 ask for actual values: 0..31, AUTOMATIC or NOBODY. Lost when the daemon is started
+        anew, like the next three."""
+        self._command(lib.CANSYNC_COMMAND_POLLING, one=one, two=two, three=maximum_slave)
+
+    def cursors(self, control_word: int = UNCHANGED, parameter: int = UNCHANGED, transfer: int = UNCHANGED) -> None:
+        """Which slave the command channel serves, for each kind of job: 0..31, AUTOMATIC or NOBODY."""
+        self._command(lib.CANSYNC_COMMAND_CURSORS, one=control_word, two=parameter, three=transfer)
+
+    def map_references(self, mapping: typing.Sequence[int]) -> None:
+        """Mapping of the reference values: 8 register bytes, words 0..3 of telegram 1, then of telegram 2. Another one
+        than that in force ends what is released until :meth:`References.take_up`."""
+        self._command(lib.CANSYNC_COMMAND_MAP_REFERENCES, mapping=self._mapping(mapping))
+
+    def map_actuals(self, slave: Slave, mapping: typing.Sequence[int]) -> None:
+        """How the actual value telegrams of a slave are read; it must be what the slave itself sends by."""
+        self._command(lib.CANSYNC_COMMAND_MAP_ACTUALS, slave=self.slave(slave), mapping=self._mapping(mapping))
+
+    # --- inside
+
+    def _sample(self, topic: typing.Any, slave: int, timeout: float) -> typing.Any:
+        if topic not in NUMBERS:
+            raise error_of(Code.INVALID, f"client: {topic!r} is no topic")
+        out = ffi.new(f"{topic._struct} *")
+        size = ffi.sizeof(topic._struct)
+
+        def look() -> bool:
+            return self._link.call(lib.cansync_get_sample, NUMBERS[topic], slave, 0, out, size, missing=True)
+
+        if not self._link.poll(timeout, look):
+            raise error_of(Code.TIMEOUT, f"client: no {topic.__name__} of slave {slave} within {timeout} s; is it "
+                                         "configured, and the line in active operation?")
+        return topic._of(out)
+
+    def _find(self, slave: int, parameter: str) -> typing.Any:
+        self.slave_status(slave)  # so that the library need not wait
+        info = ffi.new("cansync_parameter_info *")
+        self._link.call(lib.cansync_find_parameter, slave, parameter.encode(), info)
+        return info
+
+    def _submit_parameter(self, request: dict[str, typing.Any], convert: typing.Callable[[typing.Any], T]) -> Job[T]:
+        return self._submit(lib.cansync_submit_parameter, "cansync_parameter_request *", request, convert)
+
+    def _submit_transfer(self, request: dict[str, typing.Any], convert: typing.Callable[[typing.Any], T]) -> Job[T]:
+        return self._submit(lib.cansync_submit_transfer, "cansync_transfer_request *", request, convert)
+
+    def _command(self, kind: int, **members: typing.Any) -> None:
+        job = self._submit(lib.cansync_submit_command, "cansync_command_request *", dict(members, kind=kind),
+                           lambda reply: None)
+        job._finish()
+
+    def _submit(self, function: typing.Any, pointer: str, request: dict[str, typing.Any],
+                convert: typing.Callable[[typing.Any], T]) -> Job[T]:
+        try:
+            native = ffi.new(pointer, request)
+        except OverflowError as error:
+            raise error_of(Code.INVALID, f"client: {request}: {error}") from None
+        return Job(self, self._link.make(function, native), convert)
+
+    @staticmethod
+    def _mapping(mapping: typing.Sequence[int]) -> bytes:
+        if len(mapping) != 8:
+            raise error_of(Code.INVALID, f"client: mapping of {len(mapping)} bytes: allowed 8")
+        return bytes(mapping)
