@@ -30,6 +30,7 @@
 namespace {
 
 using namespace std::chrono_literals;
+using cansync::client::RefusalCause;
 using cansync::client::ReplyCode;
 using std::chrono::steady_clock;
 
@@ -148,8 +149,10 @@ class Requester {
       ++counts.done;
       check(oldest, reply->value, counts);
     } else if (reply->code == ReplyCode::refused) {
-      ++(reply->reason.find("queue full") != std::string::npos ? counts.queue_full : counts.refused);
-    } else if (reply->code == ReplyCode::no_reply) {
+      const bool full =
+          reply->cause == RefusalCause::queue_full || reply->cause == RefusalCause::client_limit;
+      ++(full ? counts.queue_full : counts.refused);
+    } else if (reply->code == ReplyCode::no_reply || reply->code == ReplyCode::no_daemon) {
       ++counts.no_reply;
     } else {
       ++counts.failed;

@@ -98,6 +98,34 @@ static void check_parameters(void) {
   CHECK(parameter.error_code == 0xFFFE && strncmp(last_error(), "slave: ", 7) == 0);
   CHECK(cansync_read(client, 1, 4096, 0, &parameter) == CANSYNC_REFUSED);
   CHECK(strcmp(last_error(), "daemon: number 4096: out of range; allowed 0..4095") == 0);
+  CHECK(cansync_last_cause(client) == CANSYNC_CAUSE_FIELD);
+  CHECK(cansync_read(client, 1, 100, 0, &parameter) == CANSYNC_DONE);
+  CHECK(cansync_last_cause(client) == CANSYNC_CAUSE_NONE);
+}
+
+/* The daemon of the test refuses parameter 3400 + n with cause n. */
+static void check_causes(void) {
+  cansync_parameter parameter;
+  for (int cause = CANSYNC_CAUSE_UNKNOWN; cause <= CANSYNC_CAUSE_SHARED_LIMIT; cause++) {
+    CHECK(cansync_read(client, 0, 3400 + (uint32_t)cause, 0, &parameter) == CANSYNC_REFUSED);
+    CHECK(cansync_last_cause(client) == cause);
+    CHECK(cansync_retry(CANSYNC_REFUSED, cause) != CANSYNC_RETRY_LOOK_FIRST);
+    CHECK(strcmp(cansync_cause_name(cause), "none") != 0);
+  }
+  CHECK(cansync_read(client, 0, 3400, 0, &parameter) == CANSYNC_REFUSED); /* an old daemon */
+  CHECK(cansync_last_cause(client) == CANSYNC_CAUSE_UNKNOWN);
+  CHECK(strcmp(cansync_cause_name(CANSYNC_CAUSE_SLAVE_NOT_CONFIGURED), "slave_not_configured") == 0);
+  CHECK(strcmp(cansync_cause_name(-1), "unknown") == 0 && strcmp(cansync_cause_name(99), "unknown") == 0);
+  CHECK(cansync_last_cause(NULL) == CANSYNC_CAUSE_NONE);
+  CHECK(cansync_retry(CANSYNC_REFUSED, CANSYNC_CAUSE_QUEUE_FULL) == CANSYNC_RETRY_SOON);
+  CHECK(cansync_retry(CANSYNC_REFUSED, CANSYNC_CAUSE_READ_ONLY) == CANSYNC_RETRY_AFTER_CHANGE);
+  CHECK(cansync_retry(CANSYNC_REFUSED, CANSYNC_CAUSE_SLAVE_LOST) == CANSYNC_RETRY_WHEN_STATE_OVER);
+  CHECK(cansync_retry(CANSYNC_REFUSED, CANSYNC_CAUSE_FIELD) == CANSYNC_RETRY_NEVER);
+  CHECK(cansync_retry(CANSYNC_NO_ANSWER, CANSYNC_CAUSE_NONE) == CANSYNC_RETRY_LOOK_FIRST);
+  CHECK(cansync_retry(CANSYNC_NO_DAEMON, CANSYNC_CAUSE_NONE) == CANSYNC_RETRY_WHEN_STATE_OVER);
+  CHECK(cansync_retry(CANSYNC_REPLACED, CANSYNC_CAUSE_NONE) == CANSYNC_RETRY_NEVER);
+  CHECK(cansync_retry(CANSYNC_TAKE_UP, CANSYNC_CAUSE_NONE) == CANSYNC_RETRY_LOOK_FIRST);
+  CHECK(cansync_retry(99, 99) == CANSYNC_RETRY_NEVER);
 }
 
 static void check_transfers(void) {
@@ -142,8 +170,10 @@ static void check_commands(void) {
   CHECK(cansync_control_word(client, 2, 0x0F) == CANSYNC_DONE);
   CHECK(cansync_control_word(client, 9, 0x0F) == CANSYNC_REFUSED);
   CHECK(strstr(last_error(), "slave 9: not configured") != NULL);
+  CHECK(cansync_last_cause(client) == CANSYNC_CAUSE_SLAVE_NOT_CONFIGURED);
   CHECK(cansync_broadcast(client, 0, 3, 200, 1, 2) == CANSYNC_DONE);
   CHECK(cansync_broadcast(client, 0, 3, 5, 1, 2) == CANSYNC_REFUSED);
+  CHECK(cansync_last_cause(client) == CANSYNC_CAUSE_ACTION_RESERVED);
   CHECK(cansync_set_mode(client, CANSYNC_MODE_RUN, 1) == CANSYNC_DONE);
   CHECK(cansync_set_mode(client, 7, 0) == CANSYNC_INVALID);
   CHECK(cansync_release_slave(client, 1, 0) == CANSYNC_DONE);
@@ -301,6 +331,7 @@ int main(int argc, char** argv) {
   CHECK(cansync_connect(NULL, &options) == CANSYNC_INVALID);
   check_status(argv[2]);
   check_parameters();
+  check_causes();
   check_transfers();
   check_values();
   check_commands();

@@ -71,10 +71,13 @@ TEST_F(ClientTest, ReadGivesWhatWasWritten) {
   EXPECT_EQ(reply.intervals, 1u);
 }
 
-TEST_F(ClientTest, RefusalAndSlaveErrorCarryTheirReason) {
+TEST_F(ClientTest, RefusalAndSlaveErrorCarryTheirCauseAndReason) {
   const ParameterReply refused = client_->read(3, 4096);
   EXPECT_EQ(refused.code, ReplyCode::refused);
   EXPECT_EQ(refused.reason, "number 4096: out of range; allowed 0..4095");
+  EXPECT_EQ(refused.cause, RefusalCause::field);
+  EXPECT_EQ(refused.retry(), Retry::never);
+  EXPECT_EQ(client_->control_word(9, 0).wait().cause, RefusalCause::slave_not_configured);
   const ParameterReply error = client_->read(3, FakeDaemon::kErrorNumber);
   EXPECT_EQ(error.code, ReplyCode::slave_error);
   EXPECT_EQ(error.error_code, 0xFFFE);
@@ -127,6 +130,8 @@ TEST_F(ClientTest, OneRequestMoreThanMayBeOpenIsRefusedHere) {
   const ParameterReply one_more = client_->read(0, 1);
   EXPECT_EQ(one_more.code, ReplyCode::refused);
   EXPECT_EQ(one_more.speaker, Speaker::client);
+  EXPECT_EQ(one_more.cause, RefusalCause::client_limit);
+  EXPECT_EQ(one_more.retry(), Retry::soon);
   EXPECT_EQ(one_more.reason,
             "queue full: this client has 64 requests open, at most 64 are allowed; wait for a reply first");
   EXPECT_EQ(client_->control_word(1, 0).wait().reason, one_more.reason);  // all kinds together
@@ -188,6 +193,37 @@ TEST_F(ClientTest, StopFlagCancelsARunningTransferAndWaitsForItsEnd) {
   EXPECT_EQ(done, 500u);
 }
 
+TEST(Causes, EachHasAWordOfItsOwnAndOnlyARefusalIsDecidedByIt) {
+  std::set<std::string_view> words;
+  for (unsigned i = 0; i <= static_cast<unsigned>(RefusalCause::shared_limit); ++i) {
+    const auto cause = static_cast<RefusalCause>(i);
+    EXPECT_TRUE(words.insert(name(cause)).second) << name(cause);
+    EXPECT_NE(retry(ReplyCode::refused, cause), Retry::look_first) << "nothing was sent";
+    EXPECT_EQ(retry(ReplyCode::slave_error, cause), Retry::never);
+    EXPECT_EQ(retry(ReplyCode::no_reply, cause), Retry::look_first);
+  }
+  EXPECT_EQ(retry(ReplyCode::refused, RefusalCause::read_only), Retry::after_change);
+  EXPECT_EQ(name(static_cast<RefusalCause>(200)), "unknown");
+  EXPECT_EQ(retry(ReplyCode::refused, static_cast<RefusalCause>(200)), Retry::never);
+}
+
+TEST_F(ClientTest, EveryCauseComesAsTheDaemonGaveIt) {
+  for (unsigned i = 1; i <= static_cast<unsigned>(RefusalCause::shared_limit); ++i) {
+    const ParameterReply refused = client_->read(0, FakeDaemon::kRefusals + i);
+    EXPECT_EQ(refused.code, ReplyCode::refused);
+    EXPECT_EQ(refused.cause, static_cast<RefusalCause>(i)) << name(static_cast<RefusalCause>(i));
+    EXPECT_EQ(refused.reason, "not now");
+  }
+}
+
+/// A daemon from before the causes says REPLY_REFUSED and nothing else.
+TEST_F(ClientTest, ARefusalWithoutACauseIsOneOfAnUnknownCause) {
+  const ParameterReply old = client_->read(0, FakeDaemon::kRefusals);
+  EXPECT_EQ(old.code, ReplyCode::refused);
+  EXPECT_EQ(old.cause, RefusalCause::unknown);
+  EXPECT_EQ(old.retry(), Retry::never);
+}
+
 TEST_F(ClientTest, AnotherThreadCanCancel) {
   const ParameterJob job = client_->submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
   std::thread other([job] { EXPECT_TRUE(job.cancel()); });
@@ -202,7 +238,8 @@ TEST_F(ClientTest, OpenJobsEndWhenTheDaemonGoes) {
   EXPECT_EQ(reply.code, ReplyCode::no_reply);
   EXPECT_NE(reply.reason.find("the daemon is gone"), std::string::npos);
   const ParameterReply after = client_->read(0, 1);
-  EXPECT_EQ(after.code, ReplyCode::no_reply);
+  EXPECT_EQ(after.code, ReplyCode::no_daemon);
+  EXPECT_EQ(after.retry(), Retry::when_state_over);
   EXPECT_NE(after.reason.find("nothing was sent"), std::string::npos);
 }
 
@@ -232,7 +269,7 @@ TEST_F(ClientTest, OpenJobsOfEveryKindEndWhenTheDaemonGoesAndTheNextOneServes) {
   ParameterReply reply = client_->read(0, 1);
   while (!reply.ok() && std::chrono::steady_clock::now() < end) {
     // Ended by the client itself, until the new daemon is found; none waits for an answer that cannot come.
-    EXPECT_EQ(reply.code, ReplyCode::no_reply) << reply.reason;
+    EXPECT_TRUE(reply.code == ReplyCode::no_reply || reply.code == ReplyCode::no_daemon) << reply.reason;
     std::this_thread::yield();
     reply = client_->read(0, 1);
   }

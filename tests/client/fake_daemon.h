@@ -22,15 +22,20 @@
 /// Answers like the daemon, without a bus: slaves 0..3 ("slave0" .. "slave3"), parameters that keep what is
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
 ///
-/// Parameter 4000 never answers (until it is cancelled), 4001 answers with "below minimum", 4002 is lost, and
-/// nothing is ever heard of it, but with `answer_lost`; a transfer at address 0xDEAD00 stays open half done,
-/// a broadcast of action 199 without a sign, both until they are cancelled; after `answer_nothing` every
-/// request is lost. Each object is a start of its own; reference values that are not meant for it, or for
-/// another mapping than the newest, are kept apart.
+/// Parameters 3400 to 3431 are refused with the cause of that number; 4000 never answers (until it is
+/// cancelled), 4001 answers with "below minimum", 4002 is lost, and nothing is ever heard of it, but with
+/// `answer_lost`; a transfer at address 0xDEAD00 stays open half done, a broadcast of action 199 without a
+/// sign, both until they are cancelled; after `answer_nothing` every request is lost. Each object is a start
+/// of its own; reference values that are not meant for it, or for another mapping than the newest, are kept
+/// apart.
 class FakeDaemon {
  public:
   static constexpr std::uint32_t kSilentNumber = 4000;
   static constexpr std::uint32_t kErrorNumber = 4001;
+  /// A read of this number + n is refused with cause n; with 0 as by a daemon that knows no causes.
+  static constexpr std::uint32_t kRefusals = 3400;
+  /// A transfer at this address is refused for a full queue the first time.
+  static constexpr std::uint32_t kFullOnceAddress = 0xCA0500;
   static constexpr std::uint32_t kLostNumber = 4002;
   static constexpr std::uint32_t kEndlessAddress = 0xDEAD00;
   static constexpr std::uint32_t kSilentAction = 199;
@@ -49,6 +54,9 @@ class FakeDaemon {
   }
   FakeDaemon(const FakeDaemon&) = delete;
   FakeDaemon& operator=(const FakeDaemon&) = delete;
+
+  /// Modes are taken down and refused for this cause from now on.
+  void refuse_modes(gateway_RefusalCause cause) { mode_refusal_ = cause; }
 
   /// Commands taken so far.
   std::vector<cansync_Command> commands() const {
@@ -176,6 +184,11 @@ class FakeDaemon {
       answer(parameter_writer_, cansync::dds::parameter_refused(key, *problem));
       return;
     }
+    if (request.number >= kRefusals && request.number < kRefusals + gateway::dds::kCauses) {
+      const auto cause = static_cast<gateway_RefusalCause>(request.number - kRefusals);
+      answer(parameter_writer_, cansync::dds::parameter_refused(key, {cause, "not now"}));
+      return;
+    }
     if (request.number == kSilentNumber) {
       open_parameters_.push_back(key);
       return;
@@ -204,6 +217,10 @@ class FakeDaemon {
     if (answers_nothing_) return lost_.push_back(key);
     if (const auto problem = check(request, limits)) {
       answer(transfer_writer_, cansync::dds::transfer_refused(key, *problem));
+      return;
+    }
+    if (request.address == kFullOnceAddress && !std::exchange(was_full_, true)) {
+      answer(transfer_writer_, cansync::dds::transfer_refused(key, {gateway_CAUSE_QUEUE_FULL, "queue full"}));
       return;
     }
     (void)progress_writer_.write(cansync::dds::transfer_progress(key, request.length / 2, request.length));
@@ -240,6 +257,8 @@ class FakeDaemon {
     }
     if (command.kind == cansync_COMMAND_BROADCAST && command.action == kSilentAction)
       return open_commands_.push_back(key);
+    if (command.kind == cansync_COMMAND_MODE && mode_refusal_ != gateway_CAUSE_NONE)
+      return answer(command_writer_, cansync::dds::command_refused(key, {mode_refusal_, "not now"}));
     answer(command_writer_, cansync::dds::command_reply(key, cansync::Outcome::done));
   }
 
@@ -312,5 +331,7 @@ class FakeDaemon {
   std::atomic<bool> answer_lost_ = false;
   std::atomic<bool> answers_nothing_ = false;
   std::atomic<bool> stop_ = false;
+  bool was_full_ = false;  // thread of the daemon only
+  std::atomic<gateway_RefusalCause> mode_refusal_ = gateway_CAUSE_NONE;
   std::thread thread_;
 };

@@ -106,6 +106,7 @@ class Refusals(Named):
         folder = self.in_folder(self.profile_text().replace("minimum = 1\n", "minimum = 0\n"))
         lax = ("--profile", os.path.join(folder, "simulated-drive.toml"))
         refused = self.one("write", "winder", "speed-limit", 0, *lax, code=3)
+        self.assertEqual(refused["cause"], "profile")
         self.assertIn("allowed: 1..2147483647 inc/s", refused["reason"])
         self.assertEqual(self.one("read", "winder", "speed-limit")["result"], "done")
 

@@ -16,7 +16,7 @@ class Parameters(VerbTest):
             self.one("read", "winder", DEVICE_TYPE, "--format", "word") | {"intervals": 0},
             {"slave": 1, "number": DEVICE_TYPE, "element": 7, "sub_slave": 0, "value": 4400, "signed": 4400}
             | {"format": "word", "error_code": 0, "intervals": 0, "name": None, "unit": None, "scaled": None}
-            | {"result": "done", "reason": ""},
+            | {"result": "done", "reason": "", "cause": None},
         )
 
     def test_write_in_every_notation(self):

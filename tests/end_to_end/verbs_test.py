@@ -155,7 +155,7 @@ class Commands(VerbTest):
         before = self.last_actions()
         sent = self.one("broadcast", "--slaves", "0,winder", "--command", 200, "--byte", 0x5A, "--word", "0x1234")
         self.assertEqual(
-            sent, {"slave_mask": 3, "priority": 2, "command": 200, "byte": 0x5A, "word": 0x1234, "result": "done", "reason": ""}
+            sent, {"slave_mask": 3, "priority": 2, "command": 200, "byte": 0x5A, "word": 0x1234, "result": "done", "reason": "", "cause": None}
         )
         wait_for("two drives have it", lambda: self.last_actions()[:2] != before[:2])
         after = self.last_actions()
@@ -175,7 +175,7 @@ class Commands(VerbTest):
 
     def test_modes(self):
         self.addCleanup(self.gateway.wait_active)
-        self.assertEqual(self.one("mode", "stop"), {"mode": "stop", "force": False, "result": "done", "reason": ""})
+        self.assertEqual(self.one("mode", "stop"), {"mode": "stop", "force": False, "result": "done", "reason": "", "cause": None})
         self.assertEqual(self.gateway.status()["option_status"], 0x03)
         self.assertIn("mode setup", self.fails("read", 0, DEVICE_TYPE, code=3))
         self.run_verb("mode", "setup")

@@ -69,7 +69,7 @@ class Schemas(unittest.TestCase):
             self.assertEqual(told[verb], [keys(kind) for kind in kinds(verb)], verb)
 
     def test_wrong_objects_are_found(self):
-        good = {"mode": "run", "force": True, "result": "done", "reason": ""}
+        good = {"mode": "run", "force": True, "result": "done", "reason": "", "cause": None}
         self.assertIsNone(problem("mode", good))
         for wrong in ({**good, "result": "fine"}, {**good, "force": 1}, {**good, "more": 1}, {"mode": "run"},
                       dict(reversed(good.items()))):

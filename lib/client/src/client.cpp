@@ -56,6 +56,8 @@ std::string_view name(ReplyCode code) noexcept {
       return "slave_lost";
     case ReplyCode::replaced:
       return "replaced";
+    case ReplyCode::no_daemon:
+      return "no_daemon";
     case ReplyCode::no_reply:
       break;
   }

@@ -89,11 +89,21 @@ struct JobState {
     changed.notify_all();
     for (const auto& callback : waiting) callback(*reply);
   }
+  /// Nobody has answered, or nobody was there: no_reply or no_daemon.
   void end(ReplyCode code, const std::string& reason) {
     R terminal;
     terminal.code = code;
     terminal.reason = reason;
-    terminal.speaker = code == ReplyCode::no_reply ? Speaker::nobody : Speaker::client;
+    terminal.speaker = Speaker::nobody;
+    finish(std::move(terminal));
+  }
+  /// The library itself does not send it.
+  void refuse(RefusalCause cause, const std::string& reason) {
+    R terminal;
+    terminal.code = ReplyCode::refused;
+    terminal.cause = cause;
+    terminal.reason = reason;
+    terminal.speaker = Speaker::client;
     finish(std::move(terminal));
   }
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "client/src/causes.h"
 #include "client/src/link.h"
 
 /// Requests out, replies in.
@@ -61,6 +62,10 @@ void fill_common(const Sample& sample, Reply& reply) {
   reply.code = code_of(sample.code);
   reply.reason = text(sample.reason);
   reply.speaker = speaker_of(reply.code);
+  reply.cause = detail::to_cause(sample.cause);
+  // A daemon that is older than causes tells none.
+  if (reply.code == ReplyCode::refused && reply.cause == RefusalCause::none)
+    reply.cause = RefusalCause::unknown;
 }
 
 ParameterReply reply_of(const cansync_ParameterReply& sample) {
@@ -128,9 +133,9 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::millise
   const std::lock_guard lock(mutex_);
   const std::size_t open = parameter_jobs_.size() + transfer_jobs_.size() + command_jobs_.size();
   if (open >= kOpenRequests) {
-    // The daemon's words (daemon/cansync/texts/refusal_text.cpp), who would refuse it too.
-    state->end(
-        ReplyCode::refused,
+    // The daemon would refuse it too, in these words.
+    state->refuse(
+        RefusalCause::client_limit,
         fmt::format("queue full: this client has {} requests open, at most {} are allowed; wait for a reply "
                     "first",
                     open, kOpenRequests));
@@ -156,21 +161,21 @@ void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Requ
   if (state.daemons.empty()) {
     const std::lock_guard lock(mutex_);
     jobs.remove(state.request);
-    state.end(ReplyCode::no_reply,
+    state.end(ReplyCode::no_daemon,
               fmt::format("no daemon is there ({}); nothing was sent", participant_.place()));
     return;
   }
   if (!writer.permitted()) {
     const std::lock_guard lock(mutex_);
     jobs.remove(state.request);
-    return state.end(ReplyCode::refused, not_permitted(topic));
+    return state.refuse(RefusalCause::right, not_permitted(topic));
   }
   const dds_return_t code = writer.write(request);
   if (code == DDS_RETCODE_OK) return;
   const std::lock_guard lock(mutex_);
   jobs.remove(state.request);
-  state.end(
-      ReplyCode::refused,
+  state.refuse(
+      code == DDS_RETCODE_TIMEOUT ? RefusalCause::shared_limit : RefusalCause::unknown,
       code == DDS_RETCODE_TIMEOUT
           ? "the daemon did not take the request within 1 s, nothing was sent; wait for open requests to end"
           : fmt::format("the request could not be written: {}; nothing was sent", dds_strretcode(code)));
@@ -197,8 +202,8 @@ std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& req
   if (request.data.size() > cansync_MAXIMUM_TRANSFER) {
     const std::lock_guard lock(mutex_);
     transfer_jobs_.remove(state->request);
-    state->end(ReplyCode::refused, fmt::format("length {}: out of range; allowed 1..{} bytes",
-                                               request.data.size(), cansync_MAXIMUM_TRANSFER));
+    state->refuse(RefusalCause::length, fmt::format("length {}: out of range; allowed 1..{} bytes",
+                                                    request.data.size(), cansync_MAXIMUM_TRANSFER));
     return state;
   }
   cansync_TransferRequest sample = {};

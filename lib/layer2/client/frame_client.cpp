@@ -83,10 +83,12 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
   request.content = dds::to_idl(frame);
   request.timeout = timeout_ms;
   if (const auto code = requests_.write(request); code != DDS_RETCODE_OK) {
+    const bool forbidden = code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
+    const bool full = code == DDS_RETCODE_TIMEOUT;
     return {true, gateway_REPLY_REFUSED,
-            code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY
-                ? "the identity has no right to write topic SendRequest, nothing was sent"
-                : fmt::format("the request could not be written: {}", dds_strretcode(code)),
+            forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN),
+            forbidden ? "the identity has no right to write topic SendRequest, nothing was sent"
+                      : fmt::format("the request could not be written: {}", dds_strretcode(code)),
             0};
   }
   const auto monitoring = timeout_ms != 0 ? milliseconds(timeout_ms)
@@ -96,7 +98,7 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
   bool cancelled = false;
   while (!cancelled || steady_clock::now() < end) {
     if (auto result = take_reply(request.request)) return *result;
-    if (!daemon_present()) return {false, gateway_REPLY_DONE, "the daemon has gone", 0};
+    if (!daemon_present()) return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon has gone", 0};
     if (!cancelled && (stopped() || steady_clock::now() >= end)) {
       cancelled = true;
       cancel(request.request);
@@ -105,7 +107,7 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
     (void)signal_.wait(static_cast<int>(kLook.count()));
     signal_.clear();
   }
-  return {false, gateway_REPLY_DONE, "the daemon did not answer", 0};
+  return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon did not answer", 0};
 }
 
 std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
@@ -113,7 +115,7 @@ std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
   std::optional<SendResult> result;
   replies_.take([&](const layer2_SendReply& reply) {
     if (reply.request != request || !std::equal(identity_.begin(), identity_.end(), reply.client)) return;
-    result = {true, reply.code, std::string(gateway::dds::text(reply.reason)), reply.sent_time};
+    result = {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)), reply.sent_time};
   });
   return result;
 }

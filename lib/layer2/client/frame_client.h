@@ -42,8 +42,9 @@ struct Options {
 struct SendResult {
   bool replied = false;  ///< false: the daemon went away, or did not answer; `code` says nothing then
   gateway_ReplyCode code = gateway_REPLY_DONE;
-  std::string reason;          ///< empty when done
-  std::int64_t sent_time = 0;  ///< done: CLOCK_REALTIME (ns) of the frame's last bit
+  gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< of REPLY_REFUSED
+  std::string reason;                               ///< empty when done
+  std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns) of the frame's last bit
 };
 
 /// A connection to the daemon of one bus. One thread.

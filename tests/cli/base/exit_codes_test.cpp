@@ -15,7 +15,7 @@ TEST(ExitCodes, FollowFromTheReply) {
       {ReplyCode::word_expected, 4},  {ReplyCode::timeout, 5},        {ReplyCode::doubleword_expected, 4},
       {ReplyCode::no_answer, 5},      {ReplyCode::value_too_wide, 4}, {ReplyCode::cancelled, 7},
       {ReplyCode::master_stopped, 7}, {ReplyCode::no_reply, 6},       {ReplyCode::slave_lost, 5},
-      {ReplyCode::replaced, 7},
+      {ReplyCode::replaced, 7},       {ReplyCode::no_daemon, 6},
   };
   for (const auto& [code, exit] : table)
     EXPECT_EQ(static_cast<int>(exit_code(code)), exit) << client::name(code);

@@ -2,15 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <vector>
-
-#include "daemon/cansync/texts/refusal_text.h"
-#include "daemon/desk/limits_text.h"
-#include "daemon/desk/rejections.h"
 
 namespace cansync::cli {
 namespace {
 
+using client::RefusalCause;
 using client::Reply;
 using client::ReplyCode;
 using std::chrono::milliseconds;
@@ -69,80 +67,40 @@ TEST(RetryTime, AnInterruptEndsIt) {
   EXPECT_EQ(retry.failed("a"), Retry::Verdict::interrupted);
 }
 
-constexpr ReplyCode kCodes[] = {ReplyCode::done,
-                                ReplyCode::refused,
-                                ReplyCode::slave_error,
-                                ReplyCode::timeout,
-                                ReplyCode::no_answer,
-                                ReplyCode::word_expected,
-                                ReplyCode::doubleword_expected,
-                                ReplyCode::value_too_wide,
-                                ReplyCode::cancelled,
-                                ReplyCode::master_stopped,
-                                ReplyCode::slave_lost,
-                                ReplyCode::no_reply};
-
-TEST(WorthRepeating, AChangeOfUnknownFateNever) {
-  for (const ReplyCode code : kCodes)
-    EXPECT_FALSE(worth_repeating(Effect::changes,
-                                 {code, "the daemon is gone; whether the request was done is not known"}))
-        << client::name(code);
+Reply ended(ReplyCode code, RefusalCause cause = RefusalCause::none) {
+  // What is said decides nothing: these are words of another end.
+  return {code, "queue full; nothing was sent; try again later", client::Speaker::daemon, cause};
 }
 
-TEST(WorthRepeating, AReadingWithoutAnAnswer) {
-  for (const ReplyCode code : kCodes) {
-    const bool unanswered = code == ReplyCode::timeout || code == ReplyCode::no_answer ||
-                            code == ReplyCode::slave_lost || code == ReplyCode::master_stopped ||
-                            code == ReplyCode::no_reply;
-    EXPECT_EQ(worth_repeating(Effect::reads, {code, "whatever"}), unanswered) << client::name(code);
+TEST(WorthRepeating, RefusalsThatPassWhateverTheirWords) {
+  const std::set<RefusalCause> passing = {
+      RefusalCause::wrong_state,     RefusalCause::slave_lost,   RefusalCause::slave_held,
+      RefusalCause::slaves_missing,  RefusalCause::stopping,     RefusalCause::bus_unavailable,
+      RefusalCause::other_daemon,    RefusalCause::stale,        RefusalCause::queue_full,
+      RefusalCause::mapping_changed, RefusalCause::client_limit, RefusalCause::shared_limit};
+  for (unsigned i = 0; i <= static_cast<unsigned>(RefusalCause::shared_limit); ++i) {
+    const auto cause = static_cast<RefusalCause>(i);
+    for (const Effect effect : {Effect::reads, Effect::changes}) {
+      EXPECT_EQ(worth_repeating(effect, ended(ReplyCode::refused, cause)), passing.contains(cause))
+          << client::name(cause);
+    }
+  }
+}
+
+TEST(WorthRepeating, AReadingWithoutAnAnswerAndNeverAChangeOfUnknownFate) {
+  const std::set<ReplyCode> unanswered = {ReplyCode::timeout, ReplyCode::no_answer, ReplyCode::slave_lost,
+                                          ReplyCode::master_stopped, ReplyCode::no_reply};
+  for (unsigned i = 0; i <= static_cast<unsigned>(ReplyCode::no_daemon); ++i) {
+    const auto code = static_cast<ReplyCode>(i);
+    if (code == ReplyCode::no_daemon) continue;
+    EXPECT_EQ(worth_repeating(Effect::reads, ended(code)), unanswered.contains(code)) << client::name(code);
+    EXPECT_FALSE(worth_repeating(Effect::changes, ended(code))) << client::name(code);
   }
 }
 
 TEST(WorthRepeating, WhatDidNotLeaveTheProgram) {
-  const Reply unsent{ReplyCode::no_reply, "no daemon is there (DDS domain 0); nothing was sent"};
-  EXPECT_TRUE(worth_repeating(Effect::changes, unsent));
-  EXPECT_TRUE(worth_repeating(Effect::reads, unsent));
-  EXPECT_TRUE(
-      worth_repeating(Effect::changes, {ReplyCode::refused,
-                                        "the daemon did not take the request within 1 s, nothing was sent; "
-                                        "wait for open requests to end"}));
-}
-
-/// What the daemon says of each refusal, in its own words.
-TEST(WorthRepeating, RefusalsThatPass) {
-  cansyncd::Config config;
-  for (unsigned i = 0; i < 4; ++i) config.master.slaves[i].configured = true;
-  config.slaves[1].name = "queue full";  // a name must not look like a reason
-  const cansyncd::RefusalContext context{State::setting_up_master, 5000, {0x7}, {0x3}};
-  ControlWordRequest request;
-  request.slave = *SlaveNumber::from(1);
-  for (unsigned i = static_cast<unsigned>(Refusal::slave_not_configured);
-       i <= static_cast<unsigned>(Refusal::not_held); ++i) {
-    const auto refusal = static_cast<Refusal>(i);
-    const std::string reason = cansyncd::refusal_text(refusal, request, config, context);
-    const bool passes = refusal == Refusal::queue_full || refusal == Refusal::wrong_state ||
-                        refusal == Refusal::slaves_missing || refusal == Refusal::slave_lost ||
-                        refusal == Refusal::slave_held;
-    EXPECT_EQ(worth_repeating(Effect::changes, {ReplyCode::refused, reason}), passes) << reason;
-    EXPECT_EQ(worth_repeating(Effect::reads, {ReplyCode::refused, reason}), passes) << reason;
-  }
-}
-
-TEST(WorthRepeating, WhatTheDaemonHasNoRoomFor) {
-  const auto worth = [](const std::string& reason) {
-    return worth_repeating(Effect::changes, {ReplyCode::refused, reason});
-  };
-  EXPECT_TRUE(worth(cansyncd::too_many_clients(64, 64).reason));
-  EXPECT_TRUE(worth(cansyncd::too_many_requests(32, 32).reason));
-  EXPECT_TRUE(worth(cansyncd::too_many_bytes(10, 90, 95).reason));
-  EXPECT_FALSE(worth(cansyncd::too_many_bytes_of_client(10, 90, 95).reason))
-      << "this program has no other open";
-}
-
-TEST(WorthRepeating, WhatCameTooLate) {
-  const auto reason = cansyncd::stale(0, 3'000'000'000, std::chrono::seconds(2));
-  ASSERT_TRUE(reason);
-  EXPECT_TRUE(worth_repeating(Effect::changes, {ReplyCode::refused, reason->reason}));
+  EXPECT_TRUE(worth_repeating(Effect::changes, ended(ReplyCode::no_daemon)));
+  EXPECT_TRUE(worth_repeating(Effect::reads, ended(ReplyCode::no_daemon)));
 }
 
 }  // namespace

@@ -51,6 +51,7 @@ TEST_F(ModeMa, WaitShowsThatTheLineIsStopped) {
   block.x_CANsync_RUN = true;
   ASSERT_TRUE(repeat_until([&] { cycle(block, now); }, [&] { return !block.error().empty(); }));
   EXPECT_EQ(block.error().rfind("daemon: ", 0), 0u) << block.error();
+  EXPECT_EQ(block.cause(), RefusalCause::wrong_state);
   block.x_CANsync_RUN = false;
   block.x_SYNC_MODE = true;
   EXPECT_TRUE(repeat_until([&] { cycle(block, now); }, [&] { return block.x_PREPARE_ACTIV; }));
@@ -81,11 +82,34 @@ TEST_F(ModeMaCommands, SyncModeAndRunTogetherGoOutInThisOrder) {
   EXPECT_FALSE(second.force);
 }
 
+TEST_F(ModeMaCommands, RunIsGivenAgainForWhatPassesAndNotForWhatDoesNot) {
+  constexpr std::chrono::milliseconds kAgain(500);
+  const auto refused = [&] {
+    return repeat_until([&] { cycle(block, now); }, [&] { return !block.error().empty(); });
+  };
+  daemon.refuse_modes(gateway_CAUSE_SLAVES_MISSING);
+  block.x_CANsync_RUN = true;
+  command(block, 1);
+  ASSERT_TRUE(refused());
+  EXPECT_EQ(block.cause(), RefusalCause::slaves_missing);
+  daemon.refuse_modes(gateway_CAUSE_READ_ONLY);
+  now += kAgain;
+  command(block, 2);
+  ASSERT_TRUE(
+      repeat_until([&] { cycle(block, now); }, [&] { return block.cause() == RefusalCause::read_only; }));
+  now += kAgain;
+  for (int i = 0; i < 100; ++i) cycle(block, now);
+  // A mode that goes another way comes after whatever the block had on its way.
+  EXPECT_TRUE(client.mode(Mode::stop).wait().cause == RefusalCause::read_only);
+  EXPECT_EQ(daemon.commands().size(), 3u) << "run twice, and the stop";
+}
+
 // "Inputs x_ASYNC_MODE0 and x_ASYNC_MODE1 are reserved and stay FALSE."
 TEST_F(ModeMaCommands, ReservedInputsAreRefused) {
   block.x_ASYNC_MODE1 = true;
   cycle(block, now);
   EXPECT_NE(block.error().find("reserved"), std::string::npos);
+  EXPECT_EQ(block.cause(), RefusalCause::field);
   block.x_ASYNC_MODE1 = false;
   block.x_SET_INIT_DATA = true;  // the configuration file has them
   cycle(block, now);

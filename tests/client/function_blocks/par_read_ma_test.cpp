@@ -87,6 +87,7 @@ TEST_F(ParReadMa, WhatTheDaemonRefusesIsBitZeroWithoutANumber) {
   EXPECT_EQ(block.b_ERR, 0x01);
   EXPECT_EQ(block.i_ERR, 0);
   EXPECT_EQ(block.error(), "daemon: number 5000: out of range; allowed 0..4095");
+  EXPECT_EQ(block.cause(), RefusalCause::field);
 }
 
 // b_ERR bit 4: "Invalid slave number of the CANsync slaves on the CANsync bus".

@@ -83,6 +83,7 @@ TEST_F(UpDownloadMa, WrongSlaveAndWhatTheDaemonRefusesAreBitZeroWithoutANumber) 
   do_job(block);
   EXPECT_EQ(block.b_ERR, 0x01);
   EXPECT_EQ(block.error().rfind("daemon: address 0x10", 0), 0u) << block.error();
+  EXPECT_EQ(block.cause(), RefusalCause::address);
 }
 
 // "does not issue the timeout message until time us_MAX_NR_OF_COMM * t_TIME has expired".
@@ -123,6 +124,26 @@ TEST_F(UpDownloadMa, EnableTakenAwayCancelsAndNeedsAReset) {
   EXPECT_TRUE(block.x_BUSY);
   ASSERT_TRUE(run_until(block, [&] { return !block.x_BUSY; }));
   EXPECT_TRUE(block.x_OK) << block.error();
+}
+
+/// Against a daemon that refuses the first request for a full queue.
+TEST_F(CommandTest, UpDownloadAsksAgainForWhatPassesSoonAndCountsNoAttempt) {
+  UPDOWNLOAD_MA block(client);
+  block.si_SL_NR = 1;
+  block.ud_ADDRESS = FakeDaemon::kFullOnceAddress;
+  block.u_LENGTH = 2;
+  block.us_MAX_NR_OF_COMM = 1;
+  block.x_UPDOWN = true;
+  block.x_EN = true;
+  ASSERT_TRUE(
+      repeat_until([&] { cycle(block, now); }, [&] { return block.cause() == RefusalCause::queue_full; }));
+  EXPECT_TRUE(block.x_BUSY && !block.x_ERR);
+  for (int i = 0; i < 100; ++i) cycle(block, now);
+  EXPECT_TRUE(block.x_BUSY) << "not before its pause is over";
+  now += std::chrono::milliseconds(100);
+  ASSERT_TRUE(repeat_until([&] { cycle(block, now); }, [&] { return !block.x_BUSY; }));
+  EXPECT_TRUE(block.x_OK) << block.error();
+  EXPECT_EQ(block.cause(), RefusalCause::none);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ ExitCode exit_code(client::ReplyCode code) noexcept {
     case client::ReplyCode::replaced:
       return ExitCode::cancelled;
     case client::ReplyCode::no_reply:
+    case client::ReplyCode::no_daemon:
       return ExitCode::not_reachable;
   }
   return ExitCode::failed;

@@ -3,47 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 namespace cansync::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kLongestPause{1000};
 
-/// How the reasons of refusals begin that pass by themselves, or when somebody else has done his part. Those
-/// of the daemon are in daemon/cansync/texts/refusal_text.cpp and daemon/desk/rejections.cpp; a test
-/// compares.
-constexpr std::array<std::string_view, 5> kPassing = {"queue full", "state: ", "slaves: not yet",
-                                                      "too many clients", "stale: "};
-/// Likewise, with a name or a number before.
-constexpr std::array<std::string_view, 4> kPassingInside = {" does not answer; check",
-                                                            " is held out, so that", "; try again later",
-                                                            "; wait for open requests to end"};
-
-bool passes(std::string_view reason) {
-  const auto begins = [reason](std::string_view start) { return reason.starts_with(start); };
-  const auto holds = [reason](std::string_view part) { return reason.find(part) != std::string_view::npos; };
-  return std::any_of(kPassing.begin(), kPassing.end(), begins) ||
-         std::any_of(kPassingInside.begin(), kPassingInside.end(), holds);
-}
-
 }  // namespace
 
 bool worth_repeating(Effect effect, const client::Reply& reply) {
-  using client::ReplyCode;
-  switch (reply.code) {
-    case ReplyCode::refused:
-      return passes(reply.reason);
-    case ReplyCode::no_reply:
-      return effect == Effect::reads || reply.reason.ends_with("; nothing was sent");
-    case ReplyCode::timeout:
-    case ReplyCode::no_answer:
-    case ReplyCode::slave_lost:
-    case ReplyCode::master_stopped:
+  switch (reply.retry()) {
+    case client::Retry::soon:
+    case client::Retry::when_state_over:
+      return true;
+    case client::Retry::look_first:
       return effect == Effect::reads;
-    default:
-      return false;
+    case client::Retry::never:
+    case client::Retry::after_change:
+      break;
   }
+  return false;
 }
 
 Retry::~Retry() {

@@ -82,6 +82,7 @@ bool Session::again(Effect effect, client::Reply& reply) {
       return false;
     case Retry::Verdict::interrupted:
       reply.code = client::ReplyCode::cancelled;
+      reply.cause = client::RefusalCause::none;
       reply.reason = "cancelled while it was tried again, after: " + reply.reason;
       return false;
   }
@@ -109,7 +110,7 @@ unsigned Session::slave(std::string_view text) {
 ExitCode Session::finish(const client::Reply& reply, JsonObject object, std::string_view where,
                          std::string_view done) {
   if (json()) {
-    object.add("result", client::name(reply.code)).add("reason", reply.reason);
+    add_end(object, reply);
     output_.object(object);
   }
   if (!reply.ok()) {
@@ -120,6 +121,15 @@ ExitCode Session::finish(const client::Reply& reply, JsonObject object, std::str
     output_.remark(done);
   }
   return exit_code(reply.code);
+}
+
+void add_end(JsonObject& object, const client::Reply& reply) {
+  object.add("result", client::name(reply.code)).add("reason", reply.reason);
+  if (reply.code == client::ReplyCode::refused) {
+    object.add("cause", client::name(reply.cause));
+  } else {
+    object.add_null("cause");
+  }
 }
 
 RawForm raw_form(const cansync_ValueName& name) noexcept {

@@ -128,7 +128,7 @@ class Session {
     return reply;
   }
 
-  /// Ends a request: `object` gets `result` and `reason` and is written with --json; without, `done` is
+  /// Ends a request: `object` gets how it ended (`add_end`) and is written with --json; without, `done` is
   /// written as a remark unless it is empty. What went wrong is written as a remark that begins with `where`.
   ExitCode finish(const client::Reply& reply, JsonObject object, std::string_view where,
                   std::string_view done = {});
@@ -150,10 +150,13 @@ class Session {
   bool several_ = false;
 };
 
-/// Which of the eight values has this name.
+/// How a request ended: `result`, `reason`, and `cause`, null unless it was refused.
+void add_end(JsonObject& object, const client::Reply& reply);
+
 /// How the number of a value stands in its raw value, by what the daemon says of it.
 RawForm raw_form(const cansync_ValueName& name) noexcept;
 
+/// Which of the eight values has this name.
 ValueLookup value_lookup(const cansync_ValueName (&names)[8]);
 
 /// Register bytes as the client takes them.

@@ -107,9 +107,12 @@ class Listing {
       object.add_null("value").add_null("signed").add_null("format").add_null("scaled");
     }
     add_profile_keys(object, parameter);
-    object.add("error_code", reply != nullptr ? reply->error_code : 0)
-        .add("result", reply != nullptr ? client::name(reply->code) : "not_asked")
-        .add("reason", reply != nullptr ? reply->reason : "");
+    object.add("error_code", reply != nullptr ? reply->error_code : 0);
+    if (reply != nullptr) {
+      add_end(object, *reply);
+    } else {
+      object.add("result", "not_asked").add("reason", "").add_null("cause");
+    }
     session_.output().object(object);
   }
 

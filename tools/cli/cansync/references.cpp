@@ -169,7 +169,8 @@ client::Reply ended(client::ReferenceStanding standing) {
         "look at the line, then call `cansync set` again"};
   return {client::ReplyCode::refused,
           "the mapping of the reference values was changed: no value is given under another one; look at "
-          "`cansync map`, then call `cansync set` again"};
+          "`cansync map`, then call `cansync set` again",
+          client::Speaker::client, client::RefusalCause::mapping_changed};
 }
 
 /// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up.

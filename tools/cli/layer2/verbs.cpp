@@ -150,6 +150,8 @@ client::Reply to_reply(const layer2::client::SendResult& result) {
       break;
     default:
       reply.code = ReplyCode::refused;
+      // The numbers are those of the data model.
+      reply.cause = static_cast<client::RefusalCause>(result.cause);
   }
   return reply;
 }

@@ -81,7 +81,8 @@ inline constexpr std::chrono::milliseconds kGrace{10000};
 /// Least monitoring time of commands here; longer where they or the daemon name a longer one.
 inline constexpr std::chrono::milliseconds kCommandTime{5000};
 
-/// How a request ended. All but `no_reply` are those of the IDL (docs/dds-api.md).
+/// How a request ended. All but `no_reply` and `no_daemon` are those of the IDL (docs/dds-api.md); `retry`
+/// says whether asking again helps.
 enum class ReplyCode : std::uint8_t {
   done,
   refused,        ///< not accepted, nothing was sent; `reason` names field, value and allowed range
@@ -95,10 +96,67 @@ enum class ReplyCode : std::uint8_t {
   cancelled,
   master_stopped,
   slave_lost,  ///< the slave stopped answering; what was under way may have been taken or not
-  no_reply,    ///< the daemon has gone, did not take the request, or gave no reply in time; whether it was
-               ///< done is not known
+  no_reply,    ///< the daemon has gone, or gave no reply in time; whether it was done is not known
   replaced,    ///< a control word or broadcast that was not sent: a newer word, or a stop, took its place
+  no_daemon,   ///< no daemon was there to be asked: nothing was sent
 };
+
+/// Why a request was refused; nothing was sent then. The numbers are those of the IDL; `retry` says whether
+/// asking again helps.
+enum class RefusalCause : std::uint8_t {
+  none,                  ///< it was not refused
+  unknown,               ///< no cause is known, as from an older daemon
+  field,                 ///< a field is out of its range; `reason` names field, value and allowed range
+  slave_not_configured,  ///< the slave is not one of this line's
+  element_not_writable,  ///< only element 7 may be written
+  value_too_wide,        ///< a word holds 0..65535
+  length,                ///< of a transfer or a frame
+  block_size,            ///< over the slave's limit, or no whole start addresses
+  address,               ///< reserved, or the end lies over 32 bits
+  action_reserved,       ///< action command 0 or 2..127
+  no_slaves,             ///< empty group
+  mapping,               ///< no register byte, or a word that names a value of the other telegram
+  kind,                  ///< kind of request that the daemon does not know
+  unknown_job,           ///< nothing is open under that number
+  number_used,           ///< the number was used before; this library takes a new one for each request
+  identity,              ///< the identity is another program's
+  not_held,              ///< the slave is not held out: nothing to release
+  profile,          ///< the drive profile forbids it: read-only, outside its limits, wider than its format
+  read_only,        ///< the daemon changes neither drive nor line (access.read_only)
+  right,            ///< this program lacks a right of DDS Security, or the daemon one of the system
+  wrong_state,      ///< the line is not in set-up or active operation
+  slave_lost,       ///< the slave does not answer
+  slave_held,       ///< the slave is held out: release it first
+  slaves_missing,   ///< active operation needs slaves that have not reported
+  bus_unavailable,  ///< the interface is missing or down, or its driver does not do it
+  stopping,         ///< the daemon is about to end
+  other_daemon,     ///< meant for another start of the daemon; a new request names the one that is there
+  mapping_changed,  ///< reference values made for another mapping than the one in force
+  stale,            ///< it was on its way for too long, or the clocks of both computers differ
+  queue_full,       ///< of the line or the slave
+  client_limit,     ///< open requests of this program, or their bytes
+  shared_limit,     ///< clients, requests or bytes of all together, or the daemon takes none at the moment
+};
+
+/// Stable word for a cause, e.g. "slave_not_configured"; "none" when the request was not refused.
+CANSYNC_PUBLIC std::string_view name(RefusalCause cause) noexcept;
+
+/// Whether it helps to ask the same again.
+enum class Retry : std::uint8_t {
+  never,            ///< it was done, or will end the same way
+  after_change,     ///< of the configuration, of a drive profile, or of rights
+  when_state_over,  ///< when the state of line, slave or daemon is over that `reason` names
+  soon,             ///< after some tens of milliseconds
+  look_first,       ///< it may have been done: what only reads may be asked again, what changes something
+                    ///< after a look at what the slave has
+};
+
+/// Stable word, e.g. "when_state_over".
+CANSYNC_PUBLIC std::string_view name(Retry retry) noexcept;
+
+/// Whether it helps to ask again what ended with this code and, when refused, this cause. One table; any
+/// thread.
+CANSYNC_PUBLIC Retry retry(ReplyCode code, RefusalCause cause) noexcept;
 
 /// Stable word for a code, e.g. "slave_error".
 CANSYNC_PUBLIC std::string_view name(ReplyCode code) noexcept;
@@ -117,10 +175,13 @@ CANSYNC_PUBLIC std::string_view name(Speaker speaker) noexcept;
 /// Terminal reply of a request of any kind.
 struct CANSYNC_PUBLIC Reply {
   ReplyCode code = ReplyCode::no_reply;
-  std::string reason;                 ///< empty when done
-  Speaker speaker = Speaker::nobody;  ///< whose reason it is
+  std::string reason;                       ///< empty when done
+  Speaker speaker = Speaker::nobody;        ///< whose reason it is
+  RefusalCause cause = RefusalCause::none;  ///< of `refused`, and of nothing else
   /// False: `code` says what the program can do, `reason` what it can tell its user.
   bool ok() const noexcept { return code == ReplyCode::done; }
+  /// Whether it helps to ask again.
+  Retry retry() const noexcept { return client::retry(code, cause); }
 };
 using CommandReply = Reply;
 

@@ -11,6 +11,10 @@ namespace client = cansync::client;
 static_assert(static_cast<int>(client::ReplyCode::done) == CANSYNC_DONE);
 static_assert(static_cast<int>(client::ReplyCode::value_too_wide) == CANSYNC_VALUE_TOO_WIDE);
 static_assert(static_cast<int>(client::ReplyCode::no_reply) == CANSYNC_NO_REPLY);
+static_assert(static_cast<int>(client::RefusalCause::none) == CANSYNC_CAUSE_NONE);
+static_assert(static_cast<int>(client::RefusalCause::shared_limit) == CANSYNC_CAUSE_SHARED_LIMIT);
+static_assert(static_cast<int>(client::Retry::never) == CANSYNC_RETRY_NEVER);
+static_assert(static_cast<int>(client::Retry::look_first) == CANSYNC_RETRY_LOOK_FIRST);
 
 std::string text_or(const char* text, const std::string& otherwise) {
   return text == nullptr ? otherwise : text;
@@ -59,6 +63,35 @@ const char* cansync_result_name(int result) noexcept {
   return client::name(static_cast<client::ReplyCode>(result)).data();
 }
 
+const char* cansync_cause_name(int cause) noexcept {
+  const bool known = cause >= CANSYNC_CAUSE_NONE && cause <= CANSYNC_CAUSE_SHARED_LIMIT;
+  return client::name(known ? static_cast<client::RefusalCause>(cause) : client::RefusalCause::unknown)
+      .data();
+}
+
+int cansync_retry(int result, int cause) noexcept {
+  switch (result) {
+    case CANSYNC_SETUP_FAILED:
+    case CANSYNC_FAILED:
+      return CANSYNC_RETRY_AFTER_CHANGE;
+    case CANSYNC_NO_DATA:
+      return CANSYNC_RETRY_SOON;
+    case CANSYNC_TAKE_UP:
+      return CANSYNC_RETRY_LOOK_FIRST;
+    case CANSYNC_NO_DAEMON:
+      return static_cast<int>(client::retry(client::ReplyCode::no_daemon, client::RefusalCause::none));
+    case CANSYNC_REPLACED:
+      return static_cast<int>(client::retry(client::ReplyCode::replaced, client::RefusalCause::none));
+    default:
+      break;
+  }
+  if (result < CANSYNC_DONE || result > CANSYNC_NO_REPLY) return CANSYNC_RETRY_NEVER;
+  const bool known = cause >= CANSYNC_CAUSE_NONE && cause <= CANSYNC_CAUSE_SHARED_LIMIT;
+  return static_cast<int>(
+      client::retry(static_cast<client::ReplyCode>(result),
+                    known ? static_cast<client::RefusalCause>(cause) : client::RefusalCause::unknown));
+}
+
 cansync_client* cansync_new() noexcept {
   return new (std::nothrow) cansync_client;
 }
@@ -69,6 +102,10 @@ void cansync_free(cansync_client* handle) noexcept {
 
 const char* cansync_last_error(const cansync_client* handle) noexcept {
   return handle == nullptr ? "the handle is NULL" : handle->error.c_str();
+}
+
+int cansync_last_cause(const cansync_client* handle) noexcept {
+  return handle == nullptr ? static_cast<int>(CANSYNC_CAUSE_NONE) : static_cast<int>(handle->cause);
 }
 
 int cansync_connect(cansync_client* handle, const cansync_options* options) noexcept {

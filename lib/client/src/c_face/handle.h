@@ -16,7 +16,8 @@
 /// What stands behind the handle of the C face. Internal to lib/client.
 struct cansync_client {
   std::optional<cansync::client::Client> client;
-  std::string error;               ///< of the last call
+  std::string error;                                                          ///< of the last call
+  cansync::client::RefusalCause cause = cansync::client::RefusalCause::none;  ///< likewise
   std::atomic<bool> stop = false;  ///< the transfer that is waited for is to be cancelled
   std::vector<std::string> profile_folders;
   std::map<std::string, profile::NamedProfile> profiles;  ///< by SHA-256
@@ -37,7 +38,7 @@ inline int fail(cansync_client& handle, int result, std::string reason) {
 /// The result that stands for a code.
 int number_of(ReplyCode code) noexcept;
 
-/// The result of a reply; the reason is kept, with who said it.
+/// The result of a reply; cause and reason are kept, with who said it.
 int result_of(cansync_client& handle, const Reply& reply);
 
 /// Runs `call(handle)` and turns what it throws into a result.
@@ -46,6 +47,7 @@ int guarded(cansync_client* handle, Call&& call) noexcept {
   if (handle == nullptr) return CANSYNC_INVALID;
   try {
     handle->error.clear();
+    handle->cause = RefusalCause::none;
     return std::forward<Call>(call)(*handle);
   } catch (const NoDaemon& error) {
     return fail(*handle, CANSYNC_NO_DAEMON, error.what());

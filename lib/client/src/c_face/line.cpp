@@ -24,11 +24,14 @@ constexpr std::uint16_t kActive = 0x0080;  // w_OPTION_STATUS
 namespace cansync::client::c_face {
 
 int number_of(ReplyCode code) noexcept {
-  const bool replaced = code == ReplyCode::replaced;  // its number is another one here
-  return replaced ? static_cast<int>(CANSYNC_REPLACED) : static_cast<int>(code);
+  // The numbers of these are others here.
+  if (code == ReplyCode::replaced) return CANSYNC_REPLACED;
+  if (code == ReplyCode::no_daemon) return CANSYNC_NO_DAEMON;
+  return static_cast<int>(code);
 }
 
 int result_of(cansync_client& handle, const Reply& reply) {
+  handle.cause = reply.cause;
   return fail(handle, number_of(reply.code), describe(reply));
 }
 

@@ -71,6 +71,7 @@ bool ended_within(cansync_job& job, std::chrono::milliseconds time) {
         const std::lock_guard lock(job.mutex);
         if (job.ended || !reply) return job.ended;
         job.reply.result = client::c_face::number_of(reply->code);
+        job.reply.cause = static_cast<int>(reply->cause);
         job.reason = client::describe(*reply);
         job.reply.reason = job.reason.c_str();
         fill(*reply, job);

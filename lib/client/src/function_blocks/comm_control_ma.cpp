@@ -17,15 +17,15 @@ void COMM_CONTROL_MA::call() {
     for (const auto& [number, enabled] :
          {std::pair(si_SL_NR_CTRL, x_EN_CTRL), {si_SL_NR_PAR, x_EN_PAR}, {si_SL_NR_UDL, x_EN_UDL}}) {
       if (enabled && number < 0 && number != kAutomaticNumber)
-        cursors_slot_.refuse("client: slave " + std::to_string(number) +
-                             ": out of range; allowed 0..31, -128 automatic");
+        cursors_slot_.refuse(RefusalCause::field, "client: slave " + std::to_string(number) +
+                                                      ": out of range; allowed 0..31, -128 automatic");
     }
   }
   if (si_MAX_SL_NR != -1 && si_MAX_SL_NR != maximum_) {
     maximum_ = si_MAX_SL_NR;
     if (si_MAX_SL_NR < 0)
-      maximum_slot_.refuse("client: si_MAX_SL_NR " + std::to_string(si_MAX_SL_NR) +
-                           ": out of range; allowed 0..31, -1 unchanged");
+      maximum_slot_.refuse(RefusalCause::field, "client: si_MAX_SL_NR " + std::to_string(si_MAX_SL_NR) +
+                                                    ": out of range; allowed 0..31, -1 unchanged");
     else
       maximum_slot_.enter(
           [number = si_MAX_SL_NR](Client& client) { return client.polling({.maximum_slave = number}); });

@@ -7,12 +7,21 @@ namespace cansync::client::function_blocks {
 void CommandSlot::enter(Submit submit) {
   waiting_ = std::move(submit);
   sent_ = false;
+  code_ = ReplyCode::done;
+  cause_ = RefusalCause::none;
   error_.clear();
 }
 
-void CommandSlot::refuse(std::string reason) {
+bool CommandSlot::passes() const noexcept {
+  const Retry again = retry(code_, cause_);
+  return refused() && again != Retry::never && again != Retry::after_change;
+}
+
+void CommandSlot::refuse(RefusalCause cause, std::string reason) {
   waiting_ = nullptr;
   sent_ = false;
+  code_ = ReplyCode::refused;
+  cause_ = cause;
   error_ = std::move(reason);
 }
 
@@ -27,6 +36,8 @@ void CommandSlot::poll() {
     } else if (!waiting_ && error_.empty()) {
       // What was entered meanwhile counts, not what it has replaced.
       sent_ = reply->ok();
+      code_ = reply->code;
+      cause_ = reply->cause;
       error_ = describe(*reply);
     }
     job_.reset();

@@ -16,7 +16,7 @@ void PD_CFG_MA::call() {
       slot_.enter([bytes = mapping.bytes](Client& client) { return client.map_references(bytes); },
                   mapping.bytes);
     else
-      slot_.refuse(std::move(mapping.problem));
+      slot_.refuse(RefusalCause::field, std::move(mapping.problem));
   }
   slot_.poll();
 }
@@ -26,13 +26,14 @@ void PD_CFG_READ_MA::call() {
   if (inputs != entered_) {
     entered_ = inputs;
     Mapping mapping = mapping_of(a_RDC1, a_HL_RDC1, a_RDC2, a_HL_RDC2);
-    std::string problem = slave_problem(*client_, si_SL_NR);
-    if (!problem.empty()) mapping.problem = std::move(problem);
-    if (mapping.problem.empty())
+    auto problem = slave_problem(*client_, si_SL_NR);
+    if (!problem && !mapping.problem.empty())
+      problem = InputProblem{RefusalCause::field, std::move(mapping.problem)};
+    if (!problem)
       slot_.enter([slave = static_cast<std::uint32_t>(number(si_SL_NR)),
                    bytes = mapping.bytes](Client& client) { return client.map_actuals(slave, bytes); });
     else
-      slot_.refuse(std::move(mapping.problem));
+      slot_.refuse(problem->cause, std::move(problem->reason));
   }
   slot_.poll();
 }

@@ -35,7 +35,7 @@ void MODE_MA::call(Clock::time_point now) {
   run_wanted_ = run_wanted_ && x_CANsync_RUN;
 
   if (x_ASYNC_MODE0 || x_ASYNC_MODE1)
-    slot_.refuse("client: x_ASYNC_MODE0 and x_ASYNC_MODE1 are reserved; allowed FALSE");
+    slot_.refuse(RefusalCause::field, "client: x_ASYNC_MODE0 and x_ASYNC_MODE1 are reserved; allowed FALSE");
   if (rises(x_RESET_CANsync_CONTROLLER, controller_was_)) enter(Mode::reset_can);
   if (rises(x_RESET_SOFTWARE, reset_was_)) enter(Mode::restart);
   if (rises(x_SYNC_MODE, sync_was_)) enter(Mode::setup);
@@ -44,7 +44,7 @@ void MODE_MA::call(Clock::time_point now) {
     run_given_.reset();
   }
   // Behind every command that is on its way.
-  const bool due = !run_given_ || (slot_.refused() && now - *run_given_ >= kAgain);
+  const bool due = !run_given_ || (slot_.passes() && now - *run_given_ >= kAgain);
   if (run_wanted_ && due && !slot_.open()) {
     run_given_ = now;
     enter(Mode::run);

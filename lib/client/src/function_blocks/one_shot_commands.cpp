@@ -10,8 +10,8 @@ namespace cansync::client::function_blocks {
 
 void CONTROLWORD_MA::call() {
   if (x_EN) {
-    if (std::string problem = slave_problem(*client_, si_SL_NR_CTRL); !problem.empty()) {
-      slot_.refuse(std::move(problem));
+    if (auto problem = slave_problem(*client_, si_SL_NR_CTRL)) {
+      slot_.refuse(problem->cause, std::move(problem->reason));
     } else {
       slot_.enter([slave = static_cast<std::uint32_t>(number(si_SL_NR_CTRL)),
                    word = w_CONTROLWORD](Client& client) { return client.control_word(slave, word); });

@@ -6,6 +6,21 @@
 #include "client/src/function_blocks/slaves.h"
 
 namespace cansync::client::function_blocks {
+namespace {
+
+/// The bit by which the manual would tell it.
+BYTE bits_of(RefusalCause cause) noexcept {
+  switch (cause) {
+    case RefusalCause::slave_not_configured:
+      return parameter_error::invalid_slave;
+    case RefusalCause::slave_lost:
+      return parameter_error::timeout;
+    default:
+      return parameter_error::communication;
+  }
+}
+
+}  // namespace
 
 std::optional<ParameterReply> ParameterBlock::step(bool write, UDINT value, Clock::time_point now) {
   switch (enable_.call(x_EN, x_RESET)) {
@@ -30,8 +45,8 @@ std::optional<ParameterReply> ParameterBlock::step(bool write, UDINT value, Cloc
 void ParameterBlock::start(bool write, UDINT value, Clock::time_point now) {
   clear();
   write_ = write;
-  if (std::string problem = slave_problem(*client_, si_SL_NR); !problem.empty())
-    return fail(parameter_error::invalid_slave, 0, std::move(problem));
+  if (auto problem = slave_problem(*client_, si_SL_NR))
+    return fail(parameter_error::invalid_slave, 0, std::move(problem->reason), problem->cause);
   ParameterRequest request;
   request.write = write;
   request.slave = static_cast<std::uint32_t>(number(si_SL_NR));
@@ -69,6 +84,8 @@ std::optional<ParameterReply> ParameterBlock::proceed(Clock::time_point now) {
 
 void ParameterBlock::take_error(const ParameterReply& reply) {
   switch (reply.code) {
+    case ReplyCode::refused:
+      return fail(bits_of(reply.cause), 0, describe(reply), reply.cause);
     case ReplyCode::timeout:
     case ReplyCode::no_answer:
     case ReplyCode::slave_lost:
@@ -82,12 +99,13 @@ void ParameterBlock::take_error(const ParameterReply& reply) {
   }
 }
 
-void ParameterBlock::fail(BYTE bits, INT number, std::string reason) {
+void ParameterBlock::fail(BYTE bits, INT number, std::string reason, RefusalCause cause) {
   x_BUSY = false;
   x_OK = false;
   x_ERR = true;
   b_ERR = bits;
   i_ERR = number;
+  cause_ = cause;
   error_ = std::move(reason);
   enable_.ended(false);
 }
@@ -102,6 +120,7 @@ void ParameterBlock::clear() {
   x_BUSY = x_OK = x_ERR = false;
   b_ERR = 0;
   i_ERR = 0;
+  cause_ = RefusalCause::none;
   error_.clear();
 }
 

@@ -27,9 +27,9 @@ void SettingSlot::enter(Submit submit, std::optional<MappingBytes> reference_map
   note();
 }
 
-void SettingSlot::refuse(std::string reason) {
+void SettingSlot::refuse(RefusalCause cause, std::string reason) {
   entered_ = nullptr;
-  slot_.refuse(std::move(reason));
+  slot_.refuse(cause, std::move(reason));
   client_->link_->settings().change(*state_, [](detail::SettingState& state) { state.entered = true; });
   note();
 }

@@ -7,14 +7,17 @@
 
 namespace cansync::client::function_blocks {
 
-std::string slave_problem(const Client& client, SINT number) {
+std::optional<InputProblem> slave_problem(const Client& client, SINT number) {
   if (number < 0 || number >= static_cast<int>(cansync_SLAVES))
-    return fmt::format("client: slave {}: out of range; allowed 0..31", number);
+    return InputProblem{RefusalCause::field,
+                        fmt::format("client: slave {}: out of range; allowed 0..31", number)};
   const std::uint32_t configured = client.master_status().slaves_configured;
   if (((configured >> static_cast<unsigned>(number)) & 1u) == 0)
-    return fmt::format("client: slave {}: not configured in the daemon; configured bits 0x{:08X}", number,
-                       configured);
-  return "";
+    return InputProblem{
+        RefusalCause::slave_not_configured,
+        fmt::format("client: slave {}: not configured in the daemon; configured bits 0x{:08X}", number,
+                    configured)};
+  return std::nullopt;
 }
 
 std::uint32_t milliseconds_of(TIME time) noexcept {

@@ -3,13 +3,21 @@
 #include <cansync/client.h>
 #include <cansync/function_blocks/types.h>
 
+#include <optional>
 #include <string>
 
 /// Internal to the function blocks.
 namespace cansync::client::function_blocks {
 
-/// Why there is no such slave: not 0..31, or not configured. Empty: there is. Uses what the daemon told last.
-std::string slave_problem(const Client& client, SINT number);
+/// What a block does not even ask for.
+struct InputProblem {
+  RefusalCause cause = RefusalCause::field;
+  std::string reason;
+};
+
+/// Why there is no such slave: not 0..31, or not configured. Nothing: there is. Uses what the daemon told
+/// last.
+std::optional<InputProblem> slave_problem(const Client& client, SINT number);
 
 /// A monitoring time for a request, at least 1 ms: 0 would be the daemon's default.
 std::uint32_t milliseconds_of(TIME time) noexcept;

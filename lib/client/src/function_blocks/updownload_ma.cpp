@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kDoubleword = 4;  // bytes
 constexpr std::uint32_t kBlock = 300;   // bytes: 75 doublewords (M 4.24)
+constexpr TIME kFullPause(100);         // pause after a refusal that passes
 
 // Doublewords lie low byte first (M 3.1.1).
 void store(DINT value, std::uint8_t* out) {
@@ -43,8 +44,8 @@ void UPDOWNLOAD_MA::call(Clock::time_point now) {
 void UPDOWNLOAD_MA::start(Clock::time_point now) {
   clear();
   if (u_LENGTH == 0) return fail(transfer_error::length_zero, 0, "client: u_LENGTH 0; allowed 1..2048");
-  if (std::string problem = slave_problem(*client_, si_SL_NR); !problem.empty())
-    return fail(transfer_error::slave, 0, std::move(problem));
+  if (auto problem = slave_problem(*client_, si_SL_NR))
+    return fail(transfer_error::slave, 0, std::move(problem->reason), problem->cause);
   const std::size_t length = std::min<std::size_t>(u_LENGTH, a_DOWNLOAD.size());
   request_ = {};
   request_.download = x_UPDOWN;
@@ -64,11 +65,21 @@ void UPDOWNLOAD_MA::start(Clock::time_point now) {
 
 void UPDOWNLOAD_MA::attempt() {
   --attempts_left_;
+  submit();
+}
+
+void UPDOWNLOAD_MA::submit() {
+  again_.reset();
   job_.emplace(client_->submit(request_));
   x_BUSY = true;
 }
 
 void UPDOWNLOAD_MA::proceed(Clock::time_point now) {
+  if (again_) {
+    if (now >= deadline_) return fail(transfer_error::slave, 0, std::move(error_), cause_);
+    if (now < *again_) return;
+    submit();
+  }
   if (!job_) return;
   if (const std::optional<TransferReply> reply = job_->wait_for(TIME(0))) {
     job_.reset();
@@ -84,8 +95,14 @@ void UPDOWNLOAD_MA::take(const TransferReply& reply, Clock::time_point now) {
   const bool unanswered = reply.code == ReplyCode::timeout || reply.code == ReplyCode::slave_lost;
   if (unanswered && attempts_left_ > 0 && now < deadline_) return attempt();
   if (unanswered) return fail(transfer_error::timeout, 0, describe(reply));
+  if (reply.retry() == Retry::soon && now < deadline_) {
+    again_ = now + kFullPause;
+    cause_ = reply.cause;
+    error_ = describe(reply);
+    return;
+  }
   if (!reply.ok()) {
-    fail(transfer_error::slave, reply.error_code, describe(reply));
+    fail(transfer_error::slave, reply.error_code, describe(reply), reply.cause);
     x_ERR_SL = reply.error_code != 0;
     return;
   }
@@ -95,14 +112,18 @@ void UPDOWNLOAD_MA::take(const TransferReply& reply, Clock::time_point now) {
   }
   x_BUSY = false;
   x_OK = true;
+  cause_ = RefusalCause::none;
+  error_.clear();
   enable_.ended(true);
 }
 
-void UPDOWNLOAD_MA::fail(BYTE bits, WORD number, std::string reason) {
+void UPDOWNLOAD_MA::fail(BYTE bits, WORD number, std::string reason, RefusalCause cause) {
+  again_.reset();
   x_BUSY = x_OK = false;
   x_ERR = true;
   b_ERR = bits;
   w_ERR_SL = number;
+  cause_ = cause;
   error_ = std::move(reason);
   enable_.ended(false);
 }
@@ -110,6 +131,7 @@ void UPDOWNLOAD_MA::fail(BYTE bits, WORD number, std::string reason) {
 void UPDOWNLOAD_MA::give_up() {
   if (job_) (void)job_->cancel();
   job_.reset();
+  again_.reset();
   x_BUSY = false;
 }
 
@@ -117,6 +139,7 @@ void UPDOWNLOAD_MA::clear() {
   x_BUSY = x_OK = x_ERR = x_ERR_SL = false;
   b_ERR = 0;
   w_ERR_SL = 0;
+  cause_ = RefusalCause::none;
   error_.clear();
 }
 

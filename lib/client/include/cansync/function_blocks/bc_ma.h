@@ -19,6 +19,8 @@ class CANSYNC_PUBLIC BroadcastBlock {
 
   /// Who refused the one entered last and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
+  /// Why the daemon, or the block, refused it; none without a refusal. Not in the manual.
+  RefusalCause cause() const noexcept { return slot_.cause(); }
 
   /// One cycle: enters the command when x_EN is TRUE, and takes the reply to the one before when it is there.
   void call();

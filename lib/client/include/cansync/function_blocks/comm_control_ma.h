@@ -28,6 +28,10 @@ class CANSYNC_PUBLIC COMM_CONTROL_MA {
   const std::string& error() const noexcept {
     return cursors_slot_.refused() ? cursors_slot_.error() : maximum_slot_.error();
   }
+  /// Why the daemon, or the block, refused it; none without a refusal. Not in the manual.
+  RefusalCause cause() const noexcept {
+    return cursors_slot_.refused() ? cursors_slot_.cause() : maximum_slot_.cause();
+  }
 
   /// `client` must outlive the block, and counts its settings among those that PD_COMM_MA waits for.
   explicit COMM_CONTROL_MA(Client& client)

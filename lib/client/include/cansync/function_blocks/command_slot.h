@@ -26,12 +26,16 @@ class CANSYNC_PUBLIC CommandSlot {
   /// Takes the reply when it is there, and hands on what was entered. Never waits for an answer.
   void poll();
   /// What was not even entered, because an input is wrong.
-  void refuse(std::string reason);
+  void refuse(RefusalCause cause, std::string reason);
 
   bool sent() const noexcept { return sent_; }                  ///< the command entered last is done
   bool open() const noexcept { return job_ || waiting_; }       ///< something is on its way or waits
   bool refused() const noexcept { return !error_.empty(); }     ///< the command entered last failed
   const std::string& error() const noexcept { return error_; }  ///< who refused and why; empty without one
+  RefusalCause cause() const noexcept { return cause_; }        ///< why it was refused; none otherwise
+  /// It failed for what passes, or may have been done (`retry`): it helps to give it again where that does no
+  /// harm.
+  bool passes() const noexcept;
 
  private:
   Client* client_;
@@ -40,6 +44,8 @@ class CANSYNC_PUBLIC CommandSlot {
   std::optional<CommandJob> older_;  ///< on its way before `job_`; its reply is of no interest
   Submit waiting_;
   bool sent_ = false;
+  ReplyCode code_ = ReplyCode::done;  ///< of the command entered last
+  RefusalCause cause_ = RefusalCause::none;
   std::string error_;
 };
 

@@ -19,6 +19,8 @@ class CANSYNC_PUBLIC CONTROLWORD_MA {
 
   /// Who refused the one entered last and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
+  /// Why the daemon, or the block, refused it; none without a refusal. Not in the manual.
+  RefusalCause cause() const noexcept { return slot_.cause(); }
 
   /// `client` must outlive the block.
   explicit CONTROLWORD_MA(Client& client) : client_(&client), slot_(client, true) {}

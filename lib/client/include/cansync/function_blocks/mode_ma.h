@@ -11,10 +11,11 @@ namespace cansync::client::function_blocks {
 /// CANsync_MODE_MA (M 4.10): sets the operating mode and shows the state.
 ///
 /// Commands go out when an input becomes TRUE, once. x_CANsync_RUN is given again every 500 ms while it stays
-/// TRUE and the daemon refuses it, because the daemon enables active operation only when the slaves are
-/// ready. x_SYNC_MODE with x_CANsync_RUN: first the one, then the other. x_SET_INIT_DATA does nothing,
-/// because the initialisation data are the daemon's configuration file; the reserved inputs x_ASYNC_MODE0 and
-/// 1 are refused. The outputs show what the daemon told last. x_HS_ACTIV is the state start-up (0x0001).
+/// TRUE and the daemon refuses it for what passes (`retry`), because it enables active operation only when
+/// the slaves are ready; what does not pass, as a daemon that changes nothing, ends it. x_SYNC_MODE with
+/// x_CANsync_RUN: first the one, then the other. x_SET_INIT_DATA does nothing, because the initialisation
+/// data are the daemon's configuration file; the reserved inputs x_ASYNC_MODE0 and 1 are refused. The outputs
+/// show what the daemon told last. x_HS_ACTIV is the state start-up (0x0001).
 class CANSYNC_PUBLIC MODE_MA {
  public:
   BOOL x_RESET_SOFTWARE = false;            ///< the daemon starts the line anew, up to the configured state
@@ -37,6 +38,8 @@ class CANSYNC_PUBLIC MODE_MA {
 
   /// Who refused the last command and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
+  /// Why the daemon, or the block, refused it; none without a refusal. Not in the manual.
+  RefusalCause cause() const noexcept { return slot_.cause(); }
 
   /// `client` must outlive the block.
   explicit MODE_MA(Client& client) : client_(&client), slot_(client) {}

@@ -12,7 +12,7 @@ namespace cansync::client::function_blocks {
 /// Bits of `b_ERR` of the blocks for parameters (M 4.12, 4.14).
 namespace parameter_error {
 inline constexpr BYTE communication = 0x01;  ///< the slave's error is in i_ERR, else `error()` says what
-inline constexpr BYTE timeout = 0x02;
+inline constexpr BYTE timeout = 0x02;        ///< no answer, also of a slave that is lost
 inline constexpr BYTE doubleword_expected = 0x04;  ///< reading only
 inline constexpr BYTE word_expected = 0x08;        ///< reading only
 inline constexpr BYTE invalid_slave = 0x10;        ///< not 0..31, or not configured
@@ -41,6 +41,8 @@ class CANSYNC_PUBLIC ParameterBlock {
 
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return error_; }
+  /// Why the daemon, or the block, refused it; none without a refusal. Not in the manual.
+  RefusalCause cause() const noexcept { return cause_; }
 
   ParameterBlock(const ParameterBlock&) = delete;
   ParameterBlock& operator=(const ParameterBlock&) = delete;
@@ -55,7 +57,7 @@ class CANSYNC_PUBLIC ParameterBlock {
  private:
   void start(bool write, UDINT value, Clock::time_point now);
   std::optional<ParameterReply> proceed(Clock::time_point now);
-  void fail(BYTE bits, INT number, std::string reason);
+  void fail(BYTE bits, INT number, std::string reason, RefusalCause cause = RefusalCause::none);
   void take_error(const ParameterReply& reply);
   void give_up();
   void clear();
@@ -65,6 +67,7 @@ class CANSYNC_PUBLIC ParameterBlock {
   bool write_ = false;
   std::optional<ParameterJob> job_;
   Clock::time_point deadline_;
+  RefusalCause cause_ = RefusalCause::none;
   std::string error_;
 };
 

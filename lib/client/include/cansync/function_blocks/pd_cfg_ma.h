@@ -21,6 +21,8 @@ class CANSYNC_PUBLIC PD_CFG_MA {
   bool in_effect() const noexcept { return slot_.sent(); }
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return slot_.error(); }
+  /// Why the daemon, or the block, refused it; none without a refusal. Not in the manual.
+  RefusalCause cause() const noexcept { return slot_.cause(); }
 
   /// `client` must outlive the block, and counts its mapping among the settings that PD_COMM_MA waits for.
   explicit PD_CFG_MA(Client& client) : slot_(client, "PD_CFG_MA") {}

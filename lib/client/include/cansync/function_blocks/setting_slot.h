@@ -24,13 +24,14 @@ class CANSYNC_PUBLIC SettingSlot {
   /// Enters a setting; it leaves with this or a later `poll`. `reference_mapping`: what it maps, if it does.
   void enter(Submit submit, std::optional<MappingBytes> reference_mapping = std::nullopt);
   /// What was not even entered, because an input is wrong.
-  void refuse(std::string reason);
+  void refuse(RefusalCause cause, std::string reason);
   /// Takes the reply when it is there, and hands on what was entered. Never waits for an answer.
   void poll();
 
   bool sent() const noexcept { return slot_.sent(); }        ///< the setting entered last is in effect
   bool refused() const noexcept { return slot_.refused(); }  ///< the setting entered last failed
   const std::string& error() const noexcept { return slot_.error(); }  ///< who refused and why, or empty
+  RefusalCause cause() const noexcept { return slot_.cause(); }        ///< why it was refused; none otherwise
 
   /// Which setting of this client's blocks is not in effect in the daemon; empty: none.
   static std::string missing(const Client& client);

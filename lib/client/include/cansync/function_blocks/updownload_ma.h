@@ -20,8 +20,9 @@ inline constexpr BYTE timeout = 0x04;
 ///
 /// Here the caller gives the start address, because the one that UPDOWNLOAD_SL expects is not in the manual.
 /// The block repeats the job (not only the block that failed) when the slave did not answer in time, until
-/// us_MAX_NR_OF_COMM attempts or us_MAX_NR_OF_COMM * t_TIME are over. What is not the slave's error, such as
-/// a refusal of the daemon, is b_ERR bit 0 with w_ERR_SL = 0.
+/// us_MAX_NR_OF_COMM attempts or us_MAX_NR_OF_COMM * t_TIME are over. A refusal that passes soon (`retry`),
+/// as of a full queue, is asked again every 100 ms within that time and is no attempt. What is not the
+/// slave's error, such as any other refusal of the daemon, is b_ERR bit 0 with w_ERR_SL = 0.
 class CANSYNC_PUBLIC UPDOWNLOAD_MA {
  public:
   CANsync_UPDOWN_BMARRAY a_DOWNLOAD = {};
@@ -44,6 +45,8 @@ class CANSYNC_PUBLIC UPDOWNLOAD_MA {
 
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return error_; }
+  /// Why the daemon, or the block, refused it; none without a refusal. Not in the manual.
+  RefusalCause cause() const noexcept { return cause_; }
 
   /// `client` must outlive the block.
   explicit UPDOWNLOAD_MA(Client& client) : client_(&client) {}
@@ -59,7 +62,8 @@ class CANSYNC_PUBLIC UPDOWNLOAD_MA {
   void attempt();
   void proceed(Clock::time_point now);
   void take(const TransferReply& reply, Clock::time_point now);
-  void fail(BYTE bits, WORD number, std::string reason);
+  void submit();
+  void fail(BYTE bits, WORD number, std::string reason, RefusalCause cause = RefusalCause::none);
   void give_up();
   void clear();
 
@@ -69,6 +73,8 @@ class CANSYNC_PUBLIC UPDOWNLOAD_MA {
   std::optional<TransferJob> job_;
   unsigned attempts_left_ = 0;
   Clock::time_point deadline_;
+  std::optional<Clock::time_point> again_;  ///< when a refused job is asked for again
+  RefusalCause cause_ = RefusalCause::none;
   std::string error_;
 };
 
