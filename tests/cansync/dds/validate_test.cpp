@@ -320,7 +320,7 @@ TEST(Validate, NoConfiguredSlaveIsToldAsSuch) {
   EXPECT_EQ(problem->reason, "slave 3: not configured; allowed none");
 }
 
-TEST(Explain, EveryRefusalHasAText) {
+TEST(Explain, EveryRefusalHasATextAndACauseOfItsKind) {
   for (int refusal = static_cast<int>(Refusal::slave_not_configured);
        refusal <= static_cast<int>(Refusal::mapping_changed); ++refusal) {
     const std::string text = explain(static_cast<Refusal>(refusal), line());
@@ -329,6 +329,11 @@ TEST(Explain, EveryRefusalHasAText) {
     EXPECT_GT(to_cause(static_cast<Refusal>(refusal)), gateway_CAUSE_UNKNOWN) << refusal;
   }
   EXPECT_EQ(to_cause(Refusal::none), gateway_CAUSE_NONE);
+  EXPECT_EQ(to_cause(Refusal::unknown_job), gateway_CAUSE_UNKNOWN_JOB);
+  EXPECT_EQ(to_cause(Refusal::bus_unavailable), gateway_CAUSE_BUS_UNAVAILABLE);
+  EXPECT_EQ(to_cause(Refusal::not_permitted), gateway_CAUSE_RIGHT);
+  EXPECT_EQ(to_cause(Refusal::mapping_changed), gateway_CAUSE_MAPPING_CHANGED);
+  EXPECT_EQ(to_cause(Refusal::too_old), gateway_CAUSE_STALE);
   EXPECT_NE(explain(Refusal::queue_full, line()).find("256 parameter jobs and 32 transfers"),
             std::string::npos);
 }

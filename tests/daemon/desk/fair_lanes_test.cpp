@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "daemon/cansync/requests/lanes.h"
+#include "daemon/desk/job_book.h"
 #include "daemon/desk/rejections.h"
 #include "daemon/desk/request_numbers.h"
 
@@ -196,6 +197,16 @@ TEST(RequestNumbers, OnlySoFarBack) {
   EXPECT_TRUE(numbers.use(UINT64_MAX));
   EXPECT_TRUE(numbers.use(UINT64_MAX - 5));
   EXPECT_FALSE(numbers.use(5001));
+}
+
+TEST(Admission, WhoIsStillLeavingAndOneClientTooManyAreToldApart) {
+  JobBook book;
+  const auto leaving = book.admit({}, {nullptr, ClientTable::Admission::leaving}, 0, 0, {});
+  EXPECT_EQ(leaving.denial.cause, gateway_CAUSE_IDENTITY);
+  EXPECT_FALSE(leaving.client != nullptr || leaving.forget);
+  const auto full = book.admit({}, {nullptr, ClientTable::Admission::full}, 0, 0, {});
+  EXPECT_EQ(full.denial.cause, gateway_CAUSE_SHARED_LIMIT);
+  EXPECT_TRUE(full.forget);
 }
 
 TEST(Stale, OldAndFutureRequestsAreToldFromOthers) {

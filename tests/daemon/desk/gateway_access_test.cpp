@@ -64,6 +64,14 @@ TEST(Access, EveryKindOfRequestHasItsRight) {
   EXPECT_EQ(kinds.size(), std::variant_size_v<Request>);
 }
 
+TEST(Access, WhatATopicGivesNoRightToIsRefusedAsSuch) {
+  const auto refused = right_refusal(ModeRequest{}, Right::operate);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->cause, gateway_CAUSE_RIGHT);
+  EXPECT_FALSE(right_refusal(ModeRequest{}, Right::engineer));
+  EXPECT_FALSE(right_refusal(cansync::ControlWordRequest{}, Right::operate));
+}
+
 // --- read-only
 
 TEST(ReadOnly, WritesDownloadsAndEveryCommandAreRefusedAndReadsAndUploadsGoOn) {

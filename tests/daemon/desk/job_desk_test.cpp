@@ -172,6 +172,14 @@ TEST_F(MadeUpDesk, AProtocolThatForgetsTheCauseAnswersWithAnUnknownOne) {
   EXPECT_EQ(client.answer(1).cause, gateway_CAUSE_UNKNOWN);
 }
 
+TEST_F(MadeUpDesk, AKindThatIsNotKnownIsRefusedAsSuch) {
+  client.wish(1, made_up::kUnknownKind);
+  pass_until([&] { return desk.rejections()[static_cast<unsigned>(Rejection::value)] == 1; });
+  write_replies();
+  EXPECT_EQ(client.answer(1).code, gateway_REPLY_REFUSED);
+  EXPECT_EQ(client.answer(1).cause, gateway_CAUSE_KIND);
+}
+
 TEST_F(MadeUpDesk, WhatComesWhileTheDaemonStopsIsRefusedAsSuch) {
   client.wish(1, 42);
   desk.stop(context());

@@ -31,6 +31,9 @@ inline constexpr TopicInfo topic_info<made_up_Answer> = {"Answer", &made_up_Answ
 
 namespace cansyncd::made_up {
 
+/// A wish of no kind that the protocol knows.
+inline constexpr std::uint32_t kUnknownKind = 97;
+
 /// What was handed on: a number, of which 100 and more are refused.
 struct Wish {
   JobId id = 0;
@@ -107,7 +110,7 @@ struct Protocol {
     return gateway::dds::Denial{gateway_CAUSE_FIELD, "number: allowed 0..99"};
   }
   static std::optional<Wish> request_of(const made_up_Wish& sample, JobId id, std::vector<std::uint8_t>&) {
-    return Wish{id, sample.number};
+    return sample.number == kUnknownKind ? std::nullopt : std::optional(Wish{id, sample.number});
   }
   static Lane lane_of(const Wish& /*wish*/) { return {Lanes::all, 0}; }
   static Effect effect_of(const Wish& /*wish*/) { return {Right::operate, true}; }

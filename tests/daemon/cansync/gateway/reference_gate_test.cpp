@@ -156,6 +156,7 @@ TEST_F(Gate, ValuesForAnotherStartOfTheDaemonMoveNothing) {
   }
   EXPECT_EQ(told("reference_refused"), 1u) << "on the edge";
   const std::string why = text("reference_refused");
+  EXPECT_NE(why.find(gateway::dds::name(gateway_CAUSE_OTHER_DAEMON)), std::string::npos) << why;
   EXPECT_NE(why.find("abcd0000"), std::string::npos) << why;
   EXPECT_NE(why.find("another start of the daemon"), std::string::npos) << why;
   EXPECT_NE(why.find("take_up"), std::string::npos) << why;
