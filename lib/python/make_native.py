@@ -17,7 +17,8 @@ SOURCE = "#include <cansync/cansync_c.h>\n#include \"gateway.h\"\n#include \"can
 OURS = ("cansync_c.h", "cansync.h", "gateway.h")
 # C's types of callbacks that Python implements: `on_sample` becomes a function of the module.
 CALLBACKS = ("cansync_on_sample", "cansync_go_on")
-ENUMS = {"cansync_result": ("Code", "CANSYNC_"), "cansync_mode_command": ("Mode", "CANSYNC_MODE_")}
+ENUMS = {"cansync_result": ("Code", "CANSYNC_"), "cansync_cause": ("Cause", "CANSYNC_CAUSE_"),
+         "cansync_retry": ("Retry", "CANSYNC_RETRY_"), "cansync_mode_command": ("Mode", "CANSYNC_MODE_")}
 HEAD = '"""Numbers of the C face, made of cansync_c.h."""\n\nimport enum\n'
 
 

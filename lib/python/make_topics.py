@@ -113,7 +113,7 @@ def main():
     numbers = re.findall(r"CANSYNC_TOPIC_(\w+)\s*=\s*(\d+)", header.read_text(encoding="utf-8"))
     model = Model(files)
     parts, made = [HEAD], set()
-    for name in ("RefusalCause", *(camel(topic) for topic, _ in numbers)):
+    for name in (camel(topic) for topic, _ in numbers):
         for needed in model.needed(name):
             if needed not in made:
                 made.add(needed)

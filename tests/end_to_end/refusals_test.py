@@ -40,6 +40,8 @@ class Refusals(unittest.TestCase):
                 said["c++"] = self.ask("PROVOKE", gateway, row["call"])
             if "c" in row["through"]:
                 said["c"] = self.ask("PROVOKE_C", gateway, row["call"])
+            if "python" in row["through"] and "PROVOKE_PYTHON" in os.environ:  # not under a sanitizer
+                said["python"] = self.ask("PROVOKE_PYTHON", gateway, row["call"])
             for face, (code, cause, retry) in said.items():
                 self.assertEqual((code, cause), ("refused", row["cause"]), f"{face}: {row}")
                 self.assertEqual(retry, next(iter(said.values()))[2], f"{face}: {row}")

@@ -30,7 +30,7 @@ class Documents(unittest.TestCase):
             with self.subTest(block), contextlib.redirect_stdout(printed):
                 exec(compile(block.replace('connect("can0")', here), "docs/python.md", "exec"), {"cansync": cansync})
             shown += printed.getvalue()
-        for promised in ("100000000 inc/s", "REFUSED daemon: slave 9: not configured; allowed 0..3"):
+        for promised in ("100000000 inc/s", "SLAVE_NOT_CONFIGURED daemon: slave 9: not configured; allowed 0..3"):
             self.assertIn(promised, text)
             self.assertIn(promised, shown)
 

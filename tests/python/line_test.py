@@ -16,13 +16,14 @@ class OnALine(unittest.TestCase):
         cls.gateway = cls.enterClassContext(Line())
         cls.line = cls.enterClassContext(cls.gateway.connect())
 
-    def error(self, kind, code, words, call, *arguments, **options):
-        """`call` raises this kind of error, with this code and these words."""
+    def error(self, kind, code, words, call, *arguments, cause=cansync.Cause.NONE, **options):
+        """`call` raises this kind of error, with this code, cause and these words."""
         with self.assertRaises(kind) as caught:
             call(*arguments, **options)
         self.assertIs(caught.exception.code, code)
         self.assertEqual(caught.exception.reason, str(caught.exception))
         self.assertIn(words, caught.exception.reason)
+        self.assertIs(caught.exception.cause, cause)
         return caught.exception
 
     def lead(self, references):
@@ -100,15 +101,30 @@ class Parameters(OnALine):
 
     def test_what_the_profile_does_not_allow_is_not_sent(self):
         code = cansync.Code.REFUSED
-        self.error(cansync.Refused, code, "client: ", self.line.write, 1, "torque-offset", 1000)
-        self.error(cansync.Refused, code, "read-only", self.line.write, 1, "device-type", 1)
+        self.error(cansync.Refused, code, "client: ", self.line.write, 1, "torque-offset", 1000,
+                   cause=cansync.Cause.PROFILE)
+        self.error(cansync.Refused, code, "read-only", self.line.write, 1, "device-type", 1,
+                   cause=cansync.Cause.PROFILE)
         self.error(cansync.Invalid, cansync.Code.INVALID, "no parameter 'nothing'", self.line.read, 1, "nothing")
         self.error(cansync.Invalid, cansync.Code.INVALID, "has no profile", self.line.read, 2, "torque-offset")
 
     def test_refusals_and_errors_of_the_slave(self):
-        self.error(cansync.Refused, cansync.Code.REFUSED, "daemon: slave 9: not configured", self.line.read, 9, 100)
+        self.error(cansync.Refused, cansync.Code.REFUSED, "daemon: slave 9: not configured", self.line.read, 9, 100,
+                   cause=cansync.Cause.SLAVE_NOT_CONFIGURED)
         error = self.error(cansync.SlaveError, cansync.Code.SLAVE_ERROR, "slave: ", self.line.read, 0, 3999)
         self.assertNotEqual(error.error_code, 0)
+
+    def test_every_error_says_whether_asking_again_helps(self):
+        error = self.error(cansync.Refused, cansync.Code.REFUSED, "4096", self.line.read, 0, 4096, cause=cansync.Cause.FIELD)
+        self.assertIs(error.retry, cansync.Retry.NEVER)
+        jobs = [self.line.submit_upload(3, 0x1000, 1 << 20) for _ in range(65)]
+        error = self.error(cansync.Refused, cansync.Code.REFUSED, "queue full", jobs[-1].result,
+                           cause=cansync.Cause.CLIENT_LIMIT)
+        self.assertIs(error.retry, cansync.Retry.SOON)
+        for job in jobs[:-1]:
+            job.cancel()
+        for job in jobs[:-1]:
+            self.assertRaises(cansync.Error, job.result, LONG)
 
     def test_many_at_once(self):
         jobs = [self.line.submit_read(slave, 103) for slave in range(4) for _ in range(8)]
@@ -148,7 +164,8 @@ class Transfers(OnALine):
         self.assertRaises(StopIteration, self.line.upload, 3, 0x1000, 1 << 20, stop)
 
     def test_refused(self):
-        self.error(cansync.Refused, cansync.Code.REFUSED, "address", self.line.upload, 2, 0x10, 4)
+        self.error(cansync.Refused, cansync.Code.REFUSED, "address", self.line.upload, 2, 0x10, 4,
+                   cause=cansync.Cause.ADDRESS)
 
 
 class Topics(OnALine):
@@ -254,8 +271,10 @@ class Commands(OnALine):
         self.line.control_word("winder", 0x0F)
         self.assertEqual(self.line.read("winder", "control-word").raw, 0x0F)
         self.line.broadcast(["winder", 2], 200, data_byte=1)
-        self.error(cansync.Refused, cansync.Code.REFUSED, "daemon: ", self.line.broadcast, [], 200)
-        self.error(cansync.Refused, cansync.Code.REFUSED, "not configured", self.line.control_word, 9, 1)
+        self.error(cansync.Refused, cansync.Code.REFUSED, "daemon: ", self.line.broadcast, [], 200,
+                   cause=cansync.Cause.NO_SLAVES)
+        self.error(cansync.Refused, cansync.Code.REFUSED, "not configured", self.line.control_word, 9, 1,
+                   cause=cansync.Cause.SLAVE_NOT_CONFIGURED)
 
     def test_settings(self):
         self.line.set_mode(cansync.Mode.RUN)
@@ -266,7 +285,8 @@ class Commands(OnALine):
         self.assertTrue(any(each.slave == 3 and each.actual_mapping[:3] == b"\1\3\0" for each in events))
         self.line.polling(one=cansync.AUTOMATIC)
         self.error(cansync.Invalid, cansync.Code.INVALID, "allowed 8", self.line.map_references, [1])
-        self.error(cansync.Refused, cansync.Code.REFUSED, "", self.line.release, 1)
+        self.error(cansync.Refused, cansync.Code.REFUSED, "", self.line.release, 1,
+                   cause=cansync.Cause.NOT_HELD)
 
 
 class Restart(OnALine):

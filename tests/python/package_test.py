@@ -30,7 +30,9 @@ class Package(unittest.TestCase):
             if code:
                 self.assertIs(cansync.errors.error_of(code, "no").code, code)
         causes = _native.ffi.typeof("gateway_RefusalCause").relements
-        self.assertEqual({f"gateway_CAUSE_{cause.name}": cause.value for cause in cansync.RefusalCause}, causes)
+        self.assertEqual({f"gateway_CAUSE_{cause.name}": cause.value for cause in cansync.Cause}, causes)
+        ways = _native.ffi.typeof("enum cansync_retry").relements
+        self.assertEqual({f"CANSYNC_RETRY_{way.name}": way.value for way in cansync.Retry}, ways)
 
     def test_types_are_whole(self):
         with tempfile.TemporaryDirectory() as cache:

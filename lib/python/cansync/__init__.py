@@ -16,7 +16,7 @@
 from ._link import text as _text
 from ._native import lib as _lib
 from .client import AUTOMATIC, NOBODY, UNCHANGED, Client, connect
-from .codes import Code, Mode
+from .codes import Cause, Code, Mode, Retry
 from .errors import (Cancelled, Error, Invalid, NoData, NotConnected, OutcomeUnknown, Refused, SlaveError, TakeUp,
                      Timeout)
 from .jobs import Job
@@ -28,8 +28,8 @@ from .topics import __all__ as _topics
 
 __version__ = _text(_lib.cansync_version())
 __all__ = [
-    "AUTOMATIC", "Access", "Cancelled", "Client", "Code", "Error", "Invalid", "Job", "Mode", "NOBODY", "NoData",
-    "NotConnected", "OutcomeUnknown", "Parameter", "Refused", "References", "SlaveError", "Stream", "Subscription",
+    "AUTOMATIC", "Access", "Cancelled", "Cause", "Client", "Code", "Error", "Invalid", "Job", "Mode", "NOBODY", "NoData",
+    "NotConnected", "OutcomeUnknown", "Parameter", "Refused", "References", "Retry", "SlaveError", "Stream", "Subscription",
     "TakeUp", "Timeout", "UNCHANGED", "Value", "connect",
 ]
 __all__ += _topics

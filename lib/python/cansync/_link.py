@@ -83,7 +83,7 @@ class Link:
                 return True
             if result == Code.NO_DATA and missing:
                 return False
-            raise error_of(result, text(lib.cansync_last_error(self._handle)))
+            raise error_of(result, text(lib.cansync_last_error(self._handle)), lib.cansync_last_cause(self._handle))
 
     def make(self, function: typing.Callable[..., typing.Any], *arguments: typing.Any) -> typing.Any:
         """Calls what gives an object of the library."""

@@ -171,7 +171,7 @@ class Client:
         return self._submit_parameter(request, value_of)
 
     def submit_write(self, slave: Slave, parameter: int | str, value: float, *, timeout: float | None = None,
-                     sub_slave: int = 0, format: int = _AS_SLAVE_SAYS) -> Job[None]:
+                     sub_slave: int = 0, element: int = _VALUE, format: int = _AS_SLAVE_SAYS) -> Job[None]:
         """Like `write`, without waiting; the rest as for `submit_read`."""
         number = self.slave(slave)
         if isinstance(parameter, str):
@@ -181,7 +181,7 @@ class Client:
         elif value != int(value):
             raise error_of(Code.INVALID, f"client: value {value}: a raw value is a whole number")
         return self._submit_parameter({"write": 1, "slave": number, "number": parameter, "value": int(value),
-                                       "sub_slave": sub_slave, "element": _VALUE, "format": format,
+                                       "sub_slave": sub_slave, "element": element, "format": format,
                                        "timeout_ms": _milliseconds(timeout)}, lambda reply: None)
 
     def parameter(self, slave: Slave, number_or_name: int | str) -> Parameter:

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from .codes import Code
+from ._native import lib
+from .codes import Cause, Code, Retry
 
 
 class Error(Exception):
     """A call that did not end as wanted. ``str(error)`` is the reason: who said no, why, and what is allowed.
 
-    code: how it ended, a :class:`Code`; tells what a program can do
+    code: how it ended, a :class:`Code`
+    cause: why it was refused, a :class:`Cause`; NONE when it ended otherwise
     reason: the same for people, for example "daemon: slave 9: not configured; allowed 0..3"
     error_code: the slave's own error code; 0: none
     """
 
-    def __init__(self, code: Code, reason: str, error_code: int = 0) -> None:
+    def __init__(self, code: Code, reason: str, cause: Cause = Cause.NONE, error_code: int = 0) -> None:
         super().__init__(reason)
         self.code = code
         self.reason = reason
+        self.cause = cause
         self.error_code = error_code
+
+    @property
+    def retry(self) -> Retry:
+        """Whether it helps to ask the same again."""
+        return Retry(lib.cansync_retry(self.code, self.cause))
 
 
 class Refused(Error):
@@ -79,6 +87,6 @@ _CLASSES: dict[Code, type[Error]] = {
 }
 
 
-def error_of(code: int, reason: str, error_code: int = 0) -> Error:
+def error_of(code: int, reason: str, cause: int = Cause.NONE, error_code: int = 0) -> Error:
     """The exception that stands for a result of the C face."""
-    return _CLASSES[Code(code)](Code(code), reason, error_code)
+    return _CLASSES[Code(code)](Code(code), reason, Cause(cause), error_code)

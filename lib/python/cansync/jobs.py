@@ -64,7 +64,7 @@ class Job(typing.Generic[T]):
         reply = ffi.new("cansync_reply *")
         lib.cansync_job_reply(self._native, reply)
         if reply.result != Code.DONE:
-            raise error_of(reply.result, text(reply.reason), reply.error_code)
+            raise error_of(reply.result, text(reply.reason), reply.cause, reply.error_code)
         return self._convert(reply)
 
     def _finish(self, progress: Progress | None = None) -> T:

@@ -92,6 +92,11 @@ profile::NamedProfile profile_of(cansync_client& open, const Client& client, std
   return open.profiles[hash] = std::move(found);
 }
 
+int forbid(cansync_client& open, const profile::Refused& refused) {
+  open.cause = cansync::client::RefusalCause::profile;
+  return fail(open, CANSYNC_REFUSED, "client: " + refused.text);
+}
+
 /// Decimal, or hexadecimal with 0x; nothing when `text` is no number.
 std::optional<std::uint32_t> parse_number(std::string_view text) {
   const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
@@ -164,10 +169,9 @@ int cansync_from_unit(cansync_client* handle, const cansync_parameter_info* para
       return fail(open, CANSYNC_INVALID, "client: parameter or raw is NULL");
     const profile::Parameter known = of_c(*parameter);
     const auto nearest = profile::to_raw(known, fmt::format("{}", value));
-    if (const auto* refused = std::get_if<profile::Refused>(&nearest))
-      return fail(open, CANSYNC_REFUSED, "client: " + refused->text);
+    if (const auto* refused = std::get_if<profile::Refused>(&nearest)) return forbid(open, *refused);
     if (const auto refused = profile::write_problem(known, std::get<std::uint32_t>(nearest)))
-      return fail(open, CANSYNC_REFUSED, "client: " + refused->text);
+      return forbid(open, *refused);
     *raw = std::get<std::uint32_t>(nearest);
     return static_cast<int>(CANSYNC_DONE);
   });
