@@ -118,7 +118,7 @@ class Writer(threading.Thread):
             if code == "done":
                 self.confirmed += 1
                 self.allowed = {self.sent}
-            elif code in ("killed", "no_reply"):
+            elif code in ("killed", "no_reply", "no_daemon"):
                 return
 
 
