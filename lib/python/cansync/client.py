@@ -58,6 +58,7 @@ class Client:
     def __init__(self, link: Link) -> None:
         self._link = link
         self._slaves: dict[str, int] = {}
+        self._heard = False  # of every slave
         # Also when the interpreter ends: before that nothing of the library may run any more.
         self._end = weakref.finalize(self, link.close)
 
@@ -119,7 +120,7 @@ class Client:
             return number_or_name
         if number_or_name not in self._slaves:
             must_not_wait()
-            self.slaves()  # so that the library need not wait
+            self._hear_slaves()
             found = ffi.new("uint32_t *")
             self._link.call(lib.cansync_find_slave, number_or_name.encode(), found)
             self._slaves[number_or_name] = found[0]
@@ -192,7 +193,7 @@ class Client:
         """Every parameter of the slave's profile, by number."""
         number = self.slave(slave)
         found: list[Parameter] = []
-        self.slave_status(number)
+        self._hear_slaves()
         info = ffi.new("cansync_parameter_info *")
         while self._link.call(lib.cansync_list_parameter, number, len(found), info, missing=True):
             found.append(Parameter._of(info))
@@ -293,8 +294,14 @@ class Client:
                                          "configured, and the line in active operation?")
         return topic._of(out)
 
+    def _hear_slaves(self) -> None:
+        """Waits here for what the library would wait for: Ctrl-C ends it here alone."""
+        if not self._heard:
+            self.slaves()
+            self._heard = True
+
     def _find(self, slave: int, parameter: str) -> typing.Any:
-        self.slave_status(slave)  # so that the library need not wait
+        self._hear_slaves()
         info = ffi.new("cansync_parameter_info *")
         self._link.call(lib.cansync_find_parameter, slave, parameter.encode(), info)
         return info
