@@ -107,6 +107,7 @@ struct DdsConfig {
   std::chrono::milliseconds request_max_age{5000};  ///< of a request when it arrives; 0: any
   std::string security;  ///< folder of the daemon's identity; empty: without DDS Security
   std::string xml;       ///< Cyclone DDS configuration used instead of the generated one; empty: generated
+  bool final_types = false;  ///< topics of final types, in XCDR1; false: appendable, in XCDR2
 };
 
 /// Who may do what.

@@ -29,6 +29,7 @@ struct EventText {
   std::optional<Moment> when;                           ///< nothing: now
   std::optional<RequestRecord> request = std::nullopt;  ///< has its own entry in the journal
   std::string client = {};                              ///< who has to do with it, for the journal
+  std::string participant = {};                         ///< its DDS participant, hexadecimal
   int parameter = -1;                                   ///< number, for the journal; -1: none
 };
 

@@ -85,6 +85,7 @@ void EventPublisher::write(const EventText& event) {
   gateway::dds::copy_text(event.code, sample.code);
   sample.slave = event.slave;
   gateway::dds::copy_text(event.text, sample.text);
+  gateway::dds::copy_text(event.participant, sample.participant);
   if (event.request) {
     gateway::dds::copy_text(event.request->client, sample.client);
     gateway::dds::copy_text(event.request->participant, sample.participant);

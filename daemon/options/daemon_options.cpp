@@ -14,6 +14,7 @@ constexpr auto kRegistersOf =
     std::to_array<Word<can::Controller>>({{"plc", can::Controller::plc}, {"omega", can::Controller::omega}});
 constexpr auto kRealtimeMode =
     std::to_array<Word<RealtimeMode>>({{"enforce", RealtimeMode::enforce}, {"ignore", RealtimeMode::ignore}});
+constexpr auto kTypes = std::to_array<Word<bool>>({{"appendable", false}, {"final", true}});
 
 constexpr auto kDaemonRows = std::to_array<DaemonRow>({
     // --- [bus]
@@ -145,6 +146,11 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
             "dds.xml", OptionType::text, 0, 65536,
             "Cyclone DDS configuration (XML) used instead of the generated one; interface is not looked at "
             "then.")),
+    chosen<kTypes>(
+        [](auto& c) -> auto& { return c.dds.final_types; },
+        word("dds.types",
+             "appendable: topics in XCDR2; final: in XCDR1, for implementations of DDS that know no other. "
+             "Every program of the bus must have the same.")),
     field(
         [](auto& c) -> auto& { return c.dds.security; },
         string("dds.security", OptionType::text, 0, 4096,

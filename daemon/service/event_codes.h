@@ -108,6 +108,7 @@ inline constexpr EventKind kEventKinds[] = {
     {"requests_rejected", "0fada32cd6c94fcc8f8a1488bfe3c5b3"},
     {"requests_rejected_before", "37fc1daed53740d3975c2d4a4e2f2f7c"},
     {"dds_message", "534d5472c4c1406b8383cf9c7fb2e44c"},
+    {"dds_incompatible", "7f0e2c94d1b64a3c8a55e60f9b27c3d8"},
     {"replies_dropped", "c45a795a03394418ba1322dc14a62b9a"},
     {"client_gone", "046050657caf4dcaad40a65074333620"},
 };

@@ -37,9 +37,12 @@ gateway_GatewayStatus lasting(const DaemonConfig& config, std::string_view proto
 
 }  // namespace
 
-CommonStatus::CommonStatus(const gateway::dds::Participant& participant, const DaemonConfig& config,
-                           std::string_view protocol, const DaemonIdentity& identity)
-    : gateway_writer_(participant), gateway_(lasting(config, protocol, identity)) {
+CommonStatus::CommonStatus(const gateway::dds::Participant& participant, EventPublisher& events,
+                           const DaemonConfig& config, std::string_view protocol,
+                           const DaemonIdentity& identity)
+    : peers_(participant, events),
+      gateway_writer_(participant),
+      gateway_(lasting(config, protocol, identity)) {
   set_access(config.access);
 }
 
@@ -61,12 +64,15 @@ void CommonStatus::set_clients(std::size_t clients, const RejectionCounts& rejec
 }
 
 SteadyTime CommonStatus::step(SteadyTime now) {
+  const std::optional<SteadyTime> look = peers_.step(now);
+  dirty_ = dirty_ || peers_.count() != gateway_.incompatible;
+  gateway_.incompatible = peers_.count();
   if (dirty_ || now - published_ >= kPeriod) {
     (void)gateway_writer_.write(gateway_);
     dirty_ = false;
     published_ = now;
   }
-  return published_ + kPeriod;
+  return look ? std::min(*look, published_ + kPeriod) : published_ + kPeriod;
 }
 
 }  // namespace cansyncd

@@ -12,11 +12,6 @@ constexpr const char* kRemedy =
     "look for programs with another version of the data model, or with less memory than they need, in this "
     "domain";
 
-struct ListenerDeleter {
-  void operator()(dds_listener_t* listener) const noexcept { dds_delete_listener(listener); }
-};
-using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
-
 /// Cyclone would refuse it too, but would say so on standard error each time.
 bool may_write(const Participant& participant, const TopicInfo& info) {
   const std::string& folder = participant.options().security;
@@ -25,10 +20,20 @@ bool may_write(const Participant& participant, const TopicInfo& info) {
 
 Entity make_topic(const Participant& participant, const TopicInfo& info) {
   const std::string name(info.name);
+  const dds_topic_descriptor_t* const type = participant.options().final_types ? info.final_type : info.type;
   const dds_entity_t topic =
-      dds_create_topic(participant.handle(), info.type, name.c_str(), nullptr, nullptr);
+      type == nullptr ? DDS_RETCODE_UNSUPPORTED
+                      : dds_create_topic(participant.handle(), type, name.c_str(), nullptr, nullptr);
   if (topic < 0) participant.fail("topic " + name, topic, kRemedy);
   return Entity(topic);
+}
+
+/// Final types in the one representation that appendable types never have: no reader takes the one for the
+/// other, whatever is known of types.
+Qos represented(const Participant& participant, Qos qos) {
+  constexpr dds_data_representation_id_t kRepresentation = DDS_DATA_REPRESENTATION_XCDR1;
+  if (participant.options().final_types) dds_qset_data_representation(qos.get(), 1, &kRepresentation);
+  return qos;
 }
 
 }  // namespace
@@ -57,8 +62,8 @@ ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, Da
                                 [](dds_entity_t /*reader*/, const dds_liveliness_changed_status_t /*status*/,
                                    void* matches) { static_cast<Matches*>(matches)->raise(); });
   }
-  const dds_entity_t reader =
-      dds_create_reader(participant.subscriber(), topic(), reader_qos(info).get(), listener.get());
+  const dds_entity_t reader = dds_create_reader(
+      participant.subscriber(), topic(), represented(participant, reader_qos(info)).get(), listener.get());
   if (reader < 0) participant.fail("reader of topic " + std::string(info.name), reader, kRemedy);
   set_endpoint(Entity(reader));
 }
@@ -74,7 +79,7 @@ WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, st
         static_cast<Matches*>(matches)->count = status.current_count;
         static_cast<Matches*>(matches)->raise();
       });
-  const Qos qos = writer_qos(info, strength);
+  const Qos qos = represented(participant, writer_qos(info, strength));
   if (!name.empty()) dds_qset_userdata(qos.get(), name.data(), name.size());
   const dds_entity_t writer = dds_create_writer(participant.publisher(), topic(), qos.get(), listener.get());
   if (writer < 0) participant.fail("writer of topic " + std::string(info.name), writer, kRemedy);

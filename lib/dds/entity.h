@@ -2,6 +2,7 @@
 
 #include <dds/dds.h>
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -46,5 +47,11 @@ class Entity {
  private:
   dds_entity_t handle_ = 0;
 };
+
+struct ListenerDeleter {
+  void operator()(dds_listener_t* listener) const noexcept { dds_delete_listener(listener); }
+};
+/// What is called when something happens to an entity.
+using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
 }  // namespace gateway::dds

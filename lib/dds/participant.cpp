@@ -4,6 +4,7 @@
 #include <net/if.h>
 
 #include <array>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <string_view>
@@ -105,6 +106,34 @@ void check_options(const ParticipantOptions& options) {
   }
 }
 
+/// What DDS told of endpoints that do not match.
+struct Mismatches {
+  std::atomic<std::uint64_t> count{0};
+  std::atomic<std::uint64_t> of_types{0};
+
+  void add(std::uint32_t policy) noexcept {
+    if (policy == DDS_PARTITION_QOS_POLICY_ID) return;  // those of other buses
+    if (policy == DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID || policy == DDS_INVALID_QOS_POLICY_ID)
+      ++of_types;
+    ++count;
+  }
+};
+
+/// Hears of every endpoint of a participant: those below take over what they do not hear themselves.
+Listener mismatch_listener(Mismatches& mismatches) {
+  Listener listener(dds_create_listener(&mismatches));
+  dds_lset_inconsistent_topic(
+      listener.get(), [](dds_entity_t /*topic*/, const dds_inconsistent_topic_status_t /*status*/,
+                         void* all) { static_cast<Mismatches*>(all)->add(DDS_INVALID_QOS_POLICY_ID); });
+  dds_lset_offered_incompatible_qos(
+      listener.get(), [](dds_entity_t /*writer*/, const dds_offered_incompatible_qos_status_t status,
+                         void* all) { static_cast<Mismatches*>(all)->add(status.last_policy_id); });
+  dds_lset_requested_incompatible_qos(
+      listener.get(), [](dds_entity_t /*reader*/, const dds_requested_incompatible_qos_status_t status,
+                         void* all) { static_cast<Mismatches*>(all)->add(status.last_policy_id); });
+  return listener;
+}
+
 /// Does the built configuration keep to this computer?
 bool on_loopback(const ParticipantOptions& options) {
   return options.xml.empty() && options.interface == "lo";
@@ -121,9 +150,10 @@ std::string configuration(const ParticipantOptions& options) {
       "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface "
       "name=\"{}\"/></Interfaces><AllowMulticast>{}</AllowMulticast></General><Discovery><LeaseDuration>5 "
       "s</LeaseDuration>{}</Discovery>{}</Domain></CycloneDDS>";
-  // No sample is larger than a transfer's.
+  // Without hashes of keys, other implementations do not take Cyclone's word that an endpoint has gone, and
+  // notice it when its lease is over. No sample is larger than a transfer's.
   constexpr std::string_view kServes =
-      "<Internal><MaxSampleSize>17 MiB</MaxSampleSize><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 "
+      "<Internal><GenerateKeyhash>true</GenerateKeyhash><MaxSampleSize>17 MiB</MaxSampleSize><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 "
       "MiB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
   // Index 119 is the last whose ports belong to the domain.
   constexpr std::string_view kUnicastPeers =
@@ -137,7 +167,8 @@ std::string configuration(const ParticipantOptions& options) {
 struct Participant::Impl {
   explicit Impl(const ParticipantOptions& wanted) : options(wanted), domain(wanted) {}
   ParticipantOptions options;
-  DomainShare domain;  // declared first: goes last
+  Mismatches mismatches;  // declared before what is listened to
+  DomainShare domain;     // declared before its participant: goes after it
   Entity participant;
   Entity publisher;
   Entity subscriber;
@@ -148,7 +179,8 @@ Participant::Participant(const ParticipantOptions& options) {
   impl_ = std::make_unique<Impl>(options);
   const Qos rights(dds_create_qos());
   if (!options.security.empty()) add_security(rights.get(), options.security);
-  const dds_entity_t participant = dds_create_participant(options.domain, rights.get(), nullptr);
+  const dds_entity_t participant =
+      dds_create_participant(options.domain, rights.get(), mismatch_listener(impl_->mismatches).get());
   if (participant < 0) {
     fail("creating the DDS participant", participant,
          options.security.empty()
@@ -197,6 +229,14 @@ std::uint32_t Participant::others() const noexcept {
   if (count <= 0) return 0;
   (void)dds_return_loan(reader.get(), samples.data(), count);
   return static_cast<std::uint32_t>(count - 1);
+}
+
+std::uint64_t Participant::mismatches() const noexcept {
+  return impl_->mismatches.count;
+}
+
+std::uint64_t Participant::type_mismatches() const noexcept {
+  return impl_->mismatches.of_types;
 }
 
 std::string Participant::place() const {

@@ -22,6 +22,10 @@ struct ParticipantOptions {
   /// that one that stands still, is dead or slow holds nobody else up. False: up to 500 KiB, as Cyclone has
   /// it.
   bool serves = false;
+  /// Topics are of final types and go over the wire as XCDR1, which every implementation of DDS knows. All
+  /// participants of a bus must have the same: those of the other kind do not match. False: appendable types,
+  /// XCDR2.
+  bool final_types = false;
 };
 
 /// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, and the peers
@@ -52,6 +56,13 @@ class Participant {
   /// Other participants known in the domain now, of whatever program; discovery takes some 100 ms. 0 when
   /// that cannot be asked.
   std::uint32_t others() const noexcept;
+
+  /// How often an endpoint of others did not match one of this participant's because of its QoS or type, here
+  /// or in another partition. Any thread; does not ask DDS.
+  std::uint64_t mismatches() const noexcept;
+
+  /// How many of them were because of the type. Any thread; does not ask DDS.
+  std::uint64_t type_mismatches() const noexcept;
 
   /// "DDS domain 3, partition can0, interface lo", for messages.
   std::string place() const;

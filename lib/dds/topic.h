@@ -43,6 +43,8 @@ struct TopicInfo {
   const dds_topic_descriptor_t* type;
   bool from_daemon;  ///< the daemon writes it; false: clients do
   TopicQos qos;
+  /// The same struct without room for members to come, for a bus of final types; nullptr: has none.
+  const dds_topic_descriptor_t* final_type = nullptr;
 };
 
 /// The row of an IDL type: `template <> inline constexpr TopicInfo topic_info<T> = {...}` beside its table;

@@ -36,9 +36,13 @@ std::string clean(std::string_view text) {
   return out;
 }
 
-std::string property(const dds_qos_t* qos, const char* name) {
+/// The value of the property that is called so by Cyclone DDS, or by another implementation.
+std::string property(const dds_qos_t* qos, const char* name, const char* other = nullptr) {
   char* value = nullptr;
-  if (!dds_qget_prop(qos, name, &value) || value == nullptr) return "";
+  if ((!dds_qget_prop(qos, name, &value) || value == nullptr) &&
+      (other == nullptr || !dds_qget_prop(qos, other, &value) || value == nullptr)) {
+    return "";
+  }
   const Memory<char> owned(value);
   return clean(value);
 }
@@ -64,8 +68,8 @@ std::string process_of(const Participant& participant, dds_instance_handle_t pee
   if (info[0].valid_data) {
     const dds_qos_t* qos = static_cast<const dds_builtintopic_participant_t*>(sample[0])->qos;
     const std::string name = property(qos, "__ProcessName");
-    const std::string process = property(qos, "__Pid");
-    const std::string host = property(qos, "__Hostname");
+    const std::string process = property(qos, "__Pid", "fastdds.physical_data.process");
+    const std::string host = property(qos, "__Hostname", "fastdds.physical_data.host");
     text = name;
     if (!process.empty()) text += fmt::format("{}process {}", text.empty() ? "" : ", ", process);
     if (!host.empty()) text += fmt::format("{}on host {}", text.empty() ? "" : " ", host);
@@ -82,13 +86,19 @@ std::optional<WriterIdentity> identify_writer(const Participant& participant, dd
   if (!endpoint) return std::nullopt;
   WriterIdentity identity;
   (void)dds_qget_ownership_strength(endpoint->qos, &identity.strength);
-  const std::string name = client_name(endpoint->qos);
-  const std::string process = process_of(participant, endpoint->participant_instance_handle);
-  if (!name.empty()) identity.who = fmt::format("'{}'", name);
-  if (!process.empty()) identity.who += identity.who.empty() ? process : fmt::format(" ({})", process);
-  if (identity.who.empty()) identity.who = "an unknown program";
-  if (identity.who.size() > kLongest) identity.who.resize(kLongest);
+  identity.who = program_of(participant, *endpoint);
   return identity;
+}
+
+std::string program_of(const Participant& participant, const dds_builtintopic_endpoint_t& endpoint) {
+  std::string who;
+  const std::string name = client_name(endpoint.qos);
+  const std::string process = process_of(participant, endpoint.participant_instance_handle);
+  if (!name.empty()) who = fmt::format("'{}'", name);
+  if (!process.empty()) who += who.empty() ? process : fmt::format(" ({})", process);
+  if (who.empty()) who = "an unknown program";
+  if (who.size() > kLongest) who.resize(kLongest);
+  return who;
 }
 
 }  // namespace gateway::dds

@@ -8,6 +8,7 @@
 
 #include "cansync/dds/convert.h"
 #include "cansync/dds/topics.h"
+#include "dds/incompatible.h"
 #include "support/dds_places.h"
 
 namespace cansync::dds {
@@ -49,6 +50,46 @@ TEST(Endpoint, SampleCrossesTheLoopbackNetworkUnchanged) {
   EXPECT_EQ(got[0].last_response, -5);
   EXPECT_EQ(text(got[0].actual_value[7].unit_symbol), "1/min");
   EXPECT_EQ(got[0].actual_value[7].factor, 0.25);
+}
+
+TEST(Endpoint, FinalTypesCrossTheNetworkAndMatchNoOthers) {
+  TwoPlaces places;
+  ParticipantOptions final_types = places.there;
+  final_types.final_types = true;
+  places.here.final_types = true;
+  const Participant daemon(places.here);
+  const Participant client(final_types);
+  const Participant other(places.there);
+  DataSignal signal;
+  Writer<cansync_SlaveStatus> writer(daemon, 0, &signal);
+  Reader<cansync_SlaveStatus> stranger(other, &signal);
+  Reader<cansync_SlaveStatus> reader(client, &signal);
+  cansync_SlaveStatus sent = {};
+  sent.slave = 31;
+  sent.last_response = -5;
+  sent.actual_value[7].factor = 0.25;
+  ASSERT_EQ(writer.write(sent), DDS_RETCODE_OK);
+  std::vector<cansync_SlaveStatus> got;
+  ASSERT_TRUE(eventually(signal, [&] {
+    got = take_all(reader);
+    return !got.empty();
+  }));
+  EXPECT_EQ(got[0].slave, 31);
+  EXPECT_EQ(got[0].last_response, -5);
+  EXPECT_EQ(got[0].actual_value[7].factor, 0.25);
+
+  // The one with appendable types is known by then, and why it does not fit.
+  ASSERT_TRUE(eventually(signal, [&] {
+    signal.raise();
+    return other.mismatches() != 0;
+  }));
+  EXPECT_EQ(stranger.matched(), 0u);
+  const auto wrong = find_incompatible(other, false, 8);
+  ASSERT_EQ(wrong.size(), 1u);
+  EXPECT_NE(to_string(wrong[0]).find("a writer of topic SlaveStatus of "), std::string::npos);
+  EXPECT_NE(to_string(wrong[0]).find("data representation (offered XCDR1, asked for XCDR2)"),
+            std::string::npos)
+      << to_string(wrong[0]);
 }
 
 TEST(Endpoint, LateReaderGetsTheLastHundredEvents) {

@@ -33,7 +33,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
     : config_(config),
       exchange_(exchange),
       events_(participant, journal, config.bus.name),
-      common_(participant, config, kMasterProtocol, identity),
+      common_(participant, events_, config, kMasterProtocol, identity),
       state_(participant, config, identity),
       trail_(journal, events_, config.bus.name, cansync::kSlaves),
       audit_(trail_, config),

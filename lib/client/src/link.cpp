@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "dds/incompatible.h"
 #include "dds/security.h"
 
 namespace cansync::client::detail {
@@ -22,7 +23,8 @@ std::array<std::uint8_t, 16> random_identity() {
 }
 
 dds::ParticipantOptions participant_options(const Options& options) {
-  return {options.domain, options.bus, options.interface, options.xml, options.security};
+  return {options.domain,   options.bus, options.interface,  options.xml,
+          options.security, false,       options.final_types};
 }
 
 template <class R>
@@ -95,6 +97,16 @@ Validity Link::validity(MappingBytes* mapping) const {
 
 std::string Link::not_found(std::chrono::milliseconds waited) const {
   const std::string place = fmt::format("looked for {} on {}", waited, participant_.place());
+  const auto wrong = dds::find_incompatible(participant_, participant_.type_mismatches() != 0, 1);
+  if (!wrong.empty()) {
+    return fmt::format(
+        "no usable daemon found: {}; {}; {}", place, to_string(wrong.front()),
+        wrong.front().policy == "data representation"
+            ? fmt::format("this program has {} types: are they what the daemon's dds.types says "
+                          "(--types, CANSYNC_TYPES, Options::final_types)?",
+                          options_.final_types ? "final" : "appendable")
+            : "has the other program the version of this one?");
+  }
   if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0 && !options_.security.empty()) {
     return fmt::format(
         "no daemon found: {}, with DDS Security as {}; is cansyncd running for bus {} with dds.security set, "

@@ -33,6 +33,7 @@ struct Options {
   std::string client_name;       ///< for the daemon's journal
   std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
   std::string security;          ///< folder of the identity; empty: without DDS Security
+  bool final_types = false;      ///< as the daemon's dds.types: true for "final"
   std::chrono::milliseconds wait{3000};  ///< how long to look for the daemon
   const std::atomic<bool>* stop =
       nullptr;  ///< set by another thread or a signal handler: ends waiting; null: none

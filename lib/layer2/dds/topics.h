@@ -6,6 +6,7 @@
 
 #include "dds/gateway_topics.h"
 #include "layer2.h"
+#include "layer2_final.h"
 
 /// Topics of layer2.idl; with those of gateway.idl all that a bus of layer 2 has. docs/layer2.md shows the
 /// same table; a test compares both.
@@ -16,17 +17,17 @@ namespace gateway::dds {
 inline constexpr TopicQos kFrameStream = {.depth = 100};
 
 template <>
-inline constexpr TopicInfo topic_info<layer2_FrameBatch> = {"FrameBatch", &layer2_FrameBatch_desc,
-                                                            kFromDaemon, kFrameStream};
+inline constexpr TopicInfo topic_info<layer2_FrameBatch> = {
+    "FrameBatch", &layer2_FrameBatch_desc, kFromDaemon, kFrameStream, &layer2_FrameBatch_final_desc};
 template <>
-inline constexpr TopicInfo topic_info<layer2_SendRequest> = {"SendRequest", &layer2_SendRequest_desc,
-                                                             kFromClients, kind::request()};
+inline constexpr TopicInfo topic_info<layer2_SendRequest> = {
+    "SendRequest", &layer2_SendRequest_desc, kFromClients, kind::request(), &layer2_SendRequest_final_desc};
 template <>
-inline constexpr TopicInfo topic_info<layer2_SendReply> = {"SendReply", &layer2_SendReply_desc, kFromDaemon,
-                                                           kind::reply(4096, 2048)};
+inline constexpr TopicInfo topic_info<layer2_SendReply> = {
+    "SendReply", &layer2_SendReply_desc, kFromDaemon, kind::reply(4096, 2048), &layer2_SendReply_final_desc};
 template <>
 inline constexpr TopicInfo topic_info<layer2_BusStatus> = {"BusStatus", &layer2_BusStatus_desc, kFromDaemon,
-                                                           kind::state()};
+                                                           kind::state(), &layer2_BusStatus_final_desc};
 
 }  // namespace gateway::dds
 

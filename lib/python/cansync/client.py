@@ -32,7 +32,7 @@ def _milliseconds(seconds: float | None) -> int:
 
 
 def connect(bus: str = "can0", *, domain: int = 0, interface: str = "lo", name: str = "python", timeout: float = 5.0,
-            security: str | None = None, profiles: str | None = None) -> Client:
+            security: str | None = None, profiles: str | None = None, final_types: bool = False) -> Client:
     """Waits until a daemon serves the bus and gives the connection to it.
 
     bus: the bus's name in the daemon's configuration
@@ -41,9 +41,10 @@ def connect(bus: str = "can0", *, domain: int = 0, interface: str = "lo", name: 
     timeout: seconds for which the daemon is looked for; NotConnected is raised then
     security: folder of this program's identity (docs/security.md); None: without DDS Security
     profiles: folder of drive profiles, looked into before the standard ones (docs/profiles.md)
+    final_types: the daemon's dds.types is "final" (docs/dds-api.md)
     """
     options: dict[str, typing.Any] = {"bus": bus, "domain": domain, "interface": interface, "client_name": name,
-                                      "wait_ms": _milliseconds(timeout)}
+                                      "wait_ms": _milliseconds(timeout), "final_types": int(final_types)}
     options |= {key: given for key, given in (("security", security), ("profiles", profiles)) if given is not None}
     return Client(Link(options))
 

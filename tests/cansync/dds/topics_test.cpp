@@ -47,6 +47,9 @@ TEST(Topics, EachHasItsOwnNameAndTheTypeOfThatName) {
     EXPECT_EQ(topic->type->m_typename,
               fmt::format("{}::{}", of_every_protocol ? "gateway" : "cansync", type));
     EXPECT_LE(topic->type->m_nkeys, 1u);
+    ASSERT_NE(topic->final_type, nullptr) << topic->name << " is missing with dds.types = \"final\"";
+    EXPECT_EQ(topic->final_type->m_typename, std::string_view(topic->type->m_typename));
+    EXPECT_EQ(topic->final_type->m_size, topic->type->m_size) << "the same struct";
   }
   EXPECT_EQ(names.size(), 17u);
 }

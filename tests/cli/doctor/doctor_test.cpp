@@ -174,6 +174,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Fault{"version", Level::warning, [](In& in) { put(in.status->version, "1.2.2"); },
               "cansyncd 1.2.2, but cansync 1.2.3", "systemctl restart"},
+        Fault{
+            "dds_incompatible", Level::error,
+            [](In& in) {
+              in.incompatible = 2;
+              in.newest_incompatible = "a writer of topic Command of plc does not match: type";
+            },
+            "2 programs on this bus's topics can neither hear the daemon nor be heard; the newest: a writer of",
+            "Other DDS implementations"},
         Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 3; },
               "the daemon has number 3", "update cansyncd"},
         Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 5; }, "this program 4",

@@ -22,6 +22,7 @@ struct GlobalTexts {
   std::string domain;
   std::string timeout;
   std::string retry;
+  std::string types;
 };
 
 constexpr std::int64_t kHighestDomain = 230;
@@ -32,8 +33,8 @@ constexpr double kLongestRetry = 86400.0;   // seconds
 enum class Place : std::uint8_t { shell, batch };
 
 /// Options that say where the daemon is: a batch has them for all of its lines.
-constexpr std::array<const char*, 5> kOptionsOfPlace = {"--domain", "--bus", "--interface", "--security",
-                                                        "--profiles"};
+constexpr std::array<const char*, 6> kOptionsOfPlace = {"--domain",   "--bus",   "--interface",
+                                                        "--security", "--types", "--profiles"};
 
 void add_place_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
   app.add_option("--domain", texts.domain, "DDS domain of the daemon, 0..230 (default 0)")
@@ -49,6 +50,10 @@ void add_place_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
                  "folder of this user's identity, for a daemon with DDS Security (default: without)")
       ->envname("CANSYNC_SECURITY")
       ->type_name("FOLDER");
+  app.add_option("--types", texts.types,
+                 "appendable or final, as the daemon's option dds.types (default appendable)")
+      ->envname("CANSYNC_TYPES")
+      ->type_name("TYPES");
   app.add_option("--profiles", globals.profiles,
                  "folder of drive profiles, before /etc/cansync/profiles and those of the installation")
       ->envname("CANSYNC_PROFILES")
@@ -78,9 +83,17 @@ double parse_seconds(const std::string& text, const char* option, double longest
       fmt::format("{}: found '{}'; allowed: over 0 and up to {:g} seconds", option, text, longest));
 }
 
+bool parse_types(const std::string& text) {
+  if (text == "final") return true;
+  if (text == "appendable") return false;
+  throw UsageError(
+      fmt::format("--types: found '{}'; allowed: appendable or final, as the daemon's dds.types", text));
+}
+
 void take_global_texts(const GlobalTexts& texts, Globals& globals) {
   if (!texts.domain.empty())
     globals.domain = static_cast<std::uint32_t>(parse_integer(texts.domain, "--domain", 0, kHighestDomain));
+  if (!texts.types.empty()) globals.final_types = parse_types(texts.types);
   if (!texts.timeout.empty()) globals.timeout = parse_seconds(texts.timeout, "--timeout", kLongestTimeout);
   if (!texts.retry.empty()) globals.retry = parse_seconds(texts.retry, "--retry", kLongestRetry);
 }

@@ -41,6 +41,7 @@ class Daemon {
     options.bus = option(line, "--bus", "CANSYNC_BUS", "sim");
     options.interface = option(line, "--interface", "CANSYNC_INTERFACE", "lo");
     options.security = option(line, "--security", "CANSYNC_SECURITY", "");
+    options.final_types = option(line, "--types", "CANSYNC_TYPES", "appendable") == "final";
     options.client_name = "cansync";
     options.wait = kSearch;
     client_ = client::Client::connect(options);

@@ -36,6 +36,7 @@ client::Options Session::options(std::chrono::milliseconds wait) const {
   options.interface = globals_.interface;
   options.client_name = "cansync";
   options.security = globals_.security;
+  options.final_types = globals_.final_types;
   options.wait = wait;
   return options;
 }

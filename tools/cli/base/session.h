@@ -32,6 +32,7 @@ struct Globals {
   bool input_is_taken = false;  ///< standard input is read already
   std::string profiles;         ///< folder of drive profiles, before the standard ones; empty: none
   std::string security;         ///< DDS Security: folder of the identity; empty: without
+  bool final_types = false;     ///< the daemon's dds.types is "final"
 };
 
 /// Ctrl-C came before anything was sent.

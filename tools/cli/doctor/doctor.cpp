@@ -18,6 +18,10 @@ void ask_daemon(Session& session, DoctorInput& in) {
     client::Client& client = session.client();
     in.status = client.master_status();
     in.participants = client.participants();
+    in.incompatible = client.gateway_status().incompatible;
+    if (in.incompatible == 0) return;
+    for (const client::Event& event : client.recent_events())
+      if (client::text(event.code) == "dds_incompatible") in.newest_incompatible = client::text(event.text);
   } catch (const client::NoDaemon& error) {
     in.no_daemon = error.what();
   } catch (const client::SetupError& error) {

@@ -148,6 +148,17 @@ void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) 
                 "set dds.interface = \"lo\", or use DDS Security (docs/security.md)");
 }
 
+void look_at_incompatible(const DoctorInput& in, FindingList& out) {
+  if (in.incompatible == 0) return;
+  out.error(
+      "dds_incompatible",
+      fmt::format("{} programs on this bus's topics can neither hear the daemon nor be heard{}",
+                  in.incompatible,
+                  in.newest_incompatible.empty() ? "" : "; the newest: " + in.newest_incompatible),
+      "give the program the QoS, the types and the data model of the daemon (docs/dds-api.md, \"Other DDS "
+      "implementations\"); `cansync events` names them");
+}
+
 void look_at_second_master(const Status& status, FindingList& out) {
   const std::string remedy =
       "switch the other master off; `cansync events` says when, `cansync trace` shows its telegrams";
@@ -210,6 +221,7 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   look_at_idle_states(in, out);
   look_at_kernel(in, out);
   if (in.status) look_at_dds(in, *in.status, out);
+  look_at_incompatible(in, out);
   return std::move(out).take();
 }
 

@@ -41,6 +41,7 @@ FrameClient connect(Session& session) {
   options.interface = globals.interface;
   options.client_name = "cansync";
   options.security = globals.security;
+  options.final_types = globals.final_types;
   options.wait = session.search_time();
   options.stop = &interrupt_flag();
   try {

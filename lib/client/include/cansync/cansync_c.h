@@ -118,6 +118,7 @@ typedef struct cansync_options {
   const char* profiles;    /* folder of drive profiles, before the standard ones (docs/profiles.md) */
   cansync_go_on go_on;     /* NULL: nobody is asked */
   void* user;              /* of go_on */
+  uint32_t final_types;    /* as the daemon's dds.types: not 0 for "final"; default 0, "appendable" */
 } cansync_options;
 
 /* Version of the library, for example "0.1.0". */

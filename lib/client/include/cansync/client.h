@@ -36,6 +36,7 @@ struct CANSYNC_PUBLIC Options {
   /// Asked every 20 ms, on the waiting thread, while `connect` or a ReferenceWriter waits for the daemon;
   /// false ends the wait with NoDaemon. Empty: nobody is asked. Must not throw.
   std::function<bool()> go_on = {};
+  bool final_types = false;  ///< as the daemon's dds.types: true for "final"
 };
 
 /// Result of looking up a slave.

@@ -27,6 +27,7 @@ client::Options options_of(const cansync_options& from) {
   options.interface = text_or(from.interface, options.interface);
   options.client_name = text_or(from.client_name, options.client_name);
   options.security = text_or(from.security, options.security);
+  options.final_types = from.final_types != 0;
   if (from.wait_ms != 0) options.wait = std::chrono::milliseconds(from.wait_ms);
   if (from.go_on != nullptr)
     options.go_on = [go_on = from.go_on, user = from.user] { return go_on(user) != 0; };
