@@ -14,14 +14,7 @@ PROFILE = os.path.join(HERE, "..", "..", "tools", "examples", "fastdds_profile.x
 SLAVES = 32
 
 
-class FinalTypes(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.gateway = Gateway(slaves=SLAVES, options=["--set", "dds.types=final"],
-                              extra="[process]\npoll_without_reference = true\n")
-        cls.gateway.environment.update(CANSYNC_TYPES="final", FASTRTPS_DEFAULT_PROFILES_FILE=PROFILE)
-        cls.enterClassContext(cls.gateway)
-
+class FastDdsTest(unittest.TestCase):
     def client(self, *arguments):
         process = subprocess.Popen([CLIENT, str(self.gateway.domain), self.gateway.bus, *map(str, arguments)],
                                    env=self.gateway.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, bufsize=0)
@@ -37,6 +30,15 @@ class FinalTypes(unittest.TestCase):
         """The next line of a client; whatever it said, when it has ended."""
         self.assertTrue(select.select([process.stdout], [], [], LONG)[0], "the client says nothing")
         return process.stdout.readline().decode().strip()
+
+
+class FinalTypes(FastDdsTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.gateway = Gateway(slaves=SLAVES, options=["--set", "dds.types=final"],
+                              extra="[process]\npoll_without_reference = true\n")
+        cls.gateway.environment.update(CANSYNC_TYPES="final", FASTRTPS_DEFAULT_PROFILES_FILE=PROFILE)
+        cls.enterClassContext(cls.gateway)
 
     def test_1_state_parameters_transfers_and_a_cancel(self):
         process = self.client("use")
@@ -93,6 +95,32 @@ class FinalTypes(unittest.TestCase):
         print(f"the daemon ended {ended:.3f} s after SIGTERM, which was seen after {took:.3f} s")
         # The daemon's lease is 5 s: what is noticed by it takes longer than this, also on a busy machine.
         self.assertLess(took - ended, 3)
+
+
+class AppendableTypes(FastDdsTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.gateway = Gateway(slaves=1)
+        cls.gateway.environment.update(FASTRTPS_DEFAULT_PROFILES_FILE=PROFILE)
+        cls.enterClassContext(cls.gateway)
+
+    def test_what_matches_nothing_is_named_though_the_other_side_says_that_it_matched(self):
+        process = self.client("look")
+        self.assertEqual(self.line(process), "there")
+
+        def told():
+            return [event for event in self.gateway.json("events") if event["code"] == "dds_incompatible"]
+
+        event = wait_for("the daemon tells of it", told)[0]
+        self.assertIn("a reader of topic GatewayStatus of ", event["text"])
+        self.assertIn(str(process.pid), event["text"])
+        self.assertIn("data representation (offered XCDR2, asked for XCDR1)", event["text"])
+
+        def found():
+            doctor = self.gateway.run("doctor", "--json").stdout.decode()
+            return "dds_incompatible" in doctor
+
+        wait_for("doctor finds it", found)
 
 
 if __name__ == "__main__":
