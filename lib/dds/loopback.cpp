@@ -13,13 +13,10 @@
 #include <system_error>
 
 #include "dds/entity.h"
+#include "dds/loopback_ports.h"
 
 namespace gateway::dds {
 namespace {
-
-/// Ports of a domain: 250 from 7400 + 250 * domain on.
-constexpr std::uint32_t kFirstPort = 7400;
-constexpr std::uint32_t kPorts = 250;
 
 /// Port of a UDP socket that listens on every address; nothing for other descriptors.
 std::optional<std::uint32_t> open_port(int descriptor) {
@@ -38,14 +35,14 @@ std::optional<std::uint32_t> open_port(int descriptor) {
 }  // namespace
 
 void keep_to_loopback(std::uint32_t domain) {
-  const std::uint32_t first = kFirstPort + kPorts * domain;
+  const std::uint32_t first = kFirstPort + kPortsOfDomain * domain;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
     const std::string name = entry.path().filename().string();
     int descriptor = -1;
     if (std::from_chars(name.data(), name.data() + name.size(), descriptor).ec != std::errc()) continue;
     const auto port = open_port(descriptor);
-    if (!port || *port < first || *port >= first + kPorts) continue;
+    if (!port || *port < first || *port >= first + kPortsOfDomain) continue;
     constexpr char kDevice[] = "lo";
     if (::setsockopt(descriptor, SOL_SOCKET, SO_BINDTODEVICE, kDevice, sizeof kDevice) != 0) {
       throw SetupError(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <net/if.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <map>
@@ -10,27 +11,38 @@
 #include <string_view>
 
 #include "dds/loopback.h"
+#include "dds/loopback_ports.h"
 #include "dds/security.h"
 #include "dds/topic.h"
 
 namespace gateway::dds {
 namespace {
 
-/// Cyclone's domain, shared by the participants of this process.
+/// One of Cyclone's domains, shared by the participants of this process that have the same configuration.
+/// Several can be the same domain on the network.
 struct Domain {
   Entity entity;
-  std::string configuration;
+  std::uint32_t id = 0;  ///< in this process
   unsigned users = 0;
 };
 
 struct OpenDomains {
   std::mutex mutex;
-  std::map<std::uint32_t, Domain> domain;
+  std::map<std::string, Domain> domain;  ///< by configuration
+
+  bool has(std::uint32_t id) const {
+    return std::any_of(domain.begin(), domain.end(), [id](const auto& one) { return one.second.id == id; });
+  }
 };
 
 OpenDomains& open_domains() {
   static OpenDomains open;
   return open;
+}
+
+/// Does the built configuration keep to this computer?
+bool on_loopback(const ParticipantOptions& options) {
+  return options.xml.empty() && options.interface == "lo";
 }
 
 std::string place_of(const ParticipantOptions& options) {
@@ -44,44 +56,75 @@ std::string place_of(const ParticipantOptions& options) {
       fmt::format("{} failed: {} ({}); {}", what, dds_strretcode(code), place_of(options), remedy));
 }
 
-/// One participant's share of the domain; the last one closes it.
+/// Opens the domain under this number of this process. A negative DDS return code when that cannot be done.
+dds_entity_t open_domain(const ParticipantOptions& options, std::uint32_t id) {
+  const auto open = [&](std::uint32_t place) {
+    std::string text = configuration(options, place);
+    if (id != options.domain) {
+      constexpr std::string_view kDiscovery = "<Discovery>";
+      text.insert(text.find(kDiscovery) + kDiscovery.size(),
+                  fmt::format("<ExternalDomainId>{}</ExternalDomainId>", options.domain));
+    }
+    return dds_create_domain(id, text.c_str());
+  };
+  if (!on_loopback(options) || !options.serves) return open(0);
+  for (std::uint32_t place = 0; place < kPlaces; ++place) {
+    const std::uint32_t port = serving_port(options.domain, index_of_place(options.partition, place));
+    if (!is_free(port)) continue;
+    const dds_entity_t handle = open(place);
+    // Another program may have taken it in between.
+    if (handle >= 0 || is_free(port)) return handle;
+  }
+  return DDS_RETCODE_OUT_OF_RESOURCES;
+}
+
+/// One participant's share of a domain; the last one closes it.
 class DomainShare {
  public:
-  explicit DomainShare(const ParticipantOptions& options) : number_(options.domain) {
-    const std::string xml = configuration(options);
+  explicit DomainShare(const ParticipantOptions& options)
+      : key_(fmt::format("{} {}", options.domain, configuration(options))) {
     OpenDomains& open = open_domains();
     const std::lock_guard lock(open.mutex);
-    Domain& domain = open.domain[number_];
-    if (domain.users > 0 && domain.configuration != xml) {
+    if (const auto known = open.domain.find(key_); known != open.domain.end()) {
+      ++known->second.users;
+      id_ = known->second.id;
+      return;
+    }
+    id_ = options.domain;
+    if (open.has(id_) && !options.xml.empty()) {
       throw SetupError(fmt::format(
           "DDS domain {} is already open in this process with another configuration ({}); use the same "
           "interface for every connection, or another domain",
-          number_, place_of(options)));
+          options.domain, place_of(options)));
     }
-    if (domain.users == 0) {
-      const dds_entity_t handle = dds_create_domain(number_, xml.c_str());
-      if (handle < 0) {
-        fail_at(options, "creating the DDS domain", handle,
-                options.xml.empty()
-                    ? "is the interface up, and the domain in no use by other code of this process?"
-                    : "check the given Cyclone DDS configuration");
-      }
-      domain.entity = Entity(handle);
-      domain.configuration = xml;
+    if (open.has(id_)) id_ = kMaximumDomain + 1;
+    while (open.has(id_)) ++id_;
+    const dds_entity_t handle = open_domain(options, id_);
+    if (handle < 0) {
+      fail_at(options, "creating the DDS domain", handle,
+              options.xml.empty()
+                  ? fmt::format("is the interface up, is the domain in no use by other code of this process, "
+                                "and has it less than {0} daemons and {0} clients on this computer?",
+                                kPlaces)
+                  : "check the given Cyclone DDS configuration");
     }
-    ++domain.users;
+    open.domain[key_] = {Entity(handle), id_, 1};
   }
   ~DomainShare() {
     OpenDomains& open = open_domains();
     const std::lock_guard lock(open.mutex);
-    const auto entry = open.domain.find(number_);
+    const auto entry = open.domain.find(key_);
     if (--entry->second.users == 0) open.domain.erase(entry);
   }
   DomainShare(const DomainShare&) = delete;
   DomainShare& operator=(const DomainShare&) = delete;
 
+  /// Its number in this process.
+  std::uint32_t id() const noexcept { return id_; }
+
  private:
-  std::uint32_t number_;
+  std::string key_;
+  std::uint32_t id_ = 0;
 };
 
 void check_options(const ParticipantOptions& options) {
@@ -134,14 +177,9 @@ Listener mismatch_listener(Mismatches& mismatches) {
   return listener;
 }
 
-/// Does the built configuration keep to this computer?
-bool on_loopback(const ParticipantOptions& options) {
-  return options.xml.empty() && options.interface == "lo";
-}
-
 }  // namespace
 
-std::string configuration(const ParticipantOptions& options) {
+std::string configuration(const ParticipantOptions& options, std::uint32_t place) {
   if (!options.xml.empty()) return options.xml;
   // A peer that vanishes without a word is noticed after LeaseDuration. Heartbeats stay at Cyclone's own
   // pace: at 10 ms those of 60 participants that find each other keep two processors busy for more than a
@@ -155,12 +193,12 @@ std::string configuration(const ParticipantOptions& options) {
   constexpr std::string_view kServes =
       "<Internal><GenerateKeyhash>true</GenerateKeyhash><MaxSampleSize>17 MiB</MaxSampleSize><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 "
       "MiB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
-  // Index 119 is the last whose ports belong to the domain.
-  constexpr std::string_view kUnicastPeers =
-      "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex><Peers><Peer "
-      "Address=\"127.0.0.1\"/></Peers>";
   const bool loopback = options.interface == "lo";
-  return fmt::format(kFrame, options.interface, loopback ? "false" : "default", loopback ? kUnicastPeers : "",
+  const auto discovery = [&] {
+    return options.serves ? serving_discovery(options.domain, options.partition, place)
+                          : asking_discovery(options.domain, options.partition);
+  };
+  return fmt::format(kFrame, options.interface, loopback ? "false" : "default", loopback ? discovery() : "",
                      options.serves ? kServes : "");
 }
 
@@ -180,12 +218,11 @@ Participant::Participant(const ParticipantOptions& options) {
   const Qos rights(dds_create_qos());
   if (!options.security.empty()) add_security(rights.get(), options.security);
   const dds_entity_t participant =
-      dds_create_participant(options.domain, rights.get(), mismatch_listener(impl_->mismatches).get());
+      dds_create_participant(impl_->domain.id(), rights.get(), mismatch_listener(impl_->mismatches).get());
   if (participant < 0) {
     fail("creating the DDS participant", participant,
          options.security.empty()
-             ? "is the interface up, are UDP ports free, and are there fewer than 120 participants on this "
-               "computer?"
+             ? "is the interface up, and are UDP ports free?"
              : "with DDS Security: is it switched on for every participant of this domain in this program, "
                "and do the files of " +
                    options.security + " fit together?");

@@ -18,9 +18,10 @@ struct ParticipantOptions {
   std::string interface = "lo";  ///< network interface; `lo`: this computer alone, without multicast
   std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
   std::string security;          ///< folder of an identity (dds/security.h); empty: without DDS Security
-  /// It answers others: its writers go on while readers have not acknowledged up to 64 MiB of a topic, so
-  /// that one that stands still, is dead or slow holds nobody else up. False: up to 500 KiB, as Cyclone has
-  /// it.
+  /// It answers others: on `lo` those that look for the bus find it (dds/loopback_ports.h), and its writers
+  /// go on while readers have not acknowledged up to 64 MiB of a topic, so that one that stands still, is
+  /// dead or slow holds nobody else up. False: it finds those that serve the bus, and up to 500 KiB, as
+  /// Cyclone has it.
   bool serves = false;
   /// Topics are of final types and go over the wire as XCDR1, which every implementation of DDS knows. All
   /// participants of a bus must have the same: those of the other kind do not match. False: appendable types,
@@ -28,19 +29,20 @@ struct ParticipantOptions {
   bool final_types = false;
 };
 
-/// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, and the peers
-/// are found by unicast on 127.0.0.1 (up to 120 participants), so that it works where multicast on `lo` is
-/// off.
-std::string configuration(const ParticipantOptions& options);
+/// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, so that it
+/// works where multicast on `lo` is off, and the ports of dds/loopback_ports.h. `place`: of one that serves,
+/// there.
+std::string configuration(const ParticipantOptions& options, std::uint32_t place = 0);
 
 /// One participant in one domain with a publisher and a subscriber in one partition.
 ///
-/// Participants of one process that name the same domain share Cyclone's domain; their configuration must be
-/// the same. Functions may be called from any thread.
+/// Participants of one process with the same domain and configuration share one of Cyclone's domains. With
+/// `xml`, the domain's number is taken for it in this process. Functions may be called from any thread.
 class Participant {
  public:
-  /// Throws SetupError when an option is out of range, the interface does not exist, the domain is already
-  /// open in this process with another configuration, or the files of `security` cannot be used.
+  /// Throws SetupError when an option is out of range, the interface does not exist, `xml` is for a domain
+  /// that is already open in this process with another configuration, no port is left, or the files of
+  /// `security` cannot be used.
   explicit Participant(const ParticipantOptions& options);
   ~Participant();
   Participant(Participant&&) noexcept;

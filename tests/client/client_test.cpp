@@ -54,9 +54,7 @@ TEST(Connect, WaitsForADaemonThatComesLater) {
 TEST(Connect, WorksInTheDaemonsOwnProcess) {
   const TwoPlaces places;
   const FakeDaemon daemon(places.here);
-  Options options = options_for(places.here);
-  options.xml = dds::configuration(places.here);  // one process has one
-  Client client = Client::connect(options);
+  Client client = Client::connect(options_for(places.here));
   EXPECT_EQ(client.write(1, 2, 3).code, ReplyCode::done);
   EXPECT_EQ(client.read(1, 2).value, 3u);
 }
@@ -92,12 +90,9 @@ TEST(ManyRequests, OfSeveralThreadsGetTheirOwnReply) {
   constexpr std::uint32_t kEach = 200;
   constexpr std::size_t kOpen = kOpenRequests / kThreads;
   TwoPlaces places;
-  places.here.serves = false;
   places.here.xml = dds::configuration(places.here);
-  const std::string end = "</Domain>";
-  places.here.xml.insert(
-      places.here.xml.find(end),
-      "<Internal><Watermarks><WhcHigh>4 kB</WhcHigh><WhcHighInit>4 kB</WhcHighInit></Watermarks></Internal>");
+  for (const std::string room = "64 MiB"; places.here.xml.find(room) != std::string::npos;)
+    places.here.xml.replace(places.here.xml.find(room), room.size(), "4 kB");
   const FakeDaemon daemon(places.here);
   Client client = Client::connect(options_for(places.there));
   std::vector<std::thread> threads;

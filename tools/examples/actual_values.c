@@ -10,7 +10,8 @@
 /* The daemon's default: this computer alone, without multicast. */
 static const char* const configuration =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
-    "name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex><Peers><Peer "
+    "name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>120</MaxAutoParticipantIndex><SPDPInterval>1 "
+    "s</SPDPInterval><Peers><Peer "
     "Address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>";
 
 /* Waits for a sample whose first bytes, its key, are `key`; it stays lent to the end of the program. */

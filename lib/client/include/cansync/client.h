@@ -102,7 +102,8 @@ class CANSYNC_PUBLIC Client {
   SlaveLookup find_slave(std::string_view number_or_name) const;
   /// True while a daemon is matched.
   bool daemon_present() const;
-  /// Other DDS participants (daemons, clients, other programs) known in the domain now.
+  /// Other DDS participants known in the domain now: on `lo` daemons and programs without this library, on
+  /// other interfaces clients too.
   std::uint32_t participants() const noexcept;
   /// The last events (at most 100), oldest first: collected until none comes for `quiet`.
   std::vector<Event> recent_events(std::chrono::milliseconds quiet = std::chrono::milliseconds(300)) const;

@@ -1,0 +1,137 @@
+"""Scenes of many daemons and many clients in one DDS domain of this computer, and what is measured of each."""
+
+import os
+import random
+import re
+import subprocess
+import tempfile
+import time
+
+from figures import quantile
+
+SLAVES = 4
+BIT_RATE = 125000  # an interval takes 8 ms
+LONG = 120  # seconds after which something has certainly gone wrong
+ACTIVE = b"on 'enable active operation'"
+
+
+class Build:
+    """The programs of one build folder, or of a folder with nothing but cansyncd and cansync."""
+
+    def __init__(self, name, folder):
+        self.name = name
+        flat = os.path.exists(f"{folder}/cansyncd")
+        self.daemon = f"{folder}/cansyncd" if flat else f"{folder}/daemon/cansyncd"
+        self.client = f"{folder}/cansync" if flat else f"{folder}/tools/cli/cansync"
+
+
+def processor_time(pids):
+    """Seconds that all threads of these processes have used."""
+    used = 0
+    for pid in pids:
+        for task in os.listdir(f"/proc/{pid}/task"):
+            with open(f"/proc/{pid}/task/{task}/schedstat", encoding="utf-8") as file:
+                used += int(file.read().split()[0])
+    return used / 1e9
+
+
+def loopback_packets():
+    """Packets that the interface lo has carried; errors of unreachable ports count as well."""
+    with open("/proc/net/dev", encoding="utf-8") as file:
+        return int(re.search(r"lo:\s*\d+\s+(\d+)", file.read())[1])
+
+
+class Scene:
+    """So many daemons, a bus each, and so many clients that wait for something on these buses in turn; a context manager."""
+
+    def __init__(self, build, daemons, clients):
+        self.build, self.daemons, self.clients = build, daemons, clients
+        self.domain = random.SystemRandom().randint(1, 100)
+        self.processes, self.waiting = [], []
+
+    def __enter__(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="cansync_network_")
+        began = time.monotonic()
+        logs = [self._start_daemon(number) for number in range(self.daemons)]
+        try:
+            self._wait_active(logs, began)
+            self.active_after = time.monotonic() - began
+            for number in range(self.clients):
+                # Nobody stops the line, so they wait until they are killed.
+                self.waiting.append(self._cansync(number % self.daemons, "--timeout", "3600", "wait", "stop"))
+            # Discovery repeats itself for four seconds; what is measured is what stays.
+            time.sleep(6)
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        for process in self.waiting:
+            process.kill()
+        for process in self.processes:
+            process.terminate()
+        for process in self.waiting + self.processes:
+            process.wait(LONG)
+        self.folder.cleanup()
+
+    def _start_daemon(self, number):
+        path = os.path.join(self.folder.name, f"{number}.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(f'[bus]\nname = "bench{number}"\ninterface = "sim"\nbit_rate = {BIT_RATE}\n'
+                       f"[dds]\ndomain = {self.domain}\n[sim]\nlock_time_ms = 50\n")
+            file.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(SLAVES))
+        with open(path + ".log", "wb") as log:
+            self.processes.append(subprocess.Popen([self.build.daemon, path], stdout=log, stderr=log))
+        return path + ".log"
+
+    def _wait_active(self, logs, began):
+        waiting = set(logs)
+        while waiting:
+            if time.monotonic() > began + LONG:
+                raise RuntimeError(f"{len(waiting)} daemons are not in active operation after {LONG} s")
+            for path in list(waiting):
+                with open(path, "rb") as file:
+                    if ACTIVE in file.read():
+                        waiting.discard(path)
+            time.sleep(0.01)
+
+    def _cansync(self, bus, *arguments):
+        return subprocess.Popen([self.build.client, "--domain", str(self.domain), "--bus", f"bench{bus}", *arguments],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def measure(self, seconds, asked):
+        """Processor time and packets for so many seconds; then `status` so many times, of one bus after the other."""
+        pids = [process.pid for process in self.processes]
+        before, packets, began = processor_time(pids), loopback_packets(), time.monotonic()
+        time.sleep(seconds)
+        took = time.monotonic() - began
+        found = {
+            "active_after_s": round(self.active_after, 2),
+            "daemons_cpu_percent": round(100 * (processor_time(pids) - before) / took, 2),
+            "packets_per_s": round((loopback_packets() - packets) / took),
+            "load": os.getloadavg()[0],
+        }
+        times, failed = [], 0
+        for number in range(asked):
+            began = time.monotonic()
+            process = self._cansync(number % self.daemons, "status")
+            failed += process.wait(LONG) != 0
+            times.append(1000 * (time.monotonic() - began))
+        found["status_p50_ms"], found["status_p90_ms"] = round(quantile(times, 0.5)), round(quantile(times, 0.9))
+        found["status_failed"] = failed
+        return found
+
+
+def run(builds, scenes, seconds, asked):
+    """Every scene with each build in turn; {(build, daemons, clients): what was measured}."""
+    found = {}
+    for daemons, clients in scenes:
+        for build in builds:
+            with Scene(build, daemons, clients) as scene:
+                found[(build.name, daemons, clients)] = scene.measure(seconds, asked)
+    for (name, daemons, _), one in found.items():
+        alone = found.get((name, 1, 0))
+        if alone and daemons > 1:
+            one["cpu_of_n_times_one"] = round(one["daemons_cpu_percent"] / (daemons * alone["daemons_cpu_percent"]), 2)
+    return found
