@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "cansync/dds/topics.h"
+#include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 
@@ -165,14 +166,20 @@ void flood_raw(const gateway::dds::Participant& participant, const std::function
   gateway::dds::DataSignal signal;
   gateway::dds::Reader<Reply> replies(participant);
   gateway::dds::Writer<Request> writer(participant, 0, &signal);
+  gateway::dds::Reader<gateway_GatewayStatus> statuses(participant, &signal);
+  gateway::dds::DaemonIdentity daemon = {};
   const auto give_up = steady_clock::now() + kConnect;
-  while ((writer.matched() == 0 || replies.matched() == 0) && steady_clock::now() < give_up) {
+  while ((writer.matched() == 0 || replies.matched() == 0 || daemon == gateway::dds::DaemonIdentity{}) &&
+         steady_clock::now() < give_up) {
     (void)signal.wait(10);
     signal.clear();
+    (void)statuses.take(
+        [&](const gateway_GatewayStatus& status) { daemon = gateway::dds::daemon_of(status); });
   }
   start();
   const auto end = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(settings.seconds);
   Request request = pattern;
+  gateway::dds::set_daemon(daemon, request);
   const auto process = static_cast<std::uint64_t>(getpid());
   for (std::size_t i = 0; i < 8; ++i) request.client[i] = static_cast<std::uint8_t>(process >> (8 * i));
   request.client[15] = 1;

@@ -23,6 +23,7 @@
 #include "daemon/desk/rejections.h"
 #include "daemon/desk/request_readers.h"
 #include "daemon/desk/request_topic.h"
+#include "dds/daemon_identity.h"
 #include "dds/denial.h"
 #include "dds/gateway_topics.h"
 #include "dds/signal.h"
@@ -36,6 +37,9 @@ namespace cansyncd {
 /// used before (nothing is executed twice; an open request is answered by itself), when it is stale, when its
 /// client has `JobBook::kPerClient` requests open, or when open transfers need too much memory. Otherwise it
 /// waits its turn (`FairLanes`). The requests of a client that is gone are cancelled.
+///
+/// What is meant for another start of a daemon is neither taken nor answered: that one answers, and its
+/// client would repeat what was refused here. What names no start is refused.
 ///
 /// No reply is given to who uses another program's identity: that program would take it for its own.
 ///
@@ -55,10 +59,11 @@ class JobDesk {
   /// Longest time between two, also while it waits: its client sees that it is not lost.
   static constexpr std::chrono::seconds kSignPeriod{1};
 
-  /// Throws gateway::dds::SetupError. `signal`, `events` and `audit` must outlive this object. `secured`: DDS
-  /// Security is on.
+  /// Throws gateway::dds::SetupError. `signal`, `events` and `audit` must outlive this object. `daemon`: this
+  /// start; `secured`: DDS Security is on.
   JobDesk(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
-          EventPublisher& events, AuditTrail& audit, Protocol protocol, bool secured);
+          EventPublisher& events, AuditTrail& audit, Protocol protocol,
+          const gateway::dds::DaemonIdentity& daemon, bool secured);
 
   /// Takes new requests and cancels, a bounded number, and looks which clients are gone. True: there may be
   /// more.
@@ -138,7 +143,7 @@ class JobDesk {
   ClientEntry* admit(Job& job, std::int64_t written, const Context& context);
   void refuse(const Job& job, const gateway::dds::Denial& denial, const Context& context);
   bool take_cancels(const Context& context);
-  void take_cancel(const gateway::dds::RequestKey& key, const Place& place, const Context& context);
+  void take_cancel(const gateway_JobCancel& sample, const Place& place, const Context& context);
   /// Clients take turns in a lane: without this, what was given earlier could go out later.
   void make_way_for(const Request& newer, const Context& context);
   /// Ends a job that waits; one that was handed on ends by itself, soon.
@@ -160,6 +165,7 @@ class JobDesk {
   std::optional<SteadyTime> show_open_transfers(SteadyTime now);
 
   Protocol protocol_;
+  const gateway::dds::DaemonIdentity daemon_;
   RequestReaders readers_;
   typename Protocol::Topics topics_;
   GuardedReader<gateway_JobCancel> cancels_;

@@ -15,10 +15,12 @@ namespace cansyncd {
 
 template <RequestProtocol P>
 JobDesk<P>::JobDesk(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
-                    EventPublisher& events, AuditTrail& audit, P protocol, bool secured)
+                    EventPublisher& events, AuditTrail& audit, P protocol,
+                    const gateway::dds::DaemonIdentity& daemon, bool secured)
     : protocol_(std::move(protocol)),
-      topics_(TopicSetup{participant, signal, readers_, secured}),
-      cancels_({participant, signal, readers_, secured}, gateway::dds::topic_info<gateway_JobCancel>,
+      daemon_(daemon),
+      topics_(TopicSetup{participant, signal, readers_, daemon, secured}),
+      cancels_({participant, signal, readers_, daemon, secured}, gateway::dds::topic_info<gateway_JobCancel>,
                Right::operate),
       events_(events),
       audit_(audit),
@@ -116,6 +118,10 @@ void JobDesk<P>::accept(const typename Row::Sample& sample, Job job, Right right
   if constexpr (KeepsState<P>) job.state_before = protocol_.state(context);
   ClientEntry* client = admit(job, written, context);
   if (client == nullptr) return;
+  // What names another start was not let in.
+  if (gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) !=
+      gateway::dds::Addressee::this_daemon)
+    return refuse(job, {gateway_CAUSE_OTHER_DAEMON, std::string(kNamesNoDaemon)}, context);
   if (const auto problem = protocol_.check(sample)) {
     return refuse(job, *problem, context);
   }
@@ -204,14 +210,20 @@ void JobDesk<P>::refuse(const Job& job, const gateway::dds::Denial& denial, cons
 template <RequestProtocol P>
 bool JobDesk<P>::take_cancels(const Context& context) {
   return cancels_.take(places_, [&](const gateway_JobCancel& sample, const Place& place, std::int64_t) {
-    take_cancel(gateway::dds::key_of(sample), place, context);
+    take_cancel(sample, place, context);
   });
 }
 
 template <RequestProtocol P>
-void JobDesk<P>::take_cancel(const gateway::dds::RequestKey& key, const Place& place,
-                             const Context& context) {
+void JobDesk<P>::take_cancel(const gateway_JobCancel& sample, const Place& place, const Context& context) {
+  const gateway::dds::RequestKey key = gateway::dds::key_of(sample);
   const std::string who = who_of("", key, place).label;
+  if (gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) !=
+      gateway::dds::Addressee::this_daemon) {
+    return rejections_.add(Rejection::other_daemon, who,
+                           fmt::format("cancel of request {} of {}: {}", key.request, who, kNamesNoDaemon),
+                           context.now);
+  }
   const auto [client, admission] = book_.clients().enter(key.client, place, who);
   if (admission == ClientTable::Admission::foreign) {
     return rejections_.add(

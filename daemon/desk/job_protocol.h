@@ -23,7 +23,7 @@
 /// A **row** for each topic of requests, a struct without state:
 ///
 ///     using Sample, Reply;              // IDL types with a topic_info; both begin with client and request,
-///                                       // a Sample has client_name besides
+///                                       // a Sample has client_name and daemon besides
 ///     static constexpr Right kRight;    // what the topic gives who may write it, with DDS Security on
 ///     static Reply refused(key, denial);                      // not accepted; nothing was done
 ///     static Reply ended(key, outcome);                       // ended without a result of its own

@@ -22,6 +22,8 @@ std::string_view name(Rejection kind) noexcept {
       return "the identity of another program, or too many";
     case Rejection::malformed:
       return "malformed";
+    case Rejection::other_daemon:
+      return "meant for another start of a daemon, or for none";
     case Rejection::state:
       break;
   }
@@ -41,6 +43,8 @@ Rejection rejection_of(gateway_RefusalCause cause) noexcept {
       return Rejection::number;
     case gateway_CAUSE_IDENTITY:
       return Rejection::identity;
+    case gateway_CAUSE_OTHER_DAEMON:
+      return Rejection::other_daemon;
     case gateway_CAUSE_NOT_HELD:
     case gateway_CAUSE_READ_ONLY:
     case gateway_CAUSE_RIGHT:
@@ -50,7 +54,6 @@ Rejection rejection_of(gateway_RefusalCause cause) noexcept {
     case gateway_CAUSE_SLAVES_MISSING:
     case gateway_CAUSE_BUS_UNAVAILABLE:
     case gateway_CAUSE_STOPPING:
-    case gateway_CAUSE_OTHER_DAEMON:
     case gateway_CAUSE_MAPPING_CHANGED:
     case gateway_CAUSE_QUEUE_FULL:
       return Rejection::state;

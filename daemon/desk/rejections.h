@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "daemon/desk/gateway_events.h"
 #include "dds/denial.h"
@@ -13,15 +14,21 @@ namespace cansyncd {
 
 /// Why a request, cancel or sample of a client was not taken.
 enum class Rejection : std::uint8_t {
-  value,      ///< a field is out of range
-  full,       ///< a limit of the client, or of all together, is reached
-  stale,      ///< too old, or from the future
-  number,     ///< its number was used before
-  identity,   ///< the identity belongs to another program, or a program uses too many
-  malformed,  ///< DDS could not read the sample
-  state,      ///< refused by the master: the state of the line, a slave, a right
+  value,         ///< a field is out of range
+  full,          ///< a limit of the client, or of all together, is reached
+  stale,         ///< too old, or from the future
+  number,        ///< its number was used before
+  identity,      ///< the identity belongs to another program, or a program uses too many
+  malformed,     ///< DDS could not read the sample
+  state,         ///< refused by the master: the state of the line, a slave, a right
+  other_daemon,  ///< meant for another start of a daemon, or names none
 };
-inline constexpr unsigned kRejections = 7;
+inline constexpr unsigned kRejections = 8;
+
+/// Why a request or cancel is refused whose member `daemon` is zero.
+inline constexpr std::string_view kNamesNoDaemon =
+    "daemon: the request names none; its program was made for data model 6 or older, or did not fill `daemon`: read "
+    "GatewayStatus.daemon, or build it anew";
 
 /// As what a refusal for this cause is counted.
 Rejection rejection_of(gateway_RefusalCause cause) noexcept;
@@ -56,7 +63,7 @@ class Rejections {
   RejectionCounts counts_ = {};
   std::array<FaultRow, kRejections> rows_ = {FaultRow(kQuiet), FaultRow(kQuiet), FaultRow(kQuiet),
                                              FaultRow(kQuiet), FaultRow(kQuiet), FaultRow(kQuiet),
-                                             FaultRow(kQuiet)};
+                                             FaultRow(kQuiet), FaultRow(kQuiet)};
   SteadyTime second_;
   unsigned lines_ = 0;
 };

@@ -17,6 +17,16 @@ const LivingPlaces& RequestReaders::look(PlaceFinder& places) {
 }
 
 void RequestReaders::count_dropped(Rejections& rejections, EventPublisher& events, SteadyTime now) {
+  std::uint64_t elsewhere = 0;
+  for (gateway::dds::KeyGuard* guard : guards_) elsewhere += guard->take_elsewhere();
+  if (elsewhere != 0) {
+    rejections.add(
+        Rejection::other_daemon, "",
+        fmt::format("{} requests or cancels were not taken and not answered: they are meant for another "
+                    "start of a daemon, which answers them if it runs",
+                    elsewhere),
+        now, elsewhere);
+  }
   std::uint64_t keys = 0;
   for (gateway::dds::KeyGuard* guard : guards_) keys += guard->take_dropped();
   if (keys != 0) {

@@ -16,6 +16,7 @@
 #include "daemon/desk/client_table.h"
 #include "daemon/desk/gateway_replies.h"
 #include "daemon/desk/request_readers.h"
+#include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/key_guard.h"
 #include "dds/request_key.h"
@@ -26,9 +27,10 @@ namespace cansyncd {
 /// What topics of requests are made with.
 struct TopicSetup {
   const gateway::dds::Participant& participant;
-  gateway::dds::DataSignal& signal;  ///< raised when something came; must outlive the topics
-  RequestReaders& readers;           ///< gets every reader; must outlive the topics
-  bool secured = false;              ///< DDS Security is on
+  gateway::dds::DataSignal& signal;          ///< raised when something came; must outlive the topics
+  RequestReaders& readers;                   ///< gets every reader; must outlive the topics
+  gateway::dds::DaemonIdentity daemon = {};  ///< this start: what is meant for another is not read
+  bool secured = false;                      ///< DDS Security is on
 };
 
 /// A topic of requests that tells its clients how far a request has come: `Row::Progress` is the type of that
@@ -55,7 +57,7 @@ class GuardedReader {
  public:
   /// `right`: what the topic gives who may write it. Throws gateway::dds::SetupError.
   GuardedReader(const TopicSetup& setup, const gateway::dds::TopicInfo& topic, Right right)
-      : guard_(content_of, setup.signal),
+      : guard_([own = setup.daemon](const void* sample) { return content_of(sample, own); }, setup.signal),
         reader_(setup.participant, topic, &setup.signal, &guard_),
         right_(right) {
     setup.readers.add(reader_.handle(), guard_);
@@ -67,7 +69,7 @@ class GuardedReader {
   bool take(PlaceFinder& places, Take&& take) {
     const auto count = reader_.take_batch([&](const Sample& sample, const dds_sample_info_t& info) {
       if (!info.valid_data) return;
-      guard_.taken(info.instance_handle, content_of(&sample).bytes);
+      guard_.taken(info.instance_handle, bytes_of(sample));
       take(sample, places.find(reader_.handle(), info.publication_handle), info.source_timestamp);
     });
     return count == gateway::dds::ReaderBase::kBatch;
@@ -85,11 +87,16 @@ class GuardedReader {
   Right right() const noexcept { return right_; }
 
  private:
-  static gateway::dds::KeyGuard::Content content_of(const void* sample) {
+  static gateway::dds::KeyGuard::Content content_of(const void* sample,
+                                                    const gateway::dds::DaemonIdentity& own) {
+    using gateway::dds::Addressee;
     const auto& request = *static_cast<const Sample*>(sample);
-    gateway::dds::KeyGuard::Content content{gateway::dds::key_of(request)};
-    if constexpr (requires { request.data._length; }) content.bytes = request.data._length;
-    return content;
+    const Addressee whom = gateway::dds::addressee(gateway::dds::daemon_of(request), own);
+    return {gateway::dds::key_of(request), bytes_of(request), whom == Addressee::another_daemon};
+  }
+  static std::size_t bytes_of(const Sample& request) {
+    if constexpr (requires { request.data._length; }) return request.data._length;
+    return 0;
   }
 
   gateway::dds::KeyGuard guard_;

@@ -61,6 +61,7 @@ void CommonStatus::set_clients(std::size_t clients, const RejectionCounts& rejec
   gateway_.rejected_identities = of(Rejection::identity);
   gateway_.rejected_malformed = of(Rejection::malformed);
   gateway_.rejected_state = of(Rejection::state);
+  gateway_.rejected_other_daemon = of(Rejection::other_daemon);
 }
 
 SteadyTime CommonStatus::step(SteadyTime now) {

@@ -28,11 +28,15 @@ bool KeyGuard::accept(const void* sample, const dds_sample_info_t* info, void* g
 }
 
 bool KeyGuard::let_in(const void* sample, const dds_sample_info_t& info) {
+  const Content content = look_(sample);
+  if (content.elsewhere) {
+    ++elsewhere_;
+    return false;
+  }
   if (!known_or_allowed(info.publication_handle, info.instance_handle)) {
     ++dropped_;
     return false;
   }
-  const Content content = look_(sample);
   Waiting& own = waiting_[info.instance_handle];
   // One that is too large by itself is let in when nothing else waits: its client is told why it is refused.
   const bool fits = samples_ < kSamples && own.samples < kSamplesPerKey &&
@@ -88,6 +92,11 @@ void KeyGuard::keep(std::span<const dds_instance_handle_t> living) {
     count_ -= entry.second.size();
     return true;
   });
+}
+
+std::uint64_t KeyGuard::take_elsewhere() noexcept {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(elsewhere_, 0);
 }
 
 std::uint64_t KeyGuard::take_dropped() noexcept {

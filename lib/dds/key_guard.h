@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "dds/request_key.h"
@@ -20,7 +22,8 @@ namespace gateway::dds {
 /// Keeps a reader of requests from getting full: DDS delivers on one thread, and a full reader holds up what
 /// everybody else writes, of every topic. DDS keeps a key for as long as its writer lives, and a sample until
 /// it is taken; those with one key too many are dropped before the reader keeps anything of them, and
-/// counted; those of a client that has too many waiting are turned away, to be refused. Thread safe.
+/// counted; those of a client that has too many waiting are turned away, to be refused; those that are meant
+/// for another daemon are dropped and counted, whatever else waits. Thread safe.
 class KeyGuard {
  public:
   /// Most keys of one writer, and of all writers together.
@@ -38,9 +41,10 @@ class KeyGuard {
   /// What the guard has to know of a sample.
   struct Content {
     RequestKey key;
-    std::size_t bytes = 0;  ///< of its data
+    std::size_t bytes = 0;   ///< of its data
+    bool elsewhere = false;  ///< meant for another daemon
   };
-  using Look = Content (*)(const void* sample);
+  using Look = std::function<Content(const void* sample)>;
 
   /// A sample that found too many of its client before it.
   struct TurnedAway {
@@ -50,7 +54,7 @@ class KeyGuard {
 
   /// `look` reads a sample of the topic. `signal` is raised when a sample was not let in; it must outlive the
   /// guard.
-  KeyGuard(Look look, DataSignal& signal) noexcept : look_(look), signal_(signal) {}
+  KeyGuard(Look look, DataSignal& signal) : look_(std::move(look)), signal_(signal) {}
   KeyGuard(const KeyGuard&) = delete;
   KeyGuard& operator=(const KeyGuard&) = delete;
 
@@ -63,6 +67,9 @@ class KeyGuard {
 
   /// Forgets the keys of writers that are not in `living`.
   void keep(std::span<const dds_instance_handle_t> living);
+
+  /// Samples that were meant for another daemon, since the last call.
+  std::uint64_t take_elsewhere() noexcept;
 
   /// Samples with a key too many since the last call.
   std::uint64_t take_dropped() noexcept;
@@ -98,6 +105,7 @@ class KeyGuard {
   std::size_t samples_ = 0;                                                ///< that wait
   std::size_t bytes_ = 0;
   std::deque<Refused> turned_away_;
+  std::uint64_t elsewhere_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t forgotten_ = 0;
 };

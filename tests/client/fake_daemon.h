@@ -17,6 +17,7 @@
 #include "cansync/dds/convert.h"
 #include "cansync/dds/topics.h"
 #include "cansync/dds/validate.h"
+#include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 
 /// Answers like the daemon, without a bus: slaves 0..3 ("slave0" .. "slave3"), parameters that keep what is
@@ -26,8 +27,8 @@
 /// cancelled), 4001 answers with "below minimum", 4002 is lost, and nothing is ever heard of it, but with
 /// `answer_lost`; a transfer at address 0xDEAD00 stays open half done, a broadcast of action 199 without a
 /// sign, both until they are cancelled; after `answer_nothing` every request is lost. Each object is a start
-/// of its own; reference values that are not meant for it, or for another mapping than the newest, are kept
-/// apart.
+/// of its own: requests and cancels for another are only counted; reference values that are not meant for it,
+/// or for another mapping than the newest, are kept apart.
 class FakeDaemon {
  public:
   static constexpr std::uint32_t kSilentNumber = 4000;
@@ -90,6 +91,14 @@ class FakeDaemon {
     set_mapping({0x01});
   }
   std::size_t requests() const { return requests_; }
+  const gateway::dds::DaemonIdentity& identity() const { return identity_; }
+  /// Requests and cancels that were meant for another start of a daemon.
+  std::size_t elsewhere() const { return elsewhere_; }
+  /// Tells the state once more, as the daemon does once a second.
+  void tell() {
+    const std::lock_guard lock(mutex_);
+    publish_state();
+  }
   /// From now on every request is taken and lost.
   void answer_nothing() { answers_nothing_ = true; }
   /// Cancels of requests that nothing is known of any more.
@@ -166,14 +175,25 @@ class FakeDaemon {
         for (const Key& key : std::exchange(lost_, {}))
           answer(parameter_writer_, cansync::dds::parameter_reply(key, {}));
       }
-      (void)parameter_reader_.take([&](const cansync_ParameterRequest& request) { answer(request, limits); });
-      (void)transfer_reader_.take([&](const cansync_TransferRequest& request) { answer(request, limits); });
-      (void)command_reader_.take([&](const cansync_Command& command) { answer(command, limits); });
-      (void)cancel_reader_.take(
-          [&](const gateway_JobCancel& cancel) { end_open(gateway::dds::key_of(cancel)); });
+      const auto answer_mine = [&](const auto& request) {
+        if (is_mine(request)) answer(request, limits);
+      };
+      (void)parameter_reader_.take(answer_mine);
+      (void)transfer_reader_.take(answer_mine);
+      (void)command_reader_.take(answer_mine);
+      (void)cancel_reader_.take([&](const gateway_JobCancel& cancel) {
+        if (is_mine(cancel)) end_open(gateway::dds::key_of(cancel));
+      });
       take_references();
       deliver();
     }
+  }
+
+  template <class Sample>
+  bool is_mine(const Sample& sample) {
+    const bool mine = gateway::dds::daemon_of(sample) == identity_;
+    if (!mine) ++elsewhere_;
+    return mine;
   }
 
   void answer(const cansync_ParameterRequest& request, const cansync::dds::Limits& limits) {
@@ -327,6 +347,7 @@ class FakeDaemon {
   std::array<std::uint8_t, 8> mapping_ = {};
   std::uint64_t mapping_number_ = 1;
   std::atomic<std::size_t> requests_ = 0;
+  std::atomic<std::size_t> elsewhere_ = 0;
   std::atomic<std::size_t> cancels_in_vain_ = 0;
   std::atomic<bool> answer_lost_ = false;
   std::atomic<bool> answers_nothing_ = false;

@@ -12,10 +12,12 @@
 namespace cansync::dds {
 namespace {
 
+constexpr std::uint8_t kElsewhere = 9;  // begins the identity of another daemon
+
 template <class Sample>
 KeyGuard::Content content_of(const void* sample) {
   const auto& request = *static_cast<const Sample*>(sample);
-  KeyGuard::Content content{key_of(request)};
+  KeyGuard::Content content{key_of(request), 0, request.daemon[0] == kElsewhere};
   if constexpr (requires { request.data; }) content.bytes = request.data._length;
   return content;
 }
@@ -72,6 +74,37 @@ TEST(KeyGuard, AClientWithTooManyRequestsHoldsUpNoOtherTopic) {
   ++request.request;
   ASSERT_EQ(writer.write(request), DDS_RETCODE_OK);
   EXPECT_TRUE(eventually(signal, [&] { return requests.take([](const cansync_ParameterRequest&) {}) == 1; }));
+  EXPECT_TRUE(guard.take_turned_away(1).empty());
+}
+
+TEST(KeyGuard, WhatIsMeantForAnotherDaemonIsDroppedAndCountedAlone) {
+  const TwoPlaces places;
+  const Participant daemon(places.here);
+  const Participant client(places.there);
+  DataSignal signal;
+  DataSignal matched;
+  KeyGuard guard(content_of<cansync_ParameterRequest>, signal);
+  Reader<cansync_ParameterRequest> requests(daemon, &signal, &guard);
+  Writer<cansync_ParameterRequest> writer(client, 0, &matched);
+  ASSERT_TRUE(eventually(matched, [&] { return writer.matched() == 1; }));
+  cansync_ParameterRequest request = {};
+  request.daemon[0] = kElsewhere;
+  // More than may wait, and with more keys than one writer may have.
+  constexpr std::size_t kMany = kOpenRequests + 8;
+  for (request.request = 1; request.request <= kMany; ++request.request) {
+    request.client[0] = static_cast<std::uint8_t>(request.request);
+    ASSERT_EQ(writer.write(request), DDS_RETCODE_OK);
+  }
+  request.client[0] = 1;
+  request.daemon[0] = 0;
+  ASSERT_EQ(writer.write(request), DDS_RETCODE_OK);
+  EXPECT_TRUE(arrived(writer));
+  std::vector<std::uint64_t> came;
+  (void)requests.take([&](const cansync_ParameterRequest& sample) { came.push_back(sample.request); });
+  EXPECT_EQ(came, std::vector<std::uint64_t>{kMany + 1});
+  EXPECT_EQ(guard.take_elsewhere(), kMany);
+  EXPECT_EQ(guard.take_elsewhere(), 0u);
+  EXPECT_EQ(guard.take_dropped(), 0u);
   EXPECT_TRUE(guard.take_turned_away(1).empty());
 }
 

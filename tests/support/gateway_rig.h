@@ -21,6 +21,7 @@
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
+#include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -163,6 +164,7 @@ class TestClient {
     std::copy(client.begin(), client.end(), std::begin(sample.client));
     sample.request = number;
     if constexpr (requires { sample.client_name; }) gateway::dds::copy_text("tester", sample.client_name);
+    gateway::dds::set_daemon(kTestDaemon, sample);
     return sample;
   }
 

@@ -53,6 +53,9 @@ int main(int argc, char** argv) {
    * too. */
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
+  const dds_entity_t status = dds_create_reader(
+      participant, dds_create_topic(participant, &gateway_GatewayStatus_desc, "GatewayStatus", NULL, NULL),
+      qos, NULL);
   const dds_entity_t values = dds_create_reader(participant, TOPIC(ActualValues), qos, NULL);
   dds_delete_qos(qos);
   const cansync_ActualValues* now = next(values, &slave, 1);
@@ -61,6 +64,8 @@ int main(int argc, char** argv) {
   request.number = (uint32_t)atoi(argv[4]);
   request.format = cansync_FORMAT_AS_SLAVE_SAYS;
   dds_get_guid(participant, (dds_guid_t*)request.client); /* 16 bytes that nobody else has */
+  const gateway_GatewayStatus* daemon = next(status, request.client, 0);
+  memcpy(request.daemon, daemon->daemon, sizeof request.daemon); /* no other start of a daemon takes it */
   wait_for_daemon(requests);
   if (dds_write(requests, &request) < 0) return fprintf(stderr, "the request was not written\n"), 1;
   const cansync_ParameterReply* reply = next(replies, request.client, sizeof request.client);

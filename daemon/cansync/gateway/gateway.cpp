@@ -39,7 +39,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
       audit_(trail_, config),
       failsafe_(events_, audit_, config),
       references_(participant, signal_, events_, config, identity, exchange_),
-      jobs_(participant, signal_, events_, trail_, CansyncRequests(config, audit_),
+      jobs_(participant, signal_, events_, trail_, CansyncRequests(config, audit_), identity,
             !config.dds.security.empty()),
       status_line_(service::status),
       thread_(

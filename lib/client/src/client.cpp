@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <set>
 
 #include "client/src/link.h"
 #include "client/src/set_up.h"
@@ -28,6 +29,7 @@ bool is_configured(const MasterStatus& master, unsigned slave) {
 }  // namespace
 
 NoDaemon::~NoDaemon() = default;
+SeveralDaemons::~SeveralDaemons() = default;
 SetupError::~SetupError() = default;
 
 std::string_view name(ReplyCode code) noexcept {
@@ -211,14 +213,15 @@ Subscription Client::on_master_status(std::function<void(const MasterStatus&)> c
   return link_->subscribe<MasterStatus>(std::move(callback));
 }
 Subscription Client::on_restart(std::function<void(const GatewayStatus&)> callback) {
-  using Identity = std::array<std::uint8_t, 16>;
-  return on_gateway_status(
-      [callback = std::move(callback), known = Identity{}](const GatewayStatus& status) mutable {
-        Identity now{};
-        std::copy(std::begin(status.daemon), std::end(status.daemon), now.begin());
-        const Identity before = std::exchange(known, now);
-        if (before != Identity{} && before != now) callback(status);
-      });
+  using gateway::dds::DaemonIdentity;
+  return on_gateway_status([callback = std::move(callback), known = std::set<DaemonIdentity>{},
+                            link = std::weak_ptr(link_)](const GatewayStatus& status) mutable {
+    const DaemonIdentity start = gateway::dds::daemon_of(status);
+    // Of two daemons that both live, each is told once.
+    if (!known.insert(start).second || known.size() == 1) return;
+    callback(status);
+    if (const auto to = link.lock()) to->program_told_of(start);
+  });
 }
 Subscription Client::on_slave_status(std::function<void(const SlaveStatus&)> callback) {
   return link_->subscribe<SlaveStatus>(std::move(callback));

@@ -64,6 +64,14 @@ struct Kept<Event> {
 template <class T>
 class Feed {
  public:
+  /// Called with each sample and its writer before anybody else hears of it, on the receiver thread. Before
+  /// `open`.
+  void set_first_look(std::function<void(const T&, dds_instance_handle_t writer)> look) {
+    first_look_ = std::move(look);
+  }
+  /// The reader; after `open`.
+  dds_entity_t reader() const noexcept { return reader_->handle(); }
+
   /// Creates the reader unless there is one. Throws SetupError.
   void open(const dds::Participant& participant, dds::DataSignal& signal) {
     const std::lock_guard lock(mutex_);
@@ -141,6 +149,7 @@ class Feed {
       if (!info.valid_data) return;
       if (writers_.size() >= kWriters) writers_.clear();
       writers_.insert(info.publication_handle);
+      if (first_look_) first_look_(sample, info.publication_handle);
       keep(sample, news);
     };
     while (reader_->take_batch(on_sample) == dds::ReaderBase::kBatch) {
@@ -163,6 +172,7 @@ class Feed {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::unique_ptr<dds::Reader<T>> reader_;
+  std::function<void(const T&, dds_instance_handle_t)> first_look_;
   std::vector<T> known_;
   std::set<dds_instance_handle_t> writers_;  // that have sent something
   std::uint64_t changes_ = 0;

@@ -17,13 +17,10 @@
 #include <utility>
 #include <vector>
 
-#include "dds/endpoint.h"
+#include "dds/daemon_choice.h"
 
 /// Internal to lib/client.
 namespace cansync::client::detail {
-
-/// The reply writers of the daemons that are matched.
-using Daemons = std::vector<dds_instance_handle_t>;
 
 /// One request of a client, shared by its Job and the receiver thread.
 template <class R>
@@ -37,7 +34,8 @@ struct JobState {
   std::uint64_t progress = 0;  // rises with each progress sample
   std::uint64_t request = 0;   // constant from here on
   std::weak_ptr<Link> link;
-  Daemons daemons;  // who could answer when it was sent
+  gateway::dds::DaemonIdentity daemon = {};     // whom it is for
+  gateway::dds::DaemonChoice::Place place = 0;  // where that one is; 0: it was not sent
 
   // Of a request whose reply does not come. The first two stay as they are, the others are guarded by
   // `mutex`.
@@ -153,15 +151,12 @@ class OpenJobs {
     }
   }
 
-  /// Removes and returns the jobs that none of `alive` can answer any more.
-  std::vector<State> remove_lost(const Daemons& alive) {
+  /// Removes and returns the jobs whose daemon can answer them no more.
+  template <class MayAnswer>
+  std::vector<State> remove_lost(MayAnswer&& may_answer) {
     std::vector<State> lost;
     for (auto entry = open_.begin(); entry != open_.end();) {
-      const Daemons& asked = entry->second->daemons;
-      const bool answerable = std::any_of(asked.begin(), asked.end(), [&](dds_instance_handle_t daemon) {
-        return std::find(alive.begin(), alive.end(), daemon) != alive.end();
-      });
-      if (answerable) {
+      if (may_answer(entry->second->place)) {
         ++entry;
         continue;
       }

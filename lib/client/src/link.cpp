@@ -8,6 +8,7 @@
 
 #include "dds/incompatible.h"
 #include "dds/security.h"
+#include "dds/writer_identity.h"
 
 namespace cansync::client::detail {
 namespace {
@@ -36,6 +37,9 @@ void end_all(const std::vector<std::shared_ptr<JobState<R>>>& jobs, const std::s
 
 Link::Link(const Options& options)
     : options_(options), identity_(random_identity()), participant_(participant_options(options)) {
+  gateway_.set_first_look([this](const GatewayStatus& status, dds_instance_handle_t writer) {
+    heard_.push_back({writer, dds::daemon_of(status)});
+  });
   if (!options.security.empty()) engineer_writer_.emplace(participant_, dds::kEngineerCommandTopic, &signal_);
 }
 
@@ -52,12 +56,15 @@ void Link::connect(std::chrono::milliseconds wait) {
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
   std::unique_lock lock(mutex_);
+  const auto several = [&] { return choice_.view() == dds::DaemonChoice::View::several; };
   while (!ready_) {
+    if (several()) throw SeveralDaemons(several_text());
     const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - began);
     lock.unlock();
     if (waited >= wait || !go_on()) throw NoDaemon(not_found(std::min(waited, wait)));
     lock.lock();
-    ready_changed_.wait_until(lock, began + std::min(wait, waited + kAsk), [&] { return ready_; });
+    ready_changed_.wait_until(lock, began + std::min(wait, waited + kAsk),
+                              [&] { return ready_ || several(); });
   }
 }
 
@@ -73,12 +80,66 @@ void Link::close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
-  end_lost_jobs({});
+  end_lost_jobs();
 }
 
 bool Link::daemon_present() const {
   const std::lock_guard lock(mutex_);
-  return !daemons_.empty();
+  return present_;
+}
+
+std::string Link::several_daemons() const {
+  const std::lock_guard lock(mutex_);
+  return choice_.view() == dds::DaemonChoice::View::several ? several_text() : "";
+}
+
+void Link::program_told_of(const dds::DaemonIdentity& start) {
+  const std::lock_guard lock(mutex_);
+  choice_.program_told_of(start);
+}
+
+std::string Link::names_of_living() const {
+  std::string names;
+  for (const Place place : choice_.living()) {
+    if (!names.empty()) names += "; ";
+    const auto name = names_.find(place);
+    names += name == names_.end() ? "an unknown program" : name->second;
+  }
+  return names;
+}
+
+std::string Link::several_text() const {
+  return fmt::format(
+      "several daemons serve bus {} ({}): {}; nothing was sent: stop all but one, or give each a bus.name of its own",
+      options_.bus, participant_.place(), names_of_living());
+}
+
+std::optional<std::pair<ReplyCode, std::string>> Link::obstacle() {
+  using View = dds::DaemonChoice::View;
+  const auto told = [this](ReplyCode code, std::string text) {
+    choice_.program_told();
+    return std::pair(code, std::move(text));
+  };
+  const View view = choice_.view();
+  if (view == View::several) return told(ReplyCode::refused, several_text());
+  if (view == View::unsure) {
+    return told(
+        ReplyCode::refused,
+        fmt::format("the daemon was started anew, or a second one serves bus {}: {}; nothing was sent; try "
+                    "again later",
+                    options_.bus, names_of_living()));
+  }
+  if (choice_.to_be_told()) {
+    return told(
+        ReplyCode::refused,
+        "the daemon was started anew, and settings that clients had made are lost; nothing was sent: look at "
+        "the line, then ask again; requests from now on are for the new one");
+  }
+  if (view == View::none || !reachable_) {
+    return told(ReplyCode::no_daemon,
+                fmt::format("no daemon is there ({}); nothing was sent", participant_.place()));
+  }
+  return std::nullopt;
 }
 
 Validity Link::validity(MappingBytes* mapping) const {
@@ -143,12 +204,48 @@ bool Link::everything_matched(std::size_t daemons) const {
          gateway_.heard() >= daemons;
 }
 
-Daemons Link::matched_daemons() const {
+std::vector<Link::Place> Link::matched_places(dds_entity_t reader) {
   constexpr std::size_t kMost = 64;
-  Daemons daemons(kMost);
-  const dds_return_t count = dds_get_matched_publications(parameter_reader_.handle(), daemons.data(), kMost);
-  daemons.resize(std::min<std::size_t>(static_cast<std::size_t>(std::max(count, 0)), kMost));
-  return daemons;
+  std::vector<dds_instance_handle_t> writers(kMost);
+  const dds_return_t count = dds_get_matched_publications(reader, writers.data(), kMost);
+  writers.resize(std::min<std::size_t>(static_cast<std::size_t>(std::max(count, 0)), kMost));
+  std::vector<Place> places;
+  for (const dds_instance_handle_t writer : writers) {
+    const Place place = place_of(reader, writer);
+    if (place != 0 && std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+  }
+  return places;
+}
+
+Link::Place Link::place_of(dds_entity_t reader, dds_instance_handle_t writer) {
+  constexpr std::size_t kMost = 1024;  // far more than daemons that live
+  if (places_.size() >= kMost) places_.clear();
+  const auto known = places_.find(writer);
+  if (known != places_.end()) return known->second;
+  dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(reader, writer);
+  if (data == nullptr) return 0;
+  const Place place = data->participant_instance_handle;
+  dds_builtintopic_free_endpoint(data);
+  places_.emplace(writer, place);
+  return place;
+}
+
+void Link::choose_daemon(const std::vector<Place>& matched) {
+  std::map<Place, std::string> names;
+  for (const Heard& heard : heard_) {
+    const Place place = place_of(gateway_.reader(), heard.writer);
+    if (place == 0 || names_.contains(place)) continue;
+    const auto who = dds::identify_writer(participant_, gateway_.reader(), heard.writer);
+    if (who) names.emplace(place, who->who);
+  }
+  const std::lock_guard lock(mutex_);
+  names_.merge(names);
+  for (const Heard& heard : heard_) choice_.heard(place_of(gateway_.reader(), heard.writer), heard.daemon);
+  heard_.clear();
+  choice_.look(std::chrono::steady_clock::now(), matched);
+  std::erase_if(names_, [&](const auto& name) {
+    return std::find(matched.begin(), matched.end(), name.first) == matched.end();
+  });
 }
 
 void Link::receive() {
@@ -159,22 +256,23 @@ void Link::receive() {
     (void)signal_.wait(period);
     signal_.clear();
     // Looked at before the replies: what a daemon wrote before it left is taken first.
-    const Daemons alive = matched_daemons();
+    const std::vector<Place> alive = matched_places(parameter_reader_.handle());
+    std::vector<Place> there = matched_places(gateway_.reader());
+    there.insert(there.end(), alive.begin(), alive.end());
     take_progress();
     take_replies();
     dispatch_feeds();
-    end_lost_jobs(alive);
+    choose_daemon(there);
+    end_lost_jobs();
     end_overdue_jobs();
     // A request is written only when every daemon hears it, and its reply gets here: one that has just
     // started may be known by half of its topics.
-    const bool ready = !alive.empty() && everything_matched(alive.size());
+    const bool reachable = !alive.empty() && everything_matched(alive.size());
     const std::lock_guard lock(mutex_);
-    daemons_ = alive;
-    reachable_ = ready;
-    if (ready && !ready_) {
-      ready_ = true;
-      ready_changed_.notify_all();
-    }
+    present_ = !alive.empty();
+    reachable_ = reachable;
+    ready_ = ready_ || (reachable && choice_.view() == dds::DaemonChoice::View::one);
+    ready_changed_.notify_all();
   }
 }
 
@@ -213,14 +311,18 @@ void Link::dispatch_feeds() {
   interval_.dispatch();
 }
 
-void Link::end_lost_jobs(const Daemons& alive) {
+void Link::end_lost_jobs() {
   std::unique_lock lock(mutex_);
-  const auto parameters = parameter_jobs_.remove_lost(alive);
-  const auto transfers = transfer_jobs_.remove_lost(alive);
-  const auto commands = command_jobs_.remove_lost(alive);
+  const auto may_answer = [this](Place place) { return !closed_ && choice_.may_answer(place); };
+  const auto parameters = parameter_jobs_.remove_lost(may_answer);
+  const auto transfers = transfer_jobs_.remove_lost(may_answer);
+  const auto commands = command_jobs_.remove_lost(may_answer);
+  if (!parameters.empty() || !transfers.empty() || !commands.empty()) choice_.program_told();
+  const std::string_view what =
+      choice_.view() == dds::DaemonChoice::View::none ? "is gone" : "was started anew";
   const std::string reason =
       closed_ ? "the client was closed before the reply came; the daemon goes on with the request"
-              : fmt::format("the daemon is gone ({}); whether the request was done is not known",
+              : fmt::format("the daemon {} ({}); whether the request was done is not known", what,
                             participant_.place());
   lock.unlock();
   end_all(parameters, reason);

@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,6 +24,7 @@
 #include "client/src/feed.h"
 #include "client/src/job_state.h"
 #include "client/src/settings_book.h"
+#include "dds/daemon_choice.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 
@@ -42,7 +44,7 @@ class Link : public std::enable_shared_from_this<Link> {
   /// How often `go_on` is to be asked while something is waited for.
   static constexpr std::chrono::milliseconds kAsk{20};
 
-  /// Starts the receiver thread and waits for the daemon. Throws NoDaemon.
+  /// Starts the receiver thread and waits for the daemon. Throws NoDaemon, SeveralDaemons.
   void connect(std::chrono::milliseconds wait);
   /// Asks the program whether to wait any longer.
   bool go_on() const;
@@ -51,6 +53,10 @@ class Link : public std::enable_shared_from_this<Link> {
   void close();
 
   bool daemon_present() const;
+  /// Why nothing is asked or given now, because several daemons serve the bus; else empty.
+  std::string several_daemons() const;
+  /// The program was told of this start of the daemon.
+  void program_told_of(const dds::DaemonIdentity& start);
   /// As the daemon has told last; after `connect`. `mapping` (null: not wanted): the reference mapping of it.
   Validity validity(MappingBytes* mapping = nullptr) const;
   /// Of the function blocks.
@@ -75,14 +81,26 @@ class Link : public std::enable_shared_from_this<Link> {
 
  private:
   using Identity = std::array<std::uint8_t, 16>;
+  using Place = dds::DaemonChoice::Place;
+  /// A status that came, for the choice of the daemon.
+  struct Heard {
+    dds_instance_handle_t writer;
+    dds::DaemonIdentity daemon;
+  };
 
   /// A new job; ended already when too many are open.
   template <class R>
   std::shared_ptr<JobState<R>> begin(OpenJobs<R>& jobs, std::chrono::milliseconds monitoring);
   /// The monitoring time of a request: its own, or that of the daemon.
   std::chrono::milliseconds monitoring(std::uint32_t own_ms, std::uint32_t MasterStatus::*otherwise) const;
-  template <class Request>
-  void address(Request& request, std::uint64_t number) const;
+  /// Why no request may be sent now, with its code; nothing: one may. Under the lock; the program is told by
+  /// it.
+  std::optional<std::pair<ReplyCode, std::string>> obstacle();
+  /// "one, process 12 on host a; another, ...": the daemons that may live. Under the lock.
+  std::string names_of_living() const;
+  std::string several_text() const;
+  template <class Request, class State>
+  void address(Request& request, const State& state) const;
   template <class R, class Request>
   void send(dds::Writer<Request>& writer, std::string_view topic, const Request& request, OpenJobs<R>& jobs,
             JobState<R>& state);
@@ -97,10 +115,15 @@ class Link : public std::enable_shared_from_this<Link> {
   void take_transfer_replies();
   void take_progress();
   void dispatch_feeds();
-  void end_lost_jobs(const Daemons& alive);
+  void end_lost_jobs();
   /// Cancels and ends the jobs whose reply does not come.
   void end_overdue_jobs();
-  Daemons matched_daemons() const;
+  /// Where the writers matched with a reader of replies or statuses are, each place once.
+  std::vector<Place> matched_places(dds_entity_t reader);
+  /// Where a writer matched with `reader` is; 0 when it has left.
+  Place place_of(dds_entity_t reader, dds_instance_handle_t writer);
+  /// Looks which daemon requests are for; `matched` are there.
+  void choose_daemon(const std::vector<Place>& matched);
   /// True when all of so many daemons hear what is written on every topic, and have been heard.
   bool everything_matched(std::size_t daemons) const;
   std::string not_found(std::chrono::milliseconds waited) const;
@@ -134,13 +157,18 @@ class Link : public std::enable_shared_from_this<Link> {
   bool ready_ = false;
   bool closed_ = false;
   std::uint64_t last_request_ = 0;
-  Daemons daemons_;
+  bool present_ = false;    ///< a daemon is matched
   bool reachable_ = false;  ///< all of them hear every request, and their replies get here
+  dds::DaemonChoice choice_;
+  std::map<Place, std::string> names_;  ///< of daemons that were heard and are matched, for people
   OpenJobs<ParameterReply> parameter_jobs_;
   OpenJobs<TransferReply> transfer_jobs_;
   OpenJobs<CommandReply> command_jobs_;
 
-  std::chrono::steady_clock::time_point looked_at_time_;  // receiver thread only
+  // Receiver thread only.
+  std::chrono::steady_clock::time_point looked_at_time_;
+  std::vector<Heard> heard_;                       // since the last look
+  std::map<dds_instance_handle_t, Place> places_;  // of writers that are matched
   std::atomic<bool> stop_ = false;
   std::thread receiver_;
 };

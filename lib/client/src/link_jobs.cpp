@@ -116,10 +116,11 @@ bool Link::mine(const Sample& sample) const {
   return std::equal(identity_.begin(), identity_.end(), std::begin(sample.client));
 }
 
-template <class Request>
-void Link::address(Request& request, std::uint64_t number) const {
+template <class Request, class State>
+void Link::address(Request& request, const State& state) const {
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
-  request.request = number;
+  request.request = state.request;
+  dds::set_daemon(state.daemon, request);
   dds::copy_text(options_.client_name, request.client_name);
 }
 
@@ -141,8 +142,17 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::millise
                     open, kOpenRequests));
     return state;
   }
+  if (const auto problem = obstacle()) {
+    if (problem->first == ReplyCode::refused) {
+      state->refuse(RefusalCause::other_daemon, problem->second);
+    } else {
+      state->end(problem->first, problem->second);
+    }
+    return state;
+  }
   state->request = ++last_request_;
-  if (reachable_) state->daemons = daemons_;
+  state->daemon = choice_.daemon();
+  state->place = choice_.place();
   jobs.add(state);
   return state;
 }
@@ -158,13 +168,6 @@ template <class R, class Request>
 void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Request& request,
                 OpenJobs<R>& jobs, JobState<R>& state) {
   if (state.ended()) return;
-  if (state.daemons.empty()) {
-    const std::lock_guard lock(mutex_);
-    jobs.remove(state.request);
-    state.end(ReplyCode::no_daemon,
-              fmt::format("no daemon is there ({}); nothing was sent", participant_.place()));
-    return;
-  }
   if (!writer.permitted()) {
     const std::lock_guard lock(mutex_);
     jobs.remove(state.request);
@@ -184,7 +187,7 @@ void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Requ
 std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& request) {
   auto state = begin(parameter_jobs_, monitoring(request.timeout_ms, &MasterStatus::parameter_timeout));
   cansync_ParameterRequest sample = {};
-  address(sample, state->request);
+  address(sample, *state);
   sample.write = request.write;
   sample.slave = request.slave;
   sample.sub_slave = request.sub_slave;
@@ -207,7 +210,7 @@ std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& req
     return state;
   }
   cansync_TransferRequest sample = {};
-  address(sample, state->request);
+  address(sample, *state);
   sample.direction = request.download ? cansync_DIRECTION_DOWNLOAD : cansync_DIRECTION_UPLOAD;
   sample.slave = request.slave;
   sample.sub_slave = request.sub_slave;
@@ -228,7 +231,7 @@ std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& req
 std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
   auto state = begin(command_jobs_,
                      std::max(kCommandTime, monitoring(command.timeout, &MasterStatus::command_timeout)));
-  address(command, state->request);
+  address(command, *state);
   if (engineer_writer_ && dds::for_engineers(command.kind))
     send(*engineer_writer_, dds::kEngineerCommandTopic.name, command, command_jobs_, *state);
   else
@@ -238,6 +241,16 @@ std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
 
 bool Link::cancel(std::uint64_t request) {
   gateway_JobCancel sample = {};
+  {
+    const std::lock_guard lock(mutex_);
+    const auto name = [&](const auto& job) {
+      if (job) dds::set_daemon(job->daemon, sample);
+      return job != nullptr;
+    };
+    const bool open = name(parameter_jobs_.find(request)) || name(transfer_jobs_.find(request)) ||
+                      name(command_jobs_.find(request));
+    if (!open) return true;  // there is nothing to cancel any more
+  }
   std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
   sample.request = request;
   return cancel_writer_.write(sample) == DDS_RETCODE_OK;

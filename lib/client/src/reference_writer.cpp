@@ -37,10 +37,17 @@ struct ReferenceWriter::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  ReferenceStanding standing() const {
+  /// What is over stays so until the telegrams are taken up: of two daemons now this, now that one is heard.
+  ReferenceStanding standing() {
     const Validity now = link->validity();
-    if (now.daemon != meant_for.daemon) return ReferenceStanding::daemon_restarted;
-    return now == meant_for ? ReferenceStanding::current : ReferenceStanding::mapping_changed;
+    if (over == ReferenceStanding::current && now != meant_for) over = ReferenceStanding::mapping_changed;
+    if (now.daemon != meant_for.daemon) over = ReferenceStanding::daemon_restarted;
+    return over;
+  }
+
+  void take_up(const Validity& meant) {
+    meant_for = meant;
+    over = ReferenceStanding::current;
   }
 
   cansync_ReferenceValues sample_of(std::uint8_t telegram) const {
@@ -66,6 +73,7 @@ struct ReferenceWriter::Impl {
   dds::DataSignal matched;
   dds::Writer<cansync_ReferenceValues> writer;
   Validity meant_for;
+  ReferenceStanding over = ReferenceStanding::current;
   std::array<bool, kTelegrams> given = {};  ///< telegrams that are held
 };
 
@@ -102,6 +110,7 @@ std::string ReferenceWriter::write(std::uint8_t telegram, const std::array<std::
     return fmt::format("{}: nothing is given until the program takes its telegrams up again (take_up)",
                        why(now));
   }
+  if (std::string several = impl_->link->several_daemons(); !several.empty()) return several;
   if (impl_->writer.matched() == 0) {
     return fmt::format("no daemon takes reference values ({}); is cansyncd running?",
                        impl_->link->participant().place());
@@ -126,11 +135,11 @@ ReferenceStanding ReferenceWriter::standing() const {
 }
 
 void ReferenceWriter::take_up() {
-  impl_->meant_for = impl_->link->validity();
+  impl_->take_up(impl_->link->validity());
 }
 
 void ReferenceWriter::take_up(const Validity& meant_for) {
-  impl_->meant_for = meant_for;
+  impl_->take_up(meant_for);
 }
 
 }  // namespace cansync::client

@@ -5,9 +5,15 @@
 #include <sys/random.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <iterator>
+#include <span>
+#include <utility>
 
 #include "dds/bounded_text.h"
+#include "dds/daemon_identity.h"
+#include "dds/writer_identity.h"
 #include "layer2/dds/convert.h"
 
 namespace layer2::client {
@@ -51,8 +57,10 @@ FrameClient::FrameClient(const Options& options)
       gateway_(participant_, &signal_),
       requests_(participant_, 0, &signal_),
       cancels_(participant_, 0, &signal_) {
+  using View = gateway::dds::DaemonChoice::View;
   const auto end = steady_clock::now() + options.wait;
-  while (!matched()) {
+  while (!matched() || choice_.view() != View::one) {
+    if (choice_.view() == View::several) throw NoDaemon(obstacle()->reason);
     if (stopped() || steady_clock::now() >= end) {
       throw NoDaemon(
           fmt::format("no daemon of general frames found: looked for {} on {}; is cansyncd running "
@@ -66,21 +74,71 @@ FrameClient::FrameClient(const Options& options)
   }
 }
 
-void FrameClient::take_gateway_status() {
-  gateway_.take([this](const gateway_GatewayStatus& sample) { gateway_newest_ = sample; });
-}
-
 bool FrameClient::matched() const noexcept {
   return gateway_newest_ && replies_.matched() != 0 && batches_.matched() != 0 && status_.matched() != 0 &&
          (requests_.matched() != 0 || !requests_.permitted()) &&
          (cancels_.matched() != 0 || !cancels_.permitted());
 }
 
+void FrameClient::take_gateway_status() {
+  gateway_.take_batch([this](const gateway_GatewayStatus& sample, const dds_sample_info_t& info) {
+    if (!info.valid_data) return;
+    gateway_newest_ = sample;
+    choice_.heard(info.publication_handle, gateway::dds::daemon_of(sample));
+  });
+  std::array<dds_instance_handle_t, 64> matched = {};
+  const dds_return_t count = dds_get_matched_publications(gateway_.handle(), matched.data(), matched.size());
+  const auto there = std::min(static_cast<std::size_t>(std::max(count, 0)), matched.size());
+  choice_.look(steady_clock::now(), std::span(matched).first(there));
+}
+
+std::string FrameClient::names_of_living() const {
+  std::string names;
+  for (const auto writer : choice_.living()) {
+    if (!names.empty()) names += "; ";
+    const auto who = gateway::dds::identify_writer(participant_, gateway_.handle(), writer);
+    names += who ? who->who : "an unknown program";
+  }
+  return names;
+}
+
+std::optional<SendResult> FrameClient::obstacle() {
+  using View = gateway::dds::DaemonChoice::View;
+  const auto refused = [this](std::string reason) {
+    choice_.program_told();
+    return SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_OTHER_DAEMON, std::move(reason), 0};
+  };
+  switch (choice_.view()) {
+    case View::several:
+      return refused(fmt::format(
+          "several daemons serve bus {} ({}): {}; nothing was sent: stop all but one, or give each a "
+          "bus.name of its own",
+          options_.bus, participant_.place(), names_of_living()));
+    case View::unsure:
+      return refused(fmt::format(
+          "the daemon was started anew, or a second one serves bus {}: {}; nothing was sent; try again "
+          "later",
+          options_.bus, names_of_living()));
+    case View::none:
+      choice_.program_told();
+      return SendResult{false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon has gone", 0};
+    case View::one:
+      break;
+  }
+  if (!choice_.to_be_told()) return std::nullopt;
+  return refused(
+      "the daemon was started anew; nothing was sent: ask again; requests from now on are for the new one");
+}
+
 SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) {
+  take_gateway_status();
+  if (auto problem = obstacle()) return *std::move(problem);
+  const auto daemon = choice_.place();
   layer2_SendRequest request = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
   request.request = ++number_;
   gateway::dds::copy_text(options_.client_name, request.client_name);
+  gateway::dds::set_daemon(choice_.daemon(), request);
   request.content = dds::to_idl(frame);
   request.timeout = timeout_ms;
   if (const auto code = requests_.write(request); code != DDS_RETCODE_OK) {
@@ -99,10 +157,13 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
   bool cancelled = false;
   while (!cancelled || steady_clock::now() < end) {
     if (auto result = take_reply(request.request)) return *result;
-    if (!daemon_present()) return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon has gone", 0};
+    if (!choice_.may_answer(daemon)) {
+      choice_.program_told();
+      return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon has gone", 0};
+    }
     if (!cancelled && (stopped() || steady_clock::now() >= end)) {
       cancelled = true;
-      cancel(request.request);
+      cancel(request);
       end = steady_clock::now() + kGrace;
     }
     (void)signal_.wait(static_cast<int>(kLook.count()));
@@ -121,10 +182,11 @@ std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
   return result;
 }
 
-void FrameClient::cancel(std::uint64_t request) {
+void FrameClient::cancel(const layer2_SendRequest& request) {
   gateway_JobCancel sample = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
-  sample.request = request;
+  sample.request = request.request;
+  gateway::dds::set_daemon(gateway::dds::daemon_of(request), sample);
   (void)cancels_.write(sample);
 }
 

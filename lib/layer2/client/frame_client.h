@@ -10,6 +10,7 @@
 #include <string>
 
 #include "can/frame.h"
+#include "dds/daemon_choice.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -19,7 +20,8 @@
 /// A program's side of a bus of general frames.
 namespace layer2::client {
 
-/// No daemon serves the bus; the text says where it was looked for, and the remedy.
+/// No daemon serves the bus, or several do; the text says where it was looked for, or who they are, and the
+/// remedy.
 class NoDaemon : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -52,14 +54,15 @@ struct SendResult {
 class FrameClient {
  public:
   /// Waits until a daemon serves the bus and everything is matched with it, so that nothing is lost. Throws
-  /// NoDaemon when `options.wait` is over or `stop` is set, gateway::dds::SetupError when DDS cannot be set
-  /// up.
+  /// NoDaemon when `options.wait` is over, `stop` is set or several daemons serve the bus,
+  /// gateway::dds::SetupError when DDS cannot be set up.
   explicit FrameClient(const Options& options);
 
   /// Sends a frame and waits for the reply. `timeout_ms`: monitoring time, 0 = the daemon's default. When
   /// `stop` is set, or no reply has come 5 s after the monitoring time, the request is taken back, and the
   /// reply says whether that was in time. Without one 5 s later it gives up: the frame may have been sent, or
-  /// be sent yet.
+  /// be sent yet. A request is for the start of the daemon that this client knows: after another start the
+  /// first is refused here, and every one while several daemons serve the bus.
   SendResult send(const can::Frame& frame, std::uint32_t timeout_ms);
 
   /// Waits at most `time` for frames that the daemon received, and calls `on_batch` for each batch that came.
@@ -82,9 +85,13 @@ class FrameClient {
  private:
   bool stopped() const noexcept { return options_.stop != nullptr && options_.stop->load(); }
   bool matched() const noexcept;
+  /// Takes what the daemons tell of themselves, and looks whom requests are for.
   void take_gateway_status();
+  /// Why no request may be sent now, with its code; nothing: one may.
+  std::optional<SendResult> obstacle();
+  std::string names_of_living() const;
   std::optional<SendResult> take_reply(std::uint64_t request);
-  void cancel(std::uint64_t request);
+  void cancel(const layer2_SendRequest& request);
 
   Options options_;
   std::array<std::uint8_t, 16> identity_;
@@ -96,7 +103,8 @@ class FrameClient {
   gateway::dds::Reader<gateway_GatewayStatus> gateway_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
-  std::uint64_t number_ = 0;  ///< of the last request
+  gateway::dds::DaemonChoice choice_;  ///< a place is the writer of a status
+  std::uint64_t number_ = 0;           ///< of the last request
   std::optional<layer2_BusStatus> newest_;
   std::optional<gateway_GatewayStatus> gateway_newest_;  ///< there once it is constructed
 };

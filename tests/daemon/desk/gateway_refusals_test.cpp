@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -339,6 +340,48 @@ TEST(GatewayRefusals, AClientHasALimitThatLeavesRoomForOthers) {
   const auto cancelled = rig.client.reply<cansync_ParameterReply>(101);
   ASSERT_TRUE(cancelled);
   EXPECT_EQ(cancelled->code, gateway_REPLY_CANCELLED) << cancelled->reason;
+}
+
+/// A request as a program made for data model 6 writes it.
+template <class T>
+T without_daemon(T request) {
+  gateway::dds::set_daemon({}, request);
+  return request;
+}
+
+TEST(GatewayRefusals, AProgramOfAnOlderDataModelIsToldSo) {
+  GatewayRig rig;
+  rig.client.write(without_daemon(good_read(1)));
+  rig.client.write(without_daemon(good_upload(2)));
+  rig.client.write(without_daemon(good_command(3)));
+  const auto expect_told = [](const auto& reply) {
+    ASSERT_TRUE(reply);
+    expect_refused(reply->code, reply->reason,
+                   {"names none", "data model 6 or older", "GatewayStatus.daemon"});
+    EXPECT_EQ(reply->cause, gateway_CAUSE_OTHER_DAEMON);
+  };
+  expect_told(rig.client.reply<cansync_ParameterReply>(1));
+  expect_told(rig.client.reply<cansync_CommandReply>(3));
+  const auto transfer = rig.transfer_reply(2);
+  ASSERT_TRUE(transfer);
+  expect_told(std::optional(transfer->reply));
+  Request nothing;
+  EXPECT_FALSE(rig.exchange.requests.try_pop(nothing));
+  EXPECT_TRUE(rig.client.wait_for<gateway_GatewayStatus>(
+      [](const auto& status) { return status.rejected_other_daemon == 3; }));
+}
+
+TEST(GatewayRefusals, WhatIsMeantForAnotherDaemonIsNotAnswered) {
+  GatewayRig rig;
+  auto read = good_read(1);
+  gateway::dds::set_daemon({0xDA, 0xE0, 0x02}, read);
+  rig.client.deliver(read);
+  rig.client.write(good_read(2));
+  rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+  EXPECT_TRUE(rig.client.reply<cansync_ParameterReply>(2));
+  EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(1), 0u);
+  EXPECT_TRUE(rig.client.wait_for<gateway_GatewayStatus>(
+      [](const auto& status) { return status.rejected_other_daemon == 1; }));
 }
 
 TEST(GatewayRefusals, ARequestWaitsWhenTheWayToTheRealtimeThreadIsFull) {

@@ -23,6 +23,10 @@ static_assert(RequestProtocol<made_up::Protocol>);
 static_assert(!Replaces<made_up::Protocol> && !GivesOwn<made_up::Protocol>);
 static_assert(!KeepsState<made_up::Protocol> && !ShowsProgress<made_up::WishTopic>);
 
+constexpr gateway::dds::DaemonIdentity kThis = {0xDA, 1};
+constexpr gateway::dds::DaemonIdentity kOther = {0xDA, 2};
+constexpr gateway::dds::DaemonIdentity kNobody = {};
+
 /// A client of the made-up topics in another place.
 class Client {
  public:
@@ -37,18 +41,29 @@ class Client {
       return answers_.matched() >= desks && wishes_.matched() >= desks && cancels_.matched() >= desks;
     });
   }
-  void wish(std::uint64_t request, std::uint32_t number) {
+  void wish(std::uint64_t request, std::uint32_t number, const gateway::dds::DaemonIdentity& daemon = kThis) {
     made_up_Wish sample = {};
     sample.client[0] = 1;
     sample.request = request;
     sample.number = number;
+    gateway::dds::set_daemon(daemon, sample);
     gateway::dds::copy_text("tester", sample.client_name);
     deliver(wishes_, sample);
   }
-  void cancel(std::uint64_t request) {
+  /// Writes many of them, and comes back when the desk's reader has them.
+  void wish_many(std::uint64_t last, const gateway::dds::DaemonIdentity& daemon) {
+    made_up_Wish sample = {};
+    sample.client[0] = 1;
+    gateway::dds::set_daemon(daemon, sample);
+    for (sample.request = 1; sample.request < last; ++sample.request)
+      ASSERT_EQ(wishes_.write(sample), DDS_RETCODE_OK);
+    deliver(wishes_, sample);
+  }
+  void cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon = kThis) {
     gateway_JobCancel sample = {};
     sample.client[0] = 1;
     sample.request = request;
+    gateway::dds::set_daemon(daemon, sample);
     deliver(cancels_, sample);
   }
   /// Everything that has come to this request, until `last` is answered.
@@ -92,7 +107,7 @@ class MadeUpDesk : public ::testing::Test {
       : participant_(places_.here),
         events_(participant_, journal, "madeup0"),
         trail_(journal, events_, "madeup0", 1),
-        desk(participant_, signal_, events_, trail_, made_up::Protocol{}, false),
+        desk(participant_, signal_, events_, trail_, made_up::Protocol{}, kThis, false),
         client(places_.there) {
     EXPECT_TRUE(client.wait_for_desks(1));
   }
@@ -115,6 +130,7 @@ class MadeUpDesk : public ::testing::Test {
     executor.wishes.pop_front();
     return wish;
   }
+  std::uint64_t rejected(Rejection kind) const { return desk.rejections()[static_cast<unsigned>(kind)]; }
   void grant(const Wish& wish) { desk.finish(Granted{wish.id, std::nullopt}, context()); }
   void write_replies() {
     pass_until([&] { return !desk.replies_waiting(); });
@@ -145,6 +161,53 @@ TEST_F(MadeUpDesk, ARequestIsHandedOnAndAnsweredOnce) {
   EXPECT_EQ(client.answer(1).code, gateway_REPLY_DONE);
   EXPECT_EQ(client.answer(2).code, gateway_REPLY_DONE);
   EXPECT_EQ(client.count(1), 1u);
+}
+
+// Answered by this one, its client would ask again for what the other carries out.
+TEST_F(MadeUpDesk, WhatIsMeantForAnotherDaemonIsNeitherTakenNorAnswered) {
+  client.wish(1, 42, kOther);
+  client.wish(2, 43);
+  const Wish wish = next_wish();
+  EXPECT_EQ(wish.number, 43u);
+  grant(wish);
+  write_replies();
+  EXPECT_EQ(client.answer(2).code, gateway_REPLY_DONE);
+  EXPECT_EQ(client.count(1), 0u);
+  EXPECT_TRUE(executor.wishes.empty());
+  EXPECT_EQ(rejected(Rejection::other_daemon), 1u);
+  EXPECT_EQ(journal.wait_for("EVENT", "requests_rejected").size(), 1u);
+}
+
+TEST_F(MadeUpDesk, AlsoWhenItsClientAsksForMoreThanMayWait) {
+  constexpr std::uint64_t kMany = 3 * JobBook::kPerClient;
+  client.wish_many(kMany, kOther);
+  client.wish(kMany + 1, 43);
+  grant(next_wish());
+  pass_until([&] { return rejected(Rejection::other_daemon) == kMany; });
+  write_replies();
+  EXPECT_EQ(client.answer(kMany + 1).code, gateway_REPLY_DONE) << "what is meant for others leaves room for it";
+  for (std::uint64_t request = 1; request <= kMany; ++request) EXPECT_EQ(client.count(request), 0u);
+}
+
+TEST_F(MadeUpDesk, WhatNamesNoDaemonIsRefusedInWords) {
+  client.wish(1, 42, kNobody);
+  pass_until([&] { return rejected(Rejection::other_daemon) == 1; });
+  write_replies();
+  EXPECT_EQ(client.answer(1).cause, gateway_CAUSE_OTHER_DAEMON);
+  EXPECT_EQ(client.answer(1).reason, kNamesNoDaemon);
+  EXPECT_TRUE(executor.wishes.empty());
+}
+
+TEST_F(MadeUpDesk, ACancelForAnotherDaemonOrNoneCancelsNothing) {
+  client.wish(1, 1);
+  const Wish first = next_wish();
+  client.cancel(1, kOther);
+  client.cancel(1, kNobody);
+  pass_until([&] { return rejected(Rejection::other_daemon) == 2; });
+  EXPECT_TRUE(executor.cancelled.empty());
+  grant(first);
+  write_replies();
+  EXPECT_EQ(client.answer(1).code, gateway_REPLY_DONE);
 }
 
 TEST_F(MadeUpDesk, EveryEndStandsInTheAuditTrailWithoutAnOldValue) {
@@ -285,7 +348,7 @@ struct Remembering : made_up::Protocol {
 };
 
 TEST_F(MadeUpDesk, NothingIsSaidOfTheValueBeforeOfWhatWasNotLookedAt) {
-  JobDesk<Remembering> other(participant_, signal_, events_, trail_, Remembering{}, false);
+  JobDesk<Remembering> other(participant_, signal_, events_, trail_, Remembering{}, kThis, false);
   ASSERT_TRUE(client.wait_for_desks(2));
   client.wish(1, 7);
   other.stop(context());

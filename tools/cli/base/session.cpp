@@ -68,6 +68,8 @@ client::Client* Session::look_for_daemon(std::chrono::milliseconds wait) {
   fresh_ = false;
   try {
     if (!client) client = client::Client::connect(options(wait));
+  } catch (const client::SeveralDaemons&) {
+    throw;
   } catch (const client::NoDaemon&) {
     return nullptr;
   }

@@ -74,7 +74,7 @@ class Session {
   client::Client& client();
 
   /// The daemon, looked for anew at most `wait` long when it is not connected; nullptr: none is there. Throws
-  /// client::SetupError, ArgumentsAreRight.
+  /// client::SetupError, client::SeveralDaemons, ArgumentsAreRight.
   client::Client* look_for_daemon(std::chrono::milliseconds wait);
 
   /// Call before a file is read: `path` must not be standard input ("-") when that holds the lines of a

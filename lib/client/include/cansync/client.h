@@ -70,7 +70,8 @@ class CANSYNC_PUBLIC Subscription {
 class CANSYNC_PUBLIC Client {
  public:
   /// Waits until a daemon serves the bus and every request and reply is matched with it, so that nothing is
-  /// lost. Throws NoDaemon when `options.wait` is over, SetupError when DDS cannot be set up.
+  /// lost. Throws NoDaemon when `options.wait` is over, SeveralDaemons (a NoDaemon) as soon as two are known
+  /// to serve it, SetupError when DDS cannot be set up.
   static Client connect(const Options& options);
 
   /// Takes the connection over; the other one may only be assigned to and destroyed.
@@ -131,6 +132,12 @@ class CANSYNC_PUBLIC Client {
 
   // --- jobs: submit returns at once, the others wait for the terminal reply. Beyond `kOpenRequests` open at
   // a time a request is refused here.
+  //
+  // A request is for one start of the daemon, and no other takes it. When the daemon was started anew, open
+  // ones end with `no_reply`; the first request after that is refused here unless the program knows it
+  // already: by `on_restart`, or by a request that ended so or found no daemon. While it is not known whether
+  // the daemon before is dead (2.5 s at most after it was heard last), and while several daemons serve the
+  // bus, every request is refused here; `reason` names program, process and host of each.
 
   /// Sends the request and returns its job; what is wrong with it is the job's reply, never an exception.
   ParameterJob submit(const ParameterRequest& request);

@@ -57,6 +57,16 @@ class CANSYNC_PUBLIC NoDaemon : public std::runtime_error {
   ~NoDaemon() override;
 };
 
+/// More than one daemon serves the bus: nothing is asked of any. `what()` names program, process and host of
+/// each, and a remedy.
+class CANSYNC_PUBLIC SeveralDaemons : public NoDaemon {
+ public:
+  using NoDaemon::NoDaemon;
+  SeveralDaemons(const SeveralDaemons&) = default;
+  SeveralDaemons& operator=(const SeveralDaemons&) = default;
+  ~SeveralDaemons() override;
+};
+
 /// DDS could not be set up, or this program's identity has no right to; `what()` names what failed, domain,
 /// partition, interface and a remedy.
 class CANSYNC_PUBLIC SetupError : public std::runtime_error {

@@ -1,0 +1,142 @@
+#include <cansync/client.h>
+#include <cansync/topics.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "client/client_rig.h"
+#include "client/fake_daemon.h"
+#include "support/dds_places.h"
+
+/// Requests are for one start of the daemon, and the program knows which.
+namespace cansync::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+class OneDaemon : public ::testing::Test {
+ protected:
+  /// Waits until the client has taken, and thought about, the status of `daemon`.
+  void wait_until_known(FakeDaemon& daemon) {
+    Watched<int> told;
+    const Subscription statuses = client_.on_gateway_status([&](const GatewayStatus& status) {
+      if (gateway::dds::daemon_of(status) == daemon.identity()) told.change([](int& count) { ++count; });
+    });
+    // With the second the pass that took the first is over.
+    for (int wanted : {1, 2}) {
+      daemon.tell();
+      ASSERT_TRUE(told.wait([&](int count) { return count >= wanted; }));
+    }
+  }
+  /// Asks until the reply fits; the last one.
+  template <class Fits>
+  ParameterReply read_until(Fits&& fits) {
+    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    ParameterReply reply = client_.read(0, 1);
+    while (!fits(reply) && std::chrono::steady_clock::now() < end) {
+      std::this_thread::yield();
+      reply = client_.read(0, 1);
+    }
+    return reply;
+  }
+
+  TwoPlaces places_;
+  std::optional<FakeDaemon> daemon_{std::in_place, places_.here};
+  Client client_{Client::connect(options_for(places_.there))};
+};
+
+TEST_F(OneDaemon, ARestartThatTheProgramDidNotNoticeIsToldBeforeAnythingIsAsked) {
+  daemon_.reset();
+  daemon_.emplace(places_.here);
+  wait_until_known(*daemon_);
+  const ParameterReply first = client_.write(0, 1, 42);
+  EXPECT_EQ(first.code, ReplyCode::refused);
+  EXPECT_EQ(first.speaker, Speaker::client);
+  EXPECT_NE(first.reason.find("the daemon was started anew"), std::string::npos) << first.reason;
+  EXPECT_NE(first.reason.find("nothing was sent"), std::string::npos) << first.reason;
+  const ParameterReply second = read_until([](const Reply& reply) { return reply.ok(); });
+  EXPECT_TRUE(second.ok()) << second.reason;
+  EXPECT_EQ(second.value, 0u) << "what was written before is not there";
+}
+
+TEST_F(OneDaemon, AProgramThatHearsOfRestartsIsNotHeldUp) {
+  std::atomic<int> restarts = 0;
+  const Subscription told = client_.on_restart([&](const GatewayStatus&) { ++restarts; });
+  wait_until_known(*daemon_);
+  daemon_.reset();
+  daemon_.emplace(places_.here);
+  wait_until_known(*daemon_);
+  const ParameterReply reply =
+      read_until([](const Reply& each) { return each.ok() || each.code == ReplyCode::refused; });
+  EXPECT_TRUE(reply.ok()) << reply.reason;
+  EXPECT_EQ(restarts, 1);
+}
+
+TEST_F(OneDaemon, WhileTwoServeTheBusNothingIsAskedOfEither) {
+  const ParameterJob open = client_.submit(ParameterRequest{.slave = 0, .number = FakeDaemon::kSilentNumber});
+  while (daemon_->requests() < 1) std::this_thread::yield();
+  std::optional<FakeDaemon> second(std::in_place, places_.here);
+  wait_until_known(*second);
+  ParameterReply reply = client_.read(0, 1);
+  EXPECT_EQ(reply.code, ReplyCode::refused);
+  EXPECT_NE(reply.reason.find("a second one serves bus testbus: "), std::string::npos) << reply.reason;
+  wait_until_known(*daemon_);  // it lives
+  reply = client_.read(0, 1);
+  EXPECT_EQ(reply.code, ReplyCode::refused);
+  EXPECT_NE(reply.reason.find("several daemons serve bus testbus"), std::string::npos) << reply.reason;
+  const std::size_t named = reply.reason.find("process ");
+  ASSERT_NE(named, std::string::npos) << reply.reason;
+  EXPECT_NE(reply.reason.find("process ", named + 1), std::string::npos) << reply.reason;
+  EXPECT_NE(reply.reason.find(" on host "), std::string::npos) << reply.reason;
+  ReferenceWriter writer(client_);
+  EXPECT_NE(writer.write(1, {1, 0, 0, 0}, 1).find("several daemons"), std::string::npos);
+
+  // What was asked before is for the one that has it.
+  EXPECT_TRUE(open.cancel());
+  EXPECT_EQ(open.wait().code, ReplyCode::cancelled);
+  EXPECT_EQ(daemon_->requests(), 1u);
+  EXPECT_EQ(second->requests(), 0u);
+  EXPECT_EQ(second->elsewhere(), 1u) << "the cancel";
+  second.reset();
+  reply = read_until([](const Reply& each) { return each.ok(); });
+  EXPECT_TRUE(reply.ok()) << reply.reason;
+}
+
+TEST(TwoDaemons, NobodyConnectsToTwo) {
+  const TwoPlaces places;
+  FakeDaemon one(places.here);
+  FakeDaemon two(places.here);
+  // Who finds one of them earlier than the other connects to it: here both are known before.
+  const gateway::dds::Participant before(places.there);
+  gateway::dds::DataSignal signal;
+  const gateway::dds::Reader<cansync_ParameterReply> replies(before, &signal);
+  const gateway::dds::Reader<cansync_MasterStatus> statuses(before, &signal);
+  const gateway::dds::Reader<gateway_GatewayStatus> gateways(before, &signal);
+  ASSERT_TRUE(eventually(
+      signal, [&] { return replies.matched() == 2 && statuses.matched() == 2 && gateways.matched() == 2; }));
+  std::atomic<bool> stop = false;
+  std::thread telling([&] {
+    while (!stop) {
+      one.tell();
+      two.tell();
+      std::this_thread::yield();
+    }
+  });
+  try {
+    const Client client = Client::connect(options_for(places.there));
+    ADD_FAILURE() << "connected to one of two";
+  } catch (const SeveralDaemons& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("several daemons serve bus testbus"), std::string::npos) << text;
+    EXPECT_NE(text.find("; nothing was sent: stop all but one"), std::string::npos) << text;
+  }
+  stop = true;
+  telling.join();
+}
+
+}  // namespace
+}  // namespace cansync::client
