@@ -98,6 +98,12 @@ struct SyncConfig {
   bool uses_frame() const noexcept { return output == SyncOutput::can || input == SyncInput::can; }
 };
 
+/// What to do when another daemon serves a bus of the same name in the same domain.
+enum class NameInUse : std::uint8_t {
+  refuse,  ///< refuse to start
+  event,   ///< start, and tell an event
+};
+
 /// DDS.
 struct DdsConfig {
   std::uint32_t domain = 0;      ///< 0..230
@@ -105,6 +111,7 @@ struct DdsConfig {
   std::string partition;         ///< of all topics; never empty after parsing (default: the bus's name)
   bool interval_topic = false;   ///< publish the topic Interval
   std::chrono::milliseconds request_max_age{5000};  ///< of a request when it arrives; 0: any
+  NameInUse name_in_use = NameInUse::refuse;
   std::string security;  ///< folder of the daemon's identity; empty: without DDS Security
   std::string xml;       ///< Cyclone DDS configuration used instead of the generated one; empty: generated
   bool final_types = false;  ///< topics of final types, in XCDR1; false: appendable, in XCDR2

@@ -8,6 +8,8 @@ namespace {
 
 using namespace config::rows;  // the table reads better without the prefix in every line
 
+constexpr auto kNameInUse =
+    std::to_array<Word<NameInUse>>({{"refuse", NameInUse::refuse}, {"event", NameInUse::event}});
 constexpr auto kOneShot = std::to_array<Word<OneShot>>(
     {{"enforce", OneShot::enforce}, {"prefer", OneShot::prefer}, {"ignore", OneShot::ignore}});
 constexpr auto kRegistersOf =
@@ -140,6 +142,12 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
             "dds.request_max_age_ms", 0, 3'600'000, "ms",
             "Requests written longer ago than this when they arrive, or further in the future, are refused; 0 = "
             "not looked at. Needs synchronised clocks when client and daemon run on different computers."))),
+    chosen<kNameInUse>(
+        [](auto& c) -> auto& { return c.dds.name_in_use; },
+        word(
+            "dds.name_in_use",
+            "When a living daemon serves this partition in this domain already: refuse = do not start; event = start, "
+            "tell the event second_daemon, and let clients ask neither. Looking takes at most 0.3 s.")),
     field(
         [](auto& c) -> auto& { return c.dds.xml; },
         string(

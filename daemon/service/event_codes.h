@@ -111,6 +111,8 @@ inline constexpr EventKind kEventKinds[] = {
     {"dds_incompatible", "7f0e2c94d1b64a3c8a55e60f9b27c3d8"},
     {"replies_dropped", "c45a795a03394418ba1322dc14a62b9a"},
     {"client_gone", "046050657caf4dcaad40a65074333620"},
+    {"second_daemon", "0bfd64e6d9514ecc9a1e4690cffb48a2"},
+    {"second_daemon_gone", "2c0a25ee6c9045208886535c4c8b3ee3"},
 };
 
 /// One of `kEventKinds`. A word that is not in the table does not compile.

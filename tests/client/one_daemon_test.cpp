@@ -55,6 +55,7 @@ TEST_F(OneDaemon, ARestartThatTheProgramDidNotNoticeIsToldBeforeAnythingIsAsked)
   wait_until_known(*daemon_);
   const ParameterReply first = client_.write(0, 1, 42);
   EXPECT_EQ(first.code, ReplyCode::refused);
+  EXPECT_EQ(first.cause, RefusalCause::other_daemon);
   EXPECT_EQ(first.speaker, Speaker::client);
   EXPECT_NE(first.reason.find("the daemon was started anew"), std::string::npos) << first.reason;
   EXPECT_NE(first.reason.find("nothing was sent"), std::string::npos) << first.reason;
@@ -104,6 +105,29 @@ TEST_F(OneDaemon, WhileTwoServeTheBusNothingIsAskedOfEither) {
   second.reset();
   reply = read_until([](const Reply& each) { return each.ok(); });
   EXPECT_TRUE(reply.ok()) << reply.reason;
+}
+
+TEST(OlderDaemon, IsNamedWithBothDataModels) {
+  const TwoPlaces places;
+  const gateway::dds::Participant older(places.here);
+  gateway::dds::Writer<cansync_MasterStatus> writer(older);
+  cansync_MasterStatus status = {};
+  status.data_model = 6;
+  ASSERT_EQ(writer.write(status), DDS_RETCODE_OK);
+  // Its status is known before: whoever waits too short for it finds no daemon at all.
+  const gateway::dds::Participant before(places.there);
+  gateway::dds::DataSignal signal;
+  const gateway::dds::Reader<cansync_MasterStatus> statuses(before, &signal);
+  ASSERT_TRUE(eventually(signal, [&] { return statuses.matched() == 1; }));
+  try {
+    const Client client = Client::connect(options_for(places.there, seconds(2)));
+    ADD_FAILURE() << "connected to a daemon that does not understand it";
+  } catch (const NoDaemon& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("the daemon of bus testbus has data model 6, this program 7"), std::string::npos)
+        << text;
+    EXPECT_NE(text.find("update cansyncd"), std::string::npos) << text;
+  }
 }
 
 TEST(TwoDaemons, NobodyConnectsToTwo) {

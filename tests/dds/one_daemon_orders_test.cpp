@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <deque>
-#include <map>
 #include <optional>
 #include <random>
 #include <string>
@@ -67,9 +66,10 @@ class Order {
       pass_of_client();
       if (now_ < kLength && chance(4)) ask();
     }
-    for (const auto& [number, asked] : asked_) {
-      if (!asked.ended) fail("request " + std::to_string(number) + " has not ended");
-      if (asked.carried_out > 1) fail("request " + std::to_string(number) + " was carried out twice");
+    for (std::size_t number = 0; number < asked_.size(); ++number) {
+      if (!asked_[number].ended) fail("request " + std::to_string(number) + " has not ended");
+      if (asked_[number].carried_out > 1)
+        fail("request " + std::to_string(number) + " was carried out twice");
     }
   }
 
@@ -246,13 +246,14 @@ class Order {
     if (both > 1) fail("asked one of two that live");
     known_ = daemon;
     told_ = false;
-    Asked& asked = asked_[++number_];
+    const std::uint64_t number = asked_.size();
+    Asked& asked = asked_.emplace_back();
     asked.daemon = daemon;
     asked.place = choice_.place();
-    open_.push_back(number_);
+    open_.push_back(number);
     // DDS gives it to every one that is matched.
     for (Daemon& each : daemons_) {
-      if (each.matched && (each.runs || !each.said_goodbye)) each.inbox.push_back(number_);
+      if (each.matched && (each.runs || !each.said_goodbye)) each.inbox.push_back(number);
     }
   }
 
@@ -265,9 +266,8 @@ class Order {
   bool between_up_ = true;
   std::vector<Daemon> daemons_;
   DaemonChoice choice_;
-  std::map<std::uint64_t, Asked> asked_;
+  std::vector<Asked> asked_;
   std::vector<std::uint64_t> open_;
-  std::uint64_t number_ = 0;
   std::optional<DaemonIdentity> known_;  ///< the start that the program has asked, or heard of, last
   bool told_ = false;                    ///< since then
   std::vector<DaemonIdentity> heard_of_;

@@ -34,6 +34,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
       exchange_(exchange),
       events_(participant, journal, config.bus.name),
       common_(participant, events_, config, kMasterProtocol, identity),
+      second_daemon_(participant, signal_, events_, config.bus.name, identity),
       state_(participant, config, identity),
       trail_(journal, events_, config.bus.name, cansync::kSlaves),
       audit_(trail_, config),
@@ -97,6 +98,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   posted_.publish(events_, now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
+    second_daemon_.look(now);
     // Both take a bounded number, so that no writer keeps this thread from the rest of its work.
     const bool more_references = references_.take_samples(now);
     const bool more_requests = jobs_.take_requests(jobs);

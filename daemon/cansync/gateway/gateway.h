@@ -16,6 +16,7 @@
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/job_desk.h"
+#include "daemon/desk/second_daemon.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/status/common_status.h"
 #include "dds/participant.h"
@@ -89,6 +90,7 @@ class Gateway {
   gateway::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
   CommonStatus common_;
+  SecondDaemon second_daemon_;
   StatePublisher state_;
   AuditTrail trail_;
   RequestAudit audit_;

@@ -47,6 +47,7 @@ MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal)
       exchange_(exchange_sizes(file_.config)),
       participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
                     file_.config.dds.xml, file_.config.dds.security, true, file_.config.dds.final_types}),
+      free_name_(file_.config, participant_),
       gateway_(file_.config, exchange_, participant_, journal),
       flight_(
           file_.config, flight_protocol(interval_of(file_.config)), bus_.bus(),

@@ -13,6 +13,7 @@
 #include "daemon/loop/sync_line.h"
 #include "daemon/recorder/flight_desk.h"
 #include "daemon/segment/segment.h"
+#include "daemon/segment/segment_start.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/service_log.h"
 #include "dds/participant.h"
@@ -46,6 +47,7 @@ class MasterSegment final : public Segment {
   std::unique_ptr<SyncLine> sync_line_;
   Exchange exchange_;
   gateway::dds::Participant participant_;
+  FreeName free_name_;  ///< looked for before clients can see anything of this daemon
   Gateway gateway_;
   FlightDesk flight_;
   RealtimeLoop loop_;

@@ -30,6 +30,7 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
       identity_(identity),
       events_(participant, journal, config.bus.name),
       common_(participant, events_, config, kLayer2Protocol, identity),
+      second_daemon_(participant, signal_, events_, config.bus.name, identity),
       trail_(journal, events_, config.bus.name, 0),
       jobs_(participant, signal_, events_, trail_, SendRequests(config.send), identity,
             !config.dds.security.empty()),
@@ -79,7 +80,10 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
   const bool more_frames = publish_frames();
   posted_.publish(events_, now);
   // Asking every reader costs more than all the rest of a pass.
-  if (samples_may_wait && jobs_.take_requests(jobs)) signal_.raise();
+  if (samples_may_wait) {
+    second_daemon_.look(now);
+    if (jobs_.take_requests(jobs)) signal_.raise();
+  }
   common_.set_clients(jobs_.clients(), jobs_.rejections());
   SteadyTime due = std::min(common_.step(now), publish_status(now));
   for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next()}) {

@@ -12,6 +12,7 @@
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/job_desk.h"
+#include "daemon/desk/second_daemon.h"
 #include "daemon/layer2/config/config.h"
 #include "daemon/layer2/exchange.h"
 #include "daemon/layer2/gateway/send_requests.h"
@@ -87,6 +88,7 @@ class FrameGateway {
   gateway::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
   CommonStatus common_;
+  SecondDaemon second_daemon_;
   AuditTrail trail_;
   JobDesk<SendRequests> jobs_;
   gateway::dds::Writer<layer2_FrameBatch> batches_;

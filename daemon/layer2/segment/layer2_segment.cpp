@@ -72,6 +72,7 @@ Layer2Segment::Layer2Segment(Layer2File file, JournalSink& journal)
       exchange_(file_.config.realtime.request_queue, file_.config.realtime.report_queue),
       participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
                     file_.config.dds.xml, file_.config.dds.security, true, file_.config.dds.final_types}),
+      free_name_(file_.config, participant_),
       gateway_(file_.config, exchange_, participant_, journal),
       flight_(
           file_.config, FlightProtocol{}, bus_.bus(),

@@ -12,6 +12,7 @@
 #include "daemon/loop/deadline_loop.h"
 #include "daemon/recorder/flight_desk.h"
 #include "daemon/segment/segment.h"
+#include "daemon/segment/segment_start.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/service_log.h"
 #include "dds/participant.h"
@@ -52,6 +53,7 @@ class Layer2Segment final : public Segment {
   BusChoice bus_;
   Layer2Exchange exchange_;
   gateway::dds::Participant participant_;
+  FreeName free_name_;  ///< looked for before clients can see anything of this daemon
   FrameGateway gateway_;
   FlightDesk flight_;
   FrameMachine machine_;

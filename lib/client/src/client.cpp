@@ -125,6 +125,10 @@ bool Client::daemon_present() const {
   return link_->daemon_present();
 }
 
+std::string Client::several_daemons() const {
+  return link_->several_daemons();
+}
+
 std::uint32_t Client::participants() const noexcept {
   return link_->participant().others();
 }

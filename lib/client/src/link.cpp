@@ -93,6 +93,11 @@ std::string Link::several_daemons() const {
   return choice_.view() == dds::DaemonChoice::View::several ? several_text() : "";
 }
 
+bool Link::asks(const dds::DaemonIdentity& start) const {
+  const std::lock_guard lock(mutex_);
+  return choice_.view() == dds::DaemonChoice::View::one && choice_.daemon() == start && reachable_;
+}
+
 void Link::program_told_of(const dds::DaemonIdentity& start) {
   const std::lock_guard lock(mutex_);
   choice_.program_told_of(start);
@@ -158,6 +163,13 @@ Validity Link::validity(MappingBytes* mapping) const {
 
 std::string Link::not_found(std::chrono::milliseconds waited) const {
   const std::string place = fmt::format("looked for {} on {}", waited, participant_.place());
+  const std::vector<MasterStatus> master = master_.known();
+  if (!master.empty() && gateway_.known().empty() && master.front().data_model < gateway_DATA_MODEL) {
+    return fmt::format(
+        "the daemon of bus {} has data model {}, this program {}: the two do not understand each other ({}); update "
+        "cansyncd, or use a program of its version",
+        options_.bus, master.front().data_model, gateway_DATA_MODEL, place);
+  }
   const auto wrong = dds::find_incompatible(participant_, participant_.type_mismatches() != 0, 1);
   if (!wrong.empty()) {
     return fmt::format(

@@ -55,6 +55,8 @@ class Link : public std::enable_shared_from_this<Link> {
   bool daemon_present() const;
   /// Why nothing is asked or given now, because several daemons serve the bus; else empty.
   std::string several_daemons() const;
+  /// Are requests for this start of the daemon, and does it hear them?
+  bool asks(const dds::DaemonIdentity& start) const;
   /// The program was told of this start of the daemon.
   void program_told_of(const dds::DaemonIdentity& start);
   /// As the daemon has told last; after `connect`. `mapping` (null: not wanted): the reference mapping of it.

@@ -94,7 +94,7 @@ ReferenceWriter::ReferenceWriter(Client& client, std::int32_t strength)
     (void)impl_->matched.wait(static_cast<int>(std::min(left, detail::Link::kAsk).count()));
     impl_->matched.clear();
   }
-  take_up();
+  impl_->take_up(impl_->link->validity());
 }
 
 ReferenceWriter::~ReferenceWriter() = default;
@@ -135,11 +135,13 @@ ReferenceStanding ReferenceWriter::standing() const {
 }
 
 void ReferenceWriter::take_up() {
-  impl_->take_up(impl_->link->validity());
+  take_up(impl_->link->validity());
 }
 
 void ReferenceWriter::take_up(const Validity& meant_for) {
   impl_->take_up(meant_for);
+  // Who takes up knows of the start.
+  impl_->link->program_told_of(meant_for.daemon);
 }
 
 }  // namespace cansync::client

@@ -62,6 +62,12 @@ FrameClient::FrameClient(const Options& options)
   while (!matched() || choice_.view() != View::one) {
     if (choice_.view() == View::several) throw NoDaemon(obstacle()->reason);
     if (stopped() || steady_clock::now() >= end) {
+      if (status_.matched() != 0 && !gateway_newest_) {
+        throw NoDaemon(fmt::format(
+            "the daemon of bus {} has data model 6 or older, this program {}: the two do not understand each other "
+            "({}); update cansyncd, or use a program of its version",
+            options.bus, gateway_DATA_MODEL, participant_.place()));
+      }
       throw NoDaemon(
           fmt::format("no daemon of general frames found: looked for {} on {}; is cansyncd running "
                       "for bus {} with bus.protocol = \"layer2\", and with the same domain and "

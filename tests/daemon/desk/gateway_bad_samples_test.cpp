@@ -80,6 +80,7 @@ Sample forged(std::uint64_t number) {
   sample.client[0] = 7;
   sample.request = number;
   sample.slave = 1;
+  gateway::dds::set_daemon(kTestDaemon, sample);
   return sample;
 }
 

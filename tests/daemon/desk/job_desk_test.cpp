@@ -185,7 +185,8 @@ TEST_F(MadeUpDesk, AlsoWhenItsClientAsksForMoreThanMayWait) {
   grant(next_wish());
   pass_until([&] { return rejected(Rejection::other_daemon) == kMany; });
   write_replies();
-  EXPECT_EQ(client.answer(kMany + 1).code, gateway_REPLY_DONE) << "what is meant for others leaves room for it";
+  EXPECT_EQ(client.answer(kMany + 1).code, gateway_REPLY_DONE)
+      << "what is meant for others leaves room for it";
   for (std::uint64_t request = 1; request <= kMany; ++request) EXPECT_EQ(client.count(request), 0u);
 }
 

@@ -4,6 +4,7 @@
 #include <cansync/topics.h>
 
 #include <atomic>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -19,7 +20,13 @@ inline constexpr std::string_view kStartedAnew =
 class Restarts {
  public:
   explicit Restarts(client::Client& client)
-      : subscription_(client.on_restart([this](const client::GatewayStatus&) { ++seen_; })) {}
+      : client_(client),
+        subscription_(client.on_restart([this](const client::GatewayStatus&) { ++seen_; })) {}
+
+  /// Throws client::SeveralDaemons while another daemon serves the bus besides: what comes is that of either.
+  void expect_one() const {
+    if (const std::string who = client_.several_daemons(); !who.empty()) throw client::SeveralDaemons(who);
+  }
 
   /// True when it was since the last call; however often.
   bool take() noexcept {
@@ -28,6 +35,7 @@ class Restarts {
   }
 
  private:
+  client::Client& client_;
   std::atomic<unsigned> seen_ = 0;
   unsigned told_ = 0;
   client::Subscription subscription_;  // ends before what its callback needs

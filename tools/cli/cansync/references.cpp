@@ -188,7 +188,8 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
   for (auto next = start; next < end;) {
     std::string problem = write_once(writer, telegrams, pace.release);
     if (const auto standing = writer.standing(); standing != client::ReferenceStanding::current) {
-      reply = ended(standing);
+      const std::string several = client.several_daemons();
+      reply = several.empty() ? ended(standing) : client::Reply{client::ReplyCode::no_reply, several};
       break;
     }
     if (problem.empty() && !client.daemon_present()) problem = "the daemon has gone (" + client.place() + ")";

@@ -22,6 +22,8 @@ void ask_daemon(Session& session, DoctorInput& in) {
     if (in.incompatible == 0) return;
     for (const client::Event& event : client.recent_events())
       if (client::text(event.code) == "dds_incompatible") in.newest_incompatible = client::text(event.text);
+  } catch (const client::SeveralDaemons& error) {
+    in.several_daemons = error.what();
   } catch (const client::NoDaemon& error) {
     in.no_daemon = error.what();
   } catch (const client::SetupError& error) {
@@ -79,7 +81,7 @@ ExitCode doctor_verb(Session& session) {
   const Table table(doctor_columns());
   if (!session.json()) session.output().line(table.heading());
   for (const Finding& finding : findings) show(session.output(), table, finding);
-  return exit_code(findings, in.status.has_value());
+  return exit_code(findings, in.status.has_value() || !in.several_daemons.empty());
 }
 
 }  // namespace

@@ -16,9 +16,14 @@ using Status = client::MasterStatus;
 constexpr std::uint32_t kLongestIdleLatency = 20;  // us
 
 void look_at_daemon(const DoctorInput& in, FindingList& out) {
-  if (!in.status) {
+  if (!in.several_daemons.empty()) {
+    out.error("daemon", in.several_daemons,
+              "stop all but one, or give each a bus.name (or a dds.domain) of its own, and restart it");
+  } else if (!in.status) {
     out.error("daemon", in.no_daemon,
               fmt::format("systemctl start cansyncd@{0}   (or: cansyncd /etc/cansync/{0}.toml)", in.bus));
+  }
+  if (!in.status) {
     out.warning("not looked at",
                 "without the daemon: versions, time stamps, realtime rights, DDS, SYNC, second master",
                 "start the daemon, then `cansync doctor` again");

@@ -106,6 +106,7 @@ ExitCode follow(Session& session) {
   for (;;) {
     const bool stop = wait_until(std::chrono::steady_clock::now() + kLook);
     if (restarts.take()) session.output().remark(kStartedAnew);
+    restarts.expect_one();
     for (const client::Event& event : queue.take_all()) lines.show(event);
     if (stop) return ExitCode::done;
     if (!client.daemon_present()) {

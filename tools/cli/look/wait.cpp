@@ -112,6 +112,7 @@ class Wait {
         return wants_none;
       }
       if (restarts.take()) session_.output().remark(kStartedAnew);
+      restarts.expect_one();
       const WaitLook now{client->master_status(), client->slaves(std::chrono::milliseconds(0)), mask_};
       seen_ = seen(state_, now);
       if (is_reached(state_, now)) return true;

@@ -143,7 +143,7 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
       recorded.ended = "signal";
     else if (seconds_since(start) >= duration)
       recorded.ended = "duration";
-    else if (!client.daemon_present())
+    else if (!client.daemon_present() || !client.several_daemons().empty())
       recorded.ended = "daemon_gone";
     if (restarts.take()) {
       progress.clear();
@@ -183,7 +183,10 @@ ExitCode tell(Session& session, const RecordTexts& texts, const RecordPlan& plan
                     recorded.dropped > 0 ? fmt::format(", {} samples dropped", recorded.dropped) : ""));
   }
   if (recorded.ended != "daemon_gone") return ExitCode::done;
-  session.output().remark("the daemon has gone (" + session.client().place() + "); the recording ends here");
+  const std::string several = session.client().several_daemons();
+  session.output().remark(several.empty() ? "the daemon has gone (" + session.client().place() +
+                                                "); the recording ends here"
+                                          : several + "; the recording ends here");
   return ExitCode::not_reachable;
 }
 

@@ -181,6 +181,7 @@ ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_
       if (!session.json() && !in_place) session.output().line("");
       session.output().remark(kStartedAnew);
     }
+    restarts.expect_one();
     display.show(client.master_status(), watch_rows(client, settings.slaves));
     ++shown;
     if (shown == count) return ExitCode::done;

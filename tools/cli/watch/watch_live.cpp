@@ -65,6 +65,7 @@ class LiveView {
       rows_ = watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves);
     model_.look(status, rows_, wall_clock());
     if (restarts_.take()) model_.tell_restart(wall_clock(), std::string(kStartedAnew));
+    restarts_.expect_one();
     arrivals_.give_to(model_);
   }
 

@@ -103,6 +103,9 @@ class CANSYNC_PUBLIC Client {
   SlaveLookup find_slave(std::string_view number_or_name) const;
   /// True while a daemon is matched.
   bool daemon_present() const;
+  /// Who they are and what helps, while more than one daemon serves the bus: then states are those of either,
+  /// and every request is refused. Empty: not so.
+  std::string several_daemons() const;
   /// Other DDS participants known in the domain now: on `lo` daemons and programs without this library, on
   /// other interfaces clients too.
   std::uint32_t participants() const noexcept;

@@ -81,6 +81,7 @@ int cansync_take_references(cansync_client* handle, int32_t strength) noexcept {
                   "client: strength " + std::to_string(strength) + ": allowed 0 and more");
     open.writer.reset();
     open.writer.emplace(client, strength);
+    open.writer->take_up();  // this program knows which start it is for
     return static_cast<int>(CANSYNC_DONE);
   });
 }

@@ -36,7 +36,8 @@ void SettingSlot::refuse(RefusalCause cause, std::string reason) {
 
 void SettingSlot::poll() {
   const Validity now = client_->validity();
-  if (entered_ && now.daemon != state_->daemon) {
+  if (entered_ && now.daemon != state_->daemon && client_->link_->asks(now.daemon)) {
+    client_->link_->program_told_of(now.daemon);
     slot_.enter(entered_);
     client_->link_->settings().change(*state_,
                                       [&](detail::SettingState& state) { state.daemon = now.daemon; });

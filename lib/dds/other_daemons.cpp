@@ -1,0 +1,80 @@
+#include "dds/other_daemons.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "dds/bounded_text.h"
+
+namespace gateway::dds {
+namespace {
+
+/// Printable ASCII of what a peer says.
+std::string printable(std::string_view said) {
+  std::string out(said.empty() ? "(not told)" : said);
+  std::replace_if(
+      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c > 0x7E; }, '?');
+  return out;
+}
+
+std::string own_name(const gateway_GatewayStatus& status) {
+  return fmt::format("cansyncd {}, process {} on host {}", printable(text(status.version)), status.process,
+                     printable(text(status.host)));
+}
+
+}  // namespace
+
+OtherDaemons::OtherDaemons(const Participant& participant, const DaemonIdentity& own, DataSignal* signal)
+    : own_(own), reader_(participant, signal) {}
+
+OtherDaemons::News OtherDaemons::look() {
+  News news;
+  // Before the samples: who has left since then is gone with the next look.
+  std::array<dds_instance_handle_t, kMost> matched = {};
+  const dds_return_t count = dds_get_matched_publications(reader_.handle(), matched.data(), matched.size());
+  const auto living =
+      std::span(matched).first(std::min(static_cast<std::size_t>(std::max(count, 0)), matched.size()));
+  (void)reader_.take_batch([&](const gateway_GatewayStatus& status, const dds_sample_info_t& info) {
+    const DaemonIdentity identity = daemon_of(status);
+    if (!info.valid_data || identity == own_ || there_.size() >= kMost) return;
+    const auto known = std::find_if(there_.begin(), there_.end(), [&](const OtherDaemon& other) {
+      return other.writer == info.publication_handle;
+    });
+    if (known != there_.end()) return;
+    there_.push_back({info.publication_handle, identity, own_name(status)});
+    news.came.push_back(there_.back());
+  });
+  std::erase_if(there_, [&](const OtherDaemon& other) {
+    const auto is_it = [&](const OtherDaemon& each) { return each.writer == other.writer; };
+    const bool here = std::find(living.begin(), living.end(), other.writer) != living.end() ||
+                      std::any_of(news.came.begin(), news.came.end(), is_it);
+    if (!here) news.gone.push_back(other);
+    return !here;
+  });
+  return news;
+}
+
+std::string name_in_use(const Participant& participant) {
+  using Clock = std::chrono::steady_clock;
+  DataSignal signal;
+  OtherDaemons others(participant, {}, &signal);
+  const auto begin = Clock::now();
+  while (others.there().empty()) {
+    const auto waited = Clock::now() - begin;
+    const bool alone = participant.others() == 0;
+    const auto end = alone ? kShortLook : kLongestLook;
+    if (waited >= end) return "";
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - waited);
+    // Others are found without a signal.
+    constexpr std::chrono::milliseconds kLook{20};
+    (void)signal.wait(static_cast<int>(std::min(left, kLook).count()));
+    signal.clear();
+    (void)others.look();
+  }
+  return others.there().front().name;
+}
+
+}  // namespace gateway::dds

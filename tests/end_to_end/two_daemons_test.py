@@ -1,0 +1,117 @@
+"""Two daemons of one bus name in one domain: the second does not start, or clients ask neither and say who they are."""
+
+import json
+import os
+import select
+import socket
+import subprocess
+import unittest
+
+from gateway import CANSYNCD, LONG, Gateway, end, wait_for
+
+WORD = 1000  # a parameter of a simulated drive
+BOTH = ("--set", "dds.name_in_use=event")
+
+
+class TwoDaemons(unittest.TestCase):
+    def setUp(self):
+        self.gateway = self.enterContext(Gateway())
+        self.first = self.name_of(self.gateway.process)
+
+    @staticmethod
+    def name_of(process):
+        return f"process {process.pid} on host {socket.gethostname()}"
+
+    def start_second(self, *options):
+        """A second daemon, its log beside that of the first."""
+        self.log = os.path.join(self.gateway.folder.name, "second.log")
+        with open(self.log, "wb") as log:
+            process = subprocess.Popen([CANSYNCD, *self.gateway.options, *options, self.gateway.config], stdout=log, stderr=log)
+        self.addCleanup(lambda: process.poll() is None and end(process))
+        return process
+
+    def second_log(self):
+        with open(self.log, encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def batch(self):
+        """A client that stays: `cansync batch`, and what asks it for the result of one line."""
+        process = self.gateway.start("batch", "-", "--json", "--continue", stdin=subprocess.PIPE)
+        self.addCleanup(process.__exit__, None, None, None)
+
+        def ask(line):
+            process.stdin.write(line.encode() + b"\n")
+            process.stdin.flush()
+            found = [process.next_object()]
+            while "exit_code" not in found[-1]:
+                found.append(process.next_object())
+            return found[0]
+
+        return ask
+
+    def test_the_second_does_not_start_and_says_why(self):
+        second = self.start_second()
+        self.assertEqual(second.wait(LONG), 1, self.second_log())
+        self.assertIn(self.first, self.second_log())
+        self.assertIn(f"bus {self.gateway.bus} is served already", self.second_log())
+        self.assertIn('dds.name_in_use = "event"', self.second_log())
+        self.assertTrue(self.gateway.status())
+        self.assertNotIn("second_daemon", self.gateway.log_text())
+
+    def test_one_that_was_killed_a_moment_ago_is_in_nobodys_way(self):
+        for _ in range(3):
+            self.gateway.process.kill()
+            self.gateway.process.wait(LONG)
+            with open(self.gateway.log, "ab") as log:
+                self.gateway.process = subprocess.Popen([CANSYNCD, self.gateway.config], stdout=log, stderr=log)
+            self.gateway.wait_active()
+        self.assertNotIn("is served already", self.gateway.log_text())
+
+    def test_of_two_neither_is_asked(self):
+        ask = self.batch()
+        self.assertEqual(ask(f"write 1 {WORD} 1")["result"], "done")
+        following = self.gateway.start("events", "--follow")
+        self.addCleanup(following.__exit__, None, None, None)
+        wait_for("it follows", lambda: select.select([following.stdout], [], [], 0.1)[0])
+        second = self.start_second(*BOTH)
+        names = (self.first, self.name_of(second))
+        wait_for("the first tells of the second", lambda: f"another daemon serves bus {self.gateway.bus}: " in self.gateway.log_text())
+        wait_for("the second tells of the first", lambda: f"another daemon serves bus {self.gateway.bus}: " in self.second_log())
+        self.assertIn(names[1], self.gateway.log_text())
+        self.assertIn(names[0], self.second_log())
+
+        def refused():
+            reply = ask(f"read 1 {WORD}")
+            return reply["result"] == "refused" and all(name in reply["reason"] for name in names)
+
+        wait_for("who knew one is told of both", refused)
+        told = following.communicate()[1].decode()
+        self.assertEqual(following.returncode, 6, told)
+        self.assertTrue(all(name in told for name in names), told)
+        reply = ask(f"write 1 {WORD} 4711")
+        self.assertEqual(reply["result"], "refused")
+
+        def not_connected():
+            result = self.gateway.run("status")
+            return result.returncode == 6 and all(name in result.stderr for name in names)
+
+        wait_for("who comes now connects to neither", not_connected)
+
+        def found():
+            result = self.gateway.run("doctor", "--json")
+            lines = [json.loads(line) for line in result.stdout.splitlines()]
+            daemon = next(line for line in lines if line["topic"] == "daemon")
+            return result.returncode == 8 and daemon["level"] == "error" and all(name in daemon["found"] for name in names)
+
+        wait_for("the doctor finds it", found)
+        self.assertEqual(end(second), 0)
+        wait_for("the first tells that it is gone", lambda: "is gone: " in self.gateway.log_text())
+        # It is the daemon that was asked before, so nothing has to be told.
+        wait_for("the first is asked again", lambda: ask(f"read 1 {WORD}")["result"] == "done")
+        self.assertEqual(ask(f"read 1 {WORD}")["value"], 1)
+        for log in (self.gateway.log_text(), self.second_log()):
+            self.assertNotIn("4711", log)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
