@@ -15,6 +15,7 @@
 #include "cansync/settings/settings_in_force.h"
 #include "daemon/cansync/slot_statistics.h"
 #include "daemon/loop/moment.h"
+#include "daemon/loop/sync_snapshot.h"
 #include "rt/latest_value.h"
 #include "rt/spsc_ring.h"
 #include "rt/wake_signal.h"
@@ -253,16 +254,6 @@ struct SlaveReport {
 struct IntervalReport {
   Moment sync;                    ///< the edge, as due
   cansync::Duration time_left{};  ///< from the edge until the reference values are taken
-};
-
-/// The SYNC line; all zero when nothing is followed and nothing failed.
-struct SyncSnapshot {
-  sync_line::LockState state = sync_line::LockState::searching;  ///< only with an input or a hardware clock
-  can::Time phase_error{0};                                      ///< input after timeline, filtered
-  can::Time holdover{0};                                         ///< for how long edges have been missing
-  std::uint64_t edges = 0;                                       ///< of the input, used
-  std::uint64_t rejected_edges = 0;                              ///< of the input, not used
-  std::uint64_t output_failures = 0;                             ///< edges that could not be made
 };
 
 /// State of the master; written every interval, without waking the gateway for it.

@@ -43,6 +43,7 @@ struct ReceivedReport {
 /// State of the bus; written when it changes and ten times a second.
 struct BusSnapshot {
   can::ControllerStatus controller;
+  can::TimestampSource timestamps = can::TimestampSource::thread;
   layer2::StationCounters counters;
   std::uint64_t lost = 0;      ///< frames that had no room in `frames`
   std::uint32_t waiting = 0;   ///< orders that wait to be handed over
@@ -65,7 +66,8 @@ struct Layer2Exchange {
   rt::SpscRing<SendDone> done;           ///< realtime -> gateway
   rt::SpscRing<ReceivedReport> frames;   ///< realtime -> gateway, lossy
   rt::LatestValue<BusSnapshot> status;
-  rt::WakeSignal gateway_wake;  ///< signalled when anything above was written for the gateway
+  rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
+  rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway
 };
 
 }  // namespace cansyncd

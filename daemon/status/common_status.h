@@ -2,45 +2,102 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 
+#include "can/bus.h"
+#include "can/link_facts.h"
 #include "daemon/config/daemon_config.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/rejections.h"
+#include "daemon/loop/sync_snapshot.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/status/incompatible_peers.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "gateway.h"
+#include "rt/realtime_thread.h"
 
 namespace cansyncd {
 
-/// Publishes the status that is true of a bus whatever its protocol, on every change and once a second:
-/// GatewayStatus; and tells of programs that do not match. Gateway thread only.
+/// What a protocol says of itself.
+struct ProtocolFacts {
+  std::string_view name;                  ///< as the option `bus.protocol` has it
+  std::uint16_t sample_point_wanted = 0;  ///< in 1/1000 of a bit; 0: any
+};
+
+/// What a realtime thread tells whatever its protocol; the defaults stand for what a protocol does not have.
+struct CommonSnapshot {
+  can::ControllerStatus controller;
+  can::TimestampSource timestamps = can::TimestampSource::thread;
+  SyncSnapshot sync;
+  std::uint64_t missed_syncs = 0;
+  std::uint64_t lost_reports = 0;
+};
+
+/// The samples as they are known; after the first `step` they were told.
+struct ToldCommon {
+  const gateway_GatewayStatus& gateway;
+  const gateway_BusStatus& bus;
+  const gateway_RealtimeStatus& realtime;
+};
+
+/// Publishes the status that is true of a bus whatever its protocol: GatewayStatus, BusStatus and
+/// RealtimeStatus, each on every change and once a second; counters wait for the next second. It also
+/// tells of programs that do not match. Gateway thread only, but for `set_realtime`.
 class CommonStatus {
  public:
   /// Each topic is told at least this often.
   static constexpr std::chrono::seconds kPeriod{1};
 
-  /// `protocol`: as the option `bus.protocol` names it. Throws gateway::dds::SetupError.
+  /// Throws gateway::dds::SetupError.
   CommonStatus(const gateway::dds::Participant& participant, EventPublisher& events,
-               const DaemonConfig& config, std::string_view protocol, const DaemonIdentity& identity);
+               const DaemonConfig& config, const ProtocolFacts& protocol, const DaemonIdentity& identity);
 
-  /// Who may do what from now on; told with the next `step`.
+  /// What the realtime thread asked for and was granted. Before the gateway thread runs.
+  void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) noexcept;
+
+  /// Who may do what from now on.
   void set_access(const AccessConfig& access) noexcept;
 
-  /// How many clients there are, and what of them was rejected; counters wait for the next second.
+  /// How many clients there are, and what of them was rejected.
   void set_clients(std::size_t clients, const RejectionCounts& rejections) noexcept;
+
+  /// What the kernel knows of the bus's interface.
+  void set_link(const can::LinkFacts& link) noexcept;
+
+  /// What the realtime thread told last.
+  void set_snapshot(const CommonSnapshot& snapshot) noexcept;
 
   /// Publishes what is due. Returns when to call again at the latest.
   SteadyTime step(SteadyTime now);
 
+  /// Valid while this object lives.
+  ToldCommon told() const noexcept { return {gateway_.sample, bus_.sample, realtime_.sample}; }
+
  private:
+  /// One topic.
+  template <class T>
+  struct Topic {
+    explicit Topic(const gateway::dds::Participant& participant) : writer(participant) {}
+    bool is_due(SteadyTime now) const noexcept { return dirty || now - published >= kPeriod; }
+    void step(SteadyTime now);
+
+    gateway::dds::Writer<T> writer;
+    T sample = {};
+    bool dirty = true;
+    SteadyTime published;
+  };
+
+  void fill_bus() noexcept;
+  void fill_realtime() noexcept;
+
   IncompatiblePeers peers_;
-  gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_;
-  gateway_GatewayStatus gateway_ = {};
-  bool dirty_ = true;
-  SteadyTime published_;
+  const bool follows_;  ///< the timeline follows something
+  Topic<gateway_GatewayStatus> gateway_;
+  Topic<gateway_BusStatus> bus_;
+  Topic<gateway_RealtimeStatus> realtime_;
+  CommonSnapshot snapshot_;
 };
 
 }  // namespace cansyncd

@@ -15,6 +15,13 @@ inline constexpr TopicInfo topic_info<gateway_GatewayStatus> = {"GatewayStatus",
                                                                 kFromDaemon, kind::state(),
                                                                 &gateway_GatewayStatus_final_desc};
 template <>
+inline constexpr TopicInfo topic_info<gateway_BusStatus> = {"BusStatus", &gateway_BusStatus_desc, kFromDaemon,
+                                                            kind::state(), &gateway_BusStatus_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<gateway_RealtimeStatus> = {
+    "RealtimeStatus", &gateway_RealtimeStatus_desc, kFromDaemon, kind::state(),
+    &gateway_RealtimeStatus_final_desc};
+template <>
 inline constexpr TopicInfo topic_info<gateway_Event> = {"Event", &gateway_Event_desc, kFromDaemon,
                                                         kind::events(), &gateway_Event_final_desc};
 

@@ -142,10 +142,13 @@ class FakeDaemon {
     gateway::dds::copy_text(participant_.options().partition, gateway.bus);
     gateway.data_model = gateway_DATA_MODEL;
     std::copy(identity_.begin(), identity_.end(), std::begin(gateway.daemon));
+    gateway::dds::copy_text("cansync-master", gateway.protocol);
     (void)gateway_writer_.write(gateway);
+    gateway_BusStatus bus = {};
+    bus.bit_rate = cansync::slot_times(settings_.bit_rate).bits_per_second;
+    (void)bus_writer_.write(bus);
     cansync_MasterStatus master = {};
     cansync::dds::fill_master_status(settings_, {}, cansync::State::active_master, master);
-    gateway::dds::copy_text(participant_.options().partition, master.bus);
     std::copy(identity_.begin(), identity_.end(), std::begin(master.daemon));
     std::copy(mapping_.begin(), mapping_.end(), std::begin(master.reference_mapping));
     master.mapping_number = mapping_number_;
@@ -325,6 +328,7 @@ class FakeDaemon {
   gateway::dds::Writer<cansync_TransferProgress> progress_writer_{participant_};
   gateway::dds::Writer<cansync_CommandReply> command_writer_{participant_};
   gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_{participant_};
+  gateway::dds::Writer<gateway_BusStatus> bus_writer_{participant_};
   gateway::dds::Writer<cansync_MasterStatus> master_writer_{participant_};
   gateway::dds::Writer<cansync_SlaveStatus> slave_writer_{participant_};
   gateway::dds::Writer<cansync_ActualValues> actual_writer_{participant_};

@@ -101,7 +101,7 @@ TEST_F(OneDaemon, WhileTwoServeTheBusNothingIsAskedOfEither) {
   EXPECT_EQ(open.wait().code, ReplyCode::cancelled);
   EXPECT_EQ(daemon_->requests(), 1u);
   EXPECT_EQ(second->requests(), 0u);
-  EXPECT_EQ(second->elsewhere(), 1u) << "the cancel";
+  while (second->elsewhere() < 1) std::this_thread::yield();  // the cancel
   second.reset();
   reply = read_until([](const Reply& each) { return each.ok(); });
   EXPECT_TRUE(reply.ok()) << reply.reason;
@@ -112,7 +112,6 @@ TEST(OlderDaemon, IsNamedWithBothDataModels) {
   const gateway::dds::Participant older(places.here);
   gateway::dds::Writer<cansync_MasterStatus> writer(older);
   cansync_MasterStatus status = {};
-  status.data_model = 6;
   ASSERT_EQ(writer.write(status), DDS_RETCODE_OK);
   // Its status is known before: whoever waits too short for it finds no daemon at all.
   const gateway::dds::Participant before(places.there);
@@ -124,7 +123,8 @@ TEST(OlderDaemon, IsNamedWithBothDataModels) {
     ADD_FAILURE() << "connected to a daemon that does not understand it";
   } catch (const NoDaemon& error) {
     const std::string text = error.what();
-    EXPECT_NE(text.find("the daemon of bus testbus has data model 6, this program 7"), std::string::npos)
+    EXPECT_NE(text.find("the daemon of bus testbus has data model 6 or older, this program 7"),
+              std::string::npos)
         << text;
     EXPECT_NE(text.find("update cansyncd"), std::string::npos) << text;
   }

@@ -42,6 +42,24 @@ TEST_F(WaitingTest, ForAStateThatIsThereAndOneThatNeverComes) {
       client->wait_status([](const MasterStatus& s) { return s.option_status == 0x43; }, milliseconds(20)));
 }
 
+TEST_F(WaitingTest, AClientThatOnlyLooksAsksForNothing) {
+  Options looking = options();
+  looking.requests = false;
+  Client onlooker = Client::connect(looking);
+  EXPECT_EQ(text(onlooker.gateway_status().protocol), "cansync-master");
+  EXPECT_EQ(onlooker.bus_status().bit_rate, 1'000'000u);
+  EXPECT_EQ(onlooker.master_status().option_status, 0x80);
+  EXPECT_EQ(onlooker.slaves().size(), 4u);
+  const std::size_t asked = daemon->requests();
+  const ParameterReply reply = onlooker.read(1, 7);
+  EXPECT_EQ(reply.code, ReplyCode::refused);
+  EXPECT_EQ(reply.cause, RefusalCause::right);
+  EXPECT_NE(reply.reason.find("Options::requests"), std::string::npos) << reply.reason;
+  EXPECT_EQ(onlooker.control_word(1, 0).wait().code, ReplyCode::refused);
+  EXPECT_EQ(daemon->requests(), asked);
+  EXPECT_THROW(static_cast<void>(onlooker.realtime_status()), NoDaemon) << "this daemon tells none";
+}
+
 TEST_F(WaitingTest, CallbackIsCalledOnceWhenTheReplyComesAndAtOnceAfterwards) {
   std::promise<ParameterReply> told;
   const ParameterJob job = client->submit(ParameterRequest{.slave = 1, .number = FakeDaemon::kSilentNumber});

@@ -12,6 +12,7 @@ import unittest
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
 from help_text import helps
 
+from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, Place, end, wait_for
 
 CONFIG = """
@@ -90,6 +91,27 @@ class Frames(unittest.TestCase):
             result = self.place.run(*arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(words, result.stderr)
+
+    def test_status_and_events_find_the_daemon(self):
+        self.assertEqual(self.one("send", "0x123", "00")["result"], "done")
+        status = wait_for("the frame is counted", lambda: (s := self.one("status"))["sent"] and s)
+        expect(["status"], status)
+        self.assertEqual((status["bus"], status["protocol"]), (self.place.bus, "layer2"))
+        self.assertEqual((status["process"], status["bit_rate"]), (self.daemon.pid, 500000))
+        self.assertEqual((status["controller_state"], status["timestamp_source"]), ("error-active", "simulation"))
+        text = self.place.run("status").stdout.decode()
+        self.assertRegex(text, r"(?m)^frames sent +[1-9]")
+        events = [json.loads(line) for line in self.place.run("events", "--json").stdout.splitlines()]
+        self.assertIn("send_frame", {event.get("action") for event in events})
+        self.assertEqual(self.place.run("wait", "error-active", "--timeout", LONG).returncode, 0)
+        found = [json.loads(line) for line in self.place.run("doctor", "--json").stdout.splitlines()]
+        self.assertIn("layer2", next(one for one in found if one["topic"] == "daemon")["found"])
+
+    def test_verbs_of_another_protocol_say_so(self):
+        for verb in (("slaves",), ("read", "0", "301"), ("watch", "--count", "1")):
+            result = self.place.run(*verb, "--timeout", 1)
+            self.assertEqual(result.returncode, 6, result.stderr)
+            self.assertIn("it speaks layer2 on this bus", result.stderr)
 
     def test_the_ranges_say_which_frames_come(self):
         with self.place.start("frames", "--json", "--count", 3) as frames:

@@ -138,7 +138,8 @@ class Metrics(unittest.TestCase):
         self.assertGreaterEqual(len(compared), 50, sorted(compared))
 
     def look(self):
-        return {"MasterStatus": self.gateway.status(),
+        status = self.gateway.status()
+        return {**dict.fromkeys(("GatewayStatus", "BusStatus", "RealtimeStatus", "MasterStatus"), status),
                 "SlaveStatus": {str(slave["slave"]): slave for slave in self.gateway.json("slaves")}}
 
     def test_what_is_documented_is_there_and_the_other_way_round(self):

@@ -19,10 +19,13 @@ class Looking(VerbTest):
         self.assertEqual(status["bit_rate"], 1000000)
         self.assertEqual(status["interval_length_ns"], 1000000)
         self.assertEqual(status["slaves_configured"], 0xF)
-        self.assertEqual(status["reference_values"][0], {"name": "target", "unit": "mm", "factor": 0.001, "offset": 0,
-                                                         "width": 32, "signed": True})
+        self.assertEqual(status["reference_value"][0], {"name": "target", "unit_symbol": "mm", "factor": 0.001, "offset": 0,
+                                                        "width": 32, "is_signed": True})
+        self.assertEqual(status["protocol"], "cansync-master")
+        self.assertEqual(status["process"], self.gateway.process.pid)
         text = self.text("status")
-        self.assertRegex(text, r"(?m)^state +.*active.*\(0x0080\)$")
+        self.assertIn(f"(process {self.gateway.process.pid} on {status['host']})", text)
+        self.assertRegex(text, r"(?m)^state +.*active.*\(0x0080\)")
         self.assertRegex(text, r"(?m)^slaves synchronized +0-3 \(4 of 4\)$")
 
     def test_slaves(self):

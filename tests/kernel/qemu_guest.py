@@ -178,7 +178,7 @@ class OneBus(unittest.TestCase):
         self.assertEqual(status["interface_bit_rate"], BIT_RATE)
         self.assertEqual(status["sample_point_permille"], 875)
         self.assertEqual(status["controller_state"], "error-active")
-        self.assertEqual(status["restart_ms"], 0)
+        self.assertEqual(status["restart_time_ms"], 0)
         self.assertEqual(status["queue_length"], 10)
         for counter in ("transmit_errors", "receive_errors", "error_frames", "acknowledge_errors", "overruns"):
             self.assertEqual(status[counter], 0, counter)

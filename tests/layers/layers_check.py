@@ -42,7 +42,7 @@ daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/segment:             lib/config lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
                             daemon/bus
-daemon/status:              idl lib/dds daemon/config daemon/service daemon/desk
+daemon/status:              idl lib/can lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/desk
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
@@ -53,9 +53,9 @@ daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds lib/cans
 daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
                             daemon/cansync/texts
 daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
-daemon/cansync/status:      idl lib/can lib/cansync lib/rt lib/sync lib/dds lib/cansync/dds daemon/cansync
-                            daemon/service daemon/bus daemon/cansync/config daemon/cansync/texts daemon/desk
-daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/cansync daemon/service
+daemon/cansync/status:      idl lib/can lib/cansync lib/sync lib/dds lib/cansync/dds daemon/cansync
+                            daemon/service daemon/cansync/config daemon/desk daemon/status
+daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/bus daemon/cansync daemon/service
                             daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
                             daemon/status daemon/cansync/status
 daemon/cansync/segment:     lib/cansync lib/rt lib/dds lib/cansync/sim daemon/service daemon/bus

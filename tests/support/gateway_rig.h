@@ -194,12 +194,13 @@ class TestClient {
   std::tuple<Inbox<cansync_ActualValues>, Inbox<cansync_Interval>, Inbox<cansync_ParameterReply>,
              Inbox<cansync_TransferProgress>, Inbox<cansync_CommandReply>, Inbox<cansync_MasterStatus>,
              Inbox<cansync_SlaveStatus>, Inbox<cansync_Timing>, Inbox<gateway_GatewayStatus>,
-             Inbox<gateway_Event>>
+             Inbox<gateway_BusStatus>, Inbox<gateway_RealtimeStatus>, Inbox<gateway_Event>>
       inboxes_{Inbox<cansync_ActualValues>(*this),   Inbox<cansync_Interval>(*this),
                Inbox<cansync_ParameterReply>(*this), Inbox<cansync_TransferProgress>(*this),
                Inbox<cansync_CommandReply>(*this),   Inbox<cansync_MasterStatus>(*this),
                Inbox<cansync_SlaveStatus>(*this),    Inbox<cansync_Timing>(*this),
-               Inbox<gateway_GatewayStatus>(*this),  Inbox<gateway_Event>(*this)};
+               Inbox<gateway_GatewayStatus>(*this),  Inbox<gateway_BusStatus>(*this),
+               Inbox<gateway_RealtimeStatus>(*this), Inbox<gateway_Event>(*this)};
   std::tuple<Out<cansync_ParameterRequest>, Out<cansync_TransferRequest>, Out<gateway_JobCancel>,
              Out<cansync_Command>>
       writers_{Out<cansync_ParameterRequest>(participant_, 0, &signal_),

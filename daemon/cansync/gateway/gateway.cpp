@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "daemon/bus/bit_timing_check.h"
 #include "daemon/cansync/config/options.h"
 #include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/gateway_requests.h"
@@ -33,7 +34,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
     : config_(config),
       exchange_(exchange),
       events_(participant, journal, config.bus.name),
-      common_(participant, events_, config, kMasterProtocol, identity),
+      common_(participant, events_, config, {kMasterProtocol, wanted_sample_point(config.bus)}, identity),
       second_daemon_(participant, signal_, events_, config.bus.name, identity),
       state_(participant, config, identity),
       trail_(journal, events_, config.bus.name, cansync::kSlaves),
@@ -115,14 +116,22 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
     if (references_.take_return(channel)) failsafe_.values_back(channel, config_, now);
   }
   const auto failsafe_due = failsafe_.push(exchange_, now);
-  state_.set_clients(jobs_.clients(), jobs_.rejections());
-  common_.set_clients(jobs_.clients(), jobs_.rejections());
-  due = std::min(due, common_.step(now));
-  for (const auto next : {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
-                          status_line_.step(state_.master(), config_, now), metrics_->step(state_, now)}) {
+  due = std::min(due, tell_common(now));
+  for (const auto next :
+       {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
+        status_line_.step(state_.master(), config_, now), metrics_->step(state_, common_, now)}) {
     if (next) due = std::min(due, *next);
   }
   return due;
+}
+
+SteadyTime Gateway::tell_common(SteadyTime now) {
+  const MasterSnapshot& master = state_.master();
+  common_.set_clients(jobs_.clients(), jobs_.rejections());
+  common_.set_snapshot(
+      {master.controller, master.timestamps, master.sync, master.missed_syncs, master.lost_reports});
+  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
+  return common_.step(now);
 }
 
 void Gateway::take_reports(const JobContext& context) {

@@ -46,9 +46,9 @@ class Gateway {
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
 
-  /// What the realtime thread asked for and was granted, for MasterStatus. Before `start`.
+  /// What the realtime thread asked for and was granted, for RealtimeStatus. Before `start`.
   void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
-    state_.set_realtime(wanted, granted);
+    common_.set_realtime(wanted, granted);
   }
 
   /// Starts the thread; once. Throws std::system_error when there is no thread to be had.
@@ -77,6 +77,7 @@ class Gateway {
   /// One pass over everything that may have come; returns when the next is due at the latest. The readers are
   /// asked only when `samples_may_wait`.
   SteadyTime pass(bool samples_may_wait);
+  SteadyTime tell_common(SteadyTime now);
   void take_reports(const JobContext& context);
   void take_event(const Report& report, SteadyTime now);
   /// Tells when the row of skipped SYNC edges is over. Returns when to call again; nothing: no need.

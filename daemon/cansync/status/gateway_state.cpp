@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "can/bus_names.h"
 #include "cansync/dds/convert.h"
-#include "daemon/bus/bit_timing_check.h"
-#include "daemon/cansync/texts/bus_text.h"
-#include "daemon/cansync/texts/sync_text.h"
 
 namespace cansyncd {
 namespace {
@@ -33,8 +31,7 @@ std::array<cansync_ValueName, cansync::kValues> names_of(const ValueConfigs& val
 auto essence(const MasterSnapshot& master) {
   // Overrun, warning and bus-off; "sending" and "receiving" change all the time.
   constexpr unsigned kLastingBits = 0x00C2;
-  return std::tuple(master.state, master.cansync_status & kLastingBits, master.controller.state,
-                    master.sync.state, master.controller.link, master.second_master, master.timestamps,
+  return std::tuple(master.state, master.cansync_status & kLastingBits, master.second_master,
                     master.configured.bits, master.responding.bits, master.synchronized.bits,
                     master.released.bits);
 }
@@ -55,19 +52,6 @@ cansync::Duration planned_start(const TimingSnapshot& timing, TelegramClass slot
     default:
       return cansync::Duration(-1);
   }
-}
-
-void fill_sync(const SyncConfig& config, const SyncSnapshot& line, cansync_MasterStatus& sample) {
-  const bool follows = config.input != SyncInput::none || config.output == SyncOutput::phc;
-  dds::copy_text(name(config.output), sample.sync_output);
-  dds::copy_text(config.output == SyncOutput::phc ? name(config.output) : name(config.input),
-                 sample.sync_input);
-  if (follows) dds::copy_text(sync_line::name(line.state), sample.sync_state);
-  sample.sync_phase_error = line.phase_error.count();
-  sample.sync_holdover = static_cast<std::uint64_t>(line.holdover.count());
-  sample.sync_edges = line.edges;
-  sample.sync_rejected_edges = line.rejected_edges;
-  sample.sync_output_failures = line.output_failures;
 }
 
 cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& times,
@@ -98,31 +82,6 @@ cansync_Timing to_dds(const TimingSnapshot& timing, const cansync::SlotTimes& ti
   return sample;
 }
 
-void fill_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted,
-                   cansync_MasterStatus& sample) {
-  sample.realtime_enforced = wanted.enforce;
-  sample.realtime_priority = granted.scheduling ? wanted.priority : 0;
-  sample.realtime_priority_wanted = wanted.priority;
-  sample.realtime_cpu = granted.affinity ? wanted.cpu : -1;
-  sample.realtime_cpu_wanted = wanted.cpu;
-  sample.memory_locked = wanted.lock_memory && granted.memory_locked;
-  sample.memory_lock_wanted = wanted.lock_memory;
-  // What was not asked for counts as granted.
-  sample.cpu_held_awake = wanted.hold_cpu_awake && granted.cpu_held_awake;
-}
-
-/// The fields of MasterStatus that count rejections.
-void fill_rejections(const RejectionCounts& counts, cansync_MasterStatus& sample) noexcept {
-  const auto of = [&counts](Rejection kind) { return counts[static_cast<unsigned>(kind)]; };
-  sample.rejected_values = of(Rejection::value);
-  sample.rejected_full = of(Rejection::full);
-  sample.rejected_stale = of(Rejection::stale);
-  sample.rejected_numbers = of(Rejection::number);
-  sample.rejected_identities = of(Rejection::identity);
-  sample.rejected_malformed = of(Rejection::malformed);
-  sample.rejected_state = of(Rejection::state);
-}
-
 }  // namespace
 
 StatePublisher::StatePublisher(const dds::Participant& participant, const Config& config,
@@ -142,17 +101,10 @@ StatePublisher::StatePublisher(const dds::Participant& participant, const Config
 void StatePublisher::set_names(const Config& config) {
   config_.references = config.references;
   config_.slaves = config.slaves;
-  config_.access = config.access;
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     slaves_[i].names = names_of(config.slaves[i].actual, settings_.actual_mapping[i]);
     slaves_[i].dirty = config_.master.slaves[i].configured;
   }
-  master_dirty_ = true;
-}
-
-void StatePublisher::set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
-  realtime_wanted_ = wanted;
-  realtime_granted_ = granted;
   master_dirty_ = true;
 }
 
@@ -209,7 +161,6 @@ void StatePublisher::take_settings(Exchange& exchange) {
 
 void StatePublisher::take_master(Exchange& exchange) {
   const auto before = essence(master_);
-  if (exchange.link.read(link_)) master_dirty_ = true;
   if (exchange.master.read(master_) && essence(master_) != before) master_dirty_ = true;
 }
 
@@ -238,31 +189,18 @@ void StatePublisher::publish_master(SteadyTime now) {
   cansync_MasterStatus& sample = told_master_;
   sample = {};
   dds::fill_master_status(settings, master_.counters, master_.state, sample);
-  dds::copy_text(config_.bus.name, sample.bus);
-  dds::copy_text(CANSYNC_VERSION, sample.version);
   sample.cansync_status = master_.cansync_status;
   sample.interval = master_.when.interval;
-  fill_bus(master_, link_, sample);
-  sample.sample_point_wanted = wanted_sample_point(config_.bus);
+  sample.second_master_frames = master_.counters.second_master;
+  sample.second_master = master_.second_master;
   sample.slaves_configured = master_.configured.bits;
   sample.slaves_responding = master_.responding.bits;
   sample.slaves_synchronized = master_.synchronized.bits;
   sample.slaves_released = master_.released.bits;
   sample.open_parameter_jobs = master_.open_parameter_jobs;
   sample.open_transfers = master_.open_transfers;
-  sample.missed_syncs = master_.missed_syncs;
-  sample.lost_reports = master_.lost_reports;
-  sample.data_model = gateway_DATA_MODEL;
-  dds::copy_text(config_.bus.interface, sample.bus_interface);
-  if (config_.dds.xml.empty()) dds::copy_text(config_.dds.interface, sample.dds_interface);
-  sample.secured = !config_.dds.security.empty();
   std::copy(daemon_.begin(), daemon_.end(), std::begin(sample.daemon));
   sample.mapping_number = settings_.mapping_number;
-  sample.read_only = config_.access.read_only;
-  fill_realtime(realtime_wanted_, realtime_granted_, sample);
-  fill_sync(config_.sync, master_.sync, sample);
-  sample.clients = clients_;
-  fill_rejections(rejections_, sample);
   if (givers_ != nullptr) fill_references(master_.release, *givers_, sample);
   const auto names = names_of(config_.references, settings_.reference_mapping);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));

@@ -11,11 +11,9 @@
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/status/reference_status.h"
 #include "daemon/desk/gateway_events.h"
-#include "daemon/desk/rejections.h"
 #include "daemon/service/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
-#include "rt/realtime_thread.h"
 
 namespace cansyncd {
 
@@ -42,15 +40,6 @@ class StatePublisher {
 
   /// Takes names, units and scaling from `config`; they are published with the next `step`.
   void set_names(const Config& config);
-
-  /// What the realtime thread asked for and was granted; published with the next `step`.
-  void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted);
-
-  /// How many clients there are, and what of them was rejected; told with the next MasterStatus.
-  void set_clients(std::size_t clients, const RejectionCounts& rejections) noexcept {
-    clients_ = static_cast<std::uint32_t>(clients);
-    rejections_ = rejections;
-  }
 
   /// Who gives the reference values, for MasterStatus; must outlive this object. Before `start`.
   void set_givers(const std::array<ReferenceGiver, cansync::kChannels>& givers) noexcept {
@@ -102,12 +91,7 @@ class StatePublisher {
   cansync_MasterStatus told_master_ = {};
   TimingSnapshot timing_;
   std::optional<cansync_Timing> told_timing_;
-  can::LinkFacts link_;
   SettingsSnapshot settings_;
-  rt::RealtimeSettings realtime_wanted_;
-  rt::Grants realtime_granted_;
-  std::uint32_t clients_ = 0;
-  RejectionCounts rejections_ = {};
   bool master_dirty_ = true;
   SteadyTime master_published_;
 };

@@ -7,6 +7,7 @@
 #include "daemon/cansync/status/gateway_state.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/metrics_file.h"
+#include "daemon/status/common_status.h"
 
 namespace cansyncd {
 
@@ -17,8 +18,9 @@ class MetricsDesk {
   /// thread. Throws std::system_error when there is no thread to be had.
   MetricsDesk(const MetricsConfig& config, MetricsFile::Tell tell);
 
-  /// Renders what `state` has told last when it is time. Returns when to call again; nothing: no need.
-  std::optional<SteadyTime> step(const StatePublisher& state, SteadyTime now);
+  /// Renders what `state` and `common` have told last when it is time. Returns when to call again; nothing:
+  /// no need.
+  std::optional<SteadyTime> step(const StatePublisher& state, const CommonStatus& common, SteadyTime now);
 
  private:
   std::chrono::seconds period_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -7,12 +8,14 @@
 
 #include "cansync.h"
 #include "daemon/cansync/exchange.h"
+#include "daemon/status/common_status.h"
 
 /// What the metrics file holds: one row a family. Pure functions; not for the realtime thread (allocates).
 namespace cansyncd {
 
 /// The samples that the topics had last, from which metrics are made.
 struct MetricsSource {
+  ToldCommon common;
   const cansync_MasterStatus& master;
   std::span<const cansync_SlaveStatus* const> slaves;  ///< of the configured slaves
   const cansync_Timing* timing = nullptr;              ///< null: none yet
@@ -44,6 +47,16 @@ class MetricSamples {
   std::string text_;
 };
 
+/// The order of `cansync_Timing.slot`.
+inline constexpr std::array<std::string_view, 6> kSlotNames = {"RC", "WRC1", "RDC1", "WRC2", "RDC2", "CC"};
+
+/// Labels of a slave's samples.
+std::string slave_labels(const cansync_SlaveStatus& slave);
+
+/// Adds the samples of a family that has no `fill` of its own, by the tables of the topics' members. Throws
+/// std::logic_error for a source that no topic has.
+void fill_from_member(std::string_view source, const MetricsSource& from, MetricSamples& to);
+
 /// NAME="VALUE" with the escapes of the format.
 std::string label(std::string_view name, std::string_view value);
 
@@ -54,11 +67,13 @@ std::string_view name(MetricType type) noexcept;
 struct MetricFamily {
   std::string_view name;  ///< without the "_total" of a counter's samples
   MetricType type;
-  std::string_view unit;    ///< base unit, the end of the name; empty: a plain number
   std::string_view labels;  ///< beside bus, for people
-  std::string_view source;  ///< topic and member it is made of
+  std::string_view source;  ///< topic and member it is made of, e.g. "Timing.slot.count"
   std::string_view help;
-  void (*fill)(const MetricsSource&, MetricSamples&);
+  void (*fill)(const MetricsSource&, MetricSamples&) = nullptr;  ///< null: the member as it is, in base units
+
+  /// Base unit, the end of the name: seconds, ratio, bits_per_second; empty: a plain number.
+  std::string_view unit() const noexcept;
 };
 
 /// Every family, in the order of the file.

@@ -56,20 +56,29 @@ std::string_view name(MetricType type) noexcept {
   return "gauge";
 }
 
+std::string_view MetricFamily::unit() const noexcept {
+  for (const std::string_view base : {"seconds", "ratio", "bits_per_second"})
+    if (name.ends_with(base)) return base;
+  return {};
+}
+
 std::string metrics_text(const MetricsSource& from) {
-  MetricSamples samples(gateway::dds::text(from.master.bus));
+  MetricSamples samples(gateway::dds::text(from.common.gateway.bus));
   std::string out;
   for (const MetricFamily& family : metric_families()) {
     const std::string full =
         fmt::format("{}{}", family.name, family.type == MetricType::counter ? "_total" : "");
     samples.begin(full);
-    family.fill(from, samples);
+    if (family.fill != nullptr)
+      family.fill(from, samples);
+    else
+      fill_from_member(family.source, from, samples);
     const std::string lines = samples.take();
     // A family without samples is left out, as for the time before the first sample of Timing.
     if (lines.empty()) continue;
     out +=
         fmt::format("# HELP {} {}\n# TYPE {} {}\n", family.name, family.help, family.name, name(family.type));
-    if (!family.unit.empty()) out += fmt::format("# UNIT {} {}\n", family.name, family.unit);
+    if (!family.unit().empty()) out += fmt::format("# UNIT {} {}\n", family.name, family.unit());
     out += lines;
   }
   return out + "# EOF\n";

@@ -36,28 +36,6 @@ FaultWords words_of(BusFaultKind kind) {
 
 }  // namespace
 
-void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_MasterStatus& out) {
-  const can::ControllerStatus& bus = master.controller;
-  gateway::dds::copy_text(name(bus.state), out.controller_state);
-  out.transmit_errors = bus.transmit_errors;
-  out.receive_errors = bus.receive_errors;
-  const bool delivers = bus.link != can::LinkState::up || bus.delivery == can::Delivery::normal;
-  gateway::dds::copy_text(delivers ? name(bus.link) : name(bus.delivery), out.link_state);
-  gateway::dds::copy_text(name(master.timestamps), out.timestamp_source);
-  out.interface_bit_rate = bus.bits_per_second;
-  out.sample_point = link.timing ? link.timing->sample_point : 0u;
-  out.restart_time = link.restart_ms ? static_cast<std::int32_t>(*link.restart_ms) : -1;
-  out.queue_length = link.queue_length;
-  out.error_frames = bus.error_frames;
-  out.acknowledge_errors = bus.acknowledge_errors;
-  out.restarts = bus.restarts;
-  out.queue_full = bus.queue_full;
-  out.overruns = bus.overruns;
-  out.dropped_frames = bus.dropped;
-  out.second_master_frames = master.counters.second_master;
-  out.second_master = master.second_master;
-}
-
 EventText describe_link(const LinkChanged& report, const Config& config) {
   const std::string& interface = config.bus.interface;
   const auto event = [&report](gateway_EventSeverity severity, EventCode code, std::string text) {

@@ -11,9 +11,6 @@
 /// State and faults of the bus in words. Pure functions; not for the realtime thread (they allocate).
 namespace cansyncd {
 
-/// Fills what MasterStatus tells of interface, controller and their counters.
-void fill_bus(const MasterSnapshot& master, const can::LinkFacts& link, cansync_MasterStatus& out);
-
 /// The event that stands for a change of the interface: what happened, why nothing is sent, and the remedy.
 EventText describe_link(const LinkChanged& report, const Config& config);
 

@@ -75,32 +75,4 @@ EventText sync_event(const SyncDeviceChanged& report, const Config& config) {
           fmt::format("the {} fails: {}", what, reason), report.when};
 }
 
-std::string_view name(SyncOutput output) noexcept {
-  switch (output) {
-    case SyncOutput::none:
-      return "none";
-    case SyncOutput::gpio:
-      return "gpio";
-    case SyncOutput::phc:
-      return "phc";
-    case SyncOutput::can:
-      return "can";
-  }
-  return "unknown";
-}
-
-std::string_view name(SyncInput input) noexcept {
-  switch (input) {
-    case SyncInput::none:
-      return "none";
-    case SyncInput::gpio:
-      return "gpio";
-    case SyncInput::pps:
-      return "pps";
-    case SyncInput::can:
-      return "can";
-  }
-  return "unknown";
-}
-
 }  // namespace cansyncd

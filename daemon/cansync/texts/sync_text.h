@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string_view>
-
 #include "daemon/cansync/texts/event_text.h"
 
 /// What is told of the SYNC line, in words. Pure functions; not for the realtime thread (they allocate).
@@ -12,9 +10,5 @@ EventText sync_event(const SyncSourceChanged& report, const Config& config);
 
 /// The event that stands for a device that fails or works again, with the remedy.
 EventText sync_event(const SyncDeviceChanged& report, const Config& config);
-
-/// The word of the configuration: "none", "gpio", "phc", "pps", "can".
-std::string_view name(SyncOutput output) noexcept;
-std::string_view name(SyncInput input) noexcept;
 
 }  // namespace cansyncd

@@ -27,9 +27,8 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
                            const DaemonIdentity& identity)
     : config_(config),
       exchange_(exchange),
-      identity_(identity),
       events_(participant, journal, config.bus.name),
-      common_(participant, events_, config, kLayer2Protocol, identity),
+      common_(participant, events_, config, {kLayer2Protocol}, identity),
       second_daemon_(participant, signal_, events_, config.bus.name, identity),
       trail_(journal, events_, config.bus.name, 0),
       jobs_(participant, signal_, events_, trail_, SendRequests(config.send), identity,
@@ -84,8 +83,7 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
     second_daemon_.look(now);
     if (jobs_.take_requests(jobs)) signal_.raise();
   }
-  common_.set_clients(jobs_.clients(), jobs_.rejections());
-  SteadyTime due = std::min(common_.step(now), publish_status(now));
+  SteadyTime due = publish_status(now);
   for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next()}) {
     if (next) due = std::min(due, *next);
   }
@@ -102,7 +100,6 @@ void FrameGateway::take_configuration(SteadyTime now) {
   config_.access = taken->access;
   config_.dds.request_max_age = taken->dds.request_max_age;
   common_.set_access(config_.access);
-  status_due_ = true;
   events_.publish(
       {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }
@@ -149,42 +146,32 @@ void FrameGateway::tell_losses(SteadyTime now) {
 void FrameGateway::tell_bus(const can::ControllerStatus& before, SteadyTime now) {
   for (const EventText& event : bus_events(before, bus_.controller, config_.bus)) {
     events_.publish(event, now);
-    status_due_ = true;
   }
 }
 
 SteadyTime FrameGateway::publish_status(SteadyTime now) {
   const can::ControllerStatus before = bus_.controller;
   if (exchange_.status.read(bus_)) tell_bus(before, now);
+  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
+  common_.set_clients(jobs_.clients(), jobs_.rejections());
+  common_.set_snapshot({.controller = bus_.controller, .timestamps = bus_.timestamps});
   tell_losses(now);
-  if (!status_due_ && now < next_status_) return next_status_;
-  status_due_ = false;
+  const SteadyTime common_due = common_.step(now);
+  if (now < next_status_) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
-  layer2_BusStatus sample = {};
+  layer2_FrameStatus sample = {};
   sample.time = wall_clock_now();
-  gateway::dds::copy_text(config_.bus.name, sample.bus_name);
-  gateway::dds::copy_text(config_.bus.interface, sample.interface_name);
-  gateway::dds::copy_text(CANSYNC_VERSION, sample.version);
-  sample.bit_rate = config_.bus.bits_per_second;
-  const can::ControllerStatus& controller = bus_.controller;
-  gateway::dds::copy_text(can::name(controller.state), sample.state);
-  gateway::dds::copy_text(can::name(controller.link), sample.link);
-  sample.transmit_errors = controller.transmit_errors;
-  sample.receive_errors = controller.receive_errors;
   sample.bus_load = bus_.bus_load;
   sample.received = bus_.counters.received;
   sample.taken = bus_.counters.taken;
   sample.lost = bus_.lost + unwritten_;
-  sample.dropped = controller.overruns + controller.dropped;
   sample.sent = bus_.counters.sent;
   sample.unanswered = bus_.counters.unanswered;
   sample.not_sent = bus_.counters.not_sent;
   sample.waiting = bus_.waiting;
   sample.send_timeout = static_cast<std::uint32_t>(config_.send.timeout.count());
-  sample.read_only = config_.access.read_only;
-  std::copy(identity_.begin(), identity_.end(), std::begin(sample.daemon));
   (void)status_.write(sample);
-  return next_status_;
+  return std::min(common_due, next_status_);
 }
 
 void FrameGateway::end_jobs() {

@@ -36,7 +36,7 @@ class FrameGateway {
  public:
   /// Losing frames again and again is one row until none was lost for so long.
   static constexpr std::chrono::seconds kLossQuiet{3};
-  /// Time between two samples of BusStatus of a bus that does not change.
+  /// Time between two samples of FrameStatus.
   static constexpr std::chrono::seconds kStatusPeriod{1};
 
   /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
@@ -49,6 +49,11 @@ class FrameGateway {
   ~FrameGateway();
   FrameGateway(const FrameGateway&) = delete;
   FrameGateway& operator=(const FrameGateway&) = delete;
+
+  /// What the realtime thread asked for and was granted, for RealtimeStatus. Before `start`.
+  void set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
+    common_.set_realtime(wanted, granted);
+  }
 
   /// Starts the thread; once. Throws std::system_error when there is no thread to be had.
   void start();
@@ -84,7 +89,6 @@ class FrameGateway {
 
   Layer2Config config_;  ///< gateway thread only, once it runs
   Layer2Exchange& exchange_;
-  const DaemonIdentity identity_;
   gateway::dds::DataSignal signal_;  ///< before everything that raises it
   EventPublisher events_;
   CommonStatus common_;
@@ -92,7 +96,7 @@ class FrameGateway {
   AuditTrail trail_;
   JobDesk<SendRequests> jobs_;
   gateway::dds::Writer<layer2_FrameBatch> batches_;
-  gateway::dds::Writer<layer2_BusStatus> status_;
+  gateway::dds::Writer<layer2_FrameStatus> status_;
 
   std::vector<layer2_ReceivedFrame> batch_;  ///< memory of one batch
   std::uint64_t batch_number_ = 0;
@@ -101,7 +105,6 @@ class FrameGateway {
   std::uint64_t told_lost_ = 0;
   FaultRow losses_{kLossQuiet};
   SteadyTime next_status_;
-  bool status_due_ = true;  ///< at once
 
   std::mutex mutex_;
   std::optional<Layer2Config> new_configuration_;

@@ -150,6 +150,7 @@ void FrameMachine::publish(can::Time now) noexcept {
   if (changed_ || now >= next_status_) {
     next_status_ = now + kStatusPeriod;
     snapshot_.counters = station_.counters();
+    snapshot_.timestamps = bus_.timestamp_source();
     snapshot_.waiting = static_cast<std::uint32_t>(station_.waiting());
     exchange_.status.write(snapshot_);
     // Nobody is woken for counters alone.

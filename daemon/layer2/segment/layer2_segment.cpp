@@ -88,9 +88,13 @@ void Layer2Segment::start() {
   const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
   thread_.emplace(settings, [this] { loop_.run(); });
   tell_grants(log_, settings, thread_->grants());
+  gateway_.set_realtime(settings, thread_->grants());
   if (const std::string advice = bus_.advice(); !advice.empty())
     log_.say(LogPriority::warning, "not_one_shot", advice);
-  bus_.start([](const can::LinkFacts&) {});
+  bus_.start([this](const can::LinkFacts& facts) {
+    exchange_.link.write(facts);
+    exchange_.gateway_wake.signal();
+  });
   gateway_.start();
   wait_until_running([this] { return loop_.wake_ups(); });
   log_.say(LogPriority::notice, "daemon_running",

@@ -209,7 +209,6 @@ void fill_master_status(const MasterSettings& settings, const MasterCounters& co
   const SlotTimes& times = slot_times(settings.bit_rate);
   out.option_status = static_cast<std::uint16_t>(state);
   copy_text(cansync::name(state), out.state);
-  out.bit_rate = times.bits_per_second;
   out.interval_length = static_cast<std::uint64_t>(times.interval.count());
   out.slaves_configured = settings.configured().bits;
   out.parameter_queue = settings.command_channel.parameter_queue;

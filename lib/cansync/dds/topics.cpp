@@ -21,7 +21,7 @@ bool for_engineers(cansync_CommandKind kind) noexcept {
 }
 
 std::span<const TopicInfo* const> all_topics() noexcept {
-  static constexpr std::array<const TopicInfo*, 17> kAll = {&topic_info<cansync_ActualValues>,
+  static constexpr std::array<const TopicInfo*, 19> kAll = {&topic_info<cansync_ActualValues>,
                                                             &topic_info<cansync_ReferenceValues>,
                                                             &topic_info<cansync_Interval>,
                                                             &topic_info<cansync_ParameterRequest>,
@@ -37,6 +37,8 @@ std::span<const TopicInfo* const> all_topics() noexcept {
                                                             &topic_info<cansync_SlaveStatus>,
                                                             &topic_info<cansync_Timing>,
                                                             &topic_info<gateway_GatewayStatus>,
+                                                            &topic_info<gateway_BusStatus>,
+                                                            &topic_info<gateway_RealtimeStatus>,
                                                             &topic_info<gateway_Event>};
   return kAll;
 }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <set>
+#include <deque>
 
 #include "client/src/link.h"
 #include "client/src/set_up.h"
@@ -134,11 +134,19 @@ std::uint32_t Client::participants() const noexcept {
 }
 
 GatewayStatus Client::gateway_status() const {
-  return link_->open<GatewayStatus>().known().front();
+  return link_->first<GatewayStatus>("GatewayStatus");
+}
+
+BusStatus Client::bus_status() const {
+  return link_->first<BusStatus>("BusStatus");
+}
+
+RealtimeStatus Client::realtime_status() const {
+  return link_->first<RealtimeStatus>("RealtimeStatus");
 }
 
 MasterStatus Client::master_status() const {
-  return link_->open<MasterStatus>().known().front();
+  return link_->first<MasterStatus>("MasterStatus");
 }
 
 Validity Client::validity() const {
@@ -213,16 +221,26 @@ Subscription Client::on_actual_values(std::function<void(const ActualValues&)> c
 Subscription Client::on_gateway_status(std::function<void(const GatewayStatus&)> callback) {
   return link_->subscribe<GatewayStatus>(std::move(callback));
 }
+Subscription Client::on_bus_status(std::function<void(const BusStatus&)> callback) {
+  return link_->subscribe<BusStatus>(std::move(callback));
+}
+Subscription Client::on_realtime_status(std::function<void(const RealtimeStatus&)> callback) {
+  return link_->subscribe<RealtimeStatus>(std::move(callback));
+}
 Subscription Client::on_master_status(std::function<void(const MasterStatus&)> callback) {
   return link_->subscribe<MasterStatus>(std::move(callback));
 }
 Subscription Client::on_restart(std::function<void(const GatewayStatus&)> callback) {
   using gateway::dds::DaemonIdentity;
-  return on_gateway_status([callback = std::move(callback), known = std::set<DaemonIdentity>{},
+  return on_gateway_status([callback = std::move(callback), known = std::deque<DaemonIdentity>{},
                             link = std::weak_ptr(link_)](const GatewayStatus& status) mutable {
     const DaemonIdentity start = gateway::dds::daemon_of(status);
     // Of two daemons that both live, each is told once.
-    if (!known.insert(start).second || known.size() == 1) return;
+    constexpr std::size_t kKnown = 32;
+    if (std::find(known.begin(), known.end(), start) != known.end()) return;
+    known.push_back(start);
+    if (known.size() == 1) return;
+    if (known.size() > kKnown) known.pop_front();
     callback(status);
     if (const auto to = link.lock()) to->program_told_of(start);
   });

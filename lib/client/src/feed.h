@@ -4,7 +4,6 @@
 #include <cansync/topics.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -13,7 +12,6 @@
 #include <memory>
 #include <mutex>
 #include <set>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -127,15 +125,16 @@ class Feed {
     }
   }
 
+  /// The writers that are matched now.
+  std::vector<dds_instance_handle_t> matched() const {
+    const std::lock_guard lock(mutex_);
+    return matched_now();
+  }
+
   /// How many of the writers matched now have sent something here.
   std::size_t heard() const {
     const std::lock_guard lock(mutex_);
-    std::array<dds_instance_handle_t, kWriters> matched = {};
-    if (!reader_) return 0;
-    const dds_return_t count =
-        dds_get_matched_publications(reader_->handle(), matched.data(), matched.size());
-    const auto all =
-        std::span(matched).first(std::min(static_cast<std::size_t>(std::max(count, 0)), kWriters));
+    const std::vector<dds_instance_handle_t> all = matched_now();
     return static_cast<std::size_t>(
         std::count_if(all.begin(), all.end(), [&](auto writer) { return writers_.contains(writer); }));
   }
@@ -143,6 +142,14 @@ class Feed {
  private:
   /// Daemons of a bus; more than one only while a dead one is not yet known to be dead.
   static constexpr std::size_t kWriters = 64;
+
+  std::vector<dds_instance_handle_t> matched_now() const {
+    std::vector<dds_instance_handle_t> found(reader_ ? kWriters : 0);
+    if (!reader_) return found;
+    const dds_return_t count = dds_get_matched_publications(reader_->handle(), found.data(), kWriters);
+    found.resize(std::min(static_cast<std::size_t>(std::max(count, 0)), kWriters));
+    return found;
+  }
 
   void take(std::vector<T>& news) {
     const auto on_sample = [&](const T& sample, const dds_sample_info_t& info) {

@@ -28,6 +28,9 @@ dds::ParticipantOptions participant_options(const Options& options) {
           options.security, false,       options.final_types};
 }
 
+/// What a bus of CANsync calls its protocol (GatewayStatus.protocol).
+constexpr std::string_view kProtocol = "cansync-master";
+
 template <class R>
 void end_all(const std::vector<std::shared_ptr<JobState<R>>>& jobs, const std::string& reason) {
   for (const auto& job : jobs) job->end(ReplyCode::no_reply, reason);
@@ -35,12 +38,24 @@ void end_all(const std::vector<std::shared_ptr<JobState<R>>>& jobs, const std::s
 
 }  // namespace
 
+Link::Requests::Requests(const dds::Participant& participant, dds::DataSignal* signal, bool secured)
+    : parameter_writer(participant, 0, signal),
+      transfer_writer(participant, 0, signal),
+      command_writer(participant, 0, signal),
+      cancel_writer(participant, 0, signal),
+      parameter_reader(participant, signal),
+      transfer_reader(participant, signal),
+      progress_reader(participant, signal),
+      command_reader(participant, signal) {
+  if (secured) engineer_writer.emplace(participant, dds::kEngineerCommandTopic, signal);
+}
+
 Link::Link(const Options& options)
     : options_(options), identity_(random_identity()), participant_(participant_options(options)) {
   gateway_.set_first_look([this](const GatewayStatus& status, dds_instance_handle_t writer) {
     heard_.push_back({writer, dds::daemon_of(status)});
   });
-  if (!options.security.empty()) engineer_writer_.emplace(participant_, dds::kEngineerCommandTopic, &signal_);
+  if (options.requests) requests_.emplace(participant_, &signal_, !options.security.empty());
 }
 
 Link::~Link() {
@@ -50,7 +65,7 @@ Link::~Link() {
 void Link::connect(std::chrono::milliseconds wait) {
   // These come through the readers that are announced last: when the daemon has sent both here, it knows
   // every reply reader too, and no reply can get lost.
-  open<MasterStatus>();
+  if (requests_) open<MasterStatus>();
   open<GatewayStatus>();
   receiver_ = std::thread([this] { receive(); });
   using Clock = std::chrono::steady_clock;
@@ -163,14 +178,16 @@ Validity Link::validity(MappingBytes* mapping) const {
 
 std::string Link::not_found(std::chrono::milliseconds waited) const {
   const std::string place = fmt::format("looked for {} on {}", waited, participant_.place());
-  const std::vector<MasterStatus> master = master_.known();
-  if (!master.empty() && gateway_.known().empty() && master.front().data_model < gateway_DATA_MODEL) {
-    return fmt::format(
-        "the daemon of bus {} has data model {}, this program {}: the two do not understand each other ({}); update "
-        "cansyncd, or use a program of its version",
-        options_.bus, master.front().data_model, gateway_DATA_MODEL, place);
-  }
   const auto wrong = dds::find_incompatible(participant_, participant_.type_mismatches() != 0, 1);
+  const bool nobody = gateway_.matched().empty();
+  const bool older_types =
+      !wrong.empty() && wrong.front().policy == "type" && wrong.front().topic == "MasterStatus";
+  if (nobody && (older_types || !master_.matched().empty())) {
+    return fmt::format(
+        "the daemon of bus {} has data model 6 or older, this program {}: the two do not understand each other ({}); "
+        "update cansyncd, or use a program of its version",
+        options_.bus, gateway_DATA_MODEL, place);
+  }
   if (!wrong.empty()) {
     return fmt::format(
         "no usable daemon found: {}; {}; {}", place, to_string(wrong.front()),
@@ -180,23 +197,35 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
                           options_.final_types ? "final" : "appendable")
             : "has the other program the version of this one?");
   }
-  if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0 && !options_.security.empty()) {
+  if (nobody && !options_.security.empty()) {
     return fmt::format(
         "no daemon found: {}, with DDS Security as {}; is cansyncd running for bus {} with dds.security set, "
         "and an identity of the same authority?",
         place, dds::security_subject(options_.security), options_.bus);
   }
-  if (parameter_reader_.matched() == 0 && parameter_writer_.matched() == 0) {
+  if (nobody) {
     return fmt::format(
         "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the same "
         "domain and interface in its [dds] section? A daemon with DDS Security is not seen without an "
         "identity (--security)",
         place, options_.bus, options_.bus);
   }
+  return fmt::format("no usable daemon found: {}; one is there, but {}", place,
+                     other_protocol().empty()
+                         ? "its topics do not all match: has it the same version as this program?"
+                         : other_protocol());
+}
+
+std::string Link::not_told(std::string_view topic) const {
   return fmt::format(
-      "no usable daemon found: {}; one is there, but its topics do not all match: has it the same version as "
-      "this program?",
-      place);
+      "the daemon has told no {} ({}): {}", topic, participant_.place(),
+      other_protocol().empty() ? "has it the same version as this program?" : other_protocol());
+}
+
+std::string Link::other_protocol() const {
+  const std::vector<GatewayStatus> known = gateway_.known();
+  if (known.empty() || text(known.front().protocol) == kProtocol) return {};
+  return fmt::format("it speaks {} on this bus, not {}", text(known.front().protocol), kProtocol);
 }
 
 std::string Link::not_permitted(std::string_view topic) const {
@@ -207,13 +236,16 @@ std::string Link::not_permitted(std::string_view topic) const {
 }
 
 bool Link::everything_matched(std::size_t daemons) const {
+  if (gateway_.heard() < daemons) return false;
+  if (!requests_) return true;
   const auto heard_by = [&](const auto& reader) { return reader.matched() >= daemons; };
   // What the identity may not write will never be matched.
   const auto hear = [&](const auto& writer) { return !writer.permitted() || writer.matched() >= daemons; };
-  return hear(parameter_writer_) && hear(transfer_writer_) && hear(command_writer_) && hear(cancel_writer_) &&
-         (!engineer_writer_ || hear(*engineer_writer_)) && heard_by(parameter_reader_) &&
-         heard_by(transfer_reader_) && heard_by(command_reader_) && master_.heard() >= daemons &&
-         gateway_.heard() >= daemons;
+  const Requests& all = *requests_;
+  return hear(all.parameter_writer) && hear(all.transfer_writer) && hear(all.command_writer) &&
+         hear(all.cancel_writer) && (!all.engineer_writer || hear(*all.engineer_writer)) &&
+         heard_by(all.parameter_reader) && heard_by(all.transfer_reader) && heard_by(all.command_reader) &&
+         master_.heard() >= daemons;
 }
 
 std::vector<Link::Place> Link::matched_places(dds_entity_t reader) {
@@ -268,11 +300,10 @@ void Link::receive() {
     (void)signal_.wait(period);
     signal_.clear();
     // Looked at before the replies: what a daemon wrote before it left is taken first.
-    const std::vector<Place> alive = matched_places(parameter_reader_.handle());
     std::vector<Place> there = matched_places(gateway_.reader());
+    const std::vector<Place> alive = requests_ ? matched_places(requests_->parameter_reader.handle()) : there;
     there.insert(there.end(), alive.begin(), alive.end());
-    take_progress();
-    take_replies();
+    if (requests_) take_replies();
     dispatch_feeds();
     choose_daemon(there);
     end_lost_jobs();
@@ -315,6 +346,8 @@ void Link::end_overdue_jobs() {
 
 void Link::dispatch_feeds() {
   gateway_.dispatch();
+  bus_.dispatch();
+  realtime_.dispatch();
   master_.dispatch();
   slaves_.dispatch();
   actual_.dispatch();

@@ -78,6 +78,9 @@ class Link : public std::enable_shared_from_this<Link> {
   /// The feed with its reader open.
   template <class T>
   Feed<T>& open();
+  /// The newest sample of a topic without keys; waits for the first. Throws NoDaemon.
+  template <class T>
+  T first(std::string_view topic);
   template <class T>
   Subscription subscribe(std::function<void(const T&)> callback);
 
@@ -88,6 +91,21 @@ class Link : public std::enable_shared_from_this<Link> {
   struct Heard {
     dds_instance_handle_t writer;
     dds::DaemonIdentity daemon;
+  };
+
+  /// Requests out, replies in.
+  struct Requests {
+    Requests(const dds::Participant& participant, dds::DataSignal* signal, bool secured);
+
+    dds::Writer<cansync_ParameterRequest> parameter_writer;
+    dds::Writer<cansync_TransferRequest> transfer_writer;
+    dds::Writer<cansync_Command> command_writer;
+    dds::Writer<gateway_JobCancel> cancel_writer;
+    std::optional<dds::Writer<cansync_Command>> engineer_writer;  ///< with DDS Security on
+    dds::Reader<cansync_ParameterReply> parameter_reader;
+    dds::Reader<cansync_TransferReply> transfer_reader;
+    dds::Reader<cansync_TransferProgress> progress_reader;
+    dds::Reader<cansync_CommandReply> command_reader;
   };
 
   /// A new job; ended already when too many are open.
@@ -129,24 +147,20 @@ class Link : public std::enable_shared_from_this<Link> {
   /// True when all of so many daemons hear what is written on every topic, and have been heard.
   bool everything_matched(std::size_t daemons) const;
   std::string not_found(std::chrono::milliseconds waited) const;
+  std::string not_told(std::string_view topic) const;
+  std::string other_protocol() const;
 
   Options options_;
   Identity identity_;
   dds::Participant participant_;
   dds::DataSignal signal_;
 
-  dds::Writer<cansync_ParameterRequest> parameter_writer_{participant_, 0, &signal_};
-  dds::Writer<cansync_TransferRequest> transfer_writer_{participant_, 0, &signal_};
-  dds::Writer<cansync_Command> command_writer_{participant_, 0, &signal_};
-  dds::Writer<gateway_JobCancel> cancel_writer_{participant_, 0, &signal_};
-  std::optional<dds::Writer<cansync_Command>> engineer_writer_;  // with DDS Security on
-  dds::Reader<cansync_ParameterReply> parameter_reader_{participant_, &signal_};
-  dds::Reader<cansync_TransferReply> transfer_reader_{participant_, &signal_};
-  dds::Reader<cansync_TransferProgress> progress_reader_{participant_, &signal_};
-  dds::Reader<cansync_CommandReply> command_reader_{participant_, &signal_};
+  std::optional<Requests> requests_;  ///< nothing: this client only looks
 
   SettingsBook settings_;
   Feed<GatewayStatus> gateway_;
+  Feed<BusStatus> bus_;
+  Feed<RealtimeStatus> realtime_;
   Feed<MasterStatus> master_;
   Feed<SlaveStatus> slaves_;
   Feed<ActualValues> actual_;
@@ -180,6 +194,14 @@ inline Feed<GatewayStatus>& Link::feed() {
   return gateway_;
 }
 template <>
+inline Feed<BusStatus>& Link::feed() {
+  return bus_;
+}
+template <>
+inline Feed<RealtimeStatus>& Link::feed() {
+  return realtime_;
+}
+template <>
 inline Feed<MasterStatus>& Link::feed() {
   return master_;
 }
@@ -208,6 +230,18 @@ template <class T>
 Feed<T>& Link::open() {
   feed<T>().open(participant_, signal_);
   return feed<T>();
+}
+
+template <class T>
+T Link::first(std::string_view topic) {
+  constexpr std::chrono::milliseconds kFirst(2000);
+  std::vector<T> newest;
+  (void)open<T>().wait(kFirst, [&newest](const std::vector<T>& known) {
+    newest = known;
+    return !newest.empty();
+  });
+  if (newest.empty()) throw NoDaemon(not_told(topic));
+  return newest.front();
 }
 
 template <class T>

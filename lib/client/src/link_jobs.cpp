@@ -131,6 +131,11 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::millise
   state->monitoring = monitoring;
   state->grace = options_.grace;
   state->since = std::chrono::steady_clock::now();
+  if (!requests_) {
+    state->refuse(RefusalCause::right,
+                  "this client only looks (Options::requests is false); nothing was sent");
+    return state;
+  }
   const std::lock_guard lock(mutex_);
   const std::size_t open = parameter_jobs_.size() + transfer_jobs_.size() + command_jobs_.size();
   if (open >= kOpenRequests) {
@@ -186,6 +191,7 @@ void Link::send(dds::Writer<Request>& writer, std::string_view topic, const Requ
 
 std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& request) {
   auto state = begin(parameter_jobs_, monitoring(request.timeout_ms, &MasterStatus::parameter_timeout));
+  if (state->ended()) return state;
   cansync_ParameterRequest sample = {};
   address(sample, *state);
   sample.write = request.write;
@@ -196,12 +202,13 @@ std::shared_ptr<JobState<ParameterReply>> Link::submit(const ParameterRequest& r
   sample.format = format_of(request.format);
   sample.value = request.value;
   sample.timeout = request.timeout_ms;
-  send(parameter_writer_, "ParameterRequest", sample, parameter_jobs_, *state);
+  send(requests_->parameter_writer, "ParameterRequest", sample, parameter_jobs_, *state);
   return state;
 }
 
 std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& request) {
   auto state = begin(transfer_jobs_, monitoring(request.timeout_ms, &MasterStatus::transfer_timeout));
+  if (state->ended()) return state;
   if (request.data.size() > cansync_MAXIMUM_TRANSFER) {
     const std::lock_guard lock(mutex_);
     transfer_jobs_.remove(state->request);
@@ -224,18 +231,19 @@ std::shared_ptr<JobState<TransferReply>> Link::submit(const TransferRequest& req
   }
   sample.block_size = request.block_size;
   sample.timeout = request.timeout_ms;
-  send(transfer_writer_, "TransferRequest", sample, transfer_jobs_, *state);
+  send(requests_->transfer_writer, "TransferRequest", sample, transfer_jobs_, *state);
   return state;
 }
 
 std::shared_ptr<JobState<CommandReply>> Link::submit(cansync_Command command) {
   auto state = begin(command_jobs_,
                      std::max(kCommandTime, monitoring(command.timeout, &MasterStatus::command_timeout)));
+  if (state->ended()) return state;
   address(command, *state);
-  if (engineer_writer_ && dds::for_engineers(command.kind))
-    send(*engineer_writer_, dds::kEngineerCommandTopic.name, command, command_jobs_, *state);
+  if (requests_->engineer_writer && dds::for_engineers(command.kind))
+    send(*requests_->engineer_writer, dds::kEngineerCommandTopic.name, command, command_jobs_, *state);
   else
-    send(command_writer_, "Command", command, command_jobs_, *state);
+    send(requests_->command_writer, "Command", command, command_jobs_, *state);
   return state;
 }
 
@@ -253,11 +261,11 @@ bool Link::cancel(std::uint64_t request) {
   }
   std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
   sample.request = request;
-  return cancel_writer_.write(sample) == DDS_RETCODE_OK;
+  return requests_ && requests_->cancel_writer.write(sample) == DDS_RETCODE_OK;
 }
 
 void Link::take_progress() {
-  (void)progress_reader_.take([&](const cansync_TransferProgress& sample) {
+  (void)requests_->progress_reader.take([&](const cansync_TransferProgress& sample) {
     if (!mine(sample)) return;
     std::shared_ptr<JobState<TransferReply>> job;
     {
@@ -279,7 +287,7 @@ void Link::take_progress() {
 
 void Link::take_command_replies() {
   std::vector<std::pair<std::shared_ptr<JobState<CommandReply>>, CommandReply>> ended;
-  (void)command_reader_.take([&](const cansync_CommandReply& sample) {
+  (void)requests_->command_reader.take([&](const cansync_CommandReply& sample) {
     if (!mine(sample)) return;
     const std::lock_guard lock(mutex_);
     if (auto job = command_jobs_.remove(sample.request)) ended.emplace_back(std::move(job), reply_of(sample));
@@ -292,7 +300,7 @@ void Link::take_command_replies() {
 
 void Link::take_transfer_replies() {
   std::vector<std::pair<std::shared_ptr<JobState<TransferReply>>, TransferReply>> ended;
-  (void)transfer_reader_.take([&](const cansync_TransferReply& sample) {
+  (void)requests_->transfer_reader.take([&](const cansync_TransferReply& sample) {
     if (!mine(sample)) return;
     const std::lock_guard lock(mutex_);
     if (auto job = transfer_jobs_.find(sample.request)) ended.emplace_back(std::move(job), reply_of(sample));
@@ -309,7 +317,8 @@ void Link::take_transfer_replies() {
 }
 
 void Link::take_replies() {
-  (void)parameter_reader_.take([&](const cansync_ParameterReply& sample) {
+  take_progress();
+  (void)requests_->parameter_reader.take([&](const cansync_ParameterReply& sample) {
     if (!mine(sample)) return;
     std::unique_lock lock(mutex_);
     const auto job = parameter_jobs_.remove(sample.request);

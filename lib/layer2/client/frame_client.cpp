@@ -209,12 +209,12 @@ bool FrameClient::receive(milliseconds time, const std::function<void(const laye
   }
 }
 
-std::optional<layer2_BusStatus> FrameClient::status(milliseconds time) {
+std::optional<layer2_FrameStatus> FrameClient::status(milliseconds time) {
   const auto end = steady_clock::now() + time;
   while (true) {
     signal_.clear();
     (void)take_reply(kNobodysRequest);
-    status_.take([this](const layer2_BusStatus& sample) { newest_ = sample; });
+    status_.take([this](const layer2_FrameStatus& sample) { newest_ = sample; });
     if (newest_ || stopped() || !daemon_present() || steady_clock::now() >= end) return newest_;
     (void)signal_.wait(static_cast<int>(kLook.count()));
   }

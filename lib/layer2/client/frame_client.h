@@ -73,8 +73,8 @@ class FrameClient {
   /// here.
   const gateway_GatewayStatus& gateway_status() const noexcept { return *gateway_newest_; }
 
-  /// What the daemon told last of the bus, waiting at most `time` for the first; nothing: none came.
-  std::optional<layer2_BusStatus> status(std::chrono::milliseconds time);
+  /// What the daemon told last of its frames, waiting at most `time` for the first; nothing: none came.
+  std::optional<layer2_FrameStatus> status(std::chrono::milliseconds time);
 
   /// A daemon serves the bus now.
   bool daemon_present() const noexcept { return replies_.matched() != 0; }
@@ -99,13 +99,13 @@ class FrameClient {
   gateway::dds::DataSignal signal_;
   gateway::dds::Reader<layer2_SendReply> replies_;
   gateway::dds::Reader<layer2_FrameBatch> batches_;
-  gateway::dds::Reader<layer2_BusStatus> status_;
+  gateway::dds::Reader<layer2_FrameStatus> status_;
   gateway::dds::Reader<gateway_GatewayStatus> gateway_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
   gateway::dds::DaemonChoice choice_;  ///< a place is the writer of a status
   std::uint64_t number_ = 0;           ///< of the last request
-  std::optional<layer2_BusStatus> newest_;
+  std::optional<layer2_FrameStatus> newest_;
   std::optional<gateway_GatewayStatus> gateway_newest_;  ///< there once it is constructed
 };
 

@@ -26,8 +26,8 @@ template <>
 inline constexpr TopicInfo topic_info<layer2_SendReply> = {
     "SendReply", &layer2_SendReply_desc, kFromDaemon, kind::reply(4096, 2048), &layer2_SendReply_final_desc};
 template <>
-inline constexpr TopicInfo topic_info<layer2_BusStatus> = {"BusStatus", &layer2_BusStatus_desc, kFromDaemon,
-                                                           kind::state(), &layer2_BusStatus_final_desc};
+inline constexpr TopicInfo topic_info<layer2_FrameStatus> = {
+    "FrameStatus", &layer2_FrameStatus_desc, kFromDaemon, kind::state(), &layer2_FrameStatus_final_desc};
 
 }  // namespace gateway::dds
 

@@ -304,7 +304,6 @@ TEST(State, MasterStatus) {
   fill_master_status(settings, counters, State::active_master, sample);
   EXPECT_EQ(sample.option_status, 0x0080);
   EXPECT_EQ(text(sample.state), name(State::active_master));
-  EXPECT_EQ(sample.bit_rate, 500'000u);
   EXPECT_EQ(sample.interval_length, 2'000'000u);
   EXPECT_EQ(sample.interval, 5u);  // not of the master's settings: stays
   EXPECT_EQ(sample.slaves_configured, 8u);

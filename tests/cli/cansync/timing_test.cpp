@@ -10,12 +10,8 @@
 namespace cansync::cli {
 namespace {
 
-client::MasterStatus status() {
-  client::MasterStatus status = {};
-  std::snprintf(status.bus, sizeof status.bus, "%s", "press<1>&co");
-  status.bit_rate = 1'000'000;
-  status.interval_length = 1'000'000;
-  return status;
+LineFacts line() {
+  return {"press<1>&co", 1'000'000, 1'000'000};
 }
 
 /// A sample in which every slot was seen once in each interval.
@@ -46,7 +42,7 @@ client::Timing sample(std::uint32_t seconds) {
 }
 
 TimingReport since_the_start(const client::Timing& timing) {
-  return timing_report(std::span(&timing, 1), nullptr, status());
+  return timing_report(std::span(&timing, 1), nullptr, line());
 }
 
 TEST(TimingReport, WithoutASampleBeforeCountsAreThoseSinceTheStart) {
@@ -67,7 +63,7 @@ TEST(TimingReport, OfSomeSecondsCountsAreDifferencesAndStartsAreMerged) {
   samples[1].slot[0].count = 0;  // nothing seen: its zeros mean nothing
   samples[1].slot[0].earliest = 0;
   samples[0].slot[1].count = 500;
-  const TimingReport report = timing_report(samples, &before, status());
+  const TimingReport report = timing_report(samples, &before, line());
   EXPECT_EQ(report.seconds, 2u);
   EXPECT_EQ(report.intervals, 2000u);
   EXPECT_EQ(report.missed_syncs, 4u);
@@ -91,7 +87,7 @@ TEST(TimingReport, CountersThatWrappedAreStillDifferences) {
   client::Timing after = sample(2);
   before.lateness_histogram[5] = 0xFFFFFFF0u;
   after.lateness_histogram[5] = 0x10;
-  EXPECT_EQ(timing_report(std::span(&after, 1), &before, status()).histogram[5], 0x20u);
+  EXPECT_EQ(timing_report(std::span(&after, 1), &before, line()).histogram[5], 0x20u);
 }
 
 TEST(Percentile, IsTheUpperBoundOfItsBucket) {

@@ -23,7 +23,7 @@ WaitLook look(std::uint32_t wanted, std::uint16_t option_status = 0x0080,
   WaitLook now;
   now.wanted = wanted;
   now.master.option_status = option_status;
-  std::snprintf(now.master.controller_state, sizeof now.master.controller_state, "%s", controller);
+  now.controller = controller;
   now.slaves = {slave(0, "released", true, true), slave(1, "held", true, true),
                 slave(2, "lost", false, false)};
   return now;

@@ -108,24 +108,24 @@ DoctorInput healthy() {
   in.link.one_shot = true;
   in.link.echoes = true;
   in.link.has_counters = true;
-  client::MasterStatus status = {};
-  put(status.bus, "can0");
-  put(status.state, "active");
-  put(status.version, "1.2.3");
-  put(status.controller_state, "error-active");
-  put(status.bus_interface, "can0");
-  put(status.dds_interface, "lo");
-  put(status.link_state, "up");
-  put(status.timestamp_source, "hardware");
-  put(status.sync_output, "gpio");
-  put(status.sync_input, "pps");
-  put(status.sync_state, "locked");
-  status.data_model = 4;
-  status.bit_rate = 500'000;
-  status.sample_point_wanted = 600;
-  status.realtime_priority = status.realtime_priority_wanted = 60;
-  status.realtime_cpu = status.realtime_cpu_wanted = 2;
-  status.memory_locked = status.memory_lock_wanted = status.cpu_held_awake = true;
+  DaemonStatus status = {{}, {}, {}, client::MasterStatus{}};
+  put(status.gateway.bus, "can0");
+  put(status.master->state, "active");
+  put(status.gateway.version, "1.2.3");
+  put(status.bus.controller_state, "error-active");
+  put(status.bus.bus_interface, "can0");
+  put(status.gateway.dds_interface, "lo");
+  put(status.bus.link_state, "up");
+  put(status.bus.timestamp_source, "hardware");
+  put(status.realtime.sync_output, "gpio");
+  put(status.realtime.sync_input, "pps");
+  put(status.realtime.sync_state, "locked");
+  status.gateway.data_model = 4;
+  status.bus.bit_rate = 500'000;
+  status.bus.sample_point_wanted = 600;
+  status.realtime.realtime_priority = status.realtime.realtime_priority_wanted = 60;
+  status.realtime.realtime_cpu = status.realtime.realtime_cpu_wanted = 2;
+  status.realtime.memory_locked = status.realtime.memory_lock_wanted = status.realtime.cpu_held_awake = true;
   in.status = status;
   return in;
 }
@@ -172,7 +172,7 @@ using In = DoctorInput;
 INSTANTIATE_TEST_SUITE_P(
     All, OneFault,
     testing::Values(
-        Fault{"version", Level::warning, [](In& in) { put(in.status->version, "1.2.2"); },
+        Fault{"version", Level::warning, [](In& in) { put(in.status->gateway.version, "1.2.2"); },
               "cansyncd 1.2.2, but cansync 1.2.3", "systemctl restart"},
         Fault{
             "dds_incompatible", Level::error,
@@ -182,10 +182,10 @@ INSTANTIATE_TEST_SUITE_P(
             },
             "2 programs on this bus's topics can neither hear the daemon nor be heard; the newest: a writer of",
             "Other DDS implementations"},
-        Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 3; },
+        Fault{"data model", Level::warning, [](In& in) { in.status->gateway.data_model = 3; },
               "the daemon has number 3", "update cansyncd"},
-        Fault{"data model", Level::warning, [](In& in) { in.status->data_model = 5; }, "this program 4",
-              "update cansync"},
+        Fault{"data model", Level::warning, [](In& in) { in.status->gateway.data_model = 5; },
+              "this program 4", "update cansync"},
         Fault{"interface", Level::error, [](In& in) { in.link = {}; }, "no such interface",
               "ip -br link show type can"},
         Fault{"interface", Level::error, [](In& in) { in.link.is_can = false; }, "no CAN interface",
@@ -207,7 +207,7 @@ INSTANTIATE_TEST_SUITE_P(
               "ip -details link show can0"},
         Fault{"sample point", Level::warning, [](In& in) { in.link.timing->sample_point = 875; },
               "0.875 instead of 0.600", "ip link set can0 type can bitrate 500000 sample-point 0.600"},
-        Fault{"sample point", Level::warning, [](In& in) { in.status->sample_point_wanted = 875; },
+        Fault{"sample point", Level::warning, [](In& in) { in.status->bus.sample_point_wanted = 875; },
               "0.600 instead of 0.875", "sample-point 0.875"},
         Fault{"restart-ms", Level::warning, [](In& in) { in.link.restart_ms = 0; }, "stays silent",
               "down && ip link set can0 type can restart-ms 100 && ip link set can0 up"},
@@ -215,67 +215,69 @@ INSTANTIATE_TEST_SUITE_P(
               "type can one-shot on && ip link set can0 up   (with systemd-networkd: OneShot=yes in [CAN])"},
         Fault{"echo", Level::warning, [](In& in) { in.link.echoes = false; }, "does not tell",
               "another adapter"},
-        Fault{"controller", Level::error, [](In& in) { put(in.status->link_state, "unacknowledged"); },
+        Fault{"controller", Level::error, [](In& in) { put(in.status->bus.link_state, "unacknowledged"); },
               "nobody on the bus acknowledges", "120 ohm"},
-        Fault{"controller", Level::error, [](In& in) { put(in.status->link_state, "not-emptied"); },
+        Fault{"controller", Level::error, [](In& in) { put(in.status->bus.link_state, "not-emptied"); },
               "cannot be reset", "ip link set can0 down && ip link set can0 up"},
         Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1000; }, "1000 frames",
               "ip link set can0 txqueuelen 10"},
         Fault{"txqueuelen", Level::warning, [](In& in) { in.link.queue_length = 1; }, "do not fit",
               "txqueuelen 10"},
-        Fault{"controller", Level::error, [](In& in) { put(in.status->controller_state, "bus-off"); },
+        Fault{"controller", Level::error, [](In& in) { put(in.status->bus.controller_state, "bus-off"); },
               "bus-off", "cansync mode reset-can"},
-        Fault{"controller", Level::warning, [](In& in) { put(in.status->controller_state, "error-passive"); },
-              "error-passive", "120 ohm"},
-        Fault{"error counters", Level::warning, [](In& in) { in.status->transmit_errors = 8; }, "8 transmit",
-              "ip -details -statistics link show can0"},
-        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->timestamp_source, "thread"); },
+        Fault{"controller", Level::warning,
+              [](In& in) { put(in.status->bus.controller_state, "error-passive"); }, "error-passive",
+              "120 ohm"},
+        Fault{"error counters", Level::warning, [](In& in) { in.status->bus.transmit_errors = 8; },
+              "8 transmit", "ip -details -statistics link show can0"},
+        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->bus.timestamp_source, "thread"); },
               "realtime thread", "ethtool -T can0"},
-        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->timestamp_source, ""); }, "not told",
-              "update cansyncd"},
-        Fault{"SYNC", Level::warning, [](In& in) { put(in.status->sync_state, "holdover"); },
+        Fault{"time stamps", Level::warning, [](In& in) { put(in.status->bus.timestamp_source, ""); },
+              "not told", "update cansyncd"},
+        Fault{"SYNC", Level::warning, [](In& in) { put(in.status->realtime.sync_state, "holdover"); },
               "edges of the input pps are missing", "cansync events"},
-        Fault{"SYNC", Level::error, [](In& in) { put(in.status->sync_state, "lost"); }, "input pps: lost",
-              "cansync events"},
+        Fault{"SYNC", Level::error, [](In& in) { put(in.status->realtime.sync_state, "lost"); },
+              "input pps: lost", "cansync events"},
         Fault{"SYNC", Level::warning,
               [](In& in) {
-                put(in.status->sync_output, "none");
-                put(in.status->sync_state, "");
+                put(in.status->realtime.sync_output, "none");
+                put(in.status->realtime.sync_state, "");
               },
               "put out nowhere", "sync.output"},
-        Fault{"controller", Level::error, [](In& in) { put(in.status->controller_state, "stopped"); },
+        Fault{"controller", Level::error, [](In& in) { put(in.status->bus.controller_state, "stopped"); },
               "stopped", "ip link set can0 up"},
         Fault{"second master", Level::error,
               [](In& in) {
-                in.status->second_master = true;
-                in.status->second_master_frames = 12;
+                in.status->master->second_master = true;
+                in.status->master->second_master_frames = 12;
               },
               "sends on this bus: 12 frames", "switch the other master off"},
-        Fault{"second master", Level::warning, [](In& in) { in.status->second_master_frames = 12; },
+        Fault{"second master", Level::warning, [](In& in) { in.status->master->second_master_frames = 12; },
               "has sent 12 frames", "switch the other master off"}),
     [](const auto& test) { return "Bus" + std::to_string(test.index); });
 
 INSTANTIATE_TEST_SUITE_P(
     Machine, OneFault,
-    testing::Values(Fault{"priority", Level::warning, [](In& in) { in.status->realtime_priority = 0; },
-                          "SCHED_FIFO 60 was not granted", "LimitRTPRIO=60"},
-                    Fault{"locked memory", Level::warning, [](In& in) { in.status->memory_locked = false; },
-                          "not granted", "LimitMEMLOCK=infinity"},
-                    Fault{"isolated", Level::warning, [](In& in) { in.machine.isolated = "3"; },
-                          "processor 2 is shared", "isolcpus=2"},
-                    Fault{"isolated", Level::warning,
-                          [](In& in) { in.status->realtime_cpu = in.status->realtime_cpu_wanted = -1; },
-                          "not bound", "realtime.cpu = 2"},
-                    Fault{"processor", Level::warning, [](In& in) { in.status->realtime_cpu = -1; },
-                          "2 was not granted", "realtime.cpu"},
-                    Fault{"idle states", Level::warning, [](In& in) { in.status->cpu_held_awake = false; },
-                          "C6 takes 133 us", "60-cansyncd.rules"},
-                    Fault{"kernel", Level::warning, [](In& in) { in.machine.preemption = "PREEMPT_DYNAMIC"; },
-                          "PREEMPT_DYNAMIC", "linux-image-rt-amd64"},
-                    Fault{"DDS", Level::warning, [](In& in) { put(in.status->dds_interface, "eth0"); },
-                          "eth0", "dds.interface"},
-                    Fault{"DDS", Level::warning, [](In& in) { put(in.status->dds_interface, ""); },
-                          "dds.xml, DDS Security off", "docs/security.md"}),
+    testing::Values(
+        Fault{"priority", Level::warning, [](In& in) { in.status->realtime.realtime_priority = 0; },
+              "SCHED_FIFO 60 was not granted", "LimitRTPRIO=60"},
+        Fault{"locked memory", Level::warning, [](In& in) { in.status->realtime.memory_locked = false; },
+              "not granted", "LimitMEMLOCK=infinity"},
+        Fault{"isolated", Level::warning, [](In& in) { in.machine.isolated = "3"; }, "processor 2 is shared",
+              "isolcpus=2"},
+        Fault{"isolated", Level::warning,
+              [](In& in) { in.status->realtime.realtime_cpu = in.status->realtime.realtime_cpu_wanted = -1; },
+              "not bound", "realtime.cpu = 2"},
+        Fault{"processor", Level::warning, [](In& in) { in.status->realtime.realtime_cpu = -1; },
+              "2 was not granted", "realtime.cpu"},
+        Fault{"idle states", Level::warning, [](In& in) { in.status->realtime.cpu_held_awake = false; },
+              "C6 takes 133 us", "60-cansyncd.rules"},
+        Fault{"kernel", Level::warning, [](In& in) { in.machine.preemption = "PREEMPT_DYNAMIC"; },
+              "PREEMPT_DYNAMIC", "linux-image-rt-amd64"},
+        Fault{"DDS", Level::warning, [](In& in) { put(in.status->gateway.dds_interface, "eth0"); }, "eth0",
+              "dds.interface"},
+        Fault{"DDS", Level::warning, [](In& in) { put(in.status->gateway.dds_interface, ""); },
+              "dds.xml, DDS Security off", "docs/security.md"}),
     [](const auto& test) { return "Machine" + std::to_string(test.index); });
 
 /// What is found of `topic`; nothing when it is not looked at.
@@ -287,8 +289,8 @@ const Finding* find(const std::vector<Finding>& findings, std::string_view topic
 
 TEST(Doctor, WithDdsSecurityAnotherInterfaceIsNoFault) {
   DoctorInput in = healthy();
-  put(in.status->dds_interface, "eth0");
-  in.status->secured = true;
+  put(in.status->gateway.dds_interface, "eth0");
+  in.status->gateway.secured = true;
   const auto findings = diagnose(in);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
   EXPECT_NE(find(findings, "DDS")->found.find("eth0, DDS Security on"), std::string::npos);
@@ -337,7 +339,7 @@ TEST(Doctor, ASamplePointAsNearAsAControllerComesIsWell) {
 
 TEST(Doctor, AnOlderDaemonLeavesTheSamplePointsOfBothFamilies) {
   DoctorInput in = healthy();
-  in.status->sample_point_wanted = 0;
+  in.status->bus.sample_point_wanted = 0;
   for (const std::uint16_t point : {std::uint16_t{600}, std::uint16_t{875}}) {
     in.link.timing->sample_point = point;
     EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::ok) << point;
@@ -345,7 +347,7 @@ TEST(Doctor, AnOlderDaemonLeavesTheSamplePointsOfBothFamilies) {
   in.link.timing->sample_point = 750;
   EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::warning);
   // The Omega Drive-Line II has no 1 Mbit/s.
-  in.status->bit_rate = in.link.timing->bits_per_second = 1'000'000;
+  in.status->bus.bit_rate = in.link.timing->bits_per_second = 1'000'000;
   in.link.timing->sample_point = 875;
   EXPECT_EQ(find(diagnose(in), "sample point")->level, Level::warning);
 }

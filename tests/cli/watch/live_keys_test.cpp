@@ -31,7 +31,7 @@ TEST_F(LiveKeys, SortGoesThroughEveryOrder) {
   for (WatchRow& row : rig.rows)
     if (row.values) row.values->scaled[0] = -row.status.slave;
   rig.rows[3].shown = 0;
-  rig.model.look(rig.status, rig.rows, kNoon);
+  rig.model.look(rig.facts, rig.status, rig.rows, kNoon);
   EXPECT_EQ(order(), (std::vector<unsigned>{0, 1, 2, 3}));
   type("s");
   EXPECT_EQ(order(), (std::vector<unsigned>{1, 3, 2, 0})) << "by name";

@@ -24,9 +24,6 @@ class LiveRig {
     status.slaves_configured = (1u << names.size()) - 1;
     status.slaves_synchronized = status.slaves_configured;
     status.slaves_released = status.slaves_configured;
-    status.bit_rate = 1'000'000;
-    status.interval_length = 1'000'000;
-    put(status.bus, "press");
     put(status.state, "active");
     for (std::size_t i = 0; i < names.size(); ++i)
       rows.push_back(row(static_cast<std::uint8_t>(i), names[i]));
@@ -40,7 +37,7 @@ class LiveRig {
           static_cast<std::uint32_t>(static_cast<std::int32_t>(row.values->scaled[0] * 1000));
     }
     now += 500'000'000;
-    model.look(status, rows, now);
+    model.look(facts, status, rows, now);
   }
 
   /// The screen's lines as text, without spaces at their ends.
@@ -55,6 +52,7 @@ class LiveRig {
     return out;
   }
 
+  LineFacts facts = {"press", 1'000'000, 1'000'000};
   client::MasterStatus status = {};
   std::vector<WatchRow> rows;
   LiveModel model;

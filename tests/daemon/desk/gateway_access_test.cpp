@@ -134,7 +134,7 @@ TEST(ReadOnly, ReferenceValuesAreRefusedWithOneEventAndStatusTellsWhy) {
   ASSERT_TRUE(refused);
   EXPECT_NE(std::string_view(refused->text).find("access.read_only"), std::string_view::npos);
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
-  EXPECT_TRUE(rig.client.wait_for<cansync_MasterStatus>([](const auto& s) { return s.read_only; }));
+  EXPECT_TRUE(rig.client.wait_for<gateway_GatewayStatus>([](const auto& s) { return s.read_only; }));
 }
 
 TEST(ReadOnly, SwitchedOnByReloadItWithdrawsReferenceValuesAndSwitchedOffItTakesRequestsAgain) {
@@ -143,15 +143,15 @@ TEST(ReadOnly, SwitchedOnByReloadItWithdrawsReferenceValuesAndSwitchedOffItTakes
   // Both telegrams: values given before could be released for hours.
   EXPECT_EQ(rig.expect_request<StopRelease>().channel, cansync::Channel::one);
   EXPECT_EQ(rig.expect_request<StopRelease>().channel, cansync::Channel::two);
-  EXPECT_TRUE(rig.client.wait_for<cansync_MasterStatus>([](const auto& s) { return s.read_only; }));
+  EXPECT_TRUE(rig.client.wait_for<gateway_GatewayStatus>([](const auto& s) { return s.read_only; }));
   rig.client.write(parameter(1, true));
   const auto refused = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->code, gateway_REPLY_REFUSED);
 
-  rig.client.all<cansync_MasterStatus>().clear();
+  rig.client.all<gateway_GatewayStatus>().clear();
   rig.gateway->reload(gateway_config());
-  EXPECT_TRUE(rig.client.wait_for<cansync_MasterStatus>([](const auto& s) { return !s.read_only; }));
+  EXPECT_TRUE(rig.client.wait_for<gateway_GatewayStatus>([](const auto& s) { return !s.read_only; }));
   rig.client.write(parameter(2, true));
   EXPECT_TRUE(rig.expect_request<cansync::ParameterRequest>().write);
 }

@@ -70,8 +70,8 @@ void expect_served(GatewayRig& rig, std::uint64_t number) {
   EXPECT_EQ(reply->code, gateway_REPLY_DONE);
 }
 
-bool eventually_rejected(GatewayRig& rig, const std::function<bool(const cansync_MasterStatus&)>& fits) {
-  return rig.client.wait_for<cansync_MasterStatus>(fits).has_value();
+bool eventually_rejected(GatewayRig& rig, const std::function<bool(const gateway_GatewayStatus&)>& fits) {
+  return rig.client.wait_for<gateway_GatewayStatus>(fits).has_value();
 }
 
 template <class Sample>

@@ -25,9 +25,9 @@ struct Other {
   TestClient client;
 };
 
-std::optional<cansync_MasterStatus> status_with(
-    GatewayRig& rig, const std::function<bool(const cansync_MasterStatus&)>& fits) {
-  return rig.client.wait_for<cansync_MasterStatus>(fits);
+std::optional<gateway_GatewayStatus> status_with(
+    GatewayRig& rig, const std::function<bool(const gateway_GatewayStatus&)>& fits) {
+  return rig.client.wait_for<gateway_GatewayStatus>(fits);
 }
 
 std::optional<gateway_Event> event(GatewayRig& rig, std::string_view code) {

@@ -156,7 +156,7 @@ void bus_off(Scene& scene) {
   destroyed.count = 500;
   (void)scene.rig.line().line().faults().add(destroyed);
   scene.rig.release();
-  ASSERT_TRUE(scene.rig.watch(
+  ASSERT_TRUE(scene.rig.watch_bus(
       [](const auto& status) { return std::string_view(status.controller_state) == "bus-off"; }));
   order(scene.rig, cansync_MODE_RESET_CAN);
 }

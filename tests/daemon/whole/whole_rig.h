@@ -129,6 +129,10 @@ class WholeRig {
     watcher_.client.all<cansync_MasterStatus>().clear();
     return watcher_.client.wait_for<cansync_MasterStatus>(fits).has_value();
   }
+  bool watch_bus(const std::function<bool(const gateway_BusStatus&)>& fits) {
+    watcher_.client.all<gateway_BusStatus>().clear();
+    return watcher_.client.wait_for<gateway_BusStatus>(fits).has_value();
+  }
   /// Waits for an event, also an earlier one.
   bool heard(std::string_view code) {
     return watcher_.client

@@ -2,7 +2,9 @@
 
 #include <array>
 
+#include "cli/cansync/status_lines.h"
 #include "cli/cansync/verbs.h"
+#include "cli/layer2/status_part.h"
 #include "cli/layer2/verbs.h"
 
 namespace cansync::cli {
@@ -10,6 +12,11 @@ namespace cansync::cli {
 std::span<const AddVerbs> protocol_verbs() noexcept {
   static constexpr std::array<AddVerbs, 2> kProtocols = {add_cansync_verbs, add_layer2_verbs};
   return kProtocols;
+}
+
+std::span<const StatusPart> protocol_status() noexcept {
+  static const std::array<StatusPart, 2> kParts = {kMasterStatusPart, kFrameStatusPart};
+  return kParts;
 }
 
 }  // namespace cansync::cli

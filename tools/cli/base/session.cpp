@@ -38,6 +38,7 @@ client::Options Session::options(std::chrono::milliseconds wait) const {
   options.security = globals_.security;
   options.final_types = globals_.final_types;
   options.wait = wait;
+  options.requests = !looks_;
   return options;
 }
 
@@ -46,10 +47,12 @@ client::Client& Session::client() {
   std::optional<client::Client>& client = connection_.client;
   // What a daemon that has gone told last would be taken for the present.
   if (client && fresh_ && !client->daemon_present()) client.reset();
+  if (client && connection_.looks && !looks_) client.reset();
   fresh_ = false;
   while (!client) {
     try {
       client = client::Client::connect(options(search_time()));
+      connection_.looks = looks_;
     } catch (const client::NoDaemon& error) {
       const Retry::Verdict verdict =
           interrupt_flag().load() ? Retry::Verdict::interrupted : retry_.failed(error.what());
@@ -64,10 +67,13 @@ client::Client& Session::client() {
 client::Client* Session::look_for_daemon(std::chrono::milliseconds wait) {
   if (purpose_ == Purpose::check) throw ArgumentsAreRight();
   std::optional<client::Client>& client = connection_.client;
-  if (client && !client->daemon_present()) client.reset();
+  if (client && (!client->daemon_present() || (connection_.looks && !looks_))) client.reset();
   fresh_ = false;
   try {
-    if (!client) client = client::Client::connect(options(wait));
+    if (!client) {
+      client = client::Client::connect(options(wait));
+      connection_.looks = looks_;
+    }
   } catch (const client::SeveralDaemons&) {
     throw;
   } catch (const client::NoDaemon&) {

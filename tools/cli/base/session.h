@@ -47,6 +47,7 @@ struct ArgumentsAreRight {};
 /// The connection of one or more sessions, made when it is first needed.
 struct Connection {
   std::optional<client::Client> client;
+  bool looks = false;  ///< it can ask for nothing
 };
 
 /// What a session does with a verb.
@@ -67,6 +68,10 @@ class Session {
   Connection& connection() noexcept { return connection_; }
   const std::string& bus() const noexcept { return globals_.bus; }
   const std::string& profiles() const noexcept { return globals_.profiles; }
+
+  /// The verb asks for nothing: a connection that is made from now on needs no more than to look, and finds
+  /// daemons of every protocol. Before `client`.
+  void look_only() noexcept { looks_ = true; }
 
   /// Connects when it is called first, or when the daemon of an earlier session has gone; tries again as long
   /// as
@@ -147,6 +152,7 @@ class Session {
   Connection& connection_;
   Purpose purpose_;
   Retry retry_;
+  bool looks_ = false;
   bool fresh_ = true;  ///< the connection was not looked at by this session yet
   bool several_ = false;
 };

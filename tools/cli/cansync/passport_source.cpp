@@ -21,7 +21,7 @@ bool has_format(const profile::Parameter& parameter, const client::ParameterRepl
 TakenPassport take_passport(Session& session, unsigned slave, const profile::Profile& profile,
                             bool with_volatile) {
   TakenPassport taken;
-  taken.passport.bus = session.client().master_status().bus;
+  taken.passport.bus = session.client().gateway_status().bus;
   taken.passport.slave = slave;
   taken.passport.slave_name = session.slave_name(slave);
   taken.passport.profile = profile.name;

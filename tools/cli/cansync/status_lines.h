@@ -1,18 +1,15 @@
 #pragma once
 
-#include <cansync/topics.h>
-#include <cansync/types.h>
-
-#include <string>
 #include <vector>
 
-/// What `status` writes for people. Pure functions.
+#include "cli/base/status_part.h"
+
 namespace cansync::cli {
 
-/// The lines, each a label and what it tells; those that do not apply are left out.
-std::vector<std::string> status_lines(const client::MasterStatus& status);
+/// What `status` shows of a line of CANsync.
+extern const StatusPart kMasterStatusPart;
 
-/// Every label with its explanation, for the help.
-std::string status_lines_help();
+/// Its lines of one sample.
+std::vector<Explained> master_lines(const client::MasterStatus& status);
 
 }  // namespace cansync::cli

@@ -58,6 +58,7 @@ ExitCode no_sample(Session& session, bool following) {
 }
 
 ExitCode timing_verb(Session& session, const TimingTexts& texts) {
+  session.look_only();
   const bool gathers = !texts.seconds.empty();
   const std::int64_t seconds = gathers ? parse_integer(texts.seconds, "--seconds", 1, kLongest) : 1;
   client::Client& client = session.client();
@@ -72,7 +73,7 @@ ExitCode timing_verb(Session& session, const TimingTexts& texts) {
       if (!sample) return no_sample(session, texts.follow);
       samples.push_back(*sample);
     }
-    const TimingReport report = timing_report(samples, before ? &*before : nullptr, client.master_status());
+    const TimingReport report = timing_report(samples, before ? &*before : nullptr, line_facts(client));
     show(session.output(), report, in_place);
     if (!texts.svg.empty()) write_svg(texts.svg, report);
     if (before) before = samples.back();

@@ -68,8 +68,12 @@ std::string span_text(const TimingReport& report) {
 
 }  // namespace
 
+LineFacts line_facts(const client::Client& client) {
+  return {client.gateway_status().bus, client.bus_status().bit_rate, client.master_status().interval_length};
+}
+
 TimingReport timing_report(std::span<const client::Timing> samples, const client::Timing* before,
-                           const client::MasterStatus& status) {
+                           const LineFacts& line) {
   const client::Timing& newest = samples.back();
   TimingReport report;
   if (before != nullptr) report.seconds = static_cast<std::uint32_t>(samples.size());
@@ -95,9 +99,9 @@ TimingReport timing_report(std::span<const client::Timing> samples, const client
   report.bus_load = static_cast<std::uint32_t>(std::llround(load / count));
   for (std::size_t i = 0; i < kSlotCount; ++i) report.slots[i] = slot_report(i, samples, before);
   report.timestamp_source = newest.timestamp_source;
-  report.bus = status.bus;
-  report.bit_rate = status.bit_rate;
-  report.interval_length = status.interval_length;
+  report.bus = line.bus;
+  report.bit_rate = line.bit_rate;
+  report.interval_length = line.interval_length;
   return report;
 }
 

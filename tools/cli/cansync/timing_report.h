@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cansync/client.h>
 #include <cansync/topics.h>
 #include <cansync/types.h>
 
@@ -37,6 +38,16 @@ struct SlotReport {
   std::optional<std::uint64_t> left_out;  ///< nothing for what the slaves send
 };
 
+/// What a report says of the line.
+struct LineFacts {
+  std::string bus;
+  std::uint32_t bit_rate = 0;         ///< bit/s
+  std::uint64_t interval_length = 0;  ///< ns
+};
+
+/// As the daemon told them last. Throws client::NoDaemon.
+LineFacts line_facts(const client::Client& client);
+
 /// Lateness and slots of a span of time.
 struct TimingReport {
   std::optional<std::uint32_t> seconds;  ///< counts are of these seconds; nothing: since the daemon's start
@@ -57,7 +68,7 @@ struct TimingReport {
 /// The report of `samples` (at least one), in the order they came. With `before`, the sample that came before
 /// them, counts are those of the samples' seconds; without, those since the daemon's start.
 TimingReport timing_report(std::span<const client::Timing> samples, const client::Timing* before,
-                           const client::MasterStatus& status);
+                           const LineFacts& line);
 
 /// Upper bound in us of the bucket in which `percent` (0..100] of the counts lie; nothing when there are no
 /// counts or it is the last bucket, which has no bound.

@@ -4,7 +4,7 @@ namespace cansync::cli {
 
 void add_cansync_verbs(CLI::App& app, Verb& chosen) {
   // In the order of the help.
-  for (const AddVerbs add : {add_status_verbs, add_timing_verb, add_parameter_verbs, add_params_verb,
+  for (const AddVerbs add : {add_slaves_verb, add_timing_verb, add_parameter_verbs, add_params_verb,
                              add_passport_verbs, add_restore_verb, add_transfer_verbs, add_command_verbs,
                              add_reference_verb, add_polling_verb, add_mapping_verb}) {
     add(app, chosen);

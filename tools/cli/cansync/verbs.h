@@ -11,7 +11,7 @@ inline constexpr const char* kSlavesHelp =
 /// All verbs of CANsync: those below.
 void add_cansync_verbs(CLI::App& app, Verb& chosen);
 
-void add_status_verbs(CLI::App& app, Verb& chosen);     ///< status, slaves
+void add_slaves_verb(CLI::App& app, Verb& chosen);      ///< slaves
 void add_timing_verb(CLI::App& app, Verb& chosen);      ///< timing
 void add_parameter_verbs(CLI::App& app, Verb& chosen);  ///< read, write
 void add_params_verb(CLI::App& app, Verb& chosen);      ///< params

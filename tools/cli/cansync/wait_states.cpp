@@ -99,7 +99,7 @@ bool is_reached(const WaitState& state, const WaitLook& now) {
     case Of::master:
       return master_is_in(state.name, now.master.option_status);
     case Of::controller:
-      return state.name == client::text(now.master.controller_state);
+      return state.name == now.controller;
     case Of::slaves:
       break;
   }
@@ -118,7 +118,7 @@ std::string seen(const WaitState& state, const WaitLook& now) {
       return fmt::format("the master is '{}' (0x{:04X})", client::text(now.master.state),
                          now.master.option_status);
     case Of::controller:
-      return fmt::format("the controller is {}", client::text(now.master.controller_state));
+      return fmt::format("the controller is {}", now.controller);
     case Of::slaves:
       break;
   }

@@ -19,11 +19,12 @@ struct WaitState {
   std::string_view help;
 };
 
-/// What is known at one moment.
+/// What is known at one moment, of what the state is about.
 struct WaitLook {
   client::MasterStatus master;
   std::vector<client::SlaveStatus> slaves;  ///< those known
   std::uint32_t wanted = 0;                 ///< the slaves that matter, a mask
+  std::string controller = {};              ///< its state
 };
 
 /// The state with this name. Throws UsageError with all names.

@@ -16,7 +16,10 @@ namespace {
 void ask_daemon(Session& session, DoctorInput& in) {
   try {
     client::Client& client = session.client();
-    in.status = client.master_status();
+    DaemonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status(), std::nullopt};
+    // Others have a status of their own, which the findings do not need.
+    if (client::text(status.gateway.protocol) == "cansync-master") status.master = client.master_status();
+    in.status = status;
     in.participants = client.participants();
     in.incompatible = client.gateway_status().incompatible;
     if (in.incompatible == 0) return;
@@ -68,14 +71,15 @@ void show(Output& output, const Table& table, const Finding& finding) {
 }
 
 ExitCode doctor_verb(Session& session) {
+  session.look_only();
   DoctorInput in;
   in.bus = session.bus();
   in.cli_version = CANSYNC_VERSION;
   in.data_model = gateway_DATA_MODEL;
   ask_daemon(session, in);
   // A bus without a name of its own is named like its interface.
-  in.interface_name = in.status ? std::string(in.status->bus_interface) : in.bus;
-  in.machine = read_machine("/", in.status ? in.status->realtime_cpu : -1);
+  in.interface_name = in.status ? std::string(client::text(in.status->bus.bus_interface)) : in.bus;
+  in.machine = read_machine("/", in.status ? in.status->realtime.realtime_cpu : -1);
   ask_kernel(in);
   const std::vector<Finding> findings = diagnose(in);
   const Table table(doctor_columns());

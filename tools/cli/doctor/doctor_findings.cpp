@@ -10,7 +10,7 @@
 namespace cansync::cli {
 namespace {
 
-using Status = client::MasterStatus;
+using Status = DaemonStatus;
 
 /// Idle states that take longer to leave are felt in a 1 ms interval.
 constexpr std::uint32_t kLongestIdleLatency = 20;  // us
@@ -29,29 +29,30 @@ void look_at_daemon(const DoctorInput& in, FindingList& out) {
                 "start the daemon, then `cansync doctor` again");
     return;
   }
-  out.ok("daemon", fmt::format("serves bus {}: {}", in.status->bus, in.status->state));
+  const std::string state = in.status->master ? in.status->master->state : in.status->gateway.protocol;
+  out.ok("daemon", fmt::format("serves bus {}: {}", in.status->gateway.bus, state));
 }
 
 void look_at_versions(const DoctorInput& in, const Status& status, FindingList& out) {
-  if (in.cli_version == status.version)
+  if (in.cli_version == status.gateway.version)
     out.ok("version", fmt::format("cansyncd and cansync {}", in.cli_version));
   else
-    out.warning("version", fmt::format("cansyncd {}, but cansync {}", status.version, in.cli_version),
+    out.warning("version", fmt::format("cansyncd {}, but cansync {}", status.gateway.version, in.cli_version),
                 "install both from the same package, then: systemctl restart cansyncd@" + in.bus);
-  if (in.data_model == status.data_model) {
+  if (in.data_model == status.gateway.data_model) {
     out.ok("data model", fmt::format("number {} on both sides", in.data_model));
     return;
   }
-  const bool older = status.data_model < in.data_model;
-  out.warning(
-      "data model",
-      fmt::format("the daemon has number {}, this program {}: {} members are not {}", status.data_model,
-                  in.data_model, older ? "newer" : "the daemon's newer", older ? "told" : "understood"),
-      older ? "update cansyncd, then: systemctl restart cansyncd@" + in.bus : "update cansync");
+  const bool older = status.gateway.data_model < in.data_model;
+  out.warning("data model",
+              fmt::format("the daemon has number {}, this program {}: {} members are not {}",
+                          status.gateway.data_model, in.data_model, older ? "newer" : "the daemon's newer",
+                          older ? "told" : "understood"),
+              older ? "update cansyncd, then: systemctl restart cansyncd@" + in.bus : "update cansync");
 }
 
 void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList& out) {
-  const std::string_view source = status.timestamp_source;
+  const std::string_view source = status.bus.timestamp_source;
   if (source.empty())
     out.warning("time stamps", "their source was not told", "update cansyncd");
   else if (source == "thread")
@@ -63,17 +64,17 @@ void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList
 
 void look_at_rights(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string unit = "systemctl edit cansyncd@" + in.bus;
-  const std::int32_t wanted = status.realtime_priority_wanted;
-  if (status.realtime_priority > 0)
-    out.ok("priority", fmt::format("SCHED_FIFO {}", status.realtime_priority));
+  const std::int32_t wanted = status.realtime.realtime_priority_wanted;
+  if (status.realtime.realtime_priority > 0)
+    out.ok("priority", fmt::format("SCHED_FIFO {}", status.realtime.realtime_priority));
   else if (wanted > 0)
     out.warning("priority", fmt::format("normal scheduling; SCHED_FIFO {} was not granted", wanted),
                 fmt::format("{}   ([Service] LimitRTPRIO={}); then restart it", unit, wanted));
   else
     out.warning("priority", "normal scheduling, as configured", "set realtime.priority = 60");
-  if (status.memory_locked)
+  if (status.realtime.memory_locked)
     out.ok("locked memory", "all memory is locked");
-  else if (status.memory_lock_wanted)
+  else if (status.realtime.memory_lock_wanted)
     out.warning("locked memory", "was not granted",
                 unit + "   ([Service] LimitMEMLOCK=infinity); then restart it");
   else
@@ -81,9 +82,9 @@ void look_at_rights(const DoctorInput& in, const Status& status, FindingList& ou
 }
 
 void look_at_processor(const DoctorInput& in, const Status& status, FindingList& out) {
-  const std::int32_t wanted = status.realtime_cpu_wanted;
+  const std::int32_t wanted = status.realtime.realtime_cpu_wanted;
   const std::string& isolated = in.machine.isolated;
-  if (wanted >= 0 && status.realtime_cpu != wanted)
+  if (wanted >= 0 && status.realtime.realtime_cpu != wanted)
     out.warning("processor", fmt::format("{} was not granted to the realtime thread", wanted),
                 "set realtime.cpu to one of: cat /sys/devices/system/cpu/online");
   else
@@ -103,7 +104,7 @@ void look_at_processor(const DoctorInput& in, const Status& status, FindingList&
 }
 
 void look_at_idle_states(const DoctorInput& in, FindingList& out) {
-  if (in.status && in.status->cpu_held_awake) {
+  if (in.status && in.status->realtime.cpu_held_awake) {
     out.ok("idle states", "the daemon holds /dev/cpu_dma_latency at 0 us");
     return;
   }
@@ -139,8 +140,8 @@ void look_at_kernel(const DoctorInput& in, FindingList& out) {
 
 void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string peers = fmt::format("other participants in the domain: {}", in.participants);
-  const std::string_view interface = status.dds_interface;
-  if (status.secured)
+  const std::string_view interface = status.gateway.dds_interface;
+  if (status.gateway.secured)
     out.ok("DDS", fmt::format("{}, DDS Security on: only who has an identity sees or does anything; {}",
                               interface.empty() ? "set up by dds.xml" : interface, peers));
   else if (interface == "lo")
@@ -164,7 +165,7 @@ void look_at_incompatible(const DoctorInput& in, FindingList& out) {
       "implementations\"); `cansync events` names them");
 }
 
-void look_at_second_master(const Status& status, FindingList& out) {
+void look_at_second_master(const client::MasterStatus& status, FindingList& out) {
   const std::string remedy =
       "switch the other master off; `cansync events` says when, `cansync trace` shows its telegrams";
   const std::uint64_t frames = status.second_master_frames;
@@ -179,16 +180,16 @@ void look_at_second_master(const Status& status, FindingList& out) {
 }
 
 void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {
-  const std::string_view input = status.sync_input;
-  const std::string_view output = status.sync_output;
-  const std::string_view state = status.sync_state;
+  const std::string_view input = status.realtime.sync_input;
+  const std::string_view output = status.realtime.sync_output;
+  const std::string_view state = status.realtime.sync_state;
   if (state == "holdover") {
     out.warning("SYNC", fmt::format("edges of the input {} are missing; the daemon goes on by itself", input),
                 "check the device that makes SYNC and its line; cansync events");
   } else if (!state.empty() && state != "locked") {
     out.error("SYNC", fmt::format("follows the input {}: {}", input, state),
               "check the device that makes SYNC and its line; cansync events");
-  } else if (in.interface_name != kSimulated && output == "none" && state.empty()) {
+  } else if (in.status->master && in.interface_name != kSimulated && output == "none" && state.empty()) {
     out.warning("SYNC", "is put out nowhere: no slave can lock to it", "set sync.output to gpio, phc or can");
   } else {
     out.ok("SYNC", state.empty() ? fmt::format("made by the daemon, output {}", output)
@@ -219,7 +220,7 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   if (in.status) {
     look_at_timestamps(in, *in.status, out);
     look_at_sync(in, *in.status, out);
-    look_at_second_master(*in.status, out);
+    if (in.status->master) look_at_second_master(*in.status->master, out);
     look_at_rights(in, *in.status, out);
     look_at_processor(in, *in.status, out);
   }

@@ -29,17 +29,25 @@ struct Finding {
   std::string remedy;  ///< the command or setting that mends it; empty: nothing to mend
 };
 
+/// What the daemon tells.
+struct DaemonStatus {
+  client::GatewayStatus gateway;
+  client::BusStatus bus;
+  client::RealtimeStatus realtime;
+  std::optional<client::MasterStatus> master;  ///< of a line of CANsync alone
+};
+
 /// Everything the findings are made of.
 struct DoctorInput {
   std::string bus;  ///< the bus that is looked for
   std::string cli_version;
-  std::uint32_t data_model = 0;                ///< of this program
-  std::optional<client::MasterStatus> status;  ///< nothing: no daemon was found
-  std::string no_daemon;                       ///< why not
-  std::string several_daemons;      ///< who they are, when more than one serves the bus; empty: not so
-  std::uint32_t participants = 0;   ///< other DDS participants in the domain
-  std::uint32_t incompatible = 0;   ///< programs that do not match the daemon
-  std::string newest_incompatible;  ///< the event that told of the newest; empty: none is known
+  std::uint32_t data_model = 0;        ///< of this program
+  std::optional<DaemonStatus> status;  ///< nothing: no daemon was found
+  std::string no_daemon;               ///< why not
+  std::string several_daemons;         ///< who they are, when more than one serves the bus; empty: not so
+  std::uint32_t participants = 0;      ///< other DDS participants in the domain
+  std::uint32_t incompatible = 0;      ///< programs that do not match the daemon
+  std::string newest_incompatible;     ///< the event that told of the newest; empty: none is known
   MachineFacts machine;
   std::string interface_name;  ///< the bus's CAN interface; "sim" for a simulated line
   can::LinkFacts link;         ///< what the kernel of this computer knows of it

@@ -35,7 +35,7 @@ bool is_virtual(const can::LinkFacts& link) noexcept {
 /// Bit rate the interface should have: the daemon's; without one that which it has, when it is one of
 /// CANsync.
 std::optional<std::uint32_t> wanted_bit_rate(const DoctorInput& in) {
-  if (in.status) return in.status->bit_rate;
+  if (in.status) return in.status->bus.bit_rate;
   const bool possible =
       in.link.timing && std::any_of(can::kBitTimingPresets.begin(), can::kBitTimingPresets.end(),
                                     [&in](const can::BitTimingPreset& preset) {
@@ -47,7 +47,7 @@ std::optional<std::uint32_t> wanted_bit_rate(const DoctorInput& in) {
 /// Sample points that suit, the usual one first: that of the configuration when known, else those of the
 /// presets for this bit rate (M 4.9, O 7.3.9).
 std::vector<std::uint32_t> wanted_sample_points(const DoctorInput& in, std::uint32_t bit_rate) {
-  if (in.status && in.status->sample_point_wanted != 0) return {in.status->sample_point_wanted};
+  if (in.status && in.status->bus.sample_point_wanted != 0) return {in.status->bus.sample_point_wanted};
   std::vector<std::uint32_t> points;
   for (const can::BitTimingPreset& preset : can::kBitTimingPresets) {
     if (preset.bits_per_second != bit_rate) continue;
@@ -204,7 +204,7 @@ void look_at_state(const DoctorInput& in, std::string_view state, const std::str
 
 /// Does anybody acknowledge what the daemon sends?
 void look_at_delivery(const DoctorInput& in, const std::string& wiring, FindingList& out) {
-  const std::string_view state = in.status->link_state;
+  const std::string_view state = in.status->bus.link_state;
   if (state == can::name(can::Delivery::unacknowledged))
     out.error("controller", "nobody on the bus acknowledges what the daemon sends", wiring);
   else if (state == can::name(can::Delivery::not_emptied))
@@ -235,9 +235,9 @@ void look_at_controller(const DoctorInput& in, FindingList& out) {
   std::uint32_t receive = in.link.receive_errors;
   if (in.status) {
     look_at_delivery(in, wiring, out);
-    look_at_state(in, in.status->controller_state, wiring, out);
-    transmit = in.status->transmit_errors;
-    receive = in.status->receive_errors;
+    look_at_state(in, in.status->bus.controller_state, wiring, out);
+    transmit = in.status->bus.transmit_errors;
+    receive = in.status->bus.receive_errors;
   } else {
     // One that is down is stopped, which has been said.
     if (in.link.up && in.link.state) look_at_state(in, can::name(*in.link.state), wiring, out);

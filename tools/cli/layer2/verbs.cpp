@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/base/interrupt.h"
+#include "cli/layer2/connection.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
@@ -30,29 +31,6 @@ struct SendTexts {
   bool extended = false;
   bool remote = false;
 };
-
-/// Throws client::NoDaemon, client::SetupError, Interrupted, ArgumentsAreRight.
-FrameClient connect(Session& session) {
-  session.expect_input("");  // a batch that only checks its lines goes no further
-  const Globals& globals = session.globals();
-  layer2::client::Options options;
-  options.domain = globals.domain;
-  options.bus = globals.bus;
-  options.interface = globals.interface;
-  options.client_name = "cansync";
-  options.security = globals.security;
-  options.final_types = globals.final_types;
-  options.wait = session.search_time();
-  options.stop = &interrupt_flag();
-  try {
-    return FrameClient(options);
-  } catch (const layer2::client::NoDaemon& error) {
-    if (interrupt_flag().load()) throw Interrupted();
-    throw client::NoDaemon(error.what());
-  } catch (const gateway::dds::SetupError& error) {
-    throw client::SetupError(error.what());
-  }
-}
 
 /// "0102FF", also with blanks or dots between the bytes.
 void parse_data(std::string_view text, can::Frame& frame) {
@@ -159,7 +137,7 @@ client::Reply to_reply(const layer2::client::SendResult& result) {
 
 ExitCode send_verb(Session& session, const SendTexts& texts) {
   const can::Frame frame = parse_frame(texts);
-  FrameClient client = connect(session);
+  FrameClient client = connect_frames(session);
   (void)client.status(session.search_time());
   const layer2::client::SendResult result = client.send(frame, session.monitoring_ms());
   const layer2_CanFrame shown = layer2::dds::to_idl(frame);
@@ -235,7 +213,7 @@ void FrameLines::show(const layer2_FrameBatch& batch) {
 ExitCode frames_verb(Session& session, const std::string& count_text) {
   const std::uint64_t count =
       count_text.empty() ? 0 : static_cast<std::uint64_t>(parse_integer(count_text, "--count", 1, INT32_MAX));
-  FrameClient client = connect(session);
+  FrameClient client = connect_frames(session);
   FrameLines lines(session.output(), count);
   constexpr auto kLook = std::chrono::milliseconds(200);
   while (!interrupt_flag().load() && !lines.enough()) {

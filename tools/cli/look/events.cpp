@@ -117,6 +117,7 @@ ExitCode follow(Session& session) {
 }
 
 ExitCode events_verb(Session& session, bool following) {
+  session.look_only();
   if (following) return follow(session);
   EventLines lines(session.output());
   for (const client::Event& event : session.client().recent_events()) lines.show(event);

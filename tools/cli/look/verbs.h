@@ -1,10 +1,16 @@
 #pragma once
 
+#include <span>
+
+#include "cli/base/status_part.h"
 #include "cli/base/verbs.h"
 
 namespace cansync::cli {
 
 void add_event_verb(CLI::App& app, Verb& chosen);  ///< events
 void add_wait_verb(CLI::App& app, Verb& chosen);   ///< wait
+
+/// status; `parts`: what each protocol adds, for as long as the program runs.
+void add_status_verb(CLI::App& app, Verb& chosen, std::span<const StatusPart> parts);
 
 }  // namespace cansync::cli

@@ -29,9 +29,12 @@ struct WaitTexts {
 /// Wakes the waiting thread at each status that comes. Outlives the subscriptions it makes.
 class Changes {
  public:
-  explicit Changes(client::Client& client)
-      : master_(client.on_master_status([this](const client::MasterStatus&) { raise(); })),
-        slaves_(client.on_slave_status([this](const client::SlaveStatus&) { raise(); })) {}
+  Changes(client::Client& client, WaitState::Of of) {
+    if (of == WaitState::Of::master)
+      subscription_ = client.on_master_status([this](const client::MasterStatus&) { raise(); });
+    if (of == WaitState::Of::slaves)
+      subscription_ = client.on_slave_status([this](const client::SlaveStatus&) { raise(); });
+  }
 
   void wait_until(Clock::time_point instant) {
     std::unique_lock lock(mutex_);
@@ -51,8 +54,7 @@ class Changes {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool raised_ = false;
-  client::Subscription master_;  // ended before what they use
-  client::Subscription slaves_;
+  client::Subscription subscription_;  // ended before what it uses
 };
 
 /// One run of the verb.
@@ -104,7 +106,7 @@ class Wait {
     }
     if (state_.of == WaitState::Of::daemon) return true;
     mask_ = state_.of == WaitState::Of::slaves ? session_.configured_slaves(texts_.slaves) : 0;
-    Changes changes(*client);
+    Changes changes(*client, state_.of);
     Restarts restarts(*client);
     for (;;) {
       if (!client->daemon_present()) {
@@ -113,12 +115,21 @@ class Wait {
       }
       if (restarts.take()) session_.output().remark(kStartedAnew);
       restarts.expect_one();
-      const WaitLook now{client->master_status(), client->slaves(std::chrono::milliseconds(0)), mask_};
+      const WaitLook now = look_at(*client);
       seen_ = seen(state_, now);
       if (is_reached(state_, now)) return true;
       if (over()) return false;
       changes.wait_until(std::min(end_, Clock::now() + kLook));
     }
+  }
+
+  WaitLook look_at(const client::Client& client) const {
+    WaitLook now{{}, {}, mask_};
+    if (state_.of == WaitState::Of::master) now.master = client.master_status();
+    if (state_.of == WaitState::Of::slaves) now.slaves = client.slaves(std::chrono::milliseconds(0));
+    if (state_.of == WaitState::Of::controller)
+      now.controller = client::text(client.bus_status().controller_state);
+    return now;
   }
 
   std::chrono::milliseconds left() const {
@@ -136,6 +147,7 @@ class Wait {
 };
 
 ExitCode wait_verb(Session& session, const WaitTexts& texts) {
+  session.look_only();
   const WaitState& state = find_wait_state(texts.state);
   if (!texts.slaves.empty() && state.of != WaitState::Of::slaves)
     throw UsageError(fmt::format("SLAVE: found '{}'; {} is no state of a slave; allowed: nothing",

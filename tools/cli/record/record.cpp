@@ -191,6 +191,7 @@ ExitCode tell(Session& session, const RecordTexts& texts, const RecordPlan& plan
 }
 
 ExitCode record_verb(Session& session, const RecordTexts& texts) {
+  session.look_only();
   constexpr double kLongest = 31'536'000;  // a year
   const auto every = static_cast<std::uint64_t>(parse_integer(texts.every, "--every", 1, 1'000'000));
   const double duration = texts.duration.empty() ? kLongest : parse_real(texts.duration, "--duration");

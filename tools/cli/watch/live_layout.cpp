@@ -29,8 +29,8 @@ StyledLine title_line(const LiveModel& model, const ViewState& state, std::size_
   const LiveMaster& master = model.master();
   const std::string now = time_text(model.now(), false).substr(0, 8);
   const std::string left =
-      fmt::format(" cansync  bus {}: {}   slaves {}: {} synchronized, {} released", master.bus, master.state,
-                  master.configured, master.synchronized, master.released);
+      fmt::format(" cansync  bus {}: {}   slaves {}: {} synchronized, {} released", master.line.bus,
+                  master.state, master.configured, master.synchronized, master.released);
   const std::string right = (state.paused ? "PAUSED at " : "") + now + " ";
   StyledLine line;
   line.add(shortened(left, columns - std::min(columns, display_width(right) + 1)), Style::bar);
@@ -45,7 +45,7 @@ std::string bound_text(const TimingReport& report, double percent) {
 
 StyledLine timing_line(const LiveModel& model, std::size_t columns) {
   StyledLine line;
-  line.add(fmt::format(" SYNC {:.3g} ms", static_cast<double>(model.master().interval_length) / 1e6),
+  line.add(fmt::format(" SYNC {:.3g} ms", static_cast<double>(model.master().line.interval_length) / 1e6),
            Style::strong);
   if (!model.timing()) return line.add("  no timing figures yet", Style::dim);
   const TimingReport& report = *model.timing();
@@ -77,7 +77,7 @@ StyledLine load_line(const LiveModel& model, std::size_t columns, Symbols symbol
   const std::uint32_t load = model.timing()->bus_load;
   const Style style = load >= kFullLoad ? Style::bad : load >= kHighLoad ? Style::warning : Style::good;
   const std::string numbers =
-      fmt::format(" {:.1f} % of {} kbit/s", load / 10.0, model.master().bit_rate / 1000);
+      fmt::format(" {:.1f} % of {} kbit/s", load / 10.0, model.master().line.bit_rate / 1000);
   const std::size_t width = std::min<std::size_t>(columns - line.width() - numbers.size() - 3, 60);
   return line.add("[").add(load_bar(load, width, symbols), style).add("]").add(numbers);
 }

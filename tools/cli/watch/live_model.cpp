@@ -50,14 +50,11 @@ LiveSlave& LiveModel::slave(unsigned number) {
   return *slaves_.insert(place, std::move(fresh));
 }
 
-void LiveModel::look(const client::MasterStatus& status, const std::vector<WatchRow>& rows,
-                     std::int64_t now) {
+void LiveModel::look(const LineFacts& line, const client::MasterStatus& status,
+                     const std::vector<WatchRow>& rows, std::int64_t now) {
   now_ = now;
-  status_ = status;
-  master_.bus = status.bus;
+  master_.line = line;
   master_.state = status.state;
-  master_.bit_rate = status.bit_rate;
-  master_.interval_length = status.interval_length;
   master_.configured = static_cast<unsigned>(std::popcount(status.slaves_configured));
   master_.synchronized = static_cast<unsigned>(std::popcount(status.slaves_synchronized));
   master_.released = static_cast<unsigned>(std::popcount(status.slaves_released));
@@ -86,12 +83,12 @@ void LiveModel::take(const client::Timing& timing) {
   if (samples_.size() > kTimingSeconds + 1) samples_.pop_front();
   std::vector<client::Timing> counted(samples_.begin(), samples_.end());
   if (counted.size() == 1) {
-    timing_ = timing_report(counted, nullptr, status_);
+    timing_ = timing_report(counted, nullptr, master_.line);
     return;
   }
   const client::Timing before = counted.front();
   counted.erase(counted.begin());
-  timing_ = timing_report(counted, &before, status_);
+  timing_ = timing_report(counted, &before, master_.line);
 }
 
 void LiveModel::take(const client::Event& event) {

@@ -66,11 +66,9 @@ struct LiveEvent {
 
 /// The master and the bus.
 struct LiveMaster {
-  std::string bus;
+  LineFacts line;
   std::string state;
-  std::uint32_t bit_rate = 0;         ///< bit/s
-  std::uint64_t interval_length = 0;  ///< ns
-  unsigned configured = 0;            ///< slaves
+  unsigned configured = 0;  ///< slaves
   unsigned synchronized = 0;
   unsigned released = 0;
 };
@@ -78,7 +76,8 @@ struct LiveMaster {
 class LiveModel {
  public:
   /// One look at the line at CLOCK_REALTIME `now` in ns: every slave's trends grow by one point.
-  void look(const client::MasterStatus& status, const std::vector<WatchRow>& rows, std::int64_t now);
+  void look(const LineFacts& line, const client::MasterStatus& status, const std::vector<WatchRow>& rows,
+            std::int64_t now);
   /// A sample of timing. Figures are those of the last kTimingSeconds samples, once there are two.
   void take(const client::Timing& timing);
   void take(const client::Event& event);
@@ -103,7 +102,6 @@ class LiveModel {
   std::string place_;
   std::int64_t now_ = 0;
   LiveMaster master_;
-  client::MasterStatus status_ = {};
   std::vector<LiveSlave> slaves_;
   std::deque<LiveEvent> events_;
   std::deque<client::Timing> samples_;

@@ -135,7 +135,8 @@ class WatchTable {
 /// Shows the rows; makes the table anew when mapping or names have changed its columns.
 class Display {
  public:
-  Display(Output& output, bool raw, bool in_place) : output_(output), raw_(raw), in_place_(in_place) {}
+  Display(Output& output, std::string bus, bool raw, bool in_place)
+      : output_(output), bus_(std::move(bus)), raw_(raw), in_place_(in_place) {}
 
   void show(const client::MasterStatus& status, const std::vector<WatchRow>& rows) {
     const std::int64_t now = wall_clock();
@@ -149,9 +150,8 @@ class Display {
     columns_ = columns;
     table_->fill(rows, now);
     if (in_place_) {
-      output_.redraw(
-          fmt::format("bus {}, {}   {}   Ctrl-C ends", status.bus, status.state, time_text(now, true)),
-          table_->table());
+      output_.redraw(fmt::format("bus {}, {}   {}   Ctrl-C ends", bus_, status.state, time_text(now, true)),
+                     table_->table());
       return;
     }
     if (fresh) output_.line(table_->table().heading());
@@ -160,6 +160,7 @@ class Display {
 
  private:
   Output& output_;
+  std::string bus_;
   bool raw_;
   bool in_place_;
   std::string columns_;
@@ -169,7 +170,7 @@ class Display {
 /// Lines, or with `in_place` the table drawn over the former one, `count` times or (0) until a signal.
 ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_t count, bool in_place) {
   client::Client& client = session.client();
-  Display display(session.output(), settings.raw, in_place);
+  Display display(session.output(), client.gateway_status().bus, settings.raw, in_place);
   Restarts restarts(client);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {
@@ -201,6 +202,7 @@ std::unique_ptr<LiveScreen> take_screen(Output& output) {
 }
 
 ExitCode watch_verb(Session& session, const WatchTexts& texts) {
+  session.look_only();
   constexpr std::int64_t kLongest = 3'600'000;
   const auto interval = std::chrono::milliseconds(parse_integer(texts.interval, "--interval", 1, kLongest));
   const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);

@@ -63,7 +63,7 @@ class LiveView {
     if (frozen_) frozen_->set_daemon(present, client_.place());
     if (present)
       rows_ = watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves);
-    model_.look(status, rows_, wall_clock());
+    model_.look(line_facts(client_), status, rows_, wall_clock());
     if (restarts_.take()) model_.tell_restart(wall_clock(), std::string(kStartedAnew));
     restarts_.expect_one();
     arrivals_.give_to(model_);

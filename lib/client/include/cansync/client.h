@@ -37,6 +37,9 @@ struct CANSYNC_PUBLIC Options {
   /// false ends the wait with NoDaemon. Empty: nobody is asked. Must not throw.
   std::function<bool()> go_on = {};
   bool final_types = false;  ///< as the daemon's dds.types: true for "final"
+  /// False: this client only looks. It needs less of DDS and the network, finds daemons of every protocol,
+  /// and each request ends as `refused`.
+  bool requests = true;
 };
 
 /// Result of looking up a slave.
@@ -81,12 +84,17 @@ class CANSYNC_PUBLIC Client {
   /// Open jobs end with `no_reply` here; the daemon goes on with them.
   ~Client();
 
-  // --- state: latest known
+  // --- state: latest known. Each waits at most 2 s for the first, when it looks at its topic for the first
+  // time, and throws NoDaemon when none comes: the protocol of the bus may not have it.
 
   /// Which daemon serves the bus, as it told last: its start, version and data model, host and process; whom
-  /// it has refused. At most about a second old while it lives. Waits for nothing.
+  /// it has refused. At most about a second old while it lives.
   GatewayStatus gateway_status() const;
-  /// The line as the daemon told it last; at most about a second old while it lives. Waits for nothing.
+  /// The CAN controller and its interface.
+  BusStatus bus_status() const;
+  /// What the realtime thread was granted, and what its timeline follows.
+  RealtimeStatus realtime_status() const;
+  /// The line of CANsync as the daemon told it last; at most about a second old while it lives.
   MasterStatus master_status() const;
   /// Waits at most `time` until the master's status fits, looking at each one that comes (at least one a
   /// second): for example until `status.slaves_synchronized == status.slaves_configured`. That status;
@@ -119,6 +127,10 @@ class CANSYNC_PUBLIC Client {
   [[nodiscard]] Subscription on_actual_values(std::function<void(const ActualValues&)> callback);
   /// On every change and once a second.
   [[nodiscard]] Subscription on_gateway_status(std::function<void(const GatewayStatus&)> callback);
+  /// Likewise.
+  [[nodiscard]] Subscription on_bus_status(std::function<void(const BusStatus&)> callback);
+  /// Likewise.
+  [[nodiscard]] Subscription on_realtime_status(std::function<void(const RealtimeStatus&)> callback);
   /// On every change and once a second.
   [[nodiscard]] Subscription on_master_status(std::function<void(const MasterStatus&)> callback);
   /// The daemon was started anew: settings that clients made before are lost, interval and event numbers

@@ -16,8 +16,10 @@ struct cansync_Interval;
 struct cansync_MasterStatus;
 struct cansync_SlaveStatus;
 struct cansync_Timing;
+struct gateway_BusStatus;
 struct gateway_Event;
 struct gateway_GatewayStatus;
+struct gateway_RealtimeStatus;
 
 /// Requests and replies as clients see them. State topics are the IDL's own structs: they are plain values
 /// that can be copied (their texts: `text()`). Programs that look into them include <cansync/topics.h>.
@@ -30,6 +32,8 @@ using Timing = cansync_Timing;
 using Interval = cansync_Interval;
 using Event = gateway_Event;
 using GatewayStatus = gateway_GatewayStatus;
+using BusStatus = gateway_BusStatus;
+using RealtimeStatus = gateway_RealtimeStatus;
 
 /// Modes of the line, for `Client::mode`; the numbers stay.
 enum class Mode : std::uint8_t {

@@ -47,7 +47,7 @@ int cansync_get_status(cansync_client* handle, cansync_line_status* out) noexcep
     // Zeros are behind the text.
     const std::string_view state = cansync::client::text(status.state);
     std::copy_n(state.begin(), std::min(state.size(), sizeof out->state - 1), out->state);
-    out->bit_rate = status.bit_rate;
+    out->bit_rate = client.bus_status().bit_rate;
     out->interval_ns = status.interval_length;
     out->interval = status.interval;
     out->slaves_configured = status.slaves_configured;

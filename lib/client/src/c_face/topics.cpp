@@ -52,6 +52,10 @@ std::optional<Subscription> follow(Client& client, int topic, cansync_on_sample 
       return client.on_master_status(forward);
     case CANSYNC_TOPIC_GATEWAY_STATUS:
       return client.on_gateway_status(forward);
+    case CANSYNC_TOPIC_BUS_STATUS:
+      return client.on_bus_status(forward);
+    case CANSYNC_TOPIC_REALTIME_STATUS:
+      return client.on_realtime_status(forward);
     case CANSYNC_TOPIC_SLAVE_STATUS:
       return client.on_slave_status(forward);
     case CANSYNC_TOPIC_ACTUAL_VALUES:
@@ -80,6 +84,10 @@ int cansync_get_sample(cansync_client* handle, int topic, uint32_t slave, uint32
         return give(open, std::optional(client.master_status()), out, size);
       case CANSYNC_TOPIC_GATEWAY_STATUS:
         return give(open, std::optional(client.gateway_status()), out, size);
+      case CANSYNC_TOPIC_BUS_STATUS:
+        return give(open, std::optional(client.bus_status()), out, size);
+      case CANSYNC_TOPIC_REALTIME_STATUS:
+        return give(open, std::optional(client.realtime_status()), out, size);
       case CANSYNC_TOPIC_SLAVE_STATUS:
         return give(open, slave_status(client, slave, time), out, size);
       case CANSYNC_TOPIC_ACTUAL_VALUES:
@@ -100,7 +108,7 @@ cansync_subscription* cansync_subscribe(cansync_client* handle, int topic, cansy
     if (callback == nullptr) return fail(open, CANSYNC_INVALID, "client: callback is NULL");
     auto subscription = follow(client, topic, callback, user);
     if (!subscription)
-      return fail(open, CANSYNC_INVALID, "client: topic " + std::to_string(topic) + ": allowed 0..6");
+      return fail(open, CANSYNC_INVALID, "client: topic " + std::to_string(topic) + ": allowed 0..8");
     made = std::make_unique<cansync_subscription>(std::move(*subscription));
     return static_cast<int>(CANSYNC_DONE);
   });

@@ -22,7 +22,11 @@ void INIT::call() {
   if (x_OK || x_ERR) return;
   if (x_SL) return fail(init_error::not_completed, "client: x_SL: the daemon is a master; allowed FALSE");
   if (!connecting_.valid())
-    connecting_ = std::async(std::launch::async, [options = options_] { return Client::connect(options); });
+    connecting_ = std::async(std::launch::async, [options = options_] {
+      Client client = Client::connect(options);
+      (void)client.bus_status();  // from here on it is known, and `compare` waits for nothing
+      return client;
+    });
   if (connecting_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
     client_.emplace(connecting_.get());
@@ -37,9 +41,10 @@ void INIT::call() {
 void INIT::compare() {
   constexpr std::uint64_t kMillisecond = 1'000'000;  // ns
   const MasterStatus status = client_->master_status();
-  if (us_BAUDRATE != 0 && bit_rate_of(us_BAUDRATE) != status.bit_rate)
+  const std::uint32_t bit_rate = client_->bus_status().bit_rate;
+  if (us_BAUDRATE != 0 && bit_rate_of(us_BAUDRATE) != bit_rate)
     return fail(init_error::bit_timing, "client: us_BAUDRATE " + std::to_string(us_BAUDRATE) +
-                                            ": the daemon has " + std::to_string(status.bit_rate) +
+                                            ": the daemon has " + std::to_string(bit_rate) +
                                             " bit/s; change bus.bit_rate or this");
   if (us_SYNC_INTERVAL != 0 && us_SYNC_INTERVAL * kMillisecond != status.interval_length)
     return fail(init_error::bit_timing, "client: us_SYNC_INTERVAL " + std::to_string(us_SYNC_INTERVAL) +

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "cansync/dds/convert.h"
+#include "cansync_members.h"
+#include "gateway_members.h"
 
 namespace cansyncd {
 namespace {
@@ -20,23 +22,23 @@ using gateway::dds::copy_text;
 /// Samples with a number of its own wherever one is looked for.
 struct Samples {
   Samples() {
-    copy_text("can0", master.bus);
-    copy_text("1.2.3", master.version);
-    copy_text("can0", master.bus_interface);
-    copy_text("lo", master.dds_interface);
-    copy_text("kernel", master.timestamp_source);
+    copy_text("can0", gateway.bus);
+    copy_text("1.2.3", gateway.version);
+    copy_text("can0", bus.bus_interface);
+    copy_text("lo", gateway.dds_interface);
+    copy_text("kernel", bus.timestamp_source);
     copy_text("waiting for start", master.state);
-    copy_text("bus-off", master.controller_state);
-    copy_text("missing", master.link_state);
+    copy_text("bus-off", bus.controller_state);
+    copy_text("missing", bus.link_state);
     copy_text("held", master.reference_release[1].state);
     master.interval_length = 1'000'000;
     master.telegrams_sent = 18'446'744'073'709'551'615ULL;
     master.slaves_responding = 0b1011;
-    master.sync_phase_error = -1'500;
+    realtime.sync_phase_error = -1'500;
     master.frames_length = 17;
-    master.rejected_stale = 19;
+    gateway.rejected_stale = 19;
     master.reference_release[0].updates = 23;
-    master.read_only = true;
+    gateway.read_only = true;
     slave.slave = 3;
     copy_text("a\"b\\c", slave.name);
     copy_text("held", slave.state);
@@ -54,9 +56,13 @@ struct Samples {
   }
   std::string text(bool with_timing = true) const {
     const std::vector<const cansync_SlaveStatus*> slaves = {&slave};
-    return metrics_text({master, slaves, with_timing ? &timing : nullptr, snapshot, 47});
+    return metrics_text(
+        {{gateway, bus, realtime}, master, slaves, with_timing ? &timing : nullptr, snapshot, 47});
   }
 
+  gateway_GatewayStatus gateway = {};
+  gateway_BusStatus bus = {};
+  gateway_RealtimeStatus realtime = {};
   cansync_MasterStatus master = {};
   cansync_SlaveStatus slave = {};
   cansync_Timing timing = {};
@@ -163,11 +169,37 @@ TEST(MetricsText, UnitsStandAtTheEndOfNames) {
     const std::string name(family.name);
     EXPECT_TRUE(std::regex_match(name, std::regex("cansync(_[a-z]+)+"))) << name;
     EXPECT_FALSE(name.ends_with("_total")) << name;
-    EXPECT_TRUE(name.ends_with(std::string(family.unit.empty() ? "" : "_") + std::string(family.unit)))
+    EXPECT_TRUE(name.ends_with(std::string(family.unit().empty() ? "" : "_") + std::string(family.unit())))
         << name;
     const bool looks_like_seconds = name.ends_with("_seconds");
-    EXPECT_EQ(looks_like_seconds, family.unit == "seconds") << name;
+    EXPECT_EQ(looks_like_seconds, family.unit() == "seconds") << name;
   }
+}
+
+/// Members that count, and what they are in the file.
+TEST(MetricsText, EveryCounterOfTheTopicsIsThere) {
+  std::set<std::string> sources;
+  for (const MetricFamily& family : metric_families()) sources.insert(std::string(family.source));
+  const auto is_there = [&sources](std::string_view topic, std::string_view name) {
+    if (sources.contains(fmt::format("{}.{}", topic, name))) return true;
+    // Parts of a family stand under what they have in common.
+    return sources.contains(fmt::format("{}.{}...", topic, name.substr(0, name.find('_') + 1)));
+  };
+  // The sums of kinds that are there, the same count as Timing's, and what is no count.
+  const std::set<std::string_view> excused = {"rejected_frames", "unexpected_frames", "left_out",
+                                              "missed_syncs", "mapping_number"};
+  const auto look = [&](std::string_view topic, std::span<const text::Member> members) {
+    for (const text::Member& member : members) {
+      if (member.type != text::MemberType::unsigned_long_long || excused.contains(member.name)) continue;
+      EXPECT_TRUE(is_there(topic, member.name)) << topic << "." << member.name << " is in no family";
+    }
+  };
+  look("GatewayStatus", text::members_of<gateway_GatewayStatus>);
+  look("BusStatus", text::members_of<gateway_BusStatus>);
+  look("RealtimeStatus", text::members_of<gateway_RealtimeStatus>);
+  look("MasterStatus", text::members_of<cansync_MasterStatus>);
+  look("SlaveStatus", text::members_of<cansync_SlaveStatus>);
+  look("Timing", text::members_of<cansync_Timing>);
 }
 
 TEST(MetricsText, TheTableOfTheDocumentIsTheCode) {

@@ -140,51 +140,5 @@ TEST(BusEvents, FaultsBeginAndEnd) {
   EXPECT_EQ(over.text, "no longer: telegrams are acknowledged by nobody; it happened 50 times");
 }
 
-TEST(BusStatus, TellsInterfaceControllerAndCounts) {
-  MasterSnapshot master;
-  master.controller.state = can::ControllerState::error_passive;
-  master.controller.link = can::LinkState::wrong_bit_rate;
-  master.controller.bits_per_second = 500'000;
-  master.controller.transmit_errors = 130;
-  master.controller.error_frames = 1;
-  master.controller.acknowledge_errors = 2;
-  master.controller.restarts = 3;
-  master.controller.queue_full = 4;
-  master.controller.overruns = 5;
-  master.controller.dropped = 6;
-  master.counters.second_master = 7;
-  master.second_master = true;
-  master.timestamps = can::TimestampSource::hardware;
-  can::LinkFacts link = can::test::can0(500'000);
-  link.restart_ms = 100;
-  link.queue_length = 10;
-  cansync_MasterStatus status = {};
-  fill_bus(master, link, status);
-  EXPECT_STREQ(status.controller_state, "error-passive");
-  EXPECT_STREQ(status.link_state, "wrong-bit-rate");
-  master.controller.delivery = can::Delivery::unacknowledged;
-  fill_bus(master, link, status);
-  EXPECT_STREQ(status.link_state, "wrong-bit-rate") << "the interface comes first";
-  master.controller.link = can::LinkState::up;
-  fill_bus(master, link, status);
-  EXPECT_STREQ(status.link_state, "unacknowledged");
-  EXPECT_STREQ(status.timestamp_source, "hardware");
-  EXPECT_EQ(status.interface_bit_rate, 500'000u);
-  EXPECT_EQ(status.sample_point, 600u);
-  EXPECT_EQ(status.restart_time, 100);
-  EXPECT_EQ(status.queue_length, 10u);
-  EXPECT_EQ(status.transmit_errors, 130u);
-  EXPECT_EQ(status.error_frames, 1u);
-  EXPECT_EQ(status.acknowledge_errors, 2u);
-  EXPECT_EQ(status.restarts, 3u);
-  EXPECT_EQ(status.queue_full, 4u);
-  EXPECT_EQ(status.overruns, 5u);
-  EXPECT_EQ(status.dropped_frames, 6u);
-  EXPECT_EQ(status.second_master_frames, 7u);
-  EXPECT_TRUE(status.second_master);
-  fill_bus(master, {}, status);
-  EXPECT_EQ(status.restart_time, -1) << "not known";
-}
-
 }  // namespace
 }  // namespace cansyncd::test

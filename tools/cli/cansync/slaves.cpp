@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "cli/cansync/verbs.h"
+#include "cli/text/column_help.h"
+
+namespace cansync::cli {
+namespace {
+
+struct SlavesOptions {
+  std::vector<std::string> slaves;
+};
+
+JsonObject slave_object(const client::SlaveStatus& slave) {
+  JsonObject object;
+  object.add("slave", slave.slave)
+      .add("name", slave.name)
+      .add("responds", slave.responds)
+      .add("synchronized", slave.synchronized);
+  if (slave.status_known)
+    object.add("status_word", slave.status_word);
+  else
+    object.add_null("status_word");
+  return object.add("last_seen_interval", slave.last_seen)
+      .add("answers", slave.answers)
+      .add("unanswered", slave.unanswered)
+      .add("missed_actual", slave.missed_actual)
+      .add("slow_answers", slave.slow_answers)
+      .add("last_response_ns", slave.last_response)
+      .add("longest_response_ns", slave.longest_response)
+      .add("state", slave.state)
+      .add("times_lost", slave.times_lost)
+      .add("times_returned", slave.times_returned)
+      .add("jobs_ended", slave.jobs_ended)
+      .add("profile", slave.profile);
+}
+
+void add_slave_row(Table& table, const client::SlaveStatus& slave) {
+  const auto microseconds = [](std::int64_t time) {
+    return fmt::format("{:.1f}", static_cast<double>(time) / 1e3);
+  };
+  table.add({fmt::format("{}", slave.slave), slave.name, slave.state, slave.responds ? "yes" : "no",
+             slave.synchronized ? "yes" : "no",
+             slave.status_known ? fmt::format("0x{:04X}", slave.status_word) : "-",
+             fmt::format("{}", slave.last_seen), fmt::format("{}", slave.answers),
+             fmt::format("{}", slave.unanswered), fmt::format("{}", slave.missed_actual),
+             fmt::format("{}", slave.slow_answers), microseconds(slave.last_response),
+             microseconds(slave.longest_response), fmt::format("{}", slave.times_lost),
+             fmt::format("{}", slave.times_returned), fmt::format("{}", slave.jobs_ended)});
+}
+
+std::vector<Table::Column> slave_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"SLAVE", right, "its number"},
+          {"NAME", left, "its configured name"},
+          {"STATE", left,
+           "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
+           "(its return parameters), and held (they are not right; see `events`, then `release`)"},
+          {"RESPONDS", left, "whether it answers"},
+          {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
+          {"STATUS", left, "its last status word; - = never read since it responds"},
+          {"LAST SEEN", right, "interval of its last telegram"},
+          {"ANSWERS", right, "answers on the command channel"},
+          {"UNANSWERED", right, "commands without an answer"},
+          {"MISSED", right, "times it was asked for actual values and sent none"},
+          {"SLOW", right, "answers later than tRSPTO"},
+          {"LAST us", right, "time from the end of its last command to the end of the answer"},
+          {"LONGEST us", right, "the longest such time"},
+          {"LOST", right, "times it stopped answering"},
+          {"RETURNED", right, "times it answered again"},
+          {"JOBS ENDED", right, "jobs that ended because it stopped answering"}};
+}
+
+ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
+  session.look_only();
+  const std::uint32_t wanted = session.configured_slaves(options.slaves);
+  Table table(slave_columns());
+  for (const client::SlaveStatus& slave : session.client().slaves()) {
+    if (((wanted >> slave.slave) & 1u) == 0) continue;
+    if (session.json())
+      session.output().object(slave_object(slave));
+    else
+      add_slave_row(table, slave);
+  }
+  if (!session.json()) session.output().table(table);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_slaves_verb(CLI::App& app, Verb& chosen) {
+  auto* slaves = app.add_subcommand("slaves", "one line for each slave: does it answer, and how fast");
+  auto slaves_options = std::make_shared<SlavesOptions>();
+  slaves->add_option("SLAVE", slaves_options->slaves,
+                     "numbers, names, or lists such as 1,3,5-9 (default: every configured slave)");
+  slaves->footer(columns_help(slave_columns()));
+  slaves->callback([slaves_options, &chosen] {
+    chosen = [slaves_options](Session& session) { return slaves_verb(session, *slaves_options); };
+  });
+}
+
+}  // namespace cansync::cli

@@ -1,0 +1,42 @@
+#include "cli/layer2/status_part.h"
+
+#include <fmt/format.h>
+
+#include "cli/layer2/connection.h"
+#include "layer2_members.h"
+
+namespace cansync::cli {
+namespace {
+
+/// Throws client::NoDaemon.
+layer2_FrameStatus frame_status(Session& session) {
+  layer2::client::FrameClient client = connect_frames(session);
+  const auto status = client.status(session.search_time());
+  if (!status) throw client::NoDaemon("the daemon has told no FrameStatus (" + client.place() + ")");
+  return *status;
+}
+
+std::vector<Explained> lines_of_frames(Session& session) {
+  const layer2_FrameStatus status = frame_status(session);
+  return {{"frames received", fmt::format("{} of others, {} taken by a range, {} of them not published",
+                                          status.received, status.taken, status.lost)},
+          {"frames sent", fmt::format("{}; {} not seen on the bus, {} not sent, {} waiting", status.sent,
+                                      status.unanswered, status.not_sent, status.waiting)},
+          {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
+}
+
+void add_frame_members(Session& session, JsonObject& object) {
+  text::add_members(object, frame_status(session));
+}
+
+std::vector<Explained> frame_lines_help() {
+  return {{"frames received", "frames of other nodes, since the start"},
+          {"frames sent", "what became of requests to send, since the start; and how many wait now"},
+          {"bus load", "share of the last second in which the bus was busy"}};
+}
+
+}  // namespace
+
+const StatusPart kFrameStatusPart = {"layer2", lines_of_frames, add_frame_members, frame_lines_help};
+
+}  // namespace cansync::cli
