@@ -132,7 +132,7 @@ void Writers::write(unsigned number, Channel channel, std::uint64_t interval, bo
   update.mapping_number = program.mapping_number;
   update.valid_mask = 0x0F;
   if (!steady) {
-    if (dice_.chance(50)) sample.problem = "out of range";
+    if (dice_.chance(50)) sample.problem = gateway::dds::Denial{gateway_CAUSE_FIELD, "out of range"};
     if (dice_.chance(100)) update.release_intervals = static_cast<std::uint32_t>(dice_.between(2, 30));
     if (dice_.chance(100)) update.from_interval = interval + dice_.between(1, 40);
   }
@@ -191,7 +191,8 @@ void Writers::deliver(const Sample& sample) {
 }
 
 void Writers::refused(const ReferenceRefused& report) {
-  gate_.refused(index(report.channel), std::string(name(report.refusal)), report.when, steady());
+  gate_.refused(index(report.channel), {gateway_CAUSE_UNKNOWN, std::string(name(report.refusal))},
+                report.when, steady());
 }
 
 std::string Writers::hand_on(const Request& request) {

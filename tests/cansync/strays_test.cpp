@@ -1,5 +1,7 @@
 // Every kind of wrong frame that can come from the bus: it is counted by its kind, nothing goes on the bus
 // because of it, and no job ends otherwise.
+#include "cansync/supervision/strays.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "cansync/supervision/strays.h"
 #include "master_rig.h"
 
 namespace cansync::test {

@@ -85,7 +85,7 @@ class TwoDaemons(unittest.TestCase):
             return reply["result"] == "refused" and all(name in reply["reason"] for name in names)
 
         wait_for("who knew one is told of both", refused)
-        told = following.communicate()[1].decode()
+        told = following.communicate(timeout=LONG)[1].decode()
         self.assertEqual(following.returncode, 6, told)
         self.assertTrue(all(name in told for name in names), told)
         reply = ask(f"write 1 {WORD} 4711")
