@@ -51,6 +51,9 @@ class State(OnALine):
         gateway = self.line.status(cansync.GatewayStatus)
         self.assertEqual((gateway.bus, gateway.protocol, len(gateway.daemon)), (self.gateway.bus, "cansync-master", 16))
         self.assertEqual(gateway.process, self.gateway.process.pid)
+        bus = self.line.status(cansync.BusStatus)
+        self.assertEqual((bus.bus_interface, bus.bit_rate), ("sim", 1000000))
+        self.assertIs(self.line.status(cansync.RealtimeStatus).realtime_enforced, False)
         self.error(cansync.Invalid, cansync.Code.INVALID, "topic", self.line.status, cansync.Event)
         self.error(cansync.Invalid, cansync.Code.INVALID, "no topic", self.line.status, int)
 

@@ -82,9 +82,10 @@ class Client:
     def status(self, topic: type[T]) -> T: ...
 
     def status(self, topic: typing.Any = MasterStatus) -> typing.Any:
-        """What the daemon told last, at most about a second old. Waits for nothing.
+        """What the daemon told last, at most about a second old.
 
-        topic: MasterStatus, the line; GatewayStatus, which daemon serves it
+        topic: MasterStatus, the line; GatewayStatus, which daemon serves it; BusStatus, the CAN interface; RealtimeStatus.
+        For the first sample of the last two it waits at most 2 s; NotConnected when none comes.
         """
         return self._sample(topic, 0, 0.0)
 
