@@ -69,7 +69,8 @@ int main(int argc, char** argv) {
     options.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
     options.bus = argv[2];
     options.client_name = "lead axis";
-    const char* types = std::getenv("CANSYNC_TYPES");  // as for the command cansync
+    // As for the command cansync. NOLINTNEXTLINE(concurrency-mt-unsafe): nobody changes the environment
+    const char* types = std::getenv("CANSYNC_TYPES");
     options.final_types = types != nullptr && std::string(types) == "final";
     return lead(options, std::atof(argv[3]), std::atof(argv[4]));
   } catch (const std::exception& error) {
