@@ -26,11 +26,10 @@ class CANSYNC_PUBLIC BroadcastBlock {
   void call();
 
  protected:
-  BroadcastBlock(Client& client, std::uint32_t range) : client_(&client), slot_(client), range_(range) {}
+  BroadcastBlock(Client& client, std::uint32_t range) : slot_(client), range_(range) {}
   ~BroadcastBlock() = default;
 
  private:
-  Client* client_;
   CommandSlot slot_;
   std::uint32_t range_;
 };
