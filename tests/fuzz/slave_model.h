@@ -85,7 +85,7 @@ class Application final : public cansync::SlaveApplication {
   void control_word(std::uint16_t) noexcept override { ++asked_; }
   void action(std::uint8_t command, std::uint8_t, std::uint16_t) noexcept override {
     ++asked_;
-    require(command >= 128, "user commands alone are handed on");
+    require(command >= 2, "a control word is no other action");
   }
 
  private:
