@@ -25,16 +25,49 @@ can::Frame error_frame() {
 }  // namespace
 
 void Line::advance(can::Time to) noexcept {
-  while (true) {
-    if (!flight_) {
-      // Strictly before: at `to` itself the caller may still send and take part in the arbitration.
-      const auto start = next_start();
-      if (!start || *start >= to) return;
-      begin(*start);
-    }
-    if (flight_->end > to) return;
-    finish();
+  while (happen(to)) {
   }
+}
+
+bool Line::happen(can::Time to) noexcept {
+  const can::Time due = next_due();
+  // In virtual time the clock goes along; elsewhere, and when catching up, it is there already.
+  const auto reach = [this](can::Time instant) {
+    if (clock_.kind() == ClockKind::virtual_time) clock_.sleep_until(instant);
+  };
+  if (flight_) {
+    if (flight_->end <= to && flight_->end <= due) {
+      reach(flight_->end);
+      finish();
+      return true;
+    }
+  } else if (const auto start = next_start(); start && *start < to && *start < due) {
+    // Strictly before: at that instant itself the caller, or a node, may still send and take part in the
+    // arbitration.
+    begin(*start);
+    return true;
+  }
+  if (due > to) return false;
+  reach(due);
+  act(due);
+  return true;
+}
+
+can::Time Line::next_due() const noexcept {
+  can::Time due = can::Time::max();
+  for_each_bit(timed_,
+               [&](std::uint8_t index) { due = std::min(due, nodes_[index]->next_time().value_or(due)); });
+  return due;
+}
+
+void Line::act(can::Time now) noexcept {
+  for_each_bit(timed_, [&](std::uint8_t index) {
+    if (nodes_[index]->next_time().value_or(can::Time::max()) > now) return;
+    const Deed deed = nodes_[index]->on_time(now);
+    if (deed.sync_edge) edge(now, index);
+    if (deed.transmission && ((bus_off_ | silent_) & bit_of(index)) == 0)
+      hand_over(index, *deed.transmission, now);
+  });
 }
 
 std::optional<can::Time> Line::next_start() const noexcept {
@@ -47,16 +80,17 @@ std::optional<can::Time> Line::next_start() const noexcept {
 
 const PendingFrame* Line::winner(can::Time start) const noexcept {
   const PendingFrame* best = waiting_.winner(start);
-  const PendingFrame* master = transmit_.front();
-  if (master == nullptr || master->ready > start) return best;
-  return best == nullptr || wins(*master, *best) ? master : best;
+  const PendingFrame* own = transmit_.front();
+  if (own == nullptr || own->ready > start) return best;
+  return best == nullptr || wins(*own, *best) ? own : best;
 }
 
 can::Time Line::next_end() const noexcept {
-  if (flight_) return flight_->end;
+  const can::Time due = next_due();
+  if (flight_) return std::min(flight_->end, due);
   const auto start = next_start();
-  if (!start) return can::Time::max();
-  return *start + bit_times(winner(*start)->bits - can::kInterframeBits);
+  if (!start) return due;
+  return std::min(*start + bit_times(winner(*start)->bits - can::kInterframeBits), due);
 }
 
 void Line::begin(can::Time start) noexcept {
@@ -64,7 +98,7 @@ void Line::begin(can::Time start) noexcept {
   const PendingFrame* chosen = winner(start);
   Flight flight;
   flight.pending = *chosen;
-  if (chosen->sender == kMaster) {
+  if (chosen->sender == kUser) {
     transmit_.pop();
   } else {
     waiting_.remove(*chosen);
@@ -119,18 +153,19 @@ void Line::deliver() noexcept {
   const std::uint8_t sender = flight.pending.sender;
   const std::uint64_t own = bit_of(sender);
   const std::uint64_t absent = bus_off_ | silent_ | own;
-  const NodeMask lost = nodes_of(flight.fate.lost);
+  const NodeMask lost = nodes_of(flight.fate.lost) | (flight.fate.lost_to_master ? masters_ : 0);
+  const bool lost_to_user = user_number_ ? flight.fate.lost.has(*user_number_) : flight.fate.lost_to_master;
 
   const NodeMask present = wanting(frame) & ~static_cast<NodeMask>(absent);
   counters_.lost_deliveries += static_cast<unsigned>(std::popcount(present & lost));
   for_each_bit(present & ~lost, [&](std::uint8_t index) {
     if (const auto answer = nodes_[index]->on_frame(frame, flight.end)) hand_over(index, *answer, flight.end);
   });
-  if (sender != kMaster && (bus_off_ & bit_of(kMaster)) == 0) {
-    if (flight.fate.lost_to_master) {
+  if (sender != kUser && (bus_off_ & bit_of(kUser)) == 0) {
+    if (lost_to_user) {
       ++counters_.lost_deliveries;
     } else {
-      deliver_to_master(false);
+      deliver_to_user(false);
     }
   }
   if (flight.fate.duplicated) {
@@ -140,13 +175,13 @@ void Line::deliver() noexcept {
     return;
   }
   count_success();
-  if (sender == kMaster && !flight.abandoned) deliver_to_master(true);
+  if (sender == kUser && !flight.abandoned) deliver_to_user(true);
   if (sender < nodes_.size()) {
     if (const auto next = nodes_[sender]->on_sent(frame, flight.end)) hand_over(sender, *next, flight.end);
   }
 }
 
-void Line::deliver_to_master(bool own) noexcept {
+void Line::deliver_to_user(bool own) noexcept {
   if (received_size_ == received_.size()) {
     ++dropped_;
     return;
@@ -161,8 +196,8 @@ void Line::send_again() noexcept {
   PendingFrame again = flight_->pending;
   again.ready = flight_->free;
   again.repeated = again.repeated || flight_->fate.duplicated;
-  if (again.sender == kMaster) {
-    if (!flight_->abandoned && (bus_off_ & bit_of(kMaster)) == 0) transmit_.push_front(again);
+  if (again.sender == kUser) {
+    if (!flight_->abandoned && (bus_off_ & bit_of(kUser)) == 0) transmit_.push_front(again);
   } else if (((bus_off_ | silent_) & bit_of(again.sender)) == 0) {
     waiting_.push(again);
   }
@@ -187,14 +222,14 @@ void Line::count_success() noexcept {
 
 void Line::count_failure() noexcept {
   const std::uint64_t sender = bit_of(flight_->pending.sender);
-  const std::uint64_t everybody = ((std::uint64_t{1} << nodes_.size()) - 1) | bit_of(kMaster);
+  const std::uint64_t everybody = ((std::uint64_t{1} << nodes_.size()) - 1) | bit_of(kUser);
   // A duplicated frame is an error in its sender's eyes alone.
   const std::uint64_t concerned = flight_->fate.duplicated ? everybody & sender : everybody;
   for_each_bit(concerned & ~(bus_off_ | silent_), [&](std::uint8_t participant) {
     ErrorCounters& errors = participants_[participant].errors;
     if (bit_of(participant) != sender) {
       errors.receive_failed();
-    } else if (participant != kMaster || !flight_->abandoned) {
+    } else if (participant != kUser || !flight_->abandoned) {
       errors.transmit_failed();
     }
     if (!errors.clean()) unclean_ |= bit_of(participant);
@@ -204,7 +239,7 @@ void Line::count_failure() noexcept {
 
 void Line::enter_bus_off(std::uint8_t participant) noexcept {
   bus_off_ |= bit_of(participant);
-  if (participant == kMaster) {
+  if (participant == kUser) {
     transmit_.clear();
     participants_[participant].bus_off_until = can::Time::max();  // until it is reset
   } else {
@@ -219,7 +254,7 @@ void Line::leave_bus_off(can::Time now) noexcept {
     if (participant.bus_off_until > now) return;
     participant.errors.clear();
     bus_off_ &= ~bit_of(index);
-    if (index == kMaster) ++restarts_;
+    if (index == kUser) ++restarts_;
     unclean_ &= ~bit_of(index);
   });
 }
@@ -269,8 +304,11 @@ Line::NodeMask Line::nodes_of(NodeSet numbers) const noexcept {
 }
 
 Sender Line::sender_of(std::uint8_t participant) const noexcept {
-  if (participant == kMaster) return {Sender::Kind::master, {}};
+  if (participant == kUser) {
+    return user_number_ ? Sender{Sender::Kind::node, *user_number_} : Sender{Sender::Kind::master, {}};
+  }
   if (participant == kForeign) return {Sender::Kind::foreign, {}};
+  if ((masters_ & bit_of(participant)) != 0) return {Sender::Kind::master, {}};
   return {Sender::Kind::node, nodes_[participant]->node_number()};
 }
 
