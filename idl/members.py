@@ -174,7 +174,7 @@ HEAD = """# The status topics, member by member
 
 Made by `idl/members.py --document` of the data model; a test compares the two. What the topics are for says
 [dds-api.md](dds-api.md#actual-values-and-state), of general frames [layer2.md](layer2.md). `cansync status --json` writes the members of the first three and of
-the protocol's own under the names of the column JSON, `cansync slaves --json` and `timing --json` choose and reckon ([command-line.md](command-line.md#json)).
+the protocol's own under the names of the column JSON, `cansync slaves --json` and `timing --json` choose and reckon ([command-line.md](command-line-json.md)).
 Members that are metrics stand in [metrics.md](metrics.md). Unit `1`: a plain number or raw code.
 """
 DOCUMENTED = (("gateway.idl", COMMON), ("cansync.idl", ("MasterStatus", "ReferenceRelease", "ValueName", "SlaveStatus", "Timing", "SlotTiming")),

@@ -1,4 +1,4 @@
-"""Every verb has a JSON schema that is one, its keys are those of docs/command-line.md, and it is run by a test of whole processes."""
+"""Every verb has a JSON schema that is one, its keys are those of docs/command-line-json.md, and it is run by a test of whole processes."""
 
 import os
 import re
@@ -13,15 +13,15 @@ TESTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 sys.path.insert(0, os.path.join(TESTS, "end_to_end"))
 from json_schemas import keys, kinds, problem, schemas
 
-COMMAND_LINE = os.path.join(TESTS, "..", "docs", "command-line.md")
+KEYS = os.path.join(TESTS, "..", "docs", "command-line-json.md")
 VERBS = Help(os.environ["CANSYNC"]).verbs
 
 
 def documented_keys():
-    """The keys of each verb's objects, from the table of docs/command-line.md: a list of lists for each verb."""
+    """The keys of each verb's objects, from the table of docs/command-line-json.md: a list of lists for each verb."""
     found = {}
-    with open(COMMAND_LINE, encoding="utf-8") as file:
-        table = file.read().split("\n## JSON\n")[1].split("| verb | objects | keys |\n")[1]
+    with open(KEYS, encoding="utf-8") as file:
+        table = file.read().split("| verb | objects | keys |\n")[1]
     for row in table.split("\n\n")[0].splitlines()[1:]:
         verbs, _, names = row.strip("|").split("|")
         names = names.replace("the same, as it was asked, then", " ".join(f"`{k}`" for k in found.get("map", [[]])[0]))

@@ -11,7 +11,7 @@ from help_text import Help, helps
 SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 PAGES = os.environ["MAN_PAGES"]  # folder of the joined pages
 ALL = ["cansync.1", "cansync-sim.1", "cansync-security.1", "cansync.toml.5", "cansync-dds.7", "cansyncd.8"]
-OF_MARKDOWN = ["cansync-sim.1", "cansync-dds.7"]  # written in man(7) by lowdown; the others are mdoc(7)
+OF_MARKDOWN = ["cansync.1", "cansync-sim.1", "cansync-dds.7"]  # written in man(7) by lowdown; the others are mdoc(7)
 CANSYNC, CANSYNCD, CANSYNC_SIM = (os.environ[name] for name in ("CANSYNC", "CANSYNCD", "CANSYNC_SIM"))
 OPTION = re.compile(r"Fl -([a-z-]+)(?: (?:Ar|Cm) (.+?))?$")
 
@@ -51,16 +51,32 @@ def in_cells(text):
     return {option[1]: option[2] or "" for option in found if option}
 
 
-def in_synopsis(text):
-    """Options and arguments that stand in the lines before the first paragraph."""
-    options, arguments = {}, []
-    for line in text.split("\n.Pp\n")[0].splitlines():
-        line = re.sub(r"^\.Op ", ".", line)
-        if found := OPTION.search(line):
-            options["--" + found[1]] = takes(found[2])
-        elif line.startswith(".Ar"):
-            arguments += re.findall(r"[A-Z]+(?:=[A-Z]+)?", takes(re.sub(r"\b(Op|Ar)\b ", "", line[4:])))
-    return options, arguments
+def document(name):
+    with open(os.path.join(SOURCE, "docs", name), encoding="utf-8") as file:
+        return file.read()
+
+
+def parts(text, level):
+    """The parts of a document below its headings of that level, and what stands before them under "": heading -> text."""
+    found = re.split(rf"(?m)^{'#' * level} (.*)\n", text)
+    return {"": found[0], **dict(zip(found[1::2], found[2::2]))}
+
+
+def items(text):
+    """Options that have an item of a list in a document: name -> what it takes, the variable that gives it, what it means."""
+    found = re.findall(r"(?m)^- `(?:-\w, )?(--[a-z-]+)(?: ([^`]+))?`(?: \(`(\w+)`\))?: (.{3,})$", text)
+    return {option[0]: option[1:] for option in found}
+
+
+def in_items(text):
+    """The options of the items of a document, as the help has them: name -> what it takes."""
+    return {name: item[0] for name, item in items(text).items()}
+
+
+def in_synopsis(line):
+    """Options and arguments of a line such as `plot FILE --output PICTURE [--values NAMES]`."""
+    option = r"(--[a-z-]+)(?: ([A-Z][A-Z=]*|[a-z0-9]+\|[a-z0-9|]+))?"
+    return dict(re.findall(option, line)), re.findall(r"[A-Z]+(?:=[A-Z]+)?", re.sub(option, "", line))
 
 
 class Roff(unittest.TestCase):
@@ -106,38 +122,14 @@ class Programs(unittest.TestCase):
     def test_options(self):
         self.same_options("cansyncd.8", section(source("cansyncd.8"), "DESCRIPTION"), Help(CANSYNCD))
         self.assertEqual(in_cells(section(source("cansync-sim.1"), "DESCRIPTION")), Help(CANSYNC_SIM).options, "cansync-sim.1")
-        self.same_options("cansync.1", section(source("cansync.1"), "DESCRIPTION"), Help(CANSYNC))
 
     def test_synopsis_of_the_daemon(self):
         found = set(re.findall(r"Fl -([a-z-]+)|\| -([a-z-]+)", section(source("cansyncd.8"), "SYNOPSIS")))
         names = {"--" + (one or other) for one, other in found}
         self.assertEqual(names, set(Help(CANSYNCD).options) - {"--help", "--version"})
 
-    def test_every_verb_with_its_options_and_arguments(self):
-        page = source("cansync.1").split(".Sh COLUMNS")[0]
-        told = helps(CANSYNC)
-        verbs = re.findall(r"(?m)^\.Ss (.*)$", page)
-        self.assertEqual(sorted(verbs), sorted(told[""].verbs))
-        for verb in verbs:
-            text = section(page, verb, "Ss")
-            self.assertTrue(text.startswith(f".Nm\n.Cm {verb}\n"), verb)
-            own = {name: value for name, value in told[verb].options.items() if name != "--help"}
-            self.assertEqual(listed(text), own, verb)
-            options, arguments = in_synopsis(text)
-            self.assertEqual(options, own, f"synopsis of {verb}")
-            self.assertEqual(arguments, told[verb].arguments, f"synopsis of {verb}")
-            self.assertIn("\n.Pp\n", text, f"{verb} is not described")
-
-    def test_environment(self):
-        told = Help(CANSYNC).environment
-        text = section(source("cansync.1"), "ENVIRONMENT")
-        found = re.findall(r"(?m)^\.It Ev (\w+)\nAs\n\.Fl (-[a-z]+) \.$", text)
-        self.assertEqual({name: "-" + option for name, option in found}, told)
-        self.assertEqual(len(re.findall(r"(?m)^\.It", text)), len(told))
-
     def test_exit_codes(self):
         told = {
-            "cansync.1": re.findall(r"(?m)^  (\d+)  ", Help(CANSYNC).text.split("Exit codes:\n")[1]),
             "cansync-sim.1": re.findall(r"(?:: |, )(\d+) ", re.search(r"Exit codes: .*", Help(CANSYNC_SIM).text)[0]),
             "cansyncd.8": re.findall(r"(?:: |, )(\d+) ", re.search(r"Exit codes: .*\n?.*", Help(CANSYNCD).text)[0]),
         }
@@ -156,11 +148,69 @@ class Programs(unittest.TestCase):
         roles = re.findall(r"(?m)^(?: +ROLE: | {12})([a-z]+) {2,}", usage)
         self.assertEqual(re.findall(r"(?m)^\.It Cm (\w+)$", text), verbs + roles)
 
+
+class CommandLine(unittest.TestCase):
+    """The documents of which cansync(1) is made."""
+
+    PARTS = ("command-line.md", "command-line-verbs.md", "command-line-columns.md")
+
+    def test_options_and_environment(self):
+        told = Help(CANSYNC)
+        text = parts(document("command-line.md"), 2)["Options of every verb"]
+        self.assertEqual(in_items(text), told.options)
+        self.assertEqual({item[1]: name for name, item in items(text).items() if item[1]}, told.environment)
+        self.assertEqual(len(re.findall("(?m)^- ", text)), len(told.options))
+
+    def test_exit_codes(self):
+        told = re.findall(r"(?m)^  (\d+)  ", Help(CANSYNC).text.split("Exit codes:\n")[1])
+        self.assertGreaterEqual(len(told), 9)
+        text = parts(document("command-line.md"), 2)["Exit status"]
+        self.assertEqual(re.findall(r"(?m)^- \*\*(\d+)\*\*: \S{3}", text), told)
+
+    def test_every_verb_with_its_options_and_arguments(self):
+        told = helps(CANSYNC)
+        found = []
+        for group, text in parts(document("command-line-verbs.md"), 2).items():
+            verbs = parts(text, 3)
+            shared = in_items(verbs.pop(""))  # of more than one verb of the group
+            used = []
+            for verb, words in verbs.items():
+                found.append(verb)
+                synopsis, description = words.split("\n\n", 1)
+                self.assertRegex(synopsis, rf"\A`{verb}[ `]")
+                options, arguments = in_synopsis(synopsis)
+                own = {name: value for name, value in told[verb].options.items() if name != "--help"}
+                self.assertEqual(options, own, f"synopsis of {verb}")
+                self.assertEqual(arguments, told[verb].arguments, f"synopsis of {verb}")
+                listed_here = in_items(description)
+                of_group = {name: value for name, value in shared.items() if name in options}
+                used += of_group
+                self.assertEqual(listed_here.keys() & of_group.keys(), set(), f"{verb}: in its group, too")
+                self.assertEqual({**of_group, **listed_here}, own, verb)
+                self.assertRegex(description, r"\A[A-Z]\w* \w", f"{verb} is not described")
+            self.assertEqual({name for name in shared if used.count(name) < 2}, set(), group)
+        self.assertEqual(sorted(found), sorted(told[""].verbs))
+
     def test_columns_are_those_of_the_help(self):
         printed = subprocess.run([sys.executable, "-B", os.path.join(SOURCE, "docs/man/make_columns"), CANSYNC], check=True,
                                  capture_output=True, text=True).stdout
-        with open(os.path.join(SOURCE, "docs/man/cansync.1.d/80-columns.mdoc"), encoding="utf-8") as file:
-            self.assertEqual(file.read(), printed, "run: docs/man/make_columns CANSYNC > docs/man/cansync.1.d/80-columns.mdoc")
+        self.assertEqual(document("command-line-columns.md"), printed,
+                         "run: docs/man/make_columns CANSYNC > docs/command-line-columns.md")
+
+    def test_the_page_has_every_word_of_the_documents(self):
+        text = ""
+        for name in self.PARTS:
+            whole = document(name)
+            text += whole.split("\n", 1)[1] if name == self.PARTS[0] else whole[whole.index("\n## "):]
+        text = re.sub(r"(?m)^!\[.*$|(?<=\])\([^)]*\)|^```$", "", text)
+        text = re.sub(r"(?ms)^The man page `.*?^$", "", text)
+        page = subprocess.run(["mandoc", "-Tutf8", os.path.join(PAGES, "cansync.1")], check=True,
+                              capture_output=True, text=True).stdout
+        page = re.sub(".\x08", "", page)  # bold, as typewriters did it
+        page = page.split("\nDESCRIPTION\n")[1].split("\nFILES\n")[0]
+        words = [re.findall(r"\w+", side.lower()) for side in (text, page)]
+        self.assertGreater(len(words[0]), 4000)
+        self.assertEqual(words[1], words[0])
 
 
 class Topics(unittest.TestCase):

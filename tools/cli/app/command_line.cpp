@@ -73,7 +73,7 @@ void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
          "what passes; what only reads also when no answer came (default: never)")
       ->type_name("SECONDS");
   app.add_flag("--json", globals.json,
-               "data as JSON, one object a line; docs/command-line.md lists the keys");
+               "data as JSON, one object a line; docs/command-line-json.md lists the keys");
 }
 
 double parse_seconds(const std::string& text, const char* option, double longest) {

@@ -87,7 +87,7 @@ std::vector<Table::Column> slot_columns();
 /// Everything for people, in lines; tables may be wider than `width`.
 std::vector<std::string> report_lines(const TimingReport& report, std::size_t width);
 
-/// Everything for programs; docs/command-line.md lists the keys.
+/// Everything for programs; docs/command-line-json.md lists the keys.
 JsonObject report_object(const TimingReport& report);
 
 }  // namespace cansync::cli
