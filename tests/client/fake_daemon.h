@@ -59,6 +59,13 @@ class FakeDaemon {
   /// Modes are taken down and refused for this cause from now on.
   void refuse_modes(gateway_RefusalCause cause) { mode_refusal_ = cause; }
 
+  /// The state of the line that is told from now on; active operation at first.
+  void set_state(cansync::State state) {
+    const std::lock_guard lock(mutex_);
+    state_ = state;
+    publish_state();
+  }
+
   /// Commands taken so far.
   std::vector<cansync_Command> commands() const {
     const std::lock_guard lock(mutex_);
@@ -109,10 +116,12 @@ class FakeDaemon {
     signal_.raise();
   }
 
-  void publish_actual(std::uint8_t slave, std::uint32_t first) {
+  void publish_actual(std::uint8_t slave, std::uint32_t first, std::uint64_t interval = 0) {
     cansync_ActualValues values = {};
     values.slave = slave;
     values.raw[0] = first;
+    values.arrived = interval != 0 ? 1 : 0;
+    values.interval[0] = interval;
     (void)actual_writer_.write(values);
   }
   void publish_event(std::uint64_t number) {
@@ -148,7 +157,7 @@ class FakeDaemon {
     bus.bit_rate = cansync::slot_times(settings_.bit_rate).bits_per_second;
     (void)bus_writer_.write(bus);
     cansync_MasterStatus master = {};
-    cansync::dds::fill_master_status(settings_, {}, cansync::State::active_master, master);
+    cansync::dds::fill_master_status(settings_, {}, state_, master);
     std::copy(identity_.begin(), identity_.end(), std::begin(master.daemon));
     std::copy(mapping_.begin(), mapping_.end(), std::begin(master.reference_mapping));
     master.mapping_number = mapping_number_;
@@ -349,6 +358,7 @@ class FakeDaemon {
   int given_up_ = 0;
   std::vector<std::int32_t> refused_;
   std::array<std::uint8_t, 8> mapping_ = {};
+  cansync::State state_ = cansync::State::active_master;
   std::uint64_t mapping_number_ = 1;
   std::atomic<std::size_t> requests_ = 0;
   std::atomic<std::size_t> elsewhere_ = 0;

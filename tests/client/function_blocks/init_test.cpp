@@ -62,6 +62,39 @@ TEST_F(InitTest, NoDaemonIsBitZero) {
   EXPECT_NE(alone.error().find("no daemon found"), std::string::npos);
 }
 
+// "Setting x_SYNC_MODE = TRUE sets synchronous operation."
+TEST_F(InitTest, SyncModeSetsTheLineUpUnlessThatIsPast) {
+  block.x_SYNC_MODE = true;
+  finish(block);
+  EXPECT_TRUE(block.x_OK) << block.error();
+  rig.release();
+  ASSERT_TRUE(client.mode(Mode::stop).wait().ok());
+  ASSERT_TRUE(rig.watch([](const auto& status) { return status.option_status == 0x0003; }));
+  INIT stopped(options_at(rig.client_place()));
+  stopped.x_SYNC_MODE = true;
+  finish(stopped);
+  EXPECT_TRUE(stopped.x_OK) << stopped.error();
+  EXPECT_TRUE(rig.watch([](const auto& status) { return status.option_status == 0x0043; }));
+}
+
+class InitCommands : public CommandTest {};
+
+TEST_F(InitCommands, ASyncModeThatIsRefusedIsBitEleven) {
+  daemon.set_state(cansync::State::waiting_for_start);
+  daemon.refuse_modes(gateway_CAUSE_READ_ONLY);
+  INIT block(options_at(places.there));
+  block.x_SYNC_MODE = true;
+  ASSERT_TRUE(repeat_until(
+      [&] {
+        block.call();
+        std::this_thread::yield();
+      },
+      [&] { return block.x_OK || block.x_ERR; }));
+  EXPECT_EQ(block.w_ERR, 0x0800);
+  EXPECT_EQ(block.error().rfind("daemon: ", 0), 0u) << block.error();
+  EXPECT_EQ(daemon.commands().size(), 1u);
+}
+
 // w_ERR bit 11: "Initialization of CANsync interface module not completed".
 TEST_F(InitTest, ASlaveRoleOrAMissingSlaveIsBitEleven) {
   block.x_SL = true;

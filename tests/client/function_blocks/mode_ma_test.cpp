@@ -23,8 +23,12 @@ TEST_F(ModeMa, ShowsTheStateWithoutACommand) {
 // "Setting x_SYNC_MODE = TRUE sets synchronous operation." "After setting the operating mode, you use
 // x_CANsync_RUN = TRUE to enable active operation."
 TEST_F(ModeMa, SetsUpAndEnablesActiveOperation) {
+  rig.release();
+  ASSERT_TRUE(client.mode(Mode::stop).wait().ok());
+  ASSERT_TRUE(repeat_until([&] { cycle(block, now); }, [&] { return block.x_WAIT; }));
   block.x_SYNC_MODE = true;
-  ASSERT_TRUE(run_until(block, [&] { return block.x_PREPARE_ACTIV; }));
+  ASSERT_TRUE(repeat_until([&] { cycle(block, now); }, [&] { return block.x_PREPARE_ACTIV; }));
+  rig.hold();
   EXPECT_FALSE(block.x_CANsync_ACTIV);
   EXPECT_TRUE(block.x_SYNC_MODE_ACTIV);
   EXPECT_TRUE(block.x_MA);
@@ -59,8 +63,61 @@ TEST_F(ModeMa, WaitShowsThatTheLineIsStopped) {
 
 class ModeMaCommands : public CommandTest {
  protected:
+  void set_state(cansync::State state) {
+    daemon.set_state(state);
+    ASSERT_TRUE(
+        repeat_until([] { std::this_thread::yield(); },
+                     [&] { return client.master_status().option_status == static_cast<WORD>(state); }));
+  }
+  std::vector<cansync_Mode> modes() {
+    std::vector<cansync_Mode> found;
+    for (const cansync_Command& command : daemon.commands()) found.push_back(command.mode);
+    return found;
+  }
   MODE_MA block{client};
 };
+
+// The boot task of the manual, for a program that starts while the line runs.
+TEST_F(ModeMaCommands, ASetUpThatIsPastIsNoCommand) {
+  for (const cansync::State state : {cansync::State::active_master, cansync::State::setting_up_master}) {
+    set_state(state);
+    block.x_SYNC_MODE = block.x_CANsync_RUN = true;
+    const std::size_t before = daemon.commands().size();
+    EXPECT_EQ(command(block, before + 1).mode, cansync_MODE_RUN);
+    for (int i = 0; i < 100; ++i) cycle(block, now);
+    EXPECT_EQ(daemon.commands().size(), before + 1);
+    block.x_SYNC_MODE = block.x_CANsync_RUN = false;
+    cycle(block, now);
+  }
+  // A line that this program has taken down is set up, whatever the newest status says.
+  block.x_RESET_SOFTWARE = true;
+  command(block, 3);
+  block.x_SYNC_MODE = true;
+  EXPECT_EQ(command(block, 4).mode, cansync_MODE_SETUP);
+}
+
+// "The inputs correspond to commands."
+TEST_F(ModeMaCommands, InputsThatRiseInOneCallAreAllGivenInOrder) {
+  set_state(cansync::State::waiting_for_start);
+  block.x_RESET_CANsync_CONTROLLER = block.x_RESET_SOFTWARE = block.x_SYNC_MODE = block.x_CANsync_RUN = true;
+  command(block, 4);
+  EXPECT_EQ(modes(), (std::vector{cansync_MODE_RESET_CAN, cansync_MODE_RESTART, cansync_MODE_SETUP,
+                                  cansync_MODE_RUN}));
+}
+
+TEST_F(ModeMaCommands, WhatIsRefusedStaysInWordsAndDropsWhatWaitsBehindIt) {
+  set_state(cansync::State::waiting_for_start);
+  daemon.refuse_modes(gateway_CAUSE_READ_ONLY);
+  block.x_RESET_CANsync_CONTROLLER = block.x_SYNC_MODE = true;
+  command(block, 1);
+  ASSERT_TRUE(
+      repeat_until([&] { cycle(block, now); }, [&] { return block.cause() == RefusalCause::read_only; }));
+  for (int i = 0; i < 100; ++i) cycle(block, now);
+  EXPECT_EQ(block.cause(), RefusalCause::read_only);
+  // A command of another client comes after whatever the block had on its way.
+  (void)client.mode(Mode::stop).wait();
+  EXPECT_EQ(modes(), (std::vector{cansync_MODE_RESET_CAN, cansync_MODE_STOP}));
+}
 
 TEST_F(ModeMaCommands, EachInputIsItsCommandOnceForEachRisingEdge) {
   block.x_RESET_SOFTWARE = true;
@@ -75,6 +132,7 @@ TEST_F(ModeMaCommands, EachInputIsItsCommandOnceForEachRisingEdge) {
 }
 
 TEST_F(ModeMaCommands, SyncModeAndRunTogetherGoOutInThisOrder) {
+  set_state(cansync::State::waiting_for_start);
   block.x_SYNC_MODE = block.x_CANsync_RUN = true;
   EXPECT_EQ(command(block, 1).mode, cansync_MODE_SETUP);
   const cansync_Command second = command(block, 2);
@@ -112,6 +170,7 @@ TEST_F(ModeMaCommands, ReservedInputsAreRefused) {
   EXPECT_EQ(block.cause(), RefusalCause::field);
   block.x_ASYNC_MODE1 = false;
   block.x_SET_INIT_DATA = true;  // the configuration file has them
+  set_state(cansync::State::waiting_for_start);
   cycle(block, now);
   block.x_SYNC_MODE = true;
   EXPECT_EQ(command(block, 1).mode, cansync_MODE_SETUP);

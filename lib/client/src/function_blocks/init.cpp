@@ -4,6 +4,8 @@
 #include <exception>
 #include <utility>
 
+#include "client/src/function_blocks/option_status.h"
+
 namespace cansync::client::function_blocks {
 namespace {
 
@@ -20,6 +22,10 @@ INIT::~INIT() = default;
 
 void INIT::call() {
   if (x_OK || x_ERR) return;
+  if (client_) {
+    if (set_up()) x_OK = true;
+    return;
+  }
   if (x_SL) return fail(init_error::not_completed, "client: x_SL: the daemon is a master; allowed FALSE");
   if (!connecting_.valid())
     connecting_ = std::async(std::launch::async, [options = options_] {
@@ -55,10 +61,25 @@ void INIT::compare() {
       return fail(init_error::not_completed,
                   "client: a_SL_TYP[" + std::to_string(slave) + "]: the daemon has no such slave configured");
   }
-  x_OK = true;
+  if (set_up()) x_OK = true;
+}
+
+/// True when x_SYNC_MODE has nothing (more) to do. A set-up that is past is no command: it would take a line
+/// that runs out of active operation.
+bool INIT::set_up() {
+  if (!set_up_) {
+    const WORD status = client_->master_status().option_status;
+    if (!x_SYNC_MODE || is_synchronous(status)) return true;
+    set_up_.emplace(client_->mode(Mode::setup));
+  }
+  const std::optional<CommandReply> reply = set_up_->wait_for(std::chrono::milliseconds(0));
+  if (!reply) return false;
+  if (!reply->ok()) fail(init_error::not_completed, describe(*reply));
+  return reply->ok();
 }
 
 void INIT::fail(WORD bits, std::string reason) {
+  set_up_.reset();
   client_.reset();
   x_OK = false;
   x_ERR = true;

@@ -1,19 +1,15 @@
 #include <cansync/function_blocks/mode_ma.h>
 #include <cansync/topics.h>
 
+#include <algorithm>
 #include <utility>
+
+#include "client/src/function_blocks/option_status.h"
 
 namespace cansync::client::function_blocks {
 namespace {
 
 constexpr std::chrono::milliseconds kAgain(500);
-
-// Values of w_OPTION_STATUS (M 3.2.2.3).
-constexpr WORD kStartUp = 0x0001;
-constexpr WORD kInitialisationPossible = 0x0002;
-constexpr WORD kWaiting = 0x0003;
-constexpr WORD kSettingUp = 0x0043;
-constexpr WORD kActive = 0x0080;
 
 bool rises(BOOL input, BOOL& was) {
   return input && !std::exchange(was, input);
@@ -22,7 +18,47 @@ bool rises(BOOL input, BOOL& was) {
 }  // namespace
 
 void MODE_MA::enter(Mode mode) {
+  entered_ = mode;
   slot_.enter([mode](Client& client) { return client.mode(mode); });
+}
+
+/// Once the input has become TRUE, its command waits for its turn.
+void MODE_MA::rise(BOOL input, BOOL& was, Mode mode) {
+  if (!rises(input, was)) return;
+  const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_);
+  if (std::find(waiting_.begin(), end, mode) == end) waiting_[waiting_count_++] = mode;
+}
+
+/// Enters the command that waits longest, when none is on its way.
+void MODE_MA::next(WORD option_status) {
+  while (waiting_count_ > 0 && !slot_.open()) {
+    const Mode mode = waiting_.front();
+    std::shift_left(waiting_.begin(), waiting_.end(), 1);
+    --waiting_count_;
+    if (mode == Mode::setup && is_synchronous(option_status) && !own_reset_) continue;
+    if (mode != Mode::reset_can) own_reset_ = mode == Mode::restart;
+    enter(mode);
+  }
+}
+
+/// x_CANsync_RUN, behind every other command.
+void MODE_MA::run(Clock::time_point now) {
+  if (!run_wanted_ || slot_.open()) return;
+  if (run_given_ && now - *run_given_ < kAgain) return;
+  run_given_ = now;
+  enter(Mode::run);
+}
+
+/// Takes what came of the command on its way.
+void MODE_MA::poll() {
+  const bool was_open = slot_.open();
+  slot_.poll();
+  if (!was_open || slot_.open()) return;
+  if (entered_ == Mode::run) {
+    run_wanted_ = run_wanted_ && slot_.refused() && slot_.passes();
+  } else if (slot_.refused()) {
+    waiting_count_ = 0;
+  }
 }
 
 void MODE_MA::call(Clock::time_point now) {
@@ -36,21 +72,16 @@ void MODE_MA::call(Clock::time_point now) {
 
   if (x_ASYNC_MODE0 || x_ASYNC_MODE1)
     slot_.refuse(RefusalCause::field, "client: x_ASYNC_MODE0 and x_ASYNC_MODE1 are reserved; allowed FALSE");
-  if (rises(x_RESET_CANsync_CONTROLLER, controller_was_)) enter(Mode::reset_can);
-  if (rises(x_RESET_SOFTWARE, reset_was_)) enter(Mode::restart);
-  if (rises(x_SYNC_MODE, sync_was_)) enter(Mode::setup);
+  rise(x_RESET_CANsync_CONTROLLER, controller_was_, Mode::reset_can);
+  rise(x_RESET_SOFTWARE, reset_was_, Mode::restart);
+  rise(x_SYNC_MODE, sync_was_, Mode::setup);
   if (rises(x_CANsync_RUN, run_was_)) {
     run_wanted_ = true;
     run_given_.reset();
   }
-  // Behind every command that is on its way.
-  const bool due = !run_given_ || (slot_.passes() && now - *run_given_ >= kAgain);
-  if (run_wanted_ && due && !slot_.open()) {
-    run_given_ = now;
-    enter(Mode::run);
-  }
-  slot_.poll();
-  if (run_given_ && slot_.sent()) run_wanted_ = false;
+  next(status.option_status);
+  run(now);
+  poll();
   show(status.option_status);
 }
 

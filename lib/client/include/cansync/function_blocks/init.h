@@ -19,13 +19,15 @@ inline constexpr WORD not_completed = 0x0800;      ///< everything else, `error(
 /// CANsync_INIT with CANsync_SL_TYP_INIT (M 4.9): connects to the daemon.
 ///
 /// What the option module is told here is the daemon's configuration file; the inputs are compared with it,
-/// and nothing is changed on the line. x_SYNC_IN, the bit timing registers and the acceptance filter have no
-/// counterpart. Connecting runs on a thread of its own; call until x_OK or x_ERR.
+/// and nothing is changed on the line but its mode, with x_SYNC_MODE. x_SYNC_IN, x_ASYNC_MODE0 and 1, the bit
+/// timing registers and the acceptance filter have no counterpart. Connecting runs on a thread of its own;
+/// call until x_OK or x_ERR.
 class CANSYNC_PUBLIC INIT {
  public:
   BOOL x_SL = false;              ///< TRUE (slave) is an error: the daemon is a master
   USINT us_BAUDRATE = 0;          ///< 3 125 kbit/s, 4 250, 5 500, 6 1 Mbit/s; 0: whatever the daemon has
   USINT us_SYNC_INTERVAL = 0;     ///< 8, 4, 2, 1 ms; 0: whatever the daemon has
+  BOOL x_SYNC_MODE = false;       ///< TRUE: the line is set up, unless it is set up or active
   BYTE_32_BMARRAY a_SL_TYP = {};  ///< not 0: that slave must be configured; all 0: whatever the daemon has
 
   WORD w_ERR = 0;  ///< bits of `init_error`
@@ -45,17 +47,20 @@ class CANSYNC_PUBLIC INIT {
   INIT(const INIT&) = delete;
   INIT& operator=(const INIT&) = delete;
 
-  /// One cycle: begins to connect, and compares the inputs once that is done. Does nothing after x_OK or
-  /// x_ERR; another attempt takes another block. Throws std::system_error when no thread can be started.
+  /// One cycle: begins to connect, compares the inputs once that is done, and has the line set up. Does
+  /// nothing after x_OK or x_ERR; another attempt takes another block. Throws std::system_error when no
+  /// thread can be started.
   void call();
 
  private:
   void fail(WORD bits, std::string reason);
   void compare();
+  bool set_up();
 
   Options options_;
   std::future<Client> connecting_;
   std::optional<Client> client_;
+  std::optional<CommandJob> set_up_;  ///< asked for with x_SYNC_MODE
   std::string error_;
 };
 
