@@ -49,6 +49,50 @@ TEST_F(UpDownloadMa, OnlyTheLengthAskedForIsTouched) {
   EXPECT_EQ(block.a_UPLOAD[3], 77);
 }
 
+// Blocks are as long as the slave takes them, 300 bytes at most unless the daemon was told of more.
+TEST(UpDownloadMaShortBlocks, ASlaveWithALowerBlockLimitIsReached) {
+  cansyncd::Config config = cansyncd::whole_config();
+  config.master.slaves[2].block_limit = 120;
+  cansyncd::WholeRig rig(config);
+  Client client = Client::connect(options_at(rig.client_place()));
+  UPDOWNLOAD_MA block(client);
+  block.si_SL_NR = 2;
+  block.u_LENGTH = 100;
+  block.x_UPDOWN = block.x_EN = true;
+  block.a_DOWNLOAD[99] = 0x5A;
+  ASSERT_TRUE(repeat_until(
+      [&] {
+        rig.run(2);
+        block.call();
+      },
+      [&] { return block.x_OK || block.x_ERR; }));
+  EXPECT_TRUE(block.x_OK) << block.error();
+  EXPECT_EQ(rig.line().drive(2).memory().contents()[396], 0x5A);
+}
+
+// 3.2.1.3, note 1: "the slave may fix the length". "The system sets x_OK to TRUE if the ... job was carried
+// out correctly": 25 of 75 doublewords are not.
+TEST_F(UpDownloadMa, AnUploadThatTheSlaveMadeShorterIsAnErrorThatSaysHowMuchCame) {
+  rig.line().drive(2).memory().set_upload_length(100);
+  rig.line().drive(2).memory().contents()[96] = 0x5A;
+  block.a_UPLOAD.fill(77);
+  block.u_LENGTH = 75;
+  do_job(block);
+  EXPECT_FALSE(block.x_OK);
+  EXPECT_TRUE(block.x_ERR);
+  EXPECT_EQ(block.b_ERR, 0x01);
+  EXPECT_FALSE(block.x_ERR_SL);
+  EXPECT_EQ(block.u_RECEIVED, 25);
+  EXPECT_EQ(block.a_UPLOAD[24], 0x5A);
+  EXPECT_EQ(block.a_UPLOAD[25], 77);
+  EXPECT_NE(block.error().find("100 of 300 bytes"), std::string::npos) << block.error();
+  reset();
+  rig.line().drive(2).memory().set_upload_length(0);
+  do_job(block);
+  EXPECT_TRUE(block.x_OK) << block.error();
+  EXPECT_EQ(block.u_RECEIVED, 75);
+}
+
 // "If you enter a 0 at u_LENGTH, the system sets bit 1 in error byte b_ERR to TRUE."
 TEST_F(UpDownloadMa, LengthZeroIsBitOne) {
   block.u_LENGTH = 0;

@@ -1,6 +1,7 @@
 #include <cansync/function_blocks/updownload_ma.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "client/src/function_blocks/slaves.h"
@@ -9,7 +10,6 @@ namespace cansync::client::function_blocks {
 namespace {
 
 constexpr std::size_t kDoubleword = 4;  // bytes
-constexpr std::uint32_t kBlock = 300;   // bytes: 75 doublewords (M 4.24)
 constexpr TIME kFullPause(100);         // pause after a refusal that passes
 
 // Doublewords lie low byte first (M 3.1.1).
@@ -51,7 +51,6 @@ void UPDOWNLOAD_MA::start(Clock::time_point now) {
   request_.download = x_UPDOWN;
   request_.slave = static_cast<std::uint32_t>(number(si_SL_NR));
   request_.address = ud_ADDRESS;
-  request_.block_size = kBlock;
   request_.timeout_ms = milliseconds_of(t_TIME);
   request_.length = static_cast<std::uint32_t>(length * kDoubleword);
   if (x_UPDOWN) {
@@ -109,6 +108,11 @@ void UPDOWNLOAD_MA::take(const TransferReply& reply, Clock::time_point now) {
   if (!request_.download) {
     const std::size_t length = std::min(reply.data.size() / kDoubleword, a_UPLOAD.size());
     for (std::size_t i = 0; i < length; ++i) a_UPLOAD[i] = load(&reply.data[i * kDoubleword]);
+    u_RECEIVED = static_cast<UINT>(length);
+    if (reply.data.size() < request_.length)
+      return fail(transfer_error::slave, 0,
+                  "client: the slave ended the upload after " + std::to_string(reply.data.size()) + " of " +
+                      std::to_string(request_.length) + " bytes");
   }
   x_BUSY = false;
   x_OK = true;
@@ -139,6 +143,7 @@ void UPDOWNLOAD_MA::clear() {
   x_BUSY = x_OK = x_ERR = x_ERR_SL = false;
   b_ERR = 0;
   w_ERR_SL = 0;
+  u_RECEIVED = 0;
   cause_ = RefusalCause::none;
   error_.clear();
 }

@@ -16,13 +16,15 @@ inline constexpr BYTE length_zero = 0x02;
 inline constexpr BYTE timeout = 0x04;
 }  // namespace transfer_error
 
-/// CANsync_UPDOWNLOAD_MA (M 4.24): uploads or downloads up to 2048 doublewords in blocks of 75.
+/// CANsync_UPDOWNLOAD_MA (M 4.24): uploads or downloads up to 2048 doublewords, in blocks as long as the
+/// daemon knows the slave to take them (`slaves[].block_limit`, 75 doublewords by default).
 ///
 /// Here the caller gives the start address, because the one that UPDOWNLOAD_SL expects is not in the manual.
 /// The block repeats the job (not only the block that failed) when the slave did not answer in time, until
 /// us_MAX_NR_OF_COMM attempts or us_MAX_NR_OF_COMM * t_TIME are over. A refusal that passes soon (`retry`),
 /// as of a full queue, is asked again every 100 ms within that time and is no attempt. What is not the
-/// slave's error, such as any other refusal of the daemon, is b_ERR bit 0 with w_ERR_SL = 0.
+/// slave's error, such as any other refusal of the daemon, is b_ERR bit 0 with w_ERR_SL = 0; so is an upload
+/// that the slave made shorter: u_RECEIVED says how much of a_UPLOAD is new.
 class CANSYNC_PUBLIC UPDOWNLOAD_MA {
  public:
   CANsync_UPDOWN_BMARRAY a_DOWNLOAD = {};
@@ -42,6 +44,7 @@ class CANSYNC_PUBLIC UPDOWNLOAD_MA {
   BYTE b_ERR = 0;  ///< bits of `transfer_error`
   BOOL x_ERR = false;
   BOOL x_OK = false;
+  UINT u_RECEIVED = 0;  ///< doublewords that an upload has entered in a_UPLOAD. Not in the manual
 
   /// Who refused and why, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return error_; }
