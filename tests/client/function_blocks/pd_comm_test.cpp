@@ -1,6 +1,9 @@
 // CANsync_PD_COMM_MA and CANsync_PD_COMM_READ_MA, sections 4.19 and 4.20 of the application manual.
+#include <algorithm>
 #include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "block_rig.h"
 
@@ -54,6 +57,19 @@ TEST_F(PdComm, ShowsWhoseTelegramCameAndMinus128WhenNoneDid) {
   ASSERT_TRUE(repeat_until([&] { block.call(); }, [&] { return block.si_RD_SL_NR1_RECEIVED == -128; }));
 }
 
+// "-128: automatic", "-1: no slave", "0 to 31": -2 means something to the daemon that the manual does not
+// know.
+TEST_F(PdComm, NumbersThatTheManualDoesNotKnowAreRefused) {
+  for (SINT* input : {&block.si_RD_SL_NR1_RECEIVE, &block.si_RD_SL_NR2_RECEIVE, &block.si_MAX_SL_NR}) {
+    const SINT was = std::exchange(*input, -2);
+    block.call();
+    EXPECT_NE(block.error().find("-2: out of range"), std::string::npos) << block.error();
+    *input = was;
+    block.call();
+    EXPECT_EQ(block.error(), "");
+  }
+}
+
 TEST_F(PdComm, AWrongSlaveIsTheDaemonsRefusal) {
   block.si_RD_SL_NR1_RECEIVE = 9;
   ASSERT_TRUE(repeat_until([&] { block.call(); }, [&] { return !block.error().empty(); }));
@@ -89,6 +105,56 @@ TEST_F(PdComm, ReadMaShowsOneSlave) {
   read.si_SL_NR = -1;
   read.call();
   EXPECT_EQ(read.si_RD_SL_NR2_RECEIVED, 0);
+}
+
+class PdCommActual : public CommandTest {};
+
+// "in the last CANsync interval": what the daemon kept from before is not news.
+TEST_F(PdCommActual, TheFirstCallTellsNoOldTelegram) {
+  daemon.publish_actual(2, 4711, 600);
+  PD_COMM_MA block(client);
+  PD_COMM_READ_MA read(client);
+  read.si_SL_NR = 2;
+  block.x_COPY_TO_RD_ARRAY = true;
+  std::vector<SINT> told;
+  const auto call = [&] {
+    block.call();
+    read.call();
+    if (block.si_RD_SL_NR1_RECEIVED != -128) told.push_back(block.si_RD_SL_NR1_RECEIVED);
+  };
+  // Another slave's telegrams come behind it.
+  std::uint64_t interval = 1000;
+  ASSERT_TRUE(repeat_until(
+      [&] {
+        daemon.publish_actual(3, 55, ++interval);
+        call();
+      },
+      [&] { return block.a_RD_ARRAY[3][0] == 55; }));
+  EXPECT_EQ(block.a_RD_ARRAY[2][0], 0);
+  EXPECT_EQ(read.a_RD_VALUES[0], 0);
+  daemon.publish_actual(2, 4712, ++interval);
+  ASSERT_TRUE(repeat_until(call, [&] { return read.a_RD_VALUES[0] == 4712; }));
+  ASSERT_TRUE(repeat_until(call, [&] { return block.a_RD_ARRAY[2][0] == 4712; }));
+  EXPECT_EQ(std::count(told.begin(), told.end(), 2), 1);
+}
+
+// Interval numbers begin anew with a daemon.
+TEST(PdCommRestart, TelegramsOfANewDaemonAreTold) {
+  TwoPlaces places;
+  std::optional<FakeDaemon> daemon(std::in_place, places.here);
+  Client client = Client::connect(options_at(places.there));
+  PD_COMM_MA block(client);
+  std::uint64_t interval = 86'000'000;
+  const auto step = [&] {
+    daemon->publish_actual(3, 1, ++interval);
+    block.call();
+  };
+  ASSERT_TRUE(repeat_until(step, [&] { return block.si_RD_SL_NR1_RECEIVED == 3; }));
+  daemon.reset();
+  daemon.emplace(places.here);
+  for (int i = 0; i < 100; ++i) block.call();
+  interval = 5;
+  ASSERT_TRUE(repeat_until(step, [&] { return block.si_RD_SL_NR1_RECEIVED == 3; }));
 }
 
 // Settings that the daemon has lost with a restart are entered again, and no value is given before.

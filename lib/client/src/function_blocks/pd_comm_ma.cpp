@@ -1,6 +1,7 @@
 #include <cansync/function_blocks/pd_comm_ma.h>
 
 #include <algorithm>
+#include <string>
 
 namespace cansync::client::function_blocks {
 namespace {
@@ -75,6 +76,16 @@ void PD_COMM_MA::ask() {
     Polling polling{.one = number(asked[0]), .two = number(asked[1])};
     if (asked[2] != -1) polling.maximum_slave = number(asked[2]);
     slot_.enter([polling](Client& client) { return client.polling(polling); });
+    // Other numbers under 0 mean something to the daemon that the manual does not know.
+    const auto refuse = [this](const char* input, SINT given, const char* allowed) {
+      slot_.refuse(RefusalCause::field, "client: " + std::string(input) + " " + std::to_string(given) +
+                                            ": out of range; " + allowed);
+    };
+    if (asked[0] < -1 && asked[0] != kAutomaticNumber)
+      refuse("si_RD_SL_NR1_RECEIVE", asked[0], "allowed 0..31, -128 automatic, -1 nobody");
+    if (asked[1] < -1 && asked[1] != kAutomaticNumber)
+      refuse("si_RD_SL_NR2_RECEIVE", asked[1], "allowed 0..31, -128 automatic, -1 nobody");
+    if (asked[2] < -1) refuse("si_MAX_SL_NR", asked[2], "allowed 0..31, -1 unchanged");
   }
   slot_.poll();
 }

@@ -11,6 +11,8 @@
 namespace cansync::client::function_blocks {
 
 /// Actual value telegrams that came since they were looked at last. The client's receiver thread fills it.
+/// The first telegram of a slave that it hears of is none that came: it may be old, and shows which ones are
+/// new.
 class CANSYNC_PUBLIC ActualValueInbox {
  public:
   /// What came since the last `take`.

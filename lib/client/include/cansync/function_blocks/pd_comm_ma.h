@@ -12,7 +12,8 @@ namespace cansync::client::function_blocks {
 ///
 /// Over DDS values are not taken in the very interval in which the block is called: reference values are
 /// released once, in the next interval after they have arrived in the daemon; what was received is what came
-/// since the last call, and the slave numbers show the newest. A program that has to hit an interval uses
+/// since the last call, and the slave numbers show the newest; the first telegram of each slave is not told,
+/// because it may be an old one that the daemon kept. A program that has to hit an interval uses
 /// ReferenceWriter::write with `from_interval`. Call it not more often than once an interval: the
 /// daemon refuses values when too many wait. Which slave is asked is sent when it changes, and when the
 /// daemon was started anew.

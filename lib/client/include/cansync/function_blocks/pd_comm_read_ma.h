@@ -6,7 +6,8 @@
 namespace cansync::client::function_blocks {
 
 /// CANsync_PD_COMM_READ_MA (M 4.20): the actual values of one slave. "Received" is what came since the last
-/// call, where the option module means the last interval.
+/// call, where the option module means the last interval; the first telegram is not told, because it may be
+/// an old one that the daemon kept.
 class CANSYNC_PUBLIC PD_COMM_READ_MA {
  public:
   SINT si_SL_NR = 0;  ///< 0..31; with any other number nothing is ever received
