@@ -4,7 +4,6 @@
 
 #include <array>
 #include <bit>
-#include <utility>
 
 #include "can/bus_names.h"
 #include "cansync/master.h"
@@ -116,53 +115,11 @@ void slave_status_word(const MetricsSource& from, MetricSamples& to) {
   }
 }
 
-/// A counter that has parts.
-using Part = std::pair<std::string_view, std::uint64_t>;
-void add_parts(MetricSamples& to, std::string_view name, std::initializer_list<Part> parts) {
-  for (const auto& [value, count] : parts) to.add(label(name, value), count);
-}
-
-void rejected_frames(const MetricsSource& from, MetricSamples& to) {
-  const cansync_MasterStatus& master = from.master;
-  add_parts(to, "kind",
-            {{"foreign", master.frames_foreign},
-             {"extended", master.frames_extended},
-             {"remote", master.frames_remote},
-             {"error", master.frames_error},
-             {"slave_number", master.frames_slave_number},
-             {"length", master.frames_length},
-             {"reserved", master.frames_reserved}});
-}
-
-void unexpected_frames(const MetricsSource& from, MetricSamples& to) {
-  const cansync_MasterStatus& master = from.master;
-  add_parts(to, "kind",
-            {{"slave", master.unexpected_slave},
-             {"answer", master.unexpected_answer},
-             {"late", master.unexpected_late},
-             {"duplicate", master.unexpected_duplicate},
-             {"unasked", master.unexpected_unasked}});
-}
-
-void rejected_requests(const MetricsSource& from, MetricSamples& to) {
-  const gateway_GatewayStatus& gateway = from.common.gateway;
-  add_parts(to, "reason",
-            {{"values", gateway.rejected_values},
-             {"full", gateway.rejected_full},
-             {"stale", gateway.rejected_stale},
-             {"numbers", gateway.rejected_numbers},
-             {"identities", gateway.rejected_identities},
-             {"malformed", gateway.rejected_malformed},
-             {"state", gateway.rejected_state},
-             {"other_daemon", gateway.rejected_other_daemon}});
-}
-
 void left_out(const MetricsSource& from, MetricSamples& to) {
   if (from.timing == nullptr) return;
-  add_parts(to, "slot",
-            {{"WRC1", from.timing->left_out[0]},
-             {"WRC2", from.timing->left_out[1]},
-             {"CC", from.timing->left_out[2]}});
+  constexpr std::array<std::string_view, 3> kOfTheMaster = {"WRC1", "WRC2", "CC"};
+  for (std::size_t i = 0; i < kOfTheMaster.size(); ++i)
+    to.add(label("slot", kOfTheMaster[i]), std::uint64_t{from.timing->left_out[i]});
 }
 
 void planned_start(const MetricsSource& from, MetricSamples& to) {
@@ -222,10 +179,10 @@ constexpr MetricFamily kFamilies[] = {
      "Telegrams handed to the bus."},
     {"cansync_references_not_released", MetricType::counter, "", "MasterStatus.references_not_released",
      "Reference value telegrams left out for want of values."},
-    {"cansync_frames_rejected", MetricType::counter, "kind", "MasterStatus.frames_...",
-     "Received frames that are no telegrams, by kind.", rejected_frames},
-    {"cansync_frames_unexpected", MetricType::counter, "kind", "MasterStatus.unexpected_...",
-     "Received telegrams that nobody waits for, by kind.", unexpected_frames},
+    {"cansync_frames_rejected", MetricType::counter, "kind", "MasterStatus.frames_foreign...",
+     "Received frames that are no telegrams, by kind."},
+    {"cansync_frames_unexpected", MetricType::counter, "kind", "MasterStatus.unexpected_slave...",
+     "Received telegrams that nobody waits for, by kind."},
     {"cansync_reports_lost", MetricType::counter, "", "RealtimeStatus.lost_reports",
      "Reports of the realtime thread for which there was no room."},
     {"cansync_controller_state", MetricType::gauge, "state", "BusStatus.controller_state",
@@ -273,8 +230,8 @@ constexpr MetricFamily kFamilies[] = {
      "SYNC edges that could not be made."},
     {"cansync_clients", MetricType::gauge, "", "GatewayStatus.clients",
      "Programs with requests that the daemon knows."},
-    {"cansync_requests_rejected", MetricType::counter, "reason", "GatewayStatus.rejected_...",
-     "Requests and samples of clients that were not taken, by reason.", rejected_requests},
+    {"cansync_requests_rejected", MetricType::counter, "reason", "GatewayStatus.rejected_values...",
+     "Requests and samples of clients that were not taken, by reason."},
     {"cansync_reference_release_state", MetricType::gauge, "telegram, state",
      "MasterStatus.reference_release.state",
      "1 for what happens to the reference values of the telegram, 0 for the others.", release_state},

@@ -53,9 +53,11 @@ inline constexpr std::array<std::string_view, 6> kSlotNames = {"RC", "WRC1", "RD
 /// Labels of a slave's samples.
 std::string slave_labels(const cansync_SlaveStatus& slave);
 
+struct MetricFamily;
+
 /// Adds the samples of a family that has no `fill` of its own, by the tables of the topics' members. Throws
 /// std::logic_error for a source that no topic has.
-void fill_from_member(std::string_view source, const MetricsSource& from, MetricSamples& to);
+void fill_from_member(const MetricFamily& family, const MetricsSource& from, MetricSamples& to);
 
 /// NAME="VALUE" with the escapes of the format.
 std::string label(std::string_view name, std::string_view value);
@@ -68,7 +70,9 @@ struct MetricFamily {
   std::string_view name;  ///< without the "_total" of a counter's samples
   MetricType type;
   std::string_view labels;  ///< beside bus, for people
-  std::string_view source;  ///< topic and member it is made of, e.g. "Timing.slot.count"
+  /// Topic and member it is made of, e.g. "Timing.slot.count". With "..." at its end it is that member and
+  /// all behind it whose names begin with the same word; `labels` names what the rest of their names says.
+  std::string_view source;
   std::string_view help;
   void (*fill)(const MetricsSource&, MetricSamples&) = nullptr;  ///< null: the member as it is, in base units
 

@@ -50,11 +50,12 @@ TopicSamples samples_of(std::string_view topic, const MetricsSource& from) {
   return slaves;
 }
 
-const text::Member& member_of(std::span<const text::Member> members, std::string_view name) {
+/// The member of that name and those behind it.
+std::span<const text::Member> members_from(std::span<const text::Member> members, std::string_view name) {
   const auto found = std::find_if(members.begin(), members.end(),
                                   [name](const text::Member& member) { return member.name == name; });
   if (found == members.end()) throw std::logic_error("no member " + std::string(name));
-  return *found;
+  return {found, members.end()};
 }
 
 /// Label of an element of the arrays of structs.
@@ -90,21 +91,31 @@ std::string slave_labels(const cansync_SlaveStatus& slave) {
   return label("slave", fmt::format("{}", slave.slave)) + "," + label("name", gateway::dds::text(slave.name));
 }
 
-void fill_from_member(std::string_view source, const MetricsSource& from, MetricSamples& to) {
-  const std::size_t dot = source.find('.');
-  const std::string_view path = source.substr(dot + 1);
+void fill_from_member(const MetricFamily& family, const MetricsSource& from, MetricSamples& to) {
+  constexpr std::string_view kAndThoseBehind = "...";
+  const std::size_t dot = family.source.find('.');
+  std::string_view path = family.source.substr(dot + 1);
+  const bool by_kind = path.ends_with(kAndThoseBehind);
+  if (by_kind) path.remove_suffix(kAndThoseBehind.size());
   const std::string_view name = path.substr(0, path.find('.'));
-  const TopicSamples topic = samples_of(source.substr(0, dot), from);
-  const text::Member& member = member_of(topic.members, name);
+  const TopicSamples topic = samples_of(family.source.substr(0, dot), from);
+  const auto members = members_from(topic.members, name);
+  const text::Member& member = members.front();
   for (const Labelled& sample : topic.samples) {
-    if (name.size() == path.size()) {
+    if (by_kind) {
+      const std::string_view word = name.substr(0, name.find('_') + 1);
+      for (const text::Member& kind : members) {
+        if (!kind.name.starts_with(word)) break;
+        add_number(kind, {sample.sample, label(family.labels, kind.name.substr(word.size()))}, to);
+      }
+    } else if (name.size() == path.size()) {
       add_number(member, sample, to);
-      continue;
+    } else {
+      const text::Member& part = members_from(member.members, path.substr(name.size() + 1)).front();
+      const auto* elements = static_cast<const std::byte*>(sample.sample) + member.offset;
+      for (std::size_t i = 0; i < member.count; ++i)
+        add_number(part, {elements + i * member.size, element_label(name, i)}, to);
     }
-    const text::Member& part = member_of(member.members, path.substr(name.size() + 1));
-    const auto* elements = static_cast<const std::byte*>(sample.sample) + member.offset;
-    for (std::size_t i = 0; i < member.count; ++i)
-      add_number(part, {elements + i * member.size, element_label(name, i)}, to);
   }
 }
 

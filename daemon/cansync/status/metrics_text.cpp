@@ -72,7 +72,7 @@ std::string metrics_text(const MetricsSource& from) {
     if (family.fill != nullptr)
       family.fill(from, samples);
     else
-      fill_from_member(family.source, from, samples);
+      fill_from_member(family, from, samples);
     const std::string lines = samples.take();
     // A family without samples is left out, as for the time before the first sample of Timing.
     if (lines.empty()) continue;
