@@ -14,7 +14,8 @@ import sys
 import cffi
 
 SOURCE = "#include <cansync/cansync_c.h>\n#include \"gateway.h\"\n#include \"cansync.h\"\n"
-OURS = ("cansync_c.h", "cansync.h", "gateway.h")
+FACE = "cansync_c*.h"  # the headers of the C face
+OURS = (FACE, "cansync.h", "gateway.h")
 # C's types of callbacks that Python implements: `on_sample` becomes a function of the module.
 CALLBACKS = ("cansync_on_sample", "cansync_go_on")
 ENUMS = {"cansync_result": ("Code", "CANSYNC_"), "cansync_cause": ("Cause", "CANSYNC_CAUSE_"),
@@ -29,7 +30,7 @@ def preprocessed(compiler, folders):
     kept, ours = [], False
     for line in text.splitlines():
         if marker := re.match(r'# \d+ "([^"]*)"', line):
-            ours = pathlib.Path(marker[1]).name in OURS
+            ours = any(pathlib.Path(marker[1]).match(name) for name in OURS)
         elif ours:
             kept.append(line)
     text = "\n".join(kept).replace('__attribute__((visibility("default")))', "")
@@ -65,8 +66,9 @@ def main():
     builder.cdef(declarations + callbacks(declarations))
     builder.set_source("cansync._native", SOURCE)
     builder.emit_c_code(native)
-    header = next(path for path in (pathlib.Path(folder, "cansync/cansync_c.h") for folder in folders) if path.exists())
-    pathlib.Path(codes_py).write_text(codes(header.read_text(encoding="utf-8")), encoding="utf-8")
+    headers = [path for folder in folders for path in sorted(pathlib.Path(folder, "cansync").glob(FACE))]
+    face = "\n".join(path.read_text(encoding="utf-8") for path in headers)
+    pathlib.Path(codes_py).write_text(codes(face), encoding="utf-8")
 
 
 main()

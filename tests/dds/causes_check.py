@@ -13,7 +13,7 @@ import re
 import sys
 
 IDL, WORDS, DOCUMENT = "idl/gateway.idl", "lib/dds/denial.cpp", "docs/dds-api.md"
-CLIENT, FACE, PROVOKED = "lib/client/src/causes.cpp", "lib/client/include/cansync/cansync_c.h", "tests/client/refusals.json"
+CLIENT, FACE, PROVOKED = "lib/client/src/causes.cpp", "lib/client/include/cansync/cansync_c_base.h", "tests/client/refusals.json"
 SOURCES = (IDL, WORDS, DOCUMENT, CLIENT, FACE, PROVOKED)
 # Headings over the causes, and what documents and programs call them.
 AGAIN = {

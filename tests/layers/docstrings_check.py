@@ -3,7 +3,7 @@
 
 Usage: docstrings_check.py PROJECT | docstrings_check.py --self-test PROJECT
 The headers are those of lib/client/include, which are installed, those of the function blocks in
-lib/client/src, and the *.h of CORES. A docstring is `///` right above the declaration or at its end; in cansync_c.h, which C
+lib/client/src, and the *.h of CORES. A docstring is `///` right above the declaration or at its end; in cansync_c*.h, which C
 compilers read, a plain comment. Needed by:
   - functions, constructors, and C's types of callbacks; one that follows another of its name at once, without
     a blank line, shares the docstring. Not by destructors, operators == and <=>, defaulted and deleted ones.
