@@ -14,19 +14,10 @@
 #include "cansync/dds/topics.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
+#include "good_requests.h"
 #include "support/gateway_rig.h"
 
 namespace cansyncd {
-
-/// A read that nothing is wrong with.
-inline cansync_ParameterRequest good_read(std::uint64_t number, std::uint8_t client = 1) {
-  auto request = TestClient::request<cansync_ParameterRequest>(number, TestClient::identity(client));
-  request.slave = 1;
-  request.number = 301;
-  request.element = 7;
-  request.format = cansync_FORMAT_AS_SLAVE_SAYS;
-  return request;
-}
 
 /// Counts what would go to the journal: what a test keeps must not look like growth of the daemon.
 class CountedJournal : public JournalSink {

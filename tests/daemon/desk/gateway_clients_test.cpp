@@ -2,22 +2,13 @@
 
 #include <memory>
 
+#include "good_requests.h"
 #include "support/gateway_rig.h"
 
 namespace cansyncd {
 namespace {
 
 using cansync::Outcome;
-
-cansync_ParameterRequest read_request(std::uint64_t number, std::uint8_t client = 1,
-                                      std::uint32_t of_slave = 1) {
-  auto request = TestClient::request<cansync_ParameterRequest>(number, TestClient::identity(client));
-  request.slave = of_slave;
-  request.number = 301;
-  request.element = 7;
-  request.format = cansync_FORMAT_AS_SLAVE_SAYS;
-  return request;
-}
 
 /// Another program on the same bus.
 struct Other {
@@ -37,11 +28,11 @@ std::optional<gateway_Event> event(GatewayRig& rig, std::string_view code) {
 TEST(GatewayClients, WhoIsGoneHasItsRequestsCancelled) {
   GatewayRig rig;
   auto other = std::make_unique<Other>(rig);
-  for (std::uint64_t number = 1; number <= 6; ++number) other->client.write(read_request(number, 2));
+  for (std::uint64_t number = 1; number <= 6; ++number) other->client.write(good_read(number, 2));
   std::vector<cansync::JobId> given;
   given.reserve(4);
   for (int i = 0; i < 4; ++i) given.push_back(rig.expect_request<cansync::ParameterRequest>().id);
-  rig.client.write(read_request(1, 1, 2));
+  rig.client.write(good_read(1, 1, 2));
   const auto own = rig.expect_request<cansync::ParameterRequest>().id;
   other.reset();
   // What the master has is cancelled there; what waited never gets there. The client that lives keeps its
@@ -89,7 +80,7 @@ TEST(GatewayClients, ProgramsThatComeAndGoLeaveNothingBehind) {
   GatewayRig rig;
   for (std::uint8_t n = 10; n < 14; ++n) {
     Other other(rig);
-    other.client.write(read_request(1, n));
+    other.client.write(good_read(1, n));
     rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
     ASSERT_TRUE(other.client.reply<cansync_ParameterReply>(1, TestClient::identity(n)));
   }
@@ -109,11 +100,11 @@ TEST(GatewayClients, ProgramsThatComeAndGoLeaveNothingBehind) {
 
 TEST(GatewayClients, AnotherProgramsIdentityIsNoKeyToItsJobs) {
   GatewayRig rig;
-  rig.client.write(read_request(1));
+  rig.client.write(good_read(1));
   const auto job = rig.expect_request<cansync::ParameterRequest>();
   Other other(rig);
   other.client.deliver(TestClient::request<gateway_JobCancel>(1));
-  other.client.deliver(read_request(2));
+  other.client.deliver(good_read(2));
   EXPECT_TRUE(status_with(rig, [](const auto& status) { return status.rejected_identities == 2; }));
   const auto told = event(rig, "requests_rejected");
   ASSERT_TRUE(told);
@@ -125,14 +116,14 @@ TEST(GatewayClients, AnotherProgramsIdentityIsNoKeyToItsJobs) {
   EXPECT_EQ(reply->code, gateway_REPLY_DONE);
   EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(2), 0u);
   // The owner goes on using its numbers.
-  rig.client.write(read_request(2));
+  rig.client.write(good_read(2));
   rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
   EXPECT_TRUE(rig.client.reply<cansync_ParameterReply>(2));
 }
 
 TEST(GatewayClients, AStaleRequestIsRefusedAndCounted) {
   GatewayRig rig;
-  auto request = read_request(1);
+  auto request = good_read(1);
   const dds_time_t now = dds_time();
   rig.client.write_at(request, now - DDS_SECS(60));
   const auto old = rig.client.reply<cansync_ParameterReply>(1);
@@ -153,7 +144,7 @@ TEST(GatewayClients, TheAgeOfARequestNeedNotBeLookedAt) {
   Config config = gateway_config();
   config.dds.request_max_age = std::chrono::milliseconds(0);
   GatewayRig rig(config);
-  rig.client.write_at(read_request(1), dds_time() - DDS_SECS(60));
+  rig.client.write_at(good_read(1), dds_time() - DDS_SECS(60));
   rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
   const auto reply = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(reply);
@@ -162,16 +153,16 @@ TEST(GatewayClients, TheAgeOfARequestNeedNotBeLookedAt) {
 
 TEST(GatewayClients, RejectionsAreCountedByKind) {
   GatewayRig rig;
-  auto bad = read_request(1);
+  auto bad = good_read(1);
   bad.slave = 9;
   rig.client.write(bad);
   ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
-  rig.client.write(read_request(1));
+  rig.client.write(good_read(1));
   ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(1));
-  rig.client.write(read_request(2));
+  rig.client.write(good_read(2));
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, cansync::Refusal::wrong_state});
   ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(2));
-  for (std::uint64_t number = 3; number <= 70; ++number) rig.client.write(read_request(number));
+  for (std::uint64_t number = 3; number <= 70; ++number) rig.client.write(good_read(number));
   EXPECT_TRUE(status_with(rig, [](const auto& status) {
     return status.rejected_values == 1 && status.rejected_numbers == 1 && status.rejected_state == 1 &&
            status.rejected_full == 4;

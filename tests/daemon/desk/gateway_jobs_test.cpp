@@ -2,21 +2,13 @@
 
 #include <numeric>
 
+#include "good_requests.h"
 #include "support/gateway_rig.h"
 
 namespace cansyncd {
 namespace {
 
 using cansync::Outcome;
-
-cansync_ParameterRequest read_request(std::uint64_t number, std::uint8_t client = 1) {
-  auto request = TestClient::request<cansync_ParameterRequest>(number, TestClient::identity(client));
-  request.slave = 1;
-  request.number = 301;
-  request.element = 7;
-  request.format = cansync_FORMAT_AS_SLAVE_SAYS;
-  return request;
-}
 
 cansync_TransferRequest upload_request(std::uint64_t number, std::uint32_t length) {
   auto request = TestClient::request<cansync_TransferRequest>(number);
@@ -37,7 +29,7 @@ cansync_Command control_word(std::uint64_t number) {
 
 TEST(GatewayJobs, AReadReachesTheRealtimeThreadAndIsAnsweredOnce) {
   GatewayRig rig;
-  rig.client.write(read_request(7));
+  rig.client.write(good_read(7));
   const auto job = rig.expect_request<cansync::ParameterRequest>();
   EXPECT_FALSE(job.write);
   EXPECT_EQ(job.slave, slave(1));
@@ -59,7 +51,7 @@ TEST(GatewayJobs, AReadReachesTheRealtimeThreadAndIsAnsweredOnce) {
 
   // A second answer to the same job is nobody's: the next reply is the next request's.
   rig.answer(ParameterDone{job.id, result});
-  rig.client.write(read_request(8));
+  rig.client.write(good_read(8));
   rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, result});
   ASSERT_TRUE(rig.client.reply<cansync_ParameterReply>(8));
   EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(7), 0u);
@@ -67,7 +59,7 @@ TEST(GatewayJobs, AReadReachesTheRealtimeThreadAndIsAnsweredOnce) {
 
 TEST(GatewayJobs, ALostSlaveIsNamedInTheReply) {
   GatewayRig rig;
-  rig.client.write(read_request(1));
+  rig.client.write(good_read(1));
   cansync::ParameterResult result;
   result.outcome = Outcome::slave_lost;
   const auto request = rig.expect_request<cansync::ParameterRequest>();
@@ -98,7 +90,7 @@ TEST(GatewayJobs, EveryOutcomeHasItsReplyCode) {
   };
   std::uint64_t number = 1;
   for (const auto& [outcome, code] : outcomes) {
-    rig.client.write(read_request(number));
+    rig.client.write(good_read(number));
     cansync::ParameterResult result;
     result.outcome = outcome;
     if (outcome == Outcome::slave_error) result.error = cansync::ParameterError::above_maximum;
@@ -288,7 +280,7 @@ TEST(GatewayJobs, MappingCommandsCarryTheRegisterBytes) {
 
 TEST(GatewayJobs, CancelGoesToTheJobAndTheJobAnswers) {
   GatewayRig rig;
-  rig.client.write(read_request(1));
+  rig.client.write(good_read(1));
   const auto job = rig.expect_request<cansync::ParameterRequest>();
   rig.client.write(TestClient::request<gateway_JobCancel>(1));
   EXPECT_EQ(rig.expect_request<Cancel>().id, job.id);
@@ -308,7 +300,7 @@ TEST(GatewayJobs, ACancelThatOvertookItsRequestStillCounts) {
   rig.answer(CommandDone{rig.expect_request<cansync::ControlWordRequest>().id, Outcome::done});
   ASSERT_TRUE(rig.client.reply<cansync_CommandReply>(1));
 
-  rig.client.write(read_request(5));
+  rig.client.write(good_read(5));
   const auto reply = rig.client.reply<cansync_ParameterReply>(5);
   ASSERT_TRUE(reply);
   EXPECT_EQ(reply->code, gateway_REPLY_CANCELLED);
@@ -317,7 +309,7 @@ TEST(GatewayJobs, ACancelThatOvertookItsRequestStillCounts) {
 
 TEST(GatewayJobs, StopAnswersEveryOpenRequest) {
   GatewayRig rig;
-  for (std::uint64_t number = 1; number <= 5; ++number) rig.client.write(read_request(number));
+  for (std::uint64_t number = 1; number <= 5; ++number) rig.client.write(good_read(number));
   rig.client.write(upload_request(6, 100));
   rig.client.write(control_word(7));
   // The fifth read waits until the slave has one less.
@@ -339,8 +331,8 @@ TEST(GatewayJobs, StopAnswersEveryOpenRequest) {
 
 TEST(GatewayJobs, ResultsLeftInTheExchangeAreToldWhenItStops) {
   GatewayRig rig;
-  rig.client.write(read_request(1));
-  rig.client.write(read_request(2));
+  rig.client.write(good_read(1));
+  rig.client.write(good_read(2));
   const auto first = rig.expect_request<cansync::ParameterRequest>();
   ASSERT_TRUE(rig.next_request());
   // Not signalled: only the last look of the gateway finds it.
@@ -359,7 +351,7 @@ TEST(GatewayJobs, ManyClientsEachGetTheirOwnReplies) {
   constexpr std::uint64_t kEach = 50;
   for (std::uint64_t number = 1; number <= kEach; ++number) {
     for (std::uint8_t client = 1; client <= kClients; ++client) {
-      auto request = read_request(number, client);
+      auto request = good_read(number, client);
       request.number = client * 100u + static_cast<std::uint32_t>(number);
       rig.client.write(request);
     }
