@@ -28,9 +28,9 @@ struct MemorySlave final : SlaveApplication {
 
   std::optional<Telegram> receive(const Telegram& telegram) {
     if (dead) return std::nullopt;
-    const auto frame = slave.receive(telegram);
-    if (frame) asked.push_back(telegram);
-    return frame ? std::optional(std::get<Telegram>(decode(*frame))) : std::nullopt;
+    const auto answer = slave.receive(telegram, std::chrono::microseconds(100));
+    if (answer) asked.push_back(telegram);
+    return answer ? std::optional(std::get<Telegram>(decode(answer->frame))) : std::nullopt;
   }
 
   ParameterAnswer read_parameter(ParameterNumber, Element, SubSlave) noexcept override {

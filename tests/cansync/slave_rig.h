@@ -66,6 +66,8 @@ class RecordingApplication : public SlaveApplication {
     if (!block.busy) taken.insert(taken.end(), data.begin(), data.end());
     return block;
   }
+  void parameter_answered() noexcept override { note("parameter answered"); }
+  void transfer_answered() noexcept override { note("transfer answered"); }
   void end_block(bool complete) noexcept override { note(complete ? "complete" : "cancelled"); }
   void sync_activated() noexcept override { note("activated"); }
   void control_word(std::uint16_t word) noexcept override { note("control " + std::to_string(word)); }
@@ -102,7 +104,12 @@ class SlaveTest : public ::testing::Test {
     EXPECT_TRUE(slave_.control(ControlCommand::enable_active));
     EXPECT_EQ(slave_.state(), State::active_slave);
   }
-  std::optional<can::Frame> send(const can::Frame& sent) { return slave_.receive(sent); }
+  std::optional<can::Frame> send(const can::Frame& sent) {
+    const auto answer = slave_.receive(sent, kAskedAt);
+    return answer ? std::optional(answer->frame) : std::nullopt;
+  }
+  /// End of what `send` sends, after the edge.
+  static constexpr Duration kAskedAt = std::chrono::microseconds(100);
 
   RecordingApplication application_;
   Slave slave_;

@@ -174,7 +174,9 @@ class SlaveRun {
     last_ = frame;
     const bool was_synchronous = is_synchronous(slave_.state());
     application_.next_frame();
-    last_answer_ = slave_.receive(frame);
+    const auto answer = slave_.receive(frame, Duration(in_.number<std::uint32_t>()));
+    last_answer_.reset();
+    if (answer) last_answer_ = answer->frame;
     require(application_.asked() <= 1, "the application is asked once for each frame");
     const Decoded decoded = decode(frame);
     const auto* telegram = std::get_if<Telegram>(&decoded);

@@ -77,8 +77,6 @@ Drive::Drive(const DriveSettings& settings)
       settings_(completed(settings)),
       processing_delay_(settings.processing_delay.value_or(slot_times(settings.slave.bit_rate).bit_time() *
                                                            kDefaultDelayBits)),
-      times_(slot_times(settings.slave.bit_rate)),
-      latest_actual_{times_.actual_one, times_.actual_two},
       parameters_(settings_.parameters),
       memory_(settings.memory) {
   start();
@@ -146,21 +144,17 @@ std::optional<Transmission> Drive::on_frame(const can::Frame& frame, can::Time e
     sync_.check(end);
     notice_sync_loss();
   }
-  const std::optional<can::Frame> answer = slave_.receive(*telegram);
+  const can::Time edge = sync_.last_edge();
+  const auto answer = slave_.receive(*telegram, end - edge);
   if (!answer) return std::nullopt;
-  const can::Time ready = end + processing_delay_;
-  // A reference telegram so late that the answer would miss its slot gets none (M 3.1.1.1).
-  const auto* reference = std::get_if<cansync::ReferenceTelegram>(telegram);
-  if (reference != nullptr && ready > sync_.last_edge() + latest_actual_[index(reference->channel)]) {
-    ++left_out_;
-    return std::nullopt;
-  }
-  // After the last slot the bus belongs to the next interval, where the answer's slot is the first
-  // (M 3.1.1.1).
-  if (reference == nullptr && ready > sync_.last_edge() + times_.command) {
-    return Transmission{*answer, std::max(ready, sync_.last_edge() + times_.interval + processing_delay_)};
-  }
-  return Transmission{*answer, ready};
+  const can::Time ready = std::max(end, edge + answer->window.earliest) + processing_delay_;
+  if (!slave_.may_start(*answer, ready - edge)) return std::nullopt;
+  return Transmission{answer->frame, ready};
+}
+
+std::optional<Transmission> Drive::on_sent(const can::Frame& frame, can::Time) noexcept {
+  slave_.sent(frame);
+  return std::nullopt;
 }
 
 // --- reference and actual values

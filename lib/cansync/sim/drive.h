@@ -98,6 +98,7 @@ class Drive final : public Node, private cansync::SlaveApplication {
   bool accepts(const can::Frame& frame) const noexcept override;
   void on_sync(can::Time now) noexcept override;
   std::optional<Transmission> on_frame(const can::Frame& frame, can::Time end) noexcept override;
+  std::optional<Transmission> on_sent(const can::Frame& frame, can::Time end) noexcept override;
 
   /// As after power off and on: state machine, axis and parameters start anew, memory keeps its contents.
   void restart() noexcept;
@@ -118,7 +119,9 @@ class Drive final : public Node, private cansync::SlaveApplication {
   /// Intervals without a reference value that was due, since power-on.
   std::uint32_t missed_references() const noexcept { return missed_references_; }
   /// Actual value telegrams left out because they would have started after their slot.
-  std::uint64_t left_out() const noexcept { return left_out_; }
+  std::uint64_t left_out() const noexcept {
+    return slave_.counters(cansync::Channel::one).late + slave_.counters(cansync::Channel::two).late;
+  }
 
   const cansync::Slave& slave() const noexcept { return slave_; }
   const DriveMotion& motion() const noexcept { return motion_; }
@@ -182,9 +185,6 @@ class Drive final : public Node, private cansync::SlaveApplication {
   cansync::Slave slave_;
   DriveSettings settings_;
   cansync::Duration processing_delay_;
-  const cansync::SlotTimes& times_;
-  std::array<cansync::Duration, cansync::kChannels> latest_actual_;
-  std::uint64_t left_out_ = 0;
   std::uint32_t busy_requests_ = 0;
   std::uint32_t last_action_ = 0;
   std::uint32_t action_count_ = 0;

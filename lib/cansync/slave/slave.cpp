@@ -44,9 +44,13 @@ std::optional<can::Frame> Slave::serve_transfer(const Command& command) noexcept
   if (command.slave != settings_.number) return std::nullopt;
   if (answered_) {
     const auto* before = std::get_if<Command>(&*answered_);
-    if (before != nullptr && *before == command) return last_answer_;
+    if (before != nullptr && *before == command) {
+      note_answer(false, Answered::transfer);
+      return last_answer_;
+    }
   }
   const TransferReply reply = answer(command);
+  note_answer(reply.busy, Answered::transfer);
   const can::Frame frame = encode(reply);
   if (!reply.busy && !reply.error) {
     answered_.emplace(command);
@@ -191,20 +195,98 @@ bool Slave::control(ControlCommand command) noexcept {
     if (pending_) application_.parameter_dropped();
     pending_.reset();
     sync_activated_ = false;
+    sync_mode_.reset();
+    handed_[index(AnswerSlot::response)].reset();
   }
-  if (!is_active(state_)) on_sync();
+  if (!is_active(state_)) forget_interval();
   return true;
 }
 
-std::optional<can::Frame> Slave::receive(const can::Frame& frame) noexcept {
+void Slave::on_sync(IntervalNumber passed) noexcept {
+  for (unsigned channel = 0; channel < kChannels; ++channel) {
+    if (release_[channel] == ActualRelease::released) ++counters_[channel].not_asked;
+    // What was on the bus at the end of an interval may be told of after the edge.
+    if (!handed_[channel] || handed_[channel]->interval == interval_) continue;
+    ++counters_[channel].lost;
+    handed_[channel].reset();
+  }
+  interval_ += passed;
+  // An interval that passed without its edge had no process data to speak of.
+  had_process_data_ = process_data_;
+  process_data_ = false;
+  forget_interval();
+}
+
+void Slave::forget_interval() noexcept {
+  fresh_ = {};
+  release_ = {};
+  heard_ = {};
+}
+
+void Slave::release_actual(Channel channel, const Values& values) noexcept {
+  const unsigned first = index(channel) * kWords;
+  for (unsigned i = first; i < first + kWords; ++i) actual_[i] = values[i];
+  ActualCounters& counters = counters_[index(channel)];
+  ++counters.released;
+  if (release_[index(channel)] == ActualRelease::released) ++counters.not_asked;
+  release_[index(channel)] = ActualRelease::released;
+}
+
+std::optional<SlaveAnswer> Slave::receive(const can::Frame& frame, Duration since_sync) noexcept {
   const Decoded decoded = decode(frame);
   const auto* telegram = std::get_if<Telegram>(&decoded);
   if (telegram == nullptr) return std::nullopt;
-  return receive(*telegram);
+  return receive(*telegram, since_sync);
 }
 
-std::optional<can::Frame> Slave::receive(const Telegram& telegram) noexcept {
+std::optional<SlaveAnswer> Slave::receive(const Telegram& telegram, Duration since_sync) noexcept {
   if (!is_synchronous(state_)) return std::nullopt;
+  const auto* reference = std::get_if<ReferenceTelegram>(&telegram);
+  if (reference != nullptr) process_data_ = true;
+  const std::optional<can::Frame> frame = answer(telegram);
+  if (!frame) return std::nullopt;
+  const AnswerSlot slot = reference != nullptr ? actual_slot(reference->channel) : AnswerSlot::response;
+  if (slot == AnswerSlot::response) ++responses_.asked;
+  return SlaveAnswer{
+      *frame, slot,
+      start_window(slot, process_data_ || had_process_data_, slot_times(settings_.bit_rate), since_sync)};
+}
+
+bool Slave::may_start(const SlaveAnswer& answer, Duration since_sync) noexcept {
+  const bool response = answer.slot == AnswerSlot::response;
+  const unsigned channel = index(answer.slot);
+  if (since_sync > answer.window.latest) {
+    if (response) {
+      ++responses_.late;
+    } else {
+      ++counters_[channel].late;
+      release_[channel] = ActualRelease::late;
+    }
+    return false;
+  }
+  if (!response && handed_[channel]) ++counters_[channel].lost;
+  handed_[channel] = {answer.frame, interval_};
+  return true;
+}
+
+void Slave::sent(const can::Frame& answer) noexcept {
+  for (const AnswerSlot slot : {AnswerSlot::actual_one, AnswerSlot::actual_two}) {
+    auto& handed = handed_[index(slot)];
+    if (!handed || handed->frame != answer) continue;
+    if (handed->interval == interval_) release_[index(slot)] = ActualRelease::sent;
+    handed.reset();
+    ++counters_[index(slot)].sent;
+    return;
+  }
+  auto& response = handed_[index(AnswerSlot::response)];
+  if (!response || response->frame != answer) return;
+  response.reset();
+  ++responses_.sent;
+  if (answered_kind_ == Answered::parameter) application_.parameter_answered();
+  if (answered_kind_ == Answered::transfer) application_.transfer_answered();
+}
+
+std::optional<can::Frame> Slave::answer(const Telegram& telegram) noexcept {
   // The telegrams of every interval are looked at first.
   if (const auto* reference = std::get_if<ReferenceTelegram>(&telegram)) return answer(*reference);
   if (const auto* actual = std::get_if<ActualTelegram>(&telegram)) {
@@ -231,8 +313,13 @@ std::optional<can::Frame> Slave::answer(const ReferenceTelegram& telegram) noexc
     unpack(settings_.reference_mapping[channel], std::span(telegram.word).first(words), references_);
     fresh_[channel] = true;
   }
-  if (telegram.polled != settings_.number.value() || !released_[channel]) return std::nullopt;
-  released_[channel] = false;
+  if (telegram.polled != settings_.number.value()) return std::nullopt;
+  ++counters_[channel].asked;
+  if (release_[channel] != ActualRelease::released) {
+    ++counters_[channel].not_released;
+    return std::nullopt;
+  }
+  release_[channel] = ActualRelease::built;
   const TelegramMapping& mapping = settings_.actual_mapping[channel];
   ActualTelegram reply;
   reply.channel = telegram.channel;
@@ -257,11 +344,20 @@ std::optional<can::Frame> Slave::answer(const ParameterCommand& command) noexcep
                                           command.value);
   }
   if (answer.busy) pending_ = command;
+  note_answer(answer.busy, Answered::parameter);
   return encode(reply_to(command, answer));
+}
+
+/// A busy answer needs no word when it was on the bus; a newer answer replaces one that was not.
+void Slave::note_answer(bool busy, Answered kind) noexcept {
+  if (busy) ++responses_.busy;
+  answered_kind_ = busy ? Answered::busy : kind;
+  handed_[index(AnswerSlot::response)].reset();
 }
 
 void Slave::take(const ActionCommand& action) noexcept {
   if (!action.slaves.has(settings_.number)) return;
+  if (action.command == settings_.activate_command) sync_mode_ = action.data_byte;
   if (action.command == kCommandControlWord) {
     application_.control_word(action.data_word);
   } else if (action.command == settings_.activate_command && action.data_byte == settings_.activate_data) {
@@ -279,6 +375,8 @@ void Slave::take(const ActualTelegram& telegram) noexcept {
   const std::size_t words = telegram.words < kWords ? telegram.words : kWords;
   unpack((*mapping)[channel], std::span(telegram.word).first(words), monitored_[telegram.slave.value()]);
   ++monitored_count_[telegram.slave.value()][channel];
+  monitored_interval_[telegram.slave.value()][channel] = interval_;
+  heard_[channel] = telegram.slave;
 }
 
 }  // namespace cansync

@@ -9,6 +9,7 @@
 #include "can/frame.h"
 #include "cansync/settings/mode.h"
 #include "cansync/settings/timing.h"
+#include "cansync/slave/answer_slot.h"
 #include "cansync/telegram/errors.h"
 #include "cansync/telegram/mapping.h"
 #include "cansync/telegram/numbers.h"
@@ -63,6 +64,12 @@ class SlaveApplication {
   /// that `begin_block` answered busy and the master then dropped.
   virtual void end_block(bool complete) noexcept = 0;
 
+  /// The answer to the parameter access, other than busy, was on the bus (M 3.2.3.7: bit 6 is cleared).
+  virtual void parameter_answered() noexcept {}
+
+  /// The answer to the newest transfer telegram, other than busy, was on the bus (bit 6 is cleared).
+  virtual void transfer_answered() noexcept {}
+
   /// The action "SYNC mode: activate" arrived, for the first time or again.
   virtual void sync_activated() noexcept {}
 
@@ -87,11 +94,40 @@ struct SlaveSideSettings {
   std::uint8_t activate_data = 1;     ///< its data byte (unconfirmed)
 };
 
+/// What a slave has counted of one pair of reference and actual value telegrams since its start.
+struct ActualCounters {
+  std::uint64_t asked = 0;         ///< reference telegrams that named this slave
+  std::uint64_t not_released = 0;  ///< of those: nothing was released, so there was no answer
+  std::uint64_t released = 0;      ///< releases of the application
+  std::uint64_t not_asked = 0;     ///< of those: the interval ended, or another release came, before
+  std::uint64_t late = 0;          ///< answers left out because they would have started after their slot
+  std::uint64_t sent = 0;          ///< answers that were on the bus
+  std::uint64_t lost = 0;          ///< answers handed over and not on the bus by the next edge but one
+};
+
+/// What a slave has counted of its answers to commands since its start.
+struct ResponseCounters {
+  std::uint64_t asked = 0;  ///< commands that were answered, busy or not
+  std::uint64_t busy = 0;   ///< of those: with busy
+  std::uint64_t late = 0;   ///< left out because they would have started after their slot
+  std::uint64_t sent = 0;   ///< were on the bus
+};
+
+/// What has become of the actual values of a telegram (M 3.2.3.5, control register).
+enum class ActualRelease : std::uint8_t {
+  none,      ///< nothing was released in this interval
+  released,  ///< 0x05: waits for the master to ask
+  built,     ///< 0x04: the telegram is built, and was not seen on the bus yet
+  sent,      ///< it was on the bus
+  late,      ///< it was left out: too late for its slot
+};
+
 /// The slave's side of CANsync, sans-IO (M 3.2.3): the full counterpart of `Master`.
 ///
-/// `on_sync` at each edge, `receive` for every frame on the bus; a returned frame is this slave's answer, to
-/// be started as soon as the bus is free and not after the slot time. Before synchronous operation nothing is
-/// heard; setting up, action commands, parameters and transfers are served; active, process data too.
+/// `on_sync` at each edge, `receive` for every frame on the bus. A returned answer is handed to the bus when
+/// its window begins, if `may_start` then says so; `sent` is told when it was on the bus. Before synchronous
+/// operation nothing is heard; setting up, action commands, parameters and transfers are served; active,
+/// process data too.
 /// A command that replaces one answered busy drops the latter, unanswered. A transfer telegram that was
 /// answered well and comes again (its answer was lost) gets the same answer, and the application is not
 /// asked. Nothing allocates, blocks or throws; not thread safe.
@@ -100,27 +136,33 @@ class Slave {
   /// `application` must outlive the slave.
   Slave(const SlaveSideSettings& settings, SlaveApplication& application) noexcept;
 
-  /// A SYNC edge arrived: reference values count as old, actual values as not released, from here on.
-  void on_sync() noexcept {
-    fresh_ = {};
-    released_ = {};
-  }
+  /// A SYNC edge arrived, `passed` intervals after the one before, at least 1: reference values count as old,
+  /// actual values as not released, from here on.
+  void on_sync(IntervalNumber passed = 1) noexcept;
 
-  /// A frame was on the bus. Returns the frame this slave answers with, if any. What is no CANsync telegram
-  /// is ignored.
-  std::optional<can::Frame> receive(const can::Frame& frame) noexcept;
+  /// Intervals since the start, by `on_sync`.
+  IntervalNumber interval() const noexcept { return interval_; }
+
+  /// A frame was on the bus until `since_sync` (after the running interval's edge). Returns what this slave
+  /// answers, if anything. What is no CANsync telegram is ignored.
+  std::optional<SlaveAnswer> receive(const can::Frame& frame, Duration since_sync) noexcept;
 
   /// The same for a frame that is already decoded.
-  std::optional<can::Frame> receive(const Telegram& telegram) noexcept;
+  std::optional<SlaveAnswer> receive(const Telegram& telegram, Duration since_sync) noexcept;
+
+  /// Asked when an answer is about to be handed to the bus, so that it can start at `since_sync` of the
+  /// interval in which it was asked for. False: after its window; it is left out, and counted.
+  bool may_start(const SlaveAnswer& answer, Duration since_sync) noexcept;
+
+  /// An answer of this slave was on the bus whole; another frame is ignored.
+  void sent(const can::Frame& answer) noexcept;
 
   /// Releases actual values for the telegram of `channel` in this interval (control register 0x05, M 4.17):
   /// `values` 0..3 for channel one, 4..7 for channel two. One release is good for one telegram. A reference
   /// telegram that asks for actual values that are not released gets no answer.
-  void release_actual(Channel channel, const Values& values) noexcept {
-    const unsigned first = index(channel) * kWords;
-    for (unsigned i = first; i < first + kWords; ++i) actual_[i] = values[i];
-    released_[index(channel)] = true;
-  }
+  void release_actual(Channel channel, const Values& values) noexcept;
+  /// What has become of the release of this interval.
+  ActualRelease release(Channel channel) const noexcept { return release_[index(channel)]; }
 
   /// Reference values, as the mapping filled them; `reference_fresh` tells if that telegram came, with at
   /// least one word, since the last edge.
@@ -134,6 +176,17 @@ class Slave {
   std::uint32_t monitored_count(SlaveNumber slave, Channel channel) const noexcept {
     return monitored_count_[slave.value()][index(channel)];
   }
+  /// The interval in which that telegram came last; means nothing before the first.
+  IntervalNumber monitored_interval(SlaveNumber slave, Channel channel) const noexcept {
+    return monitored_interval_[slave.value()][index(channel)];
+  }
+  /// The monitored slave whose telegram of the channel came since the last edge (M 4.22: -128 is nothing).
+  std::optional<SlaveNumber> heard(Channel channel) const noexcept { return heard_[index(channel)]; }
+
+  /// Counters as of this call; they go on changing.
+  const ActualCounters& counters(Channel channel) const noexcept { return counters_[index(channel)]; }
+  /// Counters as of this call; they go on changing.
+  const ResponseCounters& response_counters() const noexcept { return responses_; }
 
   /// Other mappings, from the next telegram on (M 4.8: also during active operation).
   void set_reference_mapping(const ProcessMapping& mapping) noexcept {
@@ -141,6 +194,10 @@ class Slave {
   }
   /// How this slave's own values are sent, from the next telegram on (M 4.8).
   void set_actual_mapping(const ProcessMapping& mapping) noexcept { settings_.actual_mapping = mapping; }
+
+  /// The data byte of the newest action "SYNC mode", whatever it says (b_SYNC_MODUS); nothing before the
+  /// first since synchronous operation began.
+  std::optional<std::uint8_t> sync_mode() const noexcept { return sync_mode_; }
 
   /// True after the action "SYNC mode: activate".
   bool sync_activated() const noexcept { return sync_activated_; }
@@ -166,8 +223,13 @@ class Slave {
     std::uint16_t expected = 0;  ///< next offset
   };
 
+  enum class Answered : std::uint8_t { busy, parameter, transfer };
+
+  std::optional<can::Frame> answer(const Telegram& telegram) noexcept;
   std::optional<can::Frame> answer(const ReferenceTelegram& telegram) noexcept;
   std::optional<can::Frame> answer(const ParameterCommand& command) noexcept;
+  void forget_interval() noexcept;
+  void note_answer(bool busy, Answered kind) noexcept;
   /// Answers a transfer telegram to this slave; one answered well before gets the remembered answer.
   template <class Command>
   std::optional<can::Frame> serve_transfer(const Command& command) noexcept;
@@ -190,17 +252,32 @@ class Slave {
   State state_ = State::start_up;
   bool sync_activated_ = false;
   std::array<bool, kChannels> fresh_ = {};
-  std::array<bool, kChannels> released_ = {};
+  std::array<ActualRelease, kChannels> release_ = {};
+  bool process_data_ = false;      ///< a reference telegram was on the bus since the last edge
+  bool had_process_data_ = false;  ///< likewise in the interval before
+  std::array<std::optional<SlaveNumber>, kChannels> heard_ = {};
+  IntervalNumber interval_ = 0;
   Values references_ = {};
   Values actual_ = {};
   SlaveSideSettings settings_;
   SlaveApplication& application_;
   std::optional<ParameterCommand> pending_;  ///< answered busy
   OpenBlock transfer_;
+  std::optional<std::uint8_t> sync_mode_;
+  /// What was handed over and was not on the bus yet, of each slot.
+  struct Handed {
+    can::Frame frame;
+    IntervalNumber interval = 0;
+  };
+  std::array<std::optional<Handed>, kAnswerSlots> handed_ = {};
+  Answered answered_kind_ = Answered::busy;  ///< of the newest answer to a command
+  std::array<ActualCounters, kChannels> counters_ = {};
+  ResponseCounters responses_;
   std::optional<Telegram> answered_;  ///< transfer telegram answered last, without busy or error
   can::Frame last_answer_;            ///< its answer
   std::array<Values, kSlaves> monitored_ = {};
   std::array<std::array<std::uint32_t, kChannels>, kSlaves> monitored_count_ = {};
+  std::array<std::array<IntervalNumber, kChannels>, kSlaves> monitored_interval_ = {};
 };
 
 }  // namespace cansync
