@@ -48,6 +48,15 @@ const cansync::Telegram* telegram_in(const can::Frame& frame) noexcept {
   return std::get_if<cansync::Telegram>(&decoded);
 }
 
+cansync::SlaveSupervisionSettings supervision_settings(const DriveSettings& settings) {
+  cansync::SlaveSupervisionSettings result;
+  result.interval = slot_times(settings.slave.bit_rate).interval;
+  result.lock_time = settings.lock_time;
+  result.edges_until_fault = settings.edges_until_fault;
+  result.misses_until_fault = settings.misses_until_fault;
+  return result;
+}
+
 /// Settings with every range held and what depends on others filled in.
 DriveSettings completed(DriveSettings settings) {
   constexpr std::uint8_t kLastValue = cansync::kValues - 1;
@@ -70,8 +79,7 @@ DriveSettings completed(DriveSettings settings) {
 
 Drive::Drive(const DriveSettings& settings)
     : axis_(completed(settings).axis),
-      misses_until_fault_(settings.misses_until_fault),
-      sync_(slot_times(settings.slave.bit_rate).interval, settings.lock_time, settings.edges_until_fault),
+      supervision_(supervision_settings(settings)),
       motion_(slot_times(settings.slave.bit_rate).interval),
       slave_(completed(settings).slave, *this),
       settings_(completed(settings)),
@@ -98,11 +106,10 @@ void Drive::start() noexcept {
 
 void Drive::restart() noexcept {
   slave_.control(ControlCommand::cold_restart);
-  sync_.reset();
+  supervision_.reset();
   motion_ = DriveMotion(slot_times(settings_.slave.bit_rate).interval);
   fault_ = fault_code::none;
   busy_requests_ = 0;
-  missed_references_ = 0;
   last_action_ = 0;
   action_count_ = 0;
   start();
@@ -128,8 +135,8 @@ bool Drive::accepts(const can::Frame& frame) const noexcept {
 }
 
 void Drive::on_sync(can::Time now) noexcept {
-  const std::uint32_t intervals = sync_.edge(now, slave_.sync_activated());
-  notice_sync_loss();
+  const std::uint32_t intervals = supervision_.edge(now, slave_.sync_activated());
+  notice_fault();
   take_references(intervals);
   const double target = speed_mode_ ? speed_setpoint_ : setpoint();
   const MotionMode mode = motion_mode();
@@ -141,10 +148,10 @@ std::optional<Transmission> Drive::on_frame(const can::Frame& frame, can::Time e
   const cansync::Telegram* telegram = telegram_in(frame);
   if (telegram == nullptr) return std::nullopt;
   if (std::holds_alternative<cansync::ParameterCommand>(*telegram)) {
-    sync_.check(end);
-    notice_sync_loss();
+    supervision_.check(end);
+    notice_fault();
   }
-  const can::Time edge = sync_.last_edge();
+  const can::Time edge = supervision_.last_edge();
   const auto answer = slave_.receive(*telegram, end - edge);
   if (!answer) return std::nullopt;
   const can::Time ready = std::max(end, edge + answer->window.earliest) + processing_delay_;
@@ -170,7 +177,7 @@ void Drive::choose_reference() noexcept {
   reference_ = ReferenceTracker(word_);
   if (axis_.leader) leader_count_ = slave_.monitored_count(*axis_.leader, Channel::one);
   speed_setpoint_ = 0;
-  missing_ = false;
+  supervision_.forget_references();
   motion_.rebase();
 }
 
@@ -188,27 +195,21 @@ std::optional<std::uint32_t> Drive::fresh_reference() noexcept {
 
 void Drive::take_references(std::uint32_t intervals) noexcept {
   const std::optional<std::uint32_t> fresh = fresh_reference();
-  std::uint32_t missing = std::min(intervals, kMostSteps);
-  if (fresh && missing > 0) --missing;
-  if (reference_.seen()) {
-    missed_references_ += missing;
-    for (; missing > 0; --missing) reference_.miss();
-    missing_ = !fresh && reference_.misses() > 0;
-  }
+  for (auto missing = supervision_.references(intervals, fresh.has_value()); missing > 0; --missing)
+    reference_.miss();
   if (fresh) {
     reference_.take(*fresh);
     speed_setpoint_ = word_ ? static_cast<double>(static_cast<std::int16_t>(*fresh & 0xFFFF))
                             : static_cast<double>(static_cast<std::int32_t>(*fresh));
-  } else if (misses_until_fault_ != 0 && reference_.misses() >= misses_until_fault_) {
-    raise_fault(fault_code::references_missing);
   }
+  notice_fault();
 }
 
 MotionMode Drive::motion_mode() const noexcept {
   if (fault_ != fault_code::none) return motion_.speed() != 0 ? MotionMode::ramp_down : MotionMode::coast;
   if ((control_word_ & control_bit::enable) == 0) return MotionMode::coast;
   const bool commanded = (control_word_ & control_bit::run) == control_bit::run;
-  if (!commanded || !reference_.seen() || !sync_.synchronized()) return MotionMode::ramp_down;
+  if (!commanded || !reference_.seen() || !supervision_.synchronized()) return MotionMode::ramp_down;
   return speed_mode_ ? MotionMode::speed : MotionMode::position;
 }
 
@@ -245,8 +246,8 @@ std::uint16_t Drive::status_word(MotionMode mode, double error) const noexcept {
       bit(status_bit::quick_stop, stopping) |
       bit(status_bit::standstill, std::abs(motion_.speed()) < kStandstill) |
       bit(status_bit::on_target, mode == MotionMode::position && std::abs(error) <= kOnTarget) |
-      bit(status_bit::extrapolating, missing_) | bit(status_bit::synchronized, sync_.synchronized());
-  return static_cast<std::uint16_t>(word);
+      bit(status_bit::extrapolating, supervision_.extrapolating());
+  return supervision_.status_word(static_cast<std::uint16_t>(word));
 }
 
 // --- faults and commands
@@ -254,11 +255,18 @@ std::uint16_t Drive::status_word(MotionMode mode, double error) const noexcept {
 void Drive::raise_fault(std::uint16_t code) noexcept {
   if (fault_ == fault_code::none) fault_ = code;
   reference_.forget();
-  missing_ = false;
+  supervision_.forget_references();
 }
 
-void Drive::notice_sync_loss() noexcept {
-  if (sync_.take_loss()) raise_fault(fault_code::sync_lost);
+void Drive::notice_fault() noexcept {
+  switch (supervision_.take_fault()) {
+    case cansync::SlaveFault::sync_lost:
+      return raise_fault(fault_code::sync_lost);
+    case cansync::SlaveFault::references_missing:
+      return raise_fault(fault_code::references_missing);
+    case cansync::SlaveFault::none:
+      return;
+  }
 }
 
 void Drive::sync_activated() noexcept {

@@ -12,8 +12,8 @@
 #include "cansync/sim/drive_memory.h"
 #include "cansync/sim/drive_motion.h"
 #include "cansync/sim/drive_parameters.h"
-#include "cansync/sim/drive_sync.h"
 #include "cansync/slave/slave.h"
+#include "cansync/slave/slave_supervision.h"
 #include "cansync/telegram/mapping.h"
 #include "sim/node.h"
 
@@ -117,7 +117,7 @@ class Drive final : public Node, private cansync::SlaveApplication {
   std::uint16_t status_word() const noexcept;
   std::uint16_t fault() const noexcept { return fault_; }
   /// Intervals without a reference value that was due, since power-on.
-  std::uint32_t missed_references() const noexcept { return missed_references_; }
+  std::uint32_t missed_references() const noexcept { return supervision_.missed_references(); }
   /// Actual value telegrams left out because they would have started after their slot.
   std::uint64_t left_out() const noexcept {
     return slave_.counters(cansync::Channel::one).late + slave_.counters(cansync::Channel::two).late;
@@ -149,7 +149,7 @@ class Drive final : public Node, private cansync::SlaveApplication {
 
   void start() noexcept;
   bool busy_by_order() noexcept;
-  void notice_sync_loss() noexcept;
+  void notice_fault() noexcept;
   /// Value of a parameter that mirrors what the drive does; nothing for a stored one.
   std::optional<std::uint32_t> live_value(std::uint16_t number) const noexcept;
   void apply_parameters() noexcept;
@@ -171,15 +171,12 @@ class Drive final : public Node, private cansync::SlaveApplication {
   std::uint16_t control_word_ = 0;
   std::uint16_t fault_ = fault_code::none;
   bool speed_mode_ = false;
-  bool word_ = false;     ///< the reference value followed has 16 bits
-  bool missing_ = false;  ///< the last interval had no reference value
-  std::uint32_t missed_references_ = 0;
+  bool word_ = false;               ///< the reference value followed has 16 bits
   std::uint32_t leader_count_ = 0;  ///< telegrams of the leader taken so far
   double speed_setpoint_ = 0;       ///< increments/s, in operating mode 1
   AxisSettings axis_;
-  std::uint32_t misses_until_fault_;
   ReferenceTracker reference_;
-  DriveSync sync_;
+  cansync::SlaveSupervision supervision_;
   DriveMotion motion_;
   cansync::Values actual_ = {};
   cansync::Slave slave_;

@@ -69,11 +69,11 @@ std::optional<std::uint32_t> Drive::live_value(std::uint16_t number) const noexc
     case parameter::fault_code:
       return fault_;
     case parameter::missed_references:
-      return missed_references_;
+      return supervision_.missed_references();
     case parameter::misses_in_a_row:
-      return reference_.misses();
+      return supervision_.misses();
     case parameter::missed_edges:
-      return sync_.missed();
+      return supervision_.missed_edges();
     case parameter::position:
       return actual_[0];
     case parameter::speed:
