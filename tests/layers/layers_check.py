@@ -19,16 +19,17 @@ from sources import load
 # room: what it may use. `idl` is the generated header of the data model.
 ROOMS = """
 idl:
-lib/text:
+lib/system:
+lib/text:                   lib/system
 lib/config:                 lib/text
 lib/profile:                lib/text lib/config
-lib/can:
+lib/can:                    lib/system
 lib/cansync:                lib/can
 lib/layer2:                 lib/can
-lib/rt:                     lib/can
-lib/sync:                   lib/can lib/rt
-lib/sim:                    lib/config lib/can lib/sync
-lib/dds:                    idl
+lib/rt:                     lib/system lib/can
+lib/sync:                   lib/system lib/can lib/rt
+lib/sim:                    lib/system lib/config lib/can lib/sync
+lib/dds:                    idl lib/system
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
@@ -49,7 +50,7 @@ daemon/status:              idl lib/can lib/rt lib/dds daemon/config daemon/serv
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
-daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
+daemon/cansync/realtime:    lib/system lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
                             daemon/cansync/config
 daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/bus daemon/loop
                             daemon/desk daemon/cansync daemon/cansync/config
@@ -76,17 +77,17 @@ daemon:                     lib/text lib/config lib/rt daemon/service daemon/opt
                             daemon/cansync/segment daemon/layer2/segment
 
 tools/cli/text:
-tools/cli/base:             lib/text lib/client tools/cli/text
+tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client tools/cli/text tools/cli/base
 tools/cli/look:             tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/watch:            lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/record:           lib/client tools/cli/text tools/cli/base tools/cli/watch
+tools/cli/watch:            lib/system lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base tools/cli/watch
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
-tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/layer2 tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
-tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
+tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus
 """
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
