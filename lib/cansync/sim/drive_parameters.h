@@ -4,27 +4,13 @@
 #include <optional>
 #include <vector>
 
+#include "cansync/slave/parameter_table.h"
 #include "cansync/slave/slave.h"
 #include "cansync/telegram/numbers.h"
 
 namespace sim {
 
-/// One parameter of a simulated drive.
-struct ParameterDefinition {
-  enum class Access : std::uint8_t {
-    read_write,
-    read_only,      ///< a write is answered "not changeable"
-    not_available,  ///< every access is answered "data not available now"
-  };
-  std::uint16_t number = 0;  ///< 0..4095
-  bool doubleword = false;   ///< format: 32 bits, else 16
-  Access access = Access::read_write;
-  std::uint32_t initial = 0;        ///< raw value at power-on
-  std::int64_t minimum = 0;         ///< below zero: the value is signed
-  std::int64_t maximum = 0;         ///< inclusive
-  bool limited = false;             ///< `minimum` and `maximum` hold, and can be read as elements 0 and 1
-  bool answers_busy_first = false;  ///< each access is answered busy a settable number of times
-};
+using cansync::ParameterDefinition;
 
 /// Numbers of the parameters that the drive itself knows (docs/simulated-drive.md has the whole table).
 namespace parameter {
@@ -63,48 +49,36 @@ inline constexpr std::uint16_t plain_count = 20;
 /// The parameters a drive has unless told otherwise.
 std::vector<ParameterDefinition> standard_parameters();
 
-/// Parameter memory of a drive: values, formats, limits, access rights. All memory is taken in the
-/// constructor; nothing else allocates, blocks or throws. Not thread safe.
+/// The parameters of a drive: a table, of which `parameter::busy` answers each access busy a settable number
+/// of times first. All memory is taken in the constructor; nothing else allocates, blocks or throws. Not
+/// thread safe.
 class DriveParameters {
  public:
-  /// Numbers over 4095 are left out; of two definitions of one number the later one counts.
-  explicit DriveParameters(const std::vector<ParameterDefinition>& definitions);
+  explicit DriveParameters(const std::vector<ParameterDefinition>& definitions) : table_(definitions) {}
 
-  /// Reads element 7 (value), 2 (value at power-on), or of a limited parameter 0 (minimum) and 1 (maximum).
   cansync::ParameterAnswer read(cansync::ParameterNumber number, cansync::Element element) noexcept;
-
-  /// Writes the value, checking access, format and limits in this order.
   cansync::ParameterAnswer write(cansync::ParameterNumber number, bool doubleword,
                                  std::uint32_t value) noexcept;
 
   /// The access answered busy last is no longer wanted: the next one counts from the start.
   void dropped() noexcept { busy_given_ = 0; }
 
-  /// How often an access to a parameter that answers busy first is answered busy; `kEndless`: always.
+  /// How often an access to `parameter::busy` is answered busy; `kEndless`: always.
   void set_busy_replies(std::uint32_t replies) noexcept { busy_replies_ = replies; }
   static constexpr std::uint32_t kEndless = 0xFFFFFFFF;
 
-  /// The raw value, past every access right; nothing when there is no such parameter.
-  std::optional<std::uint32_t> value(std::uint16_t number) const noexcept;
-
-  /// Sets the raw value, past every access right and limit; words take the lower 16 bits. False: no such
-  /// parameter.
-  bool set_value(std::uint16_t number, std::uint32_t value) noexcept;
+  std::optional<std::uint32_t> value(std::uint16_t number) const noexcept { return table_.value(number); }
+  bool set_value(std::uint16_t number, std::uint32_t value) noexcept {
+    return table_.set_value(number, value);
+  }
 
   /// Every parameter back to its value at power-on.
   void reset() noexcept;
 
  private:
-  struct Entry {
-    ParameterDefinition definition;
-    std::uint32_t value = 0;
-  };
+  bool still_busy(cansync::ParameterNumber number) noexcept;
 
-  const Entry* find(std::uint16_t number) const noexcept;
-  Entry* find(std::uint16_t number) noexcept;
-  bool still_busy(const Entry& entry) noexcept;
-
-  std::vector<Entry> entries_;  ///< by number
+  cansync::ParameterTable table_;
   std::uint32_t busy_replies_ = 0;
   std::uint32_t busy_given_ = 0;
 };

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "cansync/slave/parameter_table.h"
+#include "cansync/slave/slave.h"
+#include "cansync/telegram/numbers.h"
+
+namespace cansync {
+
+/// A parameter access of the master that an application is to answer (M 3.2.3.7).
+struct AskedParameter {
+  std::uint64_t id = 0;  ///< never given twice; 0 is none
+  bool write = false;
+  ParameterNumber number;
+  Element element = kValueElement;
+  SubSlave sub_slave;
+  bool doubleword = false;  ///< write: its format
+  std::uint32_t value = 0;  ///< write: the raw value
+};
+
+/// Is told of the accesses that wait for an application. Called on the slave's thread; must not allocate,
+/// block or throw, nor call back.
+class ParameterJobsListener {
+ public:
+  virtual ~ParameterJobsListener() = default;
+  /// An access waits for `answer`. The master is told that it takes longer.
+  virtual void asked(const AskedParameter& job) noexcept = 0;
+  /// The access is not wanted any more: the master asked for something else, the application that owned it is
+  /// gone, or the slave left synchronous operation.
+  virtual void dropped(std::uint64_t id) noexcept = 0;
+  /// The answer of the application was on the bus.
+  virtual void answered(std::uint64_t id) noexcept = 0;
+};
+
+/// What numbers that are not in the table, and sub-slaves, are to an application.
+struct ParameterJobsSettings {
+  bool unknown_numbers = false;  ///< an application is asked for them; else 0xFFFB
+  bool sub_slaves = false;       ///< likewise for sub-slave addresses over 0
+};
+
+/// Answers the master's parameter accesses: from the table at once, or from an application, busy until it has
+/// answered. One access is open at a time. Without an application what is its own is answered 0xFFFA at once,
+/// and when it goes, with the master's next question. A write that the table refuses (access, format, limits)
+/// does not reach the application. Each access that the application is asked for ends once: dropped, or
+/// answered; an answer after that is refused. Nothing allocates, blocks or throws; not thread safe.
+class ParameterJobs {
+ public:
+  /// `table` and `listener` must outlive this.
+  ParameterJobs(const ParameterJobsSettings& settings, ParameterTable& table,
+                ParameterJobsListener& listener) noexcept
+      : settings_(settings), table_(table), listener_(listener) {}
+
+  // --- of the slave, from its `SlaveApplication`
+
+  /// The slave's `read_parameter`; asked again with the same arguments while it answers busy.
+  ParameterAnswer read(ParameterNumber number, Element element, SubSlave sub) noexcept;
+  /// The slave's `write_parameter`, likewise.
+  ParameterAnswer write(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
+                        std::uint32_t value) noexcept;
+  /// The access answered busy last is not wanted any more.
+  void dropped() noexcept;
+  /// The answer was on the bus (`SlaveApplication::parameter_answered`).
+  void sent() noexcept;
+
+  // --- of the application
+
+  /// There is one (its lease runs), or there is none (any more).
+  void set_application(bool present) noexcept;
+  /// The application's answer, which goes out with the master's next question; `busy` in it counts as not
+  /// given. False: that access is not open, or was answered.
+  bool answer(std::uint64_t id, const ParameterAnswer& answer) noexcept;
+  /// The access that is open; nothing: none is.
+  const std::optional<AskedParameter>& open() const noexcept { return open_; }
+
+ private:
+  bool belongs_to_application(ParameterNumber number, SubSlave sub) const noexcept;
+  ParameterAnswer ask(const AskedParameter& job) noexcept;
+
+  ParameterJobsSettings settings_;
+  ParameterTable& table_;
+  ParameterJobsListener& listener_;
+  bool application_ = false;
+  std::optional<AskedParameter> open_;
+  std::optional<ParameterAnswer> answer_;  ///< of the open access
+  std::uint64_t sending_ = 0;              ///< the access whose answer is on its way
+  std::uint64_t ids_ = 0;
+};
+
+}  // namespace cansync

@@ -1,0 +1,170 @@
+// Parameter jobs of a slave: rows S20, S21 and S22 of docs/cansync-slave.md. Bytes are the manual's.
+#include "cansync/slave/parameter_jobs.h"
+
+#include <gtest/gtest.h>
+
+#include "service_rig.h"
+
+namespace cansync::test {
+namespace {
+
+using ParameterService = ServiceTest;
+
+ParameterAnswer value(std::uint32_t raw, bool doubleword = false) {
+  return {false, ParameterError::none, doubleword, raw};
+}
+
+TEST_F(ParameterService, S20TheTableAnswersWithoutAnApplication) {
+  service_.set_application(false);
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0}));
+  EXPECT_EQ(send(read(401)), response({0x01, 0x91, 0x78, 0x56, 0x34, 0x12, 0, 0}));
+  EXPECT_EQ(send(write_word(400, 100)), response({0x01, 0x90, 0, 0}));
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 100, 0, 0, 0}));
+  EXPECT_EQ(send(command({0x11, 0x90, 0, 0})), response({0x01, 0x90, 100, 0, 0, 0})) << "element 1: maximum";
+  EXPECT_EQ(told_.take(), "");
+}
+
+TEST_F(ParameterService, S22EveryErrorOfTheTable) {
+  EXPECT_EQ(send(write_word(400, 101)), error(400, 0xFFFD));
+  EXPECT_EQ(send(write_word(401, 1)), error(401, 0xFFFC));
+  EXPECT_EQ(send(read(399)), error(399, 0xFFFB));
+  EXPECT_EQ(send(read(4095)), error(4095, 0xFFFB));
+  EXPECT_EQ(send(write_word(399, 1)), error(399, 0xFFFB));
+  EXPECT_EQ(send(read(402)), error(402, 0xFFFA));
+  EXPECT_EQ(send(write_word(402, 1)), error(402, 0xFFFA));
+  EXPECT_EQ(send(command({0x71, 0x90, 1, 0, 0, 0, 0, 0})), error(400, 0xFFF9)) << "doubleword to a word";
+  EXPECT_EQ(send(command({0x71, 0x2D, 1, 0})), response({0x21, 0x2D, 0xFB, 0xFF, 1, 0})) << "sub-slave 1";
+  EXPECT_EQ(send(command({0x71, 0x90, 0xFF, 0xFF})), response({0x21, 0x90, 0xFB, 0xFF, 0xFF, 0xFF}));
+  EXPECT_EQ(service_.table().value(400), 7u);
+}
+
+TEST_F(ParameterService, S22AWriteThatTheTableRefusesDoesNotReachTheApplication) {
+  EXPECT_EQ(send(write_word(501, 11)), error(501, 0xFFFD));
+  EXPECT_EQ(send(write_word(501, 0xFFF5)), error(501, 0xFFFE)) << "-11";
+  EXPECT_EQ(send(write_word(500, 1)), error(500, 0xFFF9));
+  EXPECT_EQ(send(write_word(502, 1)), error(502, 0xFFFC));
+  EXPECT_EQ(send(command({0x01, 0xF5, 0, 0})), response({0x01, 0xF5, 0xF6, 0xFF, 0, 0})) << "minimum";
+  EXPECT_EQ(told_.take(), "");
+  EXPECT_EQ(send(write_word(501, 0xFFF6)), busy(501));
+  EXPECT_EQ(told_.take(), "write 501");
+  EXPECT_EQ(told_.parameter.value, 0xFFF6u);
+}
+
+TEST_F(ParameterService, S20BusyForAsManyQuestionsAsTheApplicationNeeds) {
+  for (const unsigned questions : {1u, 2u, 1000u}) {
+    for (unsigned i = 0; i < questions; ++i) ASSERT_EQ(send(read(500)), busy(500));
+    EXPECT_EQ(told_.take(), "read 500") << "asked once";
+    ASSERT_TRUE(service_.jobs().answer(told_.parameter.id, value(questions, true)));
+    const auto low = static_cast<std::uint8_t>(questions & 0xFF);
+    const auto high = static_cast<std::uint8_t>(questions >> 8);
+    EXPECT_EQ(send(read(500)), response({0x01, 0xF4, low, high, 0, 0, 0, 0}));
+    EXPECT_EQ(told_.take(), "answered " + std::to_string(told_.parameter.id));
+  }
+}
+
+TEST_F(ParameterService, S20AnsweredIsSaidWhenItWasOnTheBusAndNotBefore) {
+  send(read(500));
+  service_.jobs().answer(told_.parameter.id, value(1, true));
+  told_.take();
+  const auto answer = send(read(500), false);
+  EXPECT_EQ(told_.take(), "");
+  slave_.sent(*answer);
+  EXPECT_EQ(told_.take(), "answered 1");
+}
+
+TEST_F(ParameterService, S22TheApplicationMayGiveAnyErrorNumber) {
+  constexpr std::uint16_t kCodes[] = {0xFFFF, 0xFFFE, 0xFFFA, 0x0001, 0x1234};
+  for (const std::uint16_t code : kCodes) {
+    send(write_word(501, 3));
+    ParameterAnswer refusal;
+    refusal.error = static_cast<ParameterError>(code);
+    ASSERT_TRUE(service_.jobs().answer(told_.parameter.id, refusal));
+    EXPECT_EQ(send(write_word(501, 3)), error(501, code));
+  }
+}
+
+TEST_F(ParameterService, S21AnotherNumberWhileBusyDropsTheOldJobAndTakesNoAnswerToIt) {
+  EXPECT_EQ(send(read(500)), busy(500));
+  const std::uint64_t old = told_.parameter.id;
+  EXPECT_EQ(send(write_word(501, 3)), busy(501));
+  EXPECT_EQ(told_.take(), "read 500, dropped 1, write 501");
+  EXPECT_FALSE(service_.jobs().answer(old, value(9, true))) << "the old command must not be answered";
+  EXPECT_EQ(send(write_word(501, 3)), busy(501));
+  EXPECT_TRUE(service_.jobs().answer(told_.parameter.id, value(0)));
+  EXPECT_FALSE(service_.jobs().answer(told_.parameter.id, value(1))) << "one answer";
+  EXPECT_EQ(send(write_word(501, 3)), response({0x01, 0xF5, 0, 0}));
+  EXPECT_EQ(told_.take(), "answered 2");
+}
+
+TEST_F(ParameterService, S21AnotherValueOfTheSameNumberIsAnotherJob) {
+  send(write_word(501, 3));
+  send(write_word(501, 4));
+  EXPECT_EQ(told_.take(), "write 501, dropped 1, write 501");
+  EXPECT_EQ(told_.parameter.value, 4u);
+}
+
+TEST_F(ParameterService, S21AnAnswerThatWasNotFetchedIsDroppedWithItsJob) {
+  send(read(500));
+  ASSERT_TRUE(service_.jobs().answer(told_.parameter.id, value(1, true)));
+  send(read(400));
+  EXPECT_EQ(told_.take(), "read 500, dropped 1");
+  EXPECT_EQ(send(read(500)), busy(500)) << "a new job, not the old answer";
+  EXPECT_EQ(told_.take(), "read 500");
+}
+
+TEST_F(ParameterService, S20WithoutAnApplicationItsNumbersAreNotAvailable) {
+  service_.set_application(false);
+  EXPECT_EQ(send(read(500)), error(500, 0xFFFA));
+  EXPECT_EQ(send(write_word(501, 1)), error(501, 0xFFFA));
+  EXPECT_EQ(told_.take(), "");
+}
+
+TEST_F(ParameterService, S20AnApplicationThatDiesWhileBusyLeavesNothingOpen) {
+  EXPECT_EQ(send(read(500)), busy(500));
+  service_.set_application(false);
+  EXPECT_EQ(told_.take(), "read 500, dropped 1");
+  EXPECT_FALSE(service_.jobs().answer(1, value(1, true)));
+  service_.set_application(true);
+  EXPECT_EQ(send(read(500)), error(500, 0xFFFA)) << "the job of the one that died";
+  EXPECT_EQ(told_.take(), "") << "an answer that no application gave is not reported to one";
+  EXPECT_EQ(send(read(500)), busy(500)) << "the new application's";
+  EXPECT_EQ(told_.parameter.id, 2u);
+}
+
+TEST_F(ParameterService, S20AnAnswerOutlivesItsApplication) {
+  send(read(500));
+  ASSERT_TRUE(service_.jobs().answer(1, value(5, true)));
+  service_.set_application(false);
+  EXPECT_EQ(send(read(500)), response({0x01, 0xF4, 5, 0, 0, 0, 0, 0}));
+}
+
+TEST_F(ParameterService, S21LeavingSynchronousOperationDropsTheJob) {
+  send(read(500));
+  EXPECT_TRUE(slave_.control(ControlCommand::cold_restart));
+  EXPECT_EQ(told_.take(), "read 500, dropped 1");
+  EXPECT_FALSE(service_.jobs().open());
+}
+
+class GreedyService : public ServiceTest {
+ protected:
+  static SlaveServiceSettings settings() {
+    SlaveServiceSettings result = service_settings();
+    result.jobs = {true, true};
+    return result;
+  }
+  GreedyService() : ServiceTest(settings()) {}
+};
+
+TEST_F(GreedyService, S22NumbersOutsideTheTableAndSubSlavesMayBeTheApplications) {
+  EXPECT_EQ(send(read(399)), busy(399));
+  EXPECT_EQ(send(command({0x71, 0x90, 1, 0})), response({0x41, 0x90})) << "400 of sub-slave 1";
+  EXPECT_EQ(told_.parameter.sub_slave.value, 1u);
+  EXPECT_EQ(send(command({0x71, 0x90, 0xFF, 0xFF})), response({0x41, 0x90}));
+  EXPECT_EQ(told_.parameter.sub_slave.value, 65535u);
+  ASSERT_TRUE(service_.jobs().answer(told_.parameter.id, value(3)));
+  EXPECT_EQ(send(command({0x71, 0x90, 0xFF, 0xFF})), response({0x01, 0x90, 3, 0, 0xFF, 0xFF}));
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0})) << "the slave's own";
+}
+
+}  // namespace
+}  // namespace cansync::test
