@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "system/descriptor.h"
-
 namespace rt {
 
 /// What a realtime thread asks of the system.
@@ -80,7 +78,7 @@ class RealtimeThread {
   Grants grants_;
   int scheduling_error_ = 0;  ///< errno values of the thread's own preparation
   int affinity_error_ = 0;
-  sys::Descriptor latency_;
+  int latency_descriptor_ = -1;
   pthread_t thread_{};
   bool joinable_ = false;
   std::atomic<Start> start_{Start::preparing};

@@ -3,11 +3,14 @@
 import subprocess
 import unittest
 
-from canline import CANSYNC_SIM, INTERFACE, LONG, SYNC, Candump, Simulator, Wire, create_interface, delete_interface, ip
+from canline import (CANSYNC_SIM, INTERFACE, LONG, SYNC, Candump, Simulator, Wire, create_interface, delete_interface, ip,
+                     interface_exists)
 
 
 class SimulatorOnVcan(unittest.TestCase):
     def setUp(self):
+        if interface_exists():
+            delete_interface()
         create_interface()
 
     def read_number(self, wire, slave):

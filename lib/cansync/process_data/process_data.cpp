@@ -4,6 +4,13 @@
 #include <span>
 
 namespace cansync {
+namespace {
+
+WordMasks word_masks(const ProcessMapping& mapping) noexcept {
+  return {mapping[0].word_mask(), mapping[1].word_mask()};
+}
+
+}  // namespace
 
 ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept
     : settings_(settings.process),
@@ -11,7 +18,14 @@ ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listene
       configured_(settings.configured()),
       output_{Output{ReferenceRelease(Channel::one, settings.process, listener), 0, std::nullopt},
               Output{ReferenceRelease(Channel::two, settings.process, listener), 0, std::nullopt}} {
-  for (unsigned i = 0; i < kSlaves; ++i) actual_mapping_[i] = settings.slaves[i].actual_mapping;
+  reference_words_ = word_masks(settings_.reference_mapping);
+  for (unsigned i = 0; i < kSlaves; ++i) set_mapping(i, settings.slaves[i].actual_mapping);
+}
+
+void ProcessData::set_mapping(unsigned slave, const ProcessMapping& mapping) noexcept {
+  actual_mapping_[slave] = mapping;
+  actual_words_[slave] = word_masks(mapping);
+  actual_of_[slave] = {Unpacking(mapping[0]), Unpacking(mapping[1])};
 }
 
 void ProcessData::stop() noexcept {
@@ -57,8 +71,8 @@ Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
 
 bool ProcessData::fits_words(const ReferenceUpdate& update) const noexcept {
   const unsigned first = index(update.channel) * 4;
-  const unsigned words = settings_.reference_mapping[index(update.channel)].word_mask();
-  for (unsigned v = 0; v < 4; ++v) {
+  const unsigned words = reference_words_[index(update.channel)];
+  for (unsigned v = 0; words != 0 && v < 4; ++v) {
     if (((words >> (first + v)) & 1u) == 0) continue;
     const bool is_new = ((update.valid_mask >> v) & 1u) != 0;
     // One that keeps its value may have got it under another mapping.
@@ -129,9 +143,10 @@ bool ProcessData::receive(const ActualTelegram& telegram) noexcept {
   if (telegram.words < mapping.used_words()) return false;
   output.asked.reset();
   ActualValues& actual = actual_[telegram.slave.value()];
-  unpack(mapping, std::span(telegram.word).first(telegram.words), actual.value);
+  actual_of_[telegram.slave.value()][channel](std::span(telegram.word).first(telegram.words), actual.value);
   const unsigned others = telegram.channel == Channel::one ? 0xF0u : 0x0Fu;
-  actual.words = static_cast<std::uint8_t>((actual.words & others) | mapping.word_mask());
+  actual.words =
+      static_cast<std::uint8_t>((actual.words & others) | actual_words_[telegram.slave.value()][channel]);
   actual.arrived = {};
   actual.arrived[channel] = true;
   actual.interval[channel] = now_;
@@ -152,6 +167,7 @@ Refusal ProcessData::set_reference_mapping(const ProcessMapping& mapping) noexce
   if (!fits(mapping)) return Refusal::mapping;
   if (mapping == settings_.reference_mapping) return Refusal::none;
   settings_.reference_mapping = mapping;
+  reference_words_ = word_masks(mapping);
   ++mapping_number_;
   for (Output& output : output_) output.release.mapping_changed();
   return Refusal::none;
@@ -160,7 +176,7 @@ Refusal ProcessData::set_reference_mapping(const ProcessMapping& mapping) noexce
 Refusal ProcessData::set_actual_mapping(SlaveNumber slave, const ProcessMapping& mapping) noexcept {
   if (!configured_.has(slave)) return Refusal::slave_not_configured;
   if (!fits(mapping)) return Refusal::mapping;
-  actual_mapping_[slave.value()] = mapping;
+  set_mapping(slave.value(), mapping);
   return Refusal::none;
 }
 

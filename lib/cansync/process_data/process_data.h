@@ -15,6 +15,10 @@
 
 namespace cansync {
 
+/// The values that a mapping carries as words of 16 bits, of each telegram; worked out once and not with each
+/// telegram.
+using WordMasks = std::array<std::uint8_t, kChannels>;
+
 /// Reference values out and actual values in: mapping, release, and which slave is asked
 /// (M 3.1.1.1, 3.2.2.4, 3.2.2.5). Realtime safe; not thread safe.
 class ProcessData {
@@ -91,6 +95,7 @@ class ProcessData {
   };
 
   std::uint8_t polled(const Output& output, Channel channel) const noexcept;
+  void set_mapping(unsigned slave, const ProcessMapping& mapping) noexcept;
   /// No value of which the low word alone is sent would be cut.
   bool fits_words(const ReferenceUpdate& update) const noexcept;
 
@@ -98,6 +103,9 @@ class ProcessData {
   MasterListener& listener_;
   SlaveMask configured_;
   std::array<ProcessMapping, kSlaves> actual_mapping_;
+  std::array<WordMasks, kSlaves> actual_words_ = {};                 ///< of these mappings
+  std::array<std::array<Unpacking, kChannels>, kSlaves> actual_of_;  ///< of the telegrams, by these mappings
+  WordMasks reference_words_ = {};
   std::array<ActualValues, kSlaves> actual_ = {};
   Values references_ = {};
   std::array<Output, kChannels> output_;

@@ -184,7 +184,9 @@ void Slave::drop_transfer() noexcept {
 // --- everything else
 
 Slave::Slave(const SlaveSideSettings& settings, SlaveApplication& application) noexcept
-    : settings_(settings), application_(application) {}
+    : settings_(settings),
+      references_of_{Unpacking(settings.reference_mapping[0]), Unpacking(settings.reference_mapping[1])},
+      application_(application) {}
 
 bool Slave::control(ControlCommand command) noexcept {
   const std::optional<State> to = next(Role::slave, state_, command);
@@ -310,7 +312,7 @@ std::optional<can::Frame> Slave::answer(const ReferenceTelegram& telegram) noexc
   const unsigned channel = index(telegram.channel);
   if (telegram.words > 0) {
     const std::size_t words = telegram.words < kWords ? telegram.words : kWords;
-    unpack(settings_.reference_mapping[channel], std::span(telegram.word).first(words), references_);
+    references_of_[channel](std::span(telegram.word).first(words), references_);
     fresh_[channel] = true;
   }
   if (telegram.polled != settings_.number.value()) return std::nullopt;

@@ -191,6 +191,7 @@ class Slave {
   /// Other mappings, from the next telegram on (M 4.8: also during active operation).
   void set_reference_mapping(const ProcessMapping& mapping) noexcept {
     settings_.reference_mapping = mapping;
+    references_of_ = {Unpacking(mapping[0]), Unpacking(mapping[1])};
   }
   /// How this slave's own values are sent, from the next telegram on (M 4.8).
   void set_actual_mapping(const ProcessMapping& mapping) noexcept { settings_.actual_mapping = mapping; }
@@ -260,6 +261,7 @@ class Slave {
   Values references_ = {};
   Values actual_ = {};
   SlaveSideSettings settings_;
+  std::array<Unpacking, kChannels> references_of_;  ///< of the telegrams, by the mapping
   SlaveApplication& application_;
   std::optional<ParameterCommand> pending_;  ///< answered busy
   OpenBlock transfer_;

@@ -12,6 +12,20 @@ constexpr unsigned kValueShift = 2;
 constexpr unsigned kValueMask = 0x1F;
 constexpr unsigned kReserved = 0x80;
 
+/// Bit n: the low, or the high word of value n has a place in the telegram.
+struct Carried {
+  unsigned low = 0;
+  unsigned high = 0;
+};
+
+Carried carried_by(const TelegramMapping& mapping) noexcept {
+  Carried carried;
+  for (const WordMapping& entry : mapping.word) {
+    if (entry.assigned) (entry.high ? carried.high : carried.low) |= 1u << (entry.value % kValues);
+  }
+  return carried;
+}
+
 }  // namespace
 
 std::uint8_t TelegramMapping::used_words() const noexcept {
@@ -30,11 +44,8 @@ std::uint8_t TelegramMapping::value_mask() const noexcept {
 }
 
 std::uint8_t TelegramMapping::word_mask() const noexcept {
-  unsigned high = 0;
-  for (const WordMapping& entry : word) {
-    if (entry.assigned && entry.high && entry.value < kValues) high |= 1u << entry.value;
-  }
-  return static_cast<std::uint8_t>(value_mask() & ~high);
+  const Carried carried = carried_by(*this);
+  return static_cast<std::uint8_t>(carried.low & ~carried.high);
 }
 
 std::uint8_t word_mask(const ProcessMapping& mapping) noexcept {
@@ -85,22 +96,33 @@ std::array<std::uint16_t, kWords> pack(const TelegramMapping& mapping, const Val
   return words;
 }
 
-void unpack(const TelegramMapping& mapping, std::span<const std::uint16_t> words, Values& values) noexcept {
-  const std::size_t count = std::min<std::size_t>(words.size(), kWords);
-  std::array<std::uint32_t, kValues> carried = {};
-  for (const WordMapping& entry : mapping.word) {
-    if (entry.assigned) carried[entry.value % kValues] |= entry.high ? 0xFFFF0000u : 0xFFFFu;
-  }
-  for (unsigned i = 0; i < kValues; ++i) {
-    if (carried[i] != 0 && count != 0) values[i] &= carried[i];
-  }
-  for (std::size_t i = 0; i < count; ++i) {
+Unpacking::Unpacking(const TelegramMapping& mapping) noexcept {
+  const Carried carried = carried_by(mapping);
+  for (unsigned i = 0; i < kWords; ++i) {
     const WordMapping& entry = mapping.word[i];
     if (!entry.assigned) continue;
-    std::uint32_t& value = values[entry.value % kValues];
-    const unsigned shift = entry.high ? 16 : 0;
-    value = (value & ~(0xFFFFu << shift)) | (static_cast<std::uint32_t>(words[i]) << shift);
+    const unsigned number = entry.value % kValues;
+    const bool with_other = ((entry.high ? carried.low : carried.high) >> number & 1u) != 0;
+    const std::uint32_t other = entry.high ? 0xFFFFu : 0xFFFF0000u;
+    places_[count_++] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(number),
+                         static_cast<std::uint8_t>(entry.high ? 16 : 0), with_other ? other : 0u};
   }
+}
+
+void Unpacking::operator()(std::span<const std::uint16_t> words, Values& values) const noexcept {
+  if (words.empty()) return;
+  for (unsigned i = 0; i < count_; ++i) {
+    const Place& place = places_[i];
+    std::uint32_t& value = values[place.value];
+    const std::uint32_t own = 0xFFFFu << place.shift;
+    value = place.word < words.size()
+                ? (value & place.keep) | static_cast<std::uint32_t>(words[place.word]) << place.shift
+                : value & (place.keep | own);
+  }
+}
+
+void unpack(const TelegramMapping& mapping, std::span<const std::uint16_t> words, Values& values) noexcept {
+  Unpacking{mapping}(words, values);
 }
 
 TelegramMapping default_mapping(Channel channel) noexcept {

@@ -82,6 +82,25 @@ std::array<std::uint16_t, kWords> pack(const TelegramMapping& mapping, const Val
 /// becomes 0, whatever a mapping before this one brought; values without a word stay as they were.
 void unpack(const TelegramMapping& mapping, std::span<const std::uint16_t> words, Values& values) noexcept;
 
+/// A mapping worked out once for the many telegrams that come with it; does what `unpack` does.
+class Unpacking {
+ public:
+  Unpacking() = default;  ///< of a mapping without words
+  explicit Unpacking(const TelegramMapping& mapping) noexcept;
+  void operator()(std::span<const std::uint16_t> words, Values& values) const noexcept;
+
+ private:
+  /// Where a word goes: value, bits it is shifted by, and the bits of the value that stay beside it.
+  struct Place {
+    std::uint8_t word = 0;
+    std::uint8_t value = 0;
+    std::uint8_t shift = 0;
+    std::uint32_t keep = 0;
+  };
+  std::array<Place, kWords> places_ = {};
+  std::uint8_t count_ = 0;
+};
+
 /// The mapping a line starts with: doubleword values 0 and 1 (4 and 5) of the telegram, low word first.
 TelegramMapping default_mapping(Channel channel) noexcept;
 

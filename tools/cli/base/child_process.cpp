@@ -10,7 +10,6 @@
 #include <system_error>
 
 #include "cli/base/files.h"
-#include "system/descriptor.h"
 
 namespace cansync::cli {
 namespace {
@@ -24,28 +23,31 @@ constexpr std::size_t kMostErrors = 4096;
 /// A file in memory: the child can write as much as it wants without waiting for us.
 class MemoryFile {
  public:
-  explicit MemoryFile(const char* name) : file_(::memfd_create(name, MFD_CLOEXEC)) {
-    if (!file_.is_open()) fail(errno, "memory for another program");
+  explicit MemoryFile(const char* name) : descriptor_(::memfd_create(name, MFD_CLOEXEC)) {
+    if (descriptor_ < 0) fail(errno, "memory for another program");
   }
+  ~MemoryFile() { ::close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
 
-  int descriptor() const noexcept { return file_.number(); }
+  int descriptor() const noexcept { return descriptor_; }
   void write(std::string_view text) const {
-    write_all(descriptor(), text, "memory for another program");
-    ::lseek(descriptor(), 0, SEEK_SET);
+    write_all(descriptor_, text, "memory for another program");
+    ::lseek(descriptor_, 0, SEEK_SET);
   }
   std::string read() const {
     std::string out;
     std::array<char, 65536> part{};
-    ::lseek(descriptor(), 0, SEEK_SET);
+    ::lseek(descriptor_, 0, SEEK_SET);
     for (ssize_t count = 1; count > 0;) {
-      count = ::read(descriptor(), part.data(), part.size());
+      count = ::read(descriptor_, part.data(), part.size());
       if (count > 0) out.append(part.data(), static_cast<std::size_t>(count));
     }
     return out;
   }
 
  private:
-  sys::Descriptor file_;
+  int descriptor_;
 };
 
 /// What the child's standard streams are.

@@ -9,8 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "system/descriptor.h"
-
 /// What is read and written whole. Errors are std::system_error with the file's name, or UsageError.
 namespace cansync::cli {
 
@@ -37,7 +35,7 @@ class ReplacementFile {
  private:
   std::string target_;
   std::string temporary_;
-  sys::Descriptor file_;
+  int descriptor_ = -1;
 };
 
 }  // namespace cansync::cli
