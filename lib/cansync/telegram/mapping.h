@@ -87,6 +87,7 @@ class Unpacking {
  public:
   Unpacking() = default;  ///< of a mapping without words
   explicit Unpacking(const TelegramMapping& mapping) noexcept;
+  /// Takes the first words of a telegram into `values`.
   void operator()(std::span<const std::uint16_t> words, Values& values) const noexcept;
 
  private:
