@@ -5,22 +5,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <ctime>
+
+#include "system/clock.h"
 
 namespace can {
 namespace {
-
-constexpr Time::rep kSecond = 1'000'000'000;
-
-timespec to_timespec(Time time) noexcept {
-  return {static_cast<time_t>(time.count() / kSecond), static_cast<long>(time.count() % kSecond)};
-}
-
-Time read_clock(clockid_t clock) noexcept {
-  timespec now{};
-  ::clock_gettime(clock, &now);
-  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
-}
 
 int result_of(long returned) noexcept {
   return returned < 0 ? -errno : static_cast<int>(returned);
@@ -49,16 +38,16 @@ class SystemKernel final : public Kernel {
     return result_of(::recvmmsg(socket, messages, count, MSG_DONTWAIT, nullptr));
   }
   int sleep_until(Time deadline) noexcept override {
-    const timespec wake = to_timespec(deadline);
+    const timespec wake = sys::to_timespec(deadline);
     return -::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr);
   }
   int wait_readable(int socket, Time timeout) noexcept override {
     pollfd watched{socket, POLLIN, 0};
-    const timespec most = to_timespec(timeout);
+    const timespec most = sys::to_timespec(timeout);
     return result_of(::ppoll(&watched, 1, &most, nullptr));
   }
-  Time monotonic() noexcept override { return read_clock(CLOCK_MONOTONIC); }
-  Time realtime() noexcept override { return read_clock(CLOCK_REALTIME); }
+  Time monotonic() noexcept override { return sys::read_clock(CLOCK_MONOTONIC); }
+  Time realtime() noexcept override { return sys::read_clock(CLOCK_REALTIME); }
 };
 
 }  // namespace

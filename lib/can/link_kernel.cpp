@@ -15,23 +15,15 @@
 #include <span>
 #include <system_error>
 
+#include "system/descriptor.h"
+
 namespace can {
 namespace {
 
-/// A descriptor that is closed with its owner.
-class Descriptor {
- public:
-  Descriptor(int descriptor, const char* what) : value_(descriptor) {
-    if (descriptor < 0) throw std::system_error(errno, std::generic_category(), what);
-  }
-  ~Descriptor() { ::close(value_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const noexcept { return value_; }
-
- private:
-  int value_;
-};
+int open_or_throw(int descriptor, const char* what) {
+  if (descriptor < 0) throw std::system_error(errno, std::generic_category(), what);
+  return descriptor;
+}
 
 /// A request about one interface, built attribute by attribute.
 class LinkRequest {
@@ -68,16 +60,17 @@ class LinkRequest {
 class NetlinkKernel final : public LinkKernel {
  public:
   NetlinkKernel()
-      : requests_(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE), "netlink socket"),
-        changes_(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE),
-                 "netlink socket"),
-        interrupt_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd") {
+      : requests_(
+            open_or_throw(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE), "netlink socket")),
+        changes_(open_or_throw(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE),
+                               "netlink socket")),
+        interrupt_(open_or_throw(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd")) {
     const timeval most{1, 0};
-    ::setsockopt(requests_.get(), SOL_SOCKET, SO_RCVTIMEO, &most, sizeof(most));
+    ::setsockopt(requests_.number(), SOL_SOCKET, SO_RCVTIMEO, &most, sizeof(most));
     sockaddr_nl address{};
     address.nl_family = AF_NETLINK;
     address.nl_groups = RTMGRP_LINK;
-    if (::bind(changes_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    if (::bind(changes_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
       throw std::system_error(errno, std::generic_category(), "netlink: watching the interfaces");
     }
   }
@@ -93,19 +86,19 @@ class NetlinkKernel final : public LinkKernel {
   }
 
   void wait(std::chrono::milliseconds most) noexcept override {
-    std::array<pollfd, 2> watched{{{changes_.get(), POLLIN, 0}, {interrupt_.get(), POLLIN, 0}}};
+    std::array<pollfd, 2> watched{{{changes_.number(), POLLIN, 0}, {interrupt_.number(), POLLIN, 0}}};
     if (::poll(watched.data(), watched.size(), static_cast<int>(most.count())) <= 0) return;
     // What has changed is read afresh; the messages only say that something has.
-    while (::recv(changes_.get(), answer_.data(), answer_.size(), 0) > 0 || errno == ENOBUFS) {
+    while (::recv(changes_.number(), answer_.data(), answer_.size(), 0) > 0 || errno == ENOBUFS) {
     }
     std::uint64_t count = 0;
-    static_cast<void>(!::read(interrupt_.get(), &count, sizeof(count)));
+    static_cast<void>(!::read(interrupt_.number(), &count, sizeof(count)));
   }
 
   void interrupt() noexcept override {
     const std::uint64_t one = 1;
     // Fails only when it is signalled already.
-    static_cast<void>(!::write(interrupt_.get(), &one, sizeof(one)));
+    static_cast<void>(!::write(interrupt_.number(), &one, sizeof(one)));
   }
 
   int restart(std::uint32_t index) noexcept override {
@@ -140,13 +133,13 @@ class NetlinkKernel final : public LinkKernel {
   std::span<const std::byte> ask(LinkRequest& request, int& error) noexcept {
     request.header().nlmsg_seq = ++sequence_;
     const auto bytes = request.bytes();
-    if (::send(requests_.get(), bytes.data(), bytes.size(), 0) < 0) {
+    if (::send(requests_.number(), bytes.data(), bytes.size(), 0) < 0) {
       error = -errno;
       return {};
     }
     // An answer to an earlier request that came too late is passed over; there are few of them.
     for (unsigned tries = 0; tries < 8; ++tries) {
-      const ssize_t size = ::recv(requests_.get(), answer_.data(), answer_.size(), 0);
+      const ssize_t size = ::recv(requests_.number(), answer_.data(), answer_.size(), 0);
       if (size < 0 && errno == EINTR) continue;
       if (size < static_cast<ssize_t>(sizeof(nlmsghdr))) break;
       nlmsghdr header;
@@ -163,9 +156,9 @@ class NetlinkKernel final : public LinkKernel {
     return {};
   }
 
-  Descriptor requests_;
-  Descriptor changes_;
-  Descriptor interrupt_;
+  sys::Descriptor requests_;
+  sys::Descriptor changes_;
+  sys::Descriptor interrupt_;
   std::uint32_t sequence_ = 0;
   alignas(nlmsghdr) std::array<std::byte, 32768> answer_ = {};
 };

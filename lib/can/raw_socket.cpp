@@ -12,24 +12,18 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 
 #include "can/kernel_frame.h"
+#include "system/clock.h"
 
 namespace can {
 namespace {
 
-Time clock_time(clockid_t clock) noexcept {
-  timespec now{};
-  ::clock_gettime(clock, &now);
-  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
-}
-
 // The kernel stamps frames with CLOCK_REALTIME; only the age of a stamp can be moved to another clock.
 Time monotonic(const timespec& stamp) noexcept {
-  const Time at = std::chrono::seconds(stamp.tv_sec) + std::chrono::nanoseconds(stamp.tv_nsec);
-  const Time age = clock_time(CLOCK_REALTIME) - at;
-  const Time now = clock_time(CLOCK_MONOTONIC);
+  const Time at = sys::from_timespec(stamp);
+  const Time age = sys::read_clock(CLOCK_REALTIME) - at;
+  const Time now = sys::read_clock(CLOCK_MONOTONIC);
   // After a step of the wall clock the stamp says nothing.
   return age < Time{0} || age > std::chrono::seconds(10) ? now : now - age;
 }
@@ -71,26 +65,26 @@ SocketResult RawSocket::failure(int error) noexcept {
 SocketResult RawSocket::open(const std::string& interface) noexcept {
   close();
   dropped_ = 0;
-  descriptor_ = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
-  if (descriptor_ < 0) return failure(errno);
+  socket_.reset(::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
+  if (!is_open()) return failure(errno);
   const auto give_up = [this](int error) {
     close();
     return failure(error);
   };
   ifreq request = request_of(interface);
-  if (::ioctl(descriptor_, SIOCGIFINDEX, &request) != 0) return give_up(errno);
+  if (::ioctl(descriptor(), SIOCGIFINDEX, &request) != 0) return give_up(errno);
   const int on = 1;
   const can_err_mask_t every_error = CAN_ERR_MASK;
-  if (!set_option(descriptor_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, every_error) ||
-      !set_option(descriptor_, SOL_SOCKET, SO_TIMESTAMPNS, on) ||
-      !set_option(descriptor_, SOL_SOCKET, SO_RXQ_OVFL, on)) {
+  if (!set_option(descriptor(), SOL_CAN_RAW, CAN_RAW_ERR_FILTER, every_error) ||
+      !set_option(descriptor(), SOL_SOCKET, SO_TIMESTAMPNS, on) ||
+      !set_option(descriptor(), SOL_SOCKET, SO_RXQ_OVFL, on)) {
     return give_up(errno);
   }
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = request.ifr_ifindex;
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): how addresses are passed to the kernel
-  if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+  if (::bind(descriptor(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return give_up(errno);
   index_ = request.ifr_ifindex;
   return SocketResult::done;
@@ -99,12 +93,11 @@ SocketResult RawSocket::open(const std::string& interface) noexcept {
 void RawSocket::adopt(int descriptor) noexcept {
   close();
   dropped_ = 0;
-  descriptor_ = descriptor;
+  socket_.reset(descriptor);
 }
 
 void RawSocket::close() noexcept {
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = -1;
+  socket_.reset();
   index_ = 0;
 }
 
@@ -117,12 +110,12 @@ SocketResult RawSocket::receive(ReceivedFrame& out) noexcept {
   message.msg_iovlen = 1;
   message.msg_control = control;
   message.msg_controllen = sizeof control;
-  const ssize_t size = ::recvmsg(descriptor_, &message, 0);
+  const ssize_t size = ::recvmsg(descriptor(), &message, 0);
   if (size < 0) return failure(errno);
   if (size != static_cast<ssize_t>(CAN_MTU)) return SocketResult::nothing;
   out.frame = from_kernel(frame);
   out.own = (message.msg_flags & MSG_CONFIRM) != 0;
-  out.end = clock_time(CLOCK_MONOTONIC);
+  out.end = sys::read_clock(CLOCK_MONOTONIC);
   for (cmsghdr* part_of = CMSG_FIRSTHDR(&message); part_of != nullptr;
        part_of = CMSG_NXTHDR(&message, part_of)) {
     if (part_of->cmsg_level != SOL_SOCKET) continue;
@@ -142,7 +135,7 @@ SocketResult RawSocket::receive(ReceivedFrame& out) noexcept {
 
 SocketResult RawSocket::send(const Frame& frame) noexcept {
   const can_frame out = to_kernel(frame);
-  if (::write(descriptor_, &out, sizeof out) == static_cast<ssize_t>(sizeof out)) return SocketResult::done;
+  if (::write(descriptor(), &out, sizeof out) == static_cast<ssize_t>(sizeof out)) return SocketResult::done;
   const SocketResult result = failure(errno);
   return result == SocketResult::nothing ? SocketResult::queue_full : result;
 }
@@ -153,8 +146,8 @@ SocketResult RawSocket::link() noexcept {
   // By the index: another interface of the same name is not the one this socket is bound to.
   ifreq request{};
   request.ifr_ifindex = index_;
-  if (::ioctl(descriptor_, SIOCGIFNAME, &request) != 0) return failure(errno);
-  if (::ioctl(descriptor_, SIOCGIFFLAGS, &request) != 0) return failure(errno);
+  if (::ioctl(descriptor(), SIOCGIFNAME, &request) != 0) return failure(errno);
+  if (::ioctl(descriptor(), SIOCGIFFLAGS, &request) != 0) return failure(errno);
   return (request.ifr_flags & IFF_UP) != 0 ? SocketResult::done : SocketResult::interface_down;
 }
 

@@ -5,6 +5,7 @@
 
 #include "can/bus.h"
 #include "can/frame.h"
+#include "system/descriptor.h"
 
 namespace can {
 
@@ -24,11 +25,6 @@ enum class SocketResult : std::uint8_t {
 /// CLOCK_MONOTONIC. Not thread safe; nothing allocates or throws after `open`.
 class RawSocket {
  public:
-  RawSocket() = default;
-  ~RawSocket() { close(); }
-  RawSocket(const RawSocket&) = delete;
-  RawSocket& operator=(const RawSocket&) = delete;
-
   /// Opens and binds to `interface` (1..15 characters); closes what was open before. `done`,
   /// `interface_gone`, `no_can` or `failed`. An interface that is down can be opened.
   SocketResult open(const std::string& interface) noexcept;
@@ -36,10 +32,10 @@ class RawSocket {
   /// interface: a stand-in for a bus. It must not block; its link is always up.
   void adopt(int descriptor) noexcept;
   void close() noexcept;
-  bool is_open() const noexcept { return descriptor_ >= 0; }
+  bool is_open() const noexcept { return socket_.is_open(); }
 
   /// Descriptor for `poll`; -1 while closed.
-  int descriptor() const noexcept { return descriptor_; }
+  int descriptor() const noexcept { return socket_.number(); }
   /// `errno` of the operation that failed last.
   int error() const noexcept { return error_; }
   /// Frames the kernel has dropped because nobody took them in time, since `open`.
@@ -59,7 +55,7 @@ class RawSocket {
  private:
   SocketResult failure(int error) noexcept;
 
-  int descriptor_ = -1;
+  sys::Descriptor socket_;
   int index_ = 0;  // of the interface; 0: none
   int error_ = 0;
   std::uint64_t dropped_ = 0;

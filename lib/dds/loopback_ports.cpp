@@ -10,6 +10,8 @@
 #include <iterator>
 #include <numeric>
 
+#include "system/descriptor.h"
+
 namespace gateway::dds {
 namespace {
 
@@ -59,16 +61,14 @@ std::uint32_t index_of_place(std::string_view bus, std::uint32_t place) noexcept
 }
 
 bool is_free(std::uint32_t port) noexcept {
-  const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (probe < 0) return false;
+  const sys::Descriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!probe.is_open()) return false;
   sockaddr_in address = {};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   // The socket interface takes every kind of address through this type.
-  const bool bound = ::bind(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  ::close(probe);
-  return bound;
+  return ::bind(probe.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
 std::string serving_discovery(std::uint32_t domain, std::string_view bus, std::uint32_t place) {

@@ -93,7 +93,6 @@ RealtimeThread::RealtimeThread(const RealtimeSettings& settings, std::function<v
   const int error = pthread_create(&thread_, &attributes, &RealtimeThread::entry, this);
   pthread_attr_destroy(&attributes);
   if (error != 0) {
-    if (latency_descriptor_ >= 0) ::close(latency_descriptor_);
     throw std::system_error(error, std::generic_category(), "the realtime thread cannot be created");
   }
   joinable_ = true;
@@ -129,8 +128,7 @@ void RealtimeThread::join() noexcept {
   if (!joinable_) return;
   pthread_join(thread_, nullptr);
   joinable_ = false;
-  if (latency_descriptor_ >= 0) ::close(latency_descriptor_);
-  latency_descriptor_ = -1;
+  latency_.reset();
 }
 
 void RealtimeThread::lock_memory() {
@@ -157,10 +155,10 @@ void RealtimeThread::hold_cpu_awake() {
     return;
   }
   const std::int32_t latency_us = 0;
-  latency_descriptor_ = ::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+  latency_.reset(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC));
   const int error = errno;
-  grants_.cpu_held_awake = latency_descriptor_ >= 0 &&
-                           ::write(latency_descriptor_, &latency_us, sizeof latency_us) == sizeof latency_us;
+  grants_.cpu_held_awake =
+      latency_.is_open() && ::write(latency_.number(), &latency_us, sizeof latency_us) == sizeof latency_us;
   if (grants_.cpu_held_awake) return;
   grants_.missing.push_back("processor sleep states stay on, /dev/cpu_dma_latency was not granted (" +
                             reason(error) +

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "system/descriptor.h"
+
 namespace rt {
 
 /// What a realtime thread asks of the system.
@@ -78,7 +80,7 @@ class RealtimeThread {
   Grants grants_;
   int scheduling_error_ = 0;  ///< errno values of the thread's own preparation
   int affinity_error_ = 0;
-  int latency_descriptor_ = -1;
+  sys::Descriptor latency_;
   pthread_t thread_{};
   bool joinable_ = false;
   std::atomic<Start> start_{Start::preparing};

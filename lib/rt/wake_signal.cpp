@@ -11,13 +11,9 @@
 namespace rt {
 
 WakeSignal::WakeSignal() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (descriptor_ < 0) {
+  if (!descriptor_.is_open()) {
     throw std::system_error(errno, std::generic_category(), "no event descriptor (raise LimitNOFILE=)");
   }
-}
-
-WakeSignal::~WakeSignal() {
-  ::close(descriptor_);
 }
 
 void WakeSignal::signal() noexcept {
@@ -26,11 +22,11 @@ void WakeSignal::signal() noexcept {
   if (pending_.exchange(true, std::memory_order_acq_rel)) return;
   const std::uint64_t one = 1;
   // It can fail only when the counter is at its limit, and then a signal is pending anyway.
-  [[maybe_unused]] const auto written = ::write(descriptor_, &one, sizeof one);
+  [[maybe_unused]] const auto written = ::write(descriptor(), &one, sizeof one);
 }
 
 bool WakeSignal::wait(std::chrono::milliseconds timeout) noexcept {
-  pollfd poll_descriptor{descriptor_, POLLIN, 0};
+  pollfd poll_descriptor{descriptor(), POLLIN, 0};
   if (::poll(&poll_descriptor, 1, static_cast<int>(timeout.count())) <= 0) return false;
   clear();
   return true;
@@ -39,7 +35,7 @@ bool WakeSignal::wait(std::chrono::milliseconds timeout) noexcept {
 void WakeSignal::clear() noexcept {
   std::uint64_t count = 0;
   // It fails when nothing is pending, which is just as well.
-  [[maybe_unused]] const auto taken = ::read(descriptor_, &count, sizeof count);
+  [[maybe_unused]] const auto taken = ::read(descriptor(), &count, sizeof count);
   // Only now: a signal between the two lines is then swallowed before its data is looked at, never after.
   pending_.exchange(false, std::memory_order_acq_rel);
 }

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 
+#include "system/descriptor.h"
+
 namespace rt {
 
 /// Wakes one thread from any other: an eventfd. `signal` is realtime safe: one system call when none is
@@ -11,9 +13,6 @@ class WakeSignal {
  public:
   /// Throws std::system_error when the process has no file descriptor left.
   WakeSignal();
-  ~WakeSignal();
-  WakeSignal(const WakeSignal&) = delete;
-  WakeSignal& operator=(const WakeSignal&) = delete;
 
   /// Makes the next (or running) `wait` return; signals that nobody waited for count as one. Never blocks.
   void signal() noexcept;
@@ -25,10 +24,10 @@ class WakeSignal {
   void clear() noexcept;
 
   /// File descriptor, readable while a signal is pending; for poll(), epoll or a DDS guard condition.
-  int descriptor() const noexcept { return descriptor_; }
+  int descriptor() const noexcept { return descriptor_.number(); }
 
  private:
-  int descriptor_;
+  sys::Descriptor descriptor_;
   std::atomic<bool> pending_{false};
 };
 

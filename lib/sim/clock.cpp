@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <ctime>
 
+#include "system/clock.h"
+
 namespace sim {
-namespace {
-
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
-}  // namespace
 
 can::Time LineClock::now() const noexcept {
   if (kind_ == ClockKind::virtual_time) return virtual_now_;
-  timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return can::Time(time.tv_sec * kNanosecondsPerSecond + time.tv_nsec);
+  return sys::read_clock(CLOCK_MONOTONIC);
 }
 
 bool LineClock::sleep_until(can::Time instant) noexcept {
@@ -22,8 +17,7 @@ bool LineClock::sleep_until(can::Time instant) noexcept {
     virtual_now_ = std::max(virtual_now_, instant);
     return true;
   }
-  const std::int64_t nanoseconds = std::max<std::int64_t>(instant.count(), 0);
-  const timespec time{nanoseconds / kNanosecondsPerSecond, nanoseconds % kNanosecondsPerSecond};
+  const timespec time = sys::to_timespec(std::max(instant, can::Time{0}));
   return clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) == 0;
 }
 

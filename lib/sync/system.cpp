@@ -7,17 +7,12 @@
 
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <system_error>
+
+#include "system/clock.h"
 
 namespace sync_line {
 namespace {
-
-Time read_clock(clockid_t clock) noexcept {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return std::chrono::seconds(time.tv_sec) + Time(time.tv_nsec);
-}
 
 template <class T>
 T or_errno(T result) noexcept {
@@ -40,8 +35,8 @@ class Kernel final : public System {
     return flags < 0 ? -errno : or_errno(::fcntl(descriptor, F_SETFL, flags | O_NONBLOCK));
   }
   void close(int descriptor) noexcept override { ::close(descriptor); }
-  Time monotonic() noexcept override { return read_clock(CLOCK_MONOTONIC); }
-  Time realtime() noexcept override { return read_clock(CLOCK_REALTIME); }
+  Time monotonic() noexcept override { return sys::read_clock(CLOCK_MONOTONIC); }
+  Time realtime() noexcept override { return sys::read_clock(CLOCK_REALTIME); }
 };
 
 std::string remedy(const std::string& device, int error) {

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "text/descriptor.h"
+#include "system/descriptor.h"
 
 namespace text {
 namespace {
@@ -25,7 +25,7 @@ FileProblem too_long(std::size_t most) {
 
 std::variant<std::string, FileProblem> read_file(const std::string& path, std::size_t most) {
   // O_NONBLOCK: opening a pipe does not wait for somebody who writes.
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  const sys::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (file.number() < 0) return system_problem();
   struct stat found {};
   if (::fstat(file.number(), &found) != 0) return system_problem();

@@ -31,6 +31,9 @@ def interface_exists():
 
 
 def create_interface():
+    """A new vcan0 that is up, in the place of one that is there."""
+    if interface_exists():
+        delete_interface()
     ip("link", "add", "dev", INTERFACE, "type", "vcan")
     ip("link", "set", INTERFACE, "up")
 

@@ -4,7 +4,7 @@ import re
 import time
 import unittest
 
-from canline import Candump, Daemon, Simulator, Wire, create_interface, delete_interface, interface_exists
+from canline import Candump, Daemon, Simulator, Wire, create_interface
 from gateway import wait_for
 
 MARK = "1FFFFFF1#"  # nobody takes it; it shows where in the log the daemon was dead
@@ -13,8 +13,6 @@ OBSERVED = 2  # seconds: 250 intervals
 
 class DaemonKilled(unittest.TestCase):
     def setUp(self):
-        if interface_exists():
-            delete_interface()
         create_interface()
 
     def test_no_telegram_follows(self):

@@ -3,8 +3,7 @@
 import subprocess
 import unittest
 
-from canline import (INTERFACE, LONG, Daemon, Simulator, Wire, create_interface, delete_interface,
-                     interface_exists, ip)
+from canline import INTERFACE, LONG, Daemon, Simulator, Wire, create_interface, delete_interface, interface_exists, ip
 from gateway import wait_for
 
 
@@ -13,8 +12,6 @@ class DisturbanceTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        if interface_exists():
-            delete_interface()
         create_interface()
         cls.simulator = cls.enterClassContext(Simulator())
         cls.daemon = cls.enterClassContext(Daemon())
@@ -146,8 +143,6 @@ class Strangers(DisturbanceTest):
 
 class WrongDrives(unittest.TestCase):
     def setUp(self):
-        if interface_exists():
-            delete_interface()
         create_interface()
 
     def script(self, text):

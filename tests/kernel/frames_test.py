@@ -5,7 +5,7 @@ import re
 import tempfile
 import unittest
 
-from canline import LONG, Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
+from canline import LONG, Candump, Daemon, Simulator, create_interface
 from gateway import wait_for
 
 CANCEL = "9000000000000000"  # telegram that ends a transfer on the slave
@@ -44,8 +44,6 @@ def without_repetitions(frames):
 class Frames(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        if interface_exists():
-            delete_interface()
         create_interface()
         cls.log = cls.enterClassContext(Candump())
         cls.simulator = cls.enterClassContext(Simulator())

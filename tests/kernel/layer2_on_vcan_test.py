@@ -6,7 +6,7 @@ import signal
 import tempfile
 import unittest
 
-from canline import INTERFACE, Candump, Place, Process, Wire, create_interface, delete_interface, interface_exists
+from canline import INTERFACE, Candump, Place, Process, Wire, create_interface
 from gateway import CANSYNCD, wait_for
 
 CONFIG = """
@@ -33,8 +33,6 @@ kinds = "remote"
 class GeneralFrames(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        if interface_exists():
-            delete_interface()
         create_interface()
         cls.place = Place()
         config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8"))

@@ -4,7 +4,7 @@ import os
 import sys
 import unittest
 
-from canline import SYNC, Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
+from canline import SYNC, Candump, Daemon, Simulator, create_interface
 from gateway import wait_for
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "bench"))
@@ -17,8 +17,6 @@ EDGES = 1250  # 10 s
 class Realtime(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        if interface_exists():
-            delete_interface()
         create_interface()
         cls.simulator = cls.enterClassContext(Simulator())
         cls.daemon = cls.enterClassContext(Daemon())

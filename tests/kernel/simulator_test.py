@@ -3,14 +3,11 @@
 import subprocess
 import unittest
 
-from canline import (CANSYNC_SIM, INTERFACE, LONG, SYNC, Candump, Simulator, Wire, create_interface, delete_interface, ip,
-                     interface_exists)
+from canline import CANSYNC_SIM, INTERFACE, LONG, SYNC, Candump, Simulator, Wire, create_interface, delete_interface, ip
 
 
 class SimulatorOnVcan(unittest.TestCase):
     def setUp(self):
-        if interface_exists():
-            delete_interface()
         create_interface()
 
     def read_number(self, wire, slave):

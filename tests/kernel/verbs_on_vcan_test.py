@@ -7,7 +7,7 @@ import signal
 import tempfile
 import unittest
 
-from canline import LONG, Candump, Daemon, Simulator, create_interface, delete_interface, interface_exists
+from canline import LONG, Candump, Daemon, Simulator, create_interface
 from gateway import wait_for
 
 PROFILE = os.path.join(os.path.dirname(__file__), "..", "..", "config", "profiles", "simulated-drive.toml")
@@ -17,8 +17,6 @@ DIFFERENT = 9  # exit code of diff and verify
 class Verbs(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        if interface_exists():
-            delete_interface()
         create_interface()
         cls.log = cls.enterClassContext(Candump())
         cls.simulator = cls.enterClassContext(Simulator())

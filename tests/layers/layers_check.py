@@ -14,19 +14,22 @@ import os
 import re
 import sys
 
+from sources import load
+
 # room: what it may use. `idl` is the generated header of the data model.
 ROOMS = """
 idl:
-lib/text:
+lib/system:
+lib/text:                   lib/system
 lib/config:                 lib/text
 lib/profile:                lib/text lib/config
-lib/can:
+lib/can:                    lib/system
 lib/cansync:                lib/can
 lib/layer2:                 lib/can
-lib/rt:                     lib/can
-lib/sync:                   lib/can lib/rt
-lib/sim:                    lib/config lib/can lib/sync
-lib/dds:                    idl
+lib/rt:                     lib/system lib/can
+lib/sync:                   lib/system lib/can lib/rt
+lib/sim:                    lib/system lib/config lib/can lib/sync
+lib/dds:                    idl lib/system
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
@@ -40,25 +43,25 @@ daemon/loop:                lib/can lib/rt lib/sync daemon/config
 daemon/desk:                idl lib/rt lib/dds daemon/service daemon/loop
 daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
-daemon/segment:             lib/config lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
-                            daemon/bus
+daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
+daemon/segment:             lib/config lib/can lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
+                            daemon/bus daemon/recorder
 daemon/status:              idl lib/can lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/desk
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
-daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
+daemon/cansync/realtime:    lib/system lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
                             daemon/cansync/config
 daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/bus daemon/loop
                             daemon/desk daemon/cansync daemon/cansync/config
 daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
                             daemon/cansync/texts
-daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
 daemon/cansync/status:      idl lib/can lib/cansync lib/sync lib/dds lib/cansync/dds daemon/cansync
                             daemon/service daemon/cansync/config daemon/desk daemon/status
 daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/bus daemon/cansync daemon/service
                             daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
                             daemon/status daemon/cansync/status
-daemon/cansync/segment:     lib/cansync lib/rt lib/dds lib/cansync/sim daemon/service daemon/bus
+daemon/cansync/segment:     lib/cansync lib/dds lib/cansync/sim daemon/service daemon/bus
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
 daemon/layer2:              lib/can lib/layer2 lib/rt
@@ -67,24 +70,24 @@ daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/lay
 daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/config daemon/service daemon/bus daemon/desk
                             daemon/status
                             daemon/layer2 daemon/layer2/config
-daemon/layer2/segment:      lib/config lib/can lib/rt lib/dds lib/layer2/sim daemon/service daemon/loop
+daemon/layer2/segment:      lib/config lib/can lib/dds lib/layer2/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
                             daemon/cansync/segment daemon/layer2/segment
 
 tools/cli/text:
-tools/cli/base:             lib/text lib/client tools/cli/text
+tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client tools/cli/text tools/cli/base
 tools/cli/look:             tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/watch:            lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/record:           lib/client tools/cli/text tools/cli/base tools/cli/watch
+tools/cli/watch:            lib/system lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base tools/cli/watch
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
-tools/cli/trace:            lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/layer2 tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
-tools/simulator:            lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
+tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus
 """
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
@@ -252,18 +255,6 @@ def check(files, rooms):
     return found
 
 
-def load(root):
-    files = {}
-    for place in PLACES:
-        for folder, _, names in os.walk(os.path.join(root, place)):
-            for name in names:
-                if name.endswith((".h", ".cpp", ".hpp", ".c")):
-                    path = os.path.join(folder, name)
-                    with open(path, encoding="utf-8") as file:
-                        files[os.path.relpath(path, root)] = file.read()
-    return files
-
-
 # --- self-test
 
 CLEAN = {
@@ -376,7 +367,7 @@ def main():
     rooms = read_table(ROOMS)
     if sys.argv[1] == "--self-test":
         sys.exit(0 if self_test(rooms) else 1)
-    files = load(sys.argv[1])
+    files = load(sys.argv[1], PLACES)
     if not files:
         sys.exit(f"no sources in {sys.argv[1]}")
     found = check(files, rooms) + unneeded(files, rooms)

@@ -10,9 +10,10 @@ the data model, not the programs cansync and cansyncd, their folders, the namesp
 <cansync/...> of the installed library.
 What cannot be cured yet stands in EXCEPTIONS with its reason; an exception that is not needed any more is a violation.
 """
-import os
 import re
 import sys
+
+from sources import load
 
 PLACES = ("lib", "daemon", "tools")
 PROTOCOLS = ("cansync", "layer2", "canopen", "j1939")
@@ -74,18 +75,6 @@ def check(files, exceptions):
     return wrong + [f"{exception} has no reason in EXCEPTIONS" for exception, why in exceptions.items() if len(why) < 20]
 
 
-def load(root):
-    files = {}
-    for place in PLACES:
-        for folder, _, names in os.walk(os.path.join(root, place)):
-            for name in names:
-                if name.endswith((".h", ".cpp", ".hpp", ".c")):
-                    path = os.path.join(folder, name)
-                    with open(path, encoding="utf-8") as file:
-                        files[os.path.relpath(path, root)] = file.read()
-    return files
-
-
 # --- self-test
 
 CLEAN = {
@@ -138,7 +127,7 @@ def main():
         sys.exit(f"usage: {sys.argv[0]} ROOT | --self-test")
     if sys.argv[1] == "--self-test":
         sys.exit(0 if self_test() else 1)
-    files = load(sys.argv[1])
+    files = load(sys.argv[1], PLACES)
     if not files:
         sys.exit(f"no sources in {sys.argv[1]}")
     found = check(files, EXCEPTIONS)

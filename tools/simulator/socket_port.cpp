@@ -7,9 +7,10 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <ctime>
 #include <system_error>
 #include <utility>
+
+#include "system/clock.h"
 
 namespace cansync_sim {
 namespace {
@@ -49,11 +50,6 @@ void listen_for_stop() noexcept {
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 
-timespec to_timespec(can::Time span) noexcept {
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(span);
-  return {seconds.count(), (span - seconds).count()};
-}
-
 }  // namespace
 
 SocketPort::SocketPort(std::string interface) : interface_(std::move(interface)) {
@@ -78,9 +74,7 @@ std::string SocketPort::obstacle() const {
 }
 
 can::Time SocketPort::now() noexcept {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+  return sys::read_clock(CLOCK_MONOTONIC);
 }
 
 void SocketPort::take(can::SocketResult result) noexcept {
@@ -106,7 +100,7 @@ void SocketPort::look() noexcept {
 bool SocketPort::wait(can::Time deadline) noexcept {
   if (link_ != Link::up) deadline = std::min(deadline, looked_at_ + kLookAgain);
   const can::Time until = deadline == can::Time::max() ? deadline : std::max(can::Time{0}, deadline - now());
-  const timespec timeout = deadline == can::Time::max() ? timespec{} : to_timespec(until);
+  const timespec timeout = deadline == can::Time::max() ? timespec{} : sys::to_timespec(until);
   sigset_t mask;
   ::pthread_sigmask(SIG_SETMASK, nullptr, &mask);
   ::sigdelset(&mask, SIGTERM);

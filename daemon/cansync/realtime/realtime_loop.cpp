@@ -17,6 +17,7 @@
 #include <ctime>
 
 #include "cansync/settings/timing.h"
+#include "system/clock.h"
 
 namespace cansyncd {
 
@@ -40,9 +41,7 @@ constexpr unsigned index(Slot slot) noexcept {
 }  // namespace
 
 can::Time read_realtime_clock() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+  return sys::read_clock(CLOCK_REALTIME);
 }
 
 RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSettings& loop, can::Bus& bus,

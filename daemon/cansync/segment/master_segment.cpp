@@ -54,26 +54,16 @@ MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal)
           [this](const EventText& event) { gateway_.post(event); }, journal),
       loop_(file_.config.master,
             loop_settings(file_.config, flight_.tap(), bus_.sync_wire(), sync_line_.get()), flight_.bus(),
-            exchange_) {}
+            exchange_),
+      threads_(log_, bus_, flight_, gateway_, loop_, exchange_) {}
 
 MasterSegment::~MasterSegment() {
   stop();
 }
 
 void MasterSegment::start() {
-  const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
   if (sync_line_) sync_line_->start();
-  thread_.emplace(settings, [this] { loop_.run(); });
-  tell_grants(log_, settings, thread_->grants());
-  gateway_.set_realtime(settings, thread_->grants());
-  if (const std::string advice = bus_.advice(); !advice.empty())
-    log_.say(LogPriority::warning, "not_one_shot", advice);
-  bus_.start([this](const can::LinkFacts& facts) {
-    exchange_.link.write(facts);
-    exchange_.gateway_wake.signal();
-  });
-  gateway_.start();
-  wait_until_running([this] { return loop_.wake_ups(); });
+  threads_.start(file_.config.realtime);
   log_.say(LogPriority::notice, "daemon_running",
            fmt::format("running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
                        file_.config.bus.interface, file_.config.bus.bits_per_second,
@@ -81,13 +71,7 @@ void MasterSegment::start() {
 }
 
 void MasterSegment::stop() noexcept {
-  if (!thread_) return;
-  loop_.request_stop();
-  thread_.reset();
-  flight_.stop();
-  bus_.stop();
-  gateway_.stop();
-  tell_trace(log_, file_.config.sim.trace, bus_.close_trace());
+  threads_.stop(file_.config.sim.trace);
 }
 
 ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -14,10 +13,10 @@
 #include "daemon/recorder/flight_desk.h"
 #include "daemon/segment/segment.h"
 #include "daemon/segment/segment_start.h"
+#include "daemon/segment/segment_threads.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/service_log.h"
 #include "dds/participant.h"
-#include "rt/realtime_thread.h"
 
 namespace cansyncd {
 
@@ -32,9 +31,7 @@ class MasterSegment final : public Segment {
   MasterSegment(const MasterSegment&) = delete;
   MasterSegment& operator=(const MasterSegment&) = delete;
 
-  /// Throws rt::RealtimeError when realtime is enforced and not granted, std::system_error without threads.
   void start() override;
-  /// Open jobs are answered first by the realtime thread, then by the gateway.
   void stop() noexcept override;
   Heartbeat::Progress progress() const noexcept override { return {loop_.wake_ups(), gateway_.passes()}; }
   bool record() noexcept override { return flight_.request(); }
@@ -51,7 +48,7 @@ class MasterSegment final : public Segment {
   Gateway gateway_;
   FlightDesk flight_;
   RealtimeLoop loop_;
-  std::optional<rt::RealtimeThread> thread_;
+  SegmentThreads<RealtimeLoop, Gateway, Exchange> threads_;
 };
 
 }  // namespace cansyncd

@@ -78,25 +78,15 @@ Layer2Segment::Layer2Segment(Layer2File file, JournalSink& journal)
           file_.config, FlightProtocol{}, bus_.bus(),
           [this](const EventText& event) { gateway_.post(event); }, journal),
       machine_(frame_machine_settings(file_.config, flight_.tap()), flight_.bus(), exchange_),
-      loop_(machine_, flight_.bus()) {}
+      loop_(machine_, flight_.bus()),
+      threads_(log_, bus_, flight_, gateway_, loop_, exchange_) {}
 
 Layer2Segment::~Layer2Segment() {
   stop();
 }
 
 void Layer2Segment::start() {
-  const rt::RealtimeSettings settings = realtime_settings(file_.config.realtime);
-  thread_.emplace(settings, [this] { loop_.run(); });
-  tell_grants(log_, settings, thread_->grants());
-  gateway_.set_realtime(settings, thread_->grants());
-  if (const std::string advice = bus_.advice(); !advice.empty())
-    log_.say(LogPriority::warning, "not_one_shot", advice);
-  bus_.start([this](const can::LinkFacts& facts) {
-    exchange_.link.write(facts);
-    exchange_.gateway_wake.signal();
-  });
-  gateway_.start();
-  wait_until_running([this] { return loop_.wake_ups(); });
+  threads_.start(file_.config.realtime);
   log_.say(LogPriority::notice, "daemon_running",
            fmt::format("running: bus {} ({}) at {} bit/s, general frames, {} ranges, {}",
                        file_.config.bus.name, file_.config.bus.interface, file_.config.bus.bits_per_second,
@@ -104,13 +94,7 @@ void Layer2Segment::start() {
 }
 
 void Layer2Segment::stop() noexcept {
-  if (!thread_) return;
-  loop_.request_stop();
-  thread_.reset();
-  flight_.stop();
-  bus_.stop();
-  gateway_.stop();
-  tell_trace(log_, file_.config.sim.trace, bus_.close_trace());
+  threads_.stop(file_.config.sim.trace);
 }
 
 ReloadPlan Layer2Segment::plan_reload(std::span<const std::string> overrides) {

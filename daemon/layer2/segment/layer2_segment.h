@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 
@@ -13,10 +12,10 @@
 #include "daemon/recorder/flight_desk.h"
 #include "daemon/segment/segment.h"
 #include "daemon/segment/segment_start.h"
+#include "daemon/segment/segment_threads.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/service_log.h"
 #include "dds/participant.h"
-#include "rt/realtime_thread.h"
 
 namespace cansyncd {
 
@@ -39,9 +38,7 @@ class Layer2Segment final : public Segment {
   Layer2Segment(const Layer2Segment&) = delete;
   Layer2Segment& operator=(const Layer2Segment&) = delete;
 
-  /// Throws rt::RealtimeError when realtime is enforced and not granted, std::system_error without threads.
   void start() override;
-  /// Open requests are answered first by the realtime thread, then by the gateway.
   void stop() noexcept override;
   Heartbeat::Progress progress() const noexcept override { return {loop_.wake_ups(), gateway_.passes()}; }
   bool record() noexcept override { return flight_.request(); }
@@ -58,7 +55,7 @@ class Layer2Segment final : public Segment {
   FlightDesk flight_;
   FrameMachine machine_;
   DeadlineLoop<FrameMachine> loop_;
-  std::optional<rt::RealtimeThread> thread_;
+  SegmentThreads<DeadlineLoop<FrameMachine>, FrameGateway, Layer2Exchange> threads_;
 };
 
 }  // namespace cansyncd

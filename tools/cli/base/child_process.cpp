@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "cli/base/files.h"
+#include "system/descriptor.h"
 
 namespace cansync::cli {
 namespace {
@@ -23,31 +24,28 @@ constexpr std::size_t kMostErrors = 4096;
 /// A file in memory: the child can write as much as it wants without waiting for us.
 class MemoryFile {
  public:
-  explicit MemoryFile(const char* name) : descriptor_(::memfd_create(name, MFD_CLOEXEC)) {
-    if (descriptor_ < 0) fail(errno, "memory for another program");
+  explicit MemoryFile(const char* name) : file_(::memfd_create(name, MFD_CLOEXEC)) {
+    if (!file_.is_open()) fail(errno, "memory for another program");
   }
-  ~MemoryFile() { ::close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
 
-  int descriptor() const noexcept { return descriptor_; }
+  int descriptor() const noexcept { return file_.number(); }
   void write(std::string_view text) const {
-    write_all(descriptor_, text, "memory for another program");
-    ::lseek(descriptor_, 0, SEEK_SET);
+    write_all(descriptor(), text, "memory for another program");
+    ::lseek(descriptor(), 0, SEEK_SET);
   }
   std::string read() const {
     std::string out;
     std::array<char, 65536> part{};
-    ::lseek(descriptor_, 0, SEEK_SET);
+    ::lseek(descriptor(), 0, SEEK_SET);
     for (ssize_t count = 1; count > 0;) {
-      count = ::read(descriptor_, part.data(), part.size());
+      count = ::read(descriptor(), part.data(), part.size());
       if (count > 0) out.append(part.data(), static_cast<std::size_t>(count));
     }
     return out;
   }
 
  private:
-  int descriptor_;
+  sys::Descriptor file_;
 };
 
 /// What the child's standard streams are.

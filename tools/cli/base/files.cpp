@@ -61,22 +61,19 @@ ReplacementFile::ReplacementFile(std::string target)
   if (::stat(target_.c_str(), &found) == 0 && !S_ISREG(found.st_mode))
     throw UsageError(
         fmt::format("FILE: '{}' is no file; allowed: a file, or - for standard output", target_));
-  descriptor_ = ::mkstemp(temporary_.data());
-  if (descriptor_ < 0) fail(target_);
+  file_.reset(::mkstemp(temporary_.data()));
+  if (!file_.is_open()) fail(target_);
 }
 
 ReplacementFile::~ReplacementFile() {
-  if (descriptor_ < 0) return;
-  ::close(descriptor_);
-  ::unlink(temporary_.c_str());
+  if (file_.is_open()) ::unlink(temporary_.c_str());
 }
 
 void ReplacementFile::commit(std::span<const std::uint8_t> data) {
-  write_all(descriptor_, {reinterpret_cast<const char*>(data.data()), data.size()}, target_);
-  if (::fchmod(descriptor_, new_file_mode()) != 0 || ::fsync(descriptor_) != 0) fail(target_);
+  write_all(file_.number(), {reinterpret_cast<const char*>(data.data()), data.size()}, target_);
+  if (::fchmod(file_.number(), new_file_mode()) != 0 || ::fsync(file_.number()) != 0) fail(target_);
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(target_);
-  ::close(descriptor_);
-  descriptor_ = -1;
+  file_.reset();
 }
 
 }  // namespace cansync::cli

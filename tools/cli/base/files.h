@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "system/descriptor.h"
+
 /// What is read and written whole. Errors are std::system_error with the file's name, or UsageError.
 namespace cansync::cli {
 
@@ -35,7 +37,7 @@ class ReplacementFile {
  private:
   std::string target_;
   std::string temporary_;
-  int descriptor_ = -1;
+  sys::Descriptor file_;
 };
 
 }  // namespace cansync::cli

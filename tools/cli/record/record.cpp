@@ -14,6 +14,7 @@
 #include "cli/record/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/progress.h"
+#include "system/descriptor.h"
 
 namespace cansync::cli {
 namespace {
@@ -65,23 +66,21 @@ class RecordFile {
  public:
   explicit RecordFile(std::string path) : path_(std::move(path)) {
     if (path_ == "-") return;
-    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), path_);
+    file_.reset(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    if (!file_.is_open()) throw std::system_error(errno, std::generic_category(), path_);
   }
-  ~RecordFile() {
-    if (path_ != "-" && descriptor_ >= 0) ::close(descriptor_);
-  }
-  RecordFile(const RecordFile&) = delete;
-  RecordFile& operator=(const RecordFile&) = delete;
 
   /// Whole lines.
   void write(std::string_view text) {
-    write_all(descriptor_, text, path_ == "-" ? "standard output" : path_);
+    if (file_.is_open())
+      write_all(file_.number(), text, path_);
+    else
+      write_all(STDOUT_FILENO, text, "standard output");
   }
 
  private:
   std::string path_;
-  int descriptor_ = STDOUT_FILENO;
+  sys::Descriptor file_;  ///< none: standard output
 };
 
 /// How the recording goes, in one line of a terminal that is redrawn; says nothing elsewhere.

@@ -19,7 +19,7 @@
 #include "can/kernel_frame.h"
 #include "cansync/telegram/telegram.h"
 #include "cli/trace/trace_source.h"
-#include "text/descriptor.h"
+#include "system/descriptor.h"
 
 namespace cansync::cli {
 namespace {
@@ -123,7 +123,7 @@ class InterfaceSource final : public TraceSource {
   }
 
   std::string name_;
-  text::Descriptor socket_;
+  sys::Descriptor socket_;
   std::uint64_t dropped_ = 0;
 };
 

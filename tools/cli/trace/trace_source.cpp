@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "can/pcapng_reader.h"
+#include "system/descriptor.h"
 
 namespace cansync::cli {
 namespace {
@@ -123,14 +124,10 @@ class CaptureReader final : public TraceReader {
 class FileSource final : public TraceSource {
  public:
   explicit FileSource(const std::string& path) : path_(path) {
-    descriptor_ = path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), path);
+    if (path == "-") return;
+    file_.reset(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!file_.is_open()) throw std::system_error(errno, std::generic_category(), path);
   }
-  ~FileSource() override {
-    if (descriptor_ > STDIN_FILENO) ::close(descriptor_);
-  }
-  FileSource(const FileSource&) = delete;
-  FileSource& operator=(const FileSource&) = delete;
 
   TraceItem next() override {
     for (;;) {
@@ -150,10 +147,11 @@ class FileSource final : public TraceSource {
  private:
   /// False: nothing came for a moment.
   bool read_on() {
-    pollfd ready{descriptor_, POLLIN, 0};
+    const int descriptor = file_.is_open() ? file_.number() : STDIN_FILENO;
+    pollfd ready{descriptor, POLLIN, 0};
     const int count = ::poll(&ready, 1, kLookMs);
     if (count == 0 || (count < 0 && errno == EINTR)) return false;
-    const ssize_t got = ::read(descriptor_, buffer_.data(), buffer_.size());
+    const ssize_t got = ::read(descriptor, buffer_.data(), buffer_.size());
     if (got < 0 && errno == EINTR) return false;
     if (got < 0) throw std::system_error(errno, std::generic_category(), path_);
     ended_ = got == 0;
@@ -169,7 +167,7 @@ class FileSource final : public TraceSource {
   }
 
   std::string path_;
-  int descriptor_ = -1;
+  sys::Descriptor file_;  ///< none: standard input
   std::array<char, 65536> buffer_{};
   std::string first_;  ///< read, and not yet handed to the reader
   bool ended_ = false;

@@ -1,16 +1,14 @@
 #include "cli/watch/watch_rows.h"
 
 #include <algorithm>
-#include <ctime>
 
 #include "cli/base/session.h"
+#include "system/clock.h"
 
 namespace cansync::cli {
 
 std::int64_t wall_clock() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+  return sys::read_clock(CLOCK_REALTIME).count();
 }
 
 void await_values(const client::Client& client, std::uint32_t wanted) {
