@@ -72,6 +72,26 @@ TEST_F(ParameterService, S20AnsweredIsSaidWhenItWasOnTheBusAndNotBefore) {
   EXPECT_EQ(told_.take(), "answered 1");
 }
 
+TEST_F(ParameterService, S20AnAnswerThatWasNeverOnTheBusIsToldAsDropped) {
+  for (const bool by_table : {false, true}) {
+    send(read(500));
+    service_.jobs().answer(told_.parameter.id, value(1, true));
+    send(read(500), false);
+    told_.take();
+    send(read(by_table ? 400 : 500));
+    EXPECT_EQ(told_.take(), by_table ? "dropped 2" : "dropped 1, read 500");
+  }
+}
+
+TEST_F(ParameterService, S20ARefusalOfTheSlaveItselfIsNobodysAnswer) {
+  send(read(500));
+  service_.jobs().answer(told_.parameter.id, value(1, true));
+  send(read(500), false);
+  told_.take();
+  EXPECT_EQ(send(command({0x61, 0x90, 1, 0, 0, 0})), error(400, 0xFFFC));
+  EXPECT_EQ(told_.take(), "");
+}
+
 TEST_F(ParameterService, S22TheApplicationMayGiveAnyErrorNumber) {
   constexpr std::uint16_t kCodes[] = {0xFFFF, 0xFFFE, 0xFFFA, 0x0001, 0x1234};
   for (const std::uint16_t code : kCodes) {

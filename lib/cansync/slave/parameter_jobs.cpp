@@ -26,6 +26,7 @@ bool ParameterJobs::belongs_to_application(ParameterNumber number, SubSlave sub)
 }
 
 ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, SubSlave sub) noexcept {
+  forget_sending();
   const bool own = belongs_to_application(number, sub);
   if (sub.value != 0 && !own) return refused(ParameterError::not_present);
   const bool in_table = sub.value == 0 && table_.definition(number.value()) != nullptr;
@@ -44,6 +45,7 @@ ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, Sub
 
 ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
                                      std::uint32_t value) noexcept {
+  forget_sending();
   const bool own = belongs_to_application(number, sub);
   if (sub.value != 0 && !own) return refused(ParameterError::not_present);
   if (!own) return table_.write(number, doubleword, value);
@@ -62,7 +64,6 @@ ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, Su
 }
 
 ParameterAnswer ParameterJobs::ask(const AskedParameter& job) noexcept {
-  sending_ = 0;
   // The slave has told of another question by `dropped`, so this is the one that is open, again.
   if (!open_) {
     if (!application_) return refused(ParameterError::not_available_now);
@@ -82,6 +83,11 @@ ParameterAnswer ParameterJobs::ask(const AskedParameter& job) noexcept {
 void ParameterJobs::dropped() noexcept {
   const std::optional<AskedParameter> gone = std::exchange(open_, std::nullopt);
   if (gone && gone->id != 0) listener_.dropped(gone->id);
+}
+
+/// A new question came, so the answer before was never on the bus, or nobody saw it there.
+void ParameterJobs::forget_sending() noexcept {
+  if (const std::uint64_t id = std::exchange(sending_, 0); id != 0) listener_.dropped(id);
 }
 
 void ParameterJobs::sent() noexcept {

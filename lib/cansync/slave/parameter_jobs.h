@@ -28,7 +28,7 @@ class ParameterJobsListener {
   /// An access waits for `answer`. The master is told that it takes longer.
   virtual void asked(const AskedParameter& job) noexcept = 0;
   /// The access is not wanted any more: the master asked for something else, the application that owned it is
-  /// gone, or the slave left synchronous operation.
+  /// gone, or the slave left synchronous operation. Also when its answer was given and never on the bus.
   virtual void dropped(std::uint64_t id) noexcept = 0;
   /// The answer of the application was on the bus.
   virtual void answered(std::uint64_t id) noexcept = 0;
@@ -77,6 +77,7 @@ class ParameterJobs {
  private:
   bool belongs_to_application(ParameterNumber number, SubSlave sub) const noexcept;
   ParameterAnswer ask(const AskedParameter& job) noexcept;
+  void forget_sending() noexcept;
 
   ParameterJobsSettings settings_;
   ParameterTable& table_;

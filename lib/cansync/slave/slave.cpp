@@ -336,24 +336,26 @@ std::optional<can::Frame> Slave::answer(const ParameterCommand& command) noexcep
   if (pending_ && *pending_ != command) application_.parameter_dropped();
   pending_.reset();
   ParameterAnswer answer;
+  Answered by = Answered::parameter;
   if (command.kind == ParameterCommand::Kind::read) {
     answer = application_.read_parameter(command.number, command.element, command.sub_slave);
   } else if (command.element != kValueElement) {
     answer.error = ParameterError::not_changeable;
+    by = Answered::none;
   } else {
     const bool doubleword = command.kind == ParameterCommand::Kind::write_doubleword;
     answer = application_.write_parameter(command.number, command.element, command.sub_slave, doubleword,
                                           command.value);
   }
   if (answer.busy) pending_ = command;
-  note_answer(answer.busy, Answered::parameter);
+  note_answer(answer.busy, by);
   return encode(reply_to(command, answer));
 }
 
 /// A busy answer needs no word when it was on the bus; a newer answer replaces one that was not.
 void Slave::note_answer(bool busy, Answered kind) noexcept {
   if (busy) ++responses_.busy;
-  answered_kind_ = busy ? Answered::busy : kind;
+  answered_kind_ = busy ? Answered::none : kind;
   handed_[index(AnswerSlot::response)].reset();
 }
 

@@ -224,7 +224,7 @@ class Slave {
     std::uint16_t expected = 0;  ///< next offset
   };
 
-  enum class Answered : std::uint8_t { busy, parameter, transfer };
+  enum class Answered : std::uint8_t { none, parameter, transfer };
 
   std::optional<can::Frame> answer(const Telegram& telegram) noexcept;
   std::optional<can::Frame> answer(const ReferenceTelegram& telegram) noexcept;
@@ -272,7 +272,7 @@ class Slave {
     IntervalNumber interval = 0;
   };
   std::array<std::optional<Handed>, kAnswerSlots> handed_ = {};
-  Answered answered_kind_ = Answered::busy;  ///< of the newest answer to a command
+  Answered answered_kind_ = Answered::none;  ///< whose the newest answer to a command is
   std::array<ActualCounters, kChannels> counters_ = {};
   ResponseCounters responses_;
   std::optional<Telegram> answered_;  ///< transfer telegram answered last, without busy or error
