@@ -152,11 +152,14 @@ std::optional<Transmission> Drive::on_frame(const can::Frame& frame, can::Time e
     notice_fault();
   }
   const can::Time edge = supervision_.last_edge();
-  const auto answer = slave_.receive(*telegram, end - edge);
+  // Told of when its answer is ready, the slave gives it the next slot when that is after this one's end.
+  const cansync::Duration ready = end + processing_delay_ - edge;
+  const auto answer = slave_.receive(*telegram, ready);
   if (!answer) return std::nullopt;
-  const can::Time ready = std::max(end, edge + answer->window.earliest) + processing_delay_;
-  if (!slave_.may_start(*answer, ready - edge)) return std::nullopt;
-  return Transmission{answer->frame, ready};
+  const cansync::Duration earliest = answer->window.earliest;
+  const cansync::Duration start = earliest > ready ? earliest + processing_delay_ : ready;
+  if (!slave_.may_start(*answer, start)) return std::nullopt;
+  return Transmission{answer->frame, edge + start};
 }
 
 std::optional<Transmission> Drive::on_sent(const can::Frame& frame, can::Time) noexcept {

@@ -143,8 +143,9 @@ class Slave {
   /// Intervals since the start, by `on_sync`.
   IntervalNumber interval() const noexcept { return interval_; }
 
-  /// A frame was on the bus until `since_sync` (after the running interval's edge). Returns what this slave
-  /// answers, if anything. What is no CANsync telegram is ignored.
+  /// A frame was on the bus until `since_sync` (after the running interval's edge), or, for who takes time to
+  /// answer, can be answered then: an answer that is not ready by the end of its slot gets the next one.
+  /// Returns what this slave answers, if anything. What is no CANsync telegram is ignored.
   std::optional<SlaveAnswer> receive(const can::Frame& frame, Duration since_sync) noexcept;
 
   /// The same for a frame that is already decoded.

@@ -117,6 +117,26 @@ TEST_P(EveryBitRate, LeavesOutActualValuesThatWouldMissTheirSlot) {
   EXPECT_EQ(rig.drive.left_out(), 1u);
 }
 
+/// However late the command, its answer is in the slot of this interval or of the next (M 3.1.1.1).
+TEST_P(EveryBitRate, AnswersACommandThatEndsJustBeforeTheEndOfItsSlot) {
+  DriveSettings settings = rig_settings();
+  settings.slave.bit_rate = GetParam();
+  DriveRig rig(settings);
+  rig.edge();
+  const cansync::Duration delay = rig.times.bit_time() * 20;
+  for (cansync::Duration end = rig.times.command - 2 * delay; end <= rig.times.command;
+       end += microseconds(1)) {
+    const auto answer = rig.send(rig.read(parameter::status_word), end);
+    ASSERT_TRUE(answer) << end.count();
+    const cansync::Duration start = answer->not_before - rig.now;
+    if (end + delay <= rig.times.command)
+      EXPECT_EQ(start, end + delay);
+    else
+      EXPECT_EQ(start, rig.times.interval + delay) << end.count();
+  }
+  EXPECT_EQ(rig.drive.left_out(), 0u);
+}
+
 TEST_P(EveryBitRate, LocksAfterTheLockTime) {
   DriveSettings settings = rig_settings();
   settings.slave.bit_rate = GetParam();
