@@ -19,7 +19,7 @@ TABLE = ["frame.number", "cansync.channel", "cansync.slave", "cansync.text", "ca
 MAPPINGS = ["-o", "cansync.mapping_rdc1:01 03 05 07", "-o", "cansync.mapping_wrc1:0,0,2,3 / F,T,F,F"]
 # One of each kind, in the numbers of tshark.
 DETAILED = [1, 2, 4, 8, 9, 10, 17, 19, 26, 28, 29, 31, 55, 62, 67, 73, 80, 82, 116, 124, 128, 131, 144, 155, 157,
-            163, 177, 180, 182, 183]
+            163, 176, 180, 182, 183]
 
 
 def table(folder, capture):

@@ -20,9 +20,8 @@ constexpr std::uint8_t kBody = 0x20;
 constexpr std::uint8_t kLast = 0x30;
 constexpr unsigned kElementShift = 4;  // parameter command
 constexpr unsigned kElementMask = 0x07;
-constexpr std::uint8_t kBusy = 0x40;      // reply
-constexpr std::uint8_t kError = 0x20;     // reply
-constexpr std::uint8_t kReserved = 0x10;  // reply
+constexpr std::uint8_t kBusy = 0x40;   // reply
+constexpr std::uint8_t kError = 0x20;  // reply; bit 4 is free, whatever a slave writes there (M 3.2.1.3)
 
 constexpr std::uint8_t kMaximumPayload = 6;
 
@@ -294,7 +293,6 @@ void decode_reply(const can::Frame& frame, Decoded& result) noexcept {
   if (frame.dlc < 2) return fail(result, DecodeError::wrong_length);
   const std::uint64_t data = data_of(frame);
   const std::uint8_t control = byte_at(data, 0);
-  if ((control & kReserved) != 0) return fail(result, DecodeError::reserved_bits);
   if (!length_fits(control, frame.dlc)) return fail(result, DecodeError::wrong_length);
   if ((control & kTransfer) == 0) {
     auto& reply = begin<ParameterReply>(result);

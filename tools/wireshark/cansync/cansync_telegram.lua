@@ -67,7 +67,6 @@ end
 
 local function decode_reply(f)
   if f.dlc < 2 then return nil, "wrong_length" end
-  if bit(f[0], 0x10) then return nil, "reserved_bits" end
   local transfer, busy, failed = bit(f[0], 0x80), bit(f[0], 0x40), bit(f[0], 0x20)
   local fits
   if busy then
