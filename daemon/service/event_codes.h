@@ -51,6 +51,7 @@ inline constexpr EventKind kEventKinds[] = {
     {"slave_released", "078cfc5aed394f4d8019895a49f93d86"},
     {"slave_synchronized", "dafdbd529c854db697a8e25aec15fe85"},
     {"slave_not_synchronized", "c37eda9dadd04c6f8c03454b071b8e8b"},
+    {"slave_status_refused", "43e6687e89f7408cab16e8ebbc104706"},
     {"all_synchronized", "e6aab9e3b1864172b8c4f00a824be533"},
     // reference values
     {"references_stopped", "e11edbd3b1ed494fadc485ff29d8a78a"},

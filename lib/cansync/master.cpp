@@ -81,10 +81,20 @@ struct Master::Impl {
   bool deliver(const Telegram& telegram, Duration since_sync) noexcept {
     if (const auto* actual = std::get_if<ActualTelegram>(&telegram)) {
       supervision.seen(actual->slave);
-      return is_active(state) && process.receive(*actual);
+      if (!is_active(state) || !process.receive(*actual)) return false;
+      tell_status(*actual);
+      return true;
     }
     if (const auto* reply = std::get_if<ParameterReply>(&telegram)) return respond(*reply, since_sync);
     return respond(*std::get_if<TransferReply>(&telegram), since_sync);
+  }
+
+  /// The status word may stand among the actual values.
+  void tell_status(const ActualTelegram& telegram) noexcept {
+    const auto& where = settings.slaves[telegram.slave.value()].status_value;
+    if (!where) return;
+    const auto word = position_of(process.actual_mapping(telegram.slave)[index(telegram.channel)], *where);
+    if (word) supervision.came(telegram.slave, telegram.word[*word]);
   }
 
   template <class Reply>

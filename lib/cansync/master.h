@@ -38,6 +38,7 @@ struct SlaveStatus {
   bool synchronized = false;        ///< bit 1: bit 15 of its status word
   std::uint16_t status_word = 0;    ///< last status word read
   bool status_known = false;        ///< a status word was read since the slave last began to respond
+  std::uint16_t status_error = 0;   ///< code with which it refused its status word last; 0: it gave it
   IntervalNumber last_seen = 0;     ///< interval of its last telegram of any kind
   std::uint64_t answers = 0;        ///< to commands, since the start of the master
   std::uint64_t unanswered = 0;     ///< commands without an answer
@@ -78,17 +79,19 @@ struct MasterEvent {
     slave_synchronized,      ///< slave
     slave_not_synchronized,  ///< slave
     all_synchronized,
-    references_stopped,   ///< detail: channel 1 or 2
-    references_released,  ///< detail: channel 1 or 2
-    references_too_old,   ///< detail: channel 1 or 2; expected: newer ones within so many intervals, 0:
-                          ///< release before `ReferenceUpdate::too_old_from`
-    references_held,      ///< still released for a limited time; detail: channel 1 or 2
-    second_master,        ///< detail: identifier of its first frame
-    second_master_gone,   ///< nothing of it for 3 s; detail: how many frames there were
-    slave_returned,       ///< slave: answers again
-    slave_checked,        ///< slave; detail: parameters that have their value
-    slave_check_failed,   ///< slave; detail: parameter number, `expected`, `found` and `outcome`
-    slave_released,       ///< slave: no longer held out; detail: 1 = by command, unchecked
+    references_stopped,    ///< detail: channel 1 or 2
+    references_released,   ///< detail: channel 1 or 2
+    references_too_old,    ///< detail: channel 1 or 2; expected: newer ones within so many intervals, 0:
+                           ///< release before `ReferenceUpdate::too_old_from`
+    references_held,       ///< still released for a limited time; detail: channel 1 or 2
+    second_master,         ///< detail: identifier of its first frame
+    second_master_gone,    ///< nothing of it for 3 s; detail: how many frames there were
+    slave_returned,        ///< slave: answers again
+    slave_checked,         ///< slave; detail: parameters that have their value
+    slave_check_failed,    ///< slave; detail: parameter number, `expected`, `found` and `outcome`
+    slave_released,        ///< slave: no longer held out; detail: 1 = by command, unchecked
+    slave_status_refused,  ///< slave: answers the read of its status word with an error, so whether it is
+                           ///< synchronized cannot be known; detail: parameter number; found: the code
   };
   Code code;
   std::optional<SlaveNumber> slave;

@@ -308,6 +308,8 @@ std::string_view name(MasterEvent::Code code) noexcept {
       return "slave_check_failed";
     case MasterEvent::Code::slave_released:
       return "slave_released";
+    case MasterEvent::Code::slave_status_refused:
+      return "slave_status_refused";
     case MasterEvent::Code::slave_lost:
       return "slave_lost";
     case MasterEvent::Code::slave_synchronized:

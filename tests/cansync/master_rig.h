@@ -44,12 +44,15 @@ struct Recorder : MasterListener {
   std::map<JobId, Outcome> commands;
   std::vector<MasterEvent> events;
   std::map<JobId, std::uint32_t> progress;
+  std::map<unsigned, SlaveStatus> statuses;  ///< the newest of each slave
   unsigned terminal = 0;
 
   void actual_values(SlaveNumber number, const ActualValues& values) noexcept override {
     actual.emplace_back(number, values);
   }
-  void slave_status(SlaveNumber, const SlaveStatus&) noexcept override {}
+  void slave_status(SlaveNumber number, const SlaveStatus& status) noexcept override {
+    statuses[number.value()] = status;
+  }
   void state_changed(State, State to, ControlCommand) noexcept override { states.push_back(to); }
   void parameter_done(JobId id, const ParameterResult& result) noexcept override {
     once(parameters, id, result);

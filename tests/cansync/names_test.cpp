@@ -47,7 +47,7 @@ TEST(Names, Refusals) {
   expect_names(Refusal::mapping_changed);
 }
 TEST(Names, Events) {
-  expect_names(MasterEvent::Code::slave_released);
+  expect_names(MasterEvent::Code::slave_status_refused);
 }
 TEST(Names, SlaveStates) {
   expect_names(SlaveState::held);

@@ -124,6 +124,56 @@ TEST(ProcessData, AutomaticPollingRisesOneSlavePerIntervalAndBothChannelsMayAskO
   }
 }
 
+// M 3.1.1.1: 32 slaves need 16 intervals when two of them report in each.
+TEST(ProcessData, CursorsSetApartAskEverySlaveOnceInHalfTheIntervals) {
+  for (const unsigned slaves : {1u, 2u, 5u, 32u}) {
+    MasterSettings settings = settings_for(slaves);
+    settings.process.polling_apart = true;
+    auto rig = active_line(settings);
+    for (unsigned round = 0; round < 4; ++round) {
+      SlaveMask asked;
+      SlaveMask first;
+      SlaveMask second;
+      for (unsigned i = 0; i < slaves; ++i) {
+        for (const Channel channel : {Channel::one, Channel::two})
+          ASSERT_EQ(rig->master.submit(ReferenceUpdate{.channel = channel, .valid_mask = 0x0F}),
+                    Refusal::none);
+        rig->step();
+        const auto frames = references(*rig);
+        ASSERT_EQ(frames.size(), 2u);
+        const SlaveNumber one = slave(frames[0].id - 0x100);
+        const SlaveNumber two = slave(frames[1].id - 0x180);
+        EXPECT_EQ(one.value() == two.value(), slaves == 1);
+        first.set(one);
+        second.set(two);
+        if (i < (slaves + 1) / 2) {
+          asked.set(one);
+          asked.set(two);
+        }
+      }
+      // The first half of a round may begin anywhere in it: every window of that length has every slave.
+      EXPECT_EQ(asked, settings.configured()) << slaves << " slaves, round " << round;
+      EXPECT_EQ(first, settings.configured());
+      EXPECT_EQ(second, settings.configured());
+    }
+    // A new maximum keeps them apart.
+    if (slaves < 32) continue;
+    rig->master.set_maximum_slave(slave(3));
+    rig->run(1);
+    SlaveMask asked;
+    for (unsigned i = 0; i < 2; ++i) {
+      for (const Channel channel : {Channel::one, Channel::two})
+        ASSERT_EQ(rig->master.submit(ReferenceUpdate{.channel = channel, .valid_mask = 0x0F}), Refusal::none);
+      rig->step();
+      const auto frames = references(*rig);
+      ASSERT_EQ(frames.size(), 2u);
+      asked.set(slave(frames[0].id - 0x100));
+      asked.set(slave(frames[1].id - 0x180));
+    }
+    EXPECT_EQ(asked.bits, 0xFu);
+  }
+}
+
 TEST(ProcessData, PollingNobodyUsesTheReservedNumber) {
   MasterSettings settings = settings_for(2);
   settings.process.polling[0] = {Cursor::Kind::nobody, {}};

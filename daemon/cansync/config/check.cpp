@@ -53,6 +53,7 @@ class Checker {
         mappings(draft_.actual[n], fmt::format("slave.{}.actual", n), slave.actual_mapping);
     }
     slave_names();
+    status_values();
     return_parameters();
     check_daemon(draft_.config, findings_);
     failsafe();
@@ -122,6 +123,19 @@ class Checker {
       problem(own_given ? own : other,
               fmt::format("found \"{}\", which is the name of slave {} too; allowed: each name once",
                           first->first, own_given ? first->second : n));
+    }
+  }
+
+  void status_values() {
+    for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+      cansync::SlaveSettings& slave = draft_.config.master.slaves[n];
+      if (!draft_.status_high[n]) continue;
+      if (slave.status_value) {
+        slave.status_value->high = *draft_.status_high[n];
+      } else if (slave.configured) {
+        problem(fmt::format("slave.{}.status_high", n),
+                "found without status_value; allowed: beside it, to say which of its words is meant");
+      }
     }
   }
 

@@ -35,6 +35,7 @@ struct Draft {
   MappingDrafts reference = {};
   MappingDrafts actual_common = {};  ///< of slaves that do not give their own
   std::array<MappingDrafts, cansync::kSlaves> actual = {};
+  std::array<std::optional<bool>, cansync::kSlaves> status_high = {};
   unsigned slave = 0;  ///< slave number an option of [[slave]] belongs to
   unsigned value = 0;  ///< value number an option of [[slave.value]], [[actual]] or [[reference]] belongs to
 };

@@ -30,6 +30,13 @@ constexpr auto kLineRows = std::to_array<Row>({
          other("process.polling_2", kCursorWords, "", "Slave that WRC2 asks for its actual values 4..7.")),
      [](Draft& d, const Value& v) { d.config.master.process.polling[1] = to_cursor(d.config, v); },
      takes_cursor, [](Draft& d) { return to_value(d.config.master.process.polling[1]); }},
+    field(
+        [](auto& d) -> auto& { return d.config.master.process.polling_apart; },
+        boolean(
+            "process.polling_apart",
+            "The automatic cursor of WRC2 is half a round ahead of WRC1's: every slave has sent one of its two "
+            "telegrams in half a round, 32 slaves in 16 intervals; false, as in the manuals: both ask the same "
+            "slave.")),
     {example("0",
              reloadable(whole_number("process.maximum_slave", "(the highest configured slave)", 0, 31, "",
                                      "Automatic cursors rise to this slave number and start again at 0."))),

@@ -27,6 +27,17 @@ constexpr auto kSlaveRows = std::to_array<Row>({
     {example("301", whole_number("slave.status_parameter", "(startup.status_parameter)", 0, 4095, "",
                                  "Parameter number of this slave's status word.")),
      [](Draft& d, const Value& v) { slave_settings(d).status_parameter = whole<std::uint16_t>(v); }},
+    {example("5",
+             whole_number("slave.status_value", "(none: read by its parameter)", 0, 7, "",
+                          "Actual value in which this slave sends its status word: in active operation "
+                          "loss of synchronism is then seen with the next such telegram, and the parameter "
+                          "is read only when none comes. Set-up reads the parameter.")),
+     [](Draft& d, const Value& v) {
+       slave_settings(d).status_value = cansync::ActualWord{whole<std::uint8_t>(v), false};
+     }},
+    {example("true", boolean("slave.status_high", "(false)",
+                             "The status word is the high word of status_value; false: its low word.")),
+     [](Draft& d, const Value& v) { d.status_high[d.slave] = flag(v); }},
     {example("300", whole_number("slave.block_limit", "(command_channel.block_limit)", 6, 4092, "bytes",
                                  "Longest block of an upload or download this slave takes.")),
      [](Draft& d, const Value& v) { slave_settings(d).block_limit = whole<std::uint16_t>(v); }},

@@ -214,6 +214,7 @@ void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
   const SlaveConfig& config = config_.slaves[number.value()];
   cansync_SlaveStatus& sample = slave.told_status.emplace(dds::slave_status(
       number, config.name, slave.report.status, settings_.actual_mapping[number.value()], slave.names));
+  sample.status_parameter = config_.master.slaves[number.value()].status_parameter;
   if (config.parameters != nullptr) {
     dds::copy_text(config.parameters->name, sample.profile);
     dds::copy_text(config.parameters->hash, sample.profile_hash);

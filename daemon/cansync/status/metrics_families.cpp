@@ -250,6 +250,8 @@ constexpr MetricFamily kFamilies[] = {
      "1 when the slave follows SYNC, else 0."},
     {"cansync_slave_status_word", MetricType::gauge, "slave, name", "SlaveStatus.status_word",
      "Status word of the slave; left out until it was read.", slave_status_word},
+    {"cansync_slave_status_error", MetricType::gauge, "slave, name", "SlaveStatus.status_error",
+     "Code with which the slave refused its status word last; 0 when it gave it."},
     {"cansync_slave_last_seen_interval", MetricType::gauge, "slave, name", "SlaveStatus.last_seen",
      "Number of the interval in which the slave answered last."},
     {"cansync_slave_answers", MetricType::counter, "slave, name", "SlaveStatus.answers",

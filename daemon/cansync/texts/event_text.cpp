@@ -18,6 +18,7 @@ gateway_EventSeverity severity_of(Code code) noexcept {
   switch (code) {
     case Code::slave_lost:
     case Code::slave_check_failed:
+    case Code::slave_status_refused:
     case Code::second_master:
       return gateway_SEVERITY_ERROR;
     case Code::slave_not_synchronized:
@@ -66,6 +67,11 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
       return fmt::format("{} has the values of all its {} return parameters", who, event.detail);
     case Code::slave_check_failed:
       return check_failed_text(who, event, config);
+    case Code::slave_status_refused:
+      return fmt::format(
+          "{} refuses its status word, {}, with error 0x{:04X}; set startup.status_parameter, or the "
+          "slave's status_parameter, to the number in the drive's parameter list",
+          who, parameter_label(config, event.slave->value(), event.detail), event.found);
     case Code::slave_released:
       return who + (event.detail != 0 ? " is released by command, unchecked" : " is released");
     case Code::slave_synchronized:
@@ -131,7 +137,7 @@ struct ReportDescriber {
     EventText event{severity_of(report.event.code), code_of(report.event.code),
                     report.event.slave ? int{report.event.slave->value()} : -1, text_of(report.event, config),
                     report.when};
-    if (report.event.code == Code::slave_check_failed)
+    if (report.event.code == Code::slave_check_failed || report.event.code == Code::slave_status_refused)
       event.parameter = static_cast<int>(report.event.detail);
     return event;
   }
@@ -188,6 +194,8 @@ EventCode code_of(Code code) {
       return "slave_check_failed";
     case Code::slave_released:
       return "slave_released";
+    case Code::slave_status_refused:
+      return "slave_status_refused";
     case Code::slave_lost:
       return "slave_lost";
     case Code::slave_synchronized:

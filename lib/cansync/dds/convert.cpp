@@ -178,6 +178,7 @@ cansync_SlaveStatus slave_status(SlaveNumber slave, std::string_view name, const
   out.times_lost = status.times_lost;
   out.times_returned = status.times_returned;
   out.jobs_ended = status.jobs_ended;
+  out.status_error = status.status_error;
   return out;
 }
 

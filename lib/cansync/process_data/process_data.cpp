@@ -16,8 +16,8 @@ ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listene
     : settings_(settings.process),
       listener_(listener),
       configured_(settings.configured()),
-      output_{Output{ReferenceRelease(Channel::one, settings.process, listener), 0, std::nullopt},
-              Output{ReferenceRelease(Channel::two, settings.process, listener), 0, std::nullopt}} {
+      output_{Output{ReferenceRelease(Channel::one, settings.process, listener), std::nullopt},
+              Output{ReferenceRelease(Channel::two, settings.process, listener), std::nullopt}} {
   reference_words_ = word_masks(settings_.reference_mapping);
   for (unsigned i = 0; i < kSlaves; ++i) set_mapping(i, settings.slaves[i].actual_mapping);
 }
@@ -42,11 +42,10 @@ std::array<std::optional<SlaveNumber>, kChannels> ProcessData::begin_interval(In
     Output& output = output_[i];
     missed[i] = output.asked;
     output.asked.reset();
-    if (!first_) {
-      output.automatic = output.automatic >= settings_.maximum_slave.value()
-                             ? 0
-                             : static_cast<std::uint8_t>(output.automatic + 1);
-    }
+  }
+  if (!first_) {
+    const bool over = automatic_ >= settings_.maximum_slave.value();
+    automatic_ = over ? std::uint8_t{0} : static_cast<std::uint8_t>(automatic_ + 1);
   }
   first_ = false;
   return missed;
@@ -85,11 +84,13 @@ void ProcessData::stop_release(Channel channel, std::uint32_t hold) noexcept {
   output_[index(channel)].release.withdraw(hold);
 }
 
-std::uint8_t ProcessData::polled(const Output& output, Channel channel) const noexcept {
+std::uint8_t ProcessData::polled(Channel channel) const noexcept {
+  const unsigned round = settings_.maximum_slave.value() + 1u;
+  const unsigned ahead = channel == Channel::two && settings_.polling_apart ? (round + 1) / 2 : 0;
   const Cursor& cursor = settings_.polling[index(channel)];
   switch (cursor.kind) {
     case Cursor::Kind::automatic:
-      return output.automatic;
+      return static_cast<std::uint8_t>(ahead == 0 ? automatic_ : (automatic_ + ahead) % round);
     case Cursor::Kind::fixed:
       return cursor.slave.value();
     case Cursor::Kind::nobody:
@@ -108,7 +109,7 @@ std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept
   }
   ReferenceTelegram telegram;
   telegram.channel = channel;
-  telegram.polled = polled(output, channel);
+  telegram.polled = polled(channel);
   if (!output.release.decide(now_)) {
     ++not_released_;
     if (!settings_.poll_without_reference) return std::nullopt;
@@ -125,7 +126,7 @@ void ProcessData::sent(Channel channel) noexcept {
   Output& output = output_[index(channel)];
   output.on_bus = false;
   output.release.sent();
-  const auto slave = SlaveNumber::from(polled(output, channel));
+  const auto slave = SlaveNumber::from(polled(channel));
   if (slave && configured_.has(*slave)) output.asked = slave;
 }
 

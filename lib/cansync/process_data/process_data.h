@@ -89,12 +89,11 @@ class ProcessData {
  private:
   struct Output {
     ReferenceRelease release;
-    std::uint8_t automatic = 0;  ///< the rising slave number
     std::optional<SlaveNumber> asked;
     bool on_bus = false;  ///< the telegram that asks was on the bus
   };
 
-  std::uint8_t polled(const Output& output, Channel channel) const noexcept;
+  std::uint8_t polled(Channel channel) const noexcept;
   void set_mapping(unsigned slave, const ProcessMapping& mapping) noexcept;
   /// No value of which the low word alone is sent would be cut.
   bool fits_words(const ReferenceUpdate& update) const noexcept;
@@ -111,6 +110,7 @@ class ProcessData {
   std::array<Output, kChannels> output_;
   std::uint64_t mapping_number_ = 1;
   IntervalNumber now_ = 0;
+  std::uint8_t automatic_ = 0;  ///< the rising slave number
   bool first_ = true;
   std::uint64_t not_released_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
 #include "cansync/settings/timing.h"
 #include "cansync/telegram/mapping.h"
@@ -54,7 +55,11 @@ inline constexpr unsigned kReturnParameters = 32;  ///< most per slave
 struct SlaveSettings {
   bool configured = false;
   std::uint16_t status_parameter = 301;  ///< parameter number of the status word (unconfirmed)
-  std::uint16_t block_limit = 300;       ///< most bytes per initialise, 6..4092
+  /// Where the status word stands among the actual values (M 3.1.1.1): in active operation bit 15 is taken
+  /// from each such telegram, and the parameter is read only when none has come for `status_period`. Nothing:
+  /// the parameter alone.
+  std::optional<ActualWord> status_value;
+  std::uint16_t block_limit = 300;  ///< most bytes per initialise, 6..4092
   ProcessMapping actual_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
   OnReturn on_return = OnReturn::release;
   std::uint8_t return_count = 0;  ///< how many of `return_parameters` count, 0..kReturnParameters
@@ -111,6 +116,9 @@ constexpr bool enables(const StartupSettings& settings, std::uint16_t control_wo
 struct ProcessSettings {
   ProcessMapping reference_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
   std::array<Cursor, kChannels> polling = {};
+  /// The automatic number of the second telegram is half a round ahead of the first one's, so that every
+  /// slave has sent one telegram in half a round; false, as in the manuals: both count in step.
+  bool polling_apart = false;
   SlaveNumber maximum_slave;               ///< automatic cursors rise to this number
   std::uint8_t poll_nobody = kPollNobody;  ///< N of a reference telegram that asks no slave, 32..127
   bool full_length = true;  ///< WRC telegrams always have 8 bytes; false: as many as are mapped

@@ -56,6 +56,16 @@ void check_mapping(Problems& problems, const std::string& field, const ProcessMa
   }
 }
 
+// The mapping may change while the line runs; what never stands in it is a slip.
+void check_status_value(Problems& problems, std::string field, const SlaveSettings& slave) {
+  const ActualWord& word = *slave.status_value;
+  const bool mapped =
+      position_of(slave.actual_mapping[0], word) || position_of(slave.actual_mapping[1], word);
+  expect(problems, mapped, std::move(field),
+         std::to_string(word.value) + (word.high ? ", high word" : ", low word"),
+         "a word of the slave's mapping of actual values");
+}
+
 std::string list(SlaveMask slaves) {
   std::string text;
   for (const SlaveNumber slave : slaves) {
@@ -80,6 +90,7 @@ void check_slaves(Problems& problems, const MasterSettings& settings) {
              "a multiple of 4 bytes, because command_channel.address_step is 4");
     }
     check_mapping(problems, path + ".actual_mapping", slave.actual_mapping);
+    if (slave.status_value) check_status_value(problems, path + ".status_value", slave);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "cansync/supervision/supervision.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "cansync/settings/timing.h"
 #include "cansync/telegram/reply_payload.h"
@@ -14,6 +15,16 @@ constexpr std::uint16_t kSynchronizedBit = 0x8000;
 /// How often a lost slave is asked when released ones are never asked, and at most one that is not released.
 constexpr Duration kLostPeriod = std::chrono::seconds(1);
 constexpr Duration kRecheck = std::chrono::milliseconds(100);
+
+/// A slave that now gives its status word and now refuses it is told of once in so long.
+constexpr Duration kRefusedAgain = std::chrono::seconds(5);
+
+/// A reply that names no code, or 0, is refused all the same.
+std::uint16_t refusal_code(const ParameterReply& reply) noexcept {
+  const auto answer = error_answer(reply);
+  const auto code = answer ? static_cast<std::uint16_t>(answer->error) : std::uint16_t{0};
+  return code != 0 ? code : static_cast<std::uint16_t>(ParameterError::unspecified);
+}
 
 SlaveMask without(SlaveMask from, SlaveMask slaves) noexcept {
   return {from.bits & ~slaves.bits};
@@ -30,6 +41,7 @@ Supervision::Supervision(const MasterSettings& settings, MasterListener& listene
   recheck_ = std::min(lost_period_, intervals(kRecheck));
   monitoring_ = std::max<IntervalNumber>(intervals(settings.command_channel.parameter_monitoring), 1);
   activate_again_ = intervals(kActivateAgain);
+  refused_again_ = intervals(kRefusedAgain);
   for (unsigned i = 0; i < kSlaves; ++i) status_[i].configured = settings.slaves[i].configured;
 }
 
@@ -45,6 +57,8 @@ void Supervision::begin(IntervalNumber now) noexcept {
     status_[i].responds = false;
     status_[i].synchronized = false;
     status_[i].status_known = false;
+    status_[i].status_error = 0;
+    refused_[i].reset();
     silence_[i] = 0;
     change(slave, SlaveEvent::begun);
     suspect_again_[i] = now;
@@ -125,12 +139,23 @@ void Supervision::sent(const Telegram& telegram) noexcept {
 }
 
 void Supervision::answered(const ParameterReply& reply) noexcept {
-  const auto answer = read_answer(reply);
-  if (reply.busy || reply.error || !answer) return;
   const SlaveNumber slave = reply.slave;
+  if (reply.busy) return;
+  if (reply.error) return status_refused(slave, refusal_code(reply));
+  const auto answer = read_answer(reply);
+  if (answer) take_status(slave, static_cast<std::uint16_t>(answer->value & 0xFFFF));
+}
+
+void Supervision::came(SlaveNumber slave, std::uint16_t status_word) noexcept {
+  if (!at(slave).responds || first_round_.has(slave)) return;
+  next_read_[slave.value()] = now_ + pause(slave);
+  take_status(slave, status_word);
+}
+
+void Supervision::take_status(SlaveNumber slave, std::uint16_t word) noexcept {
   SlaveStatus& status = at(slave);
-  const std::uint16_t word = static_cast<std::uint16_t>(answer->value & 0xFFFF);
-  const bool changed = !status.status_known || word != status.status_word;
+  const bool gives_it_again = std::exchange(status.status_error, std::uint16_t{0}) != 0;
+  const bool changed = gives_it_again || !status.status_known || word != status.status_word;
   status.status_word = word;
   status.status_known = true;
   const bool synchronized = (word & kSynchronizedBit) != 0;
@@ -140,6 +165,21 @@ void Supervision::answered(const ParameterReply& reply) noexcept {
   } else if (changed) {
     listener_.slave_status(slave, status);
   }
+}
+
+void Supervision::status_refused(SlaveNumber slave, std::uint16_t code) noexcept {
+  SlaveStatus& status = at(slave);
+  if (status.status_error == code) return;
+  const bool edge = std::exchange(status.status_error, code) == 0;
+  listener_.slave_status(slave, status);
+  std::optional<IntervalNumber>& told = refused_[slave.value()];
+  if (!edge || (told && now_ - *told < refused_again_)) return;
+  told = now_;
+  MasterEvent event{MasterEvent::Code::slave_status_refused, slave,
+                    settings_.slaves[slave.value()].status_parameter};
+  event.found = code;
+  event.outcome = Outcome::slave_error;
+  listener_.event(event);
 }
 
 void Supervision::set_synchronized(SlaveNumber slave, bool synchronized) noexcept {
@@ -218,6 +258,8 @@ void Supervision::forget(SlaveNumber slave) noexcept {
   status.responds = false;
   status.synchronized = false;
   status.status_known = false;
+  status.status_error = 0;
+  refused_[slave.value()].reset();
   ++status.times_lost;
   take(slave, SlaveEvent::gone);
 }

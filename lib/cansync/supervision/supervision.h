@@ -55,6 +55,9 @@ class Supervision {
   /// Takes the answer to a status read, after `responded`.
   void answered(const ParameterReply& reply) noexcept;
 
+  /// The status word of a slave came among its actual values. Believed of one that answers commands.
+  void came(SlaveNumber slave, std::uint16_t status_word) noexcept;
+
   /// Any telegram of a slave arrived.
   void seen(SlaveNumber slave) noexcept;
   /// A response that nobody asked for came from this slave: it is there.
@@ -116,6 +119,8 @@ class Supervision {
   void change(SlaveNumber slave, SlaveEvent event) noexcept;
   void take(SlaveNumber slave, SlaveEvent event) noexcept;
   void synchronized_again(SlaveNumber slave) noexcept;
+  void take_status(SlaveNumber slave, std::uint16_t word) noexcept;
+  void status_refused(SlaveNumber slave, std::uint16_t code) noexcept;
   void end_check(SlaveNumber slave) noexcept;
 
   const MasterSettings& settings_;
@@ -126,10 +131,12 @@ class Supervision {
   IntervalNumber recheck_;         ///< of a slave that is neither
   IntervalNumber monitoring_;      ///< longest time of a read or write of a list
   IntervalNumber activate_again_;  ///< after an activation that did not help
+  IntervalNumber refused_again_;   ///< least time between two events of a slave that refuses its status word
   std::array<SlaveStatus, kSlaves> status_ = {};
   std::array<IntervalNumber, kSlaves> next_read_ = {};
   std::array<std::uint8_t, kSlaves> silence_ = {};
-  std::array<IntervalNumber, kSlaves> activated_ = {};  ///< when last
+  std::array<IntervalNumber, kSlaves> activated_ = {};               ///< when last
+  std::array<std::optional<IntervalNumber>, kSlaves> refused_ = {};  ///< when told that it refuses its status
   SlaveMask to_activate_;
   SlaveMask first_round_;
   SlaveMask responding_;

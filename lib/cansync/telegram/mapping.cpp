@@ -48,6 +48,13 @@ std::uint8_t TelegramMapping::word_mask() const noexcept {
   return static_cast<std::uint8_t>(carried.low & ~carried.high);
 }
 
+std::optional<unsigned> position_of(const TelegramMapping& mapping, const ActualWord& half) noexcept {
+  for (unsigned i = 0; i < kWords; ++i) {
+    if (mapping.word[i] == WordMapping{true, half.high, half.value}) return i;
+  }
+  return std::nullopt;
+}
+
 std::uint8_t word_mask(const ProcessMapping& mapping) noexcept {
   return static_cast<std::uint8_t>(mapping[0].word_mask() | mapping[1].word_mask());
 }

@@ -25,6 +25,13 @@ struct WordMapping {
   friend constexpr bool operator==(const WordMapping&, const WordMapping&) = default;
 };
 
+/// One half of an actual value.
+struct ActualWord {
+  std::uint8_t value = 0;  ///< 0..7
+  bool high = false;
+  friend constexpr bool operator==(const ActualWord&, const ActualWord&) = default;
+};
+
 /// Mapping of one telegram: word 0 stands in bytes 0..1.
 struct TelegramMapping {
   std::array<WordMapping, kWords> word = {};
@@ -74,6 +81,9 @@ constexpr std::int64_t number_of(std::uint32_t raw, bool word, bool is_signed) n
   }
   return is_signed ? std::int64_t{static_cast<std::int32_t>(raw)} : std::int64_t{raw};
 }
+
+/// Which word of the telegram carries this half, 0..3; nothing when none does.
+std::optional<unsigned> position_of(const TelegramMapping& mapping, const ActualWord& half) noexcept;
 
 /// The telegram words for `values`; words not assigned are 0.
 std::array<std::uint16_t, kWords> pack(const TelegramMapping& mapping, const Values& values) noexcept;

@@ -373,6 +373,26 @@ TEST(Doctor, WithoutADaemonLooksAtTheInterfaceItself) {
   EXPECT_EQ(find(findings, "error counters"), nullptr);
 }
 
+TEST(Doctor, ASlaveThatRefusesItsStatusWordIsAnErrorWithTheSettingThatMendsIt) {
+  DoctorInput in = healthy();
+  client::SlaveStatus slave = {};
+  in.status->slaves.push_back(slave);
+  EXPECT_EQ(find(diagnose(in), "status word"), nullptr);
+  slave.slave = 3;
+  put(slave.name, "feeder");
+  slave.status_parameter = 301;
+  slave.status_error = 0xFFFB;
+  in.status->slaves.push_back(slave);
+  const auto findings = diagnose(in);
+  const Finding* found = find(findings, "status word");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->level, Level::error);
+  EXPECT_EQ(found->found,
+            "slave 3 'feeder' refuses its status word, parameter 301, with error 0xFFFB: whether it is "
+            "synchronized cannot be known");
+  EXPECT_NE(found->remedy.find("startup.status_parameter"), std::string::npos);
+}
+
 TEST(Doctor, WithoutADaemonSaysWhatItCouldNotSee) {
   DoctorInput in = healthy();
   in.status.reset();

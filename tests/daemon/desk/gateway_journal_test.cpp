@@ -30,15 +30,16 @@ TEST(GatewayJournal, EveryEventThatClientsSeeHasItsEntry) {
   ASSERT_TRUE(rig.client.wait_for<gateway_Event>(
       [](const auto& e) { return std::string_view(e.code) == "state_changed"; }));
   const auto& events = rig.client.all<gateway_Event>();
-  EXPECT_EQ(events.size(), 21u);
+  EXPECT_EQ(events.size(), 22u);
   for (const gateway_Event& event : events) {
     const KeptJournal::Entry entry = entry_of(rig, event.number);
     EXPECT_EQ(entry.field("EVENT"), event.code);
     EXPECT_EQ(entry.field("BUS"), "testbus");
     EXPECT_EQ(entry.field("SLAVE"), event.slave < 0 ? "" : std::to_string(event.slave)) << event.code;
     EXPECT_EQ(entry.field("CANSYNC_INTERVAL"), std::to_string(event.interval)) << event.code;
-    EXPECT_EQ(entry.field("PARAMETER"), std::string_view(event.code) == "slave_check_failed" ? "100" : "")
-        << event.code;
+    const std::string_view code = event.code;
+    const bool of_parameter = code == "slave_check_failed" || code == "slave_status_refused";
+    EXPECT_EQ(entry.field("PARAMETER"), of_parameter ? "100" : "") << event.code;
     EXPECT_NE(entry.message.find(event.text), std::string::npos) << event.code;
     const LogPriority expected = event.severity == gateway_SEVERITY_ERROR     ? LogPriority::error
                                  : event.severity == gateway_SEVERITY_WARNING ? LogPriority::warning

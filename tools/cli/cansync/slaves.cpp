@@ -4,7 +4,9 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "cli/base/status_refusal.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 
@@ -36,7 +38,14 @@ JsonObject slave_object(const client::SlaveStatus& slave) {
       .add("times_lost", slave.times_lost)
       .add("times_returned", slave.times_returned)
       .add("jobs_ended", slave.jobs_ended)
-      .add("profile", slave.profile);
+      .add("profile", slave.profile)
+      .add("status_parameter", slave.status_parameter)
+      .add("status_error", slave.status_error);
+}
+
+std::string status_text(const client::SlaveStatus& slave) {
+  if (slave.status_error != 0) return fmt::format("error 0x{:04X}", slave.status_error);
+  return slave.status_known ? fmt::format("0x{:04X}", slave.status_word) : "-";
 }
 
 void add_slave_row(Table& table, const client::SlaveStatus& slave) {
@@ -44,13 +53,12 @@ void add_slave_row(Table& table, const client::SlaveStatus& slave) {
     return fmt::format("{:.1f}", static_cast<double>(time) / 1e3);
   };
   table.add({fmt::format("{}", slave.slave), slave.name, slave.state, slave.responds ? "yes" : "no",
-             slave.synchronized ? "yes" : "no",
-             slave.status_known ? fmt::format("0x{:04X}", slave.status_word) : "-",
-             fmt::format("{}", slave.last_seen), fmt::format("{}", slave.answers),
-             fmt::format("{}", slave.unanswered), fmt::format("{}", slave.missed_actual),
-             fmt::format("{}", slave.slow_answers), microseconds(slave.last_response),
-             microseconds(slave.longest_response), fmt::format("{}", slave.times_lost),
-             fmt::format("{}", slave.times_returned), fmt::format("{}", slave.jobs_ended)});
+             slave.synchronized ? "yes" : "no", status_text(slave), fmt::format("{}", slave.last_seen),
+             fmt::format("{}", slave.answers), fmt::format("{}", slave.unanswered),
+             fmt::format("{}", slave.missed_actual), fmt::format("{}", slave.slow_answers),
+             microseconds(slave.last_response), microseconds(slave.longest_response),
+             fmt::format("{}", slave.times_lost), fmt::format("{}", slave.times_returned),
+             fmt::format("{}", slave.jobs_ended)});
 }
 
 std::vector<Table::Column> slave_columns() {
@@ -63,7 +71,8 @@ std::vector<Table::Column> slave_columns() {
            "(its return parameters), and held (they are not right; see `events`, then `release`)"},
           {"RESPONDS", left, "whether it answers"},
           {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
-          {"STATUS", left, "its last status word; - = never read since it responds"},
+          {"STATUS", left,
+           "its last status word; - = never read since it responds; error = it refuses to give it"},
           {"LAST SEEN", right, "interval of its last telegram"},
           {"ANSWERS", right, "answers on the command channel"},
           {"UNANSWERED", right, "commands without an answer"},
@@ -80,14 +89,18 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   session.look_only();
   const std::uint32_t wanted = session.configured_slaves(options.slaves);
   Table table(slave_columns());
+  std::vector<std::string> refusals;
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
+    if (slave.status_error != 0)
+      refusals.push_back(status_refusal(slave) + "; mend: " + kStatusRefusalRemedy);
     if (session.json())
       session.output().object(slave_object(slave));
     else
       add_slave_row(table, slave);
   }
   if (!session.json()) session.output().table(table);
+  for (const std::string& refused : refusals) session.output().remark(refused);
   return ExitCode::done;
 }
 

@@ -18,7 +18,10 @@ void ask_daemon(Session& session, DoctorInput& in) {
     client::Client& client = session.client();
     DaemonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status(), std::nullopt};
     // Others have a status of their own, which the findings do not need.
-    if (client::text(status.gateway.protocol) == "cansync-master") status.master = client.master_status();
+    if (client::text(status.gateway.protocol) == "cansync-master") {
+      status.master = client.master_status();
+      status.slaves = client.slaves();
+    }
     in.status = status;
     in.participants = client.participants();
     in.incompatible = client.gateway_status().incompatible;

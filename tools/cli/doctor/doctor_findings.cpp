@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cli/base/status_refusal.h"
 #include "cli/doctor/doctor_link.h"
 #include "cli/doctor/finding_list.h"
 
@@ -179,6 +180,11 @@ void look_at_second_master(const client::MasterStatus& status, FindingList& out)
     out.ok("second master", "none was heard");
 }
 
+void look_at_status_words(const Status& status, FindingList& out) {
+  for (const client::SlaveStatus& slave : status.slaves)
+    if (slave.status_error != 0) out.error("status word", status_refusal(slave), kStatusRefusalRemedy);
+}
+
 void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string_view input = status.realtime.sync_input;
   const std::string_view output = status.realtime.sync_output;
@@ -221,6 +227,7 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
     look_at_timestamps(in, *in.status, out);
     look_at_sync(in, *in.status, out);
     if (in.status->master) look_at_second_master(*in.status->master, out);
+    look_at_status_words(*in.status, out);
     look_at_rights(in, *in.status, out);
     look_at_processor(in, *in.status, out);
   }

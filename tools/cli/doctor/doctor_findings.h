@@ -34,7 +34,8 @@ struct DaemonStatus {
   client::GatewayStatus gateway;
   client::BusStatus bus;
   client::RealtimeStatus realtime;
-  std::optional<client::MasterStatus> master;  ///< of a line of CANsync alone
+  std::optional<client::MasterStatus> master;    ///< of a line of CANsync alone
+  std::vector<client::SlaveStatus> slaves = {};  ///< likewise
 };
 
 /// Everything the findings are made of.

@@ -319,6 +319,27 @@ TEST(Override, GoesThroughTheSameChecks) {
   }
 }
 
+// ---- status words
+
+TEST(ConfigStatusWord, StandsInOneHalfOfAnActualValueThatIsMapped) {
+  const Config config = good(
+      "[process]\npolling_apart = true\n[[slave]]\nnumber = 3\nstatus_value = 5\n"
+      "status_high = true\n[[slave]]\nnumber = 4\nstatus_value = 0\n",
+      {});
+  EXPECT_EQ(config.master.slaves[3].status_value, (cansync::ActualWord{5, true}));
+  EXPECT_EQ(config.master.slaves[4].status_value, (cansync::ActualWord{0, false}));
+  EXPECT_TRUE(config.master.process.polling_apart);
+  const auto problems = [](const std::string& slave) {
+    return problems_text(from_text("[[slave]]\nnumber = 3\n" + slave).problems);
+  };
+  EXPECT_NE(problems("status_value = 6\n")
+                .find("slave.3.status_value: found 6, low word; allowed: a word of the "
+                      "slave's mapping of actual values"),
+            std::string::npos)
+      << problems("status_value = 6\n");
+  EXPECT_NE(problems("status_high = true\n").find("found without status_value"), std::string::npos);
+}
+
 // ---- slaves that return
 
 TEST(ConfigReturn, ListsKeepTheirOrderAndTakeBothNotations) {
