@@ -220,6 +220,28 @@ TEST_F(AnswerTest, S20TheApplicationLearnsThatItsAnswerWasOnTheBus) {
   EXPECT_EQ(slave_.response_counters().sent, 2u);
 }
 
+TEST_F(AnswerTest, S20AWriteWhoseAnswerWasNeverOnTheBusIsNotWrittenAgain) {
+  set_up();
+  const can::Frame write = command({0x71, 0x90, 0x22, 0x11, 0, 0});
+  const auto first = slave_.receive(write, microseconds(400));
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(slave_.may_start(*first, microseconds(951))) << "too late: the master asks again";
+  EXPECT_EQ(application_.take(), "write 400/0 w 4386");
+  application_.parameter.error = ParameterError::above_maximum;
+  const auto again = slave_.receive(write, microseconds(400));
+  ASSERT_TRUE(again && slave_.may_start(*again, microseconds(420)));
+  EXPECT_EQ(again->frame, first->frame) << "the same answer";
+  EXPECT_EQ(application_.take(), "");
+  slave_.sent(again->frame);
+  EXPECT_EQ(application_.take(), "parameter answered");
+  EXPECT_NE(slave_.receive(write, microseconds(400))->frame, first->frame) << "a write of its own";
+  EXPECT_EQ(application_.take(), "write 400/0 w 4386");
+  send(command({0x71, 0x90, 0x23, 0x11, 0, 0}));
+  application_.take();
+  send(write);
+  EXPECT_EQ(application_.take(), "write 400/0 w 4386") << "another one was between";
+}
+
 TEST_F(AnswerTest, S23TheApplicationLearnsThatTheEndOfABlockWasAnswered) {
   set_up();
   auto answer = slave_.receive(command({0x90, 12, 0, 1, 0, 0, 0, 0}), microseconds(400));

@@ -127,6 +127,8 @@ class SlaveRun {
     const auto answer = slave_.receive(frame, Duration(in_.number<std::uint32_t>()));
     last_answer_.reset();
     if (answer) last_answer_ = answer->frame;
+    const bool on_the_bus = answer && in_.flag() && slave_.may_start(*answer, answer->window.earliest);
+    if (on_the_bus) slave_.sent(answer->frame);
     require(application_.asked() <= 1, "the application is asked once for each frame");
     const Decoded decoded = decode(frame);
     const auto* telegram = std::get_if<Telegram>(&decoded);
@@ -163,6 +165,11 @@ class SlaveRun {
 
   void check_parameter(const ParameterCommand& asked, const ParameterReply& said) {
     require(said.number == asked.number, "an answer names the parameter");
+    const bool write = asked.kind != ParameterCommand::Kind::read;
+    if (application_.asked() == 0 && asked.element == kValueElement) {
+      require(write && !said.busy, "a write whose answer was never on the bus is not asked for again");
+      return;
+    }
     if (application_.asked() == 0) {
       require(said.error && asked.element != kValueElement && asked.kind != ParameterCommand::Kind::read,
               "only an element that cannot be written is refused without asking");

@@ -198,6 +198,7 @@ bool Slave::control(ControlCommand command) noexcept {
     pending_.reset();
     sync_activated_ = false;
     sync_mode_.reset();
+    written_.reset();
     handed_[index(AnswerSlot::response)].reset();
   }
   if (!is_active(state_)) forget_interval();
@@ -284,7 +285,10 @@ void Slave::sent(const can::Frame& answer) noexcept {
   if (!response || response->frame != answer) return;
   response.reset();
   ++responses_.sent;
-  if (answered_kind_ == Answered::parameter) application_.parameter_answered();
+  if (answered_kind_ == Answered::parameter) {
+    written_.reset();
+    application_.parameter_answered();
+  }
   if (answered_kind_ == Answered::transfer) application_.transfer_answered();
 }
 
@@ -333,6 +337,11 @@ std::optional<can::Frame> Slave::answer(const ReferenceTelegram& telegram) noexc
 
 std::optional<can::Frame> Slave::answer(const ParameterCommand& command) noexcept {
   if (command.slave != settings_.number) return std::nullopt;
+  if (written_ == command) {
+    note_answer(false, Answered::parameter);
+    return written_answer_;
+  }
+  written_.reset();
   if (pending_ && *pending_ != command) application_.parameter_dropped();
   pending_.reset();
   ParameterAnswer answer;
@@ -349,7 +358,12 @@ std::optional<can::Frame> Slave::answer(const ParameterCommand& command) noexcep
   }
   if (answer.busy) pending_ = command;
   note_answer(answer.busy, by);
-  return encode(reply_to(command, answer));
+  const can::Frame frame = encode(reply_to(command, answer));
+  if (command.kind != ParameterCommand::Kind::read && !answer.busy && by == Answered::parameter) {
+    written_ = command;
+    written_answer_ = frame;
+  }
+  return frame;
 }
 
 /// A busy answer needs no word when it was on the bus; a newer answer replaces one that was not.

@@ -130,7 +130,8 @@ enum class ActualRelease : std::uint8_t {
 /// process data too.
 /// A command that replaces one answered busy drops the latter, unanswered. A transfer telegram that was
 /// answered well and comes again (its answer was lost) gets the same answer, and the application is not
-/// asked. Nothing allocates, blocks or throws; not thread safe.
+/// asked; so does a write whose answer was never on the bus: nothing is written twice. Nothing allocates,
+/// blocks or throws; not thread safe.
 class Slave {
  public:
   /// `application` must outlive the slave.
@@ -276,8 +277,10 @@ class Slave {
   Answered answered_kind_ = Answered::none;  ///< whose the newest answer to a command is
   std::array<ActualCounters, kChannels> counters_ = {};
   ResponseCounters responses_;
-  std::optional<Telegram> answered_;  ///< transfer telegram answered last, without busy or error
-  can::Frame last_answer_;            ///< its answer
+  std::optional<ParameterCommand> written_;  ///< a write whose answer was not on the bus yet
+  can::Frame written_answer_;                ///< that answer
+  std::optional<Telegram> answered_;         ///< transfer telegram answered last, without busy or error
+  can::Frame last_answer_;                   ///< its answer
   std::array<Values, kSlaves> monitored_ = {};
   std::array<std::array<std::uint32_t, kChannels>, kSlaves> monitored_count_ = {};
   std::array<std::array<IntervalNumber, kChannels>, kSlaves> monitored_interval_ = {};

@@ -142,35 +142,6 @@ TEST_P(SlaveAcceptance, S28ResponsesKeepTheirTimesWhateverTheLoad) {
 
 // --- transfers
 
-/// An application that moves blocks to and from `memory`; it takes `intervals` for each answer.
-std::function<void(SlaveNode&)> moves_blocks(std::vector<std::uint8_t>& memory, unsigned intervals = 0) {
-  return [&memory, intervals, waited = 0u](SlaveNode& node) mutable {
-    cansync::BlockArea& area = node.service.area();
-    if (!node.block) return;
-    if (waited++ < intervals) return;
-    waited = 0;
-    const std::uint64_t id = node.block->id;
-    const bool upload = node.block->direction == cansync::AskedBlock::Direction::upload;
-    if (area.allow(id, upload && node.block->area ? std::span<const std::uint8_t>(memory)
-                                                  : std::span<const std::uint8_t>()))
-      return;
-    if (node.complete) {
-      memory.assign(area.data().begin(), area.data().end());
-      EXPECT_TRUE(area.take(id));
-      node.complete.reset();
-    } else if (node.step) {
-      const cansync::AskedStep step = *std::exchange(node.step, std::nullopt);
-      if (upload) {
-        EXPECT_TRUE(area.step(id, std::span(memory).subspan(step.offset, step.bytes)));
-      } else {
-        memory.resize(std::max<std::size_t>(memory.size(), step.offset + step.bytes));
-        std::copy_n(step.data.begin(), step.bytes, memory.begin() + step.offset);
-        EXPECT_TRUE(area.step(id));
-      }
-    }
-  };
-}
-
 TEST_P(SlaveAcceptance, S23TransfersOfEveryLengthThroughTheAreaAndTelegramByTelegram) {
   for (const bool area : {true, false}) {
     SlaveLine line(GetParam());

@@ -55,7 +55,8 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
 
   /// The application's turn, once in each interval, after its edge.
   std::function<void(SlaveNode&)> application;
-  bool release = true;  ///< the application releases its actual values in each interval
+  bool sends_late = false;  ///< a mutant that does not keep its slots
+  bool release = true;      ///< the application releases its actual values in each interval
   cansync::Values actual = {0x1000, 0x2000, 0, 0, 0x3000, 0x4000, 0, 0};
 
   std::optional<cansync::AskedParameter> parameter;  ///< waits for the application
@@ -65,6 +66,7 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
   std::map<cansync::BlockEnd, unsigned> ends;
   std::map<std::uint64_t, unsigned> told;  ///< how often the end of each access was told
   unsigned jobs_dropped = 0;
+  std::vector<std::uint64_t> dropped_ids;
   unsigned jobs_answered = 0;
   std::vector<std::uint16_t> control_words;
   std::vector<cansync::SlaveFault> faults;
@@ -100,7 +102,7 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
     const auto answer = slave.receive(frame, end - edge);
     if (!answer) return std::nullopt;
     const can::Time ready = std::max(end, edge + answer->window.earliest) + delay;
-    if (!slave.may_start(*answer, ready - edge)) return std::nullopt;
+    if (!slave.may_start(*answer, ready - edge) && !sends_late) return std::nullopt;
     return Transmission{answer->frame, ready};
   }
   std::optional<Transmission> on_sent(const can::Frame& frame, can::Time) noexcept override {
@@ -117,6 +119,7 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
   void dropped(std::uint64_t id) noexcept override {
     ++told[id];
     ++jobs_dropped;
+    dropped_ids.push_back(id);
     parameter.reset();
   }
   void answered(std::uint64_t id) noexcept override {
@@ -313,6 +316,36 @@ inline std::vector<std::uint8_t> bytes_of(std::size_t size) {
   std::vector<std::uint8_t> bytes(size);
   std::iota(bytes.begin(), bytes.end(), std::uint8_t{3});
   return bytes;
+}
+
+/// An application that moves blocks to and from `memory`; it takes `intervals` for each answer.
+inline std::function<void(SlaveNode&)> moves_blocks(std::vector<std::uint8_t>& memory,
+                                                    unsigned intervals = 0) {
+  return [&memory, intervals, waited = 0u](SlaveNode& node) mutable {
+    cansync::BlockArea& area = node.service.area();
+    if (!node.block) return;
+    if (waited++ < intervals) return;
+    waited = 0;
+    const std::uint64_t id = node.block->id;
+    const bool upload = node.block->direction == cansync::AskedBlock::Direction::upload;
+    if (area.allow(id, upload && node.block->area ? std::span<const std::uint8_t>(memory)
+                                                  : std::span<const std::uint8_t>()))
+      return;
+    if (node.complete) {
+      memory.assign(area.data().begin(), area.data().end());
+      EXPECT_TRUE(area.take(id));
+      node.complete.reset();
+    } else if (node.step) {
+      const cansync::AskedStep step = *std::exchange(node.step, std::nullopt);
+      if (upload) {
+        EXPECT_TRUE(area.step(id, std::span(memory).subspan(step.offset, step.bytes)));
+      } else {
+        memory.resize(std::max<std::size_t>(memory.size(), step.offset + step.bytes));
+        std::copy_n(step.data.begin(), step.bytes, memory.begin() + step.offset);
+        EXPECT_TRUE(area.step(id));
+      }
+    }
+  };
 }
 
 }  // namespace sim::test
