@@ -8,11 +8,13 @@ namespace {
 
 void describe(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("cansyncd " CANSYNC_VERSION));
-  auto* config =
-      app.add_option("CONFIG", arguments.config, "Configuration file (TOML); runs the bus it describes");
-  auto* check = app.add_option("--check", arguments.check,
-                               "Check this configuration file, print its bus budget and start nothing")
-                    ->type_name("FILE");
+  auto* config = app.add_option("CONFIG", arguments.config,
+                                "Configuration files (TOML); runs the bus that each describes");
+  auto* check =
+      app.add_option("--check", arguments.check,
+                     "Check these configuration files, each and together, print their bus budgets and "
+                     "start nothing")
+          ->type_name("FILE");
   auto* dbc = app.add_option("--print-dbc", arguments.dbc,
                              "Print the bus of this configuration file as a DBC file, for other CAN tools")
                   ->type_name("FILE");
@@ -51,6 +53,11 @@ std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* co
   if (arguments.config.empty() && arguments.check.empty() && !prints) {
     return CommandLineEnd{
         true, "cansyncd: no configuration file given\nusage: cansyncd CONFIG, or cansyncd --help\n"};
+  }
+  if (!arguments.trace.empty() && arguments.config.size() > 1) {
+    return CommandLineEnd{true,
+                          "cansyncd: --trace is for one configuration file; with several, give each its own "
+                          "option sim.trace\n"};
   }
   return arguments;
 }

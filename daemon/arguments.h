@@ -11,9 +11,9 @@ namespace cansyncd {
 
 /// What stands on the command line; empty: not given.
 struct Arguments {
-  std::string config;  ///< file to run with
-  std::string check;   ///< file to check instead
-  std::string dbc;     ///< file to print as DBC instead
+  std::vector<std::string> config;  ///< files to run with, one for each bus
+  std::vector<std::string> check;   ///< files to check instead
+  std::string dbc;                  ///< file to print as DBC instead
   std::string trace;
   std::string domain;
   std::vector<std::string> set;  ///< KEY=VALUE

@@ -1,5 +1,7 @@
 #include "daemon/configuration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -64,11 +66,56 @@ LoadedConfig load_configuration(const std::string& path, std::span<const std::st
                                 Protocols protocols) {
   // A file that cannot be read, or is not TOML, is told by the protocol's own reader.
   Choice choice = choose(protocol_alone(config::read_document(path)), overrides, protocols);
-  if (choice.protocol != nullptr) return choice.protocol->load(path, overrides);
   LoadedConfig loaded;
-  loaded.problems = std::move(choice.problems);
-  loaded.bus_name = BusConfig{}.name;
+  if (choice.protocol != nullptr) {
+    loaded = choice.protocol->load(path, overrides);
+  } else {
+    loaded.problems = std::move(choice.problems);
+  }
+  loaded.path = path;
   return loaded;
+}
+
+std::vector<config::Problem> check_together(std::span<const LoadedConfig> files) {
+  std::vector<config::Problem> problems;
+  // What two buses cannot have both; nothing: this bus does not have it.
+  const auto apart = [&](std::string_view key, const auto& of, std::string_view remedy) {
+    for (std::size_t i = 1; i < files.size(); ++i) {
+      const std::optional<std::string> mine = of(files[i].daemon);
+      for (std::size_t j = 0; j < i && mine; ++j) {
+        if (of(files[j].daemon) != mine) continue;
+        problems.push_back({{files[i].path, 0, 0},
+                            std::string(key),
+                            fmt::format("{} is that of {}, too; {}", *mine, files[j].path, remedy)});
+        break;
+      }
+    }
+  };
+  apart(
+      "bus.name",
+      [](const DaemonConfig& config) -> std::optional<std::string> {
+        return fmt::format("{} in DDS domain {}", config.dds.partition, config.dds.domain);
+      },
+      "clients could not tell the two apart: each bus needs a name of its own");
+  apart(
+      "bus.interface",
+      [](const DaemonConfig& config) {
+        return config.bus.kind == BusKind::simulated ? std::nullopt : std::optional(config.bus.interface);
+      },
+      "one interface is one bus, with one file");
+  apart(
+      "metrics.file",
+      [](const DaemonConfig& config) {
+        return config.metrics.file.empty() ? std::nullopt : std::optional(config.metrics.file);
+      },
+      "each bus writes a file of its own");
+  apart(
+      "sim.trace",
+      [](const DaemonConfig& config) {
+        return config.sim.trace.empty() ? std::nullopt : std::optional(config.sim.trace);
+      },
+      "each bus writes a file of its own");
+  return problems;
 }
 
 std::string print_default_config(std::span<const std::string> overrides, Protocols protocols) {

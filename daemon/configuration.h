@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "daemon/segment/protocol.h"
 
@@ -15,6 +16,10 @@ using Protocols = std::span<const ProtocolInfo* const>;
 /// the only problem then. Never throws for a wrong file.
 LoadedConfig load_configuration(const std::string& path, std::span<const std::string> overrides,
                                 Protocols protocols);
+
+/// What keeps files from being served by one process: two buses of one name in a DDS domain, on one
+/// interface, or with one file to write. Each problem names both files.
+std::vector<config::Problem> check_together(std::span<const LoadedConfig> files);
 
 /// The default configuration of the protocol that `overrides` name, else of the first. Throws
 /// std::runtime_error, which says what is allowed, for a name that none has.

@@ -7,8 +7,12 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "daemon/segment/bus_participants.h"
 #include "daemon/segment/segment.h"
+#include "daemon/service/bus_prefix.h"
 #include "daemon/service/heartbeat.h"
 #include "daemon/service/journal_queue.h"
 #include "daemon/service/service.h"
@@ -33,41 +37,62 @@ void tell_changes(const ReloadPlan& plan, const ServiceLog& log) {
     log.say(LogPriority::notice, "reload_without_change", "nothing has changed");
 }
 
-void reload(Segment& segment, const std::string& path, std::span<const std::string> overrides,
-            const ServiceLog& log) {
-  service::reloading();
-  const ReloadPlan plan = segment.plan_reload(overrides);
+/// One bus of the process.
+struct Bus {
+  Bus(const LoadedConfig& from, JournalSink& journal) : config(from), log(from.daemon.bus.name, journal) {}
+  const LoadedConfig& config;
+  const ServiceLog log;
+  std::unique_ptr<Segment> segment;
+};
+/// None of them moves: a segment is made when its place is there.
+using Buses = std::vector<Bus>;
+
+void reload(const Bus& bus, std::span<const std::string> overrides) {
+  const std::string& path = bus.config.path;
+  const ReloadPlan plan = bus.segment->plan_reload(overrides);
   if (!plan.problems.empty()) {
-    log.say(LogPriority::error, "reload_refused",
-            plan.file_wrong
-                ? fmt::format("{} is wrong; the daemon keeps running as before", path)
-                : fmt::format("the changes of {} need a restart; the daemon keeps running as before", path),
-            {{"CANSYNC_FILE", path}});
-    log.problems(plan.problems);
+    bus.log.say(
+        LogPriority::error, "reload_refused",
+        plan.file_wrong
+            ? fmt::format("{} is wrong; the daemon keeps running as before", path)
+            : fmt::format("the changes of {} need a restart; the daemon keeps running as before", path),
+        {{"CANSYNC_FILE", path}});
+    bus.log.problems(plan.problems);
   } else {
-    tell_changes(plan, log);
+    tell_changes(plan, bus.log);
     plan.apply();
   }
-  service::ready();
+}
+
+/// Of each bus, in their order.
+std::vector<Heartbeat::Progress> progress(const Buses& buses) {
+  std::vector<Heartbeat::Progress> all;
+  for (const Bus& bus : buses) all.push_back(bus.segment->progress());
+  return all;
 }
 
 /// Until SIGTERM or SIGINT.
-void serve(Segment& segment, const SignalWait& signals, const std::string& path,
-           std::span<const std::string> overrides, const ServiceLog& log) {
+void serve(const Buses& buses, const SignalWait& signals, std::span<const std::string> overrides,
+           const ServiceLog& log) {
   Heartbeat heartbeat(service::watchdog());
   while (true) {
     const std::optional<int> number = signals.wait(heartbeat.period());
     if (!number) {
-      if (heartbeat.look(segment.progress())) service::alive();
+      if (heartbeat.look(progress(buses))) service::alive();
       continue;
     }
     if (*number == SIGHUP) {
-      reload(segment, path, overrides, log);
+      service::reloading();
+      for (const Bus& bus : buses) reload(bus, overrides);
+      service::ready();
       continue;
     }
     if (*number == SIGUSR1) {
-      if (!segment.record())
-        log.say(LogPriority::warning, "recorder_off", "no flight recording: the flight recorder is off");
+      for (const Bus& bus : buses) {
+        if (!bus.segment->record())
+          bus.log.say(LogPriority::warning, "recorder_off",
+                      "no flight recording: the flight recorder is off");
+      }
       continue;
     }
     log.say(LogPriority::notice, "daemon_stopping",
@@ -77,23 +102,43 @@ void serve(Segment& segment, const SignalWait& signals, const std::string& path,
   }
 }
 
+/// Everything that can fail is done before anything of the buses runs: either all of them start or none.
+void start(Buses& buses, JournalSink& journal) {
+  std::vector<const DaemonConfig*> configs;
+  for (const Bus& bus : buses) configs.push_back(&bus.config.daemon);
+  std::vector<gateway::dds::Participant> participants = bus_participants(configs);
+  for (std::size_t i = 0; i < buses.size(); ++i)
+    buses[i].segment = buses[i].config.make_segment(journal, std::move(participants[i]));
+  for (const Bus& bus : buses) bus.segment->start();
+}
+
+std::string names_of(std::span<const LoadedConfig> files) {
+  std::string names;
+  for (const LoadedConfig& file : files) names += (names.empty() ? "" : ",") + file.daemon.bus.name;
+  return names;
+}
+
 }  // namespace
 
-int run_daemon(const LoadedConfig& config, const std::string& path, std::span<const std::string> overrides) {
+int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string> overrides) {
   const SignalWait signals;
   const bool small_stacks = rt::set_default_stack_size(kThreadStack);
-  JournalQueue journal(process_journal(), config.bus_name);
-  const ServiceLog log(config.bus_name, journal);
+  BusPrefix with_names(process_journal());
+  JournalSink& sink = files.size() > 1 ? with_names : process_journal();
+  JournalQueue journal(sink, names_of(files));
+  const ServiceLog log(names_of(files), journal);
   if (!small_stacks) {
     log.say(LogPriority::warning, "stack_size_kept",
             "thread stacks keep the system's size; locked memory will be larger");
   }
   try {
-    const std::unique_ptr<Segment> segment = config.make_segment(journal);
-    segment->start();
+    Buses buses;
+    buses.reserve(files.size());
+    for (const LoadedConfig& file : files) buses.emplace_back(file, journal);
+    start(buses, journal);
     service::ready();
-    serve(*segment, signals, path, overrides, log);
-    segment->stop();
+    serve(buses, signals, overrides, log);
+    for (const Bus& bus : buses) bus.segment->stop();
   } catch (const std::exception& error) {
     log.say(LogPriority::error, "daemon_cannot_run", fmt::format("cannot run: {}", error.what()));
     return exit_code::cannot_start;

@@ -15,8 +15,9 @@ inline constexpr int wrong_usage = 2;    ///< wrong command line
 inline constexpr int wrong_config = 78;  ///< wrong configuration; EX_CONFIG, not to be tried again
 }  // namespace exit_code
 
-/// Runs the daemon with a configuration that has no problems until SIGTERM or SIGINT; SIGHUP reads the file
-/// `path` again with the same overrides. Returns an exit code. Main thread, before any other thread exists.
-int run_daemon(const LoadedConfig& config, const std::string& path, std::span<const std::string> overrides);
+/// Runs the daemon until SIGTERM or SIGINT, a bus for each of the files: at least one, without problems, each
+/// alone and together. SIGHUP reads them again with the same overrides. Returns an exit code. Main thread,
+/// before any other thread exists.
+int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string> overrides);
 
 }  // namespace cansyncd

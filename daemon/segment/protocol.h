@@ -13,6 +13,7 @@
 #include "daemon/config/daemon_config.h"
 #include "daemon/segment/segment.h"
 #include "daemon/service/journal.h"
+#include "dds/participant.h"
 
 /// What a protocol is to the daemon. A new one is a folder `daemon/NAME/` with its own CMakeLists.txt that
 /// adds its sources to the target `cansync_daemon`, and one line in `daemon/protocols.cpp`.
@@ -20,16 +21,20 @@ namespace cansyncd {
 
 /// A configuration as a protocol has read it. Main thread.
 struct LoadedConfig {
-  /// Everything found wrong, in the order of the file. Not empty: of the rest only `bus_name` is there.
+  std::string path;  ///< of the file
+  /// Everything found wrong, in the order of the file. Not empty: of the rest only the path and the bus's
+  /// name are there.
   std::vector<config::Problem> problems;
-  std::string bus_name;  ///< for the journal; a default when the file is wrong
+  DaemonConfig daemon;  ///< the daemon's part; defaults when the file is wrong
   /// What `--check` tells beside "in order": lines that end with a line feed; may be empty.
   std::string check_text;
   /// The bus as a DBC file; empty: the protocol has none. Called at most once.
   std::function<std::string()> dbc_text;
-  /// Makes the segment. Called at most once, before any other thread exists but the journal's, which must
-  /// outlive the segment. Throws a std::exception that names what cannot be had and the remedy.
-  std::function<std::unique_ptr<Segment>(JournalSink& journal)> make_segment;
+  /// Makes the segment on the participant of `daemon`'s DDS options. Called at most once, before any thread
+  /// runs but those of the journal and DDS; the journal must outlive the segment. Throws a std::exception
+  /// that names what cannot be had and the remedy.
+  std::function<std::unique_ptr<Segment>(JournalSink& journal, gateway::dds::Participant participant)>
+      make_segment;
 };
 
 /// One protocol. All members are needed; the functions are for the main thread.

@@ -11,7 +11,6 @@
 #include "daemon/bus/sim_bus.h"
 #include "daemon/loop/realtime_text.h"
 #include "dds/gateway_topics.h"
-#include "dds/other_daemons.h"
 #include "dds/security.h"
 #include "rt/kernel_type.h"
 #include "sync/system.h"
@@ -55,16 +54,6 @@ std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
   if (auto wrong = security_problem(config.dds))
     problems.push_back({place_of("dds.security", settings, path), "dds.security", *std::move(wrong)});
   return problems;
-}
-
-FreeName::FreeName(const DaemonConfig& config, const gateway::dds::Participant& participant) {
-  if (config.dds.name_in_use == NameInUse::event) return;
-  const std::string other = gateway::dds::name_in_use(participant);
-  if (other.empty()) return;
-  throw std::runtime_error(fmt::format(
-      "bus {} is served already ({}): {}. Clients could not tell the two apart: stop that one, or give this "
-      "one a bus.name (or dds.domain) of its own; dds.name_in_use = \"event\" starts it all the same",
-      config.bus.name, participant.place(), other));
 }
 
 rt::RealtimeSettings realtime_settings(const RealtimeConfig& config) {

@@ -11,7 +11,6 @@
 #include "daemon/config/daemon_config.h"
 #include "daemon/loop/sync_line.h"
 #include "daemon/service/service_log.h"
-#include "dds/participant.h"
 #include "rt/realtime_thread.h"
 #include "sim/fault_protocol.h"
 #include "sim/trace_file.h"
@@ -26,12 +25,6 @@ namespace cansyncd {
 std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
                                                 const std::vector<config::Setting>& settings,
                                                 const std::string& path, const sim::FaultProtocol& faults);
-
-/// Made before anything of the gateway is: throws std::runtime_error when another daemon serves the bus
-/// already, with its program, process and host, unless `dds.name_in_use` allows it. Looks for 0.3 s at most.
-struct FreeName {
-  FreeName(const DaemonConfig& config, const gateway::dds::Participant& participant);
-};
 
 /// What the realtime thread asks of the system.
 rt::RealtimeSettings realtime_settings(const RealtimeConfig& config);

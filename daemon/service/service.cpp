@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
+#include <mutex>
 
 namespace cansyncd::service {
 namespace {
@@ -20,8 +22,14 @@ void ready() {
   notify("READY=1");
 }
 
-void status(const std::string& text) {
-  notify("STATUS=" + text);
+void status(const std::string& bus, const std::string& text) {
+  static std::mutex mutex;
+  static std::map<std::string, std::string> buses;
+  const std::lock_guard lock(mutex);
+  buses[bus] = text;
+  std::string line;
+  for (const auto& [name, state] : buses) line += (line.empty() ? "" : " | ") + state;
+  notify("STATUS=" + line);
 }
 
 void alive() {

@@ -8,11 +8,12 @@
 /// the realtime thread.
 namespace cansyncd::service {
 
-void ready();                          ///< started, or reloaded
-void status(const std::string& text);  ///< the line that `systemctl status` shows
-void alive();                          ///< feeds the watchdog
-void reloading();                      ///< the configuration is being read again; `ready` ends it
-void stopping();                       ///< about to end
+void ready();  ///< started, or reloaded
+/// What `systemctl status` shows of a bus; with several buses all of them in one line.
+void status(const std::string& bus, const std::string& text);
+void alive();      ///< feeds the watchdog
+void reloading();  ///< the configuration is being read again; `ready` ends it
+void stopping();   ///< about to end
 
 /// Time after which the manager's watchdog takes an unfed service for hung; nothing: there is no watchdog.
 std::optional<std::chrono::microseconds> watchdog();

@@ -71,20 +71,32 @@ bool is_free(std::uint32_t port) noexcept {
   return ::bind(probe.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
-std::string serving_discovery(std::uint32_t domain, std::string_view bus, std::uint32_t place) {
+std::string_view place_owner(std::span<const std::string> buses) noexcept {
+  return buses.size() == 1 ? std::string_view(buses.front()) : std::string_view();
+}
+
+std::string serving_discovery(std::uint32_t domain, std::span<const std::string> buses, std::uint32_t place) {
+  const std::string_view owner = place_owner(buses);
+  const std::uint32_t asked = owner.empty() ? kSharedPlacesAsked : kPlacesAsked;
   Peers peers;
   // Another daemon of the same bus is in one of the places before this one, or asked here itself.
-  peers.add_places(domain, bus, std::max(place + 1, kPlacesAsked));
-  const bool easily_found = place < kPlacesAsked;
+  peers.add_places(domain, owner, std::max(place + 1, asked));
+  if (owner.empty()) {
+    for (const std::string& bus : buses) peers.add_places(domain, bus, kPlacesAsked);
+  } else {
+    peers.add_places(domain, {}, kSharedPlacesAsked);
+  }
+  const bool easily_found = place < asked;
   for (std::uint32_t index = 0; index < kPlaces && !easily_found; ++index)
     peers.add(asking_port(domain, index));
-  return fmt::format("{}{}{}", ports(fmt::to_string(index_of_place(bus, place)), kServingOffset),
+  return fmt::format("{}{}{}", ports(fmt::to_string(index_of_place(owner, place)), kServingOffset),
                      easily_found ? "" : kTellOften, peers.text());
 }
 
 std::string asking_discovery(std::uint32_t domain, std::string_view bus) {
   Peers peers;
   peers.add_places(domain, bus, kPlacesAsked);
+  peers.add_places(domain, {}, kSharedPlacesAsked);
   // A daemon that starts later does not know of the client.
   return fmt::format("{}{}{}", ports("auto", kServingOffset + 1), kTellOften, peers.text());
 }

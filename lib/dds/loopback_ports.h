@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -8,8 +9,9 @@
 /// others. A domain has 250 UDP ports; those that DDSI calls discovery ports of unicast belong to programs
 /// that serve, the ones between them to those that only ask. Which of its ports a daemon takes follows from
 /// the name of its bus: it takes the first free one of an order that the name decides, and who asks for that
-/// bus looks at the first few of it alone. Programs of others, which know nothing of this, look at all ports
-/// of those that serve.
+/// bus looks at the first few of it alone. A daemon of several buses can be in one place only: it takes one
+/// of the order of no name, at whose beginning everybody looks, too. Programs of others, which know nothing
+/// of this, look at all ports of those that serve.
 namespace gateway::dds {
 
 /// Ports of a domain: 250 from 7400 + 250 * domain on.
@@ -19,8 +21,11 @@ inline constexpr std::uint32_t kPortsOfDomain = 250;
 inline constexpr std::uint32_t kPlaces = 120;
 /// So many of them a client looks at. A daemon that found them all taken tells every port of clients.
 inline constexpr std::uint32_t kPlacesAsked = 6;
+/// So many places of daemons of several buses everybody looks at.
+inline constexpr std::uint32_t kSharedPlacesAsked = 3;
 
-/// Participant index, 0..kPlaces - 1, of the `place`th choice (0 and more, below kPlaces) of a bus.
+/// Participant index, 0..kPlaces - 1, of the `place`th choice (0 and more, below kPlaces) of a bus; without a
+/// name, of a daemon that serves several.
 std::uint32_t index_of_place(std::string_view bus, std::uint32_t place) noexcept;
 
 /// UDP port of a daemon with this index.
@@ -36,7 +41,10 @@ constexpr std::uint32_t asking_port(std::uint32_t domain, std::uint32_t index) n
 bool is_free(std::uint32_t port) noexcept;
 
 /// What Cyclone's <Discovery> is told for a daemon in a place of its bus, without the element itself.
-std::string serving_discovery(std::uint32_t domain, std::string_view bus, std::uint32_t place);
+/// `buses`: those it serves, at least one.
+std::string serving_discovery(std::uint32_t domain, std::span<const std::string> buses, std::uint32_t place);
+/// Whose order of places a daemon of these buses follows.
+std::string_view place_owner(std::span<const std::string> buses) noexcept;
 /// The same for a client.
 std::string asking_discovery(std::uint32_t domain, std::string_view bus);
 

@@ -57,24 +57,34 @@ OtherDaemons::News OtherDaemons::look() {
   return news;
 }
 
-std::string name_in_use(const Participant& participant) {
+std::vector<std::string> names_in_use(std::span<const Participant> buses) {
   using Clock = std::chrono::steady_clock;
   DataSignal signal;
-  OtherDaemons others(participant, {}, &signal);
+  std::vector<OtherDaemons> others;
+  others.reserve(buses.size());
+  for (const Participant& bus : buses) others.emplace_back(bus, DaemonIdentity{}, &signal);
   const auto begin = Clock::now();
-  while (others.there().empty()) {
+  const auto found = [&] {
+    return std::any_of(others.begin(), others.end(), [](const auto& bus) { return !bus.there().empty(); });
+  };
+  const auto alone = [&] {
+    return std::all_of(buses.begin(), buses.end(), [](const auto& bus) { return bus.others() == 0; });
+  };
+  while (!found()) {
     const auto waited = Clock::now() - begin;
-    const bool alone = participant.others() == 0;
-    const auto end = alone ? kShortLook : kLongestLook;
-    if (waited >= end) return "";
+    const auto end = alone() ? kShortLook : kLongestLook;
+    if (waited >= end) break;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - waited);
     // Others are found without a signal.
     constexpr std::chrono::milliseconds kLook{20};
     (void)signal.wait(static_cast<int>(std::min(left, kLook).count()));
     signal.clear();
-    (void)others.look();
+    for (OtherDaemons& bus : others) (void)bus.look();
   }
-  return others.there().front().name;
+  std::vector<std::string> names;
+  names.reserve(others.size());
+  for (const OtherDaemons& bus : others) names.push_back(bus.there().empty() ? "" : bus.there().front().name);
+  return names;
 }
 
 }  // namespace gateway::dds

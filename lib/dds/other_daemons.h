@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,9 +52,10 @@ class OtherDaemons {
   std::vector<OtherDaemon> there_;
 };
 
-/// Looks whether a daemon serves this bus already, before one is started: at most `kLongestLook`, and
-/// `kShortLook` when no other program is in the domain. Its name; empty: none was found. Throws SetupError.
-std::string name_in_use(const Participant& participant);
+/// Looks which of these buses a daemon serves already, before one is started: at most `kLongestLook` for all
+/// of them, and `kShortLook` when no other program is in their domains. The name of one daemon for each bus,
+/// in their order; empty: none was found. Throws SetupError.
+std::vector<std::string> names_in_use(std::span<const Participant> buses);
 inline constexpr std::chrono::milliseconds kShortLook{100};
 inline constexpr std::chrono::milliseconds kLongestLook{300};
 

@@ -8,7 +8,10 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <span>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "dds/loopback.h"
 #include "dds/loopback_ports.h"
@@ -40,6 +43,12 @@ OpenDomains& open_domains() {
   return open;
 }
 
+/// The buses of the participant.
+std::span<const std::string> buses_of(const ParticipantOptions& options) {
+  return options.all_partitions.empty() ? std::span(&options.partition, 1)
+                                        : std::span(options.all_partitions);
+}
+
 /// Does the built configuration keep to this computer?
 bool on_loopback(const ParticipantOptions& options) {
   return options.xml.empty() && options.interface == "lo";
@@ -69,7 +78,8 @@ dds_entity_t open_domain(const ParticipantOptions& options, std::uint32_t id) {
   };
   if (!on_loopback(options) || !options.serves) return open(0);
   for (std::uint32_t place = 0; place < kPlaces; ++place) {
-    const std::uint32_t port = serving_port(options.domain, index_of_place(options.partition, place));
+    const std::uint32_t port =
+        serving_port(options.domain, index_of_place(place_owner(buses_of(options)), place));
     if (!is_free(port)) continue;
     const dds_entity_t handle = open(place);
     // Another program may have taken it in between.
@@ -195,40 +205,50 @@ std::string configuration(const ParticipantOptions& options, std::uint32_t place
       "MiB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
   const bool loopback = options.interface == "lo";
   const auto discovery = [&] {
-    return options.serves ? serving_discovery(options.domain, options.partition, place)
+    return options.serves ? serving_discovery(options.domain, buses_of(options), place)
                           : asking_discovery(options.domain, options.partition);
   };
   return fmt::format(kFrame, options.interface, loopback ? "false" : "default", loopback ? discovery() : "",
                      options.serves ? kServes : "");
 }
 
-struct Participant::Impl {
-  explicit Impl(const ParticipantOptions& wanted) : options(wanted), domain(wanted) {}
-  ParticipantOptions options;
+/// What is one participant on the network.
+struct Participant::Shared {
+  explicit Shared(const ParticipantOptions& options) : domain(options) {
+    const Qos rights(dds_create_qos());
+    if (!options.security.empty()) add_security(rights.get(), options.security);
+    participant =
+        Entity(dds_create_participant(domain.id(), rights.get(), mismatch_listener(mismatches).get()));
+    if (!participant) {
+      fail_at(options, "creating the DDS participant", participant.get(),
+              options.security.empty()
+                  ? "is the interface up, and are UDP ports free?"
+                  : "with DDS Security: is it switched on for every participant of this domain in this "
+                    "program, and do the files of " +
+                        options.security + " fit together?");
+    }
+    if (on_loopback(options)) keep_to_loopback(options.domain);
+  }
   Mismatches mismatches;  // declared before what is listened to
   DomainShare domain;     // declared before its participant: goes after it
   Entity participant;
+};
+
+struct Participant::Impl {
+  ParticipantOptions options;
+  std::shared_ptr<Shared> shared;  // declared before its publisher and subscriber: goes after them
   Entity publisher;
   Entity subscriber;
 };
 
 Participant::Participant(const ParticipantOptions& options) {
   check_options(options);
-  impl_ = std::make_unique<Impl>(options);
-  const Qos rights(dds_create_qos());
-  if (!options.security.empty()) add_security(rights.get(), options.security);
-  const dds_entity_t participant =
-      dds_create_participant(impl_->domain.id(), rights.get(), mismatch_listener(impl_->mismatches).get());
-  if (participant < 0) {
-    fail("creating the DDS participant", participant,
-         options.security.empty()
-             ? "is the interface up, and are UDP ports free?"
-             : "with DDS Security: is it switched on for every participant of this domain in this program, "
-               "and do the files of " +
-                   options.security + " fit together?");
-  }
-  if (on_loopback(options)) keep_to_loopback(options.domain);
-  impl_->participant = Entity(participant);
+  *this = Participant(options, std::make_shared<Shared>(options));
+}
+
+Participant::Participant(const ParticipantOptions& options, std::shared_ptr<Shared> shared)
+    : impl_(std::make_unique<Impl>(Impl{options, std::move(shared), {}, {}})) {
+  const dds_entity_t participant = handle();
   const Qos qos(dds_create_qos());
   const char* partition = impl_->options.partition.c_str();
   dds_qset_partition(qos.get(), 1, &partition);
@@ -248,7 +268,7 @@ const ParticipantOptions& Participant::options() const noexcept {
   return impl_->options;
 }
 dds_entity_t Participant::handle() const noexcept {
-  return impl_->participant.get();
+  return impl_->shared->participant.get();
 }
 dds_entity_t Participant::publisher() const noexcept {
   return impl_->publisher.get();
@@ -269,15 +289,38 @@ std::uint32_t Participant::others() const noexcept {
 }
 
 std::uint64_t Participant::mismatches() const noexcept {
-  return impl_->mismatches.count;
+  return impl_->shared->mismatches.count;
 }
 
 std::uint64_t Participant::type_mismatches() const noexcept {
-  return impl_->mismatches.of_types;
+  return impl_->shared->mismatches.of_types;
 }
 
 std::string Participant::place() const {
   return place_of(impl_->options);
+}
+
+std::vector<Participant> participants(std::vector<ParticipantOptions> options) {
+  const auto network = [](const ParticipantOptions& one) {
+    return std::tie(one.domain, one.interface, one.xml, one.security, one.final_types);
+  };
+  for (ParticipantOptions& one : options) {
+    one.all_partitions.clear();
+    for (const ParticipantOptions& other : options) {
+      if (network(other) == network(one)) one.all_partitions.push_back(other.partition);
+    }
+    check_options(one);
+  }
+  std::vector<Participant> made;
+  made.reserve(options.size());
+  for (const ParticipantOptions& one : options) {
+    const auto known = std::find_if(made.begin(), made.end(), [&](const Participant& each) {
+      return network(each.options()) == network(one);
+    });
+    made.push_back(Participant(
+        one, known == made.end() ? std::make_shared<Participant::Shared>(one) : known->impl_->shared));
+  }
+  return made;
 }
 
 void Participant::fail(const std::string& what, dds_return_t code, const std::string& remedy) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "dds/entity.h"
 
@@ -27,6 +28,8 @@ struct ParticipantOptions {
   /// participants of a bus must have the same: those of the other kind do not match. False: appendable types,
   /// XCDR2.
   bool final_types = false;
+  /// With `serves`: all buses of the participant, this one's among them; empty: this one alone.
+  std::vector<std::string> all_partitions;
 };
 
 /// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, so that it
@@ -34,7 +37,8 @@ struct ParticipantOptions {
 /// there.
 std::string configuration(const ParticipantOptions& options, std::uint32_t place = 0);
 
-/// One participant in one domain with a publisher and a subscriber in one partition.
+/// One participant in one domain with a publisher and a subscriber in one partition. Several of one program
+/// can be the same participant on the network (`participants`).
 ///
 /// Participants of one process with the same domain and configuration share one of Cyclone's domains. With
 /// `xml`, the domain's number is taken for it in this process. Functions may be called from any thread.
@@ -73,8 +77,16 @@ class Participant {
   [[noreturn]] void fail(const std::string& what, dds_return_t code, const std::string& remedy) const;
 
  private:
+  struct Shared;
   struct Impl;
+  Participant(const ParticipantOptions& options, std::shared_ptr<Shared> shared);
+  friend std::vector<Participant> participants(std::vector<ParticipantOptions> options);
   std::unique_ptr<Impl> impl_;
 };
+
+/// What a program needs that serves several buses, in their order: those whose options differ in nothing but
+/// the partition are one participant on the network, and cost others what one bus does. All have `serves`;
+/// `all_partitions` is filled in. Throws SetupError as the constructor of Participant does.
+std::vector<Participant> participants(std::vector<ParticipantOptions> options);
 
 }  // namespace gateway::dds

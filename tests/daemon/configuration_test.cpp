@@ -29,7 +29,7 @@ std::string content(const fs::path& path) {
 template <char name>
 LoadedConfig load(const std::string& /*path*/, std::span<const std::string> /*overrides*/) {
   LoadedConfig loaded;
-  loaded.bus_name = name;
+  loaded.daemon.bus.name = name;
   return loaded;
 }
 template <char name>
@@ -67,11 +67,11 @@ class ProtocolOfAFile : public testing::Test {
 };
 
 TEST_F(ProtocolOfAFile, IsTheFirstUnlessTheFileOrTheCommandLineNamesAnother) {
-  EXPECT_EQ(load("").bus_name, "b");
-  EXPECT_EQ(load("[bus]\nname = \"x\"\n[oven]\nheat = 3\n").bus_name, "b");
-  EXPECT_EQ(load("[bus]\nprotocol = \"cake-2\"\n[oven]\nheat = 3\n").bus_name, "c");
-  EXPECT_EQ(load("", {"bus.name=x", "bus.protocol=cake-2"}).bus_name, "c");
-  EXPECT_EQ(load("[bus]\nprotocol = \"cake-2\"\n", {"bus.protocol=bread"}).bus_name, "b");
+  EXPECT_EQ(load("").daemon.bus.name, "b");
+  EXPECT_EQ(load("[bus]\nname = \"x\"\n[oven]\nheat = 3\n").daemon.bus.name, "b");
+  EXPECT_EQ(load("[bus]\nprotocol = \"cake-2\"\n[oven]\nheat = 3\n").daemon.bus.name, "c");
+  EXPECT_EQ(load("", {"bus.name=x", "bus.protocol=cake-2"}).daemon.bus.name, "c");
+  EXPECT_EQ(load("[bus]\nprotocol = \"cake-2\"\n", {"bus.protocol=bread"}).daemon.bus.name, "b");
 }
 
 TEST_F(ProtocolOfAFile, OfAWrongNameTheErrorListsAll) {
@@ -84,8 +84,42 @@ TEST_F(ProtocolOfAFile, OfAWrongNameTheErrorListsAll) {
 }
 
 TEST_F(ProtocolOfAFile, ThatCannotBeReadIsToldByTheFirst) {
-  EXPECT_EQ(load("[bus\n").bus_name, "b");
-  EXPECT_EQ(load_configuration("/no/such/file", {}, kBakery).bus_name, "b");
+  EXPECT_EQ(load("[bus\n").daemon.bus.name, "b");
+  EXPECT_EQ(load_configuration("/no/such/file", {}, kBakery).daemon.bus.name, "b");
+}
+
+/// What is wrong with two files together, each with the daemon's part given.
+std::string together(const DaemonConfig& first, const DaemonConfig& second) {
+  std::array<LoadedConfig, 2> files;
+  files[0].path = "a.toml";
+  files[0].daemon = first;
+  files[1].path = "b.toml";
+  files[1].daemon = second;
+  return config::problems_text(check_together(files));
+}
+
+TEST(FilesOfOneProcess, HaveNothingTogetherThatOneBusCanHaveAlone) {
+  DaemonConfig first;
+  first.bus = {.name = "can0", .kind = BusKind::socketcan, .interface = "can0"};
+  first.dds.partition = "can0";
+  DaemonConfig second = first;
+  second.bus.interface = "can1";
+  EXPECT_EQ(together(first, second),
+            "b.toml: bus.name: can0 in DDS domain 0 is that of a.toml, too; clients could not tell the two "
+            "apart: each bus needs a name of its own\n");
+  second.dds.domain = 3;
+  EXPECT_EQ(together(first, second), "");
+  second = first;
+  second.dds.partition = "can1";
+  EXPECT_EQ(together(first, second),
+            "b.toml: bus.interface: can0 is that of a.toml, too; one interface is one bus, with one file\n");
+  first.bus.kind = second.bus.kind = BusKind::simulated;
+  EXPECT_EQ(together(first, second), "");
+  first.metrics.file = second.metrics.file = "/m";
+  first.sim.trace = second.sim.trace = "/t";
+  EXPECT_EQ(together(first, second),
+            "b.toml: metrics.file: /m is that of a.toml, too; each bus writes a file of its own\n"
+            "b.toml: sim.trace: /t is that of a.toml, too; each bus writes a file of its own\n");
 }
 
 TEST(PrintedConfiguration, IsOfTheChosenProtocolAndOfAllInTheDocuments) {

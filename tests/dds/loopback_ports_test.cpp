@@ -67,10 +67,11 @@ ParticipantOptions one_more(const ParticipantOptions& network, const FreeDomain&
 class LoopbackPorts : public testing::Test {
  protected:
   /// Takes the first ports of the bus.
-  void take_places(std::uint32_t count) {
+  void take_places(std::uint32_t count) { take_places(places_.here.partition, count); }
+  void take_places(const std::string& bus, std::uint32_t count) {
     for (std::uint32_t place = 0; place < count; ++place) {
-      taken_.push_back(std::make_unique<TakenPort>(
-          serving_port(places_.here.domain, index_of_place(places_.here.partition, place))));
+      taken_.push_back(
+          std::make_unique<TakenPort>(serving_port(places_.here.domain, index_of_place(bus, place))));
     }
   }
 
@@ -160,6 +161,66 @@ TEST_F(LoopbackPorts, ProgramLooksAtTwoBusesOfADomain) {
   Look other_look(client);
   EXPECT_TRUE(look.finds(1));
   EXPECT_TRUE(other_look.finds(1));
+}
+
+/// What a daemon of two buses offers on each.
+class TwoBuses : public LoopbackPorts {
+ protected:
+  void SetUp() override {
+    ParticipantOptions other = places_.here;
+    other.partition = kOther;
+    buses_ = participants({places_.here, other});
+    for (const Participant& bus : buses_) writers_.emplace_back(bus);
+  }
+  static constexpr const char* kOther = "otherbus";
+  std::vector<Participant> buses_;
+  std::vector<Writer<gateway_Event>> writers_;
+};
+
+TEST_F(TwoBuses, AreOneParticipantThatClientsOfEitherFindAndHearOnThatBusAlone) {
+  for (const std::string& bus : {places_.there.partition, std::string(kOther)}) {
+    const FreeDomain inside;
+    ParticipantOptions client = places_.here;
+    client.serves = false;
+    client.partition = bus;
+    Look look(one_more(client, inside));
+    ASSERT_TRUE(look.finds(1)) << bus;
+    EXPECT_EQ(look.participant.others(), 1u);
+    EXPECT_EQ(look.reader.matched(), 1u) << bus;
+  }
+  EXPECT_EQ(buses_[0].handle(), buses_[1].handle());
+  EXPECT_EQ(buses_[1].options().partition, kOther);
+}
+
+TEST_F(TwoBuses, AndADaemonOfOneOfThemFindEachOther) {
+  ParticipantOptions other = places_.here;
+  other.partition = kOther;
+  const FreeDomain inside;
+  const Offer second(one_more(other, inside));
+  DataSignal signal;
+  Reader<gateway_Event> of_first(buses_[1], &signal);
+  Reader<gateway_Event> of_second(second.participant, &signal);
+  EXPECT_TRUE(eventually(signal, [&] { return of_first.matched() == 2 && of_second.matched() == 2; }));
+  EXPECT_EQ(Reader<gateway_Event>(buses_[0]).matched(), 1u);
+}
+
+TEST_F(LoopbackPorts, TwoBusesWithoutOneOfThePlacesThatAreLookedAtAreFoundAllTheSame) {
+  take_places("", kSharedPlacesAsked);
+  Look before(places_.there);
+  ParticipantOptions other = places_.here;
+  other.partition = "otherbus";
+  const std::vector<Participant> buses = participants({other, places_.here});
+  const Writer<gateway_Event> writer(buses[1]);
+  EXPECT_TRUE(before.finds(1));
+}
+
+TEST_F(LoopbackPorts, BusesOfDifferentNetworksAreParticipantsOfTheirOwn) {
+  const FreeDomain elsewhere;
+  ParticipantOptions other = places_.here;
+  other.domain = elsewhere.get();
+  const std::vector<Participant> buses = participants({places_.here, other});
+  EXPECT_NE(buses[0].handle(), buses[1].handle());
+  EXPECT_EQ(buses[1].options().all_partitions, std::vector{places_.here.partition});
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
-"""Two daemons of one bus name in one domain: the second does not start, or clients ask neither and say who they are."""
+"""Two daemons of one bus name in one domain: the second does not start, or clients ask neither and say who they are.
+One daemon of two buses: each is served as if it were alone."""
 
 import json
 import os
+import re
 import select
+import signal
 import socket
 import subprocess
 import unittest
@@ -111,6 +114,67 @@ class TwoDaemons(unittest.TestCase):
         self.assertEqual(ask(f"read 1 {WORD}")["value"], 1)
         for log in (self.gateway.log_text(), self.second_log()):
             self.assertNotIn("4711", log)
+
+
+class OneDaemonOfTwoBuses(unittest.TestCase):
+    def setUp(self):
+        self.gateway = self.enterContext(Gateway())
+        # The same daemon anew, with a second bus.
+        self.assertEqual(end(self.gateway.process), 0)
+        self.other = self.gateway.bus + "-other"
+        self.path = os.path.join(self.gateway.folder.name, "other.toml")
+        with open(self.gateway.config, encoding="utf-8") as file:
+            text = file.read()
+        with open(self.path, "w", encoding="utf-8") as file:
+            file.write(text.replace(self.gateway.bus, self.other))
+        self.began = len(self.gateway.log_text())
+        with open(self.gateway.log, "ab") as log:
+            self.gateway.process = subprocess.Popen([CANSYNCD, *self.gateway.options, self.gateway.config, self.path], stdout=log,
+                                                    stderr=log)
+        for bus in self.buses():
+            self.told(f"<6>{bus}: event .*on 'enable active operation'")
+
+    def buses(self):
+        return self.gateway.bus, self.other
+
+    def told(self, pattern):
+        wait_for(pattern, lambda: re.search(pattern, self.gateway.log_text()[self.began:]))
+
+    def on(self, bus, *arguments):
+        result = self.gateway.run("--bus", bus, *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout.decode()
+
+    def test_each_is_served_as_if_it_were_alone(self):
+        for number, bus in enumerate(self.buses()):
+            self.on(bus, "write", 1, WORD, 100 + number)
+        for number, bus in enumerate(self.buses()):
+            self.assertIn(str(100 + number), self.on(bus, "read", 1, WORD))
+            status = json.loads(self.on(bus, "status", "--json"))
+            self.assertEqual(status["process"], self.gateway.process.pid)
+        self.on(self.other, "mode", "setup")
+        self.assertIn("setting up", self.on(self.other, "status"))
+        self.assertIn("active as master", self.on(self.gateway.bus, "status"))
+
+    def test_a_second_daemon_of_one_of_them_does_not_start(self):
+        second = subprocess.run([CANSYNCD, *self.gateway.options, self.path], capture_output=True, text=True, timeout=LONG)
+        self.assertEqual(second.returncode, 1)
+        self.assertIn(f"bus {self.other} is served already", second.stderr)
+        self.assertIn(f"process {self.gateway.process.pid} on host {socket.gethostname()}", second.stderr)
+
+    def test_files_are_read_again_and_one_that_is_wrong_changes_its_own_bus_alone(self):
+        with open(self.path, "a", encoding="utf-8") as file:
+            file.write("[nonsense]\n")
+        self.gateway.process.send_signal(signal.SIGHUP)
+        self.told(f"{self.other}: {self.path} is wrong; the daemon keeps running as before")
+        self.told(f"<6>{self.gateway.bus}: event .* configuration_reloaded")
+        self.on(self.other, "read", 1, WORD)
+
+    def test_files_that_do_not_go_together_are_refused(self):
+        wrong = subprocess.run([CANSYNCD, self.gateway.config, self.path, self.path], capture_output=True, text=True, timeout=LONG)
+        self.assertEqual(wrong.returncode, 78)
+        self.assertIn(f"{self.path}: bus.name: {self.other} in DDS domain ", wrong.stderr)
+        self.assertIn("each bus needs a name of its own", wrong.stderr)
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
       references_(participant, signal_, events_, config, identity, exchange_),
       jobs_(participant, signal_, events_, trail_, CansyncRequests(config, audit_), identity,
             !config.dds.security.empty()),
-      status_line_(service::status),
+      status_line_([bus = config.bus.name](const std::string& text) { service::status(bus, text); }),
       thread_(
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
           [this] { end_jobs(); }) {

@@ -19,12 +19,12 @@ LoadedConfig load(const std::string& path, std::span<const std::string> override
   const auto file = std::make_shared<ConfigFile>(load_checked(path, overrides));
   LoadedConfig loaded;
   loaded.problems = file->problems;
-  loaded.bus_name = file->config.bus.name;
+  loaded.daemon = file->config;
   if (!loaded.problems.empty()) return loaded;
   loaded.check_text = budget_text(bus_budget(budget_input(file->config)));
   loaded.dbc_text = [file] { return dbc_text(file->config); };
-  loaded.make_segment = [file](JournalSink& journal) {
-    return std::make_unique<MasterSegment>(std::move(*file), journal);
+  loaded.make_segment = [file](JournalSink& journal, gateway::dds::Participant participant) {
+    return std::make_unique<MasterSegment>(std::move(*file), journal, std::move(participant));
   };
   return loaded;
 }

@@ -39,15 +39,13 @@ LoopSettings loop_settings(const Config& config, FlightTap* tap, sync_line::Sync
 
 }  // namespace
 
-MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal)
+MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant)
     : file_(std::move(file)),
       log_(file_.config.bus.name, journal),
       bus_(bus_plan(file_.config)),
       sync_line_(make_sync_line(file_.config, interval_of(file_.config), file_.settings, file_.path)),
       exchange_(exchange_sizes(file_.config)),
-      participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
-                    file_.config.dds.xml, file_.config.dds.security, true, file_.config.dds.final_types}),
-      free_name_(file_.config, participant_),
+      participant_(std::move(participant)),
       gateway_(file_.config, exchange_, participant_, journal),
       flight_(
           file_.config, flight_protocol(interval_of(file_.config)), bus_.bus(),

@@ -26,7 +26,7 @@ class MasterSegment final : public Segment {
  public:
   /// `file` has no problems; `journal` must outlive the segment. Throws std::runtime_error (of the SYNC
   /// line), std::system_error or gateway::dds::SetupError for what cannot be had.
-  MasterSegment(ConfigFile file, JournalSink& journal);
+  MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant);
   ~MasterSegment() override;
   MasterSegment(const MasterSegment&) = delete;
   MasterSegment& operator=(const MasterSegment&) = delete;
@@ -44,7 +44,6 @@ class MasterSegment final : public Segment {
   std::unique_ptr<SyncLine> sync_line_;
   Exchange exchange_;
   gateway::dds::Participant participant_;
-  FreeName free_name_;  ///< looked for before clients can see anything of this daemon
   Gateway gateway_;
   FlightDesk flight_;
   RealtimeLoop loop_;

@@ -16,12 +16,12 @@ LoadedConfig load(const std::string& path, std::span<const std::string> override
   const auto file = std::make_shared<Layer2File>(load_layer2_checked(path, overrides));
   LoadedConfig loaded;
   loaded.problems = file->problems;
-  loaded.bus_name = file->config.bus.name;
+  loaded.daemon = file->config;
   if (!loaded.problems.empty()) return loaded;
   loaded.check_text = fmt::format("general frames at {} bit/s, {} ranges received\n",
                                   file->config.bus.bits_per_second, file->config.receive.size());
-  loaded.make_segment = [file](JournalSink& journal) {
-    return std::make_unique<Layer2Segment>(std::move(*file), journal);
+  loaded.make_segment = [file](JournalSink& journal, gateway::dds::Participant participant) {
+    return std::make_unique<Layer2Segment>(std::move(*file), journal, std::move(participant));
   };
   return loaded;
 }

@@ -65,14 +65,12 @@ FrameMachineSettings frame_machine_settings(const Layer2Config& config, FlightTa
   return settings;
 }
 
-Layer2Segment::Layer2Segment(Layer2File file, JournalSink& journal)
+Layer2Segment::Layer2Segment(Layer2File file, JournalSink& journal, gateway::dds::Participant participant)
     : file_(std::move(file)),
       log_(file_.config.bus.name, journal),
       bus_(layer2_bus_plan(file_.config)),
       exchange_(file_.config.realtime.request_queue, file_.config.realtime.report_queue),
-      participant_({file_.config.dds.domain, file_.config.dds.partition, file_.config.dds.interface,
-                    file_.config.dds.xml, file_.config.dds.security, true, file_.config.dds.final_types}),
-      free_name_(file_.config, participant_),
+      participant_(std::move(participant)),
       gateway_(file_.config, exchange_, participant_, journal),
       flight_(
           file_.config, FlightProtocol{}, bus_.bus(),

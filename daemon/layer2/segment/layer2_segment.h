@@ -33,7 +33,7 @@ class Layer2Segment final : public Segment {
  public:
   /// `file` has no problems; `journal` must outlive the segment. Throws std::runtime_error, std::system_error
   /// or gateway::dds::SetupError for what cannot be had.
-  Layer2Segment(Layer2File file, JournalSink& journal);
+  Layer2Segment(Layer2File file, JournalSink& journal, gateway::dds::Participant participant);
   ~Layer2Segment() override;
   Layer2Segment(const Layer2Segment&) = delete;
   Layer2Segment& operator=(const Layer2Segment&) = delete;
@@ -50,7 +50,6 @@ class Layer2Segment final : public Segment {
   BusChoice bus_;
   Layer2Exchange exchange_;
   gateway::dds::Participant participant_;
-  FreeName free_name_;  ///< looked for before clients can see anything of this daemon
   FrameGateway gateway_;
   FlightDesk flight_;
   FrameMachine machine_;

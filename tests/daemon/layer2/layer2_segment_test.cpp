@@ -68,7 +68,7 @@ layer2::client::Options options_for(const TwoPlaces& places) {
 class Layer2Bus : public testing::Test {
  protected:
   void start(Layer2File file) {
-    segment_.emplace(std::move(file), journal_);
+    segment_.emplace(std::move(file), journal_, gateway::dds::Participant(places_.here));
     segment_->start();
     client_.emplace(options_for(places_));
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -84,15 +85,28 @@ TEST(StatusLine, IsToldOnTheEdgeAndAtMostOnceASecond) {
 }
 
 TEST(Heartbeat, BeatsOnlyWhenBothThreadsHaveComeFurther) {
-  Heartbeat heart(4s);
-  EXPECT_EQ(heart.period(), 1s);
-  EXPECT_TRUE(heart.look({1, 1}));
-  EXPECT_FALSE(heart.look({1, 1}));
-  EXPECT_FALSE(heart.look({2, 1})) << "the gateway thread stands still";
-  EXPECT_FALSE(heart.look({3, 1}));
-  EXPECT_TRUE(heart.look({4, 2}));
-  EXPECT_FALSE(heart.look({4, 9})) << "the realtime thread stands still";
-  EXPECT_TRUE(heart.look({5, 9}));
+  Heartbeat heartbeat(4s);
+  EXPECT_EQ(heartbeat.period(), 1s);
+  const auto looks = [&](Heartbeat::Progress now) { return heartbeat.look({&now, 1}); };
+  EXPECT_TRUE(looks({1, 1}));
+  EXPECT_FALSE(looks({1, 1}));
+  EXPECT_FALSE(looks({2, 1})) << "the gateway thread stands still";
+  EXPECT_FALSE(looks({3, 1}));
+  EXPECT_TRUE(looks({4, 2}));
+  EXPECT_FALSE(looks({4, 9})) << "the realtime thread stands still";
+  EXPECT_TRUE(looks({5, 9}));
+}
+
+TEST(Heartbeat, BeatsOnlyWhenEveryBusHasComeFurther) {
+  Heartbeat heartbeat(4s);
+  std::array<Heartbeat::Progress, 2> now = {{{1, 1}, {1, 1}}};
+  EXPECT_TRUE(heartbeat.look(now));
+  now[1] = {2, 2};
+  EXPECT_FALSE(heartbeat.look(now)) << "the first bus stands still";
+  now[0] = {2, 1};
+  EXPECT_FALSE(heartbeat.look(now)) << "its gateway thread stands still";
+  now[0] = {2, 2};
+  EXPECT_TRUE(heartbeat.look(now));
 }
 
 TEST(Heartbeat, HasNoPeriodWithoutAWatchdog) {
