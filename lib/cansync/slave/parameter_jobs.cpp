@@ -5,13 +5,13 @@
 namespace cansync {
 namespace {
 
-ParameterAnswer refused(ParameterError error) noexcept {
+ParameterAnswer access_refused(ParameterError error) noexcept {
   ParameterAnswer answer;
   answer.error = error;
   return answer;
 }
 
-ParameterAnswer busy() noexcept {
+ParameterAnswer access_busy() noexcept {
   ParameterAnswer answer;
   answer.busy = true;
   return answer;
@@ -28,7 +28,7 @@ bool ParameterJobs::belongs_to_application(ParameterNumber number, SubSlave sub)
 ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, SubSlave sub) noexcept {
   forget_sending();
   const bool own = belongs_to_application(number, sub);
-  if (sub.value != 0 && !own) return refused(ParameterError::not_present);
+  if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
   const bool in_table = sub.value == 0 && table_.definition(number.value()) != nullptr;
   // Limits and first value stand in the table, whoever answers for the value.
   if (!own || (in_table && element != kValueElement)) return table_.read(number, element);
@@ -47,7 +47,7 @@ ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, Su
                                      std::uint32_t value) noexcept {
   forget_sending();
   const bool own = belongs_to_application(number, sub);
-  if (sub.value != 0 && !own) return refused(ParameterError::not_present);
+  if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
   if (!own) return table_.write(number, doubleword, value);
   if (sub.value == 0 && table_.definition(number.value()) != nullptr) {
     const ParameterAnswer allowed = table_.check(number, doubleword, value);
@@ -66,14 +66,14 @@ ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, Su
 ParameterAnswer ParameterJobs::ask(const AskedParameter& job) noexcept {
   // The slave has told of another question by `dropped`, so this is the one that is open, again.
   if (!open_) {
-    if (!application_) return refused(ParameterError::not_available_now);
+    if (!application_) return access_refused(ParameterError::not_available_now);
     open_ = job;
     open_->id = ++ids_;
     answer_.reset();
     listener_.asked(*open_);
-    return busy();
+    return access_busy();
   }
-  if (!answer_) return busy();
+  if (!answer_) return access_busy();
   // What has an id of 0 was the application's that is gone.
   sending_ = open_->id;
   open_.reset();
@@ -98,7 +98,7 @@ void ParameterJobs::set_application(bool present) noexcept {
   application_ = present;
   if (present || !open_ || answer_) return;
   listener_.dropped(std::exchange(open_->id, 0));
-  answer_ = refused(ParameterError::not_available_now);
+  answer_ = access_refused(ParameterError::not_available_now);
 }
 
 bool ParameterJobs::answer(std::uint64_t id, const ParameterAnswer& answer) noexcept {

@@ -18,7 +18,7 @@ std::uint32_t fit(const ParameterDefinition& definition, std::uint32_t value) no
 
 /// The raw value as a number: signed when the parameter has a minimum below zero.
 std::int64_t as_number(const ParameterDefinition& definition, std::uint32_t value) noexcept {
-  return number_of(value, !definition.doubleword, definition.minimum < 0);
+  return cansync::number_of(value, !definition.doubleword, definition.minimum < 0);
 }
 
 ParameterAnswer failed(ParameterError error) noexcept {
