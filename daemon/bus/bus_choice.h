@@ -6,6 +6,7 @@
 #include "daemon/bus/bus_plan.h"
 #include "daemon/bus/sim_bus.h"
 #include "daemon/bus/socketcan_line.h"
+#include "sync/input.h"
 #include "sync/sync_wire.h"
 
 namespace cansyncd {
@@ -28,6 +29,10 @@ class BusChoice {
 
   /// The SYNC wire beside the bus; null: a CAN interface has none. Likewise the realtime thread's.
   sync_line::SyncWire* sync_wire() noexcept { return simulated_ ? &simulated_->sync_wire() : nullptr; }
+
+  /// The SYNC edges that a simulated master makes, on the clock of the bus; null: a CAN interface brings
+  /// none. Likewise the realtime thread's.
+  sync_line::Input* sync_edges() noexcept { return simulated_ ? &simulated_->sync_edges() : nullptr; }
 
   /// What people should know of the interface as it was found; empty: nothing.
   std::string advice() const { return socketcan_ ? socketcan_->advice() : std::string(); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "can/bus.h"
@@ -16,6 +17,8 @@ struct SimPlan {
   std::vector<std::unique_ptr<sim::Node>> nodes;
   /// What fault scripts know of the protocol; must outlive the bus. Null: there are no faults.
   const sim::FaultProtocol* faults = nullptr;
+  /// Nothing: the daemon makes the SYNC edges. With a node that does: the daemon's number among the nodes.
+  std::optional<sim::NodeNumber> daemon_number;
 };
 
 /// All that a bus has to know of the protocol that runs on it.

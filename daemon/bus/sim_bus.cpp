@@ -31,6 +31,7 @@ SimBus::SimBus(BusPlan plan) : trace_(open_trace(plan)) {
   settings.seed = plan.line.seed;
   settings.trace = trace_.get();
   settings.protocol = plan.sim.faults;
+  settings.user_number = plan.sim.daemon_number;
   if (plan.sim.faults != nullptr && !plan.line.fault_script.empty())
     settings.faults = sim::load_fault_script(plan.line.fault_script, *plan.sim.faults).faults;
   line_ = std::make_unique<sim::Line>(settings, std::move(plan.sim.nodes));

@@ -27,6 +27,8 @@ class SimBus {
 
   can::Bus& bus() noexcept { return *line_; }
   sync_line::SyncWire& sync_wire() noexcept { return *line_; }
+  /// The edges that a node made, on the clock of the bus.
+  sync_line::Input& sync_edges() noexcept { return *line_; }
 
   /// Ends the trace, when there is one. The realtime thread must have ended. Main thread.
   std::optional<sim::TraceSummary> close_trace() noexcept;

@@ -32,6 +32,9 @@ lib/sim:                    lib/system lib/config lib/can lib/sync
 lib/dds:                    idl lib/system
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
+lib/cansync_slave:          lib/cansync
+lib/cansync_slave/dds:      idl lib/cansync lib/cansync_slave lib/dds
+lib/cansync_slave/client:   idl lib/dds lib/cansync_slave/dds
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
 lib/layer2/sim:             lib/can lib/sim
 lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
@@ -46,7 +49,7 @@ daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
 daemon/segment:             lib/config lib/can lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
                             daemon/bus daemon/recorder
-daemon/status:              idl lib/can lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/desk
+daemon/status:              idl lib/can lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/bus daemon/desk
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
@@ -64,17 +67,26 @@ daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/bus d
 daemon/cansync/segment:     lib/cansync lib/dds lib/cansync/sim daemon/service daemon/bus
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
+daemon/cansync_slave:       lib/can lib/cansync lib/cansync_slave lib/rt daemon/loop
+daemon/cansync_slave/config: lib/config lib/cansync daemon/config daemon/options
+daemon/cansync_slave/realtime: lib/can lib/cansync lib/sync daemon/loop daemon/bus daemon/cansync_slave
+                            daemon/cansync_slave/config
+daemon/cansync_slave/gateway: idl lib/cansync lib/sync lib/dds lib/cansync_slave/dds daemon/service daemon/desk daemon/status
+                            daemon/cansync_slave daemon/cansync_slave/config
+daemon/cansync_slave/segment: lib/config lib/can lib/cansync lib/dds lib/cansync/sim daemon/service daemon/loop
+                            daemon/bus daemon/segment daemon/recorder daemon/cansync_slave daemon/cansync_slave/config
+                            daemon/cansync_slave/realtime daemon/cansync_slave/gateway
 daemon/layer2:              lib/can lib/layer2 lib/rt
 daemon/layer2/config:       lib/config lib/can lib/layer2 daemon/config daemon/options
 daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/layer2
-daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/config daemon/service daemon/bus daemon/desk
+daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/service daemon/desk
                             daemon/status
                             daemon/layer2 daemon/layer2/config
 daemon/layer2/segment:      lib/config lib/can lib/dds lib/layer2/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
-                            daemon/cansync/segment daemon/layer2/segment
+                            daemon/cansync/segment daemon/cansync_slave/segment daemon/layer2/segment
 
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
@@ -84,8 +96,11 @@ tools/cli/watch:            lib/system lib/client tools/cli/text tools/cli/base 
 tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base tools/cli/watch
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
 tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base
-tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/layer2 tools/cli/look
+tools/cli/connect:          lib/dds tools/cli/base
+tools/cli/cansync_slave:    lib/dds lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/cansync_slave
+                            tools/cli/layer2 tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
 tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus
@@ -157,7 +172,7 @@ def included_room(file, bracket, path, libraries):
         return "dds"
     if bracket == "<" and first == "cansync":
         return "lib/client"
-    if path in ("cansync.h", "layer2.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
+    if path in ("cansync.h", "cansync_slave.h", "layer2.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
         return "idl"
     if "/" not in path:
         return None

@@ -16,7 +16,7 @@ import sys
 from sources import load
 
 PLACES = ("lib", "daemon", "tools")
-PROTOCOLS = ("cansync", "layer2", "canopen", "j1939")
+PROTOCOLS = ("cansync", "cansync_slave", "layer2", "canopen", "j1939")
 LISTS = ("daemon/protocols.cpp", "tools/cli/app/protocols.cpp")
 MENTIONS = {
     "cansync": re.compile(r'"(?:daemon/|cli/|tools/cli/)?cansync/|["<]cansync\.h[">]|\bcansync::(?!cli\b)|'

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "daemon/bus/interface_status.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 
 namespace cansyncd {
@@ -80,23 +81,14 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
   clock_.adjust(bus_);
 }
 
-/// Interface status register (M 3.2.2.3). Overrun: in the running second. Receiving: a frame of somebody else
-/// came in this interval.
+/// Overrun: in the running second.
 std::uint16_t RealtimeLoop::cansync_status() const noexcept {
-  using can::ControllerState;
   const can::ControllerStatus& controller = watch_.status();
-  const ControllerState state = controller.state;
-  const can::SendResult last_send = watch_.last_send();
-  const bool warning = state == ControllerState::error_warning || state == ControllerState::error_passive;
-  unsigned bits = 0;
-  if (controller.overruns + controller.dropped != overruns_before_) bits |= 1u << 1;
-  if (last_send != can::SendResult::queue_full) bits |= 1u << 2;
-  if (!echo_due_ && last_send == can::SendResult::queued) bits |= 1u << 3;
-  if (heard_others_) bits |= 1u << 4;
-  if (echo_due_) bits |= 1u << 5;
-  if (warning) bits |= 1u << 6;
-  if (state == ControllerState::bus_off) bits |= 1u << 7;
-  return static_cast<std::uint16_t>(bits);
+  return interface_status({.lost_frames = controller.overruns + controller.dropped != overruns_before_,
+                           .heard_others = heard_others_,
+                           .echo_due = echo_due_,
+                           .last_send = watch_.last_send()},
+                          controller.state);
 }
 
 }  // namespace cansyncd

@@ -8,7 +8,7 @@
 
 #include "can/bus_names.h"
 #include "daemon/layer2/config/options.h"
-#include "daemon/layer2/gateway/bus_events.h"
+#include "daemon/status/bus_events.h"
 #include "dds/bounded_text.h"
 #include "layer2/dds/convert.h"
 

@@ -1,16 +1,14 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "can/frame.h"
-#include "dds/daemon_choice.h"
+#include "dds/daemon_sight.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -20,26 +18,9 @@
 /// A program's side of a bus of general frames.
 namespace layer2::client {
 
-/// No daemon serves the bus, or several do; the text says where it was looked for, or who they are, and the
-/// remedy.
-class NoDaemon : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
+using gateway::dds::NoDaemon;
 /// How to find the daemon.
-struct Options {
-  std::uint32_t domain = 0;      ///< DDS domain, 0..230
-  std::string bus = "sim";       ///< name of the bus: the DDS partition
-  std::string interface = "lo";  ///< network interface
-  std::string client_name;       ///< for the daemon's journal
-  std::string xml;               ///< Cyclone DDS configuration used instead of the built one; empty: none
-  std::string security;          ///< folder of the identity; empty: without DDS Security
-  bool final_types = false;      ///< as the daemon's dds.types: true for "final"
-  std::chrono::milliseconds wait{3000};  ///< how long to look for the daemon
-  const std::atomic<bool>* stop =
-      nullptr;  ///< set by another thread or a signal handler: ends waiting; null: none
-};
+using Options = gateway::dds::ClientOptions;
 
 /// How a request to send ended.
 struct SendResult {
@@ -71,7 +52,7 @@ class FrameClient {
 
   /// Which daemon serves the bus, as it told last; it is told once a second, and taken by every function
   /// here.
-  const gateway_GatewayStatus& gateway_status() const noexcept { return *gateway_newest_; }
+  const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
 
   /// What the daemon told last of its frames, waiting at most `time` for the first; nothing: none came.
   std::optional<layer2_FrameStatus> status(std::chrono::milliseconds time);
@@ -83,13 +64,9 @@ class FrameClient {
   std::string place() const { return participant_.place(); }
 
  private:
-  bool stopped() const noexcept { return options_.stop != nullptr && options_.stop->load(); }
   bool matched() const noexcept;
-  /// Takes what the daemons tell of themselves, and looks whom requests are for.
-  void take_gateway_status();
   /// Why no request may be sent now, with its code; nothing: one may.
   std::optional<SendResult> obstacle();
-  std::string names_of_living() const;
   std::optional<SendResult> take_reply(std::uint64_t request);
   void cancel(const layer2_SendRequest& request);
 
@@ -100,13 +77,11 @@ class FrameClient {
   gateway::dds::Reader<layer2_SendReply> replies_;
   gateway::dds::Reader<layer2_FrameBatch> batches_;
   gateway::dds::Reader<layer2_FrameStatus> status_;
-  gateway::dds::Reader<gateway_GatewayStatus> gateway_;
+  gateway::dds::DaemonSight sight_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
-  gateway::dds::DaemonChoice choice_;  ///< a place is the writer of a status
-  std::uint64_t number_ = 0;           ///< of the last request
+  std::uint64_t number_ = 0;  ///< of the last request
   std::optional<layer2_FrameStatus> newest_;
-  std::optional<gateway_GatewayStatus> gateway_newest_;  ///< there once it is constructed
 };
 
 }  // namespace layer2::client

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "cli/layer2/connection.h"
+#include "cli/connect/bus_connection.h"
+#include "layer2/client/frame_client.h"
 #include "layer2_members.h"
 
 namespace cansync::cli {
@@ -10,7 +11,7 @@ namespace {
 
 /// Throws client::NoDaemon.
 layer2_FrameStatus frame_status(Session& session) {
-  layer2::client::FrameClient client = connect_frames(session);
+  layer2::client::FrameClient client = connect_bus<layer2::client::FrameClient>(session);
   const auto status = client.status(session.search_time());
   if (!status) throw client::NoDaemon("the daemon has told no FrameStatus (" + client.place() + ")");
   return *status;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cli/base/interrupt.h"
-#include "cli/layer2/connection.h"
+#include "cli/connect/bus_connection.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
@@ -137,7 +137,7 @@ client::Reply to_reply(const layer2::client::SendResult& result) {
 
 ExitCode send_verb(Session& session, const SendTexts& texts) {
   const can::Frame frame = parse_frame(texts);
-  FrameClient client = connect_frames(session);
+  FrameClient client = connect_bus<layer2::client::FrameClient>(session);
   (void)client.status(session.search_time());
   const layer2::client::SendResult result = client.send(frame, session.monitoring_ms());
   const layer2_CanFrame shown = layer2::dds::to_idl(frame);
@@ -213,7 +213,7 @@ void FrameLines::show(const layer2_FrameBatch& batch) {
 ExitCode frames_verb(Session& session, const std::string& count_text) {
   const std::uint64_t count =
       count_text.empty() ? 0 : static_cast<std::uint64_t>(parse_integer(count_text, "--count", 1, INT32_MAX));
-  FrameClient client = connect_frames(session);
+  FrameClient client = connect_bus<layer2::client::FrameClient>(session);
   FrameLines lines(session.output(), count);
   constexpr auto kLook = std::chrono::milliseconds(200);
   while (!interrupt_flag().load() && !lines.enough()) {

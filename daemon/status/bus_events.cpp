@@ -1,4 +1,4 @@
-#include "daemon/layer2/gateway/bus_events.h"
+#include "daemon/status/bus_events.h"
 
 #include <fmt/format.h>
 

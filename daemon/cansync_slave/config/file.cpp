@@ -1,0 +1,113 @@
+#include "daemon/cansync_slave/config/file.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "cansync/telegram/mapping.h"
+#include "config/document.h"
+#include "daemon/cansync_slave/config/options.h"
+#include "daemon/options/check_daemon.h"
+
+namespace cansyncd {
+namespace {
+
+using cansync::Channel;
+
+void finish_mapping(const MappingBytes& bytes, Channel channel, const std::string& key,
+                    cansync::TelegramMapping& mapping, Findings& findings) {
+  if (!bytes) return;
+  for (unsigned word = 0; word < cansync::kWords; ++word) {
+    const auto decoded = cansync::from_register((*bytes)[word]);
+    if (!decoded) {
+      findings.problem(
+          key,
+          fmt::format("found 0x{:02X} in word {}; allowed: 0 for an unused word, else bit 0 set, bit 1 for "
+                      "the high word, value number 0..7 in bits 2..6",
+                      (*bytes)[word], word));
+      return;
+    }
+    mapping.word[word] = *decoded;
+  }
+  if (cansync::values_fit(mapping, channel)) return;
+  findings.problem(key, channel == Channel::one
+                            ? "found a value over 3; allowed: values 0..3 in the first telegram"
+                            : "found a value under 4; allowed: values 4..7 in the second telegram");
+}
+
+void finish_mappings(const MappingBytesOfBoth& bytes, const std::string& prefix,
+                     cansync::ProcessMapping& mapping, Findings& findings) {
+  for (const Channel channel : {Channel::one, Channel::two}) {
+    const unsigned place = index(channel);
+    finish_mapping(bytes[place], channel, fmt::format("{}_{}", prefix, place + 1), mapping[place], findings);
+  }
+}
+
+void finish_slave(SlaveRoleDraft& draft, Findings& findings) {
+  cansync::SlaveSideSettings& slave = draft.config.slave;
+  if (!draft.numbered)
+    findings.problem("slave.number", "is missing; allowed: 0..31, the slave's number on the bus");
+  finish_mappings(draft.reference, "slave.reference_registers", slave.reference_mapping, findings);
+  finish_mappings(draft.actual, "slave.actual_registers", slave.actual_mapping, findings);
+  for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+    if (!draft.monitored[n].given) continue;
+    if (draft.numbered && n == slave.number.value()) {
+      findings.problem(fmt::format("monitored.{}.number", n),
+                       fmt::format("found {}, which is slave.number; allowed: numbers of other slaves", n));
+    }
+    cansync::ProcessMapping mapping = {cansync::default_mapping(Channel::one),
+                                       cansync::default_mapping(Channel::two)};
+    finish_mappings(draft.monitored[n].mapping, fmt::format("monitored.{}.registers", n), mapping, findings);
+    slave.monitored[n] = mapping;
+  }
+}
+
+void check_input(const SlaveRoleConfig& config, Findings& findings) {
+  if (config.bus.kind == BusKind::simulated && config.sync.input != SyncInput::none) {
+    findings.problem(
+        "sync.input",
+        "found an input beside the simulated bus; allowed: \"none\", because the simulated master "
+        "brings its own SYNC");
+  }
+}
+
+}  // namespace
+
+SlaveRoleFile build_slave_config(config::Settings settings, const std::string& path) {
+  SlaveRoleFile file;
+  file.path = path;
+  file.problems = std::move(settings.problems);
+  SlaveRoleDraft draft;
+  for (const config::Setting& setting : settings.items) {
+    draft.number = setting.numbers.empty() ? 0 : static_cast<unsigned>(setting.numbers.front());
+    if (auto text = slave_option_rows().apply(*setting.option, setting.value, draft))
+      file.problems.push_back({setting.where, setting.key, std::move(*text)});
+  }
+  apply_derived(draft.config, settings.items);
+  // With wrong values the cross-checks would only complain about what is missing because of them.
+  if (file.problems.empty()) {
+    Findings findings(settings.items, path);
+    check_daemon(draft.config, findings);
+    if (!draft.config.dds.security.empty()) {
+      findings.problem("dds.security",
+                       "found an identity; allowed: \"\", because cansync-security gives no rights for the "
+                       "topics of a slave");
+    }
+    finish_slave(draft, findings);
+    check_input(draft.config, findings);
+    file.problems = std::move(findings.problems());
+  }
+  config::sort_by_place(file.problems);
+  file.config = std::move(draft.config);
+  file.settings = std::move(settings.items);
+  return file;
+}
+
+SlaveRoleFile load_slave_config(const std::string& path, std::span<const std::string> overrides) {
+  config::Settings settings = config::resolve(config::read_document(path), slave_options());
+  for (const std::string& assignment : overrides)
+    config::override_setting(settings, assignment, slave_options());
+  return build_slave_config(std::move(settings), path);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "config/rows.h"
+#include "daemon/cansync_slave/config/config.h"
+
+/// The options of a slave. Main thread.
+namespace cansyncd {
+
+/// Value of `bus.protocol`.
+inline constexpr std::string_view kSlaveProtocol = "cansync-slave";
+
+/// Register bytes of one telegram's mapping, as they were given.
+using MappingBytes = std::optional<std::array<std::uint8_t, cansync::kWords>>;
+/// Of both telegrams.
+using MappingBytesOfBoth = std::array<MappingBytes, cansync::kChannels>;
+
+/// Configuration while it is being read.
+struct SlaveRoleDraft {
+  /// One [[monitored]].
+  struct Monitored {
+    bool given = false;
+    MappingBytesOfBoth mapping;
+  };
+
+  SlaveRoleConfig config;
+  bool numbered = false;  ///< slave.number was given
+  MappingBytesOfBoth reference;
+  MappingBytesOfBoth actual;
+  std::array<Monitored, cansync::kSlaves> monitored = {};
+  unsigned number = 0;  ///< of the section an option belongs to
+};
+
+/// Every row: the daemon's, with the SYNC input and without metrics, and those of a slave.
+const config::Rows<SlaveRoleDraft>& slave_option_rows();
+
+/// The table of the rows.
+const config::Table& slave_options();
+
+/// Its part of docs/configuration.md, generated from the table.
+std::string slave_options_markdown();
+/// Its part of the options in cansync.toml(5), in mdoc.
+std::string slave_options_man();
+/// A file with every option at its default, each explained in a comment.
+std::string slave_default_config();
+
+}  // namespace cansyncd

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include "can/bus.h"
+#include "can/link_facts.h"
+#include "cansync/settings/mode.h"
+#include "cansync/slave/slave.h"
+#include "cansync/slave/slave_supervision.h"
+#include "cansync/telegram/telegram.h"
+#include "cansync_slave/received_values.h"
+#include "daemon/loop/moment.h"
+#include "daemon/loop/sync_snapshot.h"
+#include "rt/latest_value.h"
+#include "rt/spsc_ring.h"
+#include "rt/wake_signal.h"
+
+/// Everything that the realtime thread of a slave and its gateway thread share. The realtime thread writes
+/// `reports` and `status` and the gateway reads them. All of it is bounded, allocated at the start and
+/// wait-free on both sides.
+namespace cansyncd {
+
+using cansync_slave::ReceivedValues;
+
+/// A reference value telegram with values came.
+struct ReferencesReport {
+  ReceivedValues values;
+};
+
+/// An actual value telegram of another slave came.
+struct MonitoredReport {
+  cansync::SlaveNumber slave;
+  ReceivedValues values;
+};
+
+/// What an action is to the slave.
+enum class SlaveAction : std::uint8_t { control_word, sync_mode, user };
+
+/// An action of the master that names this slave.
+struct ActionReport {
+  Moment when;
+  SlaveAction kind = SlaveAction::user;
+  cansync::ActionCommand action;
+};
+
+/// The slave went from one operating state to another.
+struct SlaveStateReport {
+  Moment when;
+  cansync::State from = cansync::State::start_up;
+  cansync::State to = cansync::State::start_up;
+};
+
+/// The slave became synchronized, or is no longer.
+struct SynchronizedReport {
+  Moment when;
+  bool synchronized = false;
+};
+
+/// How well the intervals follow the SYNC input has changed.
+struct LockReport {
+  Moment when;
+  sync_line::LockState to = sync_line::LockState::searching;
+  can::Time missing{0};  ///< for how long edges have been (to locked: had been) missing
+};
+
+/// The device of the SYNC input began to fail, or works again.
+struct InputReport {
+  Moment when;
+  int error = 0;  ///< an errno; 0: it works
+};
+
+/// The supervision has found a fault, or it is over.
+struct FaultReport {
+  Moment when;
+  cansync::SlaveFault fault = cansync::SlaveFault::none;
+  cansync::SlaveReaction reaction = cansync::SlaveReaction::report;
+  bool over = false;
+};
+
+/// A frame of another node came with an identifier of this slave: its number is given twice.
+struct OwnNumberReport {
+  Moment when;
+  std::uint32_t identifier = 0;
+};
+
+using SlaveReport = std::variant<ReferencesReport, MonitoredReport, ActionReport, SlaveStateReport,
+                                 SynchronizedReport, LockReport, InputReport, FaultReport, OwnNumberReport>;
+
+/// What is counted of the slave's answers, beside what the slave counts itself.
+struct AnswerCounters {
+  std::uint64_t failed = 0;       ///< not taken by the bus
+  can::Time response_last{0};     ///< from when it could go out to its being handed over
+  can::Time response_longest{0};  ///< likewise
+  can::Time margin_least{0};      ///< least time that was left to an RDC; 0 before the first
+};
+
+/// State of the slave; written when it changes and ten times a second.
+struct SlaveSnapshot {
+  can::ControllerStatus controller;
+  can::TimestampSource timestamps = can::TimestampSource::thread;
+  SyncSnapshot sync;
+  cansync::State state = cansync::State::start_up;
+  std::uint16_t cansync_status = 0;
+  std::uint16_t status_word = 0;
+  bool activated = false;
+  std::uint8_t sync_mode = 0;  ///< data byte of the newest action "SYNC mode"
+  bool synchronized = false;
+  cansync::SlaveFault fault = cansync::SlaveFault::none;
+  cansync::SlaveReaction reaction = cansync::SlaveReaction::report;
+  bool traffic = false;  ///< telegrams came within the last second
+  IntervalNumber interval = 0;
+  std::uint64_t missing_edges = 0;
+  std::uint32_t missing_in_row = 0;
+  std::uint64_t missing_references = 0;
+  std::array<std::uint64_t, cansync::kChannels> reference_telegrams = {};
+  std::array<cansync::ActualCounters, cansync::kChannels> actual = {};
+  cansync::ResponseCounters responses;
+  AnswerCounters answers;
+  std::uint64_t actions = 0;
+  std::uint64_t own_number_frames = 0;
+  std::uint64_t lost_references = 0;  ///< reference value telegrams that had no room in `reports`
+  std::uint64_t lost_reports = 0;     ///< all reports that had none
+  std::uint32_t bus_load = 0;         ///< permille, of the last second
+};
+
+/// The shared structures. Constructed before both threads, destroyed after both.
+struct SlaveExchange {
+  /// `report_queue`: entries of `reports`.
+  explicit SlaveExchange(std::size_t report_queue) : reports(report_queue) {}
+
+  rt::SpscRing<SlaveReport> reports;  ///< realtime -> gateway, lossy
+  rt::LatestValue<SlaveSnapshot> status;
+  rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
+  rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,163 @@
+#include "daemon/cansync_slave/gateway/slave_gateway.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "cansync_slave/dds/convert.h"
+#include "cansync_slave/dds/topics.h"
+#include "daemon/cansync_slave/config/options.h"
+#include "daemon/cansync_slave/gateway/slave_events.h"
+#include "daemon/cansync_slave/gateway/slave_status.h"
+#include "daemon/status/bus_events.h"
+
+namespace cansyncd {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Reports told in one pass: the rest of the gateway must not wait behind a line that never rests.
+constexpr unsigned kReportsAtOnce = 256;
+
+cansync_slave_ActionKind to_idl(SlaveAction kind) noexcept {
+  switch (kind) {
+    case SlaveAction::control_word:
+      return cansync_slave_ACTION_CONTROL_WORD;
+    case SlaveAction::sync_mode:
+      return cansync_slave_ACTION_SYNC_MODE;
+    case SlaveAction::user:
+      break;
+  }
+  return cansync_slave_ACTION_USER;
+}
+
+cansync_slave_ActionReceived action_received(const ActionReport& report, std::uint64_t number) noexcept {
+  cansync_slave_ActionReceived sample = {};
+  sample.number = number;
+  sample.time = report.when.wall_clock.count();
+  sample.interval = report.when.interval;
+  sample.kind = to_idl(report.kind);
+  sample.command = report.action.command;
+  sample.data_byte = report.action.data_byte;
+  sample.data_word = report.action.data_word;
+  return sample;
+}
+
+}  // namespace
+
+SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchange,
+                           const gateway::dds::Participant& participant, JournalSink& journal,
+                           const DaemonIdentity& identity)
+    : config_(config),
+      exchange_(exchange),
+      events_(participant, journal, config.bus.name),
+      common_(participant, events_, config, {kSlaveProtocol}, identity),
+      second_daemon_(participant, signal_, events_, config.bus.name, identity),
+      references_(participant, 0, &signal_),
+      monitored_(participant, 0, &signal_),
+      actions_(participant, 0, &signal_),
+      status_(participant, 0, &signal_),
+      thread_(
+          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
+          [this] { end(); }) {}
+
+SlaveGateway::~SlaveGateway() {
+  stop();
+}
+
+void SlaveGateway::start() {
+  thread_.start();
+}
+
+void SlaveGateway::stop() noexcept {
+  thread_.stop();
+}
+
+void SlaveGateway::post(const EventText& event) {
+  posted_.post(event);
+  exchange_.gateway_wake.signal();
+}
+
+void SlaveGateway::reload(const SlaveRoleConfig& config) {
+  {
+    const std::lock_guard lock(mutex_);
+    new_configuration_ = config;
+  }
+  exchange_.gateway_wake.signal();
+}
+
+SteadyTime SlaveGateway::pass(bool samples_may_wait) {
+  const SteadyTime now = steady_clock::now();
+  take_configuration(now);
+  const bool more = take_reports(now);
+  posted_.publish(events_, now);
+  if (samples_may_wait) second_daemon_.look(now);
+  SteadyTime due = publish_status(now);
+  if (const auto next = events_.tick(now)) due = std::min(due, *next);
+  return more ? now : due;
+}
+
+void SlaveGateway::take_configuration(SteadyTime now) {
+  std::optional<SlaveRoleConfig> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    taken = std::exchange(new_configuration_, std::nullopt);
+  }
+  if (!taken) return;
+  config_.access = taken->access;
+  common_.set_access(config_.access);
+  events_.publish(
+      {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
+}
+
+bool SlaveGateway::take_reports(SteadyTime now) {
+  SlaveReport report;
+  for (unsigned i = 0; i < kReportsAtOnce; ++i) {
+    if (!exchange_.reports.try_pop(report)) return false;
+    publish(report, now);
+  }
+  return true;
+}
+
+void SlaveGateway::publish(const SlaveReport& report, SteadyTime now) {
+  if (const auto* references = std::get_if<ReferencesReport>(&report)) {
+    (void)references_.write(
+        cansync_slave::dds::references_received(references->values, snapshot_.lost_references));
+  } else if (const auto* monitored = std::get_if<MonitoredReport>(&report)) {
+    (void)monitored_.write(cansync_slave::dds::monitored_values(monitored->slave, monitored->values));
+  } else if (const auto* action = std::get_if<ActionReport>(&report)) {
+    (void)actions_.write(action_received(*action, ++action_number_));
+  } else if (const auto event = event_of(report, config_)) {
+    events_.publish(*event, now);
+  }
+}
+
+SteadyTime SlaveGateway::publish_status(SteadyTime now) {
+  const SlaveSnapshot before = snapshot_;
+  if (exchange_.status.read(snapshot_)) {
+    events_.set_interval(snapshot_.interval);
+    for (const EventText& event : bus_events(before.controller, snapshot_.controller, config_.bus))
+      events_.publish(event, now);
+  }
+  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
+  common_.set_snapshot({.controller = snapshot_.controller,
+                        .timestamps = snapshot_.timestamps,
+                        .sync = snapshot_.sync,
+                        .missed_syncs = snapshot_.missing_edges,
+                        .lost_reports = snapshot_.lost_reports});
+  const SteadyTime common_due = common_.step(now);
+  if (now < next_status_ && !differs(before, snapshot_)) return std::min(common_due, next_status_);
+  next_status_ = now + kStatusPeriod;
+  (void)status_.write(slave_side_status(snapshot_, config_));
+  return std::min(common_due, next_status_);
+}
+
+void SlaveGateway::end() {
+  const SteadyTime now = steady_clock::now();
+  while (take_reports(now)) {
+  }  // the realtime thread has ended: the ring grows no more
+  posted_.publish(events_, now);
+  (void)publish_status(now);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,119 @@
+#include "daemon/cansync_slave/gateway/slave_status.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <tuple>
+
+#include "cansync/settings/timing.h"
+#include "dds/bounded_text.h"
+
+namespace cansyncd {
+namespace {
+
+std::uint64_t nanoseconds(can::Time time) noexcept {
+  return static_cast<std::uint64_t>(std::max(time, can::Time{0}).count());
+}
+
+void put_answers(const SlaveSnapshot& snapshot, cansync_slave_SlaveSideStatus& sample) noexcept {
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    const cansync::ActualCounters& actual = snapshot.actual[channel];
+    sample.asked[channel] = actual.asked;
+    sample.not_released[channel] = actual.not_released;
+    sample.released[channel] = actual.released;
+    sample.not_asked[channel] = actual.not_asked;
+    sample.actual_sent[channel] = actual.sent;
+    sample.actual_late[channel] = actual.late;
+    sample.actual_lost[channel] = actual.lost;
+  }
+  sample.commands = snapshot.responses.asked;
+  sample.answers_busy = snapshot.responses.busy;
+  sample.answers_sent = snapshot.responses.sent;
+  sample.answers_late = snapshot.responses.late;
+  const AnswerCounters& answers = snapshot.answers;
+  sample.answers_failed = answers.failed;
+  sample.response_last = answers.response_last.count();
+  sample.response_longest = answers.response_longest.count();
+  sample.actual_margin_least = answers.margin_least.count();
+}
+
+/// H1 to H4 (M 3.1.4.2, 3.1.4.3).
+void put_indicators(const SlaveSnapshot& snapshot, can::Time interval,
+                    cansync_slave_SlaveSideStatus& sample) noexcept {
+  const bool locked = snapshot.sync.state == sync_line::LockState::locked;
+  const bool bus_ok = snapshot.controller.state != can::ControllerState::bus_off &&
+                      snapshot.controller.link == can::LinkState::up;
+  const bool waiting = !snapshot.activated && !locked;
+  sample.indicator_traffic = snapshot.traffic;
+  sample.indicator_sync_missing = !locked;
+  sample.indicator_interval =
+      static_cast<std::uint8_t>(std::chrono::duration_cast<std::chrono::milliseconds>(interval).count());
+  sample.indicator_fault = !bus_ok || waiting || snapshot.fault != cansync::SlaveFault::none ||
+                           (snapshot.activated && !snapshot.synchronized);
+}
+
+}  // namespace
+
+std::string_view word_of(cansync::SlaveFault fault) noexcept {
+  switch (fault) {
+    case cansync::SlaveFault::none:
+      return "none";
+    case cansync::SlaveFault::sync_lost:
+      return "sync_lost";
+    case cansync::SlaveFault::references_missing:
+      break;
+  }
+  return "references_missing";
+}
+
+std::string_view word_of(cansync::SlaveReaction reaction) noexcept {
+  switch (reaction) {
+    case cansync::SlaveReaction::report:
+      return "report";
+    case cansync::SlaveReaction::quick_stop:
+      return "quick_stop";
+    case cansync::SlaveReaction::pulse_inhibit:
+      break;
+  }
+  return "pulse_inhibit";
+}
+
+cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
+                                                const SlaveRoleConfig& config) noexcept {
+  const can::Time interval = cansync::slot_times(config.slave.bit_rate).interval;
+  cansync_slave_SlaveSideStatus sample = {};
+  sample.slave_number = config.slave.number.value();
+  sample.option_status = static_cast<std::uint16_t>(snapshot.state);
+  sample.cansync_status = snapshot.cansync_status;
+  gateway::dds::copy_text(cansync::name(snapshot.state), sample.state);
+  sample.status_word = snapshot.status_word;
+  sample.activated = snapshot.activated;
+  sample.synchronized = snapshot.synchronized;
+  gateway::dds::copy_text(word_of(snapshot.fault), sample.fault);
+  gateway::dds::copy_text(word_of(snapshot.reaction), sample.reaction);
+  sample.sync_mode = snapshot.sync_mode;
+  sample.interval_length = nanoseconds(interval);
+  sample.interval = snapshot.interval;
+  sample.missing_edges = snapshot.missing_edges;
+  sample.missing_in_row = snapshot.missing_in_row;
+  sample.missing_references = snapshot.missing_references;
+  std::copy(snapshot.reference_telegrams.begin(), snapshot.reference_telegrams.end(),
+            std::begin(sample.reference_telegrams));
+  put_answers(snapshot, sample);
+  sample.actions = snapshot.actions;
+  sample.own_number_frames = snapshot.own_number_frames;
+  sample.reports_lost = snapshot.lost_reports;
+  sample.bus_load = snapshot.bus_load;
+  put_indicators(snapshot, interval, sample);
+  return sample;
+}
+
+bool differs(const SlaveSnapshot& from, const SlaveSnapshot& to) noexcept {
+  const auto essence = [](const SlaveSnapshot& of) {
+    return std::tuple(of.state, of.activated, of.synchronized, of.fault, of.status_word, of.sync.state,
+                      of.traffic);
+  };
+  return essence(from) != essence(to);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string_view>
+
+#include "cansync_slave.h"
+#include "daemon/cansync_slave/config/config.h"
+#include "daemon/cansync_slave/exchange.h"
+
+namespace cansyncd {
+
+/// The sample of SlaveSideStatus that tells a snapshot. Pure; any thread.
+cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
+                                                const SlaveRoleConfig& config) noexcept;
+
+/// The words of a fault and of what is to be done about it, as SlaveSideStatus has them.
+std::string_view word_of(cansync::SlaveFault fault) noexcept;
+std::string_view word_of(cansync::SlaveReaction reaction) noexcept;
+
+/// Does `to` differ from `from` in more than counters, so that clients are told at once?
+bool differs(const SlaveSnapshot& from, const SlaveSnapshot& to) noexcept;
+
+}  // namespace cansyncd

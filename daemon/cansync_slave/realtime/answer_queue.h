@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "can/bus.h"
+#include "can/frame.h"
+#include "cansync/slave/slave.h"
+#include "daemon/cansync_slave/exchange.h"
+
+namespace cansyncd {
+
+/// The answers of a slave on their way to the bus: each goes out in its window, or not at all. Realtime
+/// thread only; realtime safe.
+class AnswerQueue {
+ public:
+  /// An answer and when it was asked for.
+  struct Answer {
+    cansync::SlaveAnswer answer;
+    can::Time edge{};   ///< that its window counts from
+    can::Time asked{};  ///< last bit of the request
+  };
+
+  /// Takes an answer; without room it is left out.
+  void add(const Answer& answer) noexcept;
+
+  /// The next answer that may go out at `now`; `slave` counts those that are too late.
+  std::optional<can::Frame> next(can::Time now, cansync::Slave& slave) noexcept;
+
+  /// What became of it.
+  void handed_over(can::SendResult result, can::Time now) noexcept;
+
+  /// When the next answer may go out; Time::max() when there is none.
+  can::Time next_deadline() const noexcept;
+  /// An answer may go out at `now`.
+  bool due(can::Time now) const noexcept { return next_deadline() <= now; }
+  const AnswerCounters& counters() const noexcept { return counters_; }
+
+ private:
+  /// More requests than that cannot end within one slot.
+  static constexpr unsigned kRoom = 4;
+
+  void pop() noexcept;
+
+  std::array<Answer, kRoom> answers_ = {};
+  unsigned first_ = 0;
+  unsigned size_ = 0;
+  AnswerCounters counters_;
+};
+
+}  // namespace cansyncd

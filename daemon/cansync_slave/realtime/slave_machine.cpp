@@ -1,0 +1,298 @@
+#include "daemon/cansync_slave/realtime/slave_machine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <variant>
+
+#include "cansync/telegram/telegram.h"
+#include "daemon/bus/interface_status.h"
+
+namespace cansyncd {
+
+using cansync::ControlCommand;
+using cansync::State;
+
+namespace {
+
+constexpr can::Time kSlaveSecond = std::chrono::seconds(1);
+constexpr can::Time kSlaveStatusPeriod = std::chrono::milliseconds(100);
+
+}  // namespace
+
+SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus,
+                           SlaveExchange& exchange) noexcept
+    : bus_(bus),
+      exchange_(exchange),
+      slots_(cansync::slot_times(settings.slave.bit_rate)),
+      target_(settings.target),
+      tap_(settings.tap),
+      desk_(settings.status_parameter, settings.status_bits),
+      slave_(settings.slave, desk_),
+      supervision_(settings.supervision),
+      sync_(settings.lock, settings.edge_every_interval, settings.inputs),
+      clock_(settings.wall_clock),
+      load_(slots_.bits_per_second) {
+  references_.words = word_mask(settings.slave.reference_mapping);
+  for (unsigned n = 0; n < cansync::kSlaves; ++n) {
+    if (settings.slave.monitored[n]) monitored_[n].words = word_mask(*settings.slave.monitored[n]);
+  }
+}
+
+void SlaveMachine::begin(can::Time now) noexcept {
+  clock_.adjust(bus_);
+  load_.take(now);
+  next_second_ = now + kSlaveSecond;
+  next_status_ = now;
+  snapshot_.controller = bus_.status();
+  sync_.begin(bus_);
+  pursue_target();
+  changed_ = true;  // nobody has been told how the bus is
+}
+
+void SlaveMachine::advance(can::Time now) noexcept {
+  ++turns_;
+  if (tap_ != nullptr) tap_->at({turns_, now, clock_.at(now)});
+  pass_edges(now);
+  // An answer has microseconds, all else has time.
+  if (answers_.due(now)) return;
+  sync_.look(now);
+  watch_sync();
+  if (now < next_second_) return;
+  next_second_ = now + kSlaveSecond;
+  clock_.adjust(bus_);
+  snapshot_.bus_load = load_.take(now);
+  snapshot_.traffic = frames_ != 0;
+  frames_ = 0;
+  lost_frames_ = snapshot_.controller.overruns + snapshot_.controller.dropped;
+}
+
+/// The slave's own application enables it (M 3.2.3.3).
+void SlaveMachine::pursue_target() noexcept {
+  const State before = slave_.state();
+  (void)slave_.control(ControlCommand::handshake);
+  (void)slave_.control(ControlCommand::take_over_initialisation);
+  if (target_ != SlaveTarget::none) (void)slave_.control(ControlCommand::start_synchronous);
+  if (target_ == SlaveTarget::active) (void)slave_.control(ControlCommand::enable_active);
+  report(SlaveStateReport{moment(bus_.now()), before, slave_.state()});
+  changed_ = true;
+}
+
+// --- edges
+
+void SlaveMachine::pass_edges(can::Time now) noexcept {
+  const SyncFollower::Passed passed = sync_.pass(now);
+  if (passed.count == 0) return;
+  const bool was_timed = timed_;
+  timed_ = sync_.tracking();
+  if (timed_) begin_intervals(passed);
+  // What was released for an interval that never comes is released for none.
+  if (was_timed && !timed_) slave_.on_sync();
+}
+
+void SlaveMachine::begin_intervals(const SyncFollower::Passed& passed) noexcept {
+  using cansync::Channel;
+  number_ += passed.count;
+  edge_ = passed.edge;
+  if (tap_ != nullptr) tap_->edge(passed.edge, bus_.now());
+  fresh_ = slave_.reference_fresh(Channel::one) || slave_.reference_fresh(Channel::two);
+  const std::uint32_t intervals = supervision_.edge(passed.edge, slave_.sync_activated());
+  if (cansync::is_active(slave_.state())) (void)supervision_.references(intervals, fresh_);
+  heard_others_ = false;
+  slave_.on_sync(passed.count);
+}
+
+/// What the supervision finds, and that it is over (M 3.2.0.3, O 7.2).
+void SlaveMachine::watch_faults(can::Time now) noexcept {
+  using cansync::SlaveFault;
+  supervision_.check(now);
+  if (const SlaveFault found = supervision_.take_fault(); found != SlaveFault::none) {
+    changed_ = true;
+    report(FaultReport{moment(now), found, supervision_.reaction(), false});
+  }
+  const SlaveFault standing = supervision_.fault();
+  const bool over = (standing == SlaveFault::sync_lost && supervision_.synchronized()) ||
+                    (standing == SlaveFault::references_missing && fresh_);
+  if (!over) return;
+  supervision_.acknowledge();
+  changed_ = true;
+  report(FaultReport{moment(now), standing, cansync::SlaveReaction::report, true});
+}
+
+void SlaveMachine::watch_sync() noexcept {
+  const SyncSnapshot before = snapshot_.sync;
+  snapshot_.sync = sync_.snapshot();
+  if (snapshot_.sync.state != before.state) {
+    const can::Time missing = std::max(before.holdover, snapshot_.sync.holdover);
+    report(LockReport{moment(bus_.now()), snapshot_.sync.state, missing});
+    changed_ = true;
+  }
+  if (const int error = sync_.input_error(); error != input_error_) {
+    input_error_ = error;
+    report(InputReport{moment(bus_.now()), error});
+  }
+  watch_faults(bus_.now());
+  tell_synchronized();
+}
+
+/// Bit 15: the master has activated SYNC operation, and the intervals have followed its edges for a while.
+void SlaveMachine::tell_synchronized() noexcept {
+  const bool synchronized = slave_.sync_activated() && supervision_.synchronized();
+  desk_.set_synchronized(synchronized);
+  if (synchronized == synchronized_) return;
+  synchronized_ = synchronized;
+  changed_ = true;
+  report(SynchronizedReport{moment(bus_.now()), synchronized});
+}
+
+// --- frames
+
+void SlaveMachine::receive(const can::ReceivedFrame& received) noexcept {
+  load_.add(received.frame);
+  if (received.own) {
+    echo_due_ = false;
+    slave_.sent(received.frame);
+    return;
+  }
+  ++frames_;
+  heard_others_ = true;
+  // A thread that woke late finds the edge and what came after it at the same time.
+  pass_edges(received.end);
+  if (sync_.take_frame(received)) return;
+  watch_own_number(received);
+  const cansync::Decoded decoded = cansync::decode(received.frame);
+  if (const auto* telegram = std::get_if<cansync::Telegram>(&decoded)) take(*telegram, received);
+}
+
+/// The edge that a frame's end counts from. Before the intervals follow the input, its newest edge says when
+/// answers are due, and without any the request itself.
+can::Time SlaveMachine::edge_before(can::Time end) noexcept {
+  if (timed_) return edge_;
+  sync_.take_wire();
+  const auto newest = sync_.newest();
+  return newest ? std::min(*newest, end) : end;
+}
+
+void SlaveMachine::take(const cansync::Telegram& telegram, const can::ReceivedFrame& received) noexcept {
+  const auto* actual = std::get_if<cansync::ActualTelegram>(&telegram);
+  const std::uint32_t before = actual == nullptr ? 0 : slave_.monitored_count(actual->slave, actual->channel);
+  const can::Time edge = edge_before(received.end);
+  const auto answer = slave_.receive(telegram, received.end - edge);
+  if (answer) answers_.add({*answer, edge, received.end});
+  if (const auto* reference = std::get_if<cansync::ReferenceTelegram>(&telegram)) {
+    take_reference(*reference, received.end);
+  } else if (actual != nullptr) {
+    take_actual(*actual, before, received.end);
+  } else if (const auto* action = std::get_if<cansync::ActionCommand>(&telegram)) {
+    take_action(*action, received.end);
+  }
+}
+
+void SlaveMachine::take_reference(const cansync::ReferenceTelegram& telegram, can::Time end) noexcept {
+  if (!cansync::is_active(slave_.state()) || telegram.words == 0) return;
+  ++snapshot_.reference_telegrams[index(telegram.channel)];
+  references_.took(telegram.channel, slave_.references(), number_, clock_.at(end).count());
+  if (!report(ReferencesReport{references_})) ++snapshot_.lost_references;
+}
+
+void SlaveMachine::take_actual(const cansync::ActualTelegram& telegram, std::uint32_t before,
+                               can::Time end) noexcept {
+  if (slave_.monitored_count(telegram.slave, telegram.channel) == before) return;
+  ReceivedValues& values = monitored_[telegram.slave.value()];
+  values.took(telegram.channel, slave_.monitored(telegram.slave), number_, clock_.at(end).count());
+  report(MonitoredReport{telegram.slave, values});
+}
+
+void SlaveMachine::take_action(const cansync::ActionCommand& action, can::Time end) noexcept {
+  const auto kind = desk_.take_action();
+  if (!kind) return;
+  ++snapshot_.actions;
+  report(ActionReport{moment(end), *kind, action});
+  tell_synchronized();
+}
+
+/// Nobody else may send what this slave alone sends.
+void SlaveMachine::watch_own_number(const can::ReceivedFrame& received) noexcept {
+  namespace identifier = cansync::identifier;
+  if (!received.frame.is_standard_data()) return;
+  const std::uint32_t id = received.frame.identifier();
+  const std::uint32_t channel = identifier::channel_of(id);
+  const bool of_slaves = channel == identifier::actual_one || channel == identifier::actual_two ||
+                         channel == identifier::response;
+  if (!of_slaves || identifier::participant_of(id) != slave_.settings().number.value()) return;
+  ++snapshot_.own_number_frames;
+  if (own_number_told_) return;
+  own_number_told_ = true;
+  report(OwnNumberReport{moment(received.end), id});
+}
+
+void SlaveMachine::handed_over(can::SendResult result) noexcept {
+  last_send_ = result;
+  echo_due_ = result == can::SendResult::queued;
+  answers_.handed_over(result, bus_.now());
+}
+
+// --- what others are told
+
+bool SlaveMachine::report(const SlaveReport& report) noexcept {
+  pending_ = true;
+  if (exchange_.reports.try_push(report)) return true;
+  ++snapshot_.lost_reports;
+  return false;
+}
+
+void SlaveMachine::fill_snapshot(can::Time now) noexcept {
+  const can::ControllerStatus before = snapshot_.controller;
+  snapshot_.controller = bus_.status();
+  const can::ControllerStatus& controller = snapshot_.controller;
+  if (controller.state != before.state || controller.link != before.link ||
+      controller.delivery != before.delivery) {
+    changed_ = true;
+    if (tap_ != nullptr) tap_->controller(moment(now), controller.state);
+  }
+  snapshot_.timestamps = bus_.timestamp_source();
+  snapshot_.state = slave_.state();
+  snapshot_.activated = slave_.sync_activated();
+  snapshot_.synchronized = synchronized_;
+  snapshot_.status_word = desk_.status_word();
+  snapshot_.interval = number_;
+  snapshot_.missing_edges = sync_.missing_edges();
+  snapshot_.missing_in_row = supervision_.misses();
+  snapshot_.missing_references = supervision_.missed_references();
+  snapshot_.fault = supervision_.fault();
+  snapshot_.reaction = supervision_.reaction();
+  snapshot_.sync_mode = slave_.sync_mode().value_or(0);
+  for (const auto channel : {cansync::Channel::one, cansync::Channel::two})
+    snapshot_.actual[index(channel)] = slave_.counters(channel);
+  snapshot_.responses = slave_.response_counters();
+  snapshot_.answers = answers_.counters();
+  snapshot_.cansync_status =
+      interface_status({.lost_frames = controller.overruns + controller.dropped != lost_frames_,
+                        .heard_others = heard_others_,
+                        .echo_due = echo_due_,
+                        .last_send = last_send_},
+                       controller.state);
+}
+
+void SlaveMachine::publish(can::Time now) noexcept {
+  if (changed_ || now >= next_status_) {
+    next_status_ = now + kSlaveStatusPeriod;
+    fill_snapshot(now);
+    exchange_.status.write(snapshot_);
+    // Nobody is woken for counters alone.
+    if (changed_) pending_ = true;
+    changed_ = false;
+  }
+  if (!pending_) return;
+  pending_ = false;
+  exchange_.gateway_wake.signal();
+}
+
+void SlaveMachine::end(can::Time now) noexcept {
+  const State before = slave_.state();
+  (void)slave_.control(ControlCommand::cold_restart);
+  report(SlaveStateReport{moment(now), before, slave_.state()});
+  changed_ = true;
+  publish(now);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,142 @@
+#include "daemon/cansync_slave/segment/slave_segment.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "can/frame_filter.h"
+#include "cansync/settings/settings.h"
+#include "cansync/settings/timing.h"
+#include "cansync/sim/drive_faults.h"
+#include "cansync/sim/master_node.h"
+#include "config/reload.h"
+
+namespace cansyncd {
+namespace {
+
+/// An answer without an echo for so long is taken as acknowledged by nobody.
+constexpr can::Time kAnswerEchoPatience = std::chrono::seconds(1);
+
+/// A master whose line is this slave alone: it activates it, asks for its actual values in every interval,
+/// and gives reference values that move.
+std::unique_ptr<sim::MasterNode> simulated_master(const SlaveRoleConfig& config) {
+  sim::MasterNodeSettings settings;
+  settings.master.bit_rate = config.slave.bit_rate;
+  settings.master.send_margin = cansync::default_send_margin(config.slave.bit_rate);
+  cansync::SlaveSettings& slave = settings.master.slaves[config.slave.number.value()];
+  slave.configured = true;
+  slave.status_parameter = config.status_parameter;
+  slave.actual_mapping = config.slave.actual_mapping;
+  settings.master.process.reference_mapping = config.slave.reference_mapping;
+  settings.master.process.maximum_slave = config.slave.number;
+  settings.master.process.polling.fill({cansync::Cursor::Kind::fixed, config.slave.number});
+  settings.master.startup.activate_command = config.slave.activate_command;
+  settings.master.startup.activate_data = config.slave.activate_data;
+  settings.first_edge = cansync::slot_times(config.slave.bit_rate).interval;
+  settings.references[0] = {.kind = sim::ReferenceCurve::Kind::ramp, .step = 1};
+  settings.references[1] = {.kind = sim::ReferenceCurve::Kind::constant, .offset = 1000};
+  settings.references[4] = {.kind = sim::ReferenceCurve::Kind::constant, .offset = 4000};
+  return std::make_unique<sim::MasterNode>(settings);
+}
+
+sync_line::PhaseLockSettings wire_lock(const SlaveRoleConfig& config) {
+  sync_line::PhaseLockSettings settings;
+  settings.interval = cansync::slot_times(config.slave.bit_rate).interval;
+  settings.greatest_step = config.sync.greatest_step > can::Time{0} ? config.sync.greatest_step
+                                                                    : can::Time(settings.interval / 1000);
+  settings.holdover = config.sync.holdover;
+  return settings;
+}
+
+}  // namespace
+
+SlaveRoleFile load_slave_checked(const std::string& path, std::span<const std::string> overrides) {
+  SlaveRoleFile file = load_slave_config(path, overrides);
+  if (file.problems.empty())
+    file.problems = check_surroundings(file.config, file.settings, path, sim::drive_faults());
+  return file;
+}
+
+BusPlan slave_bus_plan(const SlaveRoleConfig& config) {
+  BusPlan plan;
+  plan.bus = config.bus;
+  plan.line = config.sim;
+  plan.interval = kAnswerEchoPatience;
+  // Everything: a slave hears the master and the slaves that it listens to, and own frames must come back.
+  plan.filters = {{.mask = 0, .extended = can::FlagFilter::either, .remote = can::FlagFilter::either}};
+  if (config.bus.kind != BusKind::simulated) return plan;
+  plan.sim.faults = &sim::drive_faults();
+  plan.sim.daemon_number = config.slave.number.value();
+  plan.sim.nodes.push_back(simulated_master(config));
+  return plan;
+}
+
+SlaveMachineSettings slave_machine_settings(const SlaveRoleConfig& config, FlightTap* tap,
+                                            const SyncFollower::Inputs& inputs) {
+  SlaveMachineSettings settings;
+  settings.tap = tap;
+  settings.slave = config.slave;
+  settings.target = config.target;
+  settings.status_parameter = config.status_parameter;
+  settings.status_bits = config.status_bits;
+  settings.supervision = config.supervision;
+  // How long edges may be missing says sync.holdover_ms: the timeline runs through until then.
+  settings.supervision.edges_until_fault = 2;
+  settings.inputs = inputs;
+  settings.edge_every_interval = config.sync.input != SyncInput::pps;
+  const bool of_line = inputs.line != nullptr && inputs.line->following();
+  settings.lock = of_line ? *inputs.line->following() : wire_lock(config);
+  return settings;
+}
+
+SlaveSegment::SlaveSegment(SlaveRoleFile file, JournalSink& journal, gateway::dds::Participant participant)
+    : file_(std::move(file)),
+      log_(file_.config.bus.name, journal),
+      bus_(slave_bus_plan(file_.config)),
+      sync_line_(make_sync_line(file_.config, cansync::slot_times(file_.config.slave.bit_rate).interval,
+                                file_.settings, file_.path)),
+      exchange_(file_.config.realtime.report_queue),
+      participant_(std::move(participant)),
+      gateway_(file_.config, exchange_, participant_, journal),
+      flight_(
+          file_.config, FlightProtocol{.interval = cansync::slot_times(file_.config.slave.bit_rate).interval},
+          bus_.bus(), [this](const EventText& event) { gateway_.post(event); }, journal),
+      machine_(slave_machine_settings(file_.config, flight_.tap(), {sync_line_.get(), bus_.sync_edges()}),
+               flight_.bus(), exchange_),
+      loop_(machine_, flight_.bus()),
+      threads_(log_, bus_, flight_, gateway_, loop_, exchange_) {}
+
+SlaveSegment::~SlaveSegment() {
+  stop();
+}
+
+void SlaveSegment::start() {
+  if (sync_line_) sync_line_->start();
+  threads_.start(file_.config.realtime);
+  log_.say(LogPriority::notice, "daemon_running",
+           fmt::format("running: bus {} ({}) at {} bit/s, slave {}, {}", file_.config.bus.name,
+                       file_.config.bus.interface, file_.config.bus.bits_per_second,
+                       file_.config.slave.number.value(), participant_.place()));
+}
+
+void SlaveSegment::stop() noexcept {
+  threads_.stop(file_.config.sim.trace);
+}
+
+ReloadPlan SlaveSegment::plan_reload(std::span<const std::string> overrides) {
+  SlaveRoleFile wanted = load_slave_checked(file_.path, overrides);
+  if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
+  config::Changes changes =
+      config::compare(file_.settings, wanted.settings, [](const config::Setting&) { return true; });
+  SlaveRoleFile merged = build_slave_config(std::move(changes.merged), file_.path);
+  if (!merged.problems.empty()) return {false, std::move(merged.problems), {}, {}, {}};
+  const auto apply = [this, merged = std::move(merged)] {
+    file_ = merged;
+    gateway_.reload(file_.config);
+  };
+  return {false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
+}
+
+}  // namespace cansyncd

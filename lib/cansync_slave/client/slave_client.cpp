@@ -1,0 +1,69 @@
+#include "cansync_slave/client/slave_client.h"
+
+#include <algorithm>
+
+namespace cansync_slave::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+}  // namespace
+
+SlaveClient::SlaveClient(const Options& options)
+    : options_(options),
+      participant_(options.participant()),
+      references_(participant_, &signal_),
+      monitored_(participant_, &signal_),
+      actions_(participant_, &signal_),
+      status_(participant_, &signal_),
+      sight_(participant_, signal_, options.bus) {
+  sight_.find(
+      options, signal_, "cansync-slave", [this] { return matched(); },
+      [this] { return status_.matched() != 0; });
+}
+
+bool SlaveClient::matched() const noexcept {
+  return references_.matched() != 0 && monitored_.matched() != 0 && actions_.matched() != 0 &&
+         status_.matched() != 0;
+}
+
+int SlaveClient::take(const Listener& listener) {
+  sight_.look();
+  int count = 0;
+  const auto hand_on = [&count](const auto& function, const auto& sample) {
+    ++count;
+    if (function) function(sample);
+  };
+  actions_.take([&](const cansync_slave_ActionReceived& sample) { hand_on(listener.action, sample); });
+  references_.take(
+      [&](const cansync_slave_ReferencesReceived& sample) { hand_on(listener.references, sample); });
+  monitored_.take([&](const cansync_slave_MonitoredValues& sample) { hand_on(listener.monitored, sample); });
+  status_.take([&](const cansync_slave_SlaveSideStatus& sample) { newest_ = sample; });
+  return count;
+}
+
+bool SlaveClient::receive(milliseconds time, const Listener& listener) {
+  const auto end = steady_clock::now() + time;
+  while (true) {
+    signal_.clear();
+    if (take(listener) > 0) return true;
+    if (!daemon_present()) return false;
+    const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
+    if (left <= milliseconds{0} || options_.stopped()) return true;
+    (void)signal_.wait(std::min(static_cast<int>(left.count()), gateway::dds::DaemonSight::kLookMs));
+  }
+}
+
+std::optional<cansync_slave_SlaveSideStatus> SlaveClient::status(milliseconds time) {
+  const auto end = steady_clock::now() + time;
+  while (true) {
+    signal_.clear();
+    sight_.look();
+    status_.take([this](const cansync_slave_SlaveSideStatus& sample) { newest_ = sample; });
+    if (newest_ || options_.stopped() || !daemon_present() || steady_clock::now() >= end) return newest_;
+    (void)signal_.wait(gateway::dds::DaemonSight::kLookMs);
+  }
+}
+
+}  // namespace cansync_slave::client

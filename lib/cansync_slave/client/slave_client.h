@@ -1,0 +1,68 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "cansync_slave.h"
+#include "cansync_slave/dds/topics.h"
+#include "dds/daemon_sight.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+#include "dds/signal.h"
+
+/// A program's side of the bus of a slave: the application behind the slave.
+namespace cansync_slave::client {
+
+using gateway::dds::NoDaemon;
+/// How to find the daemon.
+using Options = gateway::dds::ClientOptions;
+
+/// A connection to the daemon that is the slave. One thread.
+class SlaveClient {
+ public:
+  /// What is called for each sample that `receive` takes; an empty function: it is dropped.
+  struct Listener {
+    std::function<void(const cansync_slave_ReferencesReceived&)> references;
+    std::function<void(const cansync_slave_MonitoredValues&)> monitored;
+    std::function<void(const cansync_slave_ActionReceived&)> action;
+  };
+
+  /// Waits until a daemon serves the bus and everything is matched with it. Throws NoDaemon when
+  /// `options.wait` is over, `stop` is set or several daemons serve the bus, gateway::dds::SetupError when
+  /// DDS cannot be set up.
+  explicit SlaveClient(const Options& options);
+
+  /// Waits at most `time` for what the daemon received, and calls `listener` for all that came. False: the
+  /// daemon has gone.
+  bool receive(std::chrono::milliseconds time, const Listener& listener);
+
+  /// What the daemon told last of the slave, waiting at most `time` for the first; nothing: none came.
+  std::optional<cansync_slave_SlaveSideStatus> status(std::chrono::milliseconds time);
+
+  /// Which daemon serves the bus, as it told last.
+  const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
+
+  /// A daemon serves the bus now.
+  bool daemon_present() const noexcept { return status_.matched() != 0; }
+
+  /// Where the daemon was looked for, for messages.
+  std::string place() const { return participant_.place(); }
+
+ private:
+  bool matched() const noexcept;
+  int take(const Listener& listener);
+
+  Options options_;
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+  gateway::dds::Reader<cansync_slave_ReferencesReceived> references_;
+  gateway::dds::Reader<cansync_slave_MonitoredValues> monitored_;
+  gateway::dds::Reader<cansync_slave_ActionReceived> actions_;
+  gateway::dds::Reader<cansync_slave_SlaveSideStatus> status_;
+  gateway::dds::DaemonSight sight_;
+  std::optional<cansync_slave_SlaveSideStatus> newest_;
+};
+
+}  // namespace cansync_slave::client

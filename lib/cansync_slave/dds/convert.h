@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cansync/telegram/numbers.h"
+#include "cansync_slave.h"
+#include "cansync_slave/received_values.h"
+
+/// Between the structs of the IDL and those of the core. No function allocates or throws; any thread.
+namespace cansync_slave::dds {
+
+/// `lost`: telegrams since the start that are in no sample.
+cansync_slave_ReferencesReceived references_received(const ReceivedValues& received,
+                                                     std::uint64_t lost) noexcept;
+/// Of the slave that sent them.
+cansync_slave_MonitoredValues monitored_values(cansync::SlaveNumber slave,
+                                               const ReceivedValues& received) noexcept;
+
+}  // namespace cansync_slave::dds

@@ -1,0 +1,19 @@
+#include "cansync_slave/dds/topics.h"
+
+#include <array>
+
+namespace cansync_slave::dds {
+
+std::span<const TopicInfo* const> all_topics() noexcept {
+  static constexpr std::array<const TopicInfo*, 8> kAll = {&topic_info<cansync_slave_ReferencesReceived>,
+                                                           &topic_info<cansync_slave_MonitoredValues>,
+                                                           &topic_info<cansync_slave_ActionReceived>,
+                                                           &topic_info<cansync_slave_SlaveSideStatus>,
+                                                           &topic_info<gateway_GatewayStatus>,
+                                                           &topic_info<gateway_BusStatus>,
+                                                           &topic_info<gateway_RealtimeStatus>,
+                                                           &topic_info<gateway_Event>};
+  return kAll;
+}
+
+}  // namespace cansync_slave::dds

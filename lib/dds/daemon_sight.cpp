@@ -1,0 +1,102 @@
+#include "dds/daemon_sight.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "dds/daemon_identity.h"
+#include "dds/writer_identity.h"
+
+namespace gateway::dds {
+
+using std::chrono::steady_clock;
+
+ParticipantOptions ClientOptions::participant() const {
+  return {.domain = domain,
+          .partition = bus,
+          .interface = interface,
+          .xml = xml,
+          .security = security,
+          .final_types = final_types};
+}
+
+std::array<std::uint8_t, 16> random_client_identity() {
+  std::array<std::uint8_t, 16> identity;
+  if (getrandom(identity.data(), identity.size(), 0) != static_cast<ssize_t>(identity.size()))
+    throw SetupError("the system gave no random numbers for the client's identity");
+  return identity;
+}
+
+DaemonSight::DaemonSight(const Participant& participant, DataSignal& signal, std::string bus)
+    : participant_(participant), bus_(std::move(bus)), statuses_(participant, &signal) {}
+
+void DaemonSight::look() {
+  statuses_.take_batch([this](const gateway_GatewayStatus& sample, const dds_sample_info_t& info) {
+    if (!info.valid_data) return;
+    newest_ = sample;
+    choice_.heard(info.publication_handle, daemon_of(sample));
+  });
+  std::array<dds_instance_handle_t, 64> matched = {};
+  const dds_return_t count = dds_get_matched_publications(statuses_.handle(), matched.data(), matched.size());
+  const auto there = std::min(static_cast<std::size_t>(std::max(count, 0)), matched.size());
+  choice_.look(steady_clock::now(), std::span(matched).first(there));
+}
+
+std::string DaemonSight::names_of_living() const {
+  std::string names;
+  for (const auto writer : choice_.living()) {
+    if (!names.empty()) names += "; ";
+    const auto who = identify_writer(participant_, statuses_.handle(), writer);
+    names += who ? who->who : "an unknown program";
+  }
+  return names;
+}
+
+std::string DaemonSight::absent(const ClientOptions& options, std::string_view protocol,
+                                bool other_topics) const {
+  if (other_topics && !newest_) {
+    return fmt::format(
+        "the daemon of bus {} has data model 6 or older, this program {}: the two do not understand each other "
+        "({}); update cansyncd, or use a program of its version",
+        bus_, gateway_DATA_MODEL, participant_.place());
+  }
+  return fmt::format(
+      "no daemon found that speaks {}: looked for {} on {}; is cansyncd running for bus {} with bus.protocol = "
+      "\"{}\", and with the same domain and interface in its [dds] section?",
+      protocol, options.wait, participant_.place(), bus_, protocol);
+}
+
+std::optional<DaemonSight::Obstacle> DaemonSight::obstacle() {
+  using View = DaemonChoice::View;
+  const auto refused = [this](std::string reason) {
+    choice_.program_told();
+    return Obstacle{false, std::move(reason)};
+  };
+  switch (choice_.view()) {
+    case View::several:
+      return refused(fmt::format(
+          "several daemons serve bus {} ({}): {}; nothing was sent: stop all but one, or give each a "
+          "bus.name of its own",
+          bus_, participant_.place(), names_of_living()));
+    case View::unsure:
+      return refused(fmt::format(
+          "the daemon was started anew, or a second one serves bus {}: {}; nothing was sent; try again "
+          "later",
+          bus_, names_of_living()));
+    case View::none:
+      choice_.program_told();
+      return Obstacle{true, "the daemon has gone"};
+    case View::one:
+      break;
+  }
+  if (!choice_.to_be_told()) return std::nullopt;
+  return refused(
+      "the daemon was started anew; nothing was sent: ask again; requests from now on are for the new one");
+}
+
+}  // namespace gateway::dds

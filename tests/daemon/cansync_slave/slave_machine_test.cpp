@@ -1,0 +1,126 @@
+// The slave's realtime machine on a simulated line, in virtual time.
+#include "daemon/cansync_slave/realtime/slave_machine.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "slave_rig.h"
+
+namespace cansyncd {
+namespace {
+
+using namespace test;
+using std::chrono::microseconds;
+
+class SlaveAtEveryRate : public testing::TestWithParam<cansync::BitRate> {};
+
+TEST_P(SlaveAtEveryRate, LocksIsActivatedAndTakesReferenceValues) {
+  SlaveRig rig(GetParam());
+  rig.run_until(2000 * rig.times.interval);
+  EXPECT_TRUE(rig.snapshot.synchronized);
+  EXPECT_EQ(rig.snapshot.status_word, 0x8000);
+  EXPECT_EQ(rig.master->master().state(), cansync::State::active_master);
+  EXPECT_EQ(rig.snapshot.missing_edges, 0u);
+  EXPECT_EQ(rig.snapshot.responses.late, 0u);
+  const auto references = rig.told<ReferencesReport>();
+  ASSERT_GT(references.size(), 1000u);
+  // The ramp rises by one an interval; WRC1 and WRC2 come in turns.
+  for (std::size_t i = 2; i < references.size(); ++i) {
+    EXPECT_EQ(references[i].values.arrived, 3 - references[i - 1].values.arrived);
+    EXPECT_EQ(references[i].values.values[4], 44u);
+    if (references[i].values.arrived != 1) continue;
+    EXPECT_EQ(references[i].values.values[0], references[i - 2].values.values[0] + 1);
+    EXPECT_EQ(references[i].values.interval[0], references[i - 2].values.interval[0] + 1);
+  }
+  const auto actions = rig.told<ActionReport>();
+  ASSERT_FALSE(actions.empty());
+  EXPECT_EQ(actions[0].kind, SlaveAction::sync_mode);
+}
+
+TEST_P(SlaveAtEveryRate, AskedAndNotReleasedIsNoTelegram) {
+  SlaveRig rig(GetParam());
+  rig.run_until(1500 * rig.times.interval);
+  EXPECT_GT(rig.snapshot.actual[0].asked, 100u);
+  EXPECT_EQ(rig.snapshot.actual[0].not_released, rig.snapshot.actual[0].asked);
+  EXPECT_TRUE(rig.trace.starts(cansync::identifier::actual_one + kNumber).empty());
+  EXPECT_TRUE(rig.trace.starts(cansync::identifier::actual_two + kNumber).empty());
+}
+
+TEST_P(SlaveAtEveryRate, ResponsesStartInTheirSlot) {
+  SlaveRig rig(GetParam());
+  rig.run_until(1500 * rig.times.interval);
+  const auto starts = rig.trace.starts(cansync::identifier::response + kNumber);
+  ASSERT_GT(starts.size(), 1u);
+  EXPECT_GT(rig.snapshot.responses.sent, 1u);
+  // Once the intervals have process data: by tRC.
+  EXPECT_LE(starts.back(), rig.times.response);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, SlaveAtEveryRate,
+                         testing::Values(cansync::BitRate::kbit125, cansync::BitRate::kbit250,
+                                         cansync::BitRate::kbit500, cansync::BitRate::mbit1));
+
+sim::Fault missing_edges(std::uint64_t from, std::uint64_t count) {
+  sim::Fault fault;
+  fault.kind = sim::FaultKind::missing_sync;
+  fault.from = from;
+  fault.to = from + count - 1;
+  return fault;
+}
+
+TEST(SlaveMachineTest, OneMissingEdgeIsRunThrough) {
+  SlaveRig rig(cansync::BitRate::mbit1, {missing_edges(1500, 1)});
+  rig.run_until(2000 * rig.times.interval);
+  EXPECT_EQ(rig.snapshot.missing_edges, 1u);
+  EXPECT_TRUE(rig.snapshot.synchronized);
+  EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::none);
+}
+
+TEST(SlaveMachineTest, EdgesMissingForLongerThanTheHoldOverEndSynchronism) {
+  SlaveRig rig(cansync::BitRate::mbit1, {missing_edges(1500, 400)});
+  rig.run_until(1800 * rig.times.interval);
+  EXPECT_FALSE(rig.snapshot.synchronized);
+  EXPECT_EQ(rig.snapshot.status_word, 0x0000);
+  EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::sync_lost);
+  EXPECT_EQ(rig.snapshot.reaction, cansync::SlaveReaction::quick_stop);
+  const auto changes = rig.told<SynchronizedReport>();
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_TRUE(changes[0].synchronized);
+  EXPECT_FALSE(changes[1].synchronized);
+}
+
+TEST(SlaveMachineTest, MissingReferenceValuesAreAFaultUntilTheyComeAgain) {
+  SlaveRig rig;
+  rig.at(1500 * rig.times.interval, [&rig] {
+    for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{4}}) rig.master->set_reference(value, {});
+  });
+  rig.at(1600 * rig.times.interval,
+         [&rig] { rig.master->set_reference(0, {.kind = sim::ReferenceCurve::Kind::constant}); });
+  rig.run_until(1700 * rig.times.interval);
+  const auto faults = rig.told<FaultReport>();
+  ASSERT_EQ(faults.size(), 2u);
+  EXPECT_EQ(faults[0].fault, cansync::SlaveFault::references_missing);
+  EXPECT_FALSE(faults[0].over);
+  // Ten intervals without: the edge that ends the tenth tells.
+  const auto references = rig.told<ReferencesReport>();
+  IntervalNumber last = 0;
+  for (const ReferencesReport& one : references) {
+    if (one.values.interval[0] < faults[0].when.interval) last = one.values.interval[0];
+  }
+  EXPECT_EQ(faults[0].when.interval - last, 11u);
+  EXPECT_TRUE(faults[1].over);
+  EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::none);
+}
+
+TEST(SlaveMachineTest, AThreadThatWakesLateAnswersNoCommandAfterItsSlot) {
+  SlaveRig rig;
+  rig.at(1500 * rig.times.interval, [&rig] { rig.bus->late = microseconds(700); });
+  rig.run_until(2500 * rig.times.interval);
+  EXPECT_GT(rig.snapshot.responses.late, 0u);
+  for (const can::Time start : rig.trace.starts(cansync::identifier::response + kNumber))
+    EXPECT_LE(start, rig.times.command);
+}
+
+}  // namespace
+}  // namespace cansyncd

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cansync/settings/timing.h"
+#include "cansync/sim/drive_faults.h"
+#include "cansync/sim/master_node.h"
+#include "cansync/telegram/telegram.h"
+#include "daemon/cansync_slave/realtime/slave_machine.h"
+#include "daemon/loop/deadline_loop.h"
+#include "sim/line.h"
+
+/// The slave's realtime loop on a simulated line with a simulated master, in virtual time.
+namespace cansyncd::test {
+
+/// Notes every frame with its start, by who sent it.
+class LineTrace final : public sim::TraceSink {
+ public:
+  void frame(const sim::TracedFrame& traced) noexcept override { frames.push_back(traced); }
+  void sync(can::Time at) noexcept override { edges.push_back(at); }
+  std::vector<sim::TracedFrame> frames;
+  std::vector<can::Time> edges;
+
+  /// Starts of the frames of one channel with this slave's number, each after the edge before it.
+  std::vector<can::Time> starts(std::uint32_t identifier) const {
+    std::vector<can::Time> found;
+    for (const sim::TracedFrame& one : frames) {
+      if (one.frame.identifier() != identifier || one.frame.error) continue;
+      const auto after = std::upper_bound(edges.begin(), edges.end(), one.start);
+      found.push_back(after == edges.begin() ? one.start : one.start - *(after - 1));
+    }
+    return found;
+  }
+};
+
+/// Does what the test wants at an instant of the bus, and wakes the loop late when it wants that.
+class WatchedBus final : public can::Bus {
+ public:
+  explicit WatchedBus(can::Bus& line) : line_(line) {}
+
+  std::multimap<can::Time, std::function<void()>> script;
+  can::Time late{};  ///< the thread stands still for so long after each wake-up by a frame
+
+  can::Time now() noexcept override { return line_.now(); }
+  can::Wake wait_until(can::Time deadline) noexcept override {
+    if (!script.empty()) deadline = std::min(deadline, script.begin()->first);
+    const can::Wake wake = line_.wait_until(deadline);
+    if (wake == can::Wake::frame && late > can::Time{0}) stand_still(line_.now() + late);
+    while (!script.empty() && script.begin()->first <= line_.now()) {
+      const auto action = script.begin()->second;
+      script.erase(script.begin());
+      action();
+    }
+    return wake;
+  }
+  bool receive(can::ReceivedFrame& out) noexcept override {
+    if (kept_.empty()) return line_.receive(out);
+    out = kept_.front();
+    kept_.erase(kept_.begin());
+    return true;
+  }
+  can::SendResult send(const can::Frame& frame) noexcept override { return line_.send(frame); }
+  can::ControllerStatus status() noexcept override { return line_.status(); }
+  can::ResetResult reset() noexcept override { return line_.reset(); }
+  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
+  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
+
+ private:
+  /// Virtual time goes on only while somebody waits without a frame.
+  void stand_still(can::Time until) {
+    while (true) {
+      can::ReceivedFrame frame;
+      while (line_.receive(frame)) kept_.push_back(frame);
+      if (line_.wait_until(until) != can::Wake::frame) return;
+    }
+  }
+
+  can::Bus& line_;
+  std::vector<can::ReceivedFrame> kept_;
+};
+
+inline constexpr std::uint8_t kNumber = 5;
+
+struct SlaveRig {
+  explicit SlaveRig(cansync::BitRate bit_rate = cansync::BitRate::mbit1, std::vector<sim::Fault> faults = {})
+      : rate(bit_rate), times(cansync::slot_times(bit_rate)) {
+    sim::MasterNodeSettings settings;
+    settings.master.bit_rate = rate;
+    settings.master.send_margin = cansync::default_send_margin(rate);
+    settings.master.slaves[kNumber].configured = true;
+    settings.master.process.maximum_slave = *cansync::SlaveNumber::from(kNumber);
+    settings.master.process.polling.fill(
+        {cansync::Cursor::Kind::fixed, *cansync::SlaveNumber::from(kNumber)});
+    settings.first_edge = times.interval;
+    settings.references[0] = {.kind = sim::ReferenceCurve::Kind::ramp, .offset = 100, .step = 1};
+    settings.references[4] = {.kind = sim::ReferenceCurve::Kind::constant, .offset = 44};
+    auto node = std::make_unique<sim::MasterNode>(settings);
+    master = node.get();
+    std::vector<std::unique_ptr<sim::Node>> nodes;
+    nodes.push_back(std::move(node));
+    sim::LineSettings line_settings;
+    line_settings.bits_per_second = times.bits_per_second;
+    line_settings.protocol = &sim::drive_faults();
+    line_settings.user_number = kNumber;
+    line_settings.trace = &trace;
+    line_settings.faults = std::move(faults);
+    line = std::make_unique<sim::Line>(line_settings, std::move(nodes));
+    bus = std::make_unique<WatchedBus>(*line);
+    SlaveMachineSettings machine_settings;
+    machine_settings.slave.number = *cansync::SlaveNumber::from(kNumber);
+    machine_settings.slave.bit_rate = rate;
+    machine_settings.wall_clock = nullptr;
+    machine_settings.supervision.interval = times.interval;
+    machine_settings.supervision.lock_time = 10 * times.interval;
+    machine_settings.supervision.edges_until_fault = 2;
+    machine_settings.lock.interval = times.interval;
+    machine_settings.lock.greatest_step = times.interval / 1000;
+    machine_settings.lock.holdover = 20 * times.interval;
+    machine_settings.inputs.wire = line.get();
+    machine = std::make_unique<SlaveMachine>(machine_settings, *bus, exchange);
+    loop = std::make_unique<DeadlineLoop<SlaveMachine>>(*machine, *bus);
+  }
+
+  void at(can::Time when, std::function<void()> action) { bus->script.emplace(when, std::move(action)); }
+  /// Call once.
+  void run_until(can::Time end) {
+    at(end, [this] {
+      EXPECT_TRUE(exchange.status.read(snapshot));
+      loop->request_stop();
+    });
+    loop->run();
+    SlaveReport report;
+    while (exchange.reports.try_pop(report)) reports.push_back(report);
+  }
+  template <class Report>
+  std::vector<Report> told() const {
+    std::vector<Report> found;
+    for (const SlaveReport& report : reports) {
+      if (const auto* one = std::get_if<Report>(&report)) found.push_back(*one);
+    }
+    return found;
+  }
+
+  cansync::BitRate rate;
+  cansync::SlotTimes times;
+  LineTrace trace;
+  sim::MasterNode* master = nullptr;
+  std::unique_ptr<sim::Line> line;
+  std::unique_ptr<WatchedBus> bus;
+  SlaveExchange exchange{1 << 14};
+  std::unique_ptr<SlaveMachine> machine;
+  std::unique_ptr<DeadlineLoop<SlaveMachine>> loop;
+  SlaveSnapshot snapshot;
+  std::vector<SlaveReport> reports;
+};
+
+}  // namespace cansyncd::test

@@ -1,0 +1,93 @@
+#include "cli/cansync_slave/status_part.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "cansync_slave/client/slave_client.h"
+#include "cansync_slave_members.h"
+#include "cli/connect/bus_connection.h"
+#include "dds/bounded_text.h"
+
+namespace cansync::cli {
+namespace {
+
+using SideStatus = cansync_slave_SlaveSideStatus;
+
+/// Throws client::NoDaemon.
+SideStatus side_status(Session& session) {
+  auto client = connect_bus<cansync_slave::client::SlaveClient>(session);
+  const auto status = client.status(session.search_time());
+  if (!status) throw client::NoDaemon("the daemon has told no SlaveSideStatus (" + client.place() + ")");
+  return *status;
+}
+
+std::string synchronized_text(const SideStatus& status) {
+  if (status.synchronized) return "synchronized";
+  return status.activated ? "activated, not synchronized" : "not activated by the master";
+}
+
+/// "12.3 us".
+std::string microseconds(std::int64_t nanoseconds) {
+  return fmt::format("{:.1f} us", static_cast<double>(nanoseconds) / 1e3);
+}
+
+std::string indicators(const SideStatus& status) {
+  std::string text = status.indicator_traffic ? "traffic" : "no traffic";
+  if (status.indicator_sync_missing) text += ", SYNC missing";
+  text += fmt::format(", {} ms", status.indicator_interval);
+  if (status.indicator_fault) text += ", fault";
+  return text;
+}
+
+std::string fault_text(const SideStatus& status) {
+  const std::string_view fault = gateway::dds::text(status.fault);
+  if (fault == "none") return "none";
+  return fmt::format("{}: {}", fault, gateway::dds::text(status.reaction));
+}
+
+std::vector<Explained> lines_of_slave(Session& session) {
+  const SideStatus status = side_status(session);
+  return {
+      {"slave", fmt::format("{}, {}; {}; status word 0x{:04X}", status.slave_number, status.state,
+                            synchronized_text(status), status.status_word)},
+      {"intervals", fmt::format("{} of {} us; {} SYNC edges missing", status.interval,
+                                status.interval_length / 1000, status.missing_edges)},
+      {"reference values",
+       fmt::format("{} WRC1, {} WRC2; {} intervals without, {} of them now", status.reference_telegrams[0],
+                   status.reference_telegrams[1], status.missing_references, status.missing_in_row)},
+      {"actual values",
+       fmt::format("{} RDC1, {} RDC2 sent; {} and {} times nothing was released; {} and {} late",
+                   status.actual_sent[0], status.actual_sent[1], status.not_released[0],
+                   status.not_released[1], status.actual_late[0], status.actual_late[1])},
+      {"fault", fault_text(status)},
+      {"answers", fmt::format("{} sent, {} late, {} not taken by the bus; {} actions", status.answers_sent,
+                              status.answers_late, status.answers_failed, status.actions)},
+      {"response", fmt::format("last {}, longest {}; least time left to an actual value telegram {}",
+                               microseconds(status.response_last), microseconds(status.response_longest),
+                               microseconds(status.actual_margin_least))},
+      {"indicators", indicators(status)},
+      {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
+}
+
+void add_slave_members(Session& session, JsonObject& object) {
+  text::add_members(object, side_status(session));
+}
+
+std::vector<Explained> slave_lines_help() {
+  return {{"slave", "its number, operating state, whether bit 15 of the status word is set, and that word"},
+          {"intervals", "those with a SYNC input, and how many went by without their edge"},
+          {"reference values", "telegrams of the master with values, and intervals without any"},
+          {"actual values",
+           "telegrams sent when asked, left out because nothing was released, and left out late"},
+          {"answers", "to parameter commands and transfers; and actions of the master that name this slave"},
+          {"response", "from the last bit of a request to its answer being handed over, since the start"},
+          {"indicators", "what the four lamps of a module would show"},
+          {"bus load", "share of the last second in which the bus was busy"}};
+}
+
+}  // namespace
+
+const StatusPart kSlaveStatusPart = {"cansync-slave", lines_of_slave, add_slave_members, slave_lines_help};
+
+}  // namespace cansync::cli
