@@ -18,9 +18,9 @@
 #include "rt/spsc_ring.h"
 #include "rt/wake_signal.h"
 
-/// Everything that the realtime thread of a slave and its gateway thread share. The realtime thread writes
-/// `reports` and `status` and the gateway reads them. All of it is bounded, allocated at the start and
-/// wait-free on both sides.
+/// Everything that the realtime thread of a slave and its gateway thread share. The gateway writes `releases`
+/// and reads the rest; the realtime thread the other way round. All of it is bounded, allocated at the start
+/// and wait-free on both sides.
 namespace cansyncd {
 
 using cansync_slave::ReceivedValues;
@@ -89,6 +89,14 @@ struct OwnNumberReport {
 using SlaveReport = std::variant<ReferencesReport, MonitoredReport, ActionReport, SlaveStateReport,
                                  SynchronizedReport, LockReport, InputReport, FaultReport, OwnNumberReport>;
 
+/// Actual values that an application releases, for one telegram.
+struct ReleaseOrder {
+  cansync::Channel channel = cansync::Channel::one;
+  std::array<std::uint32_t, cansync::kWords> values = {};  ///< of this channel
+  std::uint8_t valid = 0;                                  ///< bit n: value n is new
+  std::uint32_t intervals = 0;  ///< for which it waits to be asked for; 0: what waits is withdrawn
+};
+
 /// What is counted of the slave's answers, beside what the slave counts itself.
 struct AnswerCounters {
   std::uint64_t failed = 0;       ///< not taken by the bus
@@ -117,6 +125,8 @@ struct SlaveSnapshot {
   std::uint64_t missing_references = 0;
   std::array<std::uint64_t, cansync::kChannels> reference_telegrams = {};
   std::array<cansync::ActualCounters, cansync::kChannels> actual = {};
+  std::array<std::uint64_t, cansync::kChannels> released = {};  ///< by applications
+  std::array<std::uint64_t, cansync::kChannels> unused = {};    ///< of those: never asked for
   cansync::ResponseCounters responses;
   AnswerCounters answers;
   std::uint64_t actions = 0;
@@ -129,9 +139,12 @@ struct SlaveSnapshot {
 /// The shared structures. Constructed before both threads, destroyed after both.
 struct SlaveExchange {
   /// `report_queue`: entries of `reports`.
-  explicit SlaveExchange(std::size_t report_queue) : reports(report_queue) {}
+  explicit SlaveExchange(std::size_t report_queue) : releases(kReleases), reports(report_queue) {}
 
-  rt::SpscRing<SlaveReport> reports;  ///< realtime -> gateway, lossy
+  static constexpr std::size_t kReleases = 64;
+
+  rt::SpscRing<ReleaseOrder> releases;  ///< gateway -> realtime
+  rt::SpscRing<SlaveReport> reports;    ///< realtime -> gateway, lossy
   rt::LatestValue<SlaveSnapshot> status;
   rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
   rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway

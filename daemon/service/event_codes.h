@@ -71,6 +71,10 @@ inline constexpr EventKind kEventKinds[] = {
     {"reference_refusals_over", "ff20721e58704ff8bd5af862bc71c2de"},
     {"failsafe_control_word", "9fe2e79502104e7a88540f6ec43bc960"},
     {"failsafe_control_word_ended", "e94d1c0118a0455c9a9ec483cee766b1"},
+    // actual values that an application releases
+    {"actual_writer_began", "4d55a51c2cdd4955b77de54a173a003b"},
+    {"actual_writer_lost", "0ab38903e7e046aa9dbe998d58213e4e"},
+    {"actual_refused", "4bd17676e82a4034837118ab6e550f93"},
     // the CAN bus
     {"second_master", "96bc8b5a34904d9b93c9639b2adbac1a"},
     {"second_master_gone", "07abff7994394078b133056f27d3cfdf"},

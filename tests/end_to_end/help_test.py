@@ -39,7 +39,7 @@ TABLES = {
 
 
 # Their tables are looked at by the tests of their protocol.
-OF_OTHER_PROTOCOLS = {"frames", "send", "references"}
+OF_OTHER_PROTOCOLS = {"frames", "send", "references", "actual"}
 
 
 class Columns(VerbTest):

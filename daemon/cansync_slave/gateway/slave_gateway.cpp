@@ -53,13 +53,16 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       events_(participant, journal, config.bus.name),
       common_(participant, events_, config, {kSlaveProtocol}, identity),
       second_daemon_(participant, signal_, events_, config.bus.name, identity),
+      releases_(participant, signal_, events_, identity, exchange),
       references_(participant, 0, &signal_),
       monitored_(participant, 0, &signal_),
       actions_(participant, 0, &signal_),
       status_(participant, 0, &signal_),
       thread_(
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
-          [this] { end(); }) {}
+          [this] { end(); }) {
+  releases_.set_read_only(config.access.read_only);
+}
 
 SlaveGateway::~SlaveGateway() {
   stop();
@@ -91,9 +94,14 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   take_configuration(now);
   const bool more = take_reports(now);
   posted_.publish(events_, now);
-  if (samples_may_wait) second_daemon_.look(now);
+  if (samples_may_wait) {
+    second_daemon_.look(now);
+    if (releases_.take_samples(now)) signal_.raise();
+  }
   SteadyTime due = publish_status(now);
-  if (const auto next = events_.tick(now)) due = std::min(due, *next);
+  for (const auto next : {events_.tick(now), releases_.tick(now)}) {
+    if (next) due = std::min(due, *next);
+  }
   return more ? now : due;
 }
 
@@ -106,6 +114,7 @@ void SlaveGateway::take_configuration(SteadyTime now) {
   if (!taken) return;
   config_.access = taken->access;
   common_.set_access(config_.access);
+  releases_.set_read_only(config_.access.read_only);
   events_.publish(
       {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }

@@ -8,6 +8,7 @@
 #include "cansync_slave.h"
 #include "daemon/cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
+#include "daemon/cansync_slave/gateway/release_gate.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/second_daemon.h"
@@ -78,6 +79,7 @@ class SlaveGateway {
   EventPublisher events_;
   CommonStatus common_;
   SecondDaemon second_daemon_;
+  ReleaseGate releases_;
   gateway::dds::Writer<cansync_slave_ReferencesReceived> references_;
   gateway::dds::Writer<cansync_slave_MonitoredValues> monitored_;
   gateway::dds::Writer<cansync_slave_ActionReceived> actions_;

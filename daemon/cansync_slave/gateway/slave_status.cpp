@@ -20,8 +20,8 @@ void put_answers(const SlaveSnapshot& snapshot, cansync_slave_SlaveSideStatus& s
     const cansync::ActualCounters& actual = snapshot.actual[channel];
     sample.asked[channel] = actual.asked;
     sample.not_released[channel] = actual.not_released;
-    sample.released[channel] = actual.released;
-    sample.not_asked[channel] = actual.not_asked;
+    sample.released[channel] = snapshot.released[channel];
+    sample.not_asked[channel] = snapshot.unused[channel];
     sample.actual_sent[channel] = actual.sent;
     sample.actual_late[channel] = actual.late;
     sample.actual_lost[channel] = actual.lost;

@@ -55,6 +55,7 @@ void SlaveMachine::advance(can::Time now) noexcept {
   pass_edges(now);
   // An answer has microseconds, all else has time.
   if (answers_.due(now)) return;
+  take_releases();
   sync_.look(now);
   watch_sync();
   if (now < next_second_) return;
@@ -86,7 +87,9 @@ void SlaveMachine::pass_edges(can::Time now) noexcept {
   timed_ = sync_.tracking();
   if (timed_) begin_intervals(passed);
   // What was released for an interval that never comes is released for none.
-  if (was_timed && !timed_) slave_.on_sync();
+  if (!was_timed || timed_) return;
+  releases_.drop();
+  slave_.on_sync();
 }
 
 void SlaveMachine::begin_intervals(const SyncFollower::Passed& passed) noexcept {
@@ -98,7 +101,9 @@ void SlaveMachine::begin_intervals(const SyncFollower::Passed& passed) noexcept 
   const std::uint32_t intervals = supervision_.edge(passed.edge, slave_.sync_activated());
   if (cansync::is_active(slave_.state())) (void)supervision_.references(intervals, fresh_);
   heard_others_ = false;
+  releases_.interval_ends(slave_, passed.count);
   slave_.on_sync(passed.count);
+  releases_.interval_begins(slave_);
 }
 
 /// What the supervision finds, and that it is over (M 3.2.0.3, O 7.2).
@@ -116,6 +121,20 @@ void SlaveMachine::watch_faults(can::Time now) noexcept {
   supervision_.acknowledge();
   changed_ = true;
   report(FaultReport{moment(now), standing, cansync::SlaveReaction::report, true});
+}
+
+void SlaveMachine::take_releases() noexcept {
+  ReleaseOrder order;
+  for (unsigned i = 0; i < SlaveExchange::kReleases && exchange_.releases.try_pop(order); ++i) {
+    if (order.intervals != 0) ++snapshot_.released[index(order.channel)];
+    // Without intervals there is nothing to release for.
+    const bool taken = timed_ && cansync::is_active(slave_.state());
+    if (taken) {
+      releases_.take(order, slave_);
+    } else if (order.intervals != 0) {
+      ++dropped_releases_[index(order.channel)];
+    }
+  }
 }
 
 void SlaveMachine::watch_sync() noexcept {
@@ -264,6 +283,8 @@ void SlaveMachine::fill_snapshot(can::Time now) noexcept {
   for (const auto channel : {cansync::Channel::one, cansync::Channel::two})
     snapshot_.actual[index(channel)] = slave_.counters(channel);
   snapshot_.responses = slave_.response_counters();
+  for (const auto channel : {cansync::Channel::one, cansync::Channel::two})
+    snapshot_.unused[index(channel)] = dropped_releases_[index(channel)] + releases_.unused(channel);
   snapshot_.answers = answers_.counters();
   snapshot_.cansync_status =
       interface_status({.lost_frames = controller.overruns + controller.dropped != lost_frames_,

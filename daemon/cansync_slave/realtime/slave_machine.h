@@ -12,6 +12,7 @@
 #include "daemon/cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/cansync_slave/realtime/answer_queue.h"
+#include "daemon/cansync_slave/realtime/release_store.h"
 #include "daemon/cansync_slave/realtime/slave_desk.h"
 #include "daemon/cansync_slave/realtime/sync_follower.h"
 #include "daemon/loop/flight_tap.h"
@@ -61,6 +62,7 @@ class SlaveMachine {
   void pass_edges(can::Time now) noexcept;
   void begin_intervals(const SyncFollower::Passed& passed) noexcept;
   void watch_faults(can::Time now) noexcept;
+  void take_releases() noexcept;
   void watch_sync() noexcept;
   void tell_synchronized() noexcept;
   void pursue_target() noexcept;
@@ -82,6 +84,7 @@ class SlaveMachine {
   SlaveDesk desk_;
   cansync::Slave slave_;
   cansync::SlaveSupervision supervision_;
+  ReleaseStore releases_;
   SyncFollower sync_;
   AnswerQueue answers_;
   WallClock clock_;
@@ -102,6 +105,7 @@ class SlaveMachine {
   bool own_number_told_ = false;
   std::uint64_t lost_frames_ = 0;  ///< of the controller, at the beginning of the running second
   std::uint64_t frames_ = 0;       ///< of others, within the running second
+  std::array<std::uint64_t, cansync::kChannels> dropped_releases_ = {};  ///< came without intervals
   ReceivedValues references_;
   std::array<ReceivedValues, cansync::kSlaves> monitored_ = {};
   SlaveSnapshot snapshot_;

@@ -47,6 +47,10 @@ class SlaveClient {
   /// A daemon serves the bus now.
   bool daemon_present() const noexcept { return status_.matched() != 0; }
 
+  /// What writers of this connection stand on, and the name they give themselves.
+  const gateway::dds::Participant& participant() const noexcept { return participant_; }
+  const std::string& name() const noexcept { return options_.client_name; }
+
   /// Where the daemon was looked for, for messages.
   std::string place() const { return participant_.place(); }
 

@@ -5,8 +5,9 @@
 namespace cansync_slave::dds {
 
 std::span<const TopicInfo* const> all_topics() noexcept {
-  static constexpr std::array<const TopicInfo*, 8> kAll = {&topic_info<cansync_slave_ReferencesReceived>,
+  static constexpr std::array<const TopicInfo*, 9> kAll = {&topic_info<cansync_slave_ReferencesReceived>,
                                                            &topic_info<cansync_slave_MonitoredValues>,
+                                                           &topic_info<cansync_slave_ActualRelease>,
                                                            &topic_info<cansync_slave_ActionReceived>,
                                                            &topic_info<cansync_slave_SlaveSideStatus>,
                                                            &topic_info<gateway_GatewayStatus>,

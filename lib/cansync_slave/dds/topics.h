@@ -21,6 +21,10 @@ inline constexpr TopicInfo topic_info<cansync_slave_MonitoredValues> = {
     "MonitoredValues", &cansync_slave_MonitoredValues_desc, kFromDaemon, kind::state(),
     &cansync_slave_MonitoredValues_final_desc};
 template <>
+inline constexpr TopicInfo topic_info<cansync_slave_ActualRelease> = {
+    "ActualRelease", &cansync_slave_ActualRelease_desc, kFromClients, kind::exclusive(),
+    &cansync_slave_ActualRelease_final_desc};
+template <>
 inline constexpr TopicInfo topic_info<cansync_slave_ActionReceived> = {
     "ActionReceived", &cansync_slave_ActionReceived_desc, kFromDaemon, kind::events(),
     &cansync_slave_ActionReceived_final_desc};

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "cansync_slave/dds/convert.h"
+#include "cansync_slave/dds/validate.h"
 
 namespace cansync_slave::dds {
 namespace {
@@ -61,6 +62,20 @@ TEST(SlaveConvert, TelegramsFillTheirHalfAndSayWhichCame) {
   EXPECT_EQ(sample.receive_time, 2000);
   EXPECT_EQ(sample.lost, 3u);
   EXPECT_EQ(monitored_values(*cansync::SlaveNumber::from(31), received).slave, 31);
+}
+
+TEST(SlaveValidate, AReleaseOutOfItsRangeIsRefusedWithTheRange) {
+  cansync_slave_ActualRelease release = {};
+  release.telegram = 1;
+  EXPECT_FALSE(check(release));
+  release.telegram = 3;
+  EXPECT_EQ(check(release)->reason, "telegram 3: out of range; allowed 1 or 2");
+  release.telegram = 2;
+  release.valid = 0x10;
+  EXPECT_EQ(check(release)->cause, gateway_CAUSE_FIELD);
+  release.valid = 0x0F;
+  release.wait_intervals = kMostWaitIntervals + 1;
+  EXPECT_EQ(check(release)->reason, "wait_intervals 1001: out of range; allowed 0..1000, 0 = 1");
 }
 
 }  // namespace

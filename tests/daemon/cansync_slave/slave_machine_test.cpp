@@ -61,6 +61,79 @@ INSTANTIATE_TEST_SUITE_P(Rates, SlaveAtEveryRate,
                          testing::Values(cansync::BitRate::kbit125, cansync::BitRate::kbit250,
                                          cansync::BitRate::kbit500, cansync::BitRate::mbit1));
 
+/// Releases telegram `channel` at an instant.
+void release_at(SlaveRig& rig, can::Time when, cansync::Channel channel, std::uint32_t value,
+                std::uint32_t intervals) {
+  rig.at(when, [&rig, channel, value, intervals] {
+    ASSERT_TRUE(rig.exchange.releases.try_push({channel, {value, value + 1, 0, 0}, 0x03, intervals}));
+  });
+}
+
+constexpr std::uint32_t kActualOne = cansync::identifier::actual_one + kNumber;
+constexpr std::uint32_t kActualTwo = cansync::identifier::actual_two + kNumber;
+
+TEST_P(SlaveAtEveryRate, EachReleaseIsSentOnceAndInItsSlot) {
+  SlaveRig rig(GetParam());
+  const can::Time interval = rig.times.interval;
+  for (unsigned i = 0; i < 50; ++i) {
+    release_at(rig, (1500 + 10 * i) * interval, cansync::Channel::one, 1000 + i, 5);
+    release_at(rig, (1500 + 10 * i) * interval, cansync::Channel::two, 2000 + i, 5);
+  }
+  rig.run_until(2100 * interval);
+  const auto one = rig.trace.starts(kActualOne);
+  const auto two = rig.trace.starts(kActualTwo);
+  EXPECT_EQ(one.size(), 50u);
+  EXPECT_EQ(two.size(), 50u);
+  for (const can::Time start : one) EXPECT_LE(start, rig.times.actual_one);
+  for (const can::Time start : two) EXPECT_LE(start, rig.times.actual_two);
+  for (const unsigned channel : {0u, 1u}) {
+    EXPECT_EQ(rig.snapshot.released[channel], 50u);
+    EXPECT_EQ(rig.snapshot.unused[channel], 0u);
+    EXPECT_EQ(rig.snapshot.actual[channel].sent, 50u);
+    EXPECT_EQ(rig.snapshot.actual[channel].late, 0u);
+  }
+  EXPECT_EQ(rig.snapshot.answers.failed, 0u);
+}
+
+TEST(SlaveMachineTest, ReleasedAndNotAskedIsNoTelegram) {
+  SlaveRig rig;
+  const can::Time interval = rig.times.interval;
+  rig.at(1490 * interval, [&rig] {
+    for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{4}}) rig.master->set_reference(value, {});
+  });
+  release_at(rig, 1500 * interval, cansync::Channel::one, 7, 3);
+  rig.at(1550 * interval,
+         [&rig] { rig.master->set_reference(0, {.kind = sim::ReferenceCurve::Kind::constant}); });
+  rig.run_until(1600 * interval);
+  EXPECT_EQ(rig.snapshot.unused[0], 1u);
+  EXPECT_TRUE(rig.trace.starts(kActualOne).empty());
+}
+
+TEST(SlaveMachineTest, ANewerReleaseReplacesAndAWithdrawalEndsIt) {
+  SlaveRig rig;
+  const can::Time interval = rig.times.interval;
+  rig.at(1490 * interval, [&rig] { rig.master->set_reference(0, {}); });
+  release_at(rig, 1500 * interval, cansync::Channel::one, 7, 900);
+  release_at(rig, 1502 * interval, cansync::Channel::one, 8, 900);
+  release_at(rig, 1504 * interval, cansync::Channel::one, 0, 0);
+  rig.at(1550 * interval,
+         [&rig] { rig.master->set_reference(0, {.kind = sim::ReferenceCurve::Kind::constant}); });
+  rig.run_until(1600 * interval);
+  EXPECT_EQ(rig.snapshot.unused[0], 2u);
+  EXPECT_TRUE(rig.trace.starts(kActualOne).empty());
+}
+
+TEST(SlaveMachineTest, AReleaseThatWouldStartAfterItsSlotIsNeverSent) {
+  SlaveRig rig;
+  const can::Time interval = rig.times.interval;
+  rig.at(1500 * interval, [&rig] { rig.bus->late = microseconds(300); });
+  release_at(rig, 1510 * interval, cansync::Channel::one, 7, 900);
+  rig.run_until(1600 * interval);
+  EXPECT_EQ(rig.snapshot.actual[0].late, 1u);
+  EXPECT_EQ(rig.snapshot.actual[0].sent, 0u);
+  EXPECT_TRUE(rig.trace.starts(kActualOne).empty());
+}
+
 sim::Fault missing_edges(std::uint64_t from, std::uint64_t count) {
   sim::Fault fault;
   fault.kind = sim::FaultKind::missing_sync;

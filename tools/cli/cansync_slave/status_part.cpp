@@ -80,6 +80,7 @@ std::vector<Explained> slave_lines_help() {
           {"reference values", "telegrams of the master with values, and intervals without any"},
           {"actual values",
            "telegrams sent when asked, left out because nothing was released, and left out late"},
+          {"fault", "what the supervision has found, and what the application is to do about it"},
           {"answers", "to parameter commands and transfers; and actions of the master that name this slave"},
           {"response", "from the last bit of a request to its answer being handed over, since the start"},
           {"indicators", "what the four lamps of a module would show"},

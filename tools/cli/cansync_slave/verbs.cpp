@@ -131,6 +131,7 @@ void add_references(CLI::App& app, Verb& chosen) {
 
 void add_slave_role_verbs(CLI::App& app, Verb& chosen) {
   add_references(app, chosen);
+  add_actual_verb(app, chosen);
 }
 
 }  // namespace cansync::cli

@@ -4,7 +4,9 @@
 
 namespace cansync::cli {
 
-/// `references`: the bus of a slave.
+/// `references` and `actual`: the bus of a slave.
 void add_slave_role_verbs(CLI::App& app, Verb& chosen);
+
+void add_actual_verb(CLI::App& app, Verb& chosen);  ///< actual
 
 }  // namespace cansync::cli

@@ -1,0 +1,54 @@
+#include "cansync_slave/client/release_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace cansync_slave::client {
+
+ReleaseWriter::ReleaseWriter(SlaveClient& client, std::int32_t strength)
+    : client_(client), writer_(client.participant(), strength, nullptr, client.name()) {
+  take_up();
+}
+
+ReleaseWriter::~ReleaseWriter() {
+  for (const std::uint8_t telegram : {std::uint8_t{1}, std::uint8_t{2}}) {
+    if (written_[telegram - 1u]) give_up(telegram);
+  }
+}
+
+std::string ReleaseWriter::write(std::uint8_t telegram, const std::array<std::uint32_t, 4>& raw,
+                                 std::uint8_t valid, std::uint32_t wait_intervals) {
+  cansync_slave_ActualRelease sample = {};
+  sample.telegram = telegram;
+  std::copy(raw.begin(), raw.end(), std::begin(sample.raw));
+  sample.valid = valid;
+  sample.wait_intervals = wait_intervals;
+  gateway::dds::set_daemon(daemon_, sample);
+  if (const auto code = writer_.write(sample); code != DDS_RETCODE_OK)
+    return fmt::format("the values could not be written: {}", dds_strretcode(code));
+  if (telegram == 1 || telegram == 2) written_[telegram - 1u] = true;
+  return {};
+}
+
+void ReleaseWriter::give_up(std::uint8_t telegram) {
+  if (telegram != 1 && telegram != 2) return;
+  cansync_slave_ActualRelease sample = {};
+  sample.telegram = telegram;
+  sample.given_up = true;
+  gateway::dds::set_daemon(daemon_, sample);
+  (void)writer_.write(sample);
+  (void)writer_.unregister(sample);
+  written_[telegram - 1u] = false;
+}
+
+bool ReleaseWriter::daemon_restarted() const noexcept {
+  return gateway::dds::daemon_of(client_.gateway_status()) != daemon_;
+}
+
+void ReleaseWriter::take_up() noexcept {
+  daemon_ = gateway::dds::daemon_of(client_.gateway_status());
+}
+
+}  // namespace cansync_slave::client
