@@ -26,8 +26,8 @@ SlaveRoleDraft::Monitored& monitored(SlaveRoleDraft& draft) {
 }
 
 constexpr std::string_view kRegisterWords = "a list of four numbers 0..127";
-constexpr std::string_view kMappingOne = "(doubleword values 0 and 1, low word first)";
-constexpr std::string_view kMappingTwo = "(doubleword values 4 and 5, low word first)";
+constexpr std::string_view kSlaveMappingOne = "(doubleword values 0 and 1, low word first)";
+constexpr std::string_view kSlaveMappingTwo = "(doubleword values 4 and 5, low word first)";
 
 bool takes_register_bytes(const SlaveRoleDraft& /*draft*/, const Value& value) {
   constexpr int kMostRegister = 127;
@@ -46,10 +46,10 @@ void put_registers(const Value& value, MappingBytes& out) {
 
 /// A row of register bytes with its example.
 constexpr Option registers_one(std::string_view key, std::string_view help) {
-  return example("[0x01, 0x03, 0x05, 0x07]", other(key, kRegisterWords, kMappingOne, help));
+  return example("[0x01, 0x03, 0x05, 0x07]", other(key, kRegisterWords, kSlaveMappingOne, help));
 }
 constexpr Option registers_two(std::string_view key, std::string_view help) {
-  return example("[0x11, 0x13, 0x15, 0x17]", other(key, kRegisterWords, kMappingTwo, help));
+  return example("[0x11, 0x13, 0x15, 0x17]", other(key, kRegisterWords, kSlaveMappingTwo, help));
 }
 
 constexpr auto kSlaveProtocolRow = std::to_array<DaemonRow>({

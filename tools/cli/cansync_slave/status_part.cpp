@@ -28,7 +28,7 @@ std::string synchronized_text(const SideStatus& status) {
 }
 
 /// "12.3 us".
-std::string microseconds(std::int64_t nanoseconds) {
+std::string slave_microseconds(std::int64_t nanoseconds) {
   return fmt::format("{:.1f} us", static_cast<double>(nanoseconds) / 1e3);
 }
 
@@ -63,9 +63,10 @@ std::vector<Explained> lines_of_slave(Session& session) {
       {"fault", fault_text(status)},
       {"answers", fmt::format("{} sent, {} late, {} not taken by the bus; {} actions", status.answers_sent,
                               status.answers_late, status.answers_failed, status.actions)},
-      {"response", fmt::format("last {}, longest {}; least time left to an actual value telegram {}",
-                               microseconds(status.response_last), microseconds(status.response_longest),
-                               microseconds(status.actual_margin_least))},
+      {"response",
+       fmt::format("last {}, longest {}; least time left to an actual value telegram {}",
+                   slave_microseconds(status.response_last), slave_microseconds(status.response_longest),
+                   slave_microseconds(status.actual_margin_least))},
       {"indicators", indicators(status)},
       {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
 }

@@ -37,7 +37,7 @@ bool came(std::uint8_t bits, unsigned telegram) {
 }
 
 /// Raw, with the sign that its width gives it; empty before its telegram came.
-std::string value_text(const cansync_slave_ReferencesReceived& sample, unsigned value) {
+std::string reference_text(const cansync_slave_ReferencesReceived& sample, unsigned value) {
   if (!came(sample.ever, value / 4)) return "-";
   const bool word = ((sample.words >> value) & 1u) != 0;
   return fmt::format("{}", as_signed(sample.raw[value], word ? Width::word : Width::doubleword));
@@ -84,7 +84,7 @@ void ReferenceLines::show(const cansync_slave_ReferencesReceived& sample) {
     std::vector<std::string> cells = {time_text(sample.receive_time, true),
                                       fmt::format("{}", sample.interval[telegram]),
                                       fmt::format("{}", telegram + 1)};
-    for (unsigned value = 0; value < 8; ++value) cells.push_back(value_text(sample, value));
+    for (unsigned value = 0; value < 8; ++value) cells.push_back(reference_text(sample, value));
     output_.line(table_.line(cells));
   }
   ++shown_;
