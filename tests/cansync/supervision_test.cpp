@@ -113,6 +113,48 @@ TEST(StatusWord, AnErrorIsToldOnceWithItsCodeUntilTheSlaveGivesIt) {
   EXPECT_EQ(rig.told.count(Code::slave_status_refused), 2u);
 }
 
+// M 3.2.3.7: another parameter number is a change of the job, and the slave forgets the one it was busy with.
+TEST(StatusWord, IsNotReadFromASlaveThatIsBusyWithAJob) {
+  MasterRig rig(settings_for(2));
+  bool busy = true;
+  unsigned writes = 0;
+  unsigned reads_of_the_busy_one = 0;
+  unsigned reads_between = 0;
+  unsigned reads_of_the_other = 0;
+  rig.answer = [&](const Telegram& telegram) -> std::optional<Telegram> {
+    const auto* command = std::get_if<ParameterCommand>(&telegram);
+    if (command == nullptr) return std::nullopt;
+    if (command->number.value() == 301) {
+      reads_of_the_busy_one += command->slave == slave(1) ? 1 : 0;
+      reads_between += writes != 0 && busy && command->slave == slave(1) ? 1 : 0;
+      reads_of_the_other += writes != 0 && command->slave == slave(0) ? 1 : 0;
+      return MasterRig::word_reply(*command, 0);  // not synchronized: read again and again, beside jobs
+    }
+    ++writes;
+    return busy ? MasterRig::busy_reply(*command) : MasterRig::written_reply(*command);
+  };
+  rig.set_up();
+  rig.run(50);
+  ASSERT_EQ(rig.master.submit(ParameterRequest{.id = 7,
+                                               .write = true,
+                                               .slave = slave(1),
+                                               .number = parameter(100),
+                                               .format = ParameterFormat::word,
+                                               .value = 3,
+                                               .monitoring_time = std::chrono::seconds(10)}),
+            Refusal::none);
+  rig.run(5000);
+  // One may stand between the write and its first answer.
+  EXPECT_EQ(reads_between, 0u);
+  EXPECT_GE(reads_of_the_other, 100u);
+  busy = false;
+  rig.run_until([&] { return rig.told.parameters.contains(7); });
+  EXPECT_EQ(rig.told.parameters.at(7).outcome, Outcome::done);
+  const unsigned before = reads_of_the_busy_one;
+  rig.run(100);
+  EXPECT_GT(reads_of_the_busy_one, before);
+}
+
 /// Four slaves whose status word is the high word of actual value 5, in word 3 of RDC2 (M 3.1.1.1).
 struct MappedStatus : testing::Test {
   MappedStatus() {

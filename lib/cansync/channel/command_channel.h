@@ -199,6 +199,7 @@ class CommandChannel {
   bool choose_supervision() noexcept;
 
   SlaveMask transfers_waiting() const noexcept;
+  SlaveMask busy_with_a_job() const noexcept;
   bool enables(const ActionCommand& action) const noexcept;
   static ActionCommand action_of(const ControlWordRequest& request) noexcept;
   static ActionCommand action_of(const BroadcastRequest& request) noexcept { return request.action; }

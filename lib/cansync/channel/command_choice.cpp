@@ -178,15 +178,25 @@ bool CommandChannel::choose_cancel() noexcept {
   return true;
 }
 
+/// Another parameter command would be another job to such a slave (M 3.2.3.7, "change"): it forgets the one
+/// it is busy with, and when the master asks again whether it is done, begins it anew and applies a write
+/// twice. Ends at the latest with the job's monitoring time.
+SlaveMask CommandChannel::busy_with_a_job() const noexcept {
+  SlaveMask busy;
+  for (const SlaveNumber slave : parameters_.waiting()) busy.set(slave, parameters_.front(slave)->busy());
+  return busy;
+}
+
 bool CommandChannel::choose_check() noexcept {
-  const auto slave = next_slave(check_scan_, supervision_.checking());
+  const SlaveMask checking = supervision_.checking();
+  const auto slave = next_slave(check_scan_, {checking.bits & ~busy_with_a_job().bits});
   if (!slave) return false;
   chosen_ = {Kind::check, *slave, 0, supervision_.check_telegram(*slave)};
   return true;
 }
 
 bool CommandChannel::choose_supervision() noexcept {
-  const auto telegram = supervision_.telegram();
+  const auto telegram = supervision_.telegram(busy_with_a_job());
   if (!telegram) return false;
   const auto* command = std::get_if<ParameterCommand>(&*telegram);
   chosen_ = {Kind::supervision, command != nullptr ? command->slave : SlaveNumber{}, 0, *telegram};

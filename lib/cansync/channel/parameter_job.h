@@ -49,6 +49,9 @@ class ParameterJob {
     end(write_sent_ ? Outcome::no_answer : Outcome::slave_lost, now);
   }
 
+  /// The slave has said that it is busy with the job.
+  bool busy() const noexcept { return result_.busy_replies > 0; }
+
   /// Monitoring time: begins when the job is first of its slave, and ends at this interval.
   bool monitored() const noexcept { return deadline_ != 0; }
   /// Begins the monitoring time; `deadline` over 0. Only noted here: the caller ends the job.

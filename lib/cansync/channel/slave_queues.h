@@ -56,6 +56,12 @@ class SlaveQueues {
     return head == kNone ? nullptr : &nodes_[head].job;
   }
 
+  /// The same, to look at.
+  const Job* front(SlaveNumber slave) const noexcept {
+    const Index head = head_[slave.value()];
+    return head == kNone ? nullptr : &nodes_[head].job;
+  }
+
   /// Removes the slave's first job.
   void pop(SlaveNumber slave) noexcept {
     if (head_[slave.value()] != kNone) remove(slave, kNone, head_[slave.value()]);

@@ -103,21 +103,21 @@ IntervalNumber Supervision::pause(SlaveNumber slave) const noexcept {
   return std::max<IntervalNumber>(active_ && given_up_.has(slave) ? lost_period_ : recheck_, 1);
 }
 
-std::optional<SlaveNumber> Supervision::next_due() noexcept {
-  const SlaveMask first = first_round_.empty() ? wanted() : SlaveMask{};
+std::optional<SlaveNumber> Supervision::next_due(SlaveMask left_alone) noexcept {
+  const SlaveMask first = first_round_.empty() ? without(wanted(), left_alone) : SlaveMask{};
   for (unsigned step = 1; step <= kSlaves; ++step) {
     const SlaveNumber slave = *SlaveNumber::from((last_read_ + step) % kSlaves);
-    if (first.empty() ? due(slave) : first.has(slave)) return slave;
+    if (first.empty() ? due(slave) && !left_alone.has(slave) : first.has(slave)) return slave;
   }
   return std::nullopt;
 }
 
-std::optional<Telegram> Supervision::telegram() noexcept {
+std::optional<Telegram> Supervision::telegram(SlaveMask left_alone) noexcept {
   if (!to_activate_.empty()) {
     return ActionCommand{to_activate_, settings_.startup.activate_command, settings_.startup.activate_data,
                          0};
   }
-  const auto slave = next_due();
+  const auto slave = next_due(left_alone);
   if (!slave) return std::nullopt;
   ParameterCommand command;
   command.slave = *slave;

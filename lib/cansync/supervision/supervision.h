@@ -43,8 +43,9 @@ class Supervision {
   /// answer, in active operation when a slave is suspected to be gone or one that is not released is due.
   bool pressing() const noexcept { return !wanted().empty(); }
 
-  /// What supervision wants to send in this interval; nothing when no status word is due.
-  std::optional<Telegram> telegram() noexcept;
+  /// What supervision wants to send in this interval; nothing when no status word is due. The status words of
+  /// `left_alone` wait.
+  std::optional<Telegram> telegram(SlaveMask left_alone) noexcept;
   /// The telegram was handed to the bus.
   void sent(const Telegram& telegram) noexcept;
 
@@ -108,7 +109,7 @@ class Supervision {
 
  private:
   SlaveStatus& at(SlaveNumber slave) noexcept { return status_[slave.value()]; }
-  std::optional<SlaveNumber> next_due() noexcept;
+  std::optional<SlaveNumber> next_due(SlaveMask left_alone) noexcept;
   bool due(SlaveNumber slave) const noexcept;
   void set_synchronized(SlaveNumber slave, bool synchronized) noexcept;
   void tell(MasterEvent::Code code, std::optional<SlaveNumber> slave, std::uint32_t detail = 0) noexcept;

@@ -158,10 +158,6 @@ class Course {
     const bool now = chance(50);
     if (!now && mutant_ != Mutant::applies_every_question) return;
     const cansync::AskedParameter job = *node.parameter;
-    // A job that the master changed, by reading the status word meanwhile, is over (S21): when the master
-    // asks for it again, it is another one.
-    for (; !node.dropped_ids.empty(); node.dropped_ids.pop_back())
-      applied_.erase(values_[node.dropped_ids.back()]);
     if (job.write) values_[job.id] = job.value;
     if (job.write && !applied_.insert(job.value).second)
       say("the value " + std::to_string(job.value) + " twice");

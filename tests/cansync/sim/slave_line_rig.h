@@ -66,7 +66,6 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
   std::map<cansync::BlockEnd, unsigned> ends;
   std::map<std::uint64_t, unsigned> told;  ///< how often the end of each access was told
   unsigned jobs_dropped = 0;
-  std::vector<std::uint64_t> dropped_ids;
   unsigned jobs_answered = 0;
   std::vector<std::uint16_t> control_words;
   std::vector<cansync::SlaveFault> faults;
@@ -119,7 +118,6 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
   void dropped(std::uint64_t id) noexcept override {
     ++told[id];
     ++jobs_dropped;
-    dropped_ids.push_back(id);
     parameter.reset();
   }
   void answered(std::uint64_t id) noexcept override {
