@@ -30,6 +30,7 @@
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
+#include "dds/reply_partition.h"
 
 namespace {
 
@@ -164,7 +165,13 @@ template <class Request, class Reply>
 void flood_raw(const gateway::dds::Participant& participant, const std::function<void()>& start,
                const Settings& settings, const Request& pattern, Found& found) {
   gateway::dds::DataSignal signal;
-  gateway::dds::Reader<Reply> replies(participant);
+  Request request = pattern;
+  const auto process = static_cast<std::uint64_t>(getpid());
+  for (std::size_t i = 0; i < 8; ++i) request.client[i] = static_cast<std::uint8_t>(process >> (8 * i));
+  request.client[15] = 1;
+  const std::string partition =
+      gateway::dds::reply_partition(participant.options().partition, gateway::dds::key_of(request).client);
+  gateway::dds::Reader<Reply> replies(participant, gateway::dds::Partitions{partition}, nullptr);
   gateway::dds::Writer<Request> writer(participant, 0, &signal);
   gateway::dds::Reader<gateway_GatewayStatus> statuses(participant, &signal);
   gateway::dds::DaemonIdentity daemon = {};
@@ -178,11 +185,7 @@ void flood_raw(const gateway::dds::Participant& participant, const std::function
   }
   start();
   const auto end = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(settings.seconds);
-  Request request = pattern;
   gateway::dds::set_daemon(daemon, request);
-  const auto process = static_cast<std::uint64_t>(getpid());
-  for (std::size_t i = 0; i < 8; ++i) request.client[i] = static_cast<std::uint8_t>(process >> (8 * i));
-  request.client[15] = 1;
   std::uint64_t answered = 0;
   const auto take = [&] {
     (void)replies.take([&](const Reply& reply) {
@@ -257,6 +260,8 @@ int run(std::string_view role, const Settings& settings) {
   options.client_name = std::string(role);
   options.wait = kConnect;
   auto client = Client::connect(options);
+  // The daemon has a writer for who has asked.
+  if (role == "slow" || role == "idle") (void)client.read(0, kParameter);
   wait_for_start();
   const auto end = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(settings.seconds);
   if (role == "command") {

@@ -191,7 +191,10 @@ void JobDesk<P>::tell_dropped(SteadyTime now) {
   if (dropped == 0) return;
   events_.publish(
       {gateway_SEVERITY_ERROR, "replies_dropped", -1,
-       fmt::format("{} replies could not be delivered; a client does not read its replies", dropped),
+       fmt::format(
+           "{} replies could not be delivered; a client does not read its replies, or not in the partition "
+           "for them (the bus, a slash and its identity)",
+           dropped),
        std::nullopt},
       now);
 }

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <deque>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/key_guard.h"
+#include "dds/reply_partition.h"
 #include "dds/request_key.h"
 #include "dds/signal.h"
 
@@ -40,15 +43,42 @@ concept ShowsProgress = requires {
   typename Row::Progress;
 };
 
-/// Writes how far requests have come; nothing for topics that do not tell.
+/// Tells clients how far their requests have come, each in its own partition; nothing for topics that do not
+/// tell. Gateway thread only.
 template <class Row>
 struct ProgressTopic {
   explicit ProgressTopic(const gateway::dds::Participant& /*participant*/) {}
 };
 template <ShowsProgress Row>
-struct ProgressTopic<Row> {
-  explicit ProgressTopic(const gateway::dds::Participant& participant) : writer(participant) {}
-  gateway::dds::Writer<typename Row::Progress> writer;
+class ProgressTopic<Row> {
+ public:
+  explicit ProgressTopic(const gateway::dds::Participant& participant)
+      : participant_(participant),
+        presence_(
+            participant,
+            gateway::dds::Partitions{gateway::dds::every_reply_partition(participant.options().partition)},
+            nullptr) {}
+
+  /// `key`: of a client that is known and forgotten later. Nothing is told while DDS has no writer left.
+  void tell(const gateway::dds::RequestKey& key, std::uint32_t done, std::uint32_t total) {
+    auto& writer = writers_[key.client];
+    try {
+      if (!writer) {
+        const auto own = gateway::dds::reply_partition(participant_.options().partition, key.client);
+        writer = std::make_unique<Writer>(participant_, gateway::dds::Partitions{own}, nullptr);
+      }
+      (void)writer->write(Row::progress(key, done, total));
+    } catch (const gateway::dds::SetupError&) {
+    }
+  }
+  void forget(const ClientIdentity& identity) { writers_.erase(identity); }
+
+ private:
+  using Writer = gateway::dds::Writer<typename Row::Progress>;
+  const gateway::dds::Participant& participant_;
+  /// Writes nothing: matched with the readers of all clients.
+  Writer presence_;
+  std::map<ClientIdentity, std::unique_ptr<Writer>> writers_;  ///< of clients that have had requests open
 };
 
 /// Reads one topic whose samples are requests or cancels; no client can fill it. Gateway thread only.
@@ -150,7 +180,7 @@ class RequestTopic {
   /// Tells how far a request has come, if the topic does.
   void tell_progress(const gateway::dds::RequestKey& key, std::uint32_t done, std::size_t total) {
     if constexpr (ShowsProgress<Row>) {
-      (void)progress_.writer.write(Row::progress(key, done, static_cast<std::uint32_t>(total)));
+      progress_.tell(key, done, static_cast<std::uint32_t>(total));
     }
   }
 
@@ -160,9 +190,7 @@ class RequestTopic {
     std::copy(identity.begin(), identity.end(), std::begin(key.client));
     replies_.forget(key, now);
     if constexpr (ShowsProgress<Row>) {
-      typename Row::Progress progress = {};
-      std::copy(identity.begin(), identity.end(), std::begin(progress.client));
-      (void)progress_.writer.unregister(progress);
+      progress_.forget(identity);
     }
   }
 

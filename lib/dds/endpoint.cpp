@@ -2,6 +2,8 @@
 
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "dds/security.h"
 
@@ -36,10 +38,19 @@ Qos represented(const Participant& participant, Qos qos) {
   return qos;
 }
 
+/// QoS of a publisher or subscriber in these partitions.
+Qos partition_qos(const Partitions& partitions) {
+  std::vector<const char*> names;
+  for (const std::string& name : partitions) names.push_back(name.c_str());
+  Qos qos(dds_create_qos());
+  dds_qset_partition(qos.get(), static_cast<std::uint32_t>(names.size()), names.data());
+  return qos;
+}
+
 }  // namespace
 
 ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal,
-                       KeyGuard* guard)
+                       KeyGuard* guard, const Partitions& partitions)
     : EndpointBase(make_topic(participant, info), signal) {
   if (guard != nullptr) {
     const dds_return_t installed = guard->install(topic());
@@ -62,14 +73,22 @@ ReaderBase::ReaderBase(const Participant& participant, const TopicInfo& info, Da
                                 [](dds_entity_t /*reader*/, const dds_liveliness_changed_status_t /*status*/,
                                    void* matches) { static_cast<Matches*>(matches)->raise(); });
   }
-  const dds_entity_t reader = dds_create_reader(
-      participant.subscriber(), topic(), represented(participant, reader_qos(info)).get(), listener.get());
+  Entity group;
+  if (!partitions.empty()) {
+    const dds_entity_t own =
+        dds_create_subscriber(participant.handle(), partition_qos(partitions).get(), nullptr);
+    if (own < 0) participant.fail("subscriber of topic " + std::string(info.name), own, kRemedy);
+    group = Entity(own);
+  }
+  const dds_entity_t reader =
+      dds_create_reader(group ? group.get() : participant.subscriber(), topic(),
+                        represented(participant, reader_qos(info)).get(), listener.get());
   if (reader < 0) participant.fail("reader of topic " + std::string(info.name), reader, kRemedy);
-  set_endpoint(Entity(reader));
+  set_endpoint(Entity(reader), std::move(group));
 }
 
 WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength,
-                       DataSignal* signal, std::string_view name)
+                       DataSignal* signal, std::string_view name, const Partitions& partitions)
     : EndpointBase(may_write(participant, info) ? make_topic(participant, info) : Entity(), signal) {
   if (topic() <= 0) return;
   const Listener listener(dds_create_listener(matches()));
@@ -81,9 +100,17 @@ WriterBase::WriterBase(const Participant& participant, const TopicInfo& info, st
       });
   const Qos qos = represented(participant, writer_qos(info, strength));
   if (!name.empty()) dds_qset_userdata(qos.get(), name.data(), name.size());
-  const dds_entity_t writer = dds_create_writer(participant.publisher(), topic(), qos.get(), listener.get());
+  Entity group;
+  if (!partitions.empty()) {
+    const dds_entity_t own =
+        dds_create_publisher(participant.handle(), partition_qos(partitions).get(), nullptr);
+    if (own < 0) participant.fail("publisher of topic " + std::string(info.name), own, kRemedy);
+    group = Entity(own);
+  }
+  const dds_entity_t writer =
+      dds_create_writer(group ? group.get() : participant.publisher(), topic(), qos.get(), listener.get());
   if (writer < 0) participant.fail("writer of topic " + std::string(info.name), writer, kRemedy);
-  set_endpoint(Entity(writer));
+  set_endpoint(Entity(writer), std::move(group));
 }
 
 }  // namespace gateway::dds

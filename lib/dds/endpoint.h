@@ -6,8 +6,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "dds/entity.h"
 #include "dds/key_guard.h"
@@ -16,6 +18,9 @@
 #include "dds/topic.h"
 
 namespace gateway::dds {
+
+/// Partitions of an endpoint that is not in that of its participant's bus.
+using Partitions = std::vector<std::string>;
 
 /// A topic and its reader or writer, without the type.
 class EndpointBase {
@@ -42,12 +47,16 @@ class EndpointBase {
   }
   Matches* matches() const noexcept { return matches_.get(); }
   dds_entity_t topic() const noexcept { return topic_.get(); }
-  void set_endpoint(Entity endpoint) noexcept { endpoint_ = std::move(endpoint); }
+  void set_endpoint(Entity endpoint, Entity group) noexcept {
+    endpoint_ = std::move(endpoint);
+    group_ = std::move(group);
+  }
 
  private:
   Entity
       topic_;  // declared first: the endpoint goes before its topic, and before what its listener writes to
   std::unique_ptr<Matches> matches_;
+  Entity group_;  // publisher or subscriber of an endpoint with partitions of its own
   Entity endpoint_;
 };
 
@@ -62,7 +71,8 @@ class ReaderBase : public EndpointBase {
  protected:
   /// Throws SetupError. `signal` is raised when data arrives or a writer comes, goes or dies. `guard`, if
   /// there is one, bounds the keys and must outlive the reader.
-  ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal, KeyGuard* guard);
+  ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal, KeyGuard* guard,
+             const Partitions& partitions);
 };
 
 /// Reads one topic. Entities are thread safe in Cyclone; take from one thread at a time.
@@ -72,11 +82,14 @@ class Reader : public ReaderBase {
   /// Creates the topic and a reader with the table's QoS. `signal` and `guard` (nullptr: none) must outlive
   /// the reader. Throws SetupError.
   explicit Reader(const Participant& participant, DataSignal* signal = nullptr, KeyGuard* guard = nullptr)
-      : ReaderBase(participant, topic_info<T>, signal, guard) {}
+      : ReaderBase(participant, topic_info<T>, signal, guard, {}) {}
+  /// In other partitions than that of the bus.
+  Reader(const Participant& participant, const Partitions& partitions, DataSignal* signal)
+      : ReaderBase(participant, topic_info<T>, signal, nullptr, partitions) {}
   /// Of another topic of the same type.
   Reader(const Participant& participant, const TopicInfo& topic, DataSignal* signal,
          KeyGuard* guard = nullptr)
-      : ReaderBase(participant, topic, signal, guard) {}
+      : ReaderBase(participant, topic, signal, guard, {}) {}
 
   /// Takes the oldest samples in order with their information (who wrote it, when, and whether it is data or
   /// tells that the key's last writer is gone): `on_sample(const T&, const dds_sample_info_t&)`. Samples are
@@ -140,7 +153,7 @@ class WriterBase : public EndpointBase {
  protected:
   /// Throws SetupError. `signal` is raised when a reader comes or goes.
   WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength, DataSignal* signal,
-             std::string_view name);
+             std::string_view name, const Partitions& partitions);
 };
 
 /// Writes one topic. Any thread may write.
@@ -152,10 +165,13 @@ class Writer : public WriterBase {
   /// what readers are told of who writes; may be empty. Throws SetupError.
   explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr,
                   std::string_view name = {})
-      : WriterBase(participant, topic_info<T>, strength, signal, name) {}
+      : WriterBase(participant, topic_info<T>, strength, signal, name, {}) {}
+  /// In other partitions than that of the bus.
+  Writer(const Participant& participant, const Partitions& partitions, DataSignal* signal)
+      : WriterBase(participant, topic_info<T>, 0, signal, {}, partitions) {}
   /// Of another topic of the same type.
   Writer(const Participant& participant, const TopicInfo& topic, DataSignal* signal)
-      : WriterBase(participant, topic, 0, signal, {}) {}
+      : WriterBase(participant, topic, 0, signal, {}, {}) {}
 
   /// Writes one sample. DDS_RETCODE_OK, or DDS_RETCODE_TIMEOUT when a reliable reader did not take earlier
   /// samples within the topic's blocking time (nothing was written; try again), or another negative code. May

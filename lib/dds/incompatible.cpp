@@ -40,6 +40,7 @@ struct Own {
   std::string topic;
   std::string type;
   Qos qos;
+  std::vector<std::string> partitions;
   std::vector<dds_instance_handle_t> matched;  ///< sorted
 };
 
@@ -143,32 +144,53 @@ std::optional<Difference> qos_difference(const dds_qos_t* reader, const dds_qos_
   return time_difference(reader, writer);
 }
 
-/// Is one of the endpoint's partitions the bus's, or one of those below it?
-bool in_partition(const dds_qos_t* qos, const std::string& bus) {
+using PartitionNames = std::vector<std::string>;
+
+/// As DDS has it, none is the one without a name.
+PartitionNames partitions_of(const dds_qos_t* qos) {
   std::uint32_t count = 0;
   char** names = nullptr;
-  if (!dds_qget_partition(qos, &count, &names)) return false;
-  bool found = false;
-  for (const char* name : std::span(names, count)) {
-    found = found || fnmatch(name, bus.c_str(), 0) == 0 || std::string_view(name).starts_with(bus + '/');
+  if (!dds_qget_partition(qos, &count, &names) || count == 0) return {""};
+  PartitionNames found;
+  for (char* name : std::span(names, count)) {
+    found.emplace_back(name);
+    dds_free(name);
   }
-  for (char* name : std::span(names, count)) dds_free(name);
   dds_free(names);
   return found;
 }
 
-/// Endpoints below a publisher (`writers`) or subscriber.
-std::vector<Own> endpoints_of(dds_entity_t parent, bool writers) {
-  std::array<dds_entity_t, 256> children = {};
-  const dds_return_t count = dds_get_children(parent, children.data(), children.size());
-  std::vector<Own> found;
-  for (const dds_entity_t child : std::span(children).first(
-           std::clamp<std::size_t>(static_cast<std::size_t>(std::max(count, 0)), 0, children.size()))) {
+bool overlap(const PartitionNames& one, const PartitionNames& other) {
+  const auto fits = [](const std::string& a, const std::string& b) {
+    return fnmatch(a.c_str(), b.c_str(), 0) == 0 || fnmatch(b.c_str(), a.c_str(), 0) == 0;
+  };
+  return std::any_of(one.begin(), one.end(), [&](const std::string& a) {
+    return std::any_of(other.begin(), other.end(), [&](const std::string& b) { return fits(a, b); });
+  });
+}
+
+std::vector<dds_entity_t> children_of(dds_entity_t parent) {
+  const dds_return_t count = dds_get_children(parent, nullptr, 0);
+  std::vector<dds_entity_t> children(static_cast<std::size_t>(std::max(count, 0)));
+  const dds_return_t got = dds_get_children(parent, children.data(), children.size());
+  children.resize(std::min(children.size(), static_cast<std::size_t>(std::max(got, 0))));
+  return children;
+}
+
+/// Adds the writers (`writers`) or readers below a publisher or subscriber in a partition of the bus.
+void add_endpoints(dds_entity_t parent, const std::string& bus, bool writers, std::vector<Own>& found) {
+  const Qos group(dds_create_qos());
+  if (dds_get_qos(parent, group.get()) < 0) return;
+  const PartitionNames partitions = partitions_of(group.get());
+  const auto of_bus = [&](const std::string& name) { return name == bus || name.starts_with(bus + '/'); };
+  if (std::none_of(partitions.begin(), partitions.end(), of_bus)) return;
+  for (const dds_entity_t child : children_of(parent)) {
     std::array<char, kLongestName> name = {};
     std::array<char, kLongestName> type = {};
     const dds_entity_t topic = dds_get_topic(child);
     Qos qos(dds_create_qos());
-    if (dds_get_name(topic, name.data(), name.size()) < 0 ||
+    if ((writers ? dds_get_publisher(child) : dds_get_subscriber(child)) < 0 ||
+        dds_get_name(topic, name.data(), name.size()) < 0 ||
         dds_get_type_name(topic, type.data(), type.size()) < 0 || dds_get_qos(child, qos.get()) < 0) {
       continue;
     }
@@ -179,11 +201,19 @@ std::vector<Own> endpoints_of(dds_entity_t parent, bool writers) {
     const auto known =
         std::find_if(found.begin(), found.end(), [&](const Own& own) { return own.topic == name.data(); });
     if (known == found.end()) {
-      found.push_back({name.data(), type.data(), std::move(qos), std::move(matched)});
+      found.push_back({name.data(), type.data(), std::move(qos), partitions, std::move(matched)});
     } else {
+      known->partitions.insert(known->partitions.end(), partitions.begin(), partitions.end());
       known->matched.insert(known->matched.end(), matched.begin(), matched.end());
     }
   }
+}
+
+/// The writers (`writers`) or readers of one bus; others share its DDS participant.
+std::vector<Own> endpoints_of(const Participant& participant, bool writers) {
+  std::vector<Own> found;
+  for (const dds_entity_t group : children_of(participant.handle()))
+    add_endpoints(group, participant.options().partition, writers, found);
   for (Own& own : found) std::sort(own.matched.begin(), own.matched.end());
   return found;
 }
@@ -198,8 +228,7 @@ class Look {
 
   /// Writers of others against our readers, or readers of others against our writers.
   void look(bool writers) {
-    const std::vector<Own> own =
-        endpoints_of(writers ? participant_.subscriber() : participant_.publisher(), !writers);
+    const std::vector<Own> own = endpoints_of(participant_, !writers);
     const Entity reader(dds_create_reader(
         participant_.handle(),
         writers ? DDS_BUILTIN_TOPIC_DCPSPUBLICATION : DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr));
@@ -228,13 +257,22 @@ class Look {
     if (found_.size() >= most_ || std::memcmp(&other.participant_key, &self_, sizeof self_) == 0) return;
     const auto own = std::find_if(all.begin(), all.end(),
                                   [&](const Own& candidate) { return candidate.topic == other.topic_name; });
-    if (own == all.end() || std::binary_search(own->matched.begin(), own->matched.end(), handle) ||
-        !in_partition(other.qos, participant_.options().partition)) {
-      return;
-    }
+    if (own == all.end() || std::binary_search(own->matched.begin(), own->matched.end(), handle)) return;
+    const PartitionNames partitions = partitions_of(other.qos);
+    const bool meet = overlap(own->partitions, partitions);
+    if (!meet && !overlap({participant_.options().partition}, partitions)) return;
     const dds_qos_t* reader = writes ? own->qos.get() : other.qos;
     const dds_qos_t* writer = writes ? other.qos : own->qos.get();
     std::optional<Difference> difference = qos_difference(reader, writer);
+    if (!difference && !meet) {
+      // Of ours that for all clients, not those for one.
+      const std::string& ours = *std::min_element(
+          own->partitions.begin(), own->partitions.end(),
+          [](const std::string& one, const std::string& two) { return one.size() < two.size(); });
+      const std::string& offered = writes ? partitions.front() : ours;
+      const std::string& asked = writes ? ours : partitions.front();
+      difference = Difference{"partition", fmt::format("offered {}, asked for {}", offered, asked)};
+    }
     if (!difference && own->type != other.type_name) difference = Difference{"type", "another name"};
     if (!difference && types_) difference = Difference{"type", "other members"};
     if (!difference) return;

@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "dds/reply_partition.h"
 #include "dds/security.h"
 
 /// What Cyclone's plugins would say of wrong files with a number alone.
@@ -144,6 +145,12 @@ Problem check_permissions(const std::string& path, const std::string& xml, const
         "{}: gives no right on bus {} (DDS partition), only on {}; give another bus, or make an identity for "
         "it: cansync-security add --bus {}",
         path, partition, buses.empty() ? "none" : fmt::format("{}", fmt::join(buses, ", ")), partition);
+  }
+  if (!any_fits(buses, reply_partition(partition, {}))) {
+    return fmt::format(
+        "{}: gives no right on the replies of bus {} (DDS partition {}), as identities made for data model 6 or "
+        "older; make a new one: cansync-security add --bus {}",
+        path, partition, every_reply_partition(partition), partition);
   }
   return std::nullopt;
 }

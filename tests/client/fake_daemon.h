@@ -19,6 +19,7 @@
 #include "cansync/dds/validate.h"
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
+#include "dds/reply_partition.h"
 
 /// Answers like the daemon, without a bus: slaves 0..3 ("slave0" .. "slave3"), parameters that keep what is
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
@@ -332,10 +333,13 @@ class FakeDaemon {
   gateway::dds::Reader<cansync_Command> command_reader_{participant_, &signal_};
   gateway::dds::Reader<gateway_JobCancel> cancel_reader_{participant_, &signal_};
   gateway::dds::Reader<cansync_ReferenceValues> reference_reader_{participant_, &signal_};
-  gateway::dds::Writer<cansync_ParameterReply> parameter_writer_{participant_};
-  gateway::dds::Writer<cansync_TransferReply> transfer_writer_{participant_};
-  gateway::dds::Writer<cansync_TransferProgress> progress_writer_{participant_};
-  gateway::dds::Writer<cansync_CommandReply> command_writer_{participant_};
+  // One writer for all clients is enough for a few.
+  const gateway::dds::Partitions clients_{
+      gateway::dds::every_reply_partition(participant_.options().partition)};
+  gateway::dds::Writer<cansync_ParameterReply> parameter_writer_{participant_, clients_, nullptr};
+  gateway::dds::Writer<cansync_TransferReply> transfer_writer_{participant_, clients_, nullptr};
+  gateway::dds::Writer<cansync_TransferProgress> progress_writer_{participant_, clients_, nullptr};
+  gateway::dds::Writer<cansync_CommandReply> command_writer_{participant_, clients_, nullptr};
   gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_{participant_};
   gateway::dds::Writer<gateway_BusStatus> bus_writer_{participant_};
   gateway::dds::Writer<cansync_MasterStatus> master_writer_{participant_};

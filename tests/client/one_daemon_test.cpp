@@ -137,7 +137,7 @@ TEST(TwoDaemons, NobodyConnectsToTwo) {
   // Who finds one of them earlier than the other connects to it: here both are known before.
   const gateway::dds::Participant before(places.there);
   gateway::dds::DataSignal signal;
-  const gateway::dds::Reader<cansync_ParameterReply> replies(before, &signal);
+  const gateway::dds::Reader<cansync_ParameterReply> replies(before, replies_to_all(places.there), &signal);
   const gateway::dds::Reader<cansync_MasterStatus> statuses(before, &signal);
   const gateway::dds::Reader<gateway_GatewayStatus> gateways(before, &signal);
   ASSERT_TRUE(eventually(

@@ -52,6 +52,23 @@ TEST(Endpoint, SampleCrossesTheLoopbackNetworkUnchanged) {
   EXPECT_EQ(got[0].actual_value[7].factor, 0.25);
 }
 
+TEST(Endpoint, AReaderOfRepliesInThePartitionOfTheBusIsTheOneThatIsNamed) {
+  const TwoPlaces places;
+  const Participant daemon(places.here);
+  const Participant client(places.there);
+  DataSignal signal;
+  const Writer<cansync_CommandReply> all(daemon, Partitions{every_reply_partition("testbus")}, &signal);
+  const Writer<cansync_CommandReply> one(daemon, Partitions{reply_partition("testbus", {1})}, &signal);
+  const Reader<cansync_CommandReply> right(client, Partitions{reply_partition("testbus", {2})}, &signal);
+  const Reader<cansync_CommandReply> wrong(client);
+  ASSERT_TRUE(eventually(signal, [&] { return all.matched() == 1; }));
+  const auto found = [&](const Participant& looks) { return find_incompatible(looks, false, 10); };
+  ASSERT_TRUE(eventually(signal, [&] { return found(daemon).size() == 1; }));
+  EXPECT_EQ(found(daemon).front().policy, "partition");
+  EXPECT_EQ(found(daemon).front().difference, "offered testbus/*, asked for testbus");
+  EXPECT_TRUE(found(client).empty()) << "the writer of another client is nobody's mistake";
+}
+
 TEST(Endpoint, FinalTypesCrossTheNetworkAndMatchNoOthers) {
   TwoPlaces places;
   ParticipantOptions final_types = places.there;

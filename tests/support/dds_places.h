@@ -3,7 +3,9 @@
 #include <chrono>
 #include <string>
 
+#include "dds/endpoint.h"
 #include "dds/participant.h"
+#include "dds/reply_partition.h"
 #include "dds/signal.h"
 #include "support/free_domain.h"
 
@@ -31,6 +33,12 @@ class TwoPlaces {
   gateway::dds::ParticipantOptions here;  ///< where the daemon is
   gateway::dds::ParticipantOptions there;
 };
+
+/// Where replies to every client of a bus are heard, for a program with many identities; that a daemon
+/// answers is seen in the second.
+inline gateway::dds::Partitions replies_to_all(const gateway::dds::ParticipantOptions& place) {
+  return {gateway::dds::every_reply_partition(place.partition), place.partition + "/all"};
+}
 
 /// Waits until `condition` holds, asking after each raise of `signal`; false when it does not within 20 s.
 template <class Condition>

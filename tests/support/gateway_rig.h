@@ -174,10 +174,23 @@ class TestClient {
  private:
   template <class T>
   struct Inbox {
-    explicit Inbox(TestClient& client) : reader(client.participant_, &client.signal_) {}
+    explicit Inbox(TestClient& client)
+        : reader(client.participant_, client.partitions<T>(), &client.signal_) {}
     gateway::dds::Reader<T> reader;
     std::vector<T> samples;
   };
+  /// Replies are in partitions of their own.
+  template <class T>
+  gateway::dds::Partitions partitions() const {
+    if constexpr (requires(T sample) {
+                    sample.client;
+                    sample.request;
+                  }) {
+      return replies_to_all(participant_.options());
+    } else {
+      return {participant_.options().partition};
+    }
+  }
   template <class T>
   static bool fits(const T& sample, std::uint64_t request, const Identity& client) {
     return sample.request == request && std::equal(client.begin(), client.end(), std::begin(sample.client));
@@ -227,7 +240,8 @@ class GatewayRig {
         gateway(std::make_unique<Gateway>(config, exchange, participant_, sink != nullptr ? *sink : journal,
                                           kTestDaemon)),
         client(places_.there),
-        transfer_replies_(client.participant(), &client.signal()) {
+        transfer_replies_(client.participant(), replies_to_all(client.participant().options()),
+                          &client.signal()) {
     gateway->set_realtime(wanted, granted);
     gateway->start();
     EXPECT_TRUE(client.wait_for_gateway());

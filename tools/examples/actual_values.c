@@ -48,7 +48,16 @@ int main(int argc, char** argv) {
   dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
 #define TOPIC(type) dds_create_topic(participant, &cansync_##type##_desc, #type, NULL, NULL)
   const dds_entity_t requests = dds_create_writer(participant, TOPIC(ParameterRequest), qos, NULL);
+  /* Replies to a client come to a partition of its own: the bus, a slash and its identity. */
+  cansync_ParameterRequest request = {.request = 1, .slave = slave, .element = 7};
+  dds_get_guid(participant, (dds_guid_t*)request.client); /* 16 bytes that nobody else has */
+  char own[128];
+  int length = snprintf(own, sizeof own - 32, "%s/", argv[2]);
+  for (size_t i = 0; i < sizeof request.client; i++)
+    length += sprintf(own + length, "%02x", request.client[i]);
+  dds_qset_partition1(qos, own);
   const dds_entity_t replies = dds_create_reader(participant, TOPIC(ParameterReply), qos, NULL);
+  dds_qset_partition1(qos, argv[2]);
   /* A reader of a transient local topic comes last: once it has data, the daemon knows the reader of replies
    * too. */
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
@@ -60,10 +69,8 @@ int main(int argc, char** argv) {
   dds_delete_qos(qos);
   const cansync_ActualValues* now = next(values, &slave, 1);
   for (int i = 0; i < 8; i++) printf("value %d: raw 0x%08" PRIX32 ", %g\n", i, now->raw[i], now->scaled[i]);
-  cansync_ParameterRequest request = {.request = 1, .slave = slave, .element = 7};
   request.number = (uint32_t)atoi(argv[4]);
   request.format = cansync_FORMAT_AS_SLAVE_SAYS;
-  dds_get_guid(participant, (dds_guid_t*)request.client); /* 16 bytes that nobody else has */
   const gateway_GatewayStatus* daemon = next(status, request.client, 0);
   memcpy(request.daemon, daemon->daemon, sizeof request.daemon); /* no other start of a daemon takes it */
   wait_for_daemon(requests);

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "dds/incompatible.h"
+#include "dds/reply_partition.h"
 #include "dds/security.h"
 #include "dds/writer_identity.h"
 
@@ -28,6 +29,12 @@ dds::ParticipantOptions participant_options(const Options& options) {
           options.security, false,       options.final_types};
 }
 
+/// Where the replies to a client come, and no others.
+dds::Partitions own_partition(const dds::Participant& participant,
+                              const std::array<std::uint8_t, 16>& identity) {
+  return {dds::reply_partition(participant.options().partition, identity)};
+}
+
 /// What a bus of CANsync calls its protocol (GatewayStatus.protocol).
 constexpr std::string_view kProtocol = "cansync-master";
 
@@ -38,15 +45,16 @@ void end_all(const std::vector<std::shared_ptr<JobState<R>>>& jobs, const std::s
 
 }  // namespace
 
-Link::Requests::Requests(const dds::Participant& participant, dds::DataSignal* signal, bool secured)
+Link::Requests::Requests(const dds::Participant& participant, const Identity& identity,
+                         dds::DataSignal* signal, bool secured)
     : parameter_writer(participant, 0, signal),
       transfer_writer(participant, 0, signal),
       command_writer(participant, 0, signal),
       cancel_writer(participant, 0, signal),
-      parameter_reader(participant, signal),
-      transfer_reader(participant, signal),
-      progress_reader(participant, signal),
-      command_reader(participant, signal) {
+      parameter_reader(participant, own_partition(participant, identity), signal),
+      transfer_reader(participant, own_partition(participant, identity), signal),
+      progress_reader(participant, own_partition(participant, identity), signal),
+      command_reader(participant, own_partition(participant, identity), signal) {
   if (secured) engineer_writer.emplace(participant, dds::kEngineerCommandTopic, signal);
 }
 
@@ -55,7 +63,7 @@ Link::Link(const Options& options)
   gateway_.set_first_look([this](const GatewayStatus& status, dds_instance_handle_t writer) {
     heard_.push_back({writer, dds::daemon_of(status)});
   });
-  if (options.requests) requests_.emplace(participant_, &signal_, !options.security.empty());
+  if (options.requests) requests_.emplace(participant_, identity_, &signal_, !options.security.empty());
 }
 
 Link::~Link() {
@@ -210,6 +218,15 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
         "identity (--security)",
         place, options_.bus, options_.bus);
   }
+  const std::vector<GatewayStatus> known = gateway_.known();
+  if (!known.empty() && known.front().data_model != gateway_DATA_MODEL) {
+    const std::uint32_t number = known.front().data_model;
+    return fmt::format(
+        "the daemon of bus {} has data model {}, this program {}: the two do not understand each other ({}); update {}",
+        options_.bus, number, gateway_DATA_MODEL, place,
+        number < gateway_DATA_MODEL ? "cansyncd, or use a program of its version"
+                                    : "this program: build it with the data model of the daemon's version");
+  }
   return fmt::format("no usable daemon found: {}; one is there, but {}", place,
                      other_protocol().empty()
                          ? "its topics do not all match: has it the same version as this program?"
@@ -235,10 +252,11 @@ std::string Link::not_permitted(std::string_view topic) const {
       dds::security_subject(options_.security), topic);
 }
 
-bool Link::everything_matched(std::size_t daemons) const {
+bool Link::everything_matched(std::size_t daemons) {
   if (gateway_.heard() < daemons) return false;
   if (!requests_) return true;
-  const auto heard_by = [&](const auto& reader) { return reader.matched() >= daemons; };
+  // A daemon has a second writer for whom it has answered.
+  const auto heard_by = [&](const auto& reader) { return matched_places(reader.handle()).size() >= daemons; };
   // What the identity may not write will never be matched.
   const auto hear = [&](const auto& writer) { return !writer.permitted() || writer.matched() >= daemons; };
   const Requests& all = *requests_;

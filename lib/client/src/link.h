@@ -95,7 +95,9 @@ class Link : public std::enable_shared_from_this<Link> {
 
   /// Requests out, replies in.
   struct Requests {
-    Requests(const dds::Participant& participant, dds::DataSignal* signal, bool secured);
+    /// `identity`: whose replies come here.
+    Requests(const dds::Participant& participant, const Identity& identity, dds::DataSignal* signal,
+             bool secured);
 
     dds::Writer<cansync_ParameterRequest> parameter_writer;
     dds::Writer<cansync_TransferRequest> transfer_writer;
@@ -145,7 +147,7 @@ class Link : public std::enable_shared_from_this<Link> {
   /// Looks which daemon requests are for; `matched` are there.
   void choose_daemon(const std::vector<Place>& matched);
   /// True when all of so many daemons hear what is written on every topic, and have been heard.
-  bool everything_matched(std::size_t daemons) const;
+  bool everything_matched(std::size_t daemons);
   std::string not_found(std::chrono::milliseconds waited) const;
   std::string not_told(std::string_view topic) const;
   std::string other_protocol() const;

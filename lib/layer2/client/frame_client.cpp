@@ -8,6 +8,7 @@
 
 #include "dds/bounded_text.h"
 #include "dds/daemon_identity.h"
+#include "dds/reply_partition.h"
 #include "layer2/dds/convert.h"
 
 namespace layer2::client {
@@ -23,7 +24,8 @@ constexpr milliseconds kGrace{5000};
 /// For the monitoring time of a daemon that has not told its own.
 constexpr milliseconds kDefaultMonitoring{1000};
 
-/// Replies to other clients come, too; they must be taken, for a full reader holds up all topics.
+/// Replies that come after their request was given up must be taken too, for a full reader holds up all
+/// topics.
 constexpr std::uint64_t kNobodysRequest = 0;
 
 }  // namespace
@@ -32,7 +34,8 @@ FrameClient::FrameClient(const Options& options)
     : options_(options),
       identity_(gateway::dds::random_client_identity()),
       participant_(options.participant()),
-      replies_(participant_, &signal_),
+      replies_(participant_, gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
+               &signal_),
       batches_(participant_, &signal_),
       status_(participant_, &signal_),
       sight_(participant_, signal_, options.bus),

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "good_requests.h"
 #include "support/gateway_rig.h"
@@ -96,6 +98,95 @@ TEST(GatewayClients, ProgramsThatComeAndGoLeaveNothingBehind) {
                            return replies.size() == 4 && left == 0;
                          }))
       << rig.client.all<cansync_ParameterReply>().size() << " replies, " << left << " clients known";
+}
+
+/// A program that counts everything that comes to the partition of its replies.
+struct Counting {
+  Counting(const gateway::dds::ParticipantOptions& options, std::uint8_t number)
+      : participant(options),
+        own{gateway::dds::reply_partition(options.partition, TestClient::identity(number))} {}
+
+  /// Takes what has come.
+  void take() {
+    (void)parameters.take([&](const cansync_ParameterReply&) { ++samples; });
+    (void)commands.take([&](const cansync_CommandReply&) { ++samples; });
+    (void)progress.take([&](const cansync_TransferProgress&) { ++progress_samples; });
+    (void)transfers.take([&](const cansync_TransferReply& reply) {
+      ++samples;
+      bytes += reply.data._length;
+    });
+  }
+  bool everything_matched() const {
+    return asks.matched() > 0 && uploads.matched() > 0 && parameters.matched() > 0 && transfers.matched() > 0;
+  }
+
+  gateway::dds::Participant participant;
+  gateway::dds::Partitions own;
+  gateway::dds::DataSignal signal;
+  gateway::dds::Reader<cansync_ParameterReply> parameters{participant, own, &signal};
+  gateway::dds::Reader<cansync_TransferReply> transfers{participant, own, &signal};
+  gateway::dds::Reader<cansync_TransferProgress> progress{participant, own, &signal};
+  gateway::dds::Reader<cansync_CommandReply> commands{participant, own, &signal};
+  gateway::dds::Writer<cansync_ParameterRequest> asks{participant, 0, &signal};
+  gateway::dds::Writer<cansync_TransferRequest> uploads{participant, 0, &signal};
+  std::size_t samples = 0;
+  std::size_t progress_samples = 0;
+  std::size_t bytes = 0;
+};
+
+TEST(GatewayClients, RepliesDataAndProgressReachTheClientThatAskedAndNobodyElse) {
+  constexpr std::uint32_t kBytes = cansync_MAXIMUM_TRANSFER;
+  GatewayRig rig;
+  std::vector<std::unique_ptr<Counting>> clients;
+  for (std::uint8_t number = 10; number < 42; ++number)
+    clients.push_back(std::make_unique<Counting>(rig.places().there, number));
+  const auto read_once = [&](std::uint64_t number) {
+    for (std::size_t i = 0; i < clients.size(); ++i) {
+      Counting& client = *clients[i];
+      const std::size_t before = client.samples;
+      ASSERT_EQ(client.asks.write(good_read(number, static_cast<std::uint8_t>(10 + i))), DDS_RETCODE_OK);
+      rig.answer(ParameterDone{rig.expect_request<cansync::ParameterRequest>().id, {}});
+      ASSERT_TRUE(eventually(client.signal, [&] {
+        client.take();
+        return client.samples > before;
+      }));
+    }
+  };
+  for (const auto& client : clients)
+    ASSERT_TRUE(eventually(client->signal, [&] { return client->everything_matched(); }));
+  read_once(1);
+
+  Counting& uploader = *clients.front();
+  auto request = TestClient::request<cansync_TransferRequest>(2, TestClient::identity(10));
+  request.slave = 2;
+  request.address = 0x1000;
+  request.length = kBytes;
+  ASSERT_EQ(uploader.uploads.write(request), DDS_RETCODE_OK);
+  const auto job = rig.expect_request<cansync::TransferRequest>();
+  ASSERT_TRUE(eventually(uploader.signal, [&] {
+    rig.report(TransferProgress{job.id, 300});
+    uploader.take();
+    return uploader.progress_samples > 0;
+  }));
+  cansync::TransferResult result;
+  result.bytes = kBytes;
+  rig.answer(TransferDone{job.id, result});
+  ASSERT_TRUE(eventually(uploader.signal, [&] {
+    uploader.take();
+    return uploader.bytes == kBytes;
+  }));
+
+  // What is asked afterwards comes after everything else that was to come.
+  read_once(3);
+  EXPECT_EQ(uploader.samples, 3u);
+  for (const auto& client : clients) {
+    if (client.get() == &uploader) continue;
+    client->take();
+    EXPECT_EQ(client->samples, 2u) << "its own alone";
+    EXPECT_EQ(client->bytes, 0u);
+    EXPECT_EQ(client->progress_samples, 0u);
+    EXPECT_EQ(client->transfers.matched(), 1u) << "no writer has anything for it";
+  }
 }
 
 TEST(GatewayClients, AnotherProgramsIdentityIsNoKeyToItsJobs) {

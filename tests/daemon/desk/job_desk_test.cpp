@@ -32,7 +32,7 @@ class Client {
  public:
   explicit Client(const gateway::dds::ParticipantOptions& options)
       : participant_(options),
-        answers_(participant_, &signal_),
+        answers_(participant_, replies_to_all(options), &signal_),
         wishes_(participant_, 0, &signal_),
         cancels_(participant_, 0, &signal_) {}
 

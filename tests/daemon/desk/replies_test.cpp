@@ -32,49 +32,156 @@ TEST(DroppedReplies, NoneIsLostBetweenTwoEvents) {
   EXPECT_EQ(dropped.take(kStart + 2 * DroppedReplies::kPeriod), 0u) << "nothing is told twice";
 }
 
-using Outbox = ReplyOutbox<cansync_CommandReply>;
-
-cansync_CommandReply key_of(std::uint32_t client) {
-  cansync_CommandReply reply = {};
+template <class Reply>
+Reply reply_to(std::uint32_t client) {
+  Reply reply = {};
   for (unsigned i = 0; i < 4; ++i) reply.client[i] = static_cast<std::uint8_t>(client >> (8 * i));
   return reply;
 }
 
-/// A reply whose reader is not there yet keeps all behind it waiting.
-struct Held {
-  Held() {
-    Place nowhere = {};
-    nowhere[0] = 1;
-    outbox.send(key_of(0), nowhere, kStart);
-  }
-  TwoPlaces places;
-  gateway::dds::Participant participant{places.here};
-  gateway::dds::DataSignal signal;
-  Outbox outbox{participant, signal};
-};
-
-TEST(ReplyOutbox, ClientsThatAreGoneFillItNoMoreThanReplies) {
-  Held held;
-  ASSERT_EQ(held.outbox.waiting(), 1u);
-  for (std::uint32_t i = 1; i <= Outbox::kWaiting + 1000; ++i) {
-    held.outbox.forget(key_of(i), kStart);
-    ASSERT_LE(held.outbox.waiting(), Outbox::kWaiting) << "after " << i;
-  }
-  EXPECT_EQ(held.outbox.waiting(), Outbox::kWaiting);
-  EXPECT_EQ(held.outbox.take_dropped(), 1u) << "the reply was the oldest; keys are no replies";
-}
-
-TEST(ReplyOutbox, RepliesOfManyPlacesFillItNoMoreThanThat) {
-  Held held;
+Place place_number(std::uint8_t number) {
   Place place = {};
   place[0] = 2;
-  for (std::uint32_t i = 1; i <= Outbox::kWaiting + 1000; ++i) {
-    place[1] = static_cast<std::uint8_t>(i % 100);
-    held.outbox.send(key_of(i), place, kStart);
-    ASSERT_LE(held.outbox.waiting(), Outbox::kWaiting) << "after " << i;
+  place[1] = number;
+  return place;
+}
+
+/// Where the replies to one client come.
+gateway::dds::Partitions own_partition(const gateway::dds::ParticipantOptions& options, std::uint8_t client) {
+  return {gateway::dds::reply_partition(options.partition, {client})};
+}
+
+/// An outbox, and a participant for readers of its replies.
+template <class Reply>
+struct Outbox {
+  explicit Outbox(const ReplyLimits& limits = {}) : box(participant, signal, limits) {}
+  void send(std::uint32_t client, std::vector<std::uint8_t> data = {}) {
+    Reply reply = reply_to<Reply>(client);
+    if constexpr (requires { reply.data; }) {
+      reply.data._buffer = data.data();
+      reply.data._length = reply.data._maximum = static_cast<std::uint32_t>(data.size());
+    }
+    box.send(reply, place_number(static_cast<std::uint8_t>(client)), std::chrono::steady_clock::now(),
+             std::move(data));
   }
-  EXPECT_EQ(held.outbox.waiting(), Outbox::kWaiting);
-  EXPECT_EQ(held.outbox.take_dropped(), 1001u);
+  /// Goes on until the condition holds.
+  template <class Condition>
+  bool until(gateway::dds::DataSignal& changed, Condition&& condition,
+             std::chrono::seconds ahead = std::chrono::seconds(0)) {
+    // Acknowledgements raise nothing: the gateway looks every 10 ms while something waits.
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
+      box.retry(std::chrono::steady_clock::now() + ahead);
+      if (condition()) return true;
+      (void)changed.wait(10);
+      changed.clear();
+    }
+    return false;
+  }
+
+  TwoPlaces places;
+  gateway::dds::Participant participant{places.here};
+  gateway::dds::Participant there{places.there};
+  gateway::dds::DataSignal signal;
+  ReplyOutbox<Reply> box;
+};
+
+TEST(ReplyOutbox, OfClientsItNeverWroteToThereIsNothingToForget) {
+  Outbox<cansync_CommandReply> outbox;
+  for (std::uint32_t i = 1; i <= 1000; ++i) outbox.box.forget(reply_to<cansync_CommandReply>(i), kStart);
+  EXPECT_EQ(outbox.box.clients(), 0u);
+  EXPECT_FALSE(outbox.box.next(kStart));
+}
+
+TEST(ReplyOutbox, RepliesOfManyFillItNoMoreThanThatAndWhoHasMostLosesThem) {
+  Outbox<cansync_CommandReply> outbox({.clients = 8, .waiting = 100});
+  outbox.send(1);
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    outbox.send(2 + i % 2);
+    ASSERT_LE(outbox.box.waiting(), 100u) << "after " << i;
+  }
+  for (std::uint32_t i = 1; i <= 20; ++i) outbox.send(i);
+  EXPECT_EQ(outbox.box.clients(), 8u) << "nobody of whom something waits gives its place to others";
+  EXPECT_EQ(outbox.box.waiting(), 100u);
+  EXPECT_EQ(outbox.box.take_dropped(), 1021u - 100u);
+}
+
+TEST(ReplyOutbox, OneParticipantTakesNoMoreThanItsShare) {
+  Outbox<cansync_CommandReply> outbox({.waiting_per_place = 10});
+  for (unsigned i = 0; i < 50; ++i) outbox.send(1);
+  outbox.send(2);
+  EXPECT_EQ(outbox.box.waiting(), 11u);
+  EXPECT_EQ(outbox.box.take_dropped(), 40u);
+}
+
+TEST(ReplyOutbox, ARefusedClientMoreTakesThePlaceOfTheOneThatWasIdleLongest) {
+  Outbox<cansync_CommandReply> outbox({.clients = 4});
+  gateway::dds::DataSignal signal;
+  gateway::dds::Reader<cansync_CommandReply> reader(outbox.there, replies_to_all(outbox.places.there),
+                                                    &signal);
+  std::size_t got = 0;
+  for (std::uint32_t client = 1; client <= 12; ++client) {
+    outbox.send(client);
+    ASSERT_TRUE(outbox.until(signal, [&] {
+      (void)reader.take([&](const cansync_CommandReply&) { ++got; });
+      return got == client;
+    })) << client;
+    outbox.box.wait_for_readers(DDS_SECS(20));
+    EXPECT_LE(outbox.box.clients(), 4u);
+  }
+  EXPECT_EQ(outbox.box.take_dropped(), 0u);
+}
+
+TEST(ReplyOutbox, RepliesReachTheirClientAloneAndAClientThatIsGoneLosesItsWriter) {
+  Outbox<cansync_TransferReply> outbox;
+  gateway::dds::DataSignal signal;
+  using Reader = gateway::dds::Reader<cansync_TransferReply>;
+  Reader asks(outbox.there, own_partition(outbox.places.there, 1), &signal);
+  Reader other(outbox.there, own_partition(outbox.places.there, 2), &signal);
+  ASSERT_TRUE(outbox.until(signal, [&] { return asks.matched() == 1 && other.matched() == 1; }))
+      << "both know that somebody answers before anything was asked";
+  outbox.send(1, std::vector<std::uint8_t>(1 << 20, 7));
+  std::size_t bytes = 0;
+  ASSERT_TRUE(outbox.until(signal, [&] {
+    (void)asks.take([&](const cansync_TransferReply& reply) { bytes += reply.data._length; });
+    return bytes == 1 << 20;
+  }));
+  outbox.send(2);
+  ASSERT_TRUE(outbox.until(signal, [&] {
+    return other.take([](const cansync_TransferReply& reply) {
+      EXPECT_EQ(reply.data._length, 0u) << "what came is its own";
+    }) == 1;
+  }));
+  EXPECT_EQ(asks.matched(), 2u);
+  outbox.box.forget(reply_to<cansync_TransferReply>(1), std::chrono::steady_clock::now());
+  EXPECT_TRUE(outbox.until(signal, [&] { return asks.matched() == 1; }));
+  EXPECT_EQ(outbox.box.clients(), 1u);
+  EXPECT_EQ(other.matched(), 2u);
+}
+
+/// A client that takes nothing while all room is used up.
+TEST(ReplyOutbox, WhoStandsStillLosesItsOwnRepliesAndOthersGetTheirs) {
+  constexpr std::size_t kBytes = 20000;
+  constexpr unsigned kMany = 40;
+  Outbox<cansync_TransferReply> outbox({.under_way_each = 100000, .under_way = 90000});
+  gateway::dds::DataSignal signal;
+  using Reader = gateway::dds::Reader<cansync_TransferReply>;
+  const Reader still(outbox.there, own_partition(outbox.places.there, 1), &signal);
+  // In one process DDS would wait for the first before it gives anything to the second.
+  Reader takes(outbox.participant, own_partition(outbox.places.here, 2), &signal);
+  for (unsigned i = 0; i < kMany; ++i) outbox.send(1, std::vector<std::uint8_t>(kBytes));
+  // Its reader has as many as it keeps, and the outbox no more under way than it may.
+  ASSERT_TRUE(outbox.until(signal, [&] { return outbox.box.waiting() <= kMany - 16 - 4; }));
+  EXPECT_LE(outbox.box.under_way(), 90000u);
+  for (unsigned i = 0; i < 8; ++i) outbox.send(2, std::vector<std::uint8_t>(kBytes));
+  std::size_t bytes = 0;
+  const auto take = [&] {
+    (void)takes.take([&](const cansync_TransferReply& reply) { bytes += reply.data._length; });
+    EXPECT_LE(outbox.box.under_way(), 90000u);
+    return bytes == 8 * kBytes;
+  };
+  EXPECT_TRUE(outbox.until(signal, take, std::chrono::seconds(6))) << bytes;
+  EXPECT_GT(outbox.box.take_dropped(), 0u) << "of the one that stands still";
 }
 
 TEST(SettleCause, ARefusalNeverGoesWithoutACauseAndNothingElseWithOne) {

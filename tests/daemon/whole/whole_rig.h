@@ -33,7 +33,7 @@ inline Config whole_config() {
 /// A program that asks. Its replies are counted elsewhere; it has the readers a client has.
 struct Asker {
   explicit Asker(const gateway::dds::ParticipantOptions& place)
-      : client(place), transfer_replies(client.participant(), &client.signal()) {}
+      : client(place), transfer_replies(client.participant(), replies_to_all(place), &client.signal()) {}
   /// Until the gateway's side is matched on every topic.
   bool wait_for_gateway() {
     return client.wait_for_gateway() &&

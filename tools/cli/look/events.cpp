@@ -63,10 +63,11 @@ JsonObject event_object(const client::Event& event) {
   else
     object.add("slave", event.slave);
   object.add("text", event.text);
-  if (std::string_view(event.action).empty()) return object;
-  return object.add("client", event.client)
-      .add("participant", event.participant)
-      .add("action", event.action)
+  const bool of_request = !std::string_view(event.action).empty();
+  if (!of_request && std::string_view(event.participant).empty()) return object;
+  object.add("client", event.client).add("participant", event.participant);
+  if (!of_request) return object;
+  return object.add("action", event.action)
       .add("old_value", event.old_value)
       .add("new_value", event.new_value)
       .add("result", event.result);

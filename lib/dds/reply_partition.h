@@ -1,0 +1,18 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+/// Where replies go: each client has a DDS partition of its own for its readers of replies, so that what is
+/// sent to one does not reach the others. It keeps traffic apart; it is no secret.
+namespace gateway::dds {
+
+/// "BUS/" and the client's identity in 32 hexadecimal digits, in lower case.
+std::string reply_partition(std::string_view bus, const std::array<std::uint8_t, 16>& client);
+
+/// The partitions of all clients of a bus: for what only wants to know of their readers.
+std::string every_reply_partition(std::string_view bus);
+
+}  // namespace gateway::dds
