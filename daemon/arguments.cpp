@@ -57,7 +57,7 @@ std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* co
   if (!arguments.trace.empty() && arguments.config.size() > 1) {
     return CommandLineEnd{true,
                           "cansyncd: --trace is for one configuration file; with several, give each its own "
-                          "option sim.trace\n"};
+                          "option sim.trace (cansyncd --help)\n"};
   }
   return arguments;
 }

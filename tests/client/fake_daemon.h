@@ -140,7 +140,10 @@ class FakeDaemon {
   void answer(gateway::dds::Writer<Reply>& writer, Reply reply, std::vector<std::uint8_t> data = {}) {
     auto kept = std::make_shared<std::vector<std::uint8_t>>(std::move(data));
     if constexpr (requires { reply.data; }) reply.data._buffer = kept->data();
-    outbox_.push_back([&writer, reply, kept] { return writer.write(reply); });
+    // The client may have found this writer before its reader was found here.
+    outbox_.push_back([&writer, reply, kept]() -> dds_return_t {
+      return writer.matched() == 0 ? DDS_RETCODE_TIMEOUT : writer.write(reply);
+    });
   }
 
   void deliver() {

@@ -79,7 +79,7 @@ TEST_F(CansyncdTest, NamesThePlaceInAWrongFaultScript) {
 TEST_F(CansyncdTest, WrongCommandLinesAreUsageErrors) {
   const std::string file = write("good.toml", kTwoSlaves);
   const std::vector<std::vector<std::string>> wrong = {
-      {}, {"--nonsense"}, {file, "--check", file}, {file, file}};
+      {}, {"--nonsense"}, {file, "--check", file}, {"--trace", "t", file, file}};
   for (const auto& arguments : wrong) {
     Program program(CANSYNCD, arguments);
     EXPECT_EQ(program.exit_code(), 2) << program.text();
