@@ -32,6 +32,11 @@ std::string slave_microseconds(std::int64_t nanoseconds) {
   return fmt::format("{:.1f} us", static_cast<double>(nanoseconds) / 1e3);
 }
 
+std::string margin_text(const SideStatus& status) {
+  if (status.actual_sent[0] + status.actual_sent[1] == 0) return "no actual value telegram sent yet";
+  return "least time left to an actual value telegram " + slave_microseconds(status.actual_margin_least);
+}
+
 std::string indicators(const SideStatus& status) {
   std::string text = status.indicator_traffic ? "traffic" : "no traffic";
   if (status.indicator_sync_missing) text += ", SYNC missing";
@@ -63,10 +68,8 @@ std::vector<Explained> lines_of_slave(Session& session) {
       {"fault", fault_text(status)},
       {"answers", fmt::format("{} sent, {} late, {} not taken by the bus; {} actions", status.answers_sent,
                               status.answers_late, status.answers_failed, status.actions)},
-      {"response",
-       fmt::format("last {}, longest {}; least time left to an actual value telegram {}",
-                   slave_microseconds(status.response_last), slave_microseconds(status.response_longest),
-                   slave_microseconds(status.actual_margin_least))},
+      {"response", fmt::format("last {}, longest {}; {}", slave_microseconds(status.response_last),
+                               slave_microseconds(status.response_longest), margin_text(status))},
       {"indicators", indicators(status)},
       {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
 }
