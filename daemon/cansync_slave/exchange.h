@@ -86,8 +86,9 @@ struct OwnNumberReport {
   std::uint32_t identifier = 0;
 };
 
-using SlaveReport = std::variant<ReferencesReport, MonitoredReport, ActionReport, SlaveStateReport,
-                                 SynchronizedReport, LockReport, InputReport, FaultReport, OwnNumberReport>;
+using SlaveSideReport =
+    std::variant<ReferencesReport, MonitoredReport, ActionReport, SlaveStateReport, SynchronizedReport,
+                 LockReport, InputReport, FaultReport, OwnNumberReport>;
 
 /// Actual values that an application releases, for one telegram.
 struct ReleaseOrder {
@@ -143,8 +144,8 @@ struct SlaveExchange {
 
   static constexpr std::size_t kReleases = 64;
 
-  rt::SpscRing<ReleaseOrder> releases;  ///< gateway -> realtime
-  rt::SpscRing<SlaveReport> reports;    ///< realtime -> gateway, lossy
+  rt::SpscRing<ReleaseOrder> releases;    ///< gateway -> realtime
+  rt::SpscRing<SlaveSideReport> reports;  ///< realtime -> gateway, lossy
   rt::LatestValue<SlaveSnapshot> status;
   rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
   rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway

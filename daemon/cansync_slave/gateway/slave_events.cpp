@@ -108,7 +108,7 @@ struct SlaveWords {
 
 }  // namespace
 
-std::optional<EventText> event_of(const SlaveReport& report, const SlaveRoleConfig& config) {
+std::optional<EventText> event_of(const SlaveSideReport& report, const SlaveRoleConfig& config) {
   return std::visit(SlaveWords{config}, report);
 }
 

@@ -10,6 +10,6 @@ namespace cansyncd {
 
 /// The event that stands for a report of the realtime thread; nothing for values and actions, which have
 /// topics of their own. Allocates; not for the realtime thread.
-std::optional<EventText> event_of(const SlaveReport& report, const SlaveRoleConfig& config);
+std::optional<EventText> event_of(const SlaveSideReport& report, const SlaveRoleConfig& config);
 
 }  // namespace cansyncd

@@ -120,7 +120,7 @@ void SlaveGateway::take_configuration(SteadyTime now) {
 }
 
 bool SlaveGateway::take_reports(SteadyTime now) {
-  SlaveReport report;
+  SlaveSideReport report;
   for (unsigned i = 0; i < kReportsAtOnce; ++i) {
     if (!exchange_.reports.try_pop(report)) return false;
     publish(report, now);
@@ -128,7 +128,7 @@ bool SlaveGateway::take_reports(SteadyTime now) {
   return true;
 }
 
-void SlaveGateway::publish(const SlaveReport& report, SteadyTime now) {
+void SlaveGateway::publish(const SlaveSideReport& report, SteadyTime now) {
   if (const auto* references = std::get_if<ReferencesReport>(&report)) {
     (void)references_.write(
         cansync_slave::dds::references_received(references->values, snapshot_.lost_references));

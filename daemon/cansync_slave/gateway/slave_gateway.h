@@ -68,7 +68,7 @@ class SlaveGateway {
   void take_configuration(SteadyTime now);
   /// True: there may be more.
   bool take_reports(SteadyTime now);
-  void publish(const SlaveReport& report, SteadyTime now);
+  void publish(const SlaveSideReport& report, SteadyTime now);
   /// Returns when to call again.
   SteadyTime publish_status(SteadyTime now);
   void end();

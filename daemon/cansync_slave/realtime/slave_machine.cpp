@@ -252,7 +252,7 @@ void SlaveMachine::handed_over(can::SendResult result) noexcept {
 
 // --- what others are told
 
-bool SlaveMachine::report(const SlaveReport& report) noexcept {
+bool SlaveMachine::report(const SlaveSideReport& report) noexcept {
   pending_ = true;
   if (exchange_.reports.try_push(report)) return true;
   ++snapshot_.lost_reports;

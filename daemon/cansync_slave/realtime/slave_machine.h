@@ -73,7 +73,7 @@ class SlaveMachine {
   void watch_own_number(const can::ReceivedFrame& received) noexcept;
   can::Time edge_before(can::Time end) noexcept;
   Moment moment(can::Time at) const noexcept { return {number_, at, clock_.at(at)}; }
-  bool report(const SlaveReport& report) noexcept;
+  bool report(const SlaveSideReport& report) noexcept;
   void fill_snapshot(can::Time now) noexcept;
 
   can::Bus& bus_;

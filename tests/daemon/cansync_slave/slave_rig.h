@@ -137,13 +137,13 @@ struct SlaveRig {
       loop->request_stop();
     });
     loop->run();
-    SlaveReport report;
+    SlaveSideReport report;
     while (exchange.reports.try_pop(report)) reports.push_back(report);
   }
   template <class Report>
   std::vector<Report> told() const {
     std::vector<Report> found;
-    for (const SlaveReport& report : reports) {
+    for (const SlaveSideReport& report : reports) {
       if (const auto* one = std::get_if<Report>(&report)) found.push_back(*one);
     }
     return found;
@@ -159,7 +159,7 @@ struct SlaveRig {
   std::unique_ptr<SlaveMachine> machine;
   std::unique_ptr<DeadlineLoop<SlaveMachine>> loop;
   SlaveSnapshot snapshot;
-  std::vector<SlaveReport> reports;
+  std::vector<SlaveSideReport> reports;
 };
 
 }  // namespace cansyncd::test
