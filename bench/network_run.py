@@ -42,23 +42,23 @@ def loopback_packets():
 
 
 class Scene:
-    """So many daemons, a bus each, and so many clients that wait for something on these buses in turn; a context manager."""
+    """So many buses, in so many daemons, and so many clients that wait for something on these buses in turn; a context manager."""
 
-    def __init__(self, build, daemons, clients):
-        self.build, self.daemons, self.clients = build, daemons, clients
+    def __init__(self, build, buses, daemons, clients):
+        self.build, self.buses, self.daemons, self.clients = build, buses, daemons, clients
         self.domain = random.SystemRandom().randint(1, 100)
         self.processes, self.waiting = [], []
 
     def __enter__(self):
         self.folder = tempfile.TemporaryDirectory(prefix="cansync_network_")
         began = time.monotonic()
-        logs = [self._start_daemon(number) for number in range(self.daemons)]
+        logs = dict(self._start_daemon(range(first, self.buses, self.daemons)) for first in range(self.daemons))
         try:
             self._wait_active(logs, began)
             self.active_after = time.monotonic() - began
             for number in range(self.clients):
                 # Nobody stops the line, so they wait until they are killed.
-                self.waiting.append(self._cansync(number % self.daemons, "--timeout", "3600", "wait", "stop"))
+                self.waiting.append(self._cansync(number % self.buses, "--timeout", "3600", "wait", "stop"))
             # Discovery repeats itself for four seconds; what is measured is what stays.
             time.sleep(6)
         except BaseException:
@@ -75,15 +75,17 @@ class Scene:
             process.wait(LONG)
         self.folder.cleanup()
 
-    def _start_daemon(self, number):
-        path = os.path.join(self.folder.name, f"{number}.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(f'[bus]\nname = "bench{number}"\ninterface = "sim"\nbit_rate = {BIT_RATE}\n'
-                       f"[dds]\ndomain = {self.domain}\n[sim]\nlock_time_ms = 50\n")
-            file.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(SLAVES))
-        with open(path + ".log", "wb") as log:
-            self.processes.append(subprocess.Popen([self.build.daemon, path], stdout=log, stderr=log))
-        return path + ".log"
+    def _start_daemon(self, numbers):
+        """The file of its log, and how many buses tell there that they are active."""
+        paths = [os.path.join(self.folder.name, f"{number}.toml") for number in numbers]
+        for number, path in zip(numbers, paths):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(f'[bus]\nname = "bench{number}"\ninterface = "sim"\nbit_rate = {BIT_RATE}\n'
+                           f"[dds]\ndomain = {self.domain}\n[sim]\nlock_time_ms = 50\n")
+                file.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(SLAVES))
+        with open(paths[0] + ".log", "wb") as log:
+            self.processes.append(subprocess.Popen([self.build.daemon, *paths], stdout=log, stderr=log))
+        return paths[0] + ".log", len(paths)
 
     def _wait_active(self, logs, began):
         waiting = set(logs)
@@ -92,7 +94,7 @@ class Scene:
                 raise RuntimeError(f"{len(waiting)} daemons are not in active operation after {LONG} s")
             for path in list(waiting):
                 with open(path, "rb") as file:
-                    if ACTIVE in file.read():
+                    if file.read().count(ACTIVE) >= logs[path]:
                         waiting.discard(path)
             time.sleep(0.01)
 
@@ -115,7 +117,7 @@ class Scene:
         times, failed = [], 0
         for number in range(asked):
             began = time.monotonic()
-            process = self._cansync(number % self.daemons, "status")
+            process = self._cansync(number % self.buses, "status")
             failed += process.wait(LONG) != 0
             times.append(1000 * (time.monotonic() - began))
         found["status_p50_ms"], found["status_p90_ms"] = round(quantile(times, 0.5)), round(quantile(times, 0.9))
@@ -124,14 +126,14 @@ class Scene:
 
 
 def run(builds, scenes, seconds, asked):
-    """Every scene with each build in turn; {(build, daemons, clients): what was measured}."""
+    """Every scene with each build in turn; {(build, buses, daemons, clients): what was measured}."""
     found = {}
-    for daemons, clients in scenes:
+    for buses, daemons, clients in scenes:
         for build in builds:
-            with Scene(build, daemons, clients) as scene:
-                found[(build.name, daemons, clients)] = scene.measure(seconds, asked)
-    for (name, daemons, _), one in found.items():
-        alone = found.get((name, 1, 0))
-        if alone and daemons > 1:
-            one["cpu_of_n_times_one"] = round(one["daemons_cpu_percent"] / (daemons * alone["daemons_cpu_percent"]), 2)
+            with Scene(build, buses, daemons, clients) as scene:
+                found[(build.name, buses, daemons, clients)] = scene.measure(seconds, asked)
+    for (name, buses, _, _), one in found.items():
+        alone = found.get((name, 1, 1, 0))
+        if alone and buses > 1:
+            one["cpu_of_n_times_one"] = round(one["daemons_cpu_percent"] / (buses * alone["daemons_cpu_percent"]), 2)
     return found
