@@ -215,7 +215,7 @@ class Undisturbed(unittest.TestCase):
         return files
 
     def record(self, folder):
-        """The telegrams of a line on which values were restored again and again, and how many the daemon left out."""
+        """The telegrams of a line on which values were restored again and again, and what the daemon told of it."""
         trace = os.path.join(folder, "line.log")
         options = ("--trace", trace, "--set", f"slave.1.profile={PROFILE}", "--set", f"process.release_limit={RELEASE}")
         with Gateway(slaves=2, bit_rate=125000, options=options) as gateway:
@@ -233,12 +233,12 @@ class Undisturbed(unittest.TestCase):
                     self.assertEqual(gateway.json("restore", SLAVE, files[attempt % 2])[-1]["written"], len(CHANGES))
                 end = gateway.status()["interval"]
                 # The status comes once a second.
-                left_out = gateway.wait_status("a later status", lambda s: s["interval"] > end)["left_out"]
+                status = gateway.wait_status("a later status", lambda s: s["interval"] > end)
             finally:
                 writer.terminate()
                 writer.communicate(timeout=LONG)
             gateway.stop()
-            return gateway.json("trace", trace), left_out
+            return gateway.json("trace", trace), status, gateway.log_text()
 
     def missing(self, frames):
         """How many reference value telegrams the intervals of the restores do not have."""
@@ -260,10 +260,10 @@ class Undisturbed(unittest.TestCase):
 
     def test_no_reference_telegram_is_missed_but_those_that_came_too_late(self):
         with tempfile.TemporaryDirectory() as folder:
-            frames, left_out = self.record(folder)
-        missing = self.missing(frames)
+            frames, status, log = self.record(folder)
+        missing, left_out = self.missing(frames), status["left_out"]
         print(f"{missing} telegrams missing, {left_out} left out")
-        self.assertLessEqual(missing, left_out)
+        self.assertLessEqual(missing, left_out, f"{status}\n{log}")
 
 
 if __name__ == "__main__":
