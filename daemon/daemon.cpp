@@ -7,6 +7,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -102,14 +103,28 @@ void serve(const Buses& buses, const SignalWait& signals, std::span<const std::s
   }
 }
 
-/// Everything that can fail is done before anything of the buses runs: either all of them start or none.
+/// Does something for one of several buses; what cannot be had names the bus's file then.
+template <class Step>
+void for_bus(const Buses& buses, const Bus& bus, const Step& step) {
+  if (buses.size() == 1) return step();
+  try {
+    step();
+  } catch (const std::exception& error) {
+    throw std::runtime_error(bus.config.path + ": " + error.what());
+  }
+}
+
+/// Everything that buses need is taken before any of them runs; should the start of one fail all the same, those
+/// that run already end with it.
 void start(Buses& buses, JournalSink& journal) {
   std::vector<const DaemonConfig*> configs;
   for (const Bus& bus : buses) configs.push_back(&bus.config.daemon);
   std::vector<gateway::dds::Participant> participants = bus_participants(configs);
-  for (std::size_t i = 0; i < buses.size(); ++i)
-    buses[i].segment = buses[i].config.make_segment(journal, std::move(participants[i]));
-  for (const Bus& bus : buses) bus.segment->start();
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    Bus& bus = buses[i];
+    for_bus(buses, bus, [&] { bus.segment = bus.config.make_segment(journal, std::move(participants[i])); });
+  }
+  for (const Bus& bus : buses) for_bus(buses, bus, [&] { bus.segment->start(); });
 }
 
 std::string names_of(std::span<const LoadedConfig> files) {

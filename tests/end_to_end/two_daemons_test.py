@@ -176,6 +176,17 @@ class OneDaemonOfTwoBuses(unittest.TestCase):
         self.assertIn(f"{self.path}: bus.name: {self.other} in DDS domain ", wrong.stderr)
         self.assertIn("each bus needs a name of its own", wrong.stderr)
 
+    def test_of_several_the_file_that_keeps_all_from_starting_is_named(self):
+        path = os.path.join(self.gateway.folder.name, "third.toml")
+        with open(self.path, encoding="utf-8") as other, open(path, "w", encoding="utf-8") as file:
+            file.write(other.read().replace(self.other, self.other + "2").replace('"sim"', '"lo"', 1))
+        fourth = path + ".toml"
+        with open(self.path, encoding="utf-8") as other, open(fourth, "w", encoding="utf-8") as file:
+            file.write(other.read().replace(self.other, self.other + "3"))
+        result = subprocess.run([CANSYNCD, *self.gateway.options, fourth, path], capture_output=True, text=True, timeout=LONG)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn(f"{path}: lo is no CAN interface", result.stderr)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)
