@@ -114,8 +114,8 @@ void for_bus(const Buses& buses, const Bus& bus, const Step& step) {
   }
 }
 
-/// Everything that buses need is taken before any of them runs; should the start of one fail all the same, those
-/// that run already end with it.
+/// Everything that buses need is taken before any of them runs; should the start of one fail all the same,
+/// those that run already end with it.
 void start(Buses& buses, JournalSink& journal) {
   std::vector<const DaemonConfig*> configs;
   for (const Bus& bus : buses) configs.push_back(&bus.config.daemon);
