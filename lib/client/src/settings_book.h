@@ -21,6 +21,7 @@ struct SettingState {
   bool in_force = false;                          ///< there
   std::string error;                              ///< why it is not
   std::optional<MappingBytes> reference_mapping;  ///< what it maps
+  std::uint64_t mapping_before = 1;               ///< number of the mapping known when it was entered, from 1
 };
 
 /// The settings of a client's function blocks: which are in force in the daemon. Any thread.
@@ -38,12 +39,16 @@ class SettingsBook {
     change(state);
   }
 
-  /// Which setting is not in force in this start of the daemon; empty: none.
-  std::string missing(const std::array<std::uint8_t, 16>& daemon) const {
+  /// Which setting is not in force in the start of the daemon that is known; empty: none. A mapping counts
+  /// from the status that shows it or a later one: values given before would name the mapping before it.
+  std::string missing(const Validity& known, const MappingBytes& mapping) const {
     const std::lock_guard lock(mutex_);
     for (const auto& each : states_) {
       const auto state = each.lock();
-      if (!state || !state->entered || (state->in_force && state->daemon == daemon)) continue;
+      if (!state || !state->entered) continue;
+      const bool shown = !state->reference_mapping || *state->reference_mapping == mapping ||
+                         known.mapping_number > state->mapping_before;
+      if (state->in_force && state->daemon == known.daemon && shown) continue;
       return state->block + (state->error.empty() ? ": not yet in effect" : ": " + state->error);
     }
     return {};

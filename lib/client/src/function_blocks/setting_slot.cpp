@@ -23,6 +23,7 @@ void SettingSlot::enter(Submit submit, std::optional<MappingBytes> reference_map
     state.entered = true;
     state.daemon = now.daemon;
     state.reference_mapping = reference_mapping;
+    state.mapping_before = std::max<std::uint64_t>(now.mapping_number, 1);
   });
   note();
 }
@@ -39,8 +40,10 @@ void SettingSlot::poll() {
   if (entered_ && now.daemon != state_->daemon && client_->link_->asks(now.daemon)) {
     client_->link_->program_told_of(now.daemon);
     slot_.enter(entered_);
-    client_->link_->settings().change(*state_,
-                                      [&](detail::SettingState& state) { state.daemon = now.daemon; });
+    client_->link_->settings().change(*state_, [&](detail::SettingState& state) {
+      state.daemon = now.daemon;
+      state.mapping_before = std::max<std::uint64_t>(now.mapping_number, 1);
+    });
   }
   slot_.poll();
   note();
@@ -54,7 +57,9 @@ void SettingSlot::note() {
 }
 
 std::string SettingSlot::missing(const Client& client) {
-  return client.link_->settings().missing(client.validity().daemon);
+  MappingBytes mapping = {};
+  const Validity known = client.link_->validity(&mapping);
+  return client.link_->settings().missing(known, mapping);
 }
 
 std::optional<Validity> SettingSlot::with_own_mapping(const Client& client) {
