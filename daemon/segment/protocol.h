@@ -16,7 +16,7 @@
 #include "dds/participant.h"
 
 /// What a protocol is to the daemon. A new one is a folder `daemon/NAME/` with its own CMakeLists.txt that
-/// adds its sources to the target `cansync_daemon`, and one line in `daemon/protocols.cpp`.
+/// adds its sources to the target `cansync_daemon`, and one line in `lib/protocols.def`.
 namespace cansyncd {
 
 /// A configuration as a protocol has read it. Main thread.

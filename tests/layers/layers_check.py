@@ -86,7 +86,6 @@ daemon/layer2/segment:      lib/config lib/can lib/dds lib/layer2/sim daemon/ser
                             daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
-                            daemon/cansync/segment daemon/cansync_slave/segment daemon/layer2/segment
 
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
@@ -99,8 +98,7 @@ tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/
 tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/cansync_slave:    lib/dds lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/connect
-tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/cansync_slave
-                            tools/cli/layer2 tools/cli/look
+tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
 tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus
@@ -123,8 +121,8 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
 # Rooms of the daemon that every protocol has: its words, but not the paths of this product.
 CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[A-Z]|"cansync[.]h"|namespace cansync\b')
                   for room in "config service loop bus options segment desk status".split()}
-# Rooms of the daemon within a room are a protocol's; the one file beside them that may include them.
-PROTOCOL_LIST = "daemon/protocols.cpp"
+# The one list of protocols; rooms of the daemon within a room are theirs, and nothing outside includes them.
+PROTOCOL_LIST = "lib/protocols.def"
 # What a protocol's library has beside its core: rooms of their own.
 PROTOCOL_ROOMS = re.compile(r"lib/\w+/(dds|sim|client)\b")
 # How an identifier is put together stands in one file.
@@ -263,7 +261,7 @@ def check(files, rooms):
             elif there == "dds":
                 if not may_use_dds(room, uses):
                     report(f"{room} may not use DDS")
-            elif room == "daemon" and there and there.count("/") == 2 and file != PROTOCOL_LIST:
+            elif room == "daemon" and there and there.count("/") == 2:
                 report(f"{PROTOCOL_LIST} is the only list of protocols")
             elif there not in uses | {room, None}:
                 report(f"{room} may not include {there}")

@@ -4,7 +4,7 @@
   protocol_names_check.py ROOT         exit 1 and one line per file, when there is any in ROOT
   protocol_names_check.py --self-test  plants each kind of mention in a made-up tree and expects it to be found
 
-A protocol's own folders are lib/NAME, daemon/NAME and tools/cli/NAME; beside them only the two lists of protocols and
+A protocol's own folders are lib/NAME, daemon/NAME and tools/cli/NAME; beside them only the list of protocols and
 build files may name it. CANsync has the name of the product: of it count include paths, its namespace and its types of
 the data model, not the programs cansync and cansyncd, their folders, the namespace of the command line, or the headers
 <cansync/...> of the installed library.
@@ -16,8 +16,9 @@ import sys
 from sources import load
 
 PLACES = ("lib", "daemon", "tools")
-PROTOCOLS = ("cansync", "cansync_slave", "layer2", "canopen", "j1939")
-LISTS = ("daemon/protocols.cpp", "tools/cli/app/protocols.cpp")
+LIST = "lib/protocols.def"
+COMING = ("canopen", "j1939")  # protocols that have no room yet
+PROTOCOLS = ("cansync", "cansync_slave", "layer2", *COMING)
 MENTIONS = {
     "cansync": re.compile(r'"(?:daemon/|cli/|tools/cli/)?cansync/|["<]cansync\.h[">]|\bcansync::(?!cli\b)|'
                           r"\bnamespace cansync(?!::cli\b|d\b)\b|\bcansync_[A-Z]|\busing namespace cansync\b"),
@@ -50,7 +51,7 @@ def mentions(files):
     """{path: (line number, line, protocol)} of the first mention in each file that may have none."""
     found = {}
     for path, text in sorted(files.items()):
-        if is_own(path) or path in LISTS:
+        if is_own(path) or path == LIST:
             continue
         for number, line in enumerate(text.split("\n"), 1):
             name = next((name for name, pattern in MENTIONS.items() if pattern.search(line)), None)
@@ -67,7 +68,7 @@ def covers(exception, path):
 def check(files, exceptions):
     """Violations in {path: text}, one line each."""
     found = mentions(files)
-    wrong = [f"{path}:{number}: {line}   <- mentions {name}; only its own folders, {' and '.join(LISTS)} may"
+    wrong = [f"{path}:{number}: {line}   <- mentions {name}; only its own folders and {LIST} may"
              for path, (number, line, name) in found.items()
              if not any(covers(exception, path) for exception in exceptions)]
     wrong += [f"{exception} mentions no protocol: take it out of EXCEPTIONS" for exception in exceptions
@@ -82,7 +83,7 @@ CLEAN = {
     "lib/layer2/dds/convert.h": '#include "layer2.h"',
     "daemon/layer2/exchange.h": "namespace layer2 {}",
     "tools/cli/cansync/status.cpp": "cansync_MasterStatus status;",
-    "daemon/protocols.cpp": '#include "daemon/layer2/segment/layer2_protocol.h"\n#include "daemon/cansync/x.h"',
+    "lib/protocols.def": "PROTOCOL(cansync)\nPROTOCOL(cansync_slave)\nPROTOCOL(layer2)\n",
     "daemon/main.cpp": 'print("cansyncd: no file");\nnamespace cansyncd {}\n// the program cansync',
     "tools/cli/base/session.cpp": "#include <cansync/client.h>\nnamespace cansync::cli {\nfolder = \"/etc/cansync/profiles\";\n}",
 }
@@ -96,6 +97,8 @@ PLANTED = [
     ("lib/can/planted.h", "using namespace cansync;"),
     ("daemon/service/planted.cpp", "cansync_MasterStatus status;"),
     ("daemon/planted.cpp", 'if (protocol == "layer2") start();'),
+    ("daemon/protocols.cpp", '#include "daemon/layer2/segment/layer2_protocol.h"'),
+    ("tools/cli/app/protocols.cpp", '#include "cli/cansync/verbs.h"'),
     ("daemon/segment/planted.cpp", "class Layer2Segment;"),
     ("lib/can/planted.cpp", "// as J1939 does"),
     ("tools/cli/base/planted.h", '#include "canopen/object.h"'),

@@ -31,7 +31,7 @@ LoadedConfig load(const std::string& path, std::span<const std::string> override
 
 }  // namespace
 
-const ProtocolInfo cansync_master = {kMasterProtocol, options,          load,
-                                     default_config,  options_markdown, options_man};
+const ProtocolInfo cansync_protocol = {kMasterProtocol, options,          load,
+                                       default_config,  options_markdown, options_man};
 
 }  // namespace cansyncd

@@ -5,6 +5,6 @@
 namespace cansyncd {
 
 /// The master of a CANsync line.
-extern const ProtocolInfo cansync_master;
+extern const ProtocolInfo cansync_protocol;
 
 }  // namespace cansyncd

@@ -99,8 +99,8 @@ void take_global_texts(const GlobalTexts& texts, Globals& globals) {
 }
 
 void add_verbs(CLI::App& app, Verb& chosen) {
-  add_status_verb(app, chosen, protocol_status());
-  for (const AddVerbs add : protocol_verbs()) add(app, chosen);
+  add_status_verb(app, chosen, protocols());
+  for (const ProtocolVerbs* protocol : protocols()) protocol->add(app, chosen);
   for (const AddVerbs add : {add_doctor_verb, add_watch_verb, add_record_verb, add_plot_verb, add_event_verb,
                              add_trace_verb, add_wait_verb, add_batch_verb}) {
     add(app, chosen);

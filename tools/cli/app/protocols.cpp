@@ -2,24 +2,19 @@
 
 #include <array>
 
-#include "cli/cansync/status_lines.h"
-#include "cli/cansync/verbs.h"
-#include "cli/cansync_slave/status_part.h"
-#include "cli/cansync_slave/verbs.h"
-#include "cli/layer2/status_part.h"
-#include "cli/layer2/verbs.h"
-
 namespace cansync::cli {
 
-std::span<const AddVerbs> protocol_verbs() noexcept {
-  static constexpr std::array<AddVerbs, 3> kProtocols = {add_cansync_verbs, add_slave_role_verbs,
-                                                         add_layer2_verbs};
-  return kProtocols;
-}
+#define PROTOCOL(name) extern const ProtocolVerbs name##_verbs;
+#include "protocols.def"
+#undef PROTOCOL
 
-std::span<const StatusPart> protocol_status() noexcept {
-  static const std::array<StatusPart, 3> kParts = {kMasterStatusPart, kSlaveStatusPart, kFrameStatusPart};
-  return kParts;
+std::span<const ProtocolVerbs* const> protocols() noexcept {
+#define PROTOCOL(name) &name##_verbs,
+  static constexpr auto kProtocols = std::to_array<const ProtocolVerbs*>({
+#include "protocols.def"
+  });
+#undef PROTOCOL
+  return kProtocols;
 }
 
 }  // namespace cansync::cli

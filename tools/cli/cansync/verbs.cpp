@@ -1,8 +1,11 @@
 #include "cli/cansync/verbs.h"
 
-namespace cansync::cli {
+#include "cli/cansync/status_lines.h"
 
-void add_cansync_verbs(CLI::App& app, Verb& chosen) {
+namespace cansync::cli {
+namespace {
+
+void add_verbs_of_cansync(CLI::App& app, Verb& chosen) {
   // In the order of the help.
   for (const AddVerbs add : {add_slaves_verb, add_timing_verb, add_parameter_verbs, add_params_verb,
                              add_passport_verbs, add_restore_verb, add_transfer_verbs, add_command_verbs,
@@ -10,5 +13,9 @@ void add_cansync_verbs(CLI::App& app, Verb& chosen) {
     add(app, chosen);
   }
 }
+
+}  // namespace
+
+const ProtocolVerbs cansync_verbs = {add_verbs_of_cansync, &kMasterStatusPart};
 
 }  // namespace cansync::cli

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cli/base/verbs.h"
+#include "cli/base/protocol_verbs.h"
 
 namespace cansync::cli {
 
@@ -9,7 +9,7 @@ inline constexpr const char* kSlavesHelp =
     "number 0..31 or name, a list with ranges (1,3,5-9,winder), or all = every configured slave";
 
 /// All verbs of CANsync: those below.
-void add_cansync_verbs(CLI::App& app, Verb& chosen);
+extern const ProtocolVerbs cansync_verbs;
 
 void add_slaves_verb(CLI::App& app, Verb& chosen);      ///< slaves
 void add_timing_verb(CLI::App& app, Verb& chosen);      ///< timing

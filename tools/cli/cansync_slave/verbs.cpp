@@ -10,6 +10,7 @@
 
 #include "cansync_slave/client/slave_client.h"
 #include "cli/base/interrupt.h"
+#include "cli/cansync_slave/status_part.h"
 #include "cli/connect/bus_connection.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
@@ -127,11 +128,13 @@ void add_references(CLI::App& app, Verb& chosen) {
   });
 }
 
-}  // namespace
-
-void add_slave_role_verbs(CLI::App& app, Verb& chosen) {
+void add_verbs_of_cansync_slave(CLI::App& app, Verb& chosen) {
   add_references(app, chosen);
   add_actual_verb(app, chosen);
 }
+
+}  // namespace
+
+const ProtocolVerbs cansync_slave_verbs = {add_verbs_of_cansync_slave, &kSlaveStatusPart};
 
 }  // namespace cansync::cli

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "cli/base/verbs.h"
+#include "cli/base/protocol_verbs.h"
 
 namespace cansync::cli {
 
 /// `references` and `actual`: the bus of a slave.
-void add_slave_role_verbs(CLI::App& app, Verb& chosen);
+extern const ProtocolVerbs cansync_slave_verbs;
 
 void add_actual_verb(CLI::App& app, Verb& chosen);  ///< actual
 

@@ -11,6 +11,7 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
+#include "cli/layer2/status_part.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
@@ -253,11 +254,13 @@ void add_send(CLI::App& app, Verb& chosen) {
       [texts, &chosen] { chosen = [texts](Session& session) { return send_verb(session, *texts); }; });
 }
 
-}  // namespace
-
-void add_layer2_verbs(CLI::App& app, Verb& chosen) {
+void add_verbs_of_layer2(CLI::App& app, Verb& chosen) {
   add_frames(app, chosen);
   add_send(app, chosen);
 }
+
+}  // namespace
+
+const ProtocolVerbs layer2_verbs = {add_verbs_of_layer2, &kFrameStatusPart};
 
 }  // namespace cansync::cli

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "cli/base/verbs.h"
+#include "cli/base/protocol_verbs.h"
 
 namespace cansync::cli {
 
 /// `frames` and `send`: a bus of general frames.
-void add_layer2_verbs(CLI::App& app, Verb& chosen);
+extern const ProtocolVerbs layer2_verbs;
 
 }  // namespace cansync::cli

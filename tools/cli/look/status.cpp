@@ -120,47 +120,48 @@ void write_line(Output& output, std::string_view label, std::string_view text) {
   if (!text.empty()) output.line(fmt::format("{:<22}{}", label, text));
 }
 
-ExitCode status_verb(Session& session, std::span<const StatusPart> parts) {
+ExitCode status_verb(Session& session, std::span<const ProtocolVerbs* const> protocols) {
   session.look_only();
   client::Client& client = session.client();
   const CommonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status()};
-  const auto part = std::find_if(parts.begin(), parts.end(), [&status](const StatusPart& one) {
-    return one.protocol == client::text(status.gateway.protocol);
+  const auto part = std::find_if(protocols.begin(), protocols.end(), [&status](const ProtocolVerbs* one) {
+    return one->status->protocol == client::text(status.gateway.protocol);
   });
   if (session.json()) {
     JsonObject object;
     text::add_members(object, status.gateway);
     text::add_members(object, status.bus);
     text::add_members(object, status.realtime);
-    if (part != parts.end()) part->members(session, object);
+    if (part != protocols.end()) (*part)->status->members(session, object);
     session.output().object(object);
     return ExitCode::done;
   }
   Output& output = session.output();
   write_line(output, kFirst.label, kFirst.text(status));
-  if (part != parts.end())
-    for (const auto& [label, text] : part->lines(session)) write_line(output, label, text);
+  if (part != protocols.end())
+    for (const auto& [label, text] : (*part)->status->lines(session)) write_line(output, label, text);
   for (const CommonLine& line : kCommonLines) write_line(output, line.label, line.text(status));
   return ExitCode::done;
 }
 
-std::string lines_help(std::span<const StatusPart> parts) {
+std::string lines_help(std::span<const ProtocolVerbs* const> protocols) {
   std::vector<Explained> entries{{std::string(kFirst.label), std::string(kFirst.help)}};
   for (const CommonLine& line : kCommonLines) entries.emplace_back(line.label, line.help);
-  for (const StatusPart& part : parts)
-    for (const auto& [label, help] : part.help())
-      entries.emplace_back(label, fmt::format("{}: {}", part.protocol, help));
+  for (const ProtocolVerbs* protocol : protocols)
+    for (const auto& [label, help] : protocol->status->help())
+      entries.emplace_back(label, fmt::format("{}: {}", protocol->status->protocol, help));
   return "Those that begin with the name of a protocol (bus.protocol) are of its buses alone.\n" +
          explanation("Lines", entries);
 }
 
 }  // namespace
 
-void add_status_verb(CLI::App& app, Verb& chosen, std::span<const StatusPart> parts) {
+void add_status_verb(CLI::App& app, Verb& chosen, std::span<const ProtocolVerbs* const> protocols) {
   auto* status = app.add_subcommand("status", "the daemon and its bus: operating state, interface, counters");
-  status->footer(lines_help(parts));
-  status->callback(
-      [parts, &chosen] { chosen = [parts](Session& session) { return status_verb(session, parts); }; });
+  status->footer(lines_help(protocols));
+  status->callback([protocols, &chosen] {
+    chosen = [protocols](Session& session) { return status_verb(session, protocols); };
+  });
 }
 
 }  // namespace cansync::cli
