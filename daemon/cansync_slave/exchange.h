@@ -8,6 +8,8 @@
 #include "can/bus.h"
 #include "can/link_facts.h"
 #include "cansync/settings/mode.h"
+#include "cansync/slave/block_area.h"
+#include "cansync/slave/parameter_jobs.h"
 #include "cansync/slave/slave.h"
 #include "cansync/slave/slave_supervision.h"
 #include "cansync/telegram/telegram.h"
@@ -19,8 +21,8 @@
 #include "rt/wake_signal.h"
 
 /// Everything that the realtime thread of a slave and its gateway thread share. The gateway writes `releases`
-/// and reads the rest; the realtime thread the other way round. All of it is bounded, allocated at the start
-/// and wait-free on both sides.
+/// and `orders`, and reads the rest; the realtime thread the other way round. All of it is bounded, allocated
+/// at the start and wait-free on both sides.
 namespace cansyncd {
 
 using cansync_slave::ReceivedValues;
@@ -98,6 +100,71 @@ struct ReleaseOrder {
   std::uint32_t intervals = 0;  ///< for which it waits to be asked for; 0: what waits is withdrawn
 };
 
+/// Of a parameter job of an application.
+struct JobReport {
+  enum class Step : std::uint8_t { asked, dropped, answered };
+  Moment when;
+  Step step = Step::asked;
+  cansync::AskedParameter job;  ///< all of it when it is asked, else its id
+};
+
+/// Of a block of an application.
+struct BlockReport {
+  enum class Step : std::uint8_t {
+    begun,     ///< waits to be allowed
+    complete,  ///< a whole download: `data`
+    telegram,  ///< one telegram: `offset`, `bytes`, of a download `data`
+    ended,
+  };
+  Moment when;
+  Step step = Step::begun;
+  cansync::AskedBlock block;  ///< when it ends, its id
+  cansync::BlockEnd end = cansync::BlockEnd::done;
+  std::uint16_t offset = 0;
+  std::uint16_t bytes = 0;
+  std::array<std::uint8_t, cansync::kBlockAreaBytes> data = {};
+};
+
+using ServiceReport = std::variant<JobReport, BlockReport>;
+
+/// An application is there and has taken over numbers, or it is gone.
+struct TakeOver {
+  bool present = false;
+  bool same_application = false;  ///< as the one before: what is open stays
+  bool blocks = false;            ///< it takes uploads and downloads
+  cansync::TakenOver taken;
+};
+
+/// Its answer to a parameter job.
+struct JobAnswer {
+  std::uint64_t id = 0;
+  cansync::ParameterAnswer answer;
+};
+
+/// What it says to a block.
+struct BlockReply {
+  enum class Kind : std::uint8_t { allow, refuse, take, step };
+  Kind kind = Kind::allow;
+  std::uint64_t id = 0;
+  cansync::TransferError error = cansync::TransferError::none;
+  std::uint16_t length = 0;  ///< allow: of an upload telegram by telegram
+  std::uint16_t bytes = 0;   ///< of `data`
+  std::array<std::uint8_t, cansync::kBlockAreaBytes> data = {};
+};
+
+using ApplicationOrder = std::variant<TakeOver, JobAnswer, BlockReply>;
+
+/// What is counted of the jobs and blocks that an application is asked for.
+struct ServiceCounters {
+  std::uint64_t jobs = 0;
+  std::uint64_t jobs_answered = 0;  ///< the application's answer was on the bus
+  std::uint64_t jobs_dropped = 0;
+  std::uint64_t blocks = 0;
+  std::uint64_t blocks_done = 0;
+  std::uint64_t answers_unused = 0;  ///< of the application, to what was not open any more
+  std::uint64_t lost = 0;            ///< reports to it for which there was no room
+};
+
 /// What is counted of the slave's answers, beside what the slave counts itself.
 struct AnswerCounters {
   std::uint64_t failed = 0;       ///< not taken by the bus
@@ -130,6 +197,7 @@ struct SlaveSnapshot {
   std::array<std::uint64_t, cansync::kChannels> unused = {};    ///< of those: never asked for
   cansync::ResponseCounters responses;
   AnswerCounters answers;
+  ServiceCounters service;
   std::uint64_t actions = 0;
   std::uint64_t own_number_frames = 0;
   std::uint64_t lost_references = 0;  ///< reference value telegrams that had no room in `reports`
@@ -140,12 +208,17 @@ struct SlaveSnapshot {
 /// The shared structures. Constructed before both threads, destroyed after both.
 struct SlaveExchange {
   /// `report_queue`: entries of `reports`.
-  explicit SlaveExchange(std::size_t report_queue) : releases(kReleases), reports(report_queue) {}
+  explicit SlaveExchange(std::size_t report_queue)
+      : releases(kReleases), orders(kOrders), reports(report_queue), jobs(kJobs) {}
 
   static constexpr std::size_t kReleases = 64;
+  static constexpr std::size_t kOrders = 16;
+  static constexpr std::size_t kJobs = 64;  ///< one parameter job and one block are open at a time
 
   rt::SpscRing<ReleaseOrder> releases;    ///< gateway -> realtime
+  rt::SpscRing<ApplicationOrder> orders;  ///< gateway -> realtime
   rt::SpscRing<SlaveSideReport> reports;  ///< realtime -> gateway, lossy
+  rt::SpscRing<ServiceReport> jobs;       ///< realtime -> gateway, lossy: what is lost ends by its time
   rt::LatestValue<SlaveSnapshot> status;
   rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
   rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway

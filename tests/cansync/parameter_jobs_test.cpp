@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "service_rig.h"
 
 namespace cansync::test {
@@ -184,6 +186,82 @@ TEST_F(GreedyService, S22NumbersOutsideTheTableAndSubSlavesMayBeTheApplications)
   ASSERT_TRUE(service_.jobs().answer(told_.parameter.id, value(3)));
   EXPECT_EQ(send(command({0x71, 0x90, 0xFF, 0xFF})), response({0x01, 0x90, 3, 0, 0xFF, 0xFF}));
   EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0})) << "the slave's own";
+}
+
+/// Numbers of the table, and others, that an application takes over while it is there.
+class TakingService : public ServiceTest {
+ protected:
+  static SlaveServiceSettings settings() {
+    SlaveServiceSettings result = service_settings();
+    result.parameters.push_back({403, false, {}, 8, 0, 0, false, false, ParameterError::unspecified});
+    result.jobs.unknown = ParameterError::not_available_now;
+    result.jobs.answer_time = std::chrono::seconds(5);
+    return result;
+  }
+  TakingService() : ServiceTest(settings()) {
+    TakenOver taken;
+    taken.numbers.set(400).set(403).set(399);
+    service_.jobs().take_over(taken);
+  }
+};
+
+TEST_F(TakingService, S20NumbersThatAreTakenOverAreAskedForAndOthersAreNot) {
+  EXPECT_EQ(send(read(400)), busy(400));
+  EXPECT_EQ(send(read(403)), busy(403));
+  EXPECT_EQ(send(read(399)), busy(399));
+  EXPECT_EQ(send(write_word(400, 101)), error(400, 0xFFFD)) << "limits stay the table's";
+  EXPECT_EQ(told_.take(), "read 400, dropped 1, read 403, dropped 2, read 399, dropped 3");
+  EXPECT_EQ(send(read(401)), response({0x01, 0x91, 0x78, 0x56, 0x34, 0x12, 0, 0}));
+  EXPECT_EQ(send(read(398)), error(398, 0xFFFA));
+  EXPECT_EQ(send(write_word(398, 1)), error(398, 0xFFFA));
+  EXPECT_EQ(told_.take(), "");
+}
+
+TEST_F(TakingService, S20WithoutItsApplicationTheTableAnswersOrTheErrorThatIsConfigured) {
+  service_.set_application(false);
+  service_.set_application(true);
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0})) << "another one has to take it over anew";
+  EXPECT_EQ(send(write_word(400, 9)), response({0x01, 0x90, 0, 0}));
+  EXPECT_EQ(send(read(403)), error(403, 0xFFFF));
+  EXPECT_EQ(send(write_word(403, 1)), error(403, 0xFFFF));
+  EXPECT_EQ(send(read(399)), error(399, 0xFFFA));
+  EXPECT_EQ(told_.take(), "");
+}
+
+TEST_F(TakingService, S20WhatIsOpenWhenItsApplicationGoesEndsAsConfiguredAndAWriteWithAnError) {
+  send(read(400));
+  service_.set_application(false);
+  EXPECT_EQ(told_.take(), "read 400, dropped 1");
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0}));
+  service_.set_application(true);
+  TakenOver taken;
+  taken.numbers.set(400).set(403);
+  service_.jobs().take_over(taken);
+  send(write_word(400, 9));
+  service_.set_application(false);
+  EXPECT_EQ(send(write_word(400, 9)), error(400, 0xFFFA)) << "nobody knows whether it was taken";
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0}));
+  service_.set_application(true);
+  service_.jobs().take_over(taken);
+  send(read(403));
+  service_.set_application(false);
+  EXPECT_EQ(send(read(403)), error(403, 0xFFFF));
+}
+
+TEST_F(TakingService, S20AnApplicationThatIsSilentForTheAnswerTimeIsWaitedForNoLonger) {
+  service_.jobs().at(std::chrono::seconds(100));
+  EXPECT_EQ(send(read(400)), busy(400));
+  service_.jobs().at(std::chrono::seconds(105));
+  EXPECT_EQ(send(read(400)), busy(400));
+  EXPECT_EQ(told_.take(), "read 400");
+  service_.jobs().at(std::chrono::seconds(105) + std::chrono::nanoseconds(1));
+  EXPECT_EQ(told_.take(), "dropped 1") << "once";
+  service_.jobs().at(std::chrono::seconds(106));
+  EXPECT_FALSE(service_.jobs().answer(1, value(3)));
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0}));
+  EXPECT_EQ(told_.take(), "") << "not its answer";
+  EXPECT_EQ(send(read(400)), busy(400)) << "it is asked again for the next";
+  EXPECT_EQ(told_.take(), "read 400");
 }
 
 }  // namespace

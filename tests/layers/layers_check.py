@@ -33,6 +33,7 @@ lib/dds:                    idl lib/system
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim
 lib/cansync_slave:          lib/cansync
+lib/cansync_slave/config:   lib/config lib/cansync
 lib/cansync_slave/dds:      idl lib/cansync lib/cansync_slave lib/dds
 lib/cansync_slave/client:   idl lib/dds lib/cansync_slave/dds
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
@@ -68,7 +69,7 @@ daemon/cansync/segment:     lib/cansync lib/dds lib/cansync/sim daemon/service d
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
 daemon/cansync_slave:       lib/can lib/cansync lib/cansync_slave lib/rt daemon/loop
-daemon/cansync_slave/config: lib/config lib/cansync daemon/config daemon/options
+daemon/cansync_slave/config: lib/config lib/cansync lib/cansync_slave/config daemon/config daemon/options
 daemon/cansync_slave/realtime: lib/can lib/cansync lib/sync daemon/loop daemon/bus daemon/cansync_slave
                             daemon/cansync_slave/config
 daemon/cansync_slave/gateway: idl lib/cansync lib/sync lib/dds lib/cansync_slave/dds daemon/service daemon/desk daemon/status
@@ -124,7 +125,7 @@ CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[
 # The one list of protocols; rooms of the daemon within a room are theirs, and nothing outside includes them.
 PROTOCOL_LIST = "lib/protocols.def"
 # What a protocol's library has beside its core: rooms of their own.
-PROTOCOL_ROOMS = re.compile(r"lib/\w+/(dds|sim|client)\b")
+PROTOCOL_ROOMS = re.compile(r"lib/\w+/(config|dds|sim|client)\b")
 # How an identifier is put together stands in one file.
 IDENTIFIER_BITS = re.compile(r"\b0x780u?\b|\b\w*(id|identifier)\b[^;]*&\s*~?0x7Fu?\b|uint32_t[^;]*=\s*0x7Fu?;")
 # What is installed of the client library, and the one header that shows the generated types.

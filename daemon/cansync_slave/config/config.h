@@ -2,8 +2,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "cansync/slave/slave.h"
+#include "cansync/slave/slave_service.h"
 #include "cansync/slave/slave_supervision.h"
 #include "daemon/config/daemon_config.h"
 
@@ -18,12 +21,27 @@ enum class SlaveTarget : std::uint8_t {
   active,  ///< process data, too
 };
 
+/// What the simulated master asks of this slave, again and again: a parameter, or a block.
+struct SimulatedJob {
+  unsigned number = 0;                     ///< of its section
+  std::optional<std::uint16_t> parameter;  ///< 0..4095
+  std::optional<std::uint32_t> value;      ///< it is written; else it is read
+  std::uint32_t address = 0;               ///< of a block; 0x100 and over
+  std::uint16_t bytes = 0;                 ///< of a block: its length; 0: none
+  bool download = false;                   ///< of a block: to the slave, byte n is n modulo 256; else from it
+  std::uint32_t every = 1000;              ///< intervals
+};
+
 /// Everything. The bit rate stands in `bus` and in `slave`; both come from one option.
 struct SlaveRoleConfig : DaemonConfig {
   cansync::SlaveSideSettings slave;
   SlaveTarget target = SlaveTarget::active;
-  std::uint16_t status_parameter = 301;           ///< 0..4095
-  std::uint16_t status_bits = 0;                  ///< of the status word, beside bit 15
+  std::uint16_t status_parameter = 301;  ///< 0..4095
+  std::uint16_t status_bits = 0;         ///< of the status word, beside bit 15
+  /// Its table with the status word.
+  cansync::SlaveServiceSettings service{
+      .parameters = {}, .jobs = {.answer_time = std::chrono::seconds(5)}, .area = {}};
+  std::vector<SimulatedJob> simulated_jobs;
   cansync::SlaveSupervisionSettings supervision;  ///< its interval follows from the bit rate
 };
 

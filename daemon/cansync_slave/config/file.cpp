@@ -62,6 +62,41 @@ void finish_slave(SlaveRoleDraft& draft, Findings& findings) {
   }
 }
 
+/// The table with what the daemon itself answers.
+void finish_service(SlaveRoleDraft& draft, Findings& findings) {
+  cansync::SlaveServiceSettings& service = draft.config.service;
+  service.jobs.unknown = static_cast<cansync::ParameterError>(draft.unknown_parameter_error);
+  service.parameters = parameter_definitions(
+      draft.parameters,
+      [&findings](const std::string& key, const std::string& text) { findings.problem(key, text); });
+  if (draft.parameters.parameters.contains(draft.config.status_parameter)) {
+    findings.problem(
+        fmt::format("parameter.{}.number", draft.config.status_parameter),
+        fmt::format("found {}, which is slave.status_parameter and answered with the status word; "
+                    "allowed: other numbers",
+                    draft.config.status_parameter));
+  }
+  cansync::ParameterDefinition status;
+  status.number = draft.config.status_parameter;
+  status.access = cansync::ParameterDefinition::Access::read_only;
+  status.initial = draft.config.status_bits;
+  service.parameters.push_back(status);
+}
+
+void finish_jobs(SlaveRoleDraft& draft, Findings& findings) {
+  for (auto& [number, job] : draft.jobs) {
+    const std::string key = fmt::format("sim.job.{}.number", number);
+    if (job.parameter.has_value() == (job.bytes != 0)) {
+      findings.problem(key, "found neither or both of parameter and bytes; allowed: one of them");
+    } else if (draft.config.bus.kind != BusKind::simulated) {
+      findings.problem(key,
+                       "found a job of the simulated master; allowed: with bus.interface = \"sim\" alone");
+    }
+    if (job.address == 0) job.address = 0x100;
+    draft.config.simulated_jobs.push_back(job);
+  }
+}
+
 void check_input(const SlaveRoleConfig& config, Findings& findings) {
   if (config.bus.kind == BusKind::simulated && config.sync.input != SyncInput::none) {
     findings.problem(
@@ -80,6 +115,7 @@ SlaveRoleFile build_slave_config(config::Settings settings, const std::string& p
   SlaveRoleDraft draft;
   for (const config::Setting& setting : settings.items) {
     draft.number = setting.numbers.empty() ? 0 : static_cast<unsigned>(setting.numbers.front());
+    draft.parameters.number = draft.number;
     if (auto text = slave_option_rows().apply(*setting.option, setting.value, draft))
       file.problems.push_back({setting.where, setting.key, std::move(*text)});
   }
@@ -94,6 +130,8 @@ SlaveRoleFile build_slave_config(config::Settings settings, const std::string& p
                        "topics of a slave");
     }
     finish_slave(draft, findings);
+    finish_service(draft, findings);
+    finish_jobs(draft, findings);
     check_input(draft.config, findings);
     file.problems = std::move(findings.problems());
   }

@@ -25,6 +25,12 @@ SlaveRoleDraft::Monitored& monitored(SlaveRoleDraft& draft) {
   return draft.monitored[draft.number];
 }
 
+SimulatedJob& simulated_job(SlaveRoleDraft& draft) {
+  SimulatedJob& job = draft.jobs[draft.number];
+  job.number = draft.number;
+  return job;
+}
+
 constexpr std::string_view kRegisterWords = "a list of four numbers 0..127";
 constexpr std::string_view kSlaveMappingOne = "(doubleword values 0 and 1, low word first)";
 constexpr std::string_view kSlaveMappingTwo = "(doubleword values 4 and 5, low word first)";
@@ -122,6 +128,29 @@ constexpr auto kSlaveRoleRows = std::to_array<SlaveRow>({
         word("slave.on_sync_lost",
              "What the application is told to do when SYNC edges were missing for sync.holdover_ms.")),
     field(
+        [](auto& d) -> auto& { return d.unknown_parameter_error; },
+        whole_number("slave.unknown_parameter_error", 1, 0xFFFF, "",
+                     "Error number for parameters that stand in no [[parameter]] and that no application has "
+                     "taken over: 0xFFFA = not available now, 0xFFFB = there is none.")),
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return d.config.service.jobs.answer_time; },
+        whole_number("slave.answer_time_ms", 0, 600'000, "ms",
+                     "In which an application has to answer a parameter job; then the master is answered "
+                     "without it. 0 = without end.")),
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return d.config.service.area.monitoring; },
+        whole_number("slave.block_time_ms", 0, 600'000, "ms",
+                     "In which something of an upload or download has to move; then it ends with 0x0103. 0 = "
+                     "without end.")),
+    field(
+        [](auto& d) -> auto& { return d.config.service.area.area; },
+        boolean("slave.block_area",
+                "Blocks of up to 300 bytes reach the application as a whole; false: telegram by telegram, as "
+                "longer ones.")),
+    field(
+        [](auto& d) -> auto& { return d.config.slave.block_limit; },
+        whole_number("slave.block_limit", 1, 4095, "bytes", "Longest block that is taken.")),
+    field(
         [](auto& d) -> auto& { return d.config.slave.full_length; },
         boolean("slave.full_length",
                 "Actual value telegrams always have 8 bytes; false: as many as are mapped (open in the "
@@ -148,6 +177,26 @@ constexpr auto kSlaveRoleRows = std::to_array<SlaveRow>({
     {registers_two("monitored.registers_2", "How its RDC2 becomes values 4..7."),
      [](SlaveRoleDraft& d, const Value& v) { put_registers(v, monitored(d).mapping[1]); },
      takes_register_bytes},
+});
+
+constexpr auto kSimulatedJobRows = std::to_array<SlaveRow>({
+    {label("sim.job.number", 99, "Number of the job."),
+     [](SlaveRoleDraft& d, const Value&) { (void)simulated_job(d); }},
+    {whole_number("sim.job.parameter", "(none)", 0, 4095, "", "Parameter that is read, or written."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).parameter = whole<std::uint16_t>(v); }},
+    {whole_number("sim.job.value", "(none: it is read)", INT32_MIN, UINT32_MAX, "",
+                  "Raw value that is written."),
+     [](SlaveRoleDraft& d, const Value& v) {
+       simulated_job(d).value = static_cast<std::uint32_t>(whole<std::int64_t>(v));
+     }},
+    {whole_number("sim.job.bytes", "(none)", 1, 4092, "bytes", "Length of a block that is moved instead."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).bytes = whole<std::uint16_t>(v); }},
+    {whole_number("sim.job.address", "0x100", 0x100, UINT32_MAX, "", "Its start address."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).address = whole<std::uint32_t>(v); }},
+    {boolean("sim.job.download", "false", "It goes to the slave, byte n is n modulo 256; false: from it."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).download = flag(v); }},
+    {whole_number("sim.job.every", "1000", 1, 1'000'000, "intervals", "It is asked again after so many."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).every = whole<std::uint32_t>(v); }},
 });
 
 /// Options of the daemon that mean nothing to a slave: it has no slaves, makes no SYNC edge and misses none
@@ -186,9 +235,13 @@ constexpr auto kSlaveSections = std::to_array<config::Section>({
     {"dds", "", ""},
     {"access", "", ""},
     {"sim", "", ""},
+    {"sim.job", "job numbers",
+     "On the simulated bus: what the simulated master asks of the slave, again and again: a parameter or a "
+     "block."},
     {"sync", "", ""},
     {"slave", "", ""},
     {"monitored", "slave numbers", "Once for each other slave whose actual values are listened to."},
+    cansync_slave::kParameterSection,
 });
 
 constexpr std::string_view kMarkdownHeadOfSlaves = R"(
@@ -219,7 +272,9 @@ const config::Rows<SlaveRoleDraft>& slave_option_rows() {
                        {std::span<const DaemonRow>(for_slaves(rows::daemon_options())), &Draft::config},
                        {std::span<const DaemonRow>(for_slaves(rows::access_options())), &Draft::config},
                        {std::span<const DaemonRow>(for_slaves(rows::sync_options())), &Draft::config},
-                       std::span<const SlaveRow>(kSlaveRoleRows)});
+                       std::span<const SlaveRow>(kSlaveRoleRows),
+                       std::span<const SlaveRow>(kSimulatedJobRows),
+                       {cansync_slave::parameter_rows(), &Draft::parameters}});
   return all;
 }
 

@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
+#include "cansync_slave/config/parameter_rows.h"
 #include "config/rows.h"
 #include "daemon/cansync_slave/config/config.h"
 
@@ -33,6 +35,9 @@ struct SlaveRoleDraft {
   MappingBytesOfBoth actual;
   std::array<Monitored, cansync::kSlaves> monitored = {};
   unsigned number = 0;  ///< of the section an option belongs to
+  cansync_slave::ParameterSections parameters;
+  std::map<unsigned, SimulatedJob> jobs;
+  std::uint16_t unknown_parameter_error = 0xFFFA;
 };
 
 /// Every row: the daemon's, with the SYNC input and without metrics, and those of a slave.

@@ -19,15 +19,14 @@ constexpr can::Time kSlaveStatusPeriod = std::chrono::milliseconds(100);
 
 }  // namespace
 
-SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus,
-                           SlaveExchange& exchange) noexcept
+SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, SlaveExchange& exchange)
     : bus_(bus),
       exchange_(exchange),
       slots_(cansync::slot_times(settings.slave.bit_rate)),
       target_(settings.target),
       tap_(settings.tap),
-      desk_(settings.status_parameter, settings.status_bits),
-      slave_(settings.slave, desk_),
+      desk_(settings.service, settings.status_parameter, settings.status_bits, exchange),
+      slave_(settings.slave, desk_.application()),
       supervision_(settings.supervision),
       sync_(settings.lock, settings.edge_every_interval, settings.inputs),
       clock_(settings.wall_clock),
@@ -56,6 +55,8 @@ void SlaveMachine::advance(can::Time now) noexcept {
   // An answer has microseconds, all else has time.
   if (answers_.due(now)) return;
   take_releases();
+  desk_.at(moment(now));
+  desk_.take_orders(now);
   sync_.look(now);
   watch_sync();
   if (now < next_second_) return;
@@ -195,6 +196,7 @@ void SlaveMachine::take(const cansync::Telegram& telegram, const can::ReceivedFr
   const auto* actual = std::get_if<cansync::ActualTelegram>(&telegram);
   const std::uint32_t before = actual == nullptr ? 0 : slave_.monitored_count(actual->slave, actual->channel);
   const can::Time edge = edge_before(received.end);
+  desk_.at(moment(received.end));
   const auto answer = slave_.receive(telegram, received.end - edge);
   if (answer) answers_.add({*answer, edge, received.end});
   if (const auto* reference = std::get_if<cansync::ReferenceTelegram>(&telegram)) {
@@ -286,6 +288,7 @@ void SlaveMachine::fill_snapshot(can::Time now) noexcept {
   for (const auto channel : {cansync::Channel::one, cansync::Channel::two})
     snapshot_.unused[index(channel)] = dropped_releases_[index(channel)] + releases_.unused(channel);
   snapshot_.answers = answers_.counters();
+  snapshot_.service = desk_.counters();
   snapshot_.cansync_status =
       interface_status({.lost_frames = controller.overruns + controller.dropped != lost_frames_,
                         .heard_others = heard_others_,
@@ -303,6 +306,7 @@ void SlaveMachine::publish(can::Time now) noexcept {
     if (changed_) pending_ = true;
     changed_ = false;
   }
+  if (desk_.take_told()) pending_ = true;
   if (!pending_) return;
   pending_ = false;
   exchange_.gateway_wake.signal();

@@ -24,6 +24,7 @@ namespace cansyncd {
 /// What the realtime thread of a slave needs to know.
 struct SlaveMachineSettings {
   cansync::SlaveSideSettings slave;
+  cansync::SlaveServiceSettings service;  ///< its table has `status_parameter`
   SlaveTarget target = SlaveTarget::active;
   std::uint16_t status_parameter = 301;
   std::uint16_t status_bits = 0;
@@ -44,7 +45,7 @@ struct SlaveMachineSettings {
 class SlaveMachine {
  public:
   /// Bus and exchange must outlive the machine.
-  SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, SlaveExchange& exchange) noexcept;
+  SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, SlaveExchange& exchange);
 
   // --- for DeadlineLoop, which says what each is
   void begin(can::Time now) noexcept;

@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "can/frame_filter.h"
+#include "cansync/channel/transfer_job.h"
 #include "cansync/settings/settings.h"
 #include "cansync/settings/timing.h"
 #include "cansync/sim/drive_faults.h"
@@ -19,6 +24,35 @@ namespace {
 /// An answer without an echo for so long is taken as acknowledged by nobody.
 constexpr can::Time kAnswerEchoPatience = std::chrono::seconds(1);
 
+void add_routine(const SimulatedJob& job, const SlaveRoleConfig& config, sim::MasterNodeSettings& settings) {
+  sim::MasterRoutine out;
+  out.from = job.number;  // not all of them in one interval
+  out.every = job.every;
+  if (job.parameter) {
+    cansync::ParameterRequest request;
+    request.id = job.number;
+    request.slave = config.slave.number;
+    request.number = *cansync::ParameterNumber::from(*job.parameter);
+    request.write = job.value.has_value();
+    request.value = job.value.value_or(0);
+    out.request = request;
+  } else {
+    using Direction = cansync::TransferRequest::Direction;
+    cansync::TransferRequest request;
+    request.id = job.number;
+    request.direction = job.download ? Direction::download : Direction::upload;
+    request.slave = config.slave.number;
+    request.address = job.address;
+    request.block_size = job.bytes;
+    auto block = std::make_shared<std::vector<std::uint8_t>>(job.bytes);
+    std::iota(block->begin(), block->end(), std::uint8_t{0});
+    request.data = *block;
+    settings.blocks.push_back(std::move(block));
+    out.request = request;
+  }
+  settings.routines.push_back(out);
+}
+
 /// A master whose line is this slave alone: it activates it, asks for its actual values in every interval,
 /// and gives reference values that move.
 std::unique_ptr<sim::MasterNode> simulated_master(const SlaveRoleConfig& config) {
@@ -28,6 +62,7 @@ std::unique_ptr<sim::MasterNode> simulated_master(const SlaveRoleConfig& config)
   cansync::SlaveSettings& slave = settings.master.slaves[config.slave.number.value()];
   slave.configured = true;
   slave.status_parameter = config.status_parameter;
+  slave.block_limit = std::min<std::uint16_t>(config.slave.block_limit, cansync::kLongestBlock);
   slave.actual_mapping = config.slave.actual_mapping;
   settings.master.process.reference_mapping = config.slave.reference_mapping;
   settings.master.process.maximum_slave = config.slave.number;
@@ -38,6 +73,7 @@ std::unique_ptr<sim::MasterNode> simulated_master(const SlaveRoleConfig& config)
   settings.references[0] = {.kind = sim::ReferenceCurve::Kind::ramp, .step = 1};
   settings.references[1] = {.kind = sim::ReferenceCurve::Kind::constant, .offset = 1000};
   settings.references[4] = {.kind = sim::ReferenceCurve::Kind::constant, .offset = 4000};
+  for (const SimulatedJob& job : config.simulated_jobs) add_routine(job, config, settings);
   return std::make_unique<sim::MasterNode>(settings);
 }
 
@@ -79,6 +115,7 @@ SlaveMachineSettings slave_machine_settings(const SlaveRoleConfig& config, Fligh
   settings.tap = tap;
   settings.slave = config.slave;
   settings.target = config.target;
+  settings.service = config.service;
   settings.status_parameter = config.status_parameter;
   settings.status_bits = config.status_bits;
   settings.supervision = config.supervision;

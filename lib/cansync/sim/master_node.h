@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -52,6 +53,8 @@ struct MasterNodeSettings {
   bool enable = true;
   std::array<ReferenceCurve, cansync::kValues> references = {};
   std::vector<MasterRoutine> routines;
+  /// What the transfers of the routines move: their `data` points into these.
+  std::vector<std::shared_ptr<std::vector<std::uint8_t>>> blocks;
 };
 
 /// A whole `cansync::Master` as a participant of a simulated line, for slaves under test: it makes the SYNC

@@ -20,16 +20,24 @@ ParameterAnswer access_busy() noexcept {
 }  // namespace
 
 bool ParameterJobs::belongs_to_application(ParameterNumber number, SubSlave sub) const noexcept {
-  if (sub.value != 0) return settings_.sub_slaves;
+  if (sub.value != 0) return settings_.sub_slaves || taken_.sub_slaves;
+  if (taken_.numbers[number.value()]) return true;
   const ParameterDefinition* definition = table_.definition(number.value());
   return definition == nullptr ? settings_.unknown_numbers : definition->by_application;
 }
 
 ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, SubSlave sub) noexcept {
+  if (open_) return answer_to_open();
   forget_sending();
   const bool own = belongs_to_application(number, sub);
   if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
-  const bool in_table = sub.value == 0 && table_.definition(number.value()) != nullptr;
+  const ParameterDefinition* definition = sub.value == 0 ? table_.definition(number.value()) : nullptr;
+  const bool in_table = definition != nullptr;
+  if (!own) {
+    if (!in_table) return access_refused(settings_.unknown);
+    if (definition->without_application != ParameterError::none)
+      return access_refused(definition->without_application);
+  }
   // Limits and first value stand in the table, whoever answers for the value.
   if (!own || (in_table && element != kValueElement)) return table_.read(number, element);
   if (in_table) {
@@ -45,11 +53,18 @@ ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, Sub
 
 ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
                                      std::uint32_t value) noexcept {
+  if (open_) return answer_to_open();
   forget_sending();
   const bool own = belongs_to_application(number, sub);
   if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
-  if (!own) return table_.write(number, doubleword, value);
-  if (sub.value == 0 && table_.definition(number.value()) != nullptr) {
+  const ParameterDefinition* definition = sub.value == 0 ? table_.definition(number.value()) : nullptr;
+  if (!own) {
+    if (definition == nullptr) return access_refused(settings_.unknown);
+    if (definition->without_application != ParameterError::none)
+      return access_refused(definition->without_application);
+    return table_.write(number, doubleword, value);
+  }
+  if (definition != nullptr) {
     const ParameterAnswer allowed = table_.check(number, doubleword, value);
     if (allowed.error != ParameterError::none) return allowed;
   }
@@ -64,15 +79,18 @@ ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, Su
 }
 
 ParameterAnswer ParameterJobs::ask(const AskedParameter& job) noexcept {
-  // The slave has told of another question by `dropped`, so this is the one that is open, again.
-  if (!open_) {
-    if (!application_) return access_refused(ParameterError::not_available_now);
-    open_ = job;
-    open_->id = ++ids_;
-    answer_.reset();
-    listener_.asked(*open_);
-    return access_busy();
-  }
+  if (!application_) return access_refused(ParameterError::not_available_now);
+  open_ = job;
+  open_->id = ++ids_;
+  answer_.reset();
+  asked_at_ = now_;
+  listener_.asked(*open_);
+  return access_busy();
+}
+
+/// The slave has told of another question by `dropped`, so this is the one that is open, again, whoever is
+/// to answer its number now.
+ParameterAnswer ParameterJobs::answer_to_open() noexcept {
   if (!answer_) return access_busy();
   // What has an id of 0 was the application's that is gone.
   sending_ = open_->id;
@@ -96,9 +114,32 @@ void ParameterJobs::sent() noexcept {
 
 void ParameterJobs::set_application(bool present) noexcept {
   application_ = present;
-  if (present || !open_ || answer_) return;
+  if (present) return;
+  taken_ = {};
+  if (open_ && !answer_) end_open();
+}
+
+void ParameterJobs::at(Duration now) noexcept {
+  now_ = now;
+  const bool waits = open_ && open_->id != 0 && !answer_;
+  if (waits && settings_.answer_time.count() != 0 && now - asked_at_ > settings_.answer_time) end_open();
+}
+
+/// The application does not answer it any more: the master's next question is answered without.
+void ParameterJobs::end_open() noexcept {
   listener_.dropped(std::exchange(open_->id, 0));
-  answer_ = access_refused(ParameterError::not_available_now);
+  answer_ = without_application(*open_);
+}
+
+ParameterAnswer ParameterJobs::without_application(const AskedParameter& job) const noexcept {
+  const ParameterDefinition* definition =
+      job.sub_slave.value == 0 ? table_.definition(job.number.value()) : nullptr;
+  if (definition == nullptr || definition->by_application)
+    return access_refused(ParameterError::not_available_now);
+  if (definition->without_application != ParameterError::none)
+    return access_refused(definition->without_application);
+  // Nobody knows whether a write was taken.
+  return job.write ? access_refused(ParameterError::not_available_now) : table_.read(job.number, job.element);
 }
 
 bool ParameterJobs::answer(std::uint64_t id, const ParameterAnswer& answer) noexcept {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <optional>
 
 #include "cansync/slave/parameter_table.h"
 #include "cansync/slave/slave.h"
+#include "cansync/telegram/errors.h"
 #include "cansync/telegram/numbers.h"
 
 namespace cansync {
@@ -28,23 +30,35 @@ class ParameterJobsListener {
   /// An access waits for `answer`. The master is told that it takes longer.
   virtual void asked(const AskedParameter& job) noexcept = 0;
   /// The access is not wanted any more: the master asked for something else, the application that owned it is
-  /// gone, or the slave left synchronous operation. Also when its answer was given and never on the bus.
+  /// gone or took too long, or the slave left synchronous operation. Also when its answer was given and never
+  /// on the bus.
   virtual void dropped(std::uint64_t id) noexcept = 0;
   /// The answer of the application was on the bus.
   virtual void answered(std::uint64_t id) noexcept = 0;
 };
 
-/// What numbers that are not in the table, and sub-slaves, are to an application.
+/// What numbers that are not in the table, and sub-slaves, are to an application; and how long it has.
 struct ParameterJobsSettings {
-  bool unknown_numbers = false;  ///< an application is asked for them; else 0xFFFB
-  bool sub_slaves = false;       ///< likewise for sub-slave addresses over 0
+  bool unknown_numbers = false;  ///< an application is asked for them; else `unknown`
+  bool sub_slaves = false;       ///< likewise for sub-slave addresses over 0; else 0xFFFB
+  ParameterError unknown = ParameterError::not_present;  ///< answer for them that is nobody's
+  Duration answer_time{};  ///< in which an application has to answer; 0: it is waited for without end
+};
+
+/// What an application has taken over, beside what the settings give it anyway.
+struct TakenOver {
+  std::bitset<ParameterNumber::max + 1> numbers;  ///< in the table or not
+  bool sub_slaves = false;                        ///< every parameter of sub-slave addresses over 0
 };
 
 /// Answers the master's parameter accesses: from the table at once, or from an application, busy until it has
-/// answered. One access is open at a time. Without an application what is its own is answered 0xFFFA at once,
-/// and when it goes, with the master's next question. A write that the table refuses (access, format, limits)
-/// does not reach the application. Each access that the application is asked for ends once: dropped, or
-/// answered; an answer after that is refused. Nothing allocates, blocks or throws; not thread safe.
+/// answered. One access is open at a time. Without an application what it had taken over is the table's
+/// again, or answered with the error that the definition says; what is its own by the settings with 0xFFFA.
+/// When it goes or its time is over, what is open ends with the master's next question in that way, and a
+/// write with an error, because nobody knows whether it was taken. A write that the table refuses (access,
+/// format, limits) does not reach the application. Each access that the application is asked for ends once:
+/// dropped, or answered; an answer after that is refused. Nothing allocates, blocks or throws; not thread
+/// safe.
 class ParameterJobs {
  public:
   /// `table` and `listener` must outlive this.
@@ -64,10 +78,15 @@ class ParameterJobs {
   /// The answer was on the bus (`SlaveApplication::parameter_answered`).
   void sent() noexcept;
 
+  /// Tells the time, on any one clock, in every interval; ends an access whose application took too long.
+  void at(Duration now) noexcept;
+
   // --- of the application
 
-  /// There is one (its lease runs), or there is none (any more).
+  /// There is one (its lease runs), or there is none (any more): it has taken over nothing then.
   void set_application(bool present) noexcept;
+  /// What the application that is there has taken over; what is open stays its.
+  void take_over(const TakenOver& taken) noexcept { taken_ = taken; }
   /// The application's answer, which goes out with the master's next question; `busy` in it counts as not
   /// given. False: that access is not open, or was answered.
   bool answer(std::uint64_t id, const ParameterAnswer& answer) noexcept;
@@ -77,12 +96,18 @@ class ParameterJobs {
  private:
   bool belongs_to_application(ParameterNumber number, SubSlave sub) const noexcept;
   ParameterAnswer ask(const AskedParameter& job) noexcept;
+  ParameterAnswer answer_to_open() noexcept;
+  ParameterAnswer without_application(const AskedParameter& job) const noexcept;
+  void end_open() noexcept;
   void forget_sending() noexcept;
 
   ParameterJobsSettings settings_;
   ParameterTable& table_;
   ParameterJobsListener& listener_;
   bool application_ = false;
+  TakenOver taken_;
+  Duration now_{};
+  Duration asked_at_{};
   std::optional<AskedParameter> open_;
   std::optional<ParameterAnswer> answer_;  ///< of the open access
   std::uint64_t sending_ = 0;              ///< the access whose answer is on its way

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cansync/slave/slave.h"
+#include "cansync/telegram/errors.h"
 #include "cansync/telegram/numbers.h"
 
 namespace cansync {
@@ -25,6 +26,8 @@ struct ParameterDefinition {
   std::int64_t maximum = 0;     ///< inclusive
   bool limited = false;         ///< `minimum` and `maximum` hold, and can be read as elements 0 and 1
   bool by_application = false;  ///< an application answers for the value (`ParameterJobs`)
+  /// What every access is answered with while no application has taken the number over; none: the table.
+  ParameterError without_application = ParameterError::none;
 };
 
 /// The parameters of a slave: values, formats, limits, access rights (M 3.2.3.7). All memory is taken in the

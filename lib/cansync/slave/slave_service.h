@@ -48,6 +48,7 @@ class SlaveService final : public SlaveApplication {
 
   /// What the slave answers by itself.
   ParameterTable& table() noexcept { return table_; }
+  const ParameterTable& table() const noexcept { return table_; }
   /// The access that waits for the application.
   ParameterJobs& jobs() noexcept { return jobs_; }
   /// The block that waits for the application.

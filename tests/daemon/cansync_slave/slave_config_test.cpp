@@ -86,5 +86,58 @@ TEST_F(SlaveConfiguration, OptionsOfTheMasterAreRefused) {
     EXPECT_NE(problems(std::string("[slave]\nnumber = 5\n") + text), "") << text;
 }
 
+TEST_F(SlaveConfiguration, EachParameterIsADefinitionAndTheStatusWordIsTheDaemons) {
+  const SlaveRoleConfig config = good(
+      "[slave]\nnumber = 5\nstatus_bits = 7\nunknown_parameter_error = 0xFFFB\n"
+      "[[parameter]]\nnumber = 400\nvalue = -5\nminimum = -10\nmaximum = 10\n"
+      "[[parameter]]\nnumber = 401\nformat = \"doubleword\"\nvalue = 0xCAFEF00D\naccess = \"read_only\"\n"
+      "error_without_application = 0xFFFA\n"
+      "[[parameter]]\nnumber = 402\nmaximum = 100\n");
+  EXPECT_EQ(config.service.jobs.unknown, cansync::ParameterError::not_present);
+  EXPECT_EQ(config.service.jobs.answer_time, std::chrono::seconds(5));
+  ASSERT_EQ(config.service.parameters.size(), 4u);
+  const cansync::ParameterDefinition& word = config.service.parameters[0];
+  EXPECT_EQ(word.number, 400);
+  EXPECT_EQ(word.initial, 0xFFFFFFFBu);
+  EXPECT_TRUE(word.limited);
+  EXPECT_EQ(word.minimum, -10);
+  EXPECT_EQ(word.maximum, 10);
+  const cansync::ParameterDefinition& doubleword = config.service.parameters[1];
+  EXPECT_TRUE(doubleword.doubleword);
+  EXPECT_FALSE(doubleword.limited);
+  EXPECT_EQ(doubleword.initial, 0xCAFEF00Du);
+  EXPECT_EQ(doubleword.access, cansync::ParameterDefinition::Access::read_only);
+  EXPECT_EQ(doubleword.without_application, cansync::ParameterError::not_available_now);
+  EXPECT_EQ(config.service.parameters[2].minimum, 0);
+  EXPECT_EQ(config.service.parameters[3].number, 301);
+  EXPECT_EQ(config.service.parameters[3].access, cansync::ParameterDefinition::Access::read_only);
+}
+
+TEST_F(SlaveConfiguration, ValuesAndLimitsFitTheFormatAndEachOther) {
+  const auto wrong = [this](const std::string& text) {
+    return problems("[slave]\nnumber = 5\n[[parameter]]\nnumber = 400\n" + text);
+  };
+  EXPECT_NE(wrong("value = 65536\n").find("value: found 65536; allowed: 0..65535"), std::string::npos);
+  EXPECT_NE(wrong("value = -32769\n").find("value: found -32769; allowed: -32768..32767"), std::string::npos);
+  EXPECT_NE(wrong("minimum = 5\nmaximum = 4\n").find("maximum: found 4; allowed: 5..65535"),
+            std::string::npos);
+  EXPECT_NE(wrong("value = 3\nminimum = 5\n").find("value: found 3; allowed: 5..65535"), std::string::npos);
+  EXPECT_NE(problems("[slave]\nnumber = 5\n[[parameter]]\nnumber = 301\n").find("slave.status_parameter"),
+            std::string::npos);
+  EXPECT_NE(problems("[slave]\nnumber = 5\n[[parameter]]\nnumber = 4096\n").find("allowed: 0..4095"),
+            std::string::npos);
+}
+
+TEST_F(SlaveConfiguration, AJobOfTheSimulatedMasterIsAParameterOrABlock) {
+  const SlaveRoleConfig config = good(
+      "[slave]\nnumber = 5\n[[sim.job]]\nnumber = 1\nparameter = 400\nvalue = 3\nevery = 10\n"
+      "[[sim.job]]\nnumber = 2\nbytes = 300\ndownload = true\n");
+  ASSERT_EQ(config.simulated_jobs.size(), 2u);
+  EXPECT_EQ(config.simulated_jobs[0].value, 3u);
+  EXPECT_EQ(config.simulated_jobs[1].address, 0x100u);
+  EXPECT_NE(problems("[slave]\nnumber = 5\n[[sim.job]]\nnumber = 1\n").find("allowed: one of them"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace cansyncd

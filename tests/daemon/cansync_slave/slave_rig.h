@@ -117,6 +117,9 @@ struct SlaveRig {
     SlaveMachineSettings machine_settings;
     machine_settings.slave.number = *cansync::SlaveNumber::from(kNumber);
     machine_settings.slave.bit_rate = rate;
+    cansync::ParameterDefinition status;
+    status.number = machine_settings.status_parameter;
+    machine_settings.service.parameters = {status};
     machine_settings.wall_clock = nullptr;
     machine_settings.supervision.interval = times.interval;
     machine_settings.supervision.lock_time = 10 * times.interval;
