@@ -31,7 +31,7 @@ lib/sync:                   lib/system lib/can lib/rt
 lib/sim:                    lib/system lib/config lib/can lib/sync
 lib/dds:                    idl lib/system
 lib/cansync/dds:            idl lib/cansync lib/dds
-lib/cansync/sim:            lib/can lib/cansync lib/sim
+lib/cansync/sim:            lib/can lib/cansync lib/sim lib/sync
 lib/cansync_slave:          lib/cansync
 lib/cansync_slave/config:   lib/config lib/cansync
 lib/cansync_slave/dds:      idl lib/cansync lib/cansync_slave lib/dds

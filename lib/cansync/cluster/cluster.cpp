@@ -1,0 +1,135 @@
+#include "cansync/cluster/cluster.h"
+
+#include <variant>
+
+namespace cansync {
+
+std::string_view name(ClusterState state) noexcept {
+  switch (state) {
+    case ClusterState::stopped:
+      return "stopped";
+    case ClusterState::waiting_for_sync:
+      return "waiting_for_sync";
+    case ClusterState::setting_up:
+      return "setting_up";
+    case ClusterState::active:
+      break;
+  }
+  return "active";
+}
+
+Cluster::Cluster(const ClusterSettings& settings, SlaveApplication& own, MasterListener& below)
+    : settings_(settings),
+      gateway_(settings.gateway, slot_times(settings.lower.bit_rate).interval, own, below),
+      upper_(settings.upper, gateway_),
+      lower_(settings.lower, gateway_),
+      lead_(settings.lead, settings.lower.bit_rate, settings.lower.send_margin, settings.lead_reserve) {
+  gateway_.attach(lower_);
+}
+
+// --- states (O 7.1.2)
+
+void Cluster::start() noexcept {
+  if (started_) return;
+  started_ = true;
+  static_cast<void>(upper_.control(ControlCommand::handshake));
+  static_cast<void>(upper_.control(ControlCommand::take_over_initialisation));
+  initialise_lower();
+  static_cast<void>(upper_.control(ControlCommand::start_synchronous));
+  if (settings_.enable_upper) static_cast<void>(upper_.control(ControlCommand::enable_active));
+}
+
+void Cluster::initialise_lower() noexcept {
+  static_cast<void>(lower_.control(ControlCommand::handshake));
+  static_cast<void>(lower_.control(ControlCommand::take_over_initialisation));
+}
+
+void Cluster::stop() noexcept {
+  started_ = false;
+  static_cast<void>(lower_.control(ControlCommand::cold_restart));
+  static_cast<void>(upper_.control(ControlCommand::cold_restart));
+  gateway_.forget();
+  lead_.forget();
+}
+
+void Cluster::pursue() noexcept {
+  if (!started_) return;
+  const bool above = is_synchronous(upper_.state());
+  if (sync_output() && (!above || sync_ == UpperSync::lost)) {
+    ++sync_losses_;
+    // Its jobs end, and are answered above.
+    static_cast<void>(lower_.control(ControlCommand::cold_restart));
+    initialise_lower();
+    lead_.forget();
+  }
+  if (!sync_output() && above && sync_ == UpperSync::locked)
+    static_cast<void>(lower_.control(ControlCommand::start_synchronous));
+}
+
+ClusterState Cluster::state() const noexcept {
+  if (!started_) return ClusterState::stopped;
+  if (!sync_output()) return ClusterState::waiting_for_sync;
+  return is_active(lower_.state()) ? ClusterState::active : ClusterState::setting_up;
+}
+
+// --- the interval
+
+void Cluster::begin_interval(IntervalNumber now) noexcept {
+  const IntervalNumber passed = first_ || now <= now_ ? 1 : now - now_;
+  first_ = false;
+  now_ = now;
+  lead_.begin_interval(now);
+  upper_.on_sync(passed);
+  gateway_.begin_interval(now);
+  pursue();
+  if (!sync_output()) return;
+  lower_.begin_interval(now);
+  if (settings_.enable_lower && lower_.state() == State::setting_up_master)
+    static_cast<void>(lower_.control(ControlCommand::enable_active));
+}
+
+// --- the upper bus
+
+std::optional<SlaveAnswer> Cluster::receive_above(const can::Frame& frame, Duration since_sync) noexcept {
+  const Decoded decoded = decode(frame);
+  const auto* telegram = std::get_if<Telegram>(&decoded);
+  if (telegram == nullptr) return std::nullopt;
+  return receive_above(*telegram, since_sync);
+}
+
+std::optional<SlaveAnswer> Cluster::receive_above(const Telegram& telegram, Duration since_sync) noexcept {
+  const auto* actual = std::get_if<ActualTelegram>(&telegram);
+  const std::uint32_t before = actual != nullptr ? upper_.monitored_count(actual->slave, actual->channel) : 0;
+  const auto answer = upper_.receive(telegram, since_sync);
+  // While the timeline moves, an interval of it is none of the upper bus.
+  if (!tracking() || !is_active(upper_.state())) return answer;
+  const SlaveSideSettings& settings = upper_.settings();
+  if (const auto* reference = std::get_if<ReferenceTelegram>(&telegram)) {
+    lead_.took_references(reference->channel, reference->words, settings.reference_mapping,
+                          upper_.references());
+  } else if (actual != nullptr && upper_.monitored_count(actual->slave, actual->channel) != before) {
+    lead_.took_monitored(actual->slave, actual->channel, actual->words,
+                         *settings.monitored[actual->slave.value()], upper_.monitored(actual->slave));
+  }
+  return answer;
+}
+
+void Cluster::release_actual(Channel channel, const Values& values) noexcept {
+  upper_.release_actual(channel, values);
+  lead_.released(channel, values);
+}
+
+// --- the lower bus
+
+std::optional<can::Frame> Cluster::take(Slot slot) noexcept {
+  if (slot != Slot::command && is_active(lower_.state())) {
+    const Channel channel = slot == Slot::reference_one ? Channel::one : Channel::two;
+    if (auto update = lead_.take(channel)) {
+      update->mapping_number = lower_.mapping_number();
+      if (lower_.submit(*update) != Refusal::none) lead_.refused(channel);
+    }
+  }
+  return lower_.take(slot);
+}
+
+}  // namespace cansync
