@@ -111,6 +111,7 @@ Unpacking::Unpacking(const TelegramMapping& mapping) noexcept {
     const unsigned number = entry.value % kValues;
     const bool with_other = ((entry.high ? carried.low : carried.high) >> number & 1u) != 0;
     const std::uint32_t other = entry.high ? 0xFFFFu : 0xFFFF0000u;
+    used_words_ = static_cast<std::uint8_t>(i + 1);
     places_[count_++] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(number),
                          static_cast<std::uint8_t>(entry.high ? 16 : 0), with_other ? other : 0u};
   }
@@ -118,6 +119,14 @@ Unpacking::Unpacking(const TelegramMapping& mapping) noexcept {
 
 void Unpacking::operator()(std::span<const std::uint16_t> words, Values& values) const noexcept {
   if (words.empty()) return;
+  if (words.size() >= used_words_) {  // the usual telegram; every drive of a simulated line takes each
+    for (unsigned i = 0; i < count_; ++i) {
+      const Place& place = places_[i];
+      std::uint32_t& value = values[place.value];
+      value = (value & place.keep) | static_cast<std::uint32_t>(words[place.word]) << place.shift;
+    }
+    return;
+  }
   for (unsigned i = 0; i < count_; ++i) {
     const Place& place = places_[i];
     std::uint32_t& value = values[place.value];

@@ -110,6 +110,7 @@ class Unpacking {
   };
   std::array<Place, kWords> places_ = {};
   std::uint8_t count_ = 0;
+  std::uint8_t used_words_ = 0;  ///< words of a telegram that has all of them
 };
 
 /// The mapping a line starts with: doubleword values 0 and 1 (4 and 5) of the telegram, low word first.
