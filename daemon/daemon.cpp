@@ -63,6 +63,7 @@ void reload(const Bus& bus, std::span<const std::string> overrides) {
     tell_changes(plan, bus.log);
     plan.apply();
   }
+  bus.segment->tell_reload(plan);
 }
 
 /// Of each bus, in their order.

@@ -19,6 +19,9 @@ struct ReloadPlan {
   std::function<void()> apply;  ///< puts it all into force; empty with problems. Called at most once
 };
 
+/// What of a plan was not taken, in words: its first problem, else the options that need a restart.
+std::string not_taken(const ReloadPlan& plan);
+
 /// One protocol on one bus, with all of its threads: bus, realtime thread, DDS side, flight recorder. What a
 /// segment needs is taken when it is made, and nothing runs before `start`.
 ///
@@ -45,6 +48,10 @@ class Segment {
   /// Reads its file again, with `overrides` ("KEY=VALUE") that win over it. Nothing changes before `apply` of
   /// the plan, which must be called or dropped before anything else here is.
   virtual ReloadPlan plan_reload(std::span<const std::string> overrides) = 0;
+
+  /// Tells clients what of `plan` was not taken: a refused file, options that need a restart. Nothing by
+  /// itself.
+  virtual void tell_reload(const ReloadPlan& /*plan*/) {}
 
  protected:
   Segment() = default;

@@ -1,37 +1,55 @@
 #!/usr/bin/env python3
 """Compares the table of rules and tests in a document with the tests there are.
 
-  rows_check.py DOCUMENT TESTS   exit 1 and one line per difference: a test (`Suite.Name`, or the path of a script)
+  rows_check.py DOCUMENT TESTS [LAST]
+                                 exit 1 and one line per difference: a test (`Suite.Name`, or the path of a script)
                                  named in the table that is not there under TESTS; a test that carries a rule in its name (S16..., K8...) and is not in the
-                                 table beside that rule, when the table has rules of that letter
+                                 table beside that rule, when the table has rules of that letter; with LAST, a row H1..LAST that is
+                                 missing. A row may have `declined:` or `open:` and a reason in place of a test
   rows_check.py --self-test      plants each difference in made-up texts and expects it to be found
 """
 import pathlib
 import re
 import sys
 
-ROW = re.compile(r"^\| ((?:[DFKS]\d+)(?:, (?:[DFKS]\d+))*) \|(.*)$", re.M)
+ROW = re.compile(r"^\| ((?:[DFHKS]\d+)(?:, (?:[DFHKS]\d+))*) \|(.*)$", re.M)
 NAMED = re.compile(r"`(\w+)\.(\w+)`")
 SCRIPT = re.compile(r"`(tests/[\w./]+)`")
 TEST = re.compile(r"\bTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\s*\)")
+PYTHON_CLASS = re.compile(r"^class (\w+)\b")
+PYTHON_TEST = re.compile(r"^    def (test_\w+)\b")
+REASON = re.compile(r"\b(declined|open): \S.{15,}")
 RULE = re.compile(r"^([SK]\d+)[A-Z]\w*$")
 
 
-def differences(document, sources, exists=lambda path: False):
-    there = {pair for source in sources for pair in TEST.findall(source)}
+def tests_of(source):
+    """Pairs of suite and name, of googletest and of unittest."""
+    found = set(TEST.findall(source))
+    suite = None
+    for line in source.splitlines():
+        if match := PYTHON_CLASS.match(line):
+            suite = match[1]
+        elif (match := PYTHON_TEST.match(line)) and suite:
+            found.add((suite, match[1]))
+    return found
+
+
+def differences(document, sources, exists=lambda path: False, last=0):
+    there = {pair for source in sources for pair in tests_of(source)}
     beside = {}
     found = []
     for rules, rest in ROW.findall(document):
         tests = NAMED.findall(rest)
         scripts = SCRIPT.findall(rest)
         found += [f"{rules}: there is no {script}" for script in scripts if not exists(script)]
-        if not tests and not scripts:
+        if not tests and not scripts and not REASON.search(rest):
             found.append(f"{rules}: no test is named")
         for pair in tests:
             if pair not in there:
                 found.append(f"{rules}: there is no test {'.'.join(pair)}")
         for rule in rules.split(", "):
             beside.setdefault(rule, set()).update(tests)
+    found += [f"H{row} has no row" for row in range(1, last + 1) if f"H{row}" not in beside]
     kinds = {rule[0] for rule in beside}
     for suite, name in sorted(there):
         rule = RULE.match(name)
@@ -49,16 +67,25 @@ def self_test():
     assert len(differences(good + "| S5 | text | `tests/a.py` |\n", [source])) == 1
     assert differences(good + "| S5 | text | `tests/a.py` |\n", [source], lambda path: True) == []
     assert len(differences(good + "| S4 | text | |\n", [source])) == 1
+    python = "class A(B):\n    def test_one(self):\n"
+    row = "| H1 | text | `A.test_one` |\n"
+    assert differences(row, [python], last=1) == []
+    assert len(differences(row, [python], last=2)) == 1
+    assert len(differences(row, ["class C:\n    def test_one(self):\n"], last=1)) == 1
+    assert differences("| H1 | text | declined: nobody can want it |\n", [], last=1) == []
+    assert len(differences("| H1 | text | declined: no |\n", [], last=1)) == 1
     print("each difference is found")
 
 
 def main(arguments):
     if arguments == ["--self-test"]:
         return self_test()
-    document, tests = map(pathlib.Path, arguments)
-    sources = [path.read_text() for path in sorted(tests.rglob("*_test.cpp"))]
+    document, tests = map(pathlib.Path, arguments[:2])
+    last = int(arguments[2]) if len(arguments) > 2 else 0
+    kinds = ("*_test.cpp", "*_test.py") if last else ("*_test.cpp",)
+    sources = [path.read_text() for kind in kinds for path in sorted(tests.rglob(kind))]
     text = document.read_text()
-    found = differences(text, sources, lambda script: (tests.parent / script).is_file())
+    found = differences(text, sources, lambda script: (tests.parent / script).is_file(), last)
     print("\n".join(found) or f"{len(ROW.findall(text))} rows agree with their tests")
     return 1 if found else 0
 

@@ -84,4 +84,12 @@ ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {
   return {false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
 }
 
+void MasterSegment::tell_reload(const ReloadPlan& plan) {
+  if (!plan.problems.empty()) {
+    gateway_.post({gateway_SEVERITY_ERROR, "reload_refused", -1, not_taken(plan), {}});
+  } else if (!plan.needs_restart.empty()) {
+    gateway_.post({gateway_SEVERITY_WARNING, "setting_needs_restart", -1, not_taken(plan), {}});
+  }
+}
+
 }  // namespace cansyncd

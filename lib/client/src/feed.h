@@ -67,6 +67,9 @@ class Feed {
   void set_first_look(std::function<void(const T&, dds_instance_handle_t writer)> look) {
     first_look_ = std::move(look);
   }
+  /// Asked every `kAsk` while something is waited for, on the waiting thread; empty: nobody is. Before
+  /// `open`.
+  void set_go_on(std::function<bool()> go_on) { go_on_ = std::move(go_on); }
   /// The reader; after `open`.
   dds_entity_t reader() const noexcept { return reader_->handle(); }
 
@@ -88,18 +91,19 @@ class Feed {
     return known_;
   }
 
-  /// Waits until `condition(known)` holds, asked after each change; false when it does not within `time`.
+  /// Waits until `condition(known)` holds, asked after each change; false when it does not within `time`, or
+  /// `go_on` says no.
   template <class Condition>
   bool wait(std::chrono::milliseconds time, Condition&& condition) const {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, time, [&] { return condition(known_); });
+    return wait_changed(time, [&] { return condition(known_); });
   }
 
   /// Waits until nothing has come for `quiet`.
   void wait_quiet(std::chrono::milliseconds quiet) const {
-    std::unique_lock lock(mutex_);
-    std::uint64_t seen = changes_;
-    while (changed_.wait_for(lock, quiet, [&] { return changes_ != seen; })) seen = changes_;
+    std::uint64_t seen = 0;
+    const auto came = [&] { return std::exchange(seen, changes_) != changes_; };
+    (void)wait_changed(std::chrono::milliseconds(0), came);
+    while (wait_changed(quiet, came)) continue;
   }
 
   /// Receiver thread: takes what has come and calls the subscribers.
@@ -140,6 +144,24 @@ class Feed {
   }
 
  private:
+  /// How often `go_on_` is asked.
+  static constexpr std::chrono::milliseconds kAsk{20};
+
+  /// Waits until `condition()` holds, asked with the lock held after each change.
+  template <class Condition>
+  bool wait_changed(std::chrono::milliseconds time, Condition&& condition) const {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + time;
+    while (true) {
+      const auto next = go_on_ ? std::min(end, Clock::now() + kAsk) : end;
+      {
+        std::unique_lock lock(mutex_);
+        if (changed_.wait_until(lock, next, condition)) return true;
+      }
+      if (next == end || !go_on_()) return false;
+    }
+  }
+
   /// Daemons of a bus; more than one only while a dead one is not yet known to be dead.
   static constexpr std::size_t kWriters = 64;
 
@@ -180,6 +202,7 @@ class Feed {
   mutable std::condition_variable changed_;
   std::unique_ptr<dds::Reader<T>> reader_;
   std::function<void(const T&, dds_instance_handle_t)> first_look_;
+  std::function<bool()> go_on_;
   std::vector<T> known_;
   std::set<dds_instance_handle_t> writers_;  // that have sent something
   std::uint64_t changes_ = 0;

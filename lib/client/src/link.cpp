@@ -63,6 +63,8 @@ Link::Link(const Options& options)
   gateway_.set_first_look([this](const GatewayStatus& status, dds_instance_handle_t writer) {
     heard_.push_back({writer, dds::daemon_of(status)});
   });
+  const auto ask = [&options](auto&... feeds) { (feeds.set_go_on(options.go_on), ...); };
+  ask(gateway_, bus_, realtime_, master_, slaves_, actual_, events_, timing_, interval_);
   if (options.requests) requests_.emplace(participant_, identity_, &signal_, !options.security.empty());
 }
 

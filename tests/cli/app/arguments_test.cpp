@@ -61,6 +61,10 @@ INSTANTIATE_TEST_SUITE_P(
                   "found '--colour', which is no argument of cansync; see `cansync --help`"},
         WrongLine{{"control", "1", "7", "8", "9"}, "found '8', which is no argument of control"},
         WrongLine{{"--domain", "231", "status"}, "--domain: found '231'; allowed: 0..230"},
+        WrongLine{{"sttus"}, "VERB: found 'sttus'; did you mean 'status'?; allowed: status, slaves"},
+        WrongLine{{"status", "--jsno"}, "which is no argument of status; did you mean '--json'?"},
+        WrongLine{{"wait", "synchronised"}, "did you mean 'synchronized'?"},
+        WrongLine{{"--bus", "a b", "status"}, "--bus: found 'a b'; allowed: 1..63 letters, digits"},
         WrongLine{{"status", "--timeout", "0"}, "--timeout: found '0'"},
         WrongLine{{"record", "x.csv", "--every", "0"}, "--every: found '0'"},
         WrongLine{{"record", "x.csv", "--duration", "-1"}, "--duration: found '-1'"},
@@ -103,6 +107,13 @@ INSTANTIATE_TEST_SUITE_P(
         WrongLine{{"poll", "3", "auto"}, "CHANNEL: found '3'; allowed: 1..2"},
         WrongLine{{"map", "references", "3", "-"}, "TELEGRAM: found '3'; allowed: 1..2"},
         WrongLine{{"map", "references", "1"}, "found 0 words; allowed: 1..4"}));
+
+TEST(CommandLine, HelpAndVersionAreUnderstoodAsWords) {
+  EXPECT_EQ(run_with({"help"}).data, run_with({"--help"}).data);
+  EXPECT_EQ(run_with({"help", "read"}).data, run_with({"read", "--help"}).data);
+  for (const char* word : {"version", "-V"}) EXPECT_EQ(run_with({word}).data, run_with({"--version"}).data);
+  EXPECT_EQ(run_with({"help", "sttus"}).code, ExitCode::usage);
+}
 
 TEST(CommandLine, HelpOfEveryVerbIsData) {
   for (const char* verb : {"status", "slaves", "watch", "events", "read", "write", "upload", "download",

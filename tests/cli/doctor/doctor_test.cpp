@@ -111,6 +111,14 @@ DoctorInput healthy() {
   DaemonStatus status = {{}, {}, {}, client::MasterStatus{}};
   put(status.gateway.bus, "can0");
   put(status.master->state, "active");
+  status.master->option_status = 0x0080;
+  status.master->slaves_configured = status.master->slaves_released = 1;
+  status.master->interval = 5000;
+  status.master->interval_length = 2'000'000;  // ns
+  for (auto& release : status.master->reference_release) {
+    put(release.state, "released");
+    put(release.writer, "'plc' (plc, process 12 on host cab)");
+  }
   put(status.gateway.version, "1.2.3");
   put(status.bus.controller_state, "error-active");
   put(status.bus.bus_interface, "can0");
@@ -120,6 +128,12 @@ DoctorInput healthy() {
   put(status.realtime.sync_output, "gpio");
   put(status.realtime.sync_input, "pps");
   put(status.realtime.sync_state, "locked");
+  client::SlaveStatus slave{};
+  put(slave.name, "winder");
+  put(slave.state, "released");
+  slave.responds = slave.synchronized = true;
+  slave.last_seen = 4990;
+  status.slaves = {slave};
   status.gateway.data_model = 4;
   status.bus.bit_rate = 500'000;
   status.bus.sample_point_wanted = 600;
@@ -138,7 +152,7 @@ TEST(Doctor, AllWell) {
     EXPECT_EQ(finding.remedy, "") << finding.topic;
     EXPECT_TRUE(topics.insert(finding.topic).second) << finding.topic << " twice";
   }
-  EXPECT_EQ(topics.size(), 22u);
+  EXPECT_EQ(topics.size(), 27u);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
 }
 
@@ -256,6 +270,58 @@ INSTANTIATE_TEST_SUITE_P(
               "has sent 12 frames", "switch the other master off"}),
     [](const auto& test) { return "Bus" + std::to_string(test.index); });
 
+client::SlaveStatus& first_slave(In& in) {
+  return in.status->slaves.front();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Line, OneFault,
+    testing::Values(Fault{"slave", Level::error, [](In& in) { put(first_slave(in).state, "absent"); },
+                          "slave 0 'winder' has never answered", "slave number, bit rate and wiring"},
+                    Fault{"slave", Level::error,
+                          [](In& in) {
+                            put(first_slave(in).state, "lost");
+                            first_slave(in).last_seen = 3500;
+                          },
+                          "slave 0 'winder' has stopped answering; its last answer came 3.0 s ago",
+                          "switch the drive on"},
+                    Fault{"slave", Level::error, [](In& in) { put(first_slave(in).state, "held"); },
+                          "its return parameters are not right", "cansync release 0"},
+                    Fault{"slave", Level::error, [](In& in) { first_slave(in).synchronized = false; },
+                          "answers, but is not synchronized", "SYNC line"},
+                    Fault{"slave", Level::warning, [](In& in) { put(first_slave(in).state, "checking"); },
+                          "slave 0 'winder' is checking", "cansync wait released 0"},
+                    Fault{"references 1", Level::warning,
+                          [](In& in) {
+                            put(in.status->master->reference_release[0].state, "stopped");
+                            put(in.status->master->reference_release[0].cause, "writer_lost");
+                          },
+                          "stopped because of writer_lost", "cansync events"},
+                    Fault{"missed", Level::warning,
+                          [](In& in) {
+                            in.status->realtime.missed_syncs = 12;
+                            in.newest_missed = "2030-01-02 03:04:05.678";
+                          },
+                          "12 SYNC edges, 0 telegrams left out since the start; the newest at 2030-01-02",
+                          "cansync timing --follow"},
+                    Fault{"missed", Level::warning, [](In& in) { in.status->master->left_out = 3; },
+                          "3 telegrams left out", "cansync timing"},
+                    Fault{"configuration", Level::warning,
+                          [](In& in) { in.reload_refused = "nothing is changed: bus.name: found 6"; },
+                          "the file on disk is not what runs: nothing is changed: bus.name",
+                          "cansyncd --check"},
+                    Fault{"operating state", Level::warning,
+                          [](In& in) {
+                            in.status->master->option_status = 0x0003;
+                            put(in.status->master->state, "stopped");
+                            first_slave(in).synchronized = false;
+                          },
+                          "stopped: no SYNC is made", "cansync mode setup"},
+                    Fault{"operating state", Level::warning,
+                          [](In& in) { in.status->master->option_status = 0x0043; }, "every slave is ready",
+                          "cansync mode run"}),
+    [](const auto& test) { return "Line" + std::to_string(test.index); });
+
 INSTANTIATE_TEST_SUITE_P(
     Machine, OneFault,
     testing::Values(
@@ -285,6 +351,18 @@ const Finding* find(const std::vector<Finding>& findings, std::string_view topic
   const auto found =
       std::find_if(findings.begin(), findings.end(), [topic](const Finding& f) { return f.topic == topic; });
   return found == findings.end() ? nullptr : &*found;
+}
+
+TEST(Doctor, SetUpThatWaitsForASlaveSaysForWhich) {
+  DoctorInput in = healthy();
+  in.status->master->option_status = 0x0043;
+  in.status->master->slaves_released = 0;
+  put(first_slave(in).state, "absent");
+  const auto findings = diagnose(in);
+  EXPECT_EQ(find(findings, "operating state")->level, Level::error);
+  EXPECT_NE(find(findings, "operating state")->remedy.find("mode run --force"), std::string::npos);
+  EXPECT_NE(find(findings, "slave")->found.find("has never answered"), std::string::npos);
+  EXPECT_EQ(exit_code(findings, true), ExitCode::faults);
 }
 
 TEST(Doctor, WithDdsSecurityAnotherInterfaceIsNoFault) {

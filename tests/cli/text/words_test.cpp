@@ -62,5 +62,22 @@ TEST(Words, WhatDoesNotEndIsWrong) {
   EXPECT_EQ(wrong_column("read 'a' \"b\""), 0u);
 }
 
+TEST(EditDistance, CountsLettersAndSwaps) {
+  EXPECT_EQ(edit_distance("status", "status"), 0u);
+  EXPECT_EQ(edit_distance("sttus", "status"), 1u);
+  EXPECT_EQ(edit_distance("satus", "status"), 1u);
+  EXPECT_EQ(edit_distance("tsatus", "status"), 1u) << "swapped";
+  EXPECT_EQ(edit_distance("", "read"), 4u);
+}
+
+TEST(DidYouMean, OnlyWordsThatAreNear) {
+  const std::vector<std::string> words = {"read", "write", "wait", "set"};
+  EXPECT_EQ(did_you_mean("raed", words), "; did you mean 'read'?");
+  EXPECT_EQ(did_you_mean("wirte", words), "; did you mean 'write'?");
+  EXPECT_EQ(did_you_mean("sat", words), "; did you mean 'set'?");
+  EXPECT_EQ(did_you_mean("xyz", words), "");
+  EXPECT_EQ(did_you_mean("frobnicate", words), "");
+}
+
 }  // namespace
 }  // namespace cansync::cli

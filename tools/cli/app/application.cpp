@@ -2,6 +2,7 @@
 
 #include "cli/app/command_line.h"
 #include "cli/base/endings.h"
+#include "cli/base/interrupt.h"
 #include "text/completion.h"
 
 namespace cansync::cli {
@@ -18,6 +19,11 @@ ExitCode run(int argc, const char* const* argv, std::FILE* data, std::FILE* rema
     Connection connection;
     Session session(command.globals, typed, connection);
     return command.verb(session);
+  } catch (const client::NoDaemon& error) {
+    // What Ctrl-C ended tells nothing of the daemon.
+    const bool interrupted = interrupt_flag().load();
+    output.remark(interrupted ? Interrupted().what() : error.what());
+    return interrupted ? ExitCode::cancelled : code_of(error);
   } catch (const std::exception& error) {
     output.remark(error.what());
     return code_of(error);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <sstream>
 
 #include "cli/app/batch.h"
@@ -10,6 +12,7 @@
 #include "cli/doctor/verbs.h"
 #include "cli/look/verbs.h"
 #include "cli/record/verbs.h"
+#include "cli/text/words.h"
 #include "cli/trace/verbs.h"
 #include "cli/watch/verbs.h"
 #include "text/completion.h"
@@ -62,10 +65,11 @@ void add_place_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
 
 void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
   add_place_options(app, globals, texts);
-  app.add_option("--timeout", texts.timeout,
-                 "how long to look for the daemon (default 3, at least 1); with verbs that read or write "
-                 "parameters, with upload, download, control and broadcast, also the monitoring time of each "
-                 "job (default: the daemon's); with wait: how long to wait in all")
+  app.add_option(
+         "--timeout", texts.timeout,
+         "how long to look for the daemon (default 3; less than 1 is taken as 1); with verbs that read or write "
+         "parameters, with upload, download, control and broadcast, also the monitoring time of each "
+         "job (default: the daemon's); with wait: how long to wait in all")
       ->type_name("SECONDS");
   app.add_option(
          "--retry", texts.retry,
@@ -90,9 +94,19 @@ bool parse_types(const std::string& text) {
       fmt::format("--types: found '{}'; allowed: appendable or final, as the daemon's dds.types", text));
 }
 
+/// As the daemon's bus.name, so that what is meant for a shell or a unit cannot stand in it.
+void expect_bus(const std::string& bus) {
+  constexpr std::size_t kLongest = 63;
+  const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '-'; };
+  if (!bus.empty() && bus.size() <= kLongest && std::all_of(bus.begin(), bus.end(), fits)) return;
+  throw UsageError(
+      fmt::format("--bus: found '{}'; allowed: 1..{} letters, digits, '_', '.' or '-'", bus, kLongest));
+}
+
 void take_global_texts(const GlobalTexts& texts, Globals& globals) {
   if (!texts.domain.empty())
     globals.domain = static_cast<std::uint32_t>(parse_integer(texts.domain, "--domain", 0, kHighestDomain));
+  expect_bus(globals.bus);
   if (!texts.types.empty()) globals.final_types = parse_types(texts.types);
   if (!texts.timeout.empty()) globals.timeout = parse_seconds(texts.timeout, "--timeout", kLongestTimeout);
   if (!texts.retry.empty()) globals.retry = parse_seconds(texts.retry, "--retry", kLongestRetry);
@@ -123,6 +137,38 @@ std::string verb_list(const CLI::App& app) {
   std::string list;
   for (const CLI::App* verb : app.get_subcommands({})) list += (list.empty() ? "" : ", ") + verb->get_name();
   return list;
+}
+
+std::vector<std::string> verb_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands({})) names.push_back(verb->get_name());
+  return names;
+}
+
+/// Long options of every verb, and of `verb`.
+std::vector<std::string> option_names(const CLI::App& app, const CLI::App* verb) {
+  std::vector<std::string> names;
+  for (const CLI::App* from : {&app, verb}) {
+    if (from == nullptr) continue;
+    for (const CLI::Option* option : from->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// `help`, `help VERB` and `version` in the words of options, as people type them; all others as they are.
+std::vector<std::string> as_options(const CLI::App& app, std::vector<std::string> words) {
+  if (words.empty()) return words;
+  if (words.front() == "help") {
+    words.erase(words.begin());
+    const auto verbs = verb_names(app);
+    // A word that is no verb is left alone, so that it is said.
+    if (words.empty() || std::find(verbs.begin(), verbs.end(), words.front()) != verbs.end())
+      words.emplace_back("--help");
+  } else if (words.size() == 1 && (words.front() == "version" || words.front() == "-V")) {
+    words.front() = "--version";
+  }
+  return words;
 }
 
 /// The program's description of its command line, and where what was typed goes to. Stays where it is.
@@ -156,7 +202,10 @@ class CommandLine {
     } catch (const CLI::ParseError& error) {
       return parse_ended(error);
     }
-    if (!command_.verb) throw UsageError("VERB: found nothing; allowed: " + verb_list(app_));
+    if (!command_.verb) {
+      throw UsageError(fmt::format(
+          "VERB: found nothing; allowed: {}\nTry `cansync help`, or `cansync help VERB`.", verb_list(app_)));
+    }
     if (place_ == Place::batch) refuse_place_options();
     take_global_texts(texts_, command_.globals);
     command_.name = app_.get_subcommands().front()->get_name();
@@ -184,10 +233,13 @@ class CommandLine {
     const std::vector<std::string> words = app_.remaining(true);
     const std::string first = words.empty() ? "" : words.front();
     if (verbs.empty() && !first.starts_with('-'))
-      throw UsageError(fmt::format("VERB: found '{}'; allowed: {}", first, verb_list(app_)));
-    throw UsageError(fmt::format("found '{}', which is no argument of {}; see `cansync {}--help`", first,
-                                 verbs.empty() ? "cansync" : verbs.front()->get_name(),
-                                 verbs.empty() ? "" : verbs.front()->get_name() + " "));
+      throw UsageError(fmt::format("VERB: found '{}'{}; allowed: {}", first,
+                                   did_you_mean(first, verb_names(app_)), verb_list(app_)));
+    const CLI::App* verb = verbs.empty() ? nullptr : verbs.front();
+    throw UsageError(fmt::format("found '{}', which is no argument of {}{}; see `cansync {}--help`", first,
+                                 verb == nullptr ? "cansync" : verb->get_name(),
+                                 first.starts_with('-') ? did_you_mean(first, option_names(app_, verb)) : "",
+                                 verb == nullptr ? "" : verb->get_name() + " "));
   }
 
   void refuse_place_options() const {
@@ -209,7 +261,8 @@ class CommandLine {
 }  // namespace
 
 Command parse_command(const std::vector<std::string>& words) {
-  return CommandLine(Globals{}, Place::shell).parse(words);
+  CommandLine line(Globals{}, Place::shell);
+  return line.parse(as_options(line.app(), words));
 }
 
 Command parse_batch_command(const std::vector<std::string>& words, const Globals& globals) {

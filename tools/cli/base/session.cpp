@@ -39,6 +39,7 @@ client::Options Session::options(std::chrono::milliseconds wait) const {
   options.final_types = globals_.final_types;
   options.wait = wait;
   options.requests = !looks_;
+  options.go_on = [] { return !interrupt_flag().load(); };
   return options;
 }
 

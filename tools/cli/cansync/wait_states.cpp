@@ -8,6 +8,7 @@
 #include "cansync/settings/mode.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
+#include "cli/text/words.h"
 
 namespace cansync::cli {
 namespace {
@@ -70,10 +71,13 @@ const WaitState& find_wait_state(std::string_view name) {
   const auto* found =
       std::find_if(kStates.begin(), kStates.end(), [&](const WaitState& s) { return s.name == name; });
   if (found != kStates.end()) return *found;
+  std::vector<std::string> words;
+  words.reserve(kStates.size());
+  for (const WaitState& state : kStates) words.emplace_back(state.name);
   std::string allowed = wait_state_words();
   for (auto at = allowed.find('|'); at != std::string::npos; at = allowed.find('|'))
     allowed.replace(at, 1, ", ");
-  throw UsageError(fmt::format("STATE: found '{}'; allowed: {}", name, allowed));
+  throw UsageError(fmt::format("STATE: found '{}'{}; allowed: {}", name, did_you_mean(name, words), allowed));
 }
 
 std::string wait_state_words() {

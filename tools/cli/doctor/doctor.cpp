@@ -12,6 +12,9 @@
 namespace cansync::cli {
 namespace {
 
+/// Of a reload that is taken in part both are told, in any order.
+constexpr std::int64_t kOneReload = 1'000'000'000;  // ns
+
 /// What the daemon tells; leaves `in.status` empty, with the reason, when there is none.
 void ask_daemon(Session& session, DoctorInput& in) {
   try {
@@ -25,9 +28,17 @@ void ask_daemon(Session& session, DoctorInput& in) {
     in.status = status;
     in.participants = client.participants();
     in.incompatible = client.gateway_status().incompatible;
-    if (in.incompatible == 0) return;
-    for (const client::Event& event : client.recent_events())
-      if (client::text(event.code) == "dds_incompatible") in.newest_incompatible = client::text(event.text);
+    std::int64_t not_taken = 0;
+    for (const client::Event& event : client.recent_events()) {
+      const std::string_view code = event.code;
+      if (code == "dds_incompatible") in.newest_incompatible = client::text(event.text);
+      if (code == "syncs_missed") in.newest_missed = time_text(event.time, true);
+      if (code == "configuration_reloaded" && event.time > not_taken + kOneReload) in.reload_refused.clear();
+      if (code == "reload_refused" || code == "setting_needs_restart") {
+        in.reload_refused = client::text(event.text);
+        not_taken = event.time;
+      }
+    }
   } catch (const client::SeveralDaemons& error) {
     in.several_daemons = error.what();
   } catch (const client::NoDaemon& error) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "cli/base/status_refusal.h"
+#include "cli/doctor/doctor_line.h"
 #include "cli/doctor/doctor_link.h"
 #include "cli/doctor/finding_list.h"
 
@@ -180,9 +180,12 @@ void look_at_second_master(const client::MasterStatus& status, FindingList& out)
     out.ok("second master", "none was heard");
 }
 
-void look_at_status_words(const Status& status, FindingList& out) {
-  for (const client::SlaveStatus& slave : status.slaves)
-    if (slave.status_error != 0) out.error("status word", status_refusal(slave), kStatusRefusalRemedy);
+/// A daemon that was told to read its file again and did not take it.
+void look_at_configuration(const DoctorInput& in, FindingList& out) {
+  if (in.reload_refused.empty()) return;
+  out.warning(
+      "configuration", "the file on disk is not what runs: " + in.reload_refused,
+      fmt::format("cansyncd --check /etc/cansync/{0}.toml; then systemctl reload cansyncd@{0}", in.bus));
 }
 
 void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {
@@ -226,8 +229,11 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   if (in.status) {
     look_at_timestamps(in, *in.status, out);
     look_at_sync(in, *in.status, out);
-    if (in.status->master) look_at_second_master(*in.status->master, out);
-    look_at_status_words(*in.status, out);
+    if (in.status->master) {
+      look_at_second_master(*in.status->master, out);
+      look_at_line(in, out);
+    }
+    look_at_configuration(in, out);
     look_at_rights(in, *in.status, out);
     look_at_processor(in, *in.status, out);
   }

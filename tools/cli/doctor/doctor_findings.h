@@ -49,6 +49,8 @@ struct DoctorInput {
   std::uint32_t participants = 0;      ///< other DDS participants in the domain
   std::uint32_t incompatible = 0;      ///< programs that do not match the daemon
   std::string newest_incompatible;     ///< the event that told of the newest; empty: none is known
+  std::string newest_missed;           ///< when SYNC edges were missed last; empty: not known
+  std::string reload_refused;  ///< why the newest reading of the configuration was refused; empty: it was not
   MachineFacts machine;
   std::string interface_name;  ///< the bus's CAN interface; "sim" for a simulated line
   can::LinkFacts link;         ///< what the kernel of this computer knows of it

@@ -17,7 +17,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kLook = std::chrono::milliseconds(50);      // for Ctrl-C
+constexpr auto kLook = std::chrono::milliseconds(50);  // for Ctrl-C
+// A shorter search would take a daemon that answers late for gone.
+constexpr auto kNobodyThere = std::chrono::milliseconds(3000);
 constexpr auto kSearch = std::chrono::milliseconds(2000);  // for the daemon, at a time
 
 /// The arguments as they were typed.
@@ -97,12 +99,10 @@ class Wait {
   /// Looks for the daemon, then at it, until the state is reached, the daemon goes or the time is over.
   bool look() {
     const bool wants_none = state_.of == WaitState::Of::nobody;
-    // Only a search of the usual length tells that nobody is there.
-    client::Client* client =
-        session_.look_for_daemon(wants_none ? session_.search_time() : std::min(kSearch, left()));
+    client::Client* client = session_.look_for_daemon(std::min(wants_none ? kNobodyThere : kSearch, left()));
     if (client == nullptr) {
       seen_ = "no daemon";
-      return wants_none;
+      return wants_none && !interrupt_flag().load();
     }
     if (state_.of == WaitState::Of::daemon) return true;
     mask_ = state_.of == WaitState::Of::slaves ? session_.configured_slaves(texts_.slaves) : 0;

@@ -1,5 +1,10 @@
 #include "cli/text/words.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
 namespace cansync::cli {
 namespace {
 
@@ -63,6 +68,39 @@ class Splitter {
 
 std::vector<Word> split_words(std::string_view line) {
   return Splitter(line).run();
+}
+
+std::size_t edit_distance(std::string_view from, std::string_view to) {
+  // Row by row; the one before the last is needed for letters that are swapped.
+  std::vector<std::size_t> before(to.size() + 1);
+  std::vector<std::size_t> last(to.size() + 1);
+  std::vector<std::size_t> row(to.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= from.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= to.size(); ++j) {
+      const bool same = from[i - 1] == to[j - 1];
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0u : 1u)});
+      if (i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    before.swap(last);
+    last.swap(row);
+  }
+  return last[to.size()];
+}
+
+std::string did_you_mean(std::string_view typed, const std::vector<std::string>& words) {
+  std::size_t best = 3;
+  std::string found;
+  for (const std::string& word : words) {
+    const std::size_t distance = edit_distance(typed, word);
+    // In a short word two other letters make any word of it.
+    if (distance >= best || 2 * distance >= std::max(typed.size(), word.size())) continue;
+    best = distance;
+    found = fmt::format("; did you mean '{}'?", word);
+  }
+  return found;
 }
 
 }  // namespace cansync::cli

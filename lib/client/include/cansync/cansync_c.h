@@ -21,8 +21,9 @@
 extern "C" {
 #endif
 
-/* Asked every 20 ms, on the waiting thread, while cansync_connect() or cansync_take_references() waits for
- * the daemon; 0 ends the wait with CANSYNC_NO_DAEMON. It may not call a function with the same handle. */
+/* Asked every 20 ms, on the waiting thread, while cansync_connect(), cansync_take_references() or a function
+ * that gives a state waits for the daemon; 0 ends the wait as if its time were over (CANSYNC_NO_DAEMON). It
+ * may not call a function with the same handle. */
 typedef int (*cansync_go_on)(void* user);
 
 /* Where the daemon is looked for. Zero and NULL mean the default. */

@@ -33,8 +33,9 @@ struct CANSYNC_PUBLIC Options {
   std::string security = {};             ///< DDS Security: folder of this program's identity; empty: without
   std::chrono::milliseconds grace =
       kGrace;  ///< how long after its monitoring time a request ends at the latest
-  /// Asked every 20 ms, on the waiting thread, while `connect` or a ReferenceWriter waits for the daemon;
-  /// false ends the wait with NoDaemon. Empty: nobody is asked. Must not throw.
+  /// Asked every 20 ms, on the waiting thread, while `connect`, a ReferenceWriter or a function that gives a
+  /// state waits for the daemon; false ends the wait as if its time were over. Empty: nobody is asked. Must
+  /// not throw.
   std::function<bool()> go_on = {};
   bool final_types = false;  ///< as the daemon's dds.types: true for "final"
   /// False: this client only looks. It needs less of DDS and the network, finds daemons of every protocol,

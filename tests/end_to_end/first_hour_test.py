@@ -1,0 +1,110 @@
+"""What an engineer meets in the first hour with a line: docs/first-hour.md names these tests."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+from gateway import CANSYNC, LONG, Gateway, wait_for
+
+SETTING_UP = 0x43
+# Far below the seconds of a search, far above what a loaded machine needs to hear a signal.
+SOON = 2.0
+
+
+class Unready(Gateway):
+    """A line one of whose drives is switched off."""
+
+    def wait_active(self):
+        return self.wait_status(
+            "set-up with two of three slaves",
+            lambda s: s["option_status"] == SETTING_UP and bin(s["slaves_synchronized"]).count("1") == 2,
+        )
+
+
+def findings(gateway, codes=(0, 1)):
+    """What `doctor` finds; whether the kernel is a realtime one decides between 0 and 1."""
+    result = gateway.run("doctor", "--json")
+    if result.returncode not in codes:
+        raise AssertionError(f"doctor: {result.returncode}\n{result.stdout}\n{result.stderr}")
+    return {finding["topic"]: finding for finding in map(json.loads, result.stdout.splitlines())}
+
+
+class Doctor(unittest.TestCase):
+    def test_names_the_slave_that_keeps_the_line_in_set_up(self):
+        with Unready(slaves=3, options=("--set", "sim.drives=[0,1]")) as gateway:
+            found = findings(gateway, (8,))
+        self.assertEqual(found["operating state"]["level"], "error")
+        self.assertEqual(found["slave"]["found"], "slave 2 'slave2' has never answered")
+        self.assertIn("slave number", found["slave"]["remedy"])
+
+    def test_looks_at_operating_state_and_references(self):
+        with Gateway(slaves=2) as gateway:
+            found = findings(gateway)
+            self.assertEqual(found["operating state"]["level"], "ok")
+            self.assertEqual(found["slaves"]["found"], "all 2 answer and are synchronized")
+            self.assertEqual(found["references 1"]["found"], "nobody has given any")
+            with gateway.start("set", "0=1") as writer:
+                gateway.wait_status("values are released", lambda s: s["reference_release"][0]["state"] == "released")
+                self.assertIn("cansync", findings(gateway)["references 1"]["found"])
+                writer.kill()
+            gateway.wait_status("the writer is lost", lambda s: s["reference_release"][0]["cause"] == "writer_lost")
+            self.assertEqual(findings(gateway)["references 1"]["level"], "warning")
+            gateway.run("mode", "stop")
+            found = findings(gateway)["operating state"]
+            self.assertEqual(found["level"], "warning")
+            self.assertIn("cansync mode", found["remedy"])
+
+    def test_tells_a_configuration_that_was_not_taken(self):
+        with Gateway(slaves=1) as gateway:
+            with open(gateway.config, encoding="utf-8") as file:
+                right = file.read()
+            with open(gateway.config, "a", encoding="utf-8") as file:
+                file.write("[process]\npolling_1 = 99\n")
+            gateway.process.send_signal(signal.SIGHUP)
+            found = wait_for("doctor tells", lambda: findings(gateway).get("configuration"))
+            self.assertIn("process.polling_1", found["found"])
+            self.assertIn("reload_refused", [event["code"] for event in gateway.json("events")])
+            time.sleep(1.1)  # two reloads within a second are taken for one
+            with open(gateway.config, "w", encoding="utf-8") as file:
+                file.write(right)
+            gateway.process.send_signal(signal.SIGHUP)
+            wait_for("doctor is content", lambda: "configuration" not in findings(gateway))
+
+
+class Interrupt(unittest.TestCase):
+    """Ctrl-C and SIGTERM while there is nothing to cancel."""
+
+    def ends_soon(self, number, *arguments):
+        environment = dict(os.environ, CANSYNC_DOMAIN="1", CANSYNC_BUS="nobody")
+        with subprocess.Popen([CANSYNC, *arguments], env=environment, stderr=subprocess.PIPE) as process:
+            # The handlers are there, and DDS is up: from then on a search is all that happens.
+            wait_for("it looks for the daemon", lambda: threads(process.pid) > 1)
+            began = time.monotonic()
+            process.send_signal(number)
+            code = process.wait(LONG)
+            self.assertLess(time.monotonic() - began, SOON, arguments)
+            return code
+
+    def test_ends_the_search_for_the_daemon(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self.assertEqual(self.ends_soon(number, "--timeout", "60", "read", "0", "301"), 7)
+            self.assertEqual(self.ends_soon(number, "--timeout", "60", "watch"), 7)
+            self.assertEqual(self.ends_soon(number, "--timeout", "60", "wait", "gone"), 7)
+
+    def test_wait_gone_needs_one_search_whatever_the_timeout_is(self):
+        environment = dict(os.environ, CANSYNC_DOMAIN="1", CANSYNC_BUS="nobody")
+        began = time.monotonic()
+        subprocess.run([CANSYNC, "wait", "gone", "--timeout", "600"], env=environment, check=True, timeout=LONG,
+                       stderr=subprocess.DEVNULL)
+        self.assertLess(time.monotonic() - began, 30)
+
+
+def threads(process):
+    return len(os.listdir(f"/proc/{process}/task"))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "cli/doctor/doctor_findings.h"
+#include "cli/doctor/finding_list.h"
+
+namespace cansync::cli {
+
+/// The line of CANsync: operating state, its slaves, who gives reference values, what was missed. Call only
+/// with the status of a master.
+void look_at_line(const DoctorInput& in, FindingList& out);
+
+}  // namespace cansync::cli
