@@ -75,6 +75,9 @@ inline constexpr EventKind kEventKinds[] = {
     {"actual_writer_began", "4d55a51c2cdd4955b77de54a173a003b"},
     {"actual_writer_lost", "0ab38903e7e046aa9dbe998d58213e4e"},
     {"actual_refused", "4bd17676e82a4034837118ab6e550f93"},
+    {"application_began", "37ea7fa23dfa4b8293662f3ac387c8d1"},
+    {"application_lost", "28aa24c98700487895aca7dcd792d7b5"},
+    {"application_refused", "05255cf3a12d42c4b50c5441460bfcc0"},
     // the CAN bus
     {"second_master", "96bc8b5a34904d9b93c9639b2adbac1a"},
     {"second_master_gone", "07abff7994394078b133056f27d3cfdf"},

@@ -1,7 +1,9 @@
 """The daemon as a slave answers the simulated master's parameter jobs and transfers."""
 
+import json
 import os
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -37,6 +39,19 @@ access = "read_only"
 """
 
 
+OWN = """
+[[parameter]]
+number = 400
+value = 55
+[[parameter]]
+number = 500
+format = "doubleword"
+value = 0x89ABCDEF
+"""
+READ_OF_THE_TABLE = "019007000000"
+READ_OF_THE_APPLICATION = "019037000000"
+
+
 def jobs(*kinds):
     """What the simulated master asks again and again."""
     return "".join(f"[[sim.job]]\nnumber = {number}\nevery = 20\n{kind}\n" for number, kind in enumerate(kinds))
@@ -70,6 +85,28 @@ class Slave:
     def answers(self):
         return self.frames(0x585)
 
+    def wait_for_answers(self, what, *wanted):
+        """Until each of the answers has come again from now on."""
+        wait_for("the line runs", lambda: os.path.exists(self.trace))
+        before = len(self.answers())
+        wait_for(what, lambda: set(wanted) <= set(self.answers()[before:]))
+
+    def status(self):
+        return json.loads(self.place.run("status", "--json").stdout)
+
+    def wait_for_event(self, code, words):
+        def there():
+            lines = self.place.run("events", "--json").stdout.splitlines()
+            return any(event["code"] == code and words in event["text"] for event in map(json.loads, lines))
+        wait_for(f"event {code}: {words}", there)
+
+    def serve(self, *arguments):
+        """`cansync serve` with OWN."""
+        path = os.path.join(self.folder.name, "own.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(OWN)
+        return self.place.start("serve", path, "--json", *arguments)
+
 
 class ParameterTable(unittest.TestCase):
     def test_the_table_answers_without_an_application(self):
@@ -80,6 +117,120 @@ class ParameterTable(unittest.TestCase):
             expected = {"01900700" + "0000", "01906400" + "0000", "2190FDFF" + "0000", "019178563412" + "0000",
                         "2191FCFF" + "0000", "218FFAFF" + "0000", "A0000401"}
             wait_for("all are answered", lambda: os.path.exists(slave.trace) and expected <= set(slave.answers()))
+            self.assertEqual((slave.status()["parameters"], slave.status()["application"]), (2, ""))
+
+
+class Application(unittest.TestCase):
+    def test_it_takes_numbers_over_and_gives_them_back(self):
+        with Slave(TABLE + jobs("parameter = 400", "parameter = 500", "parameter = 401")) as slave:
+            slave.wait_for_answers("the table answers", READ_OF_THE_TABLE, "21F4FAFF0000")
+            with slave.serve() as serving:
+                slave.wait_for_answers("busy, then the application", "4190", READ_OF_THE_APPLICATION, "01F4EFCDAB890000",
+                                       "019178563412" + "0000")
+                kinds = {(found["kind"], found["number"], found["raw"], found["error_code"])
+                         for found in (serving.next_object() for _ in range(6))}
+                self.assertEqual(kinds, {("read", 400, 55, 0), ("read", 500, 0x89ABCDEF - 2**32, 0)})
+                status = wait_for("it is shown", lambda: (s := slave.status())["jobs_answered"] > 0 and s)
+                self.assertEqual(status["taken_over"], 2)
+                self.assertIn("cansync", status["application"])
+                self.assertRegex(slave.place.run("status").stdout.decode(), r"(?m)^parameters +2 in .*; 2 taken over by ")
+                serving.send_signal(signal.SIGINT)
+                serving.communicate()
+                self.assertEqual(serving.returncode, 0)
+            slave.wait_for_event("application_lost", "gives up")
+            slave.wait_for_answers("the table answers again", READ_OF_THE_TABLE, "21F4FAFF0000")
+            self.assertEqual(slave.status()["application"], "")
+
+    def test_when_it_is_killed_the_slave_answers_as_configured(self):
+        error = "\n[[parameter]]\nnumber = 500\nformat = \"doubleword\"\nerror_without_application = 0xFFFF\n"
+        with Slave(TABLE + error + jobs("parameter = 400", "parameter = 500")) as slave, slave.serve() as serving:
+            slave.wait_for_answers("the application answers", READ_OF_THE_APPLICATION, "01F4EFCDAB890000")
+            serving.kill()
+            slave.wait_for_event("application_lost", "has gone without giving up")
+            slave.wait_for_answers("the table and the error", READ_OF_THE_TABLE, "21F4FFFF0000")
+
+    def test_its_open_job_ends_when_it_stands_still_and_when_it_dies(self):
+        with Slave(TABLE + jobs("parameter = 400", "parameter = 400\nvalue = 9"), "answer_time_ms = 500") as slave, \
+                slave.serve() as serving:
+            slave.wait_for_answers("the application answers", READ_OF_THE_APPLICATION)
+            before = slave.status()["jobs_dropped"]
+            serving.send_signal(signal.SIGSTOP)
+            # Its open read is the table's now, its open write an error: nobody knows whether it was taken.
+            slave.wait_for_answers("answered without it", READ_OF_THE_TABLE)
+            wait_for("its job is dropped", lambda: slave.status()["jobs_dropped"] > before)
+            slave.wait_for_event("application_lost", "has gone without giving up")
+            serving.kill()
+            status = wait_for("nothing is open", lambda: (s := slave.status())["jobs"] == s["jobs_answered"] + s["jobs_dropped"] and s)
+            self.assertEqual(status["application"], "")
+
+    def test_a_stronger_one_answers_and_a_weaker_one_takes_over_when_it_dies(self):
+        with Slave(TABLE + jobs("parameter = 500")) as slave:
+            with slave.serve("--strength", 5) as weaker:
+                slave.wait_for_answers("the weaker answers", "01F4EFCDAB890000")
+                path = os.path.join(slave.folder.name, "stronger.toml")
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write("[[parameter]]\nnumber = 500\nvalue = 2\n")
+                with slave.place.start("serve", path, "--strength", 6) as stronger:
+                    slave.wait_for_answers("the stronger answers", "01F402000000")
+                    slave.wait_for_event("application_began", "in place of")
+                    stronger.kill()
+                slave.wait_for_answers("the weaker answers again", "01F4EFCDAB890000")
+                weaker.kill()
+
+    def test_the_file_is_checked(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write("[[parameter]]\nnumber = 1\nvalue = 65536\n")
+            file.flush()
+            result = Place().run("serve", file.name)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(f"{file.name}:3:9: parameter.1.value: found 65536; allowed: 0..65535", result.stderr)
+
+
+class Blocks(unittest.TestCase):
+    def moved(self, length, options):
+        down = f"bytes = {length}\ndownload = true"
+        up = f"bytes = {length}"
+        with Slave(TABLE + jobs(down, up), options) as slave:
+            slave.wait_for_answers("not possible without an application", "A0000401")
+            with slave.serve("--blocks") as serving:
+                done = set()
+                while len(done) < 2:
+                    found = serving.next_object()
+                    if found["error_code"] == 0:
+                        done.add((found["kind"], found["number"], found["raw"]))
+                self.assertEqual(done, {("download", 0x100, length), ("upload", 0x100, length)})
+                status = wait_for("it is counted", lambda: (s := slave.status())["blocks_done"] >= 2 and s)
+                self.assertTrue(status["takes_blocks"])
+                serving.kill()
+            slave.wait_for_answers("not possible when it is gone", "A0000401")
+            # Byte n is n: the last telegram of the upload brings the end of it.
+            tail = "".join(f"{n % 256:02X}" for n in range(length - length % 6, length))
+            self.assertTrue(any(answer[4:].startswith(tail) for answer in slave.answers()), tail)
+
+    def test_a_block_of_299_bytes_goes_as_a_whole(self):
+        self.moved(299, "block_limit = 300")
+
+    def test_a_longer_one_goes_telegram_by_telegram(self):
+        self.moved(400, "block_limit = 1000")
+
+    def test_without_the_area_a_short_one_does_too(self):
+        self.moved(20, "block_area = false")
+
+
+class ActualValues(unittest.TestCase):
+    def test_when_their_writer_is_killed_none_is_sent_any_more(self):
+        with Slave("") as slave:
+            wait_for("it is synchronized", lambda: slave.status()["synchronized"])
+            with slave.place.start("actual", "0=1000", "--rate", 50, "--wait", 1000) as writing:
+                wait_for("they go out", lambda: slave.status()["actual_sent"][0] > 3)
+                writing.kill()
+            slave.wait_for_event("actual_writer_lost", "has gone without giving up")
+            # The withdrawal follows within an interval; what was asked for before is on the bus by then.
+            began = slave.status()["interval"]
+            first = wait_for("some intervals pass", lambda: (s := slave.status())["interval"] > began + 5 and s)
+            later = wait_for("more pass", lambda: (s := slave.status())["interval"] > first["interval"] + 50 and s)
+            self.assertEqual(later["actual_sent"], first["actual_sent"])
+            self.assertGreater(later["not_released"][0], first["not_released"][0] + 40)
 
 
 if __name__ == "__main__":

@@ -167,7 +167,8 @@ class Verbs(unittest.TestCase):
         with open(__file__, encoding="utf-8") as file:
             text = file.read()
         # Those of a slave's bus: on the simulated bus alone.
-        for other in ("layer2_on_vcan_test.py", "../end_to_end/cansync_slave_test.py"):
+        for other in ("layer2_on_vcan_test.py", "../end_to_end/cansync_slave_test.py",
+                      "../end_to_end/cansync_slave_service_test.py"):
             with open(os.path.join(os.path.dirname(__file__), other), encoding="utf-8") as file:
                 text += file.read()
         self.assertEqual([verb for verb in verbs if f'("{verb}"' not in text], [])

@@ -97,7 +97,7 @@ tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base 
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
 tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/connect:          lib/dds tools/cli/base
-tools/cli/cansync_slave:    lib/dds lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace

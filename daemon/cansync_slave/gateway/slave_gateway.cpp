@@ -7,6 +7,7 @@
 #include "cansync_slave/dds/convert.h"
 #include "cansync_slave/dds/topics.h"
 #include "daemon/cansync_slave/config/options.h"
+#include "daemon/cansync_slave/gateway/job_samples.h"
 #include "daemon/cansync_slave/gateway/slave_events.h"
 #include "daemon/cansync_slave/gateway/slave_status.h"
 #include "daemon/status/bus_events.h"
@@ -53,15 +54,20 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       events_(participant, journal, config.bus.name),
       common_(participant, events_, config, {kSlaveProtocol}, identity),
       second_daemon_(participant, signal_, events_, config.bus.name, identity),
+      identity_(identity),
       releases_(participant, signal_, events_, identity, exchange),
+      application_(participant, signal_, events_, identity, exchange),
       references_(participant, 0, &signal_),
       monitored_(participant, 0, &signal_),
       actions_(participant, 0, &signal_),
+      parameter_jobs_(participant, 0, &signal_),
+      block_jobs_(participant, 0, &signal_),
       status_(participant, 0, &signal_),
       thread_(
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
           [this] { end(); }) {
   releases_.set_read_only(config.access.read_only);
+  application_.set_read_only(config.access.read_only);
 }
 
 SlaveGateway::~SlaveGateway() {
@@ -93,13 +99,15 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
   take_configuration(now);
   const bool more = take_reports(now);
+  take_jobs();
   posted_.publish(events_, now);
   if (samples_may_wait) {
     second_daemon_.look(now);
     if (releases_.take_samples(now)) signal_.raise();
+    if (application_.take_samples(now)) signal_.raise();
   }
   SteadyTime due = publish_status(now);
-  for (const auto next : {events_.tick(now), releases_.tick(now)}) {
+  for (const auto next : {events_.tick(now), releases_.tick(now), application_.tick(now)}) {
     if (next) due = std::min(due, *next);
   }
   return more ? now : due;
@@ -115,6 +123,7 @@ void SlaveGateway::take_configuration(SteadyTime now) {
   config_.access = taken->access;
   common_.set_access(config_.access);
   releases_.set_read_only(config_.access.read_only);
+  application_.set_read_only(config_.access.read_only);
   events_.publish(
       {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }
@@ -126,6 +135,17 @@ bool SlaveGateway::take_reports(SteadyTime now) {
     publish(report, now);
   }
   return true;
+}
+
+void SlaveGateway::take_jobs() {
+  ServiceReport report;
+  for (unsigned i = 0; i < SlaveExchange::kJobs && exchange_.jobs.try_pop(report); ++i) {
+    if (const auto* job = std::get_if<JobReport>(&report)) {
+      (void)parameter_jobs_.write(parameter_job(*job, identity_));
+    } else if (auto* block = std::get_if<BlockReport>(&report)) {
+      (void)block_jobs_.write(block_job(*block, identity_));
+    }
+  }
 }
 
 void SlaveGateway::publish(const SlaveSideReport& report, SteadyTime now) {
@@ -155,9 +175,14 @@ SteadyTime SlaveGateway::publish_status(SteadyTime now) {
                         .missed_syncs = snapshot_.missing_edges,
                         .lost_reports = snapshot_.lost_reports});
   const SteadyTime common_due = common_.step(now);
-  if (now < next_status_ && !differs(before, snapshot_)) return std::min(common_due, next_status_);
+  const bool application_changed = told_application_ != application_.name();
+  if (now < next_status_ && !differs(before, snapshot_) && !application_changed)
+    return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
-  (void)status_.write(slave_side_status(snapshot_, config_));
+  told_application_ = application_.name();
+  cansync_slave_SlaveSideStatus sample = slave_side_status(snapshot_, config_);
+  put_application(application_.name(), application_.taken(), sample);
+  (void)status_.write(sample);
   return std::min(common_due, next_status_);
 }
 
@@ -165,6 +190,7 @@ void SlaveGateway::end() {
   const SteadyTime now = steady_clock::now();
   while (take_reports(now)) {
   }  // the realtime thread has ended: the ring grows no more
+  take_jobs();
   posted_.publish(events_, now);
   (void)publish_status(now);
 }

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 
 #include "cansync_slave.h"
 #include "daemon/cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
+#include "daemon/cansync_slave/gateway/application_gate.h"
 #include "daemon/cansync_slave/gateway/release_gate.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_thread.h"
@@ -69,6 +71,7 @@ class SlaveGateway {
   /// True: there may be more.
   bool take_reports(SteadyTime now);
   void publish(const SlaveSideReport& report, SteadyTime now);
+  void take_jobs();
   /// Returns when to call again.
   SteadyTime publish_status(SteadyTime now);
   void end();
@@ -79,14 +82,19 @@ class SlaveGateway {
   EventPublisher events_;
   CommonStatus common_;
   SecondDaemon second_daemon_;
+  const DaemonIdentity identity_;
   ReleaseGate releases_;
+  ApplicationGate application_;
   gateway::dds::Writer<cansync_slave_ReferencesReceived> references_;
   gateway::dds::Writer<cansync_slave_MonitoredValues> monitored_;
   gateway::dds::Writer<cansync_slave_ActionReceived> actions_;
+  gateway::dds::Writer<cansync_slave_ParameterJob> parameter_jobs_;
+  gateway::dds::Writer<cansync_slave_BlockJob> block_jobs_;
   gateway::dds::Writer<cansync_slave_SlaveSideStatus> status_;
 
   SlaveSnapshot snapshot_;  ///< newest
   std::uint64_t action_number_ = 0;
+  std::string told_application_;  ///< of the newest status
   SteadyTime next_status_;
 
   std::mutex mutex_;

@@ -37,6 +37,16 @@ void put_answers(const SlaveSnapshot& snapshot, cansync_slave_SlaveSideStatus& s
   sample.actual_margin_least = answers.margin_least.count();
 }
 
+void put_service(const ServiceCounters& service, cansync_slave_SlaveSideStatus& sample) noexcept {
+  sample.jobs = service.jobs;
+  sample.jobs_answered = service.jobs_answered;
+  sample.jobs_dropped = service.jobs_dropped;
+  sample.blocks = service.blocks;
+  sample.blocks_done = service.blocks_done;
+  sample.answers_unused = service.answers_unused;
+  sample.jobs_lost = service.lost;
+}
+
 /// H1 to H4 (M 3.1.4.2, 3.1.4.3).
 void put_indicators(const SlaveSnapshot& snapshot, can::Time interval,
                     cansync_slave_SlaveSideStatus& sample) noexcept {
@@ -105,7 +115,16 @@ cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
   sample.reports_lost = snapshot.lost_reports;
   sample.bus_load = snapshot.bus_load;
   put_indicators(snapshot, interval, sample);
+  sample.parameters = static_cast<std::uint32_t>(config.service.parameters.size() - 1);
+  put_service(snapshot.service, sample);
   return sample;
+}
+
+void put_application(const std::string& name, const TakeOver& taken,
+                     cansync_slave_SlaveSideStatus& sample) noexcept {
+  gateway::dds::copy_text(name, sample.application);
+  sample.taken_over = static_cast<std::uint32_t>(taken.taken.numbers.count());
+  sample.takes_blocks = taken.blocks;
 }
 
 bool differs(const SlaveSnapshot& from, const SlaveSnapshot& to) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "cansync_slave.h"
@@ -11,6 +12,10 @@ namespace cansyncd {
 /// The sample of SlaveSideStatus that tells a snapshot. Pure; any thread.
 cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
                                                 const SlaveRoleConfig& config) noexcept;
+
+/// Who stands behind the slave, and what it has taken over.
+void put_application(const std::string& name, const TakeOver& taken,
+                     cansync_slave_SlaveSideStatus& sample) noexcept;
 
 /// The words of a fault and of what is to be done about it, as SlaveSideStatus has them.
 std::string_view word_of(cansync::SlaveFault fault) noexcept;

@@ -16,6 +16,8 @@ SlaveClient::SlaveClient(const Options& options)
       references_(participant_, &signal_),
       monitored_(participant_, &signal_),
       actions_(participant_, &signal_),
+      parameter_jobs_(participant_, &signal_),
+      block_jobs_(participant_, &signal_),
       status_(participant_, &signal_),
       sight_(participant_, signal_, options.bus) {
   sight_.find(
@@ -25,7 +27,7 @@ SlaveClient::SlaveClient(const Options& options)
 
 bool SlaveClient::matched() const noexcept {
   return references_.matched() != 0 && monitored_.matched() != 0 && actions_.matched() != 0 &&
-         status_.matched() != 0;
+         parameter_jobs_.matched() != 0 && block_jobs_.matched() != 0 && status_.matched() != 0;
 }
 
 int SlaveClient::take(const Listener& listener) {
@@ -36,6 +38,9 @@ int SlaveClient::take(const Listener& listener) {
     if (function) function(sample);
   };
   actions_.take([&](const cansync_slave_ActionReceived& sample) { hand_on(listener.action, sample); });
+  parameter_jobs_.take(
+      [&](const cansync_slave_ParameterJob& sample) { hand_on(listener.parameter_job, sample); });
+  block_jobs_.take([&](const cansync_slave_BlockJob& sample) { hand_on(listener.block_job, sample); });
   references_.take(
       [&](const cansync_slave_ReferencesReceived& sample) { hand_on(listener.references, sample); });
   monitored_.take([&](const cansync_slave_MonitoredValues& sample) { hand_on(listener.monitored, sample); });

@@ -27,6 +27,8 @@ class SlaveClient {
     std::function<void(const cansync_slave_ReferencesReceived&)> references;
     std::function<void(const cansync_slave_MonitoredValues&)> monitored;
     std::function<void(const cansync_slave_ActionReceived&)> action;
+    std::function<void(const cansync_slave_ParameterJob&)> parameter_job;
+    std::function<void(const cansync_slave_BlockJob&)> block_job;
   };
 
   /// Waits until a daemon serves the bus and everything is matched with it. Throws NoDaemon when
@@ -64,6 +66,8 @@ class SlaveClient {
   gateway::dds::Reader<cansync_slave_ReferencesReceived> references_;
   gateway::dds::Reader<cansync_slave_MonitoredValues> monitored_;
   gateway::dds::Reader<cansync_slave_ActionReceived> actions_;
+  gateway::dds::Reader<cansync_slave_ParameterJob> parameter_jobs_;
+  gateway::dds::Reader<cansync_slave_BlockJob> block_jobs_;
   gateway::dds::Reader<cansync_slave_SlaveSideStatus> status_;
   gateway::dds::DaemonSight sight_;
   std::optional<cansync_slave_SlaveSideStatus> newest_;

@@ -28,6 +28,19 @@ template <>
 inline constexpr TopicInfo topic_info<cansync_slave_ActionReceived> = {
     "ActionReceived", &cansync_slave_ActionReceived_desc, kFromDaemon, kind::events(),
     &cansync_slave_ActionReceived_final_desc};
+/// A step of a job counts for who is there; nobody answers what is over.
+inline constexpr TopicQos kStepQos = {.depth = 100};
+template <>
+inline constexpr TopicInfo topic_info<cansync_slave_ParameterJob> = {
+    "ParameterJob", &cansync_slave_ParameterJob_desc, kFromDaemon, kStepQos,
+    &cansync_slave_ParameterJob_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<cansync_slave_BlockJob> = {
+    "BlockJob", &cansync_slave_BlockJob_desc, kFromDaemon, kStepQos, &cansync_slave_BlockJob_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<cansync_slave_ApplicationAnswer> = {
+    "ApplicationAnswer", &cansync_slave_ApplicationAnswer_desc, kFromClients, kind::exclusive(),
+    &cansync_slave_ApplicationAnswer_final_desc};
 template <>
 inline constexpr TopicInfo topic_info<cansync_slave_SlaveSideStatus> = {
     "SlaveSideStatus", &cansync_slave_SlaveSideStatus_desc, kFromDaemon, kind::state(),

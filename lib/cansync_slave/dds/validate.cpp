@@ -20,4 +20,26 @@ gateway::dds::Problem check(const cansync_slave_ActualRelease& release) {
   return std::nullopt;
 }
 
+gateway::dds::Problem check(const cansync_slave_ApplicationAnswer& answer) {
+  constexpr unsigned kMostParameter = 4095;
+  constexpr unsigned kFirstBlockError = 0x0100;
+  constexpr unsigned kMostLength = 4095;
+  if (static_cast<unsigned>(answer.kind) > cansync_slave_ANSWER_BLOCK_REFUSED)
+    return Denial{gateway_CAUSE_KIND, fmt::format("kind {}: this daemon does not know it; allowed 0..{}",
+                                                  static_cast<unsigned>(answer.kind),
+                                                  static_cast<unsigned>(cansync_slave_ANSWER_BLOCK_REFUSED))};
+  for (std::uint32_t i = 0; i < answer.parameters._length; ++i) {
+    if (answer.parameters._buffer[i] > kMostParameter)
+      return Denial{gateway_CAUSE_FIELD, fmt::format("parameters[{}] {}: out of range; allowed 0..{}", i,
+                                                     answer.parameters._buffer[i], kMostParameter)};
+  }
+  if (answer.kind == cansync_slave_ANSWER_BLOCK_REFUSED && answer.error < kFirstBlockError)
+    return Denial{gateway_CAUSE_FIELD,
+                  fmt::format("error 0x{:04X}: out of range; allowed 0x0100..0xFFFF", answer.error)};
+  if (answer.length > kMostLength)
+    return Denial{gateway_CAUSE_FIELD,
+                  fmt::format("length {}: out of range; allowed 0..{}", answer.length, kMostLength)};
+  return std::nullopt;
+}
+
 }  // namespace cansync_slave::dds

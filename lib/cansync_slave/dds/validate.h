@@ -15,4 +15,7 @@ inline constexpr std::uint32_t kMostWaitIntervals = 1000;
 /// Nothing, or why the release is refused. A sample that gives the telegram up is not to be checked.
 gateway::dds::Problem check(const cansync_slave_ActualRelease& release);
 
+/// Nothing, or why what an application says is refused.
+gateway::dds::Problem check(const cansync_slave_ApplicationAnswer& answer);
+
 }  // namespace cansync_slave::dds

@@ -51,6 +51,15 @@ std::string fault_text(const SideStatus& status) {
   return fmt::format("{}: {}", fault, gateway::dds::text(status.reaction));
 }
 
+std::string parameters_text(const SideStatus& status) {
+  std::string text = fmt::format("{} in the daemon's table; ", status.parameters);
+  const std::string_view application = gateway::dds::text(status.application);
+  if (application.empty()) return text + "no application";
+  return text + fmt::format("{}{} taken over by {}; {} of {} jobs answered, {} of {} blocks moved",
+                            status.taken_over, status.takes_blocks ? " and blocks" : "", application,
+                            status.jobs_answered, status.jobs, status.blocks_done, status.blocks);
+}
+
 std::vector<Explained> lines_of_slave(Session& session) {
   const SideStatus status = side_status(session);
   return {
@@ -68,6 +77,7 @@ std::vector<Explained> lines_of_slave(Session& session) {
       {"fault", fault_text(status)},
       {"answers", fmt::format("{} sent, {} late, {} not taken by the bus; {} actions", status.answers_sent,
                               status.answers_late, status.answers_failed, status.actions)},
+      {"parameters", parameters_text(status)},
       {"response", fmt::format("last {}, longest {}; {}", slave_microseconds(status.response_last),
                                slave_microseconds(status.response_longest), margin_text(status))},
       {"indicators", indicators(status)},
@@ -79,16 +89,19 @@ void add_slave_members(Session& session, JsonObject& object) {
 }
 
 std::vector<Explained> slave_lines_help() {
-  return {{"slave", "its number, operating state, whether bit 15 of the status word is set, and that word"},
-          {"intervals", "those with a SYNC input, and how many went by without their edge"},
-          {"reference values", "telegrams of the master with values, and intervals without any"},
-          {"actual values",
-           "telegrams sent when asked, left out because nothing was released, and left out late"},
-          {"fault", "what the supervision has found, and what the application is to do about it"},
-          {"answers", "to parameter commands and transfers; and actions of the master that name this slave"},
-          {"response", "from the last bit of a request to its answer being handed over, since the start"},
-          {"indicators", "what the four lamps of a module would show"},
-          {"bus load", "share of the last second in which the bus was busy"}};
+  return {
+      {"slave", "its number, operating state, whether bit 15 of the status word is set, and that word"},
+      {"intervals", "those with a SYNC input, and how many went by without their edge"},
+      {"reference values", "telegrams of the master with values, and intervals without any"},
+      {"actual values",
+       "telegrams sent when asked, left out because nothing was released, and left out late"},
+      {"fault", "what the supervision has found, and what the application is to do about it"},
+      {"answers", "to parameter commands and transfers; and actions of the master that name this slave"},
+      {"parameters",
+       "in the table of the configuration, and what an application has taken over and answered since the start"},
+      {"response", "from the last bit of a request to its answer being handed over, since the start"},
+      {"indicators", "what the four lamps of a module would show"},
+      {"bus load", "share of the last second in which the bus was busy"}};
 }
 
 }  // namespace

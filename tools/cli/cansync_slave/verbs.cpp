@@ -131,6 +131,7 @@ void add_references(CLI::App& app, Verb& chosen) {
 void add_verbs_of_cansync_slave(CLI::App& app, Verb& chosen) {
   add_references(app, chosen);
   add_actual_verb(app, chosen);
+  add_serve_verb(app, chosen);
 }
 
 }  // namespace

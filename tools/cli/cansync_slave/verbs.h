@@ -4,9 +4,10 @@
 
 namespace cansync::cli {
 
-/// `references` and `actual`: the bus of a slave.
+/// `references`, `actual` and `serve`: the bus of a slave.
 extern const ProtocolVerbs cansync_slave_verbs;
 
 void add_actual_verb(CLI::App& app, Verb& chosen);  ///< actual
+void add_serve_verb(CLI::App& app, Verb& chosen);   ///< serve
 
 }  // namespace cansync::cli

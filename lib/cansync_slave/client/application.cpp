@@ -1,0 +1,102 @@
+#include "cansync_slave/client/application.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "dds/daemon_identity.h"
+
+namespace cansync_slave::client {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// A quarter of what the daemon waits.
+constexpr std::chrono::milliseconds kPresencePeriod{500};
+
+template <class Job>
+cansync_slave_ApplicationAnswer answer_to(const Job& job, cansync_slave_AnswerKind kind) noexcept {
+  cansync_slave_ApplicationAnswer sample = {};
+  sample.kind = kind;
+  sample.job = job.job;
+  gateway::dds::set_daemon(gateway::dds::daemon_of(job), sample);
+  return sample;
+}
+
+}  // namespace
+
+Application::Application(SlaveClient& client, Duties duties, std::int32_t strength)
+    : duties_(std::move(duties)), writer_(client.participant(), strength, nullptr, client.name()) {
+  (void)keep();
+}
+
+Application::~Application() {
+  Sample sample = {};
+  sample.kind = cansync_slave_ANSWER_GIVEN_UP;
+  (void)writer_.write(sample);
+  (void)writer_.unregister(sample);
+}
+
+std::string Application::keep() {
+  const auto now = steady_clock::now();
+  const std::uint32_t daemons = writer_.matched();
+  if (daemons == 0 || (daemons == daemons_ && said_ && now - *said_ < kPresencePeriod)) return {};
+  daemons_ = daemons;
+  said_ = now;
+  Sample sample = {};
+  sample.kind = cansync_slave_ANSWER_PRESENT;
+  sample.parameters._buffer = duties_.parameters.data();
+  sample.parameters._length = static_cast<std::uint32_t>(duties_.parameters.size());
+  sample.parameters._maximum = sample.parameters._length;
+  sample.sub_slaves = duties_.sub_slaves;
+  sample.blocks = duties_.blocks;
+  return write(sample);
+}
+
+std::string Application::write(Sample& sample, std::span<const std::uint8_t> data) {
+  std::vector<std::uint8_t> bytes(data.begin(), data.end());  // DDS wants to own what it may not change
+  sample.data._buffer = bytes.data();
+  sample.data._length = static_cast<std::uint32_t>(bytes.size());
+  sample.data._maximum = sample.data._length;
+  const auto code = writer_.write(sample);
+  if (code == DDS_RETCODE_OK) return {};
+  return fmt::format("what the application says could not be written: {}", dds_strretcode(code));
+}
+
+std::string Application::answer(const cansync_slave_ParameterJob& job, std::uint32_t value, bool doubleword) {
+  Sample sample = answer_to(job, cansync_slave_ANSWER_PARAMETER);
+  sample.value = value;
+  sample.doubleword = doubleword;
+  return write(sample);
+}
+
+std::string Application::refuse(const cansync_slave_ParameterJob& job, std::uint16_t error) {
+  Sample sample = answer_to(job, cansync_slave_ANSWER_PARAMETER);
+  sample.error = error;
+  return write(sample);
+}
+
+std::string Application::allow(const cansync_slave_BlockJob& job, std::span<const std::uint8_t> upload,
+                               std::uint16_t length) {
+  Sample sample = answer_to(job, cansync_slave_ANSWER_BLOCK_ALLOWED);
+  sample.length = length;
+  return write(sample, upload);
+}
+
+std::string Application::take(const cansync_slave_BlockJob& job) {
+  Sample sample = answer_to(job, cansync_slave_ANSWER_BLOCK_TAKEN);
+  return write(sample);
+}
+
+std::string Application::step(const cansync_slave_BlockJob& job, std::span<const std::uint8_t> upload) {
+  Sample sample = answer_to(job, cansync_slave_ANSWER_BLOCK_STEP);
+  return write(sample, upload);
+}
+
+std::string Application::refuse(const cansync_slave_BlockJob& job, std::uint16_t error) {
+  Sample sample = answer_to(job, cansync_slave_ANSWER_BLOCK_REFUSED);
+  sample.error = error;
+  return write(sample);
+}
+
+}  // namespace cansync_slave::client

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cansync_slave.h"
+#include "cansync_slave/client/slave_client.h"
+#include "dds/endpoint.h"
+
+namespace cansync_slave::client {
+
+/// What a program takes over of the slave.
+struct Duties {
+  std::vector<std::uint16_t> parameters;  ///< numbers, 0..4095
+  bool sub_slaves = false;                ///< and every parameter of sub-slaves over 0
+  bool blocks = false;                    ///< and uploads and downloads
+};
+
+/// The application behind the slave: what it has taken over the master is answered by it, through
+/// `SlaveClient::Listener::parameter_job` and `block_job` and the functions below. While it thinks, the
+/// master is told that it takes longer. Every function returns what failed; empty: it was handed to DDS. An
+/// answer to what is not open any more is dropped by the daemon. One thread.
+class Application {
+ public:
+  /// `strength`: 0 and more, of several applications the strongest answers. `client` must outlive the
+  /// application. Throws gateway::dds::SetupError.
+  Application(SlaveClient& client, Duties duties, std::int32_t strength);
+
+  /// Gives everything back.
+  ~Application();
+  Application(const Application&) = delete;
+  Application& operator=(const Application&) = delete;
+
+  /// Says that the application is there, when that is due: to be called at least every half second. A
+  /// program that stands still longer than two seconds is none any more.
+  std::string keep();
+
+  /// A write is done, or a read has this raw value in this format.
+  std::string answer(const cansync_slave_ParameterJob& job, std::uint32_t value = 0, bool doubleword = false);
+  /// The access fails with an error number (M 3.2.3.7).
+  std::string refuse(const cansync_slave_ParameterJob& job, std::uint16_t error);
+
+  /// BLOCK_BEGUN: the block may be moved. An upload that goes as a whole brings all of its data, 1..300
+  /// bytes; one that does not may fix its length, 0: as asked.
+  std::string allow(const cansync_slave_BlockJob& job, std::span<const std::uint8_t> upload = {},
+                    std::uint16_t length = 0);
+  /// BLOCK_COMPLETE: the data were taken.
+  std::string take(const cansync_slave_BlockJob& job);
+  /// BLOCK_TELEGRAM: done; of an upload with as many bytes as were asked for.
+  std::string step(const cansync_slave_BlockJob& job, std::span<const std::uint8_t> upload = {});
+  /// The block fails with an error number, 0x0100 and over (M 3.2.3.7).
+  std::string refuse(const cansync_slave_BlockJob& job, std::uint16_t error);
+
+ private:
+  using Sample = cansync_slave_ApplicationAnswer;
+
+  std::string write(Sample& sample, std::span<const std::uint8_t> data = {});
+
+  Duties duties_;
+  gateway::dds::Writer<Sample> writer_;
+  std::uint32_t daemons_ = 0;  ///< readers, when it was said last
+  std::optional<std::chrono::steady_clock::time_point> said_;
+};
+
+}  // namespace cansync_slave::client

@@ -1,0 +1,279 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cansync/slave/parameter_table.h"
+#include "cansync/telegram/errors.h"
+#include "cansync_slave/client/application.h"
+#include "cansync_slave/config/parameter_rows.h"
+#include "cli/base/interrupt.h"
+#include "cli/cansync_slave/verbs.h"
+#include "cli/connect/bus_connection.h"
+#include "cli/text/column_help.h"
+#include "cli/text/values.h"
+#include "config/document.h"
+#include "config/problem.h"
+#include "config/rows.h"
+#include "config/settings.h"
+
+namespace cansync::cli {
+namespace {
+
+using cansync_slave::ParameterSections;
+using cansync_slave::client::Application;
+using cansync_slave::client::Duties;
+using cansync_slave::client::SlaveClient;
+
+struct ServeTexts {
+  std::string file;
+  bool blocks = false;
+  std::string strength = "1";
+  std::string count;
+};
+
+const config::Rows<ParameterSections>& serve_rows() {
+  static const std::vector<config::Section> sections = {cansync_slave::kParameterSection};
+  static const config::Rows<ParameterSections> rows(
+      sections, {config::Part<ParameterSections>(cansync_slave::parameter_rows())});
+  return rows;
+}
+
+/// The parameters of a file, as [[parameter]] of the daemon's configuration. Throws UsageError.
+std::vector<ParameterDefinition> read_parameters(const std::string& path) {
+  config::Settings settings = config::resolve(config::read_document(path), serve_rows().table());
+  std::vector<config::Problem> problems = std::move(settings.problems);
+  ParameterSections sections;
+  std::map<std::string, config::Position> places;
+  for (const config::Setting& setting : settings.items) {
+    if (setting.numbers.empty()) continue;
+    sections.number = static_cast<unsigned>(setting.numbers.front());
+    places[setting.key] = setting.where;
+    if (auto text = serve_rows().apply(*setting.option, setting.value, sections))
+      problems.push_back({setting.where, setting.key, std::move(*text)});
+  }
+  std::vector<ParameterDefinition> definitions =
+      cansync_slave::parameter_definitions(sections, [&](const std::string& key, const std::string& text) {
+        const auto place = places.find(key);
+        problems.push_back({place == places.end() ? config::Position{path, 0, 0} : place->second, key, text});
+      });
+  if (problems.empty() && definitions.empty())
+    problems.push_back({{path, 0, 0}, "", "found no [[parameter]]; allowed: one and more"});
+  config::sort_by_place(problems);
+  if (!problems.empty()) throw UsageError(config::problems_text(problems));
+  return definitions;
+}
+
+std::vector<Table::Column> serve_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"TIME", left, "when the master's telegram came, in the time zone of this computer", 23},
+          {"JOB", right, "its number, given by the daemon", 8},
+          {"KIND", left, "read, write, upload or download", 8},
+          {"NUMBER", right, "parameter, or start address", 10},
+          {"VALUE", right, "raw value that was read or written; of a block its bytes", 11},
+          {"RESULT", left, "ok, or the error number that the master was answered with", 9}};
+}
+
+/// One thing that was asked and how it was answered.
+struct Served {
+  std::int64_t time = 0;
+  std::uint64_t job = 0;
+  const char* kind = "";
+  std::uint32_t number = 0;
+  std::string value;
+  std::int64_t raw = 0;
+  unsigned error = 0;
+};
+
+/// Answers from a table of its own, and writes a line for each answer.
+class Server {
+ public:
+  Server(Output& output, const std::vector<ParameterDefinition>& definitions, std::uint64_t count)
+      : output_(output), lines_(serve_columns()), table_(definitions), count_(count) {}
+
+  void serve(Application& application, const cansync_slave_ParameterJob& job);
+  void serve(Application& application, const cansync_slave_BlockJob& job);
+
+  std::uint64_t served() const noexcept { return served_; }
+  bool enough() const noexcept { return count_ != 0 && served_ >= count_; }
+  /// What could not be handed to DDS; empty: nothing.
+  const std::string& problem() const noexcept { return problem_; }
+
+ private:
+  void begin_block(Application& application, const cansync_slave_BlockJob& job);
+  void move_telegram(Application& application, const cansync_slave_BlockJob& job);
+  void show(const Served& served);
+  void show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error);
+
+  Output& output_;
+  Table lines_;
+  ParameterTable table_;
+  std::uint64_t count_;
+  std::uint64_t served_ = 0;
+  std::map<std::uint32_t, std::vector<std::uint8_t>> blocks_;  ///< by start address
+  std::vector<std::uint8_t> coming_;                           ///< a download, telegram by telegram
+  cansync_slave_BlockJob open_ = {};                           ///< its sequence is not looked at
+  std::string problem_;
+};
+
+void Server::show(const Served& served) {
+  ++served_;
+  if (output_.json()) {
+    output_.object(JsonObject()
+                       .add("time_ns", served.time)
+                       .add("job", served.job)
+                       .add("kind", served.kind)
+                       .add("number", served.number)
+                       .add("raw", served.raw)
+                       .add("error_code", served.error));
+    return;
+  }
+  if (served_ == 1) output_.line(lines_.heading());
+  output_.line(lines_.line({time_text(served.time, true), fmt::format("{}", served.job), served.kind,
+                            fmt::format("{}", served.number), served.value,
+                            served.error == 0 ? "ok" : fmt::format("0x{:04X}", served.error)}));
+}
+
+void Server::serve(Application& application, const cansync_slave_ParameterJob& job) {
+  if (job.step != cansync_slave_JOB_ASKED || enough()) return;
+  const auto number = ParameterNumber::from(job.parameter);
+  const auto element = Element::from(job.element);
+  ParameterAnswer answer;
+  answer.error = ParameterError::not_present;
+  if (number && element && job.sub_slave == 0) {
+    answer = job.write ? table_.write(*number, job.doubleword, job.value) : table_.read(*number, *element);
+  }
+  const auto error = static_cast<std::uint16_t>(answer.error);
+  problem_ =
+      error == 0 ? application.answer(job, answer.value, answer.doubleword) : application.refuse(job, error);
+  const std::uint32_t raw = job.write ? job.value : answer.value;
+  const std::int64_t value =
+      as_signed(raw, answer.doubleword || job.doubleword ? Width::doubleword : Width::word);
+  show({job.time, job.job, job.write ? "write" : "read", job.parameter,
+        error == 0 || job.write ? fmt::format("{}", value) : "-", error == 0 || job.write ? value : 0,
+        error});
+}
+
+void Server::show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error) {
+  show({job.time, job.job, job.download ? "download" : "upload", job.address, fmt::format("{} bytes", bytes),
+        static_cast<std::int64_t>(bytes), error});
+}
+
+void Server::begin_block(Application& application, const cansync_slave_BlockJob& job) {
+  open_ = job;
+  coming_.clear();
+  if (job.download) {
+    problem_ = application.allow(job);
+    return;
+  }
+  const auto block = blocks_.find(job.address);
+  if (block == blocks_.end()) {
+    constexpr auto kNotPossible = static_cast<std::uint16_t>(TransferError::not_possible);
+    problem_ = application.refuse(job, kNotPossible);
+    show_block(job, 0, kNotPossible);
+    return;
+  }
+  coming_ = block->second;
+  problem_ = job.whole ? application.allow(job, coming_)
+                       : application.allow(job, {}, static_cast<std::uint16_t>(coming_.size()));
+}
+
+void Server::move_telegram(Application& application, const cansync_slave_BlockJob& job) {
+  const std::size_t end = std::size_t{job.offset} + job.bytes;
+  if (coming_.size() < end) coming_.resize(end);
+  if (!job.download) {
+    problem_ = application.step(job, std::span(coming_).subspan(job.offset, job.bytes));
+    return;
+  }
+  std::copy_n(job.data._buffer, std::min<std::size_t>(job.data._length, job.bytes),
+              coming_.begin() + job.offset);
+  problem_ = application.step(job);
+}
+
+void Server::serve(Application& application, const cansync_slave_BlockJob& job) {
+  if (enough()) return;
+  switch (job.step) {
+    case cansync_slave_BLOCK_BEGUN:
+      begin_block(application, job);
+      break;
+    case cansync_slave_BLOCK_COMPLETE:
+      coming_.assign(job.data._buffer, job.data._buffer + job.data._length);
+      problem_ = application.take(job);
+      break;
+    case cansync_slave_BLOCK_TELEGRAM:
+      move_telegram(application, job);
+      break;
+    case cansync_slave_BLOCK_ENDED:
+      if (job.job != open_.job || job.result == cansync_slave_BLOCK_REFUSED) break;
+      if (job.result == cansync_slave_BLOCK_DONE && open_.download) blocks_[open_.address] = coming_;
+      open_.time = job.time;
+      show_block(open_, coming_.size(),
+                 job.result == cansync_slave_BLOCK_DONE
+                     ? 0
+                     : static_cast<unsigned>(TransferError::cancelled_by_slave));
+      break;
+  }
+}
+
+ExitCode serve_verb(Session& session, const ServeTexts& texts) {
+  constexpr std::int64_t kStrongest = 2'147'483'647;
+  const auto strength = static_cast<std::int32_t>(parse_integer(texts.strength, "--strength", 0, kStrongest));
+  const std::uint64_t count =
+      texts.count.empty() ? 0
+                          : static_cast<std::uint64_t>(parse_integer(texts.count, "--count", 1, INT32_MAX));
+  const std::vector<ParameterDefinition> definitions = read_parameters(texts.file);
+  Duties duties;
+  duties.blocks = texts.blocks;
+  for (const ParameterDefinition& one : definitions) duties.parameters.push_back(one.number);
+  auto client = connect_bus<SlaveClient>(session);
+  Server server(session.output(), definitions, count);
+  Application application(client, duties, strength);
+  SlaveClient::Listener listener;
+  listener.parameter_job = [&](const cansync_slave_ParameterJob& job) { server.serve(application, job); };
+  listener.block_job = [&](const cansync_slave_BlockJob& job) { server.serve(application, job); };
+  constexpr auto kTurn = std::chrono::milliseconds(100);
+  while (!interrupt_flag().load() && !server.enough()) {
+    std::string problem = application.keep();
+    if (problem.empty()) problem = server.problem();
+    if (!problem.empty()) return session.finish({client::ReplyCode::no_reply, problem}, {}, "serve", "");
+    if (!client.receive(kTurn, listener)) {
+      session.output().remark("the daemon has gone (" + client.place() + ")");
+      return ExitCode::not_reachable;
+    }
+  }
+  session.output().remark(fmt::format("{} answered; {} parameters{} are given back", server.served(),
+                                      definitions.size(), texts.blocks ? " and blocks" : ""));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_serve_verb(CLI::App& app, Verb& chosen) {
+  auto* serve = app.add_subcommand("serve", "as a slave: answer the master's parameter jobs until Ctrl-C");
+  auto texts = std::make_shared<ServeTexts>();
+  serve->add_option("FILE", texts->file, "TOML file with a [[parameter]] for each number that is taken over")
+      ->required();
+  serve->add_flag(
+      "--blocks", texts->blocks,
+      "uploads and downloads, too: a download is kept under its start address until the end, and an "
+      "upload gives what lies there");
+  serve
+      ->add_option("--strength", texts->strength,
+                   "among several applications the strongest answers; 0 and more (default 1)")
+      ->type_name("N");
+  serve->add_option("--count", texts->count, "end after so many answers")->type_name("N");
+  serve->footer(
+      "Of a bus with bus.protocol = \"cansync-slave\". FILE has the same [[parameter]] as the daemon's "
+      "configuration; while\nthis runs, its values are what the master reads and writes. One line for each answer.\n" +
+      columns_help(serve_columns()));
+  serve->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return serve_verb(session, *texts); }; });
+}
+
+}  // namespace cansync::cli
