@@ -27,7 +27,7 @@ struct GatewaySettings {
   Duration transfer_gone = std::chrono::seconds(30);  ///< likewise a block
   /// The same write again within so many intervals after its answer, and nothing else in between, is the
   /// question of a master that did not get the answer: it gets it again, and nothing is written.
-  IntervalNumber remembered = 64;
+  IntervalNumber remembered = 256;
 };
 
 /// What a gateway has counted since its start.

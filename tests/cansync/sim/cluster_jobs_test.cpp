@@ -267,7 +267,7 @@ TEST(ClusterJobs, K13TheSameWriteLaterIsAnotherWrite) {
   Levels net;
   net.start();
   ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
-  net.run(70);
+  net.run(260);
   ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
   EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 2u);
   // Another job in between tells as well that the answer has come.

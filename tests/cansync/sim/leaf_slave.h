@@ -16,7 +16,8 @@
 namespace sim::test {
 
 /// A slave at the end of a network: it notes what it is told, so that a test can say what was applied, and
-/// how often. A number that is odd is a doubleword. 999 is not present.
+/// how often. A number that is odd is a doubleword. 999 is not present; 600 reads
+/// how many edges were noted.
 class LeafSlave final : public Node, private cansync::SlaveApplication {
  public:
   LeafSlave(const cansync::SlaveSideSettings& settings, std::uint16_t cansync_number, can::Time delay)
@@ -125,6 +126,11 @@ class LeafSlave final : public Node, private cansync::SlaveApplication {
     }
     if (takes_time()) {
       result.busy = true;
+      return result;
+    }
+    if (parameter == 600) {
+      result.doubleword = true;
+      result.value = static_cast<std::uint32_t>(edges.size());
       return result;
     }
     result.doubleword = parameter % 2 != 0;
