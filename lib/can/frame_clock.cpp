@@ -8,12 +8,15 @@ namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 
 /// Reading three clocks takes longer than this only when the thread was interrupted meanwhile.
 constexpr Time kUndisturbed = microseconds(5);
 constexpr unsigned kTries = 3;
-/// A frame is stamped before it can be taken; by more than this only on an overloaded machine.
+/// A frame is stamped before it can be taken; by more than this only on an overloaded machine, and never by
+/// more than the second.
 constexpr Time kOnItsWay = milliseconds(2);
+constexpr Time kLongestWay = seconds(1);
 /// Clocks differ by this much although nothing is wrong.
 constexpr Time kClockNoise = microseconds(50);
 constexpr unsigned kWindow = 64;
@@ -58,6 +61,12 @@ std::optional<Time> FrameClock::from_software(Time stamp) const noexcept {
   for (const Time offset : {offset_, offset_before_}) {
     if (plausible(stamp + offset)) return std::min(stamp + offset, look_);
   }
+  // The wall clock was not set meanwhile: the stamp is right, and the frame is an old one. Were it taken for
+  // a new one, it would be answered in a slot that is not its own.
+  const Time step = offset_ - offset_before_;
+  const bool set = step > kClockNoise || step < -kClockNoise;
+  const Time at = stamp + offset_;
+  if (!set && at <= look_ && at >= look_ - kLongestWay) return at;
   return std::nullopt;
 }
 

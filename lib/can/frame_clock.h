@@ -22,7 +22,8 @@ struct StampedTime {
 /// Translates the stamps of received frames into the monotonic clock. Realtime thread only; no system call.
 ///
 /// Kernel stamps count in CLOCK_REALTIME, which may be set. The offset is measured anew before each batch,
-/// and a stamp that lies outside the time in which its batch can have come is tried with the offset before.
+/// and a stamp that lies outside the time in which its batch can have come is tried with the offset before;
+/// when both are the same the frame was longer on its way, up to a second.
 /// Hardware stamps count in a clock of their own: the least difference to the kernel's stamps of the last
 /// two windows of 64 frames is its offset, so that a frame's way through the driver is left out and a clock
 /// that runs fast or slow is followed. A stamp that cannot be is not used, but the next worse source.

@@ -70,6 +70,22 @@ TEST(FrameClock, AStampThatCannotBeIsNotUsed) {
   }
 }
 
+/// An overloaded kernel stamps a frame and hands it on later: it is no new one, whose answer would still be
+/// in time.
+TEST(FrameClock, AFrameThatWasLongOnItsWayKeepsItsTime) {
+  Rig rig;
+  for (const Time way : {Time(milliseconds(2)), Time(milliseconds(5)), Time(milliseconds(900))}) {
+    rig.kernel.now += milliseconds(10);
+    const Time at = rig.kernel.now;
+    rig.kernel.now += way;
+    rig.batch({});
+    rig.kernel.now += microseconds(100);
+    const StampedTime time = rig.batch(rig.software(at));
+    EXPECT_EQ(time.at, at);
+    EXPECT_EQ(time.source, TimestampSource::kernel);
+  }
+}
+
 TEST(FrameClock, FramesThatWaitedForASecondBatchKeepTheirTime) {
   Rig rig;
   rig.batch({});
