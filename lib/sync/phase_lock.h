@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
 namespace sync_line {
 
@@ -65,6 +66,11 @@ class PhaseLock {
 
   /// Since when edges have been missing; 0 unless holdover or lost.
   Time holdover() const noexcept;
+
+  /// The input's newest edge, also one that is not followed; nothing before the first.
+  std::optional<Time> newest() const noexcept {
+    return any_seen_ ? std::optional<Time>(last_seen_) : std::nullopt;
+  }
 
   /// How far the input's edges stand after the timeline's, filtered.
   Time phase_error() const noexcept { return Time(static_cast<Time::rep>(mean_error_)); }

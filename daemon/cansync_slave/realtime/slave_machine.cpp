@@ -187,7 +187,7 @@ void SlaveMachine::receive(const can::ReceivedFrame& received) noexcept {
 /// answers are due, and without any the request itself.
 can::Time SlaveMachine::edge_before(can::Time end) noexcept {
   if (timed_) return edge_;
-  sync_.take_wire();
+  sync_.take_edges();
   const auto newest = sync_.newest();
   return newest ? std::min(*newest, end) : end;
 }

@@ -39,20 +39,19 @@ SyncFollower::Passed SyncFollower::pass(can::Time now) noexcept {
 void SyncFollower::look(can::Time now) noexcept {
   if (now < look_at_) return;
   const bool expected = every_interval_ && tracking();
-  if (inputs_.line != nullptr) inputs_.line->follow(lock_);
-  take_wire();
+  take_edges();
   const std::uint64_t accepted = lock_.counters().accepted;
   if (expected && accepted == accepted_) ++missing_edges_;
   accepted_ = accepted;
   look_at_ = std::max(next(), now) + interval_ / kLookPart;
 }
 
-void SyncFollower::take_wire() noexcept {
+void SyncFollower::take_edges() noexcept {
+  if (inputs_.line != nullptr) inputs_.line->follow(lock_);
   can::Time at{};
   for (unsigned i = 0; inputs_.wire != nullptr && i < kWireEdgesAtOnce && inputs_.wire->take(next(), at);
        ++i) {
     lock_.input(at);
-    newest_ = at;
   }
 }
 

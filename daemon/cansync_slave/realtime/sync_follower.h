@@ -39,14 +39,14 @@ class SyncFollower {
 
   /// Looks at the input when that is due at `now`.
   void look(can::Time now) noexcept;
-  /// Takes the edges that the wire has brought.
-  void take_wire() noexcept;
+  /// Takes the edges that the input has seen.
+  void take_edges() noexcept;
 
   /// Takes a frame when it is the software SYNC of the input; true: it is nothing for the slave.
   bool take_frame(const can::ReceivedFrame& received) noexcept;
 
   /// The newest edge of the input itself; nothing before the first.
-  std::optional<can::Time> newest() const noexcept { return newest_; }
+  std::optional<can::Time> newest() const noexcept { return lock_.newest(); }
   /// The next edge of the timeline.
   can::Time next() const noexcept { return lock_.next(); }
   /// When `pass` or `look` must be called at the latest.
@@ -69,7 +69,6 @@ class SyncFollower {
   const Inputs inputs_;
   sync_line::PhaseLock lock_;
   can::Time look_at_{};
-  std::optional<can::Time> newest_;
   std::uint64_t accepted_ = 0;  ///< edges of the input, as of the last look
   std::uint64_t missing_edges_ = 0;
 };
