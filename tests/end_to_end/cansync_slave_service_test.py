@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-from gateway import CANSYNCD, Place, end, wait_for
+from gateway import CANSYNCD, LONG, Place, end, wait_for
 
 CONFIG = """
 [bus]
@@ -18,6 +18,7 @@ name = "{bus}"
 bit_rate = 125000
 [dds]
 domain = {domain}
+{security}
 [slave]
 number = 5
 lock_time_ms = 50
@@ -60,13 +61,14 @@ def jobs(*kinds):
 class Slave:
     """A daemon that is a slave beside a simulated master; a context manager."""
 
-    def __init__(self, text, extra=""):
+    def __init__(self, text, extra="", security=""):
         self.place = Place()
         self.folder = tempfile.TemporaryDirectory(prefix="cansync_test_")
         self.trace = os.path.join(self.folder.name, "trace")
         self.config = os.path.join(self.folder.name, "bus.toml")
         with open(self.config, "w", encoding="utf-8") as file:
-            file.write(CONFIG.format(bus=self.place.bus, domain=self.place.domain, trace=self.trace, extra=extra) + text)
+            file.write(CONFIG.format(bus=self.place.bus, domain=self.place.domain, trace=self.trace, extra=extra,
+                                     security=security) + text)
 
     def __enter__(self):
         with open(os.path.join(self.folder.name, "log"), "wb") as log:
@@ -215,6 +217,33 @@ class Blocks(unittest.TestCase):
 
     def test_without_the_area_a_short_one_does_too(self):
         self.moved(20, "block_area = false")
+
+
+class Secured(unittest.TestCase):
+    def test_an_engineer_answers_and_an_operator_releases(self):
+        script = os.path.join(os.path.dirname(__file__), "..", "..", "tools", "security", "cansync-security")
+        with tempfile.TemporaryDirectory(prefix="cansync_security_") as folder:
+            authority = os.path.join(folder, "ca")
+            subprocess.run([script, "init", authority], check=True, capture_output=True, timeout=LONG)
+            for role in ("daemon", "viewer", "operator", "engineer"):
+                subprocess.run([script, "add", authority, role, "--role", role], check=True, capture_output=True, timeout=LONG)
+            slave = Slave(TABLE + jobs("parameter = 400"), security=f'security = "{authority}/daemon"')
+            become = lambda role: slave.place.environment.update(CANSYNC_SECURITY=os.path.join(authority, role))
+            become("viewer")
+            with slave:
+                wait_for("the viewer sees values", lambda: slave.place.run("references").returncode == 0)
+                result = slave.place.run("actual", "0=1", "--seconds", 1)
+                self.assertIn("no right to write topic ActualRelease", result.stderr)
+                become("operator")
+                self.assertEqual(slave.place.run("actual", "0=1", "--seconds", 1).returncode, 0)
+                wait_for("released", lambda: slave.status()["released"][0] > 0)
+                path = os.path.join(folder, "own.toml")
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(OWN)
+                result = slave.place.run("serve", path)
+                self.assertIn("no right to write topic ApplicationAnswer", result.stderr)
+                become("engineer")
+                self.assertEqual(slave.place.run("serve", path, "--count", 1).returncode, 0)
 
 
 class ActualValues(unittest.TestCase):

@@ -59,6 +59,7 @@ class SlaveRole(unittest.TestCase):
         self.assertRegex(text, r"(?m)^slave +5, .*; synchronized; status word 0x8000$")
         events = [json.loads(line) for line in self.place.run("events", "--json").stdout.splitlines()]
         self.assertLessEqual({"state_changed", "sync_locked", "slave_synchronized"}, {event["code"] for event in events})
+        self.assertEqual({event["slave"] for event in events if event["code"] == "slave_synchronized"}, {5})
         self.assertEqual(self.place.run("wait", "error-active", "--timeout", LONG).returncode, 0)
 
     def test_reference_values_are_those_of_the_master(self):

@@ -124,11 +124,6 @@ SlaveRoleFile build_slave_config(config::Settings settings, const std::string& p
   if (file.problems.empty()) {
     Findings findings(settings.items, path);
     check_daemon(draft.config, findings);
-    if (!draft.config.dds.security.empty()) {
-      findings.problem("dds.security",
-                       "found an identity; allowed: \"\", because cansync-security gives no rights for the "
-                       "topics of a slave");
-    }
     finish_slave(draft, findings);
     finish_service(draft, findings);
     finish_jobs(draft, findings);

@@ -33,13 +33,13 @@ struct SlaveWords {
   std::optional<EventText> operator()(const SynchronizedReport& report) const {
     if (report.synchronized) {
       return EventText{
-          gateway_SEVERITY_INFO, "slave_synchronized", -1,
+          gateway_SEVERITY_INFO, "slave_synchronized", config.slave.number.value(),
           "activated by the master, and the intervals follow its SYNC: bit 15 of the status word is "
           "set",
           report.when};
     }
     return EventText{
-        gateway_SEVERITY_ERROR, "slave_not_synchronized", -1,
+        gateway_SEVERITY_ERROR, "slave_not_synchronized", config.slave.number.value(),
         "not synchronized any more: bit 15 of the status word is clear, and no actual values are sent",
         report.when};
   }

@@ -14,6 +14,9 @@ using std::chrono::steady_clock;
 /// A quarter of what the daemon waits.
 constexpr std::chrono::milliseconds kPresencePeriod{500};
 
+constexpr const char* kNoRight =
+    "no right to write topic ApplicationAnswer; it needs the role engineer: cansync-security add";
+
 template <class Job>
 cansync_slave_ApplicationAnswer answer_to(const Job& job, cansync_slave_AnswerKind kind) noexcept {
   cansync_slave_ApplicationAnswer sample = {};
@@ -38,6 +41,7 @@ Application::~Application() {
 }
 
 std::string Application::keep() {
+  if (!writer_.permitted()) return kNoRight;
   const auto now = steady_clock::now();
   const std::uint32_t daemons = writer_.matched();
   if (daemons == 0 || (daemons == daemons_ && said_ && now - *said_ < kPresencePeriod)) return {};
@@ -60,6 +64,7 @@ std::string Application::write(Sample& sample, std::span<const std::uint8_t> dat
   sample.data._maximum = sample.data._length;
   const auto code = writer_.write(sample);
   if (code == DDS_RETCODE_OK) return {};
+  if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) return kNoRight;
   return fmt::format("what the application says could not be written: {}", dds_strretcode(code));
 }
 

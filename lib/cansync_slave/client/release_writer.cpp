@@ -26,8 +26,10 @@ std::string ReleaseWriter::write(std::uint8_t telegram, const std::array<std::ui
   sample.valid = valid;
   sample.wait_intervals = wait_intervals;
   gateway::dds::set_daemon(daemon_, sample);
-  if (const auto code = writer_.write(sample); code != DDS_RETCODE_OK)
-    return fmt::format("the values could not be written: {}", dds_strretcode(code));
+  const auto code = writer_.write(sample);
+  if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY)
+    return "no right to write topic ActualRelease; it needs the role operator: cansync-security add";
+  if (code != DDS_RETCODE_OK) return fmt::format("the values could not be written: {}", dds_strretcode(code));
   if (telegram == 1 || telegram == 2) written_[telegram - 1u] = true;
   return {};
 }
