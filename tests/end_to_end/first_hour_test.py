@@ -7,7 +7,8 @@ import subprocess
 import time
 import unittest
 
-from gateway import CANSYNC, LONG, Gateway, wait_for
+from gateway import CANSYNC, LONG, Gateway, end, wait_for
+from verb_case import VerbTest
 
 SETTING_UP = 0x43
 # Far below the seconds of a search, far above what a loaded machine needs to hear a signal.
@@ -72,6 +73,52 @@ class Doctor(unittest.TestCase):
                 file.write(right)
             gateway.process.send_signal(signal.SIGHUP)
             wait_for("doctor is content", lambda: "configuration" not in findings(gateway))
+
+
+class Set(VerbTest):
+    SLAVES = 1
+
+    def given(self, number, *arguments):
+        """The raw reference value that a `set` puts on the bus."""
+        with self.gateway.start("set", *arguments, stderr=subprocess.DEVNULL) as writer:
+            def follows():
+                self.run_verb("control", 0, 0x87)  # acknowledges the fault that the end of another writer was
+                values = self.one("watch", 0, "--count", 1)["values"]
+                return number in [value["raw"] for value in values if value["value"] == 0]
+
+            try:
+                wait_for(f"the drive follows to {number}", follows)
+            finally:
+                end(writer)
+
+    def test_a_name_means_the_unit_and_a_number_means_raw(self):
+        self.given(2500, "target=2.5")
+        self.given(700, "0=700")
+        self.given(800, "target=800", "--raw")
+        self.given(1500, "0=1.5", "--scaled")
+
+    def test_a_name_that_is_unknown_is_told_with_those_there_are(self):
+        self.assertIn("did you mean 'target'?; configured: target", self.fails("set", "tarjet=1", code=2))
+
+    def test_without_effect_it_says_who_is_heard_and_ends_with_a_code_of_its_own(self):
+        with self.gateway.start("set", "0=100", "--strength", 3, stderr=subprocess.DEVNULL) as writer:
+            self.gateway.wait_status("it is heard", lambda s: s["reference_release"][0]["state"] == "released")
+            for strength in (2, 1):
+                told = self.fails("set", "0=5", "--strength", strength, "--seconds", 1, code=10)
+                self.assertIn(f"process {writer.pid} on host", told)
+                self.assertIn(f"with strength {strength}, have no effect", told)
+                self.assertIn("--strength 4 takes over", told)
+            self.run_verb("set", "0=100", "--strength", 4, "--seconds", 0.2)
+            end(writer)
+        self.run_verb("mode", "stop")
+        self.assertIn("no effect", self.fails("set", "0=5", "--seconds", 0.1, code=10))
+
+    def test_on_a_terminal_it_says_what_it_gives(self):
+        shown, _ = self.gateway.run_on_terminal("set", "0=100", "--seconds", 0.1)
+        self.assertIn("giving 0=100 for 0.1 s, with strength 1", shown)
+
+    def test_read_and_write_take_scaled_as_well(self):
+        self.assertIn("--scaled: slave 0: no profile", self.fails("read", 0, 1000, "--scaled", code=2))
 
 
 class Interrupt(unittest.TestCase):

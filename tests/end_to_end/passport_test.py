@@ -221,7 +221,7 @@ class Undisturbed(unittest.TestCase):
         with Gateway(slaves=2, bit_rate=125000, options=options) as gateway:
             gateway.environment["CANSYNC_PROFILES"] = PROFILES
             files = self.backups(gateway, folder)
-            writer = gateway.start("set", "target=1000", "4=5", "--rate", "10", "--release", RELEASE)
+            writer = gateway.start("set", "target=1", "4=5", "--rate", "10", "--release", RELEASE)
             try:
                 for telegram in (0, 1):
                     gateway.wait_status(

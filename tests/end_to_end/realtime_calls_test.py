@@ -30,7 +30,7 @@ class Counting(unittest.TestCase):
 class RealtimeCalls(unittest.TestCase):
     def test_no_interval_takes_more_than_documented_and_none_waits_for_a_lock(self):
         with Gateway(slaves=4, bit_rate=BIT_RATE) as gateway:
-            writer = gateway.start("set", "target=1000", "4=50")
+            writer = gateway.start("set", "target=1", "4=50")
             try:
                 counts = count_calls(gateway.process.pid, INTERVAL)
             except CannotTrace as reason:

@@ -271,7 +271,8 @@ class ReferenceValues(VerbTest):
     def test_the_stronger_writer_wins(self):
         self.start_set("0=700", "--strength", 9)
         self.follow(700)
-        weaker = self.one("set", "0=90000", "--strength", 2, "--seconds", 1)
+        weaker = self.one("set", "0=90000", "--strength", 2, "--seconds", 1, code=10)
+        self.assertEqual(weaker["result"], "no_effect")
         self.assertGreater(weaker["samples"], 1)
         self.assertEqual(self.position(0), 700)
 
@@ -296,7 +297,7 @@ class ReferenceValues(VerbTest):
     def test_wrong_values_are_told(self):
         self.assertIn("value", self.fails("set", "nonsense=1", code=2))
         self.assertIn("allowed", self.fails("set", "0=4294967296", code=2))
-        self.assertIn("allowed: -2.14748e+06..2.14748e+06", self.fails("set", "target=3e6", "--scaled", code=2))
+        self.assertIn("allowed: -2.14748e+06..2.14748e+06", self.fails("set", "target=3e6", code=2))
         remark = self.run_verb("set", "2=1", "--seconds", 0.1).stderr
         self.assertIn("reference value 2 is in no telegram", remark)
 

@@ -162,7 +162,7 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(len(re.findall("(?m)^- ", text)), len(told.options))
 
     def test_exit_codes(self):
-        told = re.findall(r"(?m)^  (\d+)  ", Help(CANSYNC).text.split("Exit codes:\n")[1])
+        told = re.findall(r"(?m)^ {1,2}(\d+)  ", Help(CANSYNC).text.split("Exit codes:\n")[1])
         self.assertGreaterEqual(len(told), 9)
         text = parts(document("command-line.md"), 2)["Exit status"]
         self.assertEqual(re.findall(r"(?m)^- \*\*(\d+)\*\*: \S{3}", text), told)

@@ -19,6 +19,7 @@ enum class ExitCode : std::uint8_t {
   cancelled = 7,      ///< by Ctrl-C, because the master stopped, or replaced by a newer control word
   faults = 8,         ///< `doctor` found an error
   different = 9,      ///< `diff` or `verify` found a difference
+  no_effect = 10,     ///< `set`: not one value reached the line
 };
 
 /// The exit code of a request that ended so.

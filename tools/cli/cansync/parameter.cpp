@@ -21,6 +21,7 @@ struct ParameterOptions {
   std::string format = "auto";
   std::string profile;
   bool raw = false;
+  bool scaled = false;
 };
 
 /// A request, and what the profile says of its parameter.
@@ -66,7 +67,11 @@ Request for_slave(Session& session, Request request, unsigned slave, const Param
   job.number = parameter.number;
   request.profile = found.profile;
   request.known = parameter.known;
-  request.scaled = parameter.by_name && !options.raw && job.element == kValueElement;
+  request.scaled = (parameter.by_name ? !options.raw : options.scaled) && job.element == kValueElement;
+  if (request.scaled && request.known == nullptr) {
+    throw UsageError(fmt::format("--scaled: slave {}: no profile tells the unit of parameter {}{}{}", slave,
+                                 job.number, found.problem.empty() ? "" : ": ", found.problem));
+  }
   return request;
 }
 
@@ -220,7 +225,7 @@ ExitCode write_one(Session& session, Request request, const std::string& value) 
 ExitCode write_verb(Session& session, const ParameterOptions& options) {
   const client::ParameterFormat typed = parse_format(options.format);
   // Told before anything is sent; with `auto` a doubleword is the widest the slave can have.
-  if (looks_like_number(options.parameter) || options.raw) {
+  if ((looks_like_number(options.parameter) && !options.scaled) || options.raw) {
     static_cast<void>(parse_raw(options.value, "VALUE", width_of(typed)));
   }
   const std::vector<Request> requests = parse_requests(session, options, [&](Request& request) {
@@ -233,7 +238,10 @@ ExitCode write_verb(Session& session, const ParameterOptions& options) {
 }
 
 void add_common(CLI::App& verb, ParameterOptions& options) {
-  verb.add_flag("--raw", options.raw, "with a name: the value as on the bus instead of in its unit");
+  auto* raw =
+      verb.add_flag("--raw", options.raw, "with a name: the value as on the bus instead of in its unit");
+  verb.add_flag("--scaled", options.scaled, "with a number: the value in the unit of the slave's profile")
+      ->excludes(raw);
   verb.add_option("--element", options.element, "element 0..7 of the parameter; 7 = the value (default)")
       ->type_name("E");
   verb.add_option("--sub-slave", options.sub_slave,

@@ -1,18 +1,22 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <mutex>
 
+#include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
+#include "cli/cansync/reference_effect.h"
 #include "cli/cansync/verbs.h"
+#include "cli/text/words.h"
 
 namespace cansync::cli {
 namespace {
 
-constexpr std::uint16_t kActive = 0x0080;      // w_OPTION_STATUS: active as master
 constexpr std::int64_t kMostIntervals = 1000;  // the daemon's default limit of release_intervals
 constexpr double kPeriodsReleased = 3.0;       // so that two late samples leave no gap
 
@@ -20,18 +24,12 @@ constexpr double kPeriodsReleased = 3.0;       // so that two late samples leave
 struct SetTexts {
   std::vector<std::string> assignments;
   bool scaled = false;
+  bool raw = false;
   std::string rate = "50";
   std::string release;
   std::string strength = "1";
   std::string seconds;
 };
-
-/// The values of one telegram.
-struct TelegramToSet {
-  std::array<std::int32_t, 4> value{};
-  std::uint8_t valid = 0;
-};
-using Telegrams = std::array<TelegramToSet, 2>;
 
 /// How the values are given.
 struct Pace {
@@ -47,6 +45,12 @@ std::int32_t parse_word(const Assignment& assignment) {
                     std::numeric_limits<std::int16_t>::min(), std::numeric_limits<std::uint16_t>::max()));
 }
 
+/// Is the number in the value's unit? As in `read` and `write` when the value was named, not numbered.
+bool in_unit(const SetTexts& texts, const Assignment& assignment, const cansync_ValueName& name) {
+  if (texts.raw || texts.scaled) return texts.scaled;
+  return std::string_view(name.name) == assignment.value;
+}
+
 std::int32_t parse_value(const Assignment& assignment, const cansync_ValueName& name, bool scaled) {
   const RawForm form = raw_form(name);
   // The bits count: what has no sign may need the highest one.
@@ -57,14 +61,28 @@ std::int32_t parse_value(const Assignment& assignment, const cansync_ValueName& 
   return as_signed(parse_raw(assignment.number, assignment.value, Width::doubleword), Width::doubleword);
 }
 
+/// Number of a value; a name that is none of the line's is told with those there are.
+unsigned parse_reference(std::string_view text, const client::MasterStatus& status) {
+  try {
+    return parse_value_number(text, value_lookup(status.reference_value));
+  } catch (const UsageError& error) {
+    std::vector<std::string> names;
+    for (const cansync_ValueName& name : status.reference_value)
+      if (!client::text(name.name).empty()) names.emplace_back(name.name);
+    if (names.empty()) throw;
+    throw UsageError(
+        fmt::format("{}{}; configured: {}", error.what(), did_you_mean(text, names), fmt::join(names, ", ")));
+  }
+}
+
 Telegrams parse_telegrams(const SetTexts& texts, const client::MasterStatus& status) {
   Telegrams telegrams{};
-  const ValueLookup lookup = value_lookup(status.reference_value);
   for (const std::string& text : texts.assignments) {
     const Assignment assignment = parse_assignment(text);
-    const unsigned value = parse_value_number(assignment.value, lookup);
+    const unsigned value = parse_reference(assignment.value, status);
+    const cansync_ValueName& name = status.reference_value[value];
     TelegramToSet& telegram = telegrams[value / 4];
-    telegram.value[value % 4] = parse_value(assignment, status.reference_value[value], texts.scaled);
+    telegram.value[value % 4] = parse_value(assignment, name, in_unit(texts, assignment, name));
     telegram.valid = static_cast<std::uint8_t>(telegram.valid | (1u << (value % 4)));
   }
   return telegrams;
@@ -99,7 +117,7 @@ Pace parse_pace(const SetTexts& texts, const client::MasterStatus& status) {
 
 /// Says what will keep the values from having an effect.
 void warn(Output& output, const Telegrams& telegrams, const client::MasterStatus& status) {
-  if (status.option_status != kActive)
+  if (status.option_status != kActiveMaster)
     output.remark(
         fmt::format("the master is not in active operation but {}: nothing is sent until `cansync mode run`",
                     status.state));
@@ -115,8 +133,9 @@ void warn(Output& output, const Telegrams& telegrams, const client::MasterStatus
 /// Collects warnings and errors that the daemon tells while values are given: it is the only answer there is.
 class Complaints {
  public:
-  explicit Complaints(client::Client& client)
-      : since_(std::chrono::system_clock::now()),
+  Complaints(client::Client& client, ReferenceEffect& effect)
+      : effect_(effect),
+        since_(std::chrono::system_clock::now()),
         subscription_(client.on_event([this](const client::Event& event) { take(event); })) {}
 
   void tell(Output& output) {
@@ -129,11 +148,14 @@ class Complaints {
   void take(const client::Event& event) {
     const auto since =
         std::chrono::duration_cast<std::chrono::nanoseconds>(since_.time_since_epoch()).count();
-    if (event.severity == gateway_SEVERITY_INFO || event.time < since) return;
+    if (event.time < since) return;
+    effect_.take(event);
+    if (event.severity == gateway_SEVERITY_INFO) return;
     const std::lock_guard lock(mutex_);
     texts_.push_back(fmt::format("{}: {}", event.code, event.text));
   }
 
+  ReferenceEffect& effect_;
   std::chrono::system_clock::time_point since_;
   std::mutex mutex_;
   std::vector<std::string> texts_;
@@ -173,11 +195,40 @@ client::Reply ended(client::ReferenceStanding standing) {
           client::Speaker::client, client::RefusalCause::mapping_changed};
 }
 
+constexpr const char* kNoEffect =
+    "the values had no effect: the line was not in active operation, or another writer is heard";
+// After so long it has told whom it hears.
+constexpr auto kWordOfDaemon = std::chrono::milliseconds(300);
+constexpr auto kLookAgain = std::chrono::milliseconds(10);
+
+/// What --json tells of values without effect.
+JsonObject no_effect(std::uint64_t samples, std::uint32_t release) {
+  return JsonObject()
+      .add("samples", samples)
+      .add("release_intervals", release)
+      .add("result", "no_effect")
+      .add("reason", kNoEffect)
+      .add_null("cause");
+}
+
+/// Says what is given to whom until when, on a terminal, where nothing else would be seen.
+void announce(Output& output, const SetTexts& texts, const Pace& pace, std::int32_t strength) {
+  if (output.json() || !output.data_on_terminal()) return;
+  const std::string end = pace.seconds ? fmt::format("for {:g} s", *pace.seconds) : "until Ctrl-C";
+  output.remark(
+      fmt::format("giving {} {}, with strength {}", fmt::join(texts.assignments, " "), end, strength));
+}
+
 /// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up.
 ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, std::int32_t strength) {
   using Clock = std::chrono::steady_clock;
   client::Client& client = session.client();
-  Complaints complaints(client);
+  ReferenceEffect effect(telegrams, strength, name_of_this_process());
+  Complaints complaints(client, effect);
+  const auto look = [&] {
+    if (const std::string told = effect.look(client.master_status()); !told.empty())
+      session.output().remark(told);
+  };
   client::ReferenceWriter writer(client, strength);
   const auto start = Clock::now();
   const auto length = std::chrono::duration<double>(pace.seconds.value_or(0.0));
@@ -198,13 +249,24 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
       break;
     }
     ++samples;
+    if (Clock::now() >= start + kWordOfDaemon) look();
     complaints.tell(session.output());
     // A late turn is not caught up.
     next = std::max(next + pace.period, Clock::now());
     if (wait_until(std::min(next, end))) break;
   }
+  // The daemon's word of the first sample may still be on its way.
+  for (const auto late = Clock::now() + kWordOfDaemon;
+       reply.ok() && !effect.had_effect() && Clock::now() < late && !wait_until(Clock::now() + kLookAgain);)
+    look();
   complaints.tell(session.output());
   give_up(writer, telegrams);
+  if (reply.ok() && !effect.had_effect()) {
+    if (session.json()) {
+      session.output().object(no_effect(samples, pace.release));
+    }
+    throw Ended(ExitCode::no_effect, fmt::format("set: {}", kNoEffect));
+  }
   return session.finish(reply, JsonObject().add("samples", samples).add("release_intervals", pace.release),
                         "set", fmt::format("values were given {} times and are given up", samples));
 }
@@ -217,6 +279,7 @@ ExitCode set_verb(Session& session, const SetTexts& texts) {
   const Telegrams telegrams = parse_telegrams(texts, status);
   const Pace pace = parse_pace(texts, status);
   warn(session.output(), telegrams, status);
+  announce(session.output(), texts, pace, strength);
   return stream(session, telegrams, pace, strength);
 }
 
@@ -225,11 +288,14 @@ ExitCode set_verb(Session& session, const SetTexts& texts) {
 void add_reference_verb(CLI::App& app, Verb& chosen) {
   auto* set = app.add_subcommand("set", "give reference values until Ctrl-C, or for --seconds");
   auto texts = std::make_shared<SetTexts>();
-  set->add_option("VALUE=NUMBER", texts->assignments,
-                  "reference value 0..7 (or value0..value7, or its configured name) and its raw number: "
-                  "-2147483648..4294967295, decimal or 0x..")
+  set->add_option(
+         "VALUE=NUMBER", texts->assignments,
+         "reference value 0..7 or value0..value7 and its raw number (-2147483648..4294967295, decimal or "
+         "0x..), or its configured name and the number in its unit")
       ->required();
-  set->add_flag("--scaled", texts->scaled, "numbers are in the units of the configuration, e.g. speed=12.5");
+  auto* scaled = set->add_flag("--scaled", texts->scaled,
+                               "also with value numbers: in the units of the configuration, e.g. 0=12.5");
+  set->add_flag("--raw", texts->raw, "also with names: raw numbers")->excludes(scaled);
   set->add_option("--rate", texts->rate, "samples a second, 0.01..1000 (default 50)")->type_name("HZ");
   set->add_option("--release", texts->release,
                   "intervals in a row in which each sample is sent (default: three periods of the rate)")

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cansync/topics.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+/// Whether the reference values that `set` gives reach the line.
+namespace cansync::cli {
+
+inline constexpr std::uint16_t kActiveMaster = 0x0080;  ///< w_OPTION_STATUS: active as master
+
+/// The values of one telegram.
+struct TelegramToSet {
+  std::array<std::int32_t, 4> value{};
+  std::uint8_t valid = 0;
+};
+using Telegrams = std::array<TelegramToSet, 2>;
+
+/// "process 12 on host cab": how the daemon names the writers of this process.
+std::string name_of_this_process();
+
+/// Whether the values have an effect: the line is in active operation, and the daemon hears this writer.
+/// `take` may be called by another thread.
+class ReferenceEffect {
+ public:
+  /// `own`: part of what the daemon calls this writer.
+  ReferenceEffect(const Telegrams& telegrams, std::int32_t strength, std::string own);
+
+  /// An event that came while values are given.
+  void take(const client::Event& event);
+
+  /// Looks at the line; what keeps the values from having an effect, when that has changed, else empty.
+  std::string look(const client::MasterStatus& status);
+
+  /// True once values were heard in active operation.
+  bool had_effect() const noexcept { return had_effect_; }
+
+ private:
+  const Telegrams& telegrams_;
+  std::int32_t strength_;
+  std::string own_;
+  std::string told_;
+  std::atomic<bool> heard_ = false;
+  bool had_effect_ = false;
+};
+
+}  // namespace cansync::cli
