@@ -49,7 +49,6 @@ void Cluster::stop() noexcept {
   static_cast<void>(lower_.control(ControlCommand::cold_restart));
   static_cast<void>(upper_.control(ControlCommand::cold_restart));
   gateway_.forget();
-  lead_.forget();
 }
 
 void Cluster::pursue() noexcept {
@@ -60,7 +59,6 @@ void Cluster::pursue() noexcept {
     // Its jobs end, and are answered above.
     static_cast<void>(lower_.control(ControlCommand::cold_restart));
     initialise_lower();
-    lead_.forget();
   }
   if (!sync_output() && above && sync_ == UpperSync::locked)
     static_cast<void>(lower_.control(ControlCommand::start_synchronous));

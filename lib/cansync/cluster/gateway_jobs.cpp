@@ -6,6 +6,14 @@
 #include "cansync/cluster/gateway_answers.h"
 
 namespace cansync {
+namespace {
+
+/// One that a slave has refused may be given again at once.
+bool may_be_written(const ParameterAnswer& answer) noexcept {
+  return answer.error == ParameterError::none || answer.error == ParameterError::unspecified;
+}
+
+}  // namespace
 
 // --- parameters
 
@@ -24,7 +32,7 @@ ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& l
   if (open_) {
     if (!answer_) return busy_parameter();
     open_ = false;
-    remembered_until_ = question_.write ? now_ + times_.remembered : 0;
+    remembered_until_ = question_.write && may_be_written(*answer_) ? now_ + times_.remembered : 0;
     return *answer_;
   }
   answer_.reset();

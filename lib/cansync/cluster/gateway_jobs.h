@@ -27,7 +27,7 @@ struct GatewayTimes {
 ///
 /// Each job goes down once and its answer goes up once. A write whose answer the asker did not get comes
 /// again as the same telegram: it is answered from memory for `remembered` intervals, as long as no other job
-/// came, and not written again. Realtime safe; not thread safe.
+/// came, and not written again; one that was refused is asked below again. Realtime safe; not thread safe.
 class GatewayParameter {
  public:
   /// Nothing is open.

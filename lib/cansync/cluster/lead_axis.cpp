@@ -55,11 +55,6 @@ void LeadAxis::begin_interval(IntervalNumber now) noexcept {
   now_ = now;
 }
 
-void LeadAxis::forget() noexcept {
-  current_ = {};
-  previous_ = {};
-}
-
 void LeadAxis::keep(const LeadSource& source, unsigned words, const ProcessMapping& mapping,
                     const Values& values) noexcept {
   const Channel channel = channel_of_value(source.value);

@@ -77,8 +77,6 @@ class LeadAxis {
   unsigned delay(unsigned value) const noexcept { return delay_[value]; }
   /// Counters as of this call; they go on changing.
   const LeadCounters& counters(Channel channel) const noexcept { return counters_[index(channel)]; }
-  /// Forgets what came.
-  void forget() noexcept;
 
  private:
   struct Sample {

@@ -199,6 +199,52 @@ TEST(ClusterJobs, K13AnotherJobAboveCancelsTheOneBelow) {
   EXPECT_TRUE(net.of(kLowest + 1).applied.empty());
 }
 
+TEST(ClusterJobs, K13AQuestionForTheGatewayItselfDropsTheJobBelow) {
+  Levels net;
+  net.start();
+  net.of(kMiddle + 1).busy = [] { return 100'000u; };
+  const auto hanging = net.write(kMiddle + 1, 20, 7);
+  ASSERT_EQ(net.upper_master().submit(hanging), cansync::Refusal::none);
+  net.run(50);
+  EXPECT_EQ(net.cluster().gateway().running(), 1u);
+  ASSERT_EQ(net.upper_master().cancel(hanging.id), cansync::Refusal::none);
+  EXPECT_EQ(net.end_of(net.read(0, kStatusWord)).value, 0x8007u);
+  EXPECT_EQ(net.cluster().gateway().running(), 0u);
+  // So does the end of synchronous operation above.
+  ASSERT_EQ(net.upper_master().submit(net.write(kMiddle + 1, 20, 8)), cansync::Refusal::none);
+  net.run(50);
+  EXPECT_EQ(net.cluster().gateway().running(), 1u);
+  net.cluster().upper().control(cansync::ControlCommand::cold_restart);
+  EXPECT_EQ(net.cluster().gateway().running(), 0u);
+  EXPECT_TRUE(net.of(kMiddle + 1).applied.empty());
+}
+
+TEST(ClusterJobs, K11ABlockNobodyGoesOnWithIsCancelledBelow) {
+  Levels net;
+  net.a.holdover = std::chrono::seconds(100);
+  net.a.cluster.gateway.transfer_gone = net.times.interval * 200;
+  net.start();
+  net.of(kMiddle + 1).busy = [] { return 100'000u; };
+  auto data = bytes_of(60);
+  ASSERT_EQ(net.upper_master().submit(net.transfer(kMiddle + 1, false, data)), cansync::Refusal::none);
+  net.run(50);
+  EXPECT_EQ(net.cluster().gateway().running(), 1u);
+  Fault fault;
+  fault.kind = FaultKind::silent;
+  fault.node = NodeNumber{kGatewayA};
+  fault.from = net.top_bus->intervals() + 1;
+  fault.to = fault.from + 400;
+  net.top_bus->faults().add(fault);
+  net.run(150);
+  EXPECT_EQ(net.cluster().gateway().running(), 1u);
+  net.of(kMiddle + 1).busy = [] { return 0u; };
+  net.run(100);
+  EXPECT_EQ(net.cluster().gateway().running(), 0u);
+  EXPECT_TRUE(net.run_until([&] { return net.all_active(); }, 2000));
+  net.run(1500);
+  EXPECT_EQ(net.end_of(net.transfer(kMiddle + 1, true, data, 0x4000)).outcome, Outcome::done);
+}
+
 TEST(ClusterJobs, K13AJobNobodyAsksAboutIsDroppedOnEveryLevel) {
   Levels net(BitRate::mbit1, 8, 2);
   for (auto* gateway : {&net.a, &net.b}) {
@@ -274,6 +320,15 @@ TEST(ClusterJobs, K13TheSameWriteLaterIsAnotherWrite) {
   static_cast<void>(net.end_of(net.read(kMiddle + 1, 20)));
   ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
   EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 3u);
+}
+
+TEST(ClusterJobs, K13AWriteThatWasRefusedMayBeGivenAgainAtOnce) {
+  Levels net;
+  net.start();
+  net.of(kMiddle + 1).refusals = 1;
+  EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).error, ParameterError::not_available_now);
+  EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
+  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
 }
 
 }  // namespace

@@ -115,6 +115,20 @@ TEST_P(ClusterAcceptance, K5TheLowerSyncIsPhaseLockedAndDoesNotJump) {
   EXPECT_LT(std::abs(phase.count()), 1000);
 }
 
+TEST(Cluster, K4ThreeLevelsComeIntoPhaseOneAfterTheOther) {
+  Levels net(BitRate::mbit1, 8, 3);
+  net.a.phase = net.times.interval / 3;
+  net.b.phase = net.times.interval / 4;
+  net.build();
+  ASSERT_TRUE(net.run_until([&] { return net.all_active(); }, 4000));
+  net.run(300);
+  expect_no_jump(net.middle[0]->edges, net.times.interval, net.a.greatest_step);
+  expect_no_jump(net.lowest[0]->edges, net.times.interval, net.b.greatest_step);
+  const auto half = net.times.interval / 2;
+  const can::Time phase = (net.lowest[0]->edges.back() + half) % net.times.interval - half;
+  EXPECT_LT(std::abs(phase.count()), 1000) << "of the first master's edges, through both gateways";
+}
+
 TEST(Cluster, K5AnEdgeThatIsMissingAboveIsMadeBelow) {
   Levels net;
   net.start();
@@ -192,6 +206,8 @@ TEST(Cluster, K7WhoIsEnabledIsASetting) {
 }
 
 // --- lead axis
+
+using Kind = LeadSource::Kind;
 
 LeadSource reference_source(std::uint8_t value) {
   return {LeadSource::Kind::reference, value, {}, true};
@@ -303,48 +319,24 @@ TEST(Cluster, K9ActualValuesOfTheGatewayAndOfItsNeighboursGoDown) {
   EXPECT_EQ(last.values[4], position + 7000 - 1) << "of the interval before the one that has just begun";
 }
 
-TEST(LeadAxisTest, K9AWordIsMadeLongerWithItsSignOrWithout) {
+TEST_P(ClusterAcceptance, K9WhichIntervalItIsFollowsFromTheManualsTimes) {
   using namespace cansync;
-  ProcessMapping words = {};
-  words[0].word[0] = {true, false, 0};
-  for (const bool is_signed : {true, false}) {
-    LeadSources sources = {};
-    sources[4] = {LeadSource::Kind::reference, 0, {}, is_signed};
-    LeadAxis lead(sources, BitRate::mbit1, default_send_margin(BitRate::mbit1), microseconds(50));
-    lead.begin_interval(1);
-    lead.took_references(Channel::one, 1, words, {0xFFFE});
-    const auto update = lead.take(Channel::two);
-    ASSERT_TRUE(update.has_value());
-    EXPECT_EQ(update->value[0], is_signed ? 0xFFFFFFFEu : 0xFFFEu);
-    EXPECT_FALSE(lead.take(Channel::two)) << "once an interval";
+  const SlotTimes& times = slot_times(GetParam());
+  for (const Kind kind : {Kind::reference, Kind::actual, Kind::monitored}) {
+    for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{4}}) {
+      for (const Channel lower : {Channel::one, Channel::two}) {
+        const bool same =
+            kind == Kind::actual || (kind == Kind::reference && value == 0 && lower == Channel::two);
+        EXPECT_EQ(lead_delay({kind, value, {}, true}, lower, times, default_send_margin(GetParam()),
+                             microseconds(50)),
+                  same ? 0u : 1u);
+      }
+    }
   }
-}
-
-TEST(LeadAxisTest, K9AShortTelegramDoesNotBringTheValue) {
-  using namespace cansync;
-  LeadSources sources = {};
-  sources[4] = {LeadSource::Kind::reference, 1, {}, true};
-  LeadAxis lead(sources, BitRate::mbit1, default_send_margin(BitRate::mbit1), microseconds(50));
-  const ProcessMapping mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
-  lead.begin_interval(1);
-  lead.took_references(Channel::one, 3, mapping, {1, 2, 3, 4, 5, 6, 7, 8});
-  EXPECT_FALSE(lead.take(Channel::two));
-  lead.begin_interval(2);
-  lead.took_references(Channel::one, 4, mapping, {1, 2, 3, 4, 5, 6, 7, 8});
-  EXPECT_TRUE(lead.take(Channel::two));
-}
-
-TEST(LeadAxisTest, K9OverSkippedIntervalsNothingIsCarried) {
-  using namespace cansync;
-  LeadSources sources = {};
-  sources[0] = {LeadSource::Kind::reference, 0, {}, true};
-  LeadAxis lead(sources, BitRate::mbit1, default_send_margin(BitRate::mbit1), microseconds(50));
-  const ProcessMapping mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
-  for (const IntervalNumber next : {2u, 3u, 5u}) {
-    lead.took_references(Channel::one, 4, mapping, {1, 2, 3, 4, 5, 6, 7, 8});
-    lead.begin_interval(next);
-    EXPECT_EQ(lead.take(Channel::one).has_value(), next == 3) << next;
-  }
+  // With too little time between, also that one goes in the next interval.
+  EXPECT_EQ(lead_delay({Kind::reference, 0, {}, true}, Channel::two, times, default_send_margin(GetParam()),
+                       times.interval / 3),
+            1u);
 }
 
 TEST(Cluster, K9TheCheckFindsWhatCannotBeCopied) {

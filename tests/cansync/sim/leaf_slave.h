@@ -50,6 +50,7 @@ class LeafSlave final : public Node, private cansync::SlaveApplication {
   std::vector<std::uint32_t> blocks;                          ///< addresses of whole downloads
   unsigned dropped = 0;
   unsigned questions = 0;
+  unsigned refusals = 0;  ///< the next writes are answered "not available now"
   bool record = true;
   bool deaf = false;  ///< takes no part in the bus
 
@@ -148,6 +149,10 @@ class LeafSlave final : public Node, private cansync::SlaveApplication {
       cansync::ParameterAnswer result;
       result.busy = true;
       return result;
+    }
+    if (refusals != 0) {
+      --refusals;
+      return leaf_answer(cansync::ParameterError::not_available_now);
     }
     applied.emplace_back(parameter, value);
     values_[parameter] = value;
