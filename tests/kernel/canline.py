@@ -43,12 +43,12 @@ def delete_interface():
 
 
 class Wire:
-    """A raw socket on vcan0: somebody else on the bus. Frames are written as candump does, `identifier#data`,
+    """A raw socket on an interface: somebody else on the bus. Frames are written as candump does, `identifier#data`,
     remote ones `identifier#R`."""
 
-    def __init__(self):
+    def __init__(self, interface=INTERFACE):
         self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
-        self.socket.bind((INTERFACE,))
+        self.socket.bind((interface,))
 
     def __enter__(self):
         return self
@@ -95,17 +95,18 @@ class Wire:
 
 
 class Candump:
-    """`candump -L vcan0` into a file; a context manager."""
+    """`candump -L` of an interface into a file; a context manager."""
 
-    def __init__(self):
+    def __init__(self, interface=INTERFACE):
+        self.interface = interface
         self.file = tempfile.NamedTemporaryFile(prefix="candump_", suffix=".log")
         self.reader = open(self.file.name, encoding="ascii")
         self.lines, self.pending = [], ""
         self.process = None
 
     def __enter__(self):
-        self.process = subprocess.Popen(["candump", "-L", "-r", RECEIVE_BUFFER, INTERFACE], stdout=self.file)
-        with Wire() as wire:
+        self.process = subprocess.Popen(["candump", "-L", "-r", RECEIVE_BUFFER, self.interface], stdout=self.file)
+        with Wire(self.interface) as wire:
             wait_for("candump listens", lambda: wire.send(PROBE) or PROBE in self._read())
         return self
 
@@ -124,10 +125,14 @@ class Candump:
         """All frames so far, as `identifier#data`, in the order of the bus."""
         return [frame for frame in self._read() if frame != PROBE]
 
+    def log(self):
+        """All lines so far, as candump wrote them."""
+        with open(self.file.name, encoding="ascii") as file:
+            return [line for line in file.read().split("\n")[:-1] if PROBE not in line]
+
     def times_of(self, identifier):
         """When the frames with this identifier came, in ns."""
-        with open(self.file.name, encoding="ascii") as file:
-            lines = [line.split() for line in file.read().split("\n")[:-1]]
+        lines = [line.split() for line in self.log()]
         return [int(line[0].strip("()").replace(".", "")) * 1000 for line in lines if line[2].startswith(identifier + "#")]
 
     def wait_for_frame(self, frame):
@@ -187,18 +192,24 @@ class Simulator(Process):
 
 
 class Daemon(Place):
-    """cansyncd on vcan0 at 125 kbit/s with the software SYNC frame; a context manager."""
+    """cansyncd on a CAN interface at 125 kbit/s with the software SYNC frame: the master of slaves 0 and more. A context
+    manager."""
 
-    def __init__(self, slaves=4):
+    PROTOCOL = "cansync-master"
+
+    def __init__(self, slaves=4, interface=INTERFACE):
         super().__init__()
         self.slaves = slaves
         self.config = tempfile.NamedTemporaryFile("w", prefix="line_", suffix=".toml", encoding="utf-8")
-        self.config.write(f'[bus]\nname = "{self.bus}"\ninterface = "{INTERFACE}"\nbit_rate = {BIT_RATE}\n'
-                          f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n[dds]\ndomain = {self.domain}\n'
-                          f'[startup]\nlost_after = {LOST_AFTER}\n')
-        self.config.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(slaves))
+        self.config.write(f'[bus]\nprotocol = "{self.PROTOCOL}"\nname = "{self.bus}"\ninterface = "{interface}"\n'
+                          f'bit_rate = {BIT_RATE}\n[dds]\ndomain = {self.domain}\n{self.role()}')
         self.config.flush()
         self.program = Process(CANSYNCD, self.config.name)
+
+    def role(self):
+        """The sections of the configuration that belong to the role on the bus."""
+        text = f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n[startup]\nlost_after = {LOST_AFTER}\n'
+        return text + "".join(f"[[slave]]\nnumber = {slave}\n" for slave in range(self.slaves))
 
     def __enter__(self):
         self.program.start()
@@ -246,6 +257,7 @@ class Daemon(Place):
             raise AssertionError(f"{error}\nstatus: {last}\nthe daemon:\n{self.log_text()}") from None
 
     def wait_active(self):
+        """As the master: every slave is synchronized."""
         every = (1 << self.slaves) - 1
         return self.wait_status("every slave synchronized in active operation",
                                 lambda s: s["option_status"] == ACTIVE and s["slaves_synchronized"] == every)

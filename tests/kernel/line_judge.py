@@ -72,10 +72,13 @@ def read(lines):
 
 class Judge:
     """Judges all lines at once. `wrong`: what was, in words; `slow`: answers after tRSPTO in their slot, likewise; `count`:
-    frames by the name of their channel; `ways`: us from each WRC1 (0) and WRC2 (1) to its actual values."""
+    frames by the name of their channel; `ways`: us from each WRC1 (0) and WRC2 (1) to its actual values.
 
-    def __init__(self, lines, bit_rate):
+    `tolerance`: us by which a slot may be missed, where SYNC frames are not sure to stand where the edges are."""
+
+    def __init__(self, lines, bit_rate, tolerance=0):
         self.times = TIMES[bit_rate]
+        self.tolerance = tolerance
         self.wrong, self.slow = [], []
         self.count = dict.fromkeys(NAMES.values(), 0)
         self.ways = ([], [])
@@ -85,7 +88,7 @@ class Judge:
         self._referenced = (None, None)  # edges of the newest two intervals with reference values
         self._asked = {}  # 0, 1: the telegram of reference values that may be answered in this interval
         self._sent = []  # places of the master's telegrams in this interval
-        self._commands = {}  # slave -> its command that was not answered, and that one's edge
+        self._commands = {}  # slave -> its commands that were not answered, two at the most: (frame, edge)
         for frame in frames:
             self._frame(frame)
 
@@ -134,7 +137,7 @@ class Judge:
             self._say(frame, "after a telegram whose place in the interval is behind it")
         self._sent.append(place)
         if frame.channel == COMMAND:
-            self._commands[frame.number] = (frame, edge)
+            self._commands[frame.number] = [*self._commands.get(frame.number, [])[-1:], (frame, edge)]
         if frame.channel in REFERENCE:
             self._asked[place] = frame
             if self._referenced[0] != edge:
@@ -147,24 +150,33 @@ class Judge:
             self._say(frame, "not asked in this interval, or answered before")
             return
         self.ways[place].append(frame.at - asked.at)
-        if frame.at - edge > self.times.actual[place]:
+        if frame.at - edge > self.times.actual[place] + self.tolerance:
             self._say(frame, f"{frame.at - edge} us after the edge, later than {self.times.actual[place]} us")
 
     def _response(self, frame, edge):
         """One for each command, about the same thing, within tRSPTO and by tRC (M 3.2.0.1, 3.2.1.3)."""
-        command, asked_edge = self._commands.pop(frame.number, (None, None))
-        if command is None:
+        commands = self._commands.get(frame.number, [])
+        # A command without an answer in its time was not answered.
+        while len(commands) > 1 and frame.at > self._latest(*commands[0], edge):
+            commands.pop(0)
+        if not commands:
             self._say(frame, "no command was there, or it was answered before")
             return
+        command, asked_edge = commands.pop(0)
         transfer = command.data[0] & 0x80
         same = (command.data[0] & 0x0F, command.data[1]) == (frame.data[0] & 0x0F, frame.data[1])
         if frame.data[0] & 0x80 != transfer or not (transfer or same):
             self._say(frame, f"does not answer {command.text}")
-        # Without reference values the line is set up, and commands go early; those that go late have time as in operation.
-        active = any(seen is not None and edge - seen <= self.times.interval * 3 // 2 for seen in self._referenced)
-        early = not active and command.at - asked_edge <= self.times.command - self.times.answer
-        latest = asked_edge + (self.times.command if early else self.times.interval + self.times.response)
+        latest = self._latest(command, asked_edge, edge)
         if frame.at > latest:
             self._say(frame, f"{frame.at - latest} us after its slot")
         elif frame.at - command.at > self.times.answer:
             self._say(frame, f"{frame.at - command.at} us after its command, later than {self.times.answer} us", self.slow)
+
+    def _latest(self, command, asked_edge, edge):
+        """Until when an answer in the interval of `edge` may start. Without reference values the line is set up, and commands
+        go early; those that go late have time as in operation."""
+        active = any(seen is not None and edge - seen <= self.times.interval * 3 // 2 for seen in self._referenced)
+        early = not active and command.at - asked_edge <= self.times.command - self.times.answer
+        slot = self.times.command if early else self.times.interval + self.times.response
+        return asked_edge + slot + self.tolerance

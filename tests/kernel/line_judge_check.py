@@ -83,6 +83,18 @@ class Judged(unittest.TestCase):
         self.assertEqual(self.wrong((4, 6640, "385#0000"), without=[(4, "385#0100")]), [])
         self.one("6641 us after the edge", (4, 6641, "385#0000"), without=[(4, "385#0100")])
 
+    def test_a_tolerance_widens_the_slots(self):
+        lines = line((4, 4410, "305#0000"), (5, 2020, "585#012D00800000"),
+                     without=[(4, "305#E803000007000000"), (5, "585#012D00800000")])
+        self.assertEqual(Judge(lines, 125000, tolerance=100).wrong, [])
+        self.assertEqual(len(Judge(lines, 125000, tolerance=99).wrong), 2)
+
+    def test_two_commands_before_their_answers(self):
+        more = ((4, 7900, "505#712D0000"), (5, 400, "585#012D00800000"), (5, 500, "585#012D00800000"))
+        found = self.wrong(*more, without=[(5, "585#012D00800000")])
+        self.assertEqual([line.split(": ")[1] for line in found], ["a second one in this interval"])
+        self.one("no command was there", *more[1:], without=[(5, "585#012D00800000")])
+
     def test_actual_values_of_the_interval_before(self):
         self.one("not asked", (5, 10, "305#0000"), without=[(4, "305#E803000007000000")])
 

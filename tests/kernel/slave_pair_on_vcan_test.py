@@ -1,0 +1,14 @@
+"""Master and slave of ours as two daemons on vcan0."""
+
+import unittest
+
+from canline import INTERFACE, create_interface
+from slave_pair import SlavePair
+
+
+class PairOnVcan(SlavePair, unittest.TestCase):
+    interfaces = (INTERFACE, INTERFACE)
+    tolerance = 2000
+
+    def setUp(self):
+        create_interface()
