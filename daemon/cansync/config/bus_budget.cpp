@@ -53,6 +53,15 @@ bool asks_somebody(const MasterSettings& master, unsigned channel) noexcept {
   return master.process.polling[channel].kind != Cursor::Kind::nobody;
 }
 
+/// The second of two automatic cursors is half a round ahead (M 3.1.1.1).
+unsigned polling_apart(const MasterSettings& master) noexcept {
+  const auto& process = master.process;
+  const bool automatic =
+      std::all_of(process.polling.begin(), process.polling.end(),
+                  [](const Cursor& cursor) { return cursor.kind == Cursor::Kind::automatic; });
+  return process.polling_apart && automatic ? (process.maximum_slave.value() + 2u) / 2 : 0;
+}
+
 unsigned polling_round(const MasterSettings& master, unsigned channel) noexcept {
   switch (master.process.polling[channel].kind) {
     case Cursor::Kind::automatic:
@@ -239,6 +248,7 @@ BusBudget bus_budget(const BudgetInput& input) {
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     budget.polling_round[channel] = polling_round(master, channel);
   }
+  budget.polling_apart = polling_apart(master);
   budget.parameter_round = job_round(master, master.command_channel.parameter);
   budget.transfer_round = job_round(master, master.command_channel.transfer);
   budget.parameter_least = (least_bits(kReadCommandBytes) + least_bits(kWordReplyBytes)) * times.bit_time();

@@ -50,6 +50,9 @@ struct BusBudget {
 
   /// Intervals until a channel has asked every slave it asks once; 0: it asks nobody.
   std::array<unsigned, cansync::kChannels> polling_round = {};
+  /// Most intervals until one of both channels asks a slave again; 0: the channels ask together or not in
+  /// turn.
+  unsigned polling_apart = 0;
 
   unsigned parameter_round = 1;  ///< intervals from one turn of a slave's parameter job to the next
   unsigned transfer_round = 1;   ///< likewise of its transfer

@@ -40,6 +40,7 @@ std::string budget_text(const BusBudget& budget) {
                      percent(budget.typical), percent(budget.worst));
   out += polling_line("RDC1", budget.polling_round[0], budget.interval);
   out += polling_line("RDC2", budget.polling_round[1], budget.interval);
+  if (budget.polling_apart != 0) out += polling_line("RDC1 or RDC2", budget.polling_apart, budget.interval);
   out +=
       fmt::format("parameter read: at least {:.0f} us on the bus, at most one in {} interval{} per slave\n",
                   microseconds_of(budget.parameter_least), budget.parameter_round,

@@ -155,6 +155,25 @@ TEST(BusBudget, TheTableNamesEveryTelegramAndFigure) {
             "SYNC frame: up to 85 us late behind the longest command\n");
 }
 
+/// A slave is asked by one channel half a round after the other one.
+TEST(BusBudget, CursorsSetApart) {
+  auto settings = line(cansync::BitRate::mbit1, 32);
+  EXPECT_EQ(budget_of(settings).polling_apart, 0U);
+  EXPECT_EQ(budget_text(budget_of(settings)).find("RDC1 or RDC2"), std::string::npos);
+  settings.process.polling_apart = true;
+  EXPECT_EQ(budget_of(settings).polling_round[0], 32U);
+  EXPECT_NE(budget_text(budget_of(settings))
+                .find("RDC2: every slave asked once in 32 intervals, 32.000 ms\n"
+                      "RDC1 or RDC2: every slave asked once in 16 intervals, 16.000 ms\n"),
+            std::string::npos);
+  settings.process.maximum_slave = *cansync::SlaveNumber::from(4);  // 0 to 4: three intervals, then two
+  EXPECT_EQ(budget_of(settings).polling_apart, 3U);
+  settings.process.maximum_slave = *cansync::SlaveNumber::from(0);
+  EXPECT_EQ(budget_of(settings).polling_apart, 1U);
+  settings.process.polling[1].kind = cansync::Cursor::Kind::nobody;
+  EXPECT_EQ(budget_of(settings).polling_apart, 0U);
+}
+
 TEST(BusBudget, RefusesAMarginThatCanTakeASlavesPlace) {
   struct Limit {
     cansync::BitRate rate;
