@@ -91,11 +91,13 @@ SlaveServiceSettings service_settings(Bytes& in) {
                     {1, true, Access::read_only, 2, 0, 0, false, false},
                     {2, false, Access::read_write, 3, -5, 5, true, true},
                     {3, true, Access::read_write, 4, 0, 0, false, true},
-                    {4, false, Access::not_available, 0, 0, 0, false, true}};
+                    {4, false, Access::not_available, 0, 0, 0, false, true},
+                    {5, false, Access::read_write, 7, 0, 0, false, false, ParameterError::unspecified}};
   const std::uint8_t bits = in.byte();
   out.jobs = {(bits & 1) != 0, (bits & 2) != 0};
   out.area.area = (bits & 4) != 0;
   out.area.monitoring = std::chrono::milliseconds((bits & 8) != 0 ? 50 : 0);
+  out.jobs.answer_time = std::chrono::milliseconds((bits & 16) != 0 ? 20 : 0);
   return out;
 }
 
@@ -141,7 +143,7 @@ class ServiceRun {
       case 0:
         return edge(1 + in_.below(8));
       case 1:
-        return service_.set_application(in_.flag());
+        return come_or_go(in_.flag());
       case 2:
         slave_.release_actual(static_cast<Channel>(in_.below(2)), {1, 2, 3, 4, 5, 6, 7, 8});
         return;
@@ -180,6 +182,16 @@ class ServiceRun {
     require(missing <= counted, "no more are missing than have passed");
     slave_.on_sync(passed);
     service_.area().at(now_);
+    service_.jobs().at(now_);
+  }
+
+  void come_or_go(bool present) {
+    service_.set_application(present);
+    if (!present || in_.flag()) return;
+    TakenOver taken;
+    taken.numbers = in_.byte();
+    taken.sub_slaves = in_.flag();
+    service_.jobs().take_over(taken);
   }
 
   void answer_parameter() {

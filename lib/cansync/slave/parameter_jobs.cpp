@@ -27,7 +27,11 @@ bool ParameterJobs::belongs_to_application(ParameterNumber number, SubSlave sub)
 }
 
 ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, SubSlave sub) noexcept {
-  if (open_) return answer_to_open();
+  AskedParameter job;
+  job.number = number;
+  job.element = element;
+  job.sub_slave = sub;
+  if (is_open(job)) return answer_to_open();
   forget_sending();
   const bool own = belongs_to_application(number, sub);
   if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
@@ -44,16 +48,19 @@ ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, Sub
     const ParameterAnswer known = table_.read(number, element);
     if (known.error != ParameterError::none) return known;
   }
-  AskedParameter job;
-  job.number = number;
-  job.element = element;
-  job.sub_slave = sub;
   return ask(job);
 }
 
 ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
                                      std::uint32_t value) noexcept {
-  if (open_) return answer_to_open();
+  AskedParameter job;
+  job.write = true;
+  job.number = number;
+  job.element = element;
+  job.sub_slave = sub;
+  job.doubleword = doubleword;
+  job.value = value;
+  if (is_open(job)) return answer_to_open();
   forget_sending();
   const bool own = belongs_to_application(number, sub);
   if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
@@ -68,13 +75,6 @@ ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, Su
     const ParameterAnswer allowed = table_.check(number, doubleword, value);
     if (allowed.error != ParameterError::none) return allowed;
   }
-  AskedParameter job;
-  job.write = true;
-  job.number = number;
-  job.element = element;
-  job.sub_slave = sub;
-  job.doubleword = doubleword;
-  job.value = value;
   return ask(job);
 }
 
@@ -88,8 +88,17 @@ ParameterAnswer ParameterJobs::ask(const AskedParameter& job) noexcept {
   return access_busy();
 }
 
-/// The slave has told of another question by `dropped`, so this is the one that is open, again, whoever is
-/// to answer its number now.
+/// Is this the question that is open, again? Another one drops it, if the slave has not told so before.
+bool ParameterJobs::is_open(const AskedParameter& job) noexcept {
+  if (!open_) return false;
+  AskedParameter same = job;
+  same.id = open_->id;
+  if (same == *open_) return true;
+  dropped();
+  return false;
+}
+
+/// Whoever is to answer its number now.
 ParameterAnswer ParameterJobs::answer_to_open() noexcept {
   if (!answer_) return access_busy();
   // What has an id of 0 was the application's that is gone.

@@ -20,6 +20,7 @@ struct AskedParameter {
   SubSlave sub_slave;
   bool doubleword = false;  ///< write: its format
   std::uint32_t value = 0;  ///< write: the raw value
+  friend bool operator==(const AskedParameter&, const AskedParameter&) = default;
 };
 
 /// Is told of the accesses that wait for an application. Called on the slave's thread; must not allocate,
@@ -96,6 +97,7 @@ class ParameterJobs {
  private:
   bool belongs_to_application(ParameterNumber number, SubSlave sub) const noexcept;
   ParameterAnswer ask(const AskedParameter& job) noexcept;
+  bool is_open(const AskedParameter& job) noexcept;
   ParameterAnswer answer_to_open() noexcept;
   ParameterAnswer without_application(const AskedParameter& job) const noexcept;
   void end_open() noexcept;

@@ -45,7 +45,7 @@ const config::Rows<ParameterSections>& serve_rows() {
 }
 
 /// The parameters of a file, as [[parameter]] of the daemon's configuration. Throws UsageError.
-std::vector<ParameterDefinition> read_parameters(const std::string& path) {
+std::vector<ParameterDefinition> parameters_of_file(const std::string& path) {
   config::Settings settings = config::resolve(config::read_document(path), serve_rows().table());
   std::vector<config::Problem> problems = std::move(settings.problems);
   ParameterSections sections;
@@ -227,7 +227,7 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
   const std::uint64_t count =
       texts.count.empty() ? 0
                           : static_cast<std::uint64_t>(parse_integer(texts.count, "--count", 1, INT32_MAX));
-  const std::vector<ParameterDefinition> definitions = read_parameters(texts.file);
+  const std::vector<ParameterDefinition> definitions = parameters_of_file(texts.file);
   Duties duties;
   duties.blocks = texts.blocks;
   for (const ParameterDefinition& one : definitions) duties.parameters.push_back(one.number);
