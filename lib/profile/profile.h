@@ -26,6 +26,13 @@ enum class Identity : std::uint8_t {
   unit,  ///< tells one drive from the other: serial number
 };
 
+/// What a bit that is set, or a number, means.
+struct Meaning {
+  std::uint32_t number = 0;  ///< bit 0..31, or the raw number
+  std::string words;         ///< 1..60 bytes
+  bool fault = false;        ///< the drive is in fault then
+};
+
 /// One parameter. A value in engineering units = raw number * factor + offset.
 struct Parameter {
   std::uint16_t number = 0;  ///< 0..4095
@@ -41,8 +48,10 @@ struct Parameter {
   Access access = Access::read_write;
   bool is_volatile = false;  ///< changes by itself: never compared and never restored
   Identity identity = Identity::none;
-  std::string group;  ///< a name like `name`; empty: none
-  std::string text;   ///< what it means, for people; 0..200 bytes
+  std::string group;            ///< a name like `name`; empty: none
+  std::string text;             ///< what it means, for people; 0..200 bytes
+  std::vector<Meaning> bits;    ///< each bit at most once
+  std::vector<Meaning> values;  ///< each number at most once
 };
 
 /// The parameters of one type of drive.

@@ -104,7 +104,7 @@ void read_access(Fields& fields, Parameter& parameter) {
 
 Parameter read_parameter(Fields& fields) {
   fields.only({"number", "name", "format", "signed", "unit", "factor", "offset", "minimum", "maximum",
-               "access", "volatile", "identity", "group", "text"});
+               "access", "volatile", "identity", "group", "text", "bits", "values"});
   fields.require("number", "0..4095");
   fields.require("name", "1..64 lower-case letters, digits and '-'");
   fields.require("format", "\"word\", \"doubleword\"");
@@ -119,6 +119,9 @@ Parameter read_parameter(Fields& fields) {
   read_access(fields, parameter);
   parameter.group = fields.name("group").value_or("");
   parameter.text = fields.text("text", kLongestText).value_or("");
+  const bool doubleword = parameter.format == Format::doubleword;
+  parameter.bits = fields.meanings("bits", doubleword ? 31 : 15);
+  parameter.values = fields.meanings("values", doubleword ? 0xFFFFFFFF : 0xFFFF);
   return parameter;
 }
 

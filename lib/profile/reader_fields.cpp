@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <utility>
+#include <variant>
 
 namespace profile {
 
@@ -72,6 +75,36 @@ std::optional<std::string> Fields::name(std::string_view key) {
   if (text != nullptr && is_name(*text)) return *text;
   mismatch(key, "1..64 lower-case letters, digits and '-', beginning with a letter, in quotes");
   return std::nullopt;
+}
+
+std::vector<Meaning> Fields::meanings(std::string_view key, std::int64_t highest) {
+  constexpr std::size_t kLongest = 60;
+  if (!has(key)) return {};
+  const config::Node* node = content_.find(key);
+  std::vector<Meaning> found;
+  bool good = node->kind == config::Node::Kind::value && node->value.kind == config::Value::Kind::list;
+  for (std::size_t i = 0; good && i < node->value.items.size(); ++i) {
+    const auto* text = std::get_if<std::string>(&node->value.items[i]);
+    std::int64_t number = -1;
+    const auto blank = text == nullptr ? std::string::npos : text->find(' ');
+    good = blank != std::string::npos && std::none_of(text->begin(), text->end(), is_control) &&
+           std::from_chars(text->data(), text->data() + blank, number).ptr == text->data() + blank &&
+           number >= 0 && number <= highest;
+    if (!good) break;
+    Meaning meaning{static_cast<std::uint32_t>(number), text->substr(blank + 1), text->back() == '!'};
+    if (meaning.fault) meaning.words.pop_back();
+    good = !meaning.words.empty() && meaning.words.size() <= kLongest &&
+           std::none_of(found.begin(), found.end(),
+                        [&](const Meaning& m) { return m.number == meaning.number; });
+    found.push_back(std::move(meaning));
+  }
+  if (good) return found;
+  mismatch(
+      key,
+      fmt::format("a list of \"NUMBER WORDS\", each number of 0..{} once, words of 1..{} bytes, with '!' at "
+                  "their end for a fault",
+                  highest, kLongest));
+  return {};
 }
 
 std::optional<std::size_t> Fields::choice(std::string_view key,

@@ -40,6 +40,9 @@ class Fields {
   std::optional<double> number(std::string_view key);
   std::optional<bool> flag(std::string_view key);
 
+  /// A list of "NUMBER WORDS", each number 0..`highest` at most once; words that end in '!' tell a fault.
+  std::vector<Meaning> meanings(std::string_view key, std::int64_t highest);
+
   /// A problem at the value of `key`, or at the section when the key is not there.
   void problem(std::string_view key, std::string text);
 

@@ -1,6 +1,7 @@
 """Parameters by the names of a drive profile, as processes."""
 
 import os
+import re
 import subprocess
 import tempfile
 import unittest
@@ -53,6 +54,26 @@ class ByName(Named):
         self.assertEqual((read["value"], read["signed"], read["scaled"]), (65526, -10, -1.0))
         self.assertEqual((read["name"], read["unit"]), ("torque-offset", "%"))
         self.assertEqual(self.text("read", 2, DEVICE_TYPE), "4400 (0x1130, word)\n")
+
+    def test_status_words_and_faults_are_put_into_words(self):
+        self.run_verb("control", 0, 0x87)
+        self.assertIn("): ready, powered", self.text("read", 0, "status-word"))
+        # User command 128 provokes the fault that is its data word.
+        self.run_verb("broadcast", "--slaves", 0, "--command", 128, "--word", 26)
+
+        def faulty():
+            return "reference values missing" in self.text("read", 0, "fault-code")
+
+        wait_for("the drive faults", faulty)
+        self.assertRegex(self.text("params", 0, "--group", "state"), r"fault-code +26 .*: reference values missing\n")
+        wait_for("slaves tells it", lambda: re.search(r"0x[0-9A-F]{4} fault ", self.text("slaves", 0)))
+        shown, _ = self.gateway.run_on_terminal("slaves")
+        self.assertEqual(shown.count("\x1b[31m"), 1)
+        self.gateway.environment["NO_COLOR"] = "1"
+        self.addCleanup(self.gateway.environment.pop, "NO_COLOR")
+        shown, _ = self.gateway.run_on_terminal("slaves")
+        self.assertNotIn("\x1b[31m", shown)
+        self.run_verb("control", 0, 0x87)
 
     def test_every_parameter_in_a_table(self):
         lines = self.text("params", "winder").splitlines()

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "profile/hash.h"
+#include "profile/meaning.h"
 #include "profile_text.h"
 
 namespace profile {
@@ -62,6 +63,28 @@ identity = "type"
   EXPECT_EQ(torque->unit + torque->group + torque->text, "%motionwhat it does");
 }
 
+TEST(ProfileMeaning, BitsAndNumbersAreWords) {
+  const Reading reading = parse(
+      one_parameter("bits = [\"0 ready\", \"3 fault!\", \"15 in step\"]\nvalues = [\"9 both\"]\n"), "f");
+  ASSERT_TRUE(reading.profile) << problems_text(reading.problems);
+  const Parameter& parameter = reading.profile->parameters.front();
+  EXPECT_EQ(words(parameter, 0x8001), "ready, in step");
+  EXPECT_EQ(words(parameter, 9), "both, ready, fault");
+  EXPECT_EQ(words(parameter, 0x10), "");
+  EXPECT_EQ(fault_words(parameter, 0x8009), "fault");
+  EXPECT_EQ(fault_words(parameter, 0x8001), "");
+}
+
+TEST(ProfileMeaning, WhatIsNoListOfNumbersAndWordsIsRefused) {
+  for (const char* wrong : {"bits = 3", "bits = [3]", "bits = [\"fault\"]", "bits = [\"16 fault\"]",
+                            "bits = [\"-1 fault\"]", "bits = [\"3 a\", \"3 b\"]", "bits = [\"3 \"]",
+                            "bits = [\"3 !\"]", "values = [\"65536 much\"]", "bits = [\"3x fault\"]"}) {
+    const Reading reading = parse(one_parameter(std::string(wrong) + "\n"), "f");
+    ASSERT_EQ(reading.problems.size(), 1U) << wrong;
+    EXPECT_NE(reading.problems[0].text.find("allowed: a list of \"NUMBER WORDS\""), std::string::npos);
+  }
+}
+
 TEST(ProfileReader, TheHashIsThatOfTheFile) {
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   const std::string toml = one_parameter("");
@@ -83,7 +106,7 @@ TEST(ProfileReader, WhatIsMissingIsNamed) {
 TEST(ProfileReader, UnknownKeysAndSections) {
   EXPECT_EQ(problems_of(one_parameter("units = \"rpm\"\n")),
             "f:7:1: parameter.units: no key of this section; allowed: number, name, format, signed, unit, "
-            "factor, offset, minimum, maximum, access, volatile, identity, group, text\n");
+            "factor, offset, minimum, maximum, access, volatile, identity, group, text, bits, values\n");
   EXPECT_EQ(problems_of(one_parameter("[other]\n")),
             "f:7:2: other: no section of a profile; allowed: [profile] once, [[parameter]] for each "
             "parameter\n");

@@ -4,6 +4,7 @@
 
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
+#include "profile/meaning.h"
 #include "profile/scaling.h"
 
 namespace cansync::cli {
@@ -94,7 +95,7 @@ bool scales(const Request& request, const client::ParameterReply& reply) {
          reply.doubleword == (request.known->format == profile::Format::doubleword);
 }
 
-std::string value_text(const Request& request, const client::ParameterReply& reply) {
+std::string number_text(const Request& request, const client::ParameterReply& reply) {
   std::string raw = raw_text(reply.value, reply.doubleword);
   if (request.known == nullptr) return raw;
   if (!scales(request, reply)) return raw + "; " + request.known->name;
@@ -106,6 +107,12 @@ std::string value_text(const Request& request, const client::ParameterReply& rep
                        reply.value);
   }
   return fmt::format("{}; {} {}", raw, request.known->name, value);
+}
+
+/// Number and unit, then what they mean, when the profile says so.
+std::string value_text(const Request& request, const client::ParameterReply& reply) {
+  const std::string words = scales(request, reply) ? profile::words(*request.known, reply.value) : "";
+  return number_text(request, reply) + (words.empty() ? "" : ": " + words);
 }
 
 ExitCode finish(Session& session, const Request& request, const client::ParameterReply& reply) {

@@ -6,6 +6,7 @@
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
+#include "profile/meaning.h"
 #include "profile/scaling.h"
 
 namespace cansync::cli {
@@ -118,15 +119,18 @@ class Listing {
 
   void row(const profile::Parameter& parameter, const client::ParameterReply* reply) {
     std::string value = "-";
+    std::string meaning;
     if (reply != nullptr && reply->ok()) {
       const std::int64_t number = profile::raw_number(parameter, reply->value);
       value = raw_ ? std::to_string(reply->value) : profile::scaled_text(parameter, number);
+      meaning = profile::words(parameter, reply->value);
     } else if (reply != nullptr) {
       value = reply->error_code != 0 ? fmt::format("error 0x{:04X}", reply->error_code)
                                      : std::string(client::name(reply->code));
     }
     table_.add({std::to_string(parameter.number), parameter.name, value, parameter.unit,
-                profile::limits_text(parameter), access_text(parameter), parameter.group, parameter.text});
+                profile::limits_text(parameter), access_text(parameter), parameter.group,
+                meaning.empty() ? parameter.text : fmt::format("{}: {}", parameter.text, meaning)});
   }
 
   Session& session_;

@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cli/base/status_refusal.h"
+#include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
+#include "profile/meaning.h"
 
 namespace cansync::cli {
 namespace {
@@ -43,17 +46,27 @@ JsonObject slave_object(const client::SlaveStatus& slave) {
       .add("status_error", slave.status_error);
 }
 
-std::string status_text(const client::SlaveStatus& slave) {
-  if (slave.status_error != 0) return fmt::format("error 0x{:04X}", slave.status_error);
-  return slave.status_known ? fmt::format("0x{:04X}", slave.status_word) : "-";
+/// What the slave's profile calls a fault in its status word; empty: none, or no profile says so here.
+std::string fault_of(Session& session, const client::SlaveStatus& slave) {
+  if (!slave.status_known || slave.status_error != 0 || client::text(slave.profile).empty()) return "";
+  const SlaveProfile found = find_profile(session, slave.slave, "");
+  const profile::Parameter* known =
+      found.profile == nullptr ? nullptr : found.profile->find(std::uint32_t{slave.status_parameter});
+  return known == nullptr ? "" : profile::fault_words(*known, slave.status_word);
 }
 
-void add_slave_row(Table& table, const client::SlaveStatus& slave) {
+std::string status_text(const client::SlaveStatus& slave, const std::string& fault) {
+  if (slave.status_error != 0) return fmt::format("error 0x{:04X}", slave.status_error);
+  if (!slave.status_known) return "-";
+  return fmt::format("0x{:04X}{}{}", slave.status_word, fault.empty() ? "" : " ", fault);
+}
+
+void add_slave_row(Table& table, const client::SlaveStatus& slave, const std::string& fault) {
   const auto microseconds = [](std::int64_t time) {
     return fmt::format("{:.1f}", static_cast<double>(time) / 1e3);
   };
   table.add({fmt::format("{}", slave.slave), slave.name, slave.state, slave.responds ? "yes" : "no",
-             slave.synchronized ? "yes" : "no", status_text(slave), fmt::format("{}", slave.last_seen),
+             slave.synchronized ? "yes" : "no", status_text(slave, fault), fmt::format("{}", slave.last_seen),
              fmt::format("{}", slave.answers), fmt::format("{}", slave.unanswered),
              fmt::format("{}", slave.missed_actual), fmt::format("{}", slave.slow_answers),
              microseconds(slave.last_response), microseconds(slave.longest_response),
@@ -64,25 +77,38 @@ void add_slave_row(Table& table, const client::SlaveStatus& slave) {
 std::vector<Table::Column> slave_columns() {
   constexpr auto left = Table::Align::left;
   constexpr auto right = Table::Align::right;
-  return {{"SLAVE", right, "its number"},
-          {"NAME", left, "its configured name"},
-          {"STATE", left,
-           "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
-           "(its return parameters), and held (they are not right; see `events`, then `release`)"},
-          {"RESPONDS", left, "whether it answers"},
-          {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
-          {"STATUS", left,
-           "its last status word; - = never read since it responds; error = it refuses to give it"},
-          {"LAST SEEN", right, "interval of its last telegram"},
-          {"ANSWERS", right, "answers on the command channel"},
-          {"UNANSWERED", right, "commands without an answer"},
-          {"MISSED", right, "times it was asked for actual values and sent none"},
-          {"SLOW", right, "answers later than tRSPTO"},
-          {"LAST us", right, "time from the end of its last command to the end of the answer"},
-          {"LONGEST us", right, "the longest such time"},
-          {"LOST", right, "times it stopped answering"},
-          {"RETURNED", right, "times it answered again"},
-          {"JOBS ENDED", right, "jobs that ended because it stopped answering"}};
+  return {
+      {"SLAVE", right, "its number"},
+      {"NAME", left, "its configured name"},
+      {"STATE", left,
+       "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
+       "(its return parameters), and held (they are not right; see `events`, then `release`)"},
+      {"RESPONDS", left, "whether it answers"},
+      {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
+      {"STATUS", left,
+       "its last status word, and the faults in it by the slave's profile; - = never read since it responds; "
+       "error = it refuses to give it"},
+      {"LAST SEEN", right, "interval of its last telegram"},
+      {"ANSWERS", right, "answers on the command channel"},
+      {"UNANSWERED", right, "commands without an answer"},
+      {"MISSED", right, "times it was asked for actual values and sent none"},
+      {"SLOW", right, "answers later than tRSPTO"},
+      {"LAST us", right, "time from the end of its last command to the end of the answer"},
+      {"LONGEST us", right, "the longest such time"},
+      {"LOST", right, "times it stopped answering"},
+      {"RETURNED", right, "times it answered again"},
+      {"JOBS ENDED", right, "jobs that ended because it stopped answering"}};
+}
+
+/// Slaves in fault in red where there are colours.
+void show_slaves(Output& output, const Table& table, const std::vector<bool>& faulty) {
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody changes the environment
+  const char* no_color = std::getenv("NO_COLOR");
+  const bool colours = output.data_on_terminal() && (no_color == nullptr || *no_color == '\0');
+  output.line(table.heading());
+  const std::vector<std::string> lines = table.lines();
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    output.line(colours && faulty[i] ? "\x1b[31m" + lines[i] + "\x1b[0m" : lines[i]);
 }
 
 ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
@@ -90,16 +116,20 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   const std::uint32_t wanted = session.configured_slaves(options.slaves);
   Table table(slave_columns());
   std::vector<std::string> refusals;
+  std::vector<bool> faulty;
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
     if (slave.status_error != 0)
       refusals.push_back(status_refusal(slave) + "; mend: " + kStatusRefusalRemedy);
-    if (session.json())
+    if (session.json()) {
       session.output().object(slave_object(slave));
-    else
-      add_slave_row(table, slave);
+      continue;
+    }
+    const std::string fault = fault_of(session, slave);
+    faulty.push_back(!fault.empty() || slave.status_error != 0);
+    add_slave_row(table, slave, fault);
   }
-  if (!session.json()) session.output().table(table);
+  if (!session.json()) show_slaves(session.output(), table, faulty);
   for (const std::string& refused : refusals) session.output().remark(refused);
   return ExitCode::done;
 }
