@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstddef>
 #include <exception>
+#include <list>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -34,23 +36,73 @@ void tell_changes(const ReloadPlan& plan, const ServiceLog& log) {
     log.say(LogPriority::warning, "setting_needs_restart",
             fmt::format("not changed: {} takes effect after a restart", key), {{"CANSYNC_OPTION", key}});
   }
-  if (plan.applied.empty() && plan.needs_restart.empty())
+  if (plan.applied.empty() && plan.needs_restart.empty() && plan.needs_set_up.empty())
     log.say(LogPriority::notice, "reload_without_change", "nothing has changed");
 }
 
 /// One bus of the process.
 struct Bus {
-  Bus(const LoadedConfig& from, JournalSink& journal) : config(from), log(from.daemon.bus.name, journal) {}
+  Bus(const LoadedConfig& from, JournalSink& to) : config(from), journal(to), log(from.daemon.bus.name, to) {}
   const LoadedConfig& config;
+  JournalSink& journal;
   const ServiceLog log;
   std::unique_ptr<Segment> segment;
 };
 /// None of them moves: a segment is made when its place is there.
-using Buses = std::vector<Bus>;
+using Buses = std::list<Bus>;
 
-void reload(const Bus& bus, std::span<const std::string> overrides) {
+/// Puts another segment into the place of one that was stopped. When it cannot be had, the one before is made
+/// anew; without that, too, the bus has none.
+void replace(Bus& bus, const ReloadPlan& plan) {
+  const auto make = [&bus](const auto& maker, const char* after) {
+    bus.segment.reset();
+    try {
+      bus.segment = maker(bus.journal);
+      bus.segment->start();
+      return true;
+    } catch (const std::exception& error) {
+      bus.segment.reset();
+      bus.log.say(
+          LogPriority::error, "reload_refused",
+          fmt::format("the line cannot be set up {}", fmt::format(fmt::runtime(after), error.what())));
+      return false;
+    }
+  };
+  if (!make(plan.anew, "with the changes: {}; it is set up as before"))
+    (void)make(plan.as_before, "as before: {}; this bus has ended, restart the daemon");
+}
+
+/// Keys that keep their running value although the line could be set up anew for them.
+void tell_active(const ReloadPlan& plan, const ServiceLog& log) {
+  for (const std::string& key : plan.needs_set_up) {
+    log.say(LogPriority::warning, "setting_needs_restart",
+            fmt::format("not changed: {} takes effect when the line is set up anew, and it is in active "
+                        "operation: cansync mode stop, then reload once more; or restart",
+                        key),
+            {{"CANSYNC_OPTION", key}});
+  }
+}
+
+/// True when the line was set up anew for what has changed.
+bool set_up_anew(Bus& bus, ReloadPlan& plan) {
+  if (plan.needs_set_up.empty()) return false;
+  std::erase_if(plan.needs_restart, [&](const std::string& key) {
+    return std::find(plan.needs_set_up.begin(), plan.needs_set_up.end(), key) != plan.needs_set_up.end();
+  });
+  if (!bus.segment->stop_unless_active()) {
+    tell_active(plan, bus.log);
+    return false;
+  }
+  const std::vector<std::string> taken = std::exchange(plan.needs_set_up, {});
+  plan.applied.insert(plan.applied.end(), taken.begin(), taken.end());
+  tell_changes(plan, bus.log);
+  replace(bus, plan);
+  return true;
+}
+
+void reload(Bus& bus, std::span<const std::string> overrides) {
   const std::string& path = bus.config.path;
-  const ReloadPlan plan = bus.segment->plan_reload(overrides);
+  ReloadPlan plan = bus.segment->plan_reload(overrides);
   if (!plan.problems.empty()) {
     bus.log.say(
         LogPriority::error, "reload_refused",
@@ -59,11 +111,20 @@ void reload(const Bus& bus, std::span<const std::string> overrides) {
             : fmt::format("the changes of {} need a restart; the daemon keeps running as before", path),
         {{"CANSYNC_FILE", path}});
     bus.log.problems(plan.problems);
-  } else {
+  } else if (!set_up_anew(bus, plan)) {
     tell_changes(plan, bus.log);
     plan.apply();
   }
-  bus.segment->tell_reload(plan);
+  if (bus.segment) bus.segment->tell_reload(plan);
+}
+
+/// All of them; one that cannot be had any more ends, and the others go on. Throws when that was the last.
+void reload(Buses& buses, std::span<const std::string> overrides) {
+  service::reloading();
+  for (Bus& bus : buses) reload(bus, overrides);
+  buses.remove_if([](const Bus& bus) { return bus.segment == nullptr; });
+  if (buses.empty()) throw std::runtime_error("no bus is left after the reload");
+  service::ready();
 }
 
 /// Of each bus, in their order.
@@ -74,7 +135,7 @@ std::vector<Heartbeat::Progress> progress(const Buses& buses) {
 }
 
 /// Until SIGTERM or SIGINT.
-void serve(const Buses& buses, const SignalWait& signals, std::span<const std::string> overrides,
+void serve(Buses& buses, const SignalWait& signals, std::span<const std::string> overrides,
            const ServiceLog& log) {
   Heartbeat heartbeat(service::watchdog());
   while (true) {
@@ -84,9 +145,8 @@ void serve(const Buses& buses, const SignalWait& signals, std::span<const std::s
       continue;
     }
     if (*number == SIGHUP) {
-      service::reloading();
-      for (const Bus& bus : buses) reload(bus, overrides);
-      service::ready();
+      reload(buses, overrides);
+      heartbeat = Heartbeat(service::watchdog());  // what was set up anew counts from 0
       continue;
     }
     if (*number == SIGUSR1) {
@@ -117,14 +177,14 @@ void for_bus(const Buses& buses, const Bus& bus, const Step& step) {
 
 /// Everything that buses need is taken before any of them runs; should the start of one fail all the same,
 /// those that run already end with it.
-void start(Buses& buses, JournalSink& journal) {
+void start(Buses& buses) {
   std::vector<const DaemonConfig*> configs;
   for (const Bus& bus : buses) configs.push_back(&bus.config.daemon);
   std::vector<gateway::dds::Participant> participants = bus_participants(configs);
-  for (std::size_t i = 0; i < buses.size(); ++i) {
-    Bus& bus = buses[i];
-    for_bus(buses, bus, [&] { bus.segment = bus.config.make_segment(journal, std::move(participants[i])); });
-  }
+  auto participant = participants.begin();
+  for (Bus& bus : buses)
+    for_bus(buses, bus,
+            [&] { bus.segment = bus.config.make_segment(bus.journal, std::move(*participant++)); });
   for (const Bus& bus : buses) for_bus(buses, bus, [&] { bus.segment->start(); });
 }
 
@@ -149,9 +209,8 @@ int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string>
   }
   try {
     Buses buses;
-    buses.reserve(files.size());
     for (const LoadedConfig& file : files) buses.emplace_back(file, journal);
-    start(buses, journal);
+    start(buses);
     service::ready();
     serve(buses, signals, overrides, log);
     for (const Bus& bus : buses) bus.segment->stop();

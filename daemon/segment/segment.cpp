@@ -6,8 +6,14 @@
 namespace cansyncd {
 
 std::string not_taken(const ReloadPlan& plan) {
-  if (plan.problems.empty())
-    return fmt::format("not changed before a restart: {}", fmt::join(plan.needs_restart, ", "));
+  if (plan.problems.empty()) {
+    std::vector<std::string> keys = plan.needs_restart;
+    keys.insert(keys.end(), plan.needs_set_up.begin(), plan.needs_set_up.end());
+    return fmt::format(
+        "not changed before {}: {}",
+        plan.needs_restart.empty() ? "the line is set up anew (mode stop, then a reload)" : "a restart",
+        fmt::join(keys, ", "));
+  }
   const config::Problem& first = plan.problems.front();
   return fmt::format("nothing is changed: {}{}{}", first.key, first.key.empty() ? "" : ": ", first.text);
 }

@@ -1,14 +1,18 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "config/problem.h"
 #include "daemon/service/heartbeat.h"
+#include "daemon/service/journal.h"
 
 namespace cansyncd {
+
+class Segment;
 
 /// What reading a configuration again would change.
 struct ReloadPlan {
@@ -17,6 +21,11 @@ struct ReloadPlan {
   std::vector<std::string> applied;        ///< keys of options that changed and take effect
   std::vector<std::string> needs_restart;  ///< keys of options that changed and keep their running value
   std::function<void()> apply;  ///< puts it all into force; empty with problems. Called at most once
+  /// Keys of `needs_restart` that take effect when the line is set up anew by the segment of `anew`, which
+  /// has `applied`, too. Empty: there are none.
+  std::vector<std::string> needs_set_up = {};
+  std::function<std::unique_ptr<Segment>(JournalSink&)> anew = {};
+  std::function<std::unique_ptr<Segment>(JournalSink&)> as_before = {};  ///< with the running values
 };
 
 /// What of a plan was not taken, in words: its first problem, else the options that need a restart.
@@ -38,6 +47,10 @@ class Segment {
   /// Answers every open request of a client, ends all threads and tells the journal how files of this run
   /// ended. May be called before `start` and more than once.
   virtual void stop() noexcept = 0;
+
+  /// Stops as `stop` does, unless the line is in active operation: false, and everything goes on. Between
+  /// `start` and `stop`.
+  virtual bool stop_unless_active() noexcept { return false; }
 
   /// How far the threads have come; the service manager's watchdog is fed while both numbers rise.
   virtual Heartbeat::Progress progress() const noexcept = 0;

@@ -23,7 +23,12 @@ std::string_view text_of(const ByKey& settings, std::string_view key, const Opti
 
 Changes compare(const std::vector<Setting>& running, const std::vector<Setting>& wanted,
                 const std::function<bool(const Setting&)>& applies) {
-  const auto now = [&](const Setting& setting) { return setting.option->reload && applies(setting); };
+  return replace(running, wanted,
+                 [&](const Setting& setting) { return setting.option->reload && applies(setting); });
+}
+
+Changes replace(const std::vector<Setting>& running, const std::vector<Setting>& wanted,
+                const std::function<bool(const Setting&)>& now) {
   const ByKey before = by_key(running);
   const ByKey after = by_key(wanted);
   ByKey all = before;

@@ -21,4 +21,8 @@ struct Changes {
 Changes compare(const std::vector<Setting>& running, const std::vector<Setting>& wanted,
                 const std::function<bool(const Setting&)>& applies);
 
+/// The same when what runs is replaced: `applies` alone says which changes take effect.
+Changes replace(const std::vector<Setting>& running, const std::vector<Setting>& wanted,
+                const std::function<bool(const Setting&)>& applies);
+
 }  // namespace config

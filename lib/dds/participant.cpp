@@ -264,6 +264,10 @@ Participant::~Participant() = default;
 Participant::Participant(Participant&&) noexcept = default;
 Participant& Participant::operator=(Participant&&) noexcept = default;
 
+Participant Participant::once_more() const {
+  return Participant(impl_->options, impl_->shared);
+}
+
 const ParticipantOptions& Participant::options() const noexcept {
   return impl_->options;
 }

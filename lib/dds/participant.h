@@ -54,6 +54,10 @@ class Participant {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
+  /// The same participant of DDS with a publisher and a subscriber of its own, for who takes the place of
+  /// what has this one. Throws SetupError.
+  Participant once_more() const;
+
   const ParticipantOptions& options() const noexcept;
   dds_entity_t handle() const noexcept;
   dds_entity_t publisher() const noexcept;

@@ -96,6 +96,41 @@ class Restart(unittest.TestCase):
         plot = self.gateway.run("plot", path, "--output", os.path.join(self.folder, "plot.svg"))
         self.assertEqual(plot.returncode, 0, plot.stderr)
 
+    def reload(self, *changes):
+        """Changes the configuration, and has the daemon read it again."""
+        with open(self.gateway.config, encoding="utf-8") as file:
+            text = file.read()
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        with open(self.gateway.config, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.gateway.process.send_signal(signal.SIGHUP)
+
+    def test_a_reload_sets_a_line_up_anew_that_is_not_active(self):
+        events = self.follow("events", "--follow")
+        wait_for("it has begun", events.wrote)
+        self.reload(("bit_rate = 1000000", "bit_rate = 500000"), ("number = 2\n", "number = 9\n"))
+        refused = "not changed: slave.9.number takes effect when the line is set up anew, and it is in active operation"
+        wait_for("it is not changed while it is active", lambda: refused in self.gateway.log_text())
+        wait_for("who follows hears why", lambda: "not changed before the line is set up anew" in events.wrote())
+        self.assertEqual(self.gateway.status()["bit_rate"], 1000000)
+        self.assertEqual(self.gateway.status()["slaves_configured"], 0b1111)
+
+        self.assertEqual(self.gateway.run("mode", "stop").returncode, 0)
+        self.gateway.process.send_signal(signal.SIGHUP)
+        self.gateway.wait_status(
+            "the new line is in active operation",
+            lambda s: s["option_status"] == 0x80 and s["slaves_synchronized"] == 0b1000001011 and s["bit_rate"] == 500000,
+        )
+        self.assertIsNone(self.gateway.process.poll(), "the same process")
+        wait_for("who follows hears on", lambda: "changed: bus.bit_rate, slave.2.number, slave.9.number" in events.wrote())
+        self.assertEqual(self.gateway.run("read", "9", "301").returncode, 0)
+        gone = self.gateway.run("read", "2", "301")
+        self.assertEqual(gone.returncode, 3, gone.stderr)
+        self.assertIn("not configured", gone.stderr)
+        self.assertIsNone(events.process.poll())
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

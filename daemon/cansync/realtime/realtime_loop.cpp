@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <thread>
 
 #include "cansync/settings/timing.h"
 #include "system/clock.h"
@@ -65,6 +66,8 @@ void RealtimeLoop::run() noexcept {
   while (!stopping()) {
     sleep_until(timeline_.due());
     wake_ups_.fetch_add(1, std::memory_order_relaxed);
+    decide_stop();
+    if (stopping()) break;
     if (skip_missed_edges()) continue;
     begin_interval();
     mode_.pursue_target();
@@ -73,6 +76,20 @@ void RealtimeLoop::run() noexcept {
     publish();
   }
   end();
+}
+
+bool RealtimeLoop::request_stop_unless_active() noexcept {
+  stop_asked_.store(true);
+  // An interval lasts 8 ms at most, and the main thread has nothing to do but feed the watchdog.
+  while (stop_asked_.load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return stopping();
+}
+
+/// Between two intervals, so that nothing can have enabled active operation meanwhile.
+void RealtimeLoop::decide_stop() noexcept {
+  if (!stop_asked_.load(std::memory_order_relaxed)) return;
+  if (!cansync::is_active(master_.state())) request_stop();
+  stop_asked_.store(false);
 }
 
 void RealtimeLoop::begin() noexcept {

@@ -61,6 +61,11 @@ class RealtimeLoop {
   /// handler.
   void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
+  /// As `request_stop`, unless the line is in active operation then; `run` goes on in that case, and forgets
+  /// that it was asked. Waits until the realtime thread has decided. False: it goes on. One thread, while
+  /// `run` runs.
+  bool request_stop_unless_active() noexcept;
+
   /// Wake-ups for a SYNC edge so far: stands still when the thread does. Any thread.
   std::uint64_t wake_ups() const noexcept { return wake_ups_.load(std::memory_order_relaxed); }
 
@@ -83,6 +88,7 @@ class RealtimeLoop {
   std::uint16_t cansync_status() const noexcept;
   bool synchronous() const noexcept { return cansync::is_synchronous(master_.state()); }
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
+  void decide_stop() noexcept;
   void follow_sync() noexcept;
   void watch_sync_device(bool output, int error, int& known) noexcept;
 
@@ -96,6 +102,7 @@ class RealtimeLoop {
   ModeControl mode_;
   RequestIntake requests_;
   std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_asked_{false};  ///< by `request_stop_unless_active`; cleared when decided
   std::atomic<std::uint64_t> wake_ups_{0};
 
   Timeline timeline_;

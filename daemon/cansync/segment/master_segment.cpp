@@ -39,8 +39,10 @@ LoopSettings loop_settings(const Config& config, FlightTap* tap, sync_line::Sync
 
 }  // namespace
 
-MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant)
+MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant,
+                             std::vector<std::string> changed)
     : file_(std::move(file)),
+      changed_(std::move(changed)),
       log_(file_.config.bus.name, journal),
       bus_(bus_plan(file_.config)),
       sync_line_(make_sync_line(file_.config, interval_of(file_.config), file_.settings, file_.path)),
@@ -62,10 +64,21 @@ MasterSegment::~MasterSegment() {
 void MasterSegment::start() {
   if (sync_line_) sync_line_->start();
   threads_.start(file_.config.realtime);
+  if (!changed_.empty())
+    gateway_.post({gateway_SEVERITY_INFO, "configuration_reloaded", -1,
+                   fmt::format("the line is set up anew with another configuration; changed: {}",
+                               fmt::join(changed_, ", ")),
+                   std::nullopt});
   log_.say(LogPriority::notice, "daemon_running",
            fmt::format("running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
                        file_.config.bus.interface, file_.config.bus.bits_per_second,
                        __builtin_popcount(file_.config.master.configured().bits), participant_.place()));
+}
+
+bool MasterSegment::stop_unless_active() noexcept {
+  if (!loop_.request_stop_unless_active()) return false;
+  stop();
+  return true;
 }
 
 void MasterSegment::stop() noexcept {
@@ -81,13 +94,25 @@ ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {
     file_ = merged;
     gateway_.reload(file_.config);
   };
-  return {false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
+  ReloadPlan plan{false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
+  if (changes.needs_set_up.empty() || !changes.anew.problems.empty()) return plan;
+  plan.needs_set_up = changes.needs_set_up;
+  // It keeps the participant of DDS, so that clients need not find the daemon anew.
+  const auto participant = std::make_shared<gateway::dds::Participant>(participant_.once_more());
+  const auto make = [&participant](ConfigFile file, std::vector<std::string> changed) {
+    return [participant, file = std::move(file), changed = std::move(changed)](JournalSink& journal) {
+      return std::make_unique<MasterSegment>(file, journal, participant->once_more(), changed);
+    };
+  };
+  plan.anew = make(std::move(changes.anew), std::move(changes.needs_set_up));
+  plan.as_before = make(file_, {});
+  return plan;
 }
 
 void MasterSegment::tell_reload(const ReloadPlan& plan) {
   if (!plan.problems.empty()) {
     gateway_.post({gateway_SEVERITY_ERROR, "reload_refused", -1, not_taken(plan), {}});
-  } else if (!plan.needs_restart.empty()) {
+  } else if (!plan.needs_restart.empty() || !plan.needs_set_up.empty()) {
     gateway_.post({gateway_SEVERITY_WARNING, "setting_needs_restart", -1, not_taken(plan), {}});
   }
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "daemon/bus/bus_choice.h"
 #include "daemon/cansync/config/file.h"
@@ -26,13 +27,16 @@ class MasterSegment final : public Segment {
  public:
   /// `file` has no problems; `journal` must outlive the segment. Throws std::runtime_error (of the SYNC
   /// line), std::system_error or gateway::dds::SetupError for what cannot be had.
-  MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant);
+  /// `changed`: options for which the line is set up anew; told as an event. Empty: the daemon starts.
+  MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant,
+                std::vector<std::string> changed = {});
   ~MasterSegment() override;
   MasterSegment(const MasterSegment&) = delete;
   MasterSegment& operator=(const MasterSegment&) = delete;
 
   void start() override;
   void stop() noexcept override;
+  bool stop_unless_active() noexcept override;
   Heartbeat::Progress progress() const noexcept override { return {loop_.wake_ups(), gateway_.passes()}; }
   bool record() noexcept override { return flight_.request(); }
   ReloadPlan plan_reload(std::span<const std::string> overrides) override;
@@ -40,6 +44,7 @@ class MasterSegment final : public Segment {
 
  private:
   ConfigFile file_;
+  std::vector<std::string> changed_;
   const ServiceLog log_;
   BusChoice bus_;
   std::unique_ptr<SyncLine> sync_line_;

@@ -4,9 +4,12 @@
 #include <cansync/topics.h>
 
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "cli/base/interrupt.h"
 
 namespace cansync::cli {
 
@@ -26,6 +29,19 @@ class Restarts {
   /// Throws client::SeveralDaemons while another daemon serves the bus besides: what comes is that of either.
   void expect_one() const {
     if (const std::string who = client_.several_daemons(); !who.empty()) throw client::SeveralDaemons(who);
+  }
+
+  /// True when the daemon has gone and none came within a second: while a line is set up anew there is none.
+  /// Waits so long, or until a signal came.
+  bool gone() const {
+    constexpr auto kComesBack = std::chrono::seconds(1);
+    constexpr auto kLook = std::chrono::milliseconds(20);
+    const auto end = std::chrono::steady_clock::now() + kComesBack;
+    while (!client_.daemon_present()) {
+      if (std::chrono::steady_clock::now() >= end || wait_until(std::chrono::steady_clock::now() + kLook))
+        return true;
+    }
+    return false;
   }
 
   /// True when it was since the last call; however often.

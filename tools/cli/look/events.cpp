@@ -110,7 +110,7 @@ ExitCode follow(Session& session) {
     restarts.expect_one();
     for (const client::Event& event : queue.take_all()) lines.show(event);
     if (stop) return ExitCode::done;
-    if (!client.daemon_present()) {
+    if (restarts.gone()) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
       return ExitCode::not_reachable;
     }

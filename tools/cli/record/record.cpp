@@ -142,7 +142,7 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
       recorded.ended = "signal";
     else if (seconds_since(start) >= duration)
       recorded.ended = "duration";
-    else if (!client.daemon_present() || !client.several_daemons().empty())
+    else if (restarts.gone() || !client.several_daemons().empty())
       recorded.ended = "daemon_gone";
     if (restarts.take()) {
       progress.clear();

@@ -174,7 +174,7 @@ ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_
   Restarts restarts(client);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {
-    if (!client.daemon_present()) {
+    if (restarts.gone()) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
       return ExitCode::not_reachable;
     }

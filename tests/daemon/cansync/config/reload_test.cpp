@@ -86,6 +86,25 @@ TEST(Reload, TheSetOfSlavesNeedsARestart) {
   EXPECT_EQ(changed.merged.config.slaves[2].name, "gone");
 }
 
+TEST(Reload, OptionsOfTheLineAloneTakeEffectWhenItIsSetUpAnew) {
+  const ConfigReload changed =
+      plan("[bus]\nbit_rate = 500000\n[[slave]]\nnumber = 1\n[[slave]]\nnumber = 2\nname = \"gone\"\n",
+           "[bus]\nname = \"other\"\nbit_rate = 125000\n[dds]\ndomain = 5\n[process]\npolling_1 = 3\n"
+           "poll_nobody = 99\n[[slave]]\nnumber = 1\nname = \"kept\"\n[[slave]]\nnumber = 3\n");
+  EXPECT_EQ(changed.needs_set_up, (Keys{"bus.bit_rate", "process.poll_nobody", "slave.2.name",
+                                        "slave.2.number", "slave.3.number"}));
+  EXPECT_EQ(problems_text(changed.anew.problems), "");
+  const Config& anew = changed.anew.config;
+  EXPECT_EQ(anew.master.configured().bits, 0b1010U);
+  EXPECT_EQ(anew.master.bit_rate, cansync::BitRate::kbit125);
+  EXPECT_EQ(anew.master.process.poll_nobody, 99);
+  EXPECT_EQ(anew.master.process.polling[0].slave.value(), 3);
+  EXPECT_EQ(anew.slaves[1].name, "kept");
+  // What belongs to the process stays.
+  EXPECT_EQ(anew.dds.domain, 0U);
+  EXPECT_NE(anew.bus.name, "other");
+}
+
 TEST(Reload, ASimulatedLineOfAllSlavesStaysOne) {
   const ConfigReload fewer = plan("", "[[slave]]\nnumber = 1\nname = \"winder\"\n");
   EXPECT_EQ(fewer.needs_restart, (Keys{"slave.1.number"}));
