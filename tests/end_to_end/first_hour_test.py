@@ -57,6 +57,10 @@ class Doctor(unittest.TestCase):
             found = findings(gateway)["operating state"]
             self.assertEqual(found["level"], "warning")
             self.assertIn("cansync mode", found["remedy"])
+            shown = gateway.run("slaves")
+            self.assertRegex(shown.stdout.decode(), r"0 +slave0 +- +- +- ")
+            self.assertIn("`cansync mode setup`, then `cansync mode run`", shown.stderr)
+            self.assertIn("`cansync mode setup`, then `cansync mode run`", gateway.run("set", "0=1", "--seconds", "0.1").stderr)
 
     def test_tells_a_configuration_that_was_not_taken(self):
         with Gateway(slaves=1) as gateway:

@@ -17,6 +17,7 @@
 namespace cansync::cli {
 namespace {
 
+constexpr std::uint16_t kSettingUp = 0x0043;   // w_OPTION_STATUS: setting up as master
 constexpr std::int64_t kMostIntervals = 1000;  // the daemon's default limit of release_intervals
 constexpr double kPeriodsReleased = 3.0;       // so that two late samples leave no gap
 
@@ -119,8 +120,9 @@ Pace parse_pace(const SetTexts& texts, const client::MasterStatus& status) {
 void warn(Output& output, const Telegrams& telegrams, const client::MasterStatus& status) {
   if (status.option_status != kActiveMaster)
     output.remark(
-        fmt::format("the master is not in active operation but {}: nothing is sent until `cansync mode run`",
-                    status.state));
+        fmt::format("the master is not in active operation but {}: nothing is sent until {}", status.state,
+                    status.option_status == kSettingUp ? "`cansync mode run`"
+                                                       : "`cansync mode setup`, then `cansync mode run`"));
   const unsigned mapped = mapped_values(status.reference_mapping);
   for (unsigned value = 0; value < 8; ++value) {
     const bool given = ((telegrams[value / 4].valid >> (value % 4)) & 1u) != 0;

@@ -61,17 +61,28 @@ std::string status_text(const client::SlaveStatus& slave, const std::string& fau
   return fmt::format("0x{:04X}{}{}", slave.status_word, fault.empty() ? "" : " ", fault);
 }
 
-void add_slave_row(Table& table, const client::SlaveStatus& slave, const std::string& fault) {
+/// Without SYNC nobody is asked: what was known of the slaves is past.
+bool asks_slaves(const client::MasterStatus& master) {
+  constexpr std::uint16_t kInSetUp = 0x0043;  // w_OPTION_STATUS
+  constexpr std::uint16_t kInActiveOperation = 0x0080;
+  return master.option_status == kInSetUp || master.option_status == kInActiveOperation;
+}
+
+const char* yes_or_no(bool yes) {
+  return yes ? "yes" : "no";
+}
+
+void add_slave_row(Table& table, const client::SlaveStatus& slave, const std::string& fault, bool asked) {
   const auto microseconds = [](std::int64_t time) {
     return fmt::format("{:.1f}", static_cast<double>(time) / 1e3);
   };
-  table.add({fmt::format("{}", slave.slave), slave.name, slave.state, slave.responds ? "yes" : "no",
-             slave.synchronized ? "yes" : "no", status_text(slave, fault), fmt::format("{}", slave.last_seen),
-             fmt::format("{}", slave.answers), fmt::format("{}", slave.unanswered),
-             fmt::format("{}", slave.missed_actual), fmt::format("{}", slave.slow_answers),
-             microseconds(slave.last_response), microseconds(slave.longest_response),
-             fmt::format("{}", slave.times_lost), fmt::format("{}", slave.times_returned),
-             fmt::format("{}", slave.jobs_ended)});
+  table.add({fmt::format("{}", slave.slave), slave.name, asked ? slave.state : "-",
+             asked ? yes_or_no(slave.responds) : "-", asked ? yes_or_no(slave.synchronized) : "-",
+             status_text(slave, fault), fmt::format("{}", slave.last_seen), fmt::format("{}", slave.answers),
+             fmt::format("{}", slave.unanswered), fmt::format("{}", slave.missed_actual),
+             fmt::format("{}", slave.slow_answers), microseconds(slave.last_response),
+             microseconds(slave.longest_response), fmt::format("{}", slave.times_lost),
+             fmt::format("{}", slave.times_returned), fmt::format("{}", slave.jobs_ended)});
 }
 
 std::vector<Table::Column> slave_columns() {
@@ -82,7 +93,8 @@ std::vector<Table::Column> slave_columns() {
       {"NAME", left, "its configured name"},
       {"STATE", left,
        "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
-       "(its return parameters), and held (they are not right; see `events`, then `release`)"},
+       "(its return parameters), and held (they are not right; see `events`, then `release`); - = the line is "
+       "stopped"},
       {"RESPONDS", left, "whether it answers"},
       {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
       {"STATUS", left,
@@ -114,8 +126,15 @@ void show_slaves(Output& output, const Table& table, const std::vector<bool>& fa
 ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   session.look_only();
   const std::uint32_t wanted = session.configured_slaves(options.slaves);
+  const client::MasterStatus master = session.client().master_status();
+  const bool asked = asks_slaves(master);
   Table table(slave_columns());
   std::vector<std::string> refusals;
+  if (!asked)
+    refusals.push_back(
+        fmt::format("the line is '{}': no slave is asked, and what stands here is of before; "
+                    "`cansync mode setup`, then `cansync mode run`",
+                    client::text(master.state)));
   std::vector<bool> faulty;
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
@@ -127,7 +146,7 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
     }
     const std::string fault = fault_of(session, slave);
     faulty.push_back(!fault.empty() || slave.status_error != 0);
-    add_slave_row(table, slave, fault);
+    add_slave_row(table, slave, fault, asked);
   }
   if (!session.json()) show_slaves(session.output(), table, faulty);
   for (const std::string& refused : refusals) session.output().remark(refused);

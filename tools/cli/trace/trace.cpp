@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "cli/base/interrupt.h"
 #include "cli/cansync/trace_text.h"
@@ -29,6 +30,12 @@ std::unique_ptr<TraceSource> open_source(const std::string& source, std::uint32_
   std::error_code ignored;
   const bool file =
       source == "-" || source.find('/') != std::string::npos || std::filesystem::exists(source, ignored);
+  if (!file && !std::filesystem::exists("/sys/class/net/" + source, ignored)) {
+    throw std::runtime_error(
+        source +
+        ": there is no such file here, and no such interface; `ip -br link show type can` "
+        "lists those there are");
+  }
   return file ? open_log(source) : open_interface(source, sync);
 }
 
