@@ -7,12 +7,12 @@
 namespace cansync::cli {
 namespace {
 
-constexpr const char* kOwn = "process 12 on host cab";
+constexpr const char* kOwnProcess = "process 12 on host cab";
 constexpr const char* kOwnWriter = "'cansync' (cansync, process 12 on host cab)";
-constexpr const char* kOther = "'plc' (plc, process 123 on host cab)";
+constexpr const char* kOtherWriter = "'plc' (plc, process 123 on host cab)";
 
 template <std::size_t N>
-void put(char (&out)[N], const char* text) {
+void put_chars(char (&out)[N], const char* text) {
   std::snprintf(out, N, "%s", text);
 }
 
@@ -20,15 +20,15 @@ client::MasterStatus given_by(const char* writer, std::int32_t strength,
                               std::uint16_t state = kActiveMaster) {
   client::MasterStatus status{};
   status.option_status = state;
-  put(status.reference_release[0].writer, writer);
+  put_chars(status.reference_release[0].writer, writer);
   status.reference_release[0].strength = strength;
   return status;
 }
 
-client::Event event(const char* code, const std::string& text) {
+client::Event writer_event(const char* code, const std::string& text) {
   client::Event event{};
-  put(event.code, code);
-  put(event.text, text.c_str());
+  put_chars(event.code, code);
+  put_chars(event.text, text.c_str());
   return event;
 }
 
@@ -40,18 +40,18 @@ Telegrams first_telegram() {
 
 TEST(ReferenceEffect, AnotherWriterIsNamedOnceWithTheStrengthThatTakesOver) {
   const Telegrams telegrams = first_telegram();
-  ReferenceEffect effect(telegrams, 1, kOwn);
-  const std::string told = effect.look(given_by(kOther, 1));
-  EXPECT_NE(told.find(kOther), std::string::npos) << told;
+  ReferenceEffect effect(telegrams, 1, kOwnProcess);
+  const std::string told = effect.look(given_by(kOtherWriter, 1));
+  EXPECT_NE(told.find(kOtherWriter), std::string::npos) << told;
   EXPECT_NE(told.find("have no effect while it gives them; --strength 2 takes over"), std::string::npos)
       << told;
-  EXPECT_EQ(effect.look(given_by(kOther, 1)), "") << "told already";
+  EXPECT_EQ(effect.look(given_by(kOtherWriter, 1)), "") << "told already";
   EXPECT_FALSE(effect.had_effect());
 }
 
 TEST(ReferenceEffect, TheOwnWriterHasAnEffectInActiveOperationAlone) {
   const Telegrams telegrams = first_telegram();
-  ReferenceEffect effect(telegrams, 1, kOwn);
+  ReferenceEffect effect(telegrams, 1, kOwnProcess);
   EXPECT_EQ(effect.look(given_by(kOwnWriter, 1, 0x0003)), "");
   EXPECT_FALSE(effect.had_effect());
   EXPECT_EQ(effect.look(given_by(kOwnWriter, 1)), "");
@@ -62,24 +62,25 @@ TEST(ReferenceEffect, AnEventThatNamesThisProcessFirstIsEnough) {
   const Telegrams telegrams = first_telegram();
   const std::string own = kOwnWriter;
   for (const char* code : {"reference_writer_began", "reference_writer_taken_over"}) {
-    ReferenceEffect effect(telegrams, 1, kOwn);
-    effect.take(event(code, own + " (strength 1) gives the reference values of telegram 1"));
-    EXPECT_EQ(effect.look(given_by(kOther, 1)), "") << "the status is older";
+    ReferenceEffect effect(telegrams, 1, kOwnProcess);
+    effect.take(writer_event(code, own + " (strength 1) gives the reference values of telegram 1"));
+    EXPECT_EQ(effect.look(given_by(kOtherWriter, 1)), "") << "the status is older";
     EXPECT_TRUE(effect.had_effect());
   }
-  ReferenceEffect effect(telegrams, 1, kOwn);
-  effect.take(event("reference_writer_taken_over",
-                    std::string(kOther) + " (strength 3) has taken over from " + own + " (strength 1)"));
-  effect.take(event("reference_writer_lost", own + " (strength 1) is gone"));
-  static_cast<void>(effect.look(given_by(kOther, 3)));
+  ReferenceEffect effect(telegrams, 1, kOwnProcess);
+  effect.take(
+      writer_event("reference_writer_taken_over",
+                   std::string(kOtherWriter) + " (strength 3) has taken over from " + own + " (strength 1)"));
+  effect.take(writer_event("reference_writer_lost", own + " (strength 1) is gone"));
+  static_cast<void>(effect.look(given_by(kOtherWriter, 3)));
   EXPECT_FALSE(effect.had_effect());
 }
 
 TEST(ReferenceEffect, TelegramsThatAreNotGivenAreNotLookedAt) {
   Telegrams telegrams{};
   telegrams[1].valid = 1;
-  ReferenceEffect effect(telegrams, 1, kOwn);
-  EXPECT_EQ(effect.look(given_by(kOther, 1)), "");
+  ReferenceEffect effect(telegrams, 1, kOwnProcess);
+  EXPECT_EQ(effect.look(given_by(kOtherWriter, 1)), "");
 }
 
 }  // namespace

@@ -204,7 +204,7 @@ constexpr auto kWordOfDaemon = std::chrono::milliseconds(300);
 constexpr auto kLookAgain = std::chrono::milliseconds(10);
 
 /// What --json tells of values without effect.
-JsonObject no_effect(std::uint64_t samples, std::uint32_t release) {
+JsonObject no_effect_object(std::uint64_t samples, std::uint32_t release) {
   return JsonObject()
       .add("samples", samples)
       .add("release_intervals", release)
@@ -265,7 +265,7 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
   give_up(writer, telegrams);
   if (reply.ok() && !effect.had_effect()) {
     if (session.json()) {
-      session.output().object(no_effect(samples, pace.release));
+      session.output().object(no_effect_object(samples, pace.release));
     }
     throw Ended(ExitCode::no_effect, fmt::format("set: {}", kNoEffect));
   }

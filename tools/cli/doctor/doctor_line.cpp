@@ -10,12 +10,12 @@
 namespace cansync::cli {
 namespace {
 
-constexpr const char* kNumbers =
+constexpr const char* kMissingSlaveRemedy =
     "switch the drive on, check its slave number, bit rate and wiring; `cansync trace` shows what it answers";
 
 // w_OPTION_STATUS of a master.
-constexpr std::uint16_t kSettingUp = 0x0043;
-constexpr std::uint16_t kActiveOperation = 0x0080;
+constexpr std::uint16_t kLineInSetUp = 0x0043;
+constexpr std::uint16_t kLineActive = 0x0080;
 
 bool is_in(const client::MasterStatus& master, std::uint16_t state) noexcept {
   return master.option_status == state;
@@ -23,9 +23,9 @@ bool is_in(const client::MasterStatus& master, std::uint16_t state) noexcept {
 
 void look_at_state_of_master(const client::MasterStatus& master, FindingList& out) {
   constexpr const char* kTopic = "operating state";
-  if (is_in(master, kActiveOperation)) {
+  if (is_in(master, kLineActive)) {
     out.ok(kTopic, master.state);
-  } else if (!is_in(master, kSettingUp)) {
+  } else if (!is_in(master, kLineInSetUp)) {
     out.warning(kTopic,
                 fmt::format("{}: no SYNC is made, and no slave is asked or told anything", master.state),
                 "cansync mode setup, then cansync mode run");
@@ -41,13 +41,13 @@ void look_at_state_of_master(const client::MasterStatus& master, FindingList& ou
 }
 
 /// "3.2 s ago" for the interval in which a slave answered last.
-std::string since(const client::MasterStatus& master, std::uint64_t interval) {
+std::string seconds_ago(const client::MasterStatus& master, std::uint64_t interval) {
   constexpr double kSecond = 1e9;  // ns
   const std::uint64_t passed = master.interval > interval ? master.interval - interval : 0;
   return fmt::format("{:.1f} s ago", static_cast<double>(passed * master.interval_length) / kSecond);
 }
 
-std::string named(const client::SlaveStatus& slave) {
+std::string slave_called(const client::SlaveStatus& slave) {
   const std::string_view name = slave.name;
   return name.empty() ? fmt::format("slave {}", slave.slave)
                       : fmt::format("slave {} '{}'", slave.slave, name);
@@ -58,21 +58,21 @@ bool look_at_slave(const client::MasterStatus& master, const client::SlaveStatus
   const std::string_view state = slave.state;
   constexpr const char* kTopic = "slave";
   if (state == "absent") {
-    out.error(kTopic, named(slave) + " has never answered", kNumbers);
+    out.error(kTopic, slave_called(slave) + " has never answered", kMissingSlaveRemedy);
   } else if (state == "lost") {
     out.error(kTopic,
-              fmt::format("{} has stopped answering; its last answer came {}", named(slave),
-                          since(master, slave.last_seen)),
-              kNumbers);
+              fmt::format("{} has stopped answering; its last answer came {}", slave_called(slave),
+                          seconds_ago(master, slave.last_seen)),
+              kMissingSlaveRemedy);
   } else if (state == "held") {
     out.error(
-        kTopic, named(slave) + " is held out: its return parameters are not right",
+        kTopic, slave_called(slave) + " is held out: its return parameters are not right",
         fmt::format("cansync events says which; put them right, then: cansync release {}", slave.slave));
   } else if (!slave.synchronized) {
-    out.error(kTopic, fmt::format("{} answers, but is not synchronized", named(slave)),
+    out.error(kTopic, fmt::format("{} answers, but is not synchronized", slave_called(slave)),
               "check its SYNC line and cable, and SYNC above; the drive's own display says more");
   } else if (state == "checking" || state == "returning" || state == "starting") {
-    out.warning(kTopic, fmt::format("{} is {}: not to be used yet", named(slave), state),
+    out.warning(kTopic, fmt::format("{} is {}: not to be used yet", slave_called(slave), state),
                 fmt::format("wait for it: cansync wait released {}", slave.slave));
   } else {
     return true;
@@ -83,7 +83,7 @@ bool look_at_slave(const client::MasterStatus& master, const client::SlaveStatus
 void look_at_slaves(const DaemonStatus& status, FindingList& out) {
   const client::MasterStatus& master = *status.master;
   // Without SYNC nobody is asked, and what was known is past.
-  if (!is_in(master, kActiveOperation) && !is_in(master, kSettingUp)) return;
+  if (!is_in(master, kLineActive) && !is_in(master, kLineInSetUp)) return;
   bool well = true;
   for (const client::SlaveStatus& slave : status.slaves) {
     if (slave.status_error != 0) {
@@ -97,7 +97,7 @@ void look_at_slaves(const DaemonStatus& status, FindingList& out) {
 }
 
 void look_at_references(const client::MasterStatus& master, FindingList& out) {
-  if (!is_in(master, kActiveOperation)) return;
+  if (!is_in(master, kLineActive)) return;
   unsigned telegram = 0;
   for (const auto& release : master.reference_release) {
     const std::string topic = fmt::format("references {}", ++telegram);
