@@ -15,11 +15,15 @@ struct Drives {
   SlaveMask unsynchronized;
   std::map<std::pair<unsigned, unsigned>, std::uint32_t> values;  // by slave and number
   std::vector<ParameterCommand> asked;                            // but status words
+  SlaveMask busy;                                                 // with number 40
+  unsigned disturbed = 0;  // commands that a busy one took for another job
 
   std::optional<Telegram> operator()(const Telegram& telegram) {
     const auto* command = std::get_if<ParameterCommand>(&telegram);
     if (command == nullptr || dead.has(command->slave)) return std::nullopt;
     const unsigned number = command->number.value();
+    disturbed += busy.has(command->slave) && number != 40 ? 1 : 0;
+    busy.set(command->slave, number == 40);
     if (number == 301) {
       return MasterRig::word_reply(*command, unsynchronized.has(command->slave) ? 0x0007 : 0x8007);
     }
@@ -245,6 +249,29 @@ TEST_F(Returns, ARefusedOrEndlessWriteHoldsItOutWithTheReason) {
       EXPECT_EQ(failed.outcome, Outcome::timeout);
     }
   }
+}
+
+// Another parameter command is another job (M 3.2.3.7, "change"): asked again, the slave would begin the
+// write anew.
+TEST_F(Returns, ASlaveThatIsBusyWithAWriteOfItsListIsLeftAlone) {
+  wants(1, OnReturn::write, {{40, 5}});
+  settings.command_channel.parameter_monitoring = std::chrono::milliseconds(500);
+  start();
+  lose(1);
+  bring_back(1);
+  rig->run_until([this] { return drives->busy.has(slave(1)); }, 500);
+  ASSERT_EQ(rig->master.submit(ParameterRequest{.id = 7, .slave = slave(1), .number = parameter(10)}),
+            Refusal::none);
+  ASSERT_EQ(rig->master.submit(ParameterRequest{.id = 8, .slave = slave(0), .number = parameter(10)}),
+            Refusal::none);
+  rig->run(100);
+  EXPECT_EQ(state(1), SlaveState::checking);
+  EXPECT_EQ(drives->disturbed, 0u);
+  EXPECT_TRUE(rig->told.parameters.contains(8)) << "another slave's are served";
+  EXPECT_FALSE(rig->told.parameters.contains(7));
+  run_to(1, SlaveState::held);
+  rig->run_until([this] { return rig->told.parameters.contains(7); }, 1000);
+  EXPECT_EQ(rig->told.parameters.at(7).outcome, Outcome::done) << "as soon as the write has run out of time";
 }
 
 TEST_F(Returns, AnUnansweredTelegramOfTheListIsSentAgainAndSilenceMakesItLostAgain) {

@@ -152,7 +152,8 @@ bool CommandChannel::choose_word_of(SlaveNumber slave) noexcept {
 }
 
 bool CommandChannel::choose_parameter() noexcept {
-  const auto slave = next_slave(parameter_scan_, parameters_.waiting());
+  const SlaveMask waiting = parameters_.waiting();
+  const auto slave = next_slave(parameter_scan_, {waiting.bits & ~supervision_.busy_with_checks().bits});
   if (!slave) return false;
   chosen_ = {Kind::parameter, *slave, 0, parameters_.front(*slave)->telegram()};
   return true;
@@ -196,7 +197,8 @@ bool CommandChannel::choose_check() noexcept {
 }
 
 bool CommandChannel::choose_supervision() noexcept {
-  const auto telegram = supervision_.telegram(busy_with_a_job());
+  const auto telegram =
+      supervision_.telegram({busy_with_a_job().bits | supervision_.busy_with_checks().bits});
   if (!telegram) return false;
   const auto* command = std::get_if<ParameterCommand>(&*telegram);
   chosen_ = {Kind::supervision, command != nullptr ? command->slave : SlaveNumber{}, 0, *telegram};

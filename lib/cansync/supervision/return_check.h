@@ -32,6 +32,9 @@ class ReturnCheck {
   /// To be asked once an interval while running: ends a read or write that takes too long.
   Step check_time(IntervalNumber now) noexcept;
 
+  /// The slave has said that it is busy with the read or write under way.
+  bool busy() const noexcept { return running() && job_.busy(); }
+
   /// After the end: did every parameter have its value?
   bool passed() const noexcept { return failure_ == nullptr; }
   /// Parameters that were right.

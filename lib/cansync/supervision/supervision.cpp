@@ -333,6 +333,12 @@ bool Supervision::check_answered(SlaveNumber slave, const ParameterReply& reply)
   return step != Step::ignored;
 }
 
+SlaveMask Supervision::busy_with_checks() const noexcept {
+  SlaveMask busy;
+  for (const SlaveNumber slave : checking_) busy.set(slave, checks_[slave.value()].busy());
+  return busy;
+}
+
 void Supervision::check_times() noexcept {
   for (const SlaveNumber slave : checking_) {
     if (checks_[slave.value()].check_time(now_) == Step::ended) end_check(slave);

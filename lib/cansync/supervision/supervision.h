@@ -91,6 +91,8 @@ class Supervision {
 
   /// Slaves whose list is being gone through: one telegram each at a time, on the command channel.
   SlaveMask checking() const noexcept { return checking_; }
+  /// Those of them that are busy with what their list needs.
+  SlaveMask busy_with_checks() const noexcept;
   /// The read or write that the slave's list needs next. Only for a slave of `checking`.
   ParameterCommand check_telegram(SlaveNumber slave) const noexcept {
     return checks_[slave.value()].telegram();
