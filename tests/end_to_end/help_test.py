@@ -39,7 +39,7 @@ TABLES = {
 
 
 # Their tables are looked at by the tests of their protocol.
-OF_OTHER_PROTOCOLS = {"frames", "send", "references", "actual"}
+OF_OTHER_PROTOCOLS = {"frames", "send", "references", "actual", "serve"}
 
 
 class Columns(VerbTest):
@@ -89,7 +89,7 @@ class Columns(VerbTest):
                                             # of other protocols
                                             "frames received", "frames sent", "bus load",
                                             "slave", "intervals", "reference values", "actual values", "fault", "answers",
-                                            "response", "indicators"})
+                                            "response", "indicators", "parameters"})
 
 
 class Completion(VerbTest):

@@ -122,7 +122,10 @@ SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {
     (void)timing_writer_.write(*told_timing_);
   }
 
-  if (master_dirty_ || now - master_published_ >= kMasterPeriod) publish_master(now);
+  // Who gives the reference values changes as often as writers like.
+  const bool others_give =
+      givers_ != nullptr && *givers_ != told_givers_ && now - master_published_ >= kGiversPeriod;
+  if (master_dirty_ || others_give || now - master_published_ >= kMasterPeriod) publish_master(now);
   SteadyTime next = master_published_ + kMasterPeriod;
   for (std::uint8_t i = 0; i < cansync::kSlaves; ++i) {
     Slave& slave = slaves_[i];
@@ -201,7 +204,10 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.open_transfers = master_.open_transfers;
   std::copy(daemon_.begin(), daemon_.end(), std::begin(sample.daemon));
   sample.mapping_number = settings_.mapping_number;
-  if (givers_ != nullptr) fill_references(master_.release, *givers_, sample);
+  if (givers_ != nullptr) {
+    told_givers_ = *givers_;
+    fill_references(master_.release, told_givers_, sample);
+  }
   const auto names = names_of(config_.references, settings_.reference_mapping);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
   (void)master_writer_.write(sample);

@@ -33,6 +33,7 @@ class StatePublisher {
   static constexpr std::chrono::milliseconds kSlavePeriod{100};
   /// MasterStatus is told at least this often.
   static constexpr std::chrono::seconds kMasterPeriod{1};
+  static constexpr std::chrono::milliseconds kGiversPeriod{20};
 
   /// Throws gateway::dds::SetupError.
   StatePublisher(const gateway::dds::Participant& participant, const Config& config,
@@ -88,6 +89,7 @@ class StatePublisher {
   std::array<Slave, cansync::kSlaves> slaves_;
   MasterSnapshot master_;
   const std::array<ReferenceGiver, cansync::kChannels>* givers_ = nullptr;
+  std::array<ReferenceGiver, cansync::kChannels> told_givers_;
   cansync_MasterStatus told_master_ = {};
   TimingSnapshot timing_;
   std::optional<cansync_Timing> told_timing_;

@@ -27,6 +27,7 @@ struct ReferenceGiver {
   std::string who;            ///< as far as known; empty: nobody
   std::int32_t strength = 0;  ///< of its ownership
   Loss loss = Loss::none;
+  bool operator==(const ReferenceGiver&) const = default;
 };
 
 /// Why values are held or stopped, as a stable word: writer_lost, given_up, deadline_missed, too_old,

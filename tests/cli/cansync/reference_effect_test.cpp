@@ -46,16 +46,18 @@ TEST(ReferenceEffect, AnotherWriterIsNamedOnceWithTheStrengthThatTakesOver) {
   EXPECT_NE(told.find("have no effect while it gives them; --strength 2 takes over"), std::string::npos)
       << told;
   EXPECT_EQ(effect.look(given_by(kOtherWriter, 1)), "") << "told already";
-  EXPECT_FALSE(effect.had_effect());
+  EXPECT_NE(effect.without_effect().find(kOtherWriter), std::string::npos) << effect.without_effect();
 }
 
 TEST(ReferenceEffect, TheOwnWriterHasAnEffectInActiveOperationAlone) {
   const Telegrams telegrams = first_telegram();
   ReferenceEffect effect(telegrams, 1, kOwnProcess);
   EXPECT_EQ(effect.look(given_by(kOwnWriter, 1, 0x0003)), "");
-  EXPECT_FALSE(effect.had_effect());
+  EXPECT_NE(effect.without_effect().find("not in active operation"), std::string::npos)
+      << effect.without_effect();
   EXPECT_EQ(effect.look(given_by(kOwnWriter, 1)), "");
-  EXPECT_TRUE(effect.had_effect());
+  EXPECT_TRUE(effect.heard());
+  EXPECT_EQ(effect.without_effect(), "");
 }
 
 TEST(ReferenceEffect, AnEventThatNamesThisProcessFirstIsEnough) {
@@ -65,7 +67,8 @@ TEST(ReferenceEffect, AnEventThatNamesThisProcessFirstIsEnough) {
     ReferenceEffect effect(telegrams, 1, kOwnProcess);
     effect.take(writer_event(code, own + " (strength 1) gives the reference values of telegram 1"));
     EXPECT_EQ(effect.look(given_by(kOtherWriter, 1)), "") << "the status is older";
-    EXPECT_TRUE(effect.had_effect());
+    EXPECT_TRUE(effect.heard());
+    EXPECT_EQ(effect.without_effect(), "");
   }
   ReferenceEffect effect(telegrams, 1, kOwnProcess);
   effect.take(
@@ -73,7 +76,40 @@ TEST(ReferenceEffect, AnEventThatNamesThisProcessFirstIsEnough) {
                    std::string(kOtherWriter) + " (strength 3) has taken over from " + own + " (strength 1)"));
   effect.take(writer_event("reference_writer_lost", own + " (strength 1) is gone"));
   static_cast<void>(effect.look(given_by(kOtherWriter, 3)));
-  EXPECT_FALSE(effect.had_effect());
+  EXPECT_FALSE(effect.heard());
+  EXPECT_NE(effect.without_effect(), "");
+}
+
+// A script that gives values for a moment must not be told that they had none because the daemon's word was
+// late.
+TEST(ReferenceEffect, WhatIsNotKnownIsNoFailure) {
+  const Telegrams telegrams = first_telegram();
+  ReferenceEffect effect(telegrams, 1, kOwnProcess);
+  EXPECT_EQ(effect.look(given_by("", 0)), "");
+  EXPECT_FALSE(effect.heard());
+  EXPECT_EQ(effect.without_effect(), "");
+}
+
+TEST(ReferenceEffect, EachTelegramIsLookedAtForItself) {
+  Telegrams telegrams = first_telegram();
+  telegrams[1].valid = 1;
+  ReferenceEffect effect(telegrams, 1, kOwnProcess);
+  client::MasterStatus status = given_by(kOwnWriter, 1);
+  put_chars(status.reference_release[1].writer, kOtherWriter);
+  status.reference_release[1].strength = 5;
+  const std::string told = effect.look(status);
+  EXPECT_EQ(told.find("telegram 1"), std::string::npos) << told;
+  EXPECT_NE(told.find("telegram 2 is given by"), std::string::npos) << told;
+  EXPECT_NE(effect.without_effect().find("telegram 2"), std::string::npos);
+}
+
+TEST(ReferenceEffect, ARefusalIsTheReason) {
+  const Telegrams telegrams = first_telegram();
+  ReferenceEffect effect(telegrams, 1, kOwnProcess);
+  const std::string refused = "reference values of telegram 1 are refused: read-only";
+  effect.take(writer_event("reference_refused", refused));
+  static_cast<void>(effect.look(given_by("", 0)));
+  EXPECT_EQ(effect.without_effect(), refused);
 }
 
 TEST(ReferenceEffect, TelegramsThatAreNotGivenAreNotLookedAt) {

@@ -23,34 +23,60 @@ ReferenceEffect::ReferenceEffect(const Telegrams& telegrams, std::int32_t streng
 
 void ReferenceEffect::take(const client::Event& event) {
   const std::string_view code = event.code;
+  const std::string_view text = event.text;
+  const unsigned telegram = text.find("telegram 2") != std::string_view::npos ? 1 : 0;
+  if (code == "reference_refused") {
+    const std::lock_guard lock(mutex_);
+    known_[telegram].refused = text;
+  }
   if (code != "reference_writer_began" && code != "reference_writer_taken_over") return;
   // Who begins stands first.
-  const std::string_view text = event.text;
-  if (text.substr(0, text.find("(strength")).find(own_) != std::string_view::npos) heard_ = true;
+  if (text.substr(0, text.find("(strength")).find(own_) != std::string_view::npos)
+    known_[telegram].heard = true;
 }
 
 std::string ReferenceEffect::look(const client::MasterStatus& status) {
+  if (status.option_status == kActiveMaster) active_ = true;
   std::string now;
   for (unsigned telegram = 0; telegram < telegrams_.size(); ++telegram) {
     if (telegrams_[telegram].valid == 0) continue;
+    Known& known = known_[telegram];
     const auto& release = status.reference_release[telegram];
     const std::string_view writer = release.writer;
-    if (writer.empty()) continue;
-    if (writer.find(own_) != std::string_view::npos) {
-      heard_ = true;
-      continue;
-    }
-    now = fmt::format(
-        "telegram {} is given by {} with strength {}: yours, with strength {}, have no effect while it gives "
+    if (writer.find(own_) != std::string_view::npos) known.heard = true;
+    // A stronger writer is heard with its first values, whatever the status of before says.
+    known.giver = known.heard ? "" : writer;
+    if (known.giver.empty()) continue;
+    now += fmt::format(
+        "{}telegram {} is given by {} with strength {}: yours, with strength {}, have no effect while it gives "
         "them; --strength {} takes over",
-        telegram + 1, writer, release.strength, strength_,
+        now.empty() ? "" : "; ", telegram + 1, writer, release.strength, strength_,
         static_cast<std::int64_t>(std::max(release.strength, strength_)) + 1);
   }
-  if (status.option_status == kActiveMaster && heard_) had_effect_ = true;
-  // A stronger writer is heard with its first values, whatever the status of before says.
-  if (heard_ || now == told_) return "";
+  if (now.empty() || now == told_) return "";
   told_ = now;
   return now;
+}
+
+bool ReferenceEffect::heard() const noexcept {
+  for (unsigned telegram = 0; telegram < telegrams_.size(); ++telegram) {
+    if (telegrams_[telegram].valid != 0 && !known_[telegram].heard) return false;
+  }
+  return true;
+}
+
+std::string ReferenceEffect::without_effect() const {
+  if (!active_) return "the line was not in active operation; cansync mode run takes it there";
+  const std::lock_guard lock(mutex_);
+  for (unsigned telegram = 0; telegram < telegrams_.size(); ++telegram) {
+    const Known& known = known_[telegram];
+    if (telegrams_[telegram].valid == 0 || known.heard) continue;
+    if (!known.giver.empty())
+      return fmt::format("telegram {} is given by {}, whose strength is not lower", telegram + 1,
+                         known.giver);
+    if (!known.refused.empty()) return known.refused;
+  }
+  return "";
 }
 
 }  // namespace cansync::cli

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <string>
 
 /// Whether the reference values that `set` gives reach the line.
@@ -35,16 +36,27 @@ class ReferenceEffect {
   /// Looks at the line; what keeps the values from having an effect, when that has changed, else empty.
   std::string look(const client::MasterStatus& status);
 
-  /// True once values were heard in active operation.
-  bool had_effect() const noexcept { return had_effect_; }
+  /// True once the daemon was seen to hear this writer for every telegram.
+  bool heard() const noexcept;
+
+  /// Why values surely had no effect; empty: they had one, or nothing is known. After the last `look`.
+  std::string without_effect() const;
 
  private:
+  /// What is known of a telegram.
+  struct Known {
+    std::atomic<bool> heard = false;
+    std::string giver;    ///< who gives it instead; empty: nobody does
+    std::string refused;  ///< why the daemon refused values of it
+  };
+
   const Telegrams& telegrams_;
   std::int32_t strength_;
   std::string own_;
   std::string told_;
-  std::atomic<bool> heard_ = false;
-  bool had_effect_ = false;
+  mutable std::mutex mutex_;  ///< guards `refused`
+  std::array<Known, 2> known_;
+  bool active_ = false;
 };
 
 }  // namespace cansync::cli

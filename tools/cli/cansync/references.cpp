@@ -197,19 +197,17 @@ client::Reply ended(client::ReferenceStanding standing) {
           client::Speaker::client, client::RefusalCause::mapping_changed};
 }
 
-constexpr const char* kNoEffect =
-    "the values had no effect: the line was not in active operation, or another writer is heard";
 // After so long it has told whom it hears.
 constexpr auto kWordOfDaemon = std::chrono::milliseconds(300);
 constexpr auto kLookAgain = std::chrono::milliseconds(10);
 
 /// What --json tells of values without effect.
-JsonObject no_effect_object(std::uint64_t samples, std::uint32_t release) {
+JsonObject no_effect_object(std::uint64_t samples, std::uint32_t release, const std::string& reason) {
   return JsonObject()
       .add("samples", samples)
       .add("release_intervals", release)
       .add("result", "no_effect")
-      .add("reason", kNoEffect)
+      .add("reason", reason)
       .add_null("cause");
 }
 
@@ -257,17 +255,15 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
     next = std::max(next + pace.period, Clock::now());
     if (wait_until(std::min(next, end))) break;
   }
-  // The daemon's word of the first sample may still be on its way.
-  for (const auto late = Clock::now() + kWordOfDaemon;
-       reply.ok() && !effect.had_effect() && Clock::now() < late && !wait_until(Clock::now() + kLookAgain);)
-    look();
-  complaints.tell(session.output());
   give_up(writer, telegrams);
-  if (reply.ok() && !effect.had_effect()) {
-    if (session.json()) {
-      session.output().object(no_effect_object(samples, pace.release));
-    }
-    throw Ended(ExitCode::no_effect, fmt::format("set: {}", kNoEffect));
+  // The daemon's word of the first sample may still be on its way, also after Ctrl-C.
+  for (const auto late = Clock::now() + kWordOfDaemon; reply.ok() && !effect.heard() && Clock::now() < late;)
+    std::this_thread::sleep_for(kLookAgain);
+  look();
+  complaints.tell(session.output());
+  if (const std::string reason = effect.without_effect(); reply.ok() && !reason.empty()) {
+    if (session.json()) session.output().object(no_effect_object(samples, pace.release, reason));
+    throw Ended(ExitCode::no_effect, fmt::format("set: the values had no effect: {}", reason));
   }
   return session.finish(reply, JsonObject().add("samples", samples).add("release_intervals", pace.release),
                         "set", fmt::format("values were given {} times and are given up", samples));
