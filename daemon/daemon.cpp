@@ -51,25 +51,32 @@ struct Bus {
 /// None of them moves: a segment is made when its place is there.
 using Buses = std::list<Bus>;
 
-/// Puts another segment into the place of one that was stopped. When it cannot be had, the one before is made
-/// anew; without that, too, the bus has none.
-void replace(Bus& bus, const ReloadPlan& plan) {
-  const auto make = [&bus](const auto& maker, const char* after) {
+/// Makes a segment in the place of one that was stopped; empty, or why it cannot be had.
+std::string make_segment(Bus& bus, const ReloadPlan::Maker& maker) {
+  bus.segment.reset();
+  service::alive();  // stopping and starting take their time, and a start may have to be given up
+  try {
+    bus.segment = maker(bus.journal);
+    bus.segment->start();
+    return {};
+  } catch (const std::exception& error) {
     bus.segment.reset();
-    try {
-      bus.segment = maker(bus.journal);
-      bus.segment->start();
-      return true;
-    } catch (const std::exception& error) {
-      bus.segment.reset();
-      bus.log.say(
-          LogPriority::error, "reload_refused",
-          fmt::format("the line cannot be set up {}", fmt::format(fmt::runtime(after), error.what())));
-      return false;
-    }
-  };
-  if (!make(plan.anew, "with the changes: {}; it is set up as before"))
-    (void)make(plan.as_before, "as before: {}; this bus has ended, restart the daemon");
+    return error.what();
+  }
+}
+
+/// Puts another segment into the place of one that was stopped. When it cannot be had, the one before is made
+/// anew, and the plan says why; without that, too, the bus has none.
+void replace(Bus& bus, ReloadPlan& plan) {
+  const std::string failed = make_segment(bus, plan.anew);
+  if (failed.empty()) return;
+  bus.log.say(LogPriority::error, "reload_refused",
+              fmt::format("the line cannot be set up with the changes: {}; it is set up as before", failed));
+  plan.problems.push_back({{}, {}, "the line cannot be set up with the changes: " + failed});
+  if (const std::string none = make_segment(bus, plan.as_before); !none.empty())
+    bus.log.say(
+        LogPriority::error, "reload_refused",
+        fmt::format("the line cannot be set up as before: {}; this bus has ended, restart the daemon", none));
 }
 
 /// Keys that keep their running value although the line could be set up anew for them.
@@ -94,9 +101,10 @@ bool set_up_anew(Bus& bus, ReloadPlan& plan) {
     return false;
   }
   const std::vector<std::string> taken = std::exchange(plan.needs_set_up, {});
+  replace(bus, plan);
+  if (!plan.problems.empty()) return true;
   plan.applied.insert(plan.applied.end(), taken.begin(), taken.end());
   tell_changes(plan, bus.log);
-  replace(bus, plan);
   return true;
 }
 

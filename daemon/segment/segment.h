@@ -24,8 +24,9 @@ struct ReloadPlan {
   /// Keys of `needs_restart` that take effect when the line is set up anew by the segment of `anew`, which
   /// has `applied`, too. Empty: there are none.
   std::vector<std::string> needs_set_up = {};
-  std::function<std::unique_ptr<Segment>(JournalSink&)> anew = {};
-  std::function<std::unique_ptr<Segment>(JournalSink&)> as_before = {};  ///< with the running values
+  using Maker = std::function<std::unique_ptr<Segment>(JournalSink&)>;
+  Maker anew = {};
+  Maker as_before = {};  ///< with the running values
 };
 
 /// What of a plan was not taken, in words: its first problem, else the options that need a restart.

@@ -61,6 +61,9 @@ class WrittenSegment final : public Segment {
   }
   Heartbeat::Progress progress() const noexcept override { return {}; }
   bool record() noexcept override { return true; }
+  void tell_reload(const ReloadPlan& plan) override {
+    if (!plan.problems.empty()) book_.write(name_ + " tells what was refused");
+  }
   ReloadPlan plan_reload(std::span<const std::string>) override {
     ReloadPlan plan{
         false, {}, {}, {"slave.2.number", "bus.name"}, [this] { book_.write(name_ + " goes on"); }};
@@ -142,7 +145,7 @@ TEST_F(SetUpAnew, WhatHasNotChangedIsNotReplaced) {
 TEST_F(SetUpAnew, WhatCannotBeHadIsSetUpAsBefore) {
   plans_[0].anew_fails = true;
   run(1);
-  EXPECT_EQ(reload(2), (Lines{"a stops for its successor", "a starts"}));
+  EXPECT_EQ(reload(3), (Lines{"a stops for its successor", "a starts", "a tells what was refused"}));
   EXPECT_EQ(end(), exit_code::done);
 }
 

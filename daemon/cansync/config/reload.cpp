@@ -33,7 +33,9 @@ ConfigReload plan_reload(const ConfigFile& running, const ConfigFile& wanted) {
     return !slave || (running.config.master.slaves[*slave].configured &&
                       wanted.config.master.slaves[*slave].configured);
   });
-  config::Changes line = config::replace(running.settings, wanted.settings, is_of_line);
+  config::Changes line = config::replace(running.settings, wanted.settings, [](const Setting& setting) {
+    return is_of_line(setting) || setting.option->reload;
+  });
   ConfigReload plan{build_config(std::move(changes.merged), wanted.path),
                     std::move(changes.applied),
                     std::move(changes.needs_restart),

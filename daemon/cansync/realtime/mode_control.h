@@ -24,8 +24,11 @@ namespace cansyncd {
 class ModeControl {
  public:
   /// Both must outlive the object.
-  ModeControl(cansync::Master& master, can::Bus& bus, StartTarget configured) noexcept
-      : master_(master), bus_(bus), configured_(configured), target_(configured) {}
+  ModeControl(cansync::Master& master, can::Bus& bus, StartTarget configured, StartTarget first) noexcept
+      : master_(master), bus_(bus), configured_(configured), target_(first) {}
+
+  /// Where it is going.
+  StartTarget target() const noexcept { return target_; }
 
   /// Goes as far towards the target as is allowed now; call once an interval.
   void pursue_target() noexcept;

@@ -54,7 +54,7 @@ RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSe
       clock_(loop.wall_clock, loop.epoch),
       reporter_(exchange, clock_, loop.tap),
       master_(settings, reporter_),
-      mode_(master_, bus, loop.target),
+      mode_(master_, bus, loop.target, loop.first_target.value_or(loop.target)),
       requests_(exchange, master_, mode_, reporter_),
       timeline_(interval_, loop.sync_line != nullptr ? loop.sync_line->following() : std::nullopt),
       load_(cansync::slot_times(settings.bit_rate).bits_per_second),
@@ -88,7 +88,10 @@ bool RealtimeLoop::request_stop_unless_active() noexcept {
 /// Between two intervals, so that nothing can have enabled active operation meanwhile.
 void RealtimeLoop::decide_stop() noexcept {
   if (!stop_asked_.load(std::memory_order_relaxed)) return;
-  if (!cansync::is_active(master_.state())) request_stop();
+  if (!cansync::is_active(master_.state())) {
+    target_at_stop_ = mode_.target();
+    request_stop();
+  }
   stop_asked_.store(false);
 }
 

@@ -26,6 +26,9 @@ namespace cansyncd {
 /// What the realtime loop can be told.
 struct LoopSettings {
   StartTarget target = StartTarget::active;
+  /// Where to go at first: what the loop before was going to, whose place this one takes. Nothing: to
+  /// `target`.
+  std::optional<StartTarget> first_target = std::nullopt;
   bool report_intervals = false;  ///< write `Exchange::interval` and wake the gateway right after each SYNC
   WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
   /// Take frames at every wake-up. False: at the SYNC edge and after WRC2 alone, as a bus wants it for which
@@ -66,6 +69,9 @@ class RealtimeLoop {
   /// `run` runs.
   bool request_stop_unless_active() noexcept;
 
+  /// Where the line was going when `request_stop_unless_active` said yes. After the end of `run`.
+  StartTarget target_at_stop() const noexcept { return target_at_stop_; }
+
   /// Wake-ups for a SYNC edge so far: stands still when the thread does. Any thread.
   std::uint64_t wake_ups() const noexcept { return wake_ups_.load(std::memory_order_relaxed); }
 
@@ -103,6 +109,7 @@ class RealtimeLoop {
   RequestIntake requests_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> stop_asked_{false};  ///< by `request_stop_unless_active`; cleared when decided
+  StartTarget target_at_stop_ = StartTarget::none;
   std::atomic<std::uint64_t> wake_ups_{0};
 
   Timeline timeline_;

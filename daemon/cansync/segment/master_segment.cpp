@@ -24,9 +24,10 @@ can::Time interval_of(const Config& config) {
   return cansync::slot_times(config.master.bit_rate).interval;
 }
 
-LoopSettings loop_settings(const Config& config, FlightTap* tap, sync_line::SyncWire* wire,
-                           SyncLine* sync_line) {
+LoopSettings loop_settings(const Config& config, std::optional<StartTarget> first, FlightTap* tap,
+                           sync_line::SyncWire* wire, SyncLine* sync_line) {
   LoopSettings settings;
+  settings.first_target = first;
   settings.sync_wire = wire;
   settings.sync_line = sync_line;
   settings.target = config.startup.target;
@@ -40,9 +41,9 @@ LoopSettings loop_settings(const Config& config, FlightTap* tap, sync_line::Sync
 }  // namespace
 
 MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant,
-                             std::vector<std::string> changed)
+                             Before before)
     : file_(std::move(file)),
-      changed_(std::move(changed)),
+      before_(std::move(before)),
       log_(file_.config.bus.name, journal),
       bus_(bus_plan(file_.config)),
       sync_line_(make_sync_line(file_.config, interval_of(file_.config), file_.settings, file_.path)),
@@ -53,8 +54,8 @@ MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds
           file_.config, flight_protocol(interval_of(file_.config)), bus_.bus(),
           [this](const EventText& event) { gateway_.post(event); }, journal),
       loop_(file_.config.master,
-            loop_settings(file_.config, flight_.tap(), bus_.sync_wire(), sync_line_.get()), flight_.bus(),
-            exchange_),
+            loop_settings(file_.config, before_.target, flight_.tap(), bus_.sync_wire(), sync_line_.get()),
+            flight_.bus(), exchange_),
       threads_(log_, bus_, flight_, gateway_, loop_, exchange_) {}
 
 MasterSegment::~MasterSegment() {
@@ -64,10 +65,10 @@ MasterSegment::~MasterSegment() {
 void MasterSegment::start() {
   if (sync_line_) sync_line_->start();
   threads_.start(file_.config.realtime);
-  if (!changed_.empty())
+  if (!before_.changed.empty())
     gateway_.post({gateway_SEVERITY_INFO, "configuration_reloaded", -1,
                    fmt::format("the line is set up anew with another configuration; changed: {}",
-                               fmt::join(changed_, ", ")),
+                               fmt::join(before_.changed, ", ")),
                    std::nullopt});
   log_.say(LogPriority::notice, "daemon_running",
            fmt::format("running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
@@ -78,6 +79,7 @@ void MasterSegment::start() {
 bool MasterSegment::stop_unless_active() noexcept {
   if (!loop_.request_stop_unless_active()) return false;
   stop();
+  *target_at_stop_ = loop_.target_at_stop();
   return true;
 }
 
@@ -89,22 +91,32 @@ ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {
   ConfigFile wanted = load_checked(file_.path, overrides);
   if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
   ConfigReload changes = cansyncd::plan_reload(file_, wanted);
-  if (!changes.merged.problems.empty()) return {false, std::move(changes.merged.problems), {}, {}, {}};
-  const auto apply = [this, merged = std::move(changes.merged)] {
+  const bool can_set_up = !changes.needs_set_up.empty() && changes.anew.problems.empty();
+  const bool can_apply = changes.merged.problems.empty();
+  if (!can_apply && !can_set_up) return {false, std::move(changes.merged.problems), {}, {}, {}};
+  ReloadPlan plan{false, {}, std::move(changes.applied), std::move(changes.needs_restart), {}};
+  plan.apply = [this, can_apply, merged = std::move(changes.merged)] {
+    if (!can_apply) return;
     file_ = merged;
     gateway_.reload(file_.config);
   };
-  ReloadPlan plan{false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
-  if (changes.needs_set_up.empty() || !changes.anew.problems.empty()) return plan;
-  plan.needs_set_up = changes.needs_set_up;
+  if (!can_set_up) return plan;
+  plan.needs_set_up = std::move(changes.needs_set_up);
+  // What names a slave that comes with the others waits with them.
+  if (!can_apply) {
+    const std::vector<std::string> waiting = std::exchange(plan.applied, {});
+    plan.needs_set_up.insert(plan.needs_set_up.end(), waiting.begin(), waiting.end());
+  }
   // It keeps the participant of DDS, so that clients need not find the daemon anew.
   const auto participant = std::make_shared<gateway::dds::Participant>(participant_.once_more());
-  const auto make = [&participant](ConfigFile file, std::vector<std::string> changed) {
-    return [participant, file = std::move(file), changed = std::move(changed)](JournalSink& journal) {
-      return std::make_unique<MasterSegment>(file, journal, participant->once_more(), changed);
+  const auto make = [&](ConfigFile file, std::vector<std::string> changed) {
+    return [participant, file = std::move(file), changed = std::move(changed),
+            target = target_at_stop_](JournalSink& journal) {
+      return std::make_unique<MasterSegment>(file, journal, participant->once_more(),
+                                             Before{changed, *target});
     };
   };
-  plan.anew = make(std::move(changes.anew), std::move(changes.needs_set_up));
+  plan.anew = make(std::move(changes.anew), plan.needs_set_up);
   plan.as_before = make(file_, {});
   return plan;
 }

@@ -25,11 +25,17 @@ namespace cansyncd {
 /// round.
 class MasterSegment final : public Segment {
  public:
+  /// What a segment takes over from the one before, when a line is set up anew.
+  struct Before {
+    std::vector<std::string> changed;   ///< options that have changed; told as an event
+    std::optional<StartTarget> target;  ///< where the line was going: one that was stopped stays so
+  };
+
   /// `file` has no problems; `journal` must outlive the segment. Throws std::runtime_error (of the SYNC
   /// line), std::system_error or gateway::dds::SetupError for what cannot be had.
-  /// `changed`: options for which the line is set up anew; told as an event. Empty: the daemon starts.
+  /// `before`: whose place it takes; nothing: the daemon starts.
   MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds::Participant participant,
-                std::vector<std::string> changed = {});
+                Before before = {});
   ~MasterSegment() override;
   MasterSegment(const MasterSegment&) = delete;
   MasterSegment& operator=(const MasterSegment&) = delete;
@@ -44,7 +50,9 @@ class MasterSegment final : public Segment {
 
  private:
   ConfigFile file_;
-  std::vector<std::string> changed_;
+  Before before_;
+  /// Where the line was going when it was stopped for another segment, which may outlive this one.
+  std::shared_ptr<StartTarget> target_at_stop_ = std::make_shared<StartTarget>(StartTarget::none);
   const ServiceLog log_;
   BusChoice bus_;
   std::unique_ptr<SyncLine> sync_line_;

@@ -87,10 +87,11 @@ TEST(Reload, TheSetOfSlavesNeedsARestart) {
 }
 
 TEST(Reload, OptionsOfTheLineAloneTakeEffectWhenItIsSetUpAnew) {
-  const ConfigReload changed =
-      plan("[bus]\nbit_rate = 500000\n[[slave]]\nnumber = 1\n[[slave]]\nnumber = 2\nname = \"gone\"\n",
-           "[bus]\nname = \"other\"\nbit_rate = 125000\n[dds]\ndomain = 5\n[process]\npolling_1 = 3\n"
-           "poll_nobody = 99\n[[slave]]\nnumber = 1\nname = \"kept\"\n[[slave]]\nnumber = 3\n");
+  const ConfigReload changed = plan(
+      "[bus]\nbit_rate = 500000\n[[slave]]\nnumber = 1\n[[slave]]\nnumber = 2\nname = \"gone\"\n",
+      "[bus]\nname = \"other\"\nbit_rate = 125000\n[dds]\ndomain = 5\n[process]\npolling_1 = 3\n"
+      "poll_nobody = 99\n[access]\nread_only = true\n[[slave]]\nnumber = 1\nname = \"kept\"\n[[slave]]\nnumber = 3\n");
+  EXPECT_NE(problems_text(changed.merged.problems), "") << "the cursor needs slave 3";
   EXPECT_EQ(changed.needs_set_up, (Keys{"bus.bit_rate", "process.poll_nobody", "slave.2.name",
                                         "slave.2.number", "slave.3.number"}));
   EXPECT_EQ(problems_text(changed.anew.problems), "");
@@ -100,6 +101,7 @@ TEST(Reload, OptionsOfTheLineAloneTakeEffectWhenItIsSetUpAnew) {
   EXPECT_EQ(anew.master.process.poll_nobody, 99);
   EXPECT_EQ(anew.master.process.polling[0].slave.value(), 3);
   EXPECT_EQ(anew.slaves[1].name, "kept");
+  EXPECT_TRUE(anew.access.read_only) << "what can change while the line runs changes with it";
   // What belongs to the process stays.
   EXPECT_EQ(anew.dds.domain, 0U);
   EXPECT_NE(anew.bus.name, "other");
