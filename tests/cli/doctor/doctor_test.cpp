@@ -360,7 +360,7 @@ TEST(Doctor, SetUpThatWaitsForASlaveSaysForWhich) {
   put(first_slave(in).state, "absent");
   const auto findings = diagnose(in);
   EXPECT_EQ(find(findings, "operating state")->level, Level::error);
-  EXPECT_NE(find(findings, "operating state")->remedy.find("mode run --force"), std::string::npos);
+  EXPECT_NE(find(findings, "operating state")->remedy.find("mode run, with --force"), std::string::npos);
   EXPECT_NE(find(findings, "slave")->found.find("has never answered"), std::string::npos);
   EXPECT_EQ(exit_code(findings, true), ExitCode::faults);
 }

@@ -185,7 +185,9 @@ void look_at_configuration(const DoctorInput& in, FindingList& out) {
   if (in.reload_refused.empty()) return;
   out.warning(
       "configuration", "the file on disk is not what runs: " + in.reload_refused,
-      fmt::format("cansyncd --check /etc/cansync/{0}.toml; then systemctl reload cansyncd@{0}", in.bus));
+      fmt::format(
+          "cansyncd --check /etc/cansync/{0}.toml; then systemctl reload cansyncd@{0}, or restart where a restart is named",
+          in.bus));
 }
 
 void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {

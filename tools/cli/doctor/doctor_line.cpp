@@ -32,7 +32,7 @@ void look_at_state_of_master(const client::MasterStatus& master, FindingList& ou
   } else if ((master.slaves_configured & ~master.slaves_released) != 0) {
     out.error(kTopic,
               fmt::format("{}: waits for slaves, see below; no reference value goes out", master.state),
-              "mend the slaves; or go without them: cansync mode run --force");
+              "mend the slaves; or go without them: cansync mode run, with --force when that is refused");
   } else {
     out.warning(kTopic,
                 fmt::format("{}: every slave is ready, but no reference value goes out", master.state),
