@@ -160,6 +160,34 @@ TEST_F(ParameterService, S20AnAnswerOutlivesItsApplication) {
   EXPECT_EQ(send(read(500)), response({0x01, 0xF4, 5, 0, 0, 0, 0, 0}));
 }
 
+/// The master gives up while it is told "busy": nobody fetches the answer, and nothing else is asked.
+TEST_F(ParameterService, S20AnAnswerThatNobodyFetchesIsNotTheAnswerToAMuchLaterQuestion) {
+  using std::chrono::nanoseconds;
+  using std::chrono::seconds;
+  send(write_word(501, 3));
+  service_.jobs().at(seconds(99));
+  service_.jobs().at(seconds(100));
+  ASSERT_TRUE(service_.jobs().answer(1, value(0)));
+  service_.jobs().at(seconds(101));
+  EXPECT_EQ(told_.take(), "write 501") << "a master that still asks gets it";
+  service_.jobs().at(seconds(101) + nanoseconds(1));
+  EXPECT_EQ(told_.take(), "dropped 1");
+  service_.jobs().at(seconds(3700));
+  EXPECT_EQ(send(write_word(501, 3)), busy(501)) << "a second write is done, not only confirmed";
+  EXPECT_EQ(told_.take(), "write 501");
+  EXPECT_EQ(told_.parameter.id, 2u);
+}
+
+TEST_F(ParameterService, S20WhatTheSlaveItselfWouldHaveAnsweredIsNotKeptEither) {
+  send(read(500));
+  service_.set_application(false);
+  service_.jobs().at(std::chrono::seconds(10));
+  service_.set_application(true);
+  EXPECT_EQ(told_.take(), "read 500, dropped 1");
+  EXPECT_EQ(send(read(500)), busy(500)) << "the new application's";
+  EXPECT_EQ(told_.take(), "read 500");
+}
+
 TEST_F(ParameterService, S21LeavingSynchronousOperationDropsTheJob) {
   send(read(500));
   EXPECT_TRUE(slave_.control(ControlCommand::cold_restart));
@@ -261,6 +289,21 @@ TEST_F(TakingService, S20AnApplicationThatIsSilentForTheAnswerTimeIsWaitedForNoL
   EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0}));
   EXPECT_EQ(told_.take(), "") << "not its answer";
   EXPECT_EQ(send(read(400)), busy(400)) << "it is asked again for the next";
+  EXPECT_EQ(told_.take(), "read 400");
+}
+
+TEST_F(TakingService, S20AnAnswerThatNobodyFetchesIsKeptForTheAnswerTime) {
+  using std::chrono::nanoseconds;
+  using std::chrono::seconds;
+  service_.jobs().at(seconds(100));
+  send(read(400));
+  service_.jobs().at(seconds(103));
+  ASSERT_TRUE(service_.jobs().answer(1, value(3)));
+  service_.jobs().at(seconds(108));
+  EXPECT_EQ(told_.take(), "read 400");
+  service_.jobs().at(seconds(108) + nanoseconds(1));
+  EXPECT_EQ(told_.take(), "dropped 1");
+  EXPECT_EQ(send(read(400)), busy(400)) << "its value now, not the one of then";
   EXPECT_EQ(told_.take(), "read 400");
 }
 

@@ -1,9 +1,14 @@
 #include "cansync/slave/parameter_jobs.h"
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace cansync {
 namespace {
+
+/// A master that still waits asks far more often.
+constexpr Duration kFetchTime = std::chrono::seconds(1);
 
 ParameterAnswer access_refused(ParameterError error) noexcept {
   ParameterAnswer answer;
@@ -130,14 +135,20 @@ void ParameterJobs::set_application(bool present) noexcept {
 
 void ParameterJobs::at(Duration now) noexcept {
   now_ = now;
-  const bool waits = open_ && open_->id != 0 && !answer_;
-  if (waits && settings_.answer_time.count() != 0 && now - asked_at_ > settings_.answer_time) end_open();
+  if (!open_) return;
+  const Duration limit = settings_.answer_time;
+  if (!answer_) {
+    if (limit.count() != 0 && now - asked_at_ > limit) end_open();
+  } else if (now - answered_at_ > std::max(limit, kFetchTime)) {
+    dropped();  // the master has given up: the same question later is a new one
+  }
 }
 
 /// The application does not answer it any more: the master's next question is answered without.
 void ParameterJobs::end_open() noexcept {
   listener_.dropped(std::exchange(open_->id, 0));
   answer_ = without_application(*open_);
+  answered_at_ = now_;
 }
 
 ParameterAnswer ParameterJobs::without_application(const AskedParameter& job) const noexcept {
@@ -155,6 +166,7 @@ bool ParameterJobs::answer(std::uint64_t id, const ParameterAnswer& answer) noex
   if (!open_ || id == 0 || open_->id != id || answer_) return false;
   answer_ = answer;
   answer_->busy = false;
+  answered_at_ = now_;
   return true;
 }
 

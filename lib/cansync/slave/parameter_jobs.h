@@ -31,8 +31,8 @@ class ParameterJobsListener {
   /// An access waits for `answer`. The master is told that it takes longer.
   virtual void asked(const AskedParameter& job) noexcept = 0;
   /// The access is not wanted any more: the master asked for something else, the application that owned it is
-  /// gone or took too long, or the slave left synchronous operation. Also when its answer was given and never
-  /// on the bus.
+  /// gone or took too long, the master did not fetch the answer, or the slave left synchronous operation.
+  /// Also when its answer was given and never on the bus.
   virtual void dropped(std::uint64_t id) noexcept = 0;
   /// The answer of the application was on the bus.
   virtual void answered(std::uint64_t id) noexcept = 0;
@@ -43,7 +43,9 @@ struct ParameterJobsSettings {
   bool unknown_numbers = false;  ///< an application is asked for them; else `unknown`
   bool sub_slaves = false;       ///< likewise for sub-slave addresses over 0; else 0xFFFB
   ParameterError unknown = ParameterError::not_present;  ///< answer for them that is nobody's
-  Duration answer_time{};  ///< in which an application has to answer; 0: it is waited for without end
+  /// In which an application has to answer, 0: it is waited for without end; and for which its answer waits
+  /// for the master, at least a second.
+  Duration answer_time{};
 };
 
 /// What an application has taken over, beside what the settings give it anyway.
@@ -79,7 +81,9 @@ class ParameterJobs {
   /// The answer was on the bus (`SlaveApplication::parameter_answered`).
   void sent() noexcept;
 
-  /// Tells the time, on any one clock, in every interval; ends an access whose application took too long.
+  /// Tells the time, on any one clock, in every interval; ends an access whose application took too long,
+  /// or whose answer the master has not asked for in that time, at least a second: the same question later is
+  /// a new one.
   void at(Duration now) noexcept;
 
   // --- of the application
@@ -110,6 +114,7 @@ class ParameterJobs {
   TakenOver taken_;
   Duration now_{};
   Duration asked_at_{};
+  Duration answered_at_{};
   std::optional<AskedParameter> open_;
   std::optional<ParameterAnswer> answer_;  ///< of the open access
   std::uint64_t sending_ = 0;              ///< the access whose answer is on its way
