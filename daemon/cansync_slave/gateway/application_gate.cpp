@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
 #include "cansync_slave/dds/convert.h"
 #include "cansync_slave/dds/topics.h"
@@ -30,6 +31,15 @@ TakeOver take_over_of(const cansync_slave_ApplicationAnswer& sample) {
 bool same(const TakeOver& a, const TakeOver& b) {
   return a.blocks == b.blocks && a.taken.sub_slaves == b.taken.sub_slaves &&
          a.taken.numbers == b.taken.numbers;
+}
+
+gateway::dds::Problem status_word_taken(const cansync_slave_ApplicationAnswer& sample, std::uint16_t number) {
+  const std::span numbers(sample.parameters._buffer, sample.parameters._length);
+  if (std::find(numbers.begin(), numbers.end(), number) == numbers.end()) return std::nullopt;
+  return Denial{gateway_CAUSE_FIELD,
+                fmt::format("parameters: found {}, which is slave.status_parameter and answered with the "
+                            "status word; allowed: other numbers",
+                            number)};
 }
 
 BlockReply::Kind kind_of(cansync_slave_AnswerKind kind) noexcept {
@@ -68,10 +78,12 @@ ApplicationOrder order_of(const cansync_slave_ApplicationAnswer& sample) {
 
 ApplicationGate::ApplicationGate(const gateway::dds::Participant& participant,
                                  gateway::dds::DataSignal& signal, EventPublisher& events,
-                                 const DaemonIdentity& daemon, SlaveExchange& exchange)
+                                 const DaemonIdentity& daemon, std::uint16_t status_parameter,
+                                 SlaveExchange& exchange)
     : reader_(participant, &signal),
       events_(events),
       daemon_(daemon),
+      status_parameter_(status_parameter),
       exchange_(exchange),
       writers_(participant, reader_.handle()) {}
 
@@ -110,7 +122,7 @@ void ApplicationGate::take(const Sample& sample, const dds_sample_info_t& info, 
 gateway::dds::Problem ApplicationGate::problem_of(const Sample& sample, Writer writer) const {
   if (auto wrong = cansync_slave::dds::check(sample)) return wrong;
   if (read_only_) return Denial{gateway_CAUSE_READ_ONLY, "the daemon is read-only (access.read_only)"};
-  if (sample.kind == cansync_slave_ANSWER_PRESENT) return std::nullopt;
+  if (sample.kind == cansync_slave_ANSWER_PRESENT) return status_word_taken(sample, status_parameter_);
   if (owner_ != writer)
     return Denial{gateway_CAUSE_WRONG_STATE,
                   "its writer has taken over nothing; let the program say that it is present first"};

@@ -3,6 +3,7 @@
 #include <dds/dds.h>
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -27,10 +28,12 @@ class ApplicationGate {
   /// A row of refused samples is over when none was refused for so long.
   static constexpr std::chrono::seconds kQuiet{1};
 
-  /// `daemon`: this start, which answers must name. `signal`, `events` and `exchange` must outlive the gate.
+  /// `daemon`: this start, which answers must name. `status_parameter`: number of the status word, which
+  /// nobody else answers. `signal`, `events` and `exchange` must outlive the gate.
   /// Throws gateway::dds::SetupError.
   ApplicationGate(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
-                  EventPublisher& events, const DaemonIdentity& daemon, SlaveExchange& exchange);
+                  EventPublisher& events, const DaemonIdentity& daemon, std::uint16_t status_parameter,
+                  SlaveExchange& exchange);
 
   /// Takes what has come, and looks who has gone. True: there may be more.
   bool take_samples(SteadyTime now);
@@ -60,6 +63,7 @@ class ApplicationGate {
   gateway::dds::Reader<Sample> reader_;
   EventPublisher& events_;
   const DaemonIdentity daemon_;
+  const std::uint16_t status_parameter_;
   SlaveExchange& exchange_;
   WriterWatch writers_;
   bool read_only_ = false;

@@ -56,7 +56,7 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       second_daemon_(participant, signal_, events_, config.bus.name, identity),
       identity_(identity),
       releases_(participant, signal_, events_, identity, exchange),
-      application_(participant, signal_, events_, identity, exchange),
+      application_(participant, signal_, events_, identity, config.status_parameter, exchange),
       references_(participant, 0, &signal_),
       monitored_(participant, 0, &signal_),
       actions_(participant, 0, &signal_),

@@ -57,7 +57,9 @@ void SlaveDesk::take(const TakeOver& order) noexcept {
   if (!order.same_application || !order.blocks) service_.area().set_application(false);
   if (!order.present) return;
   service_.jobs().set_application(true);
-  service_.jobs().take_over(order.taken);
+  cansync::TakenOver taken = order.taken;
+  taken.numbers[parameter_] = false;  // the status word is the daemon's
+  service_.jobs().take_over(taken);
   if (order.blocks) service_.area().set_application(true);
 }
 

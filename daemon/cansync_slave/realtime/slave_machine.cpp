@@ -170,6 +170,7 @@ void SlaveMachine::receive(const can::ReceivedFrame& received) noexcept {
   load_.add(received.frame);
   if (received.own) {
     echo_due_ = false;
+    desk_.at(moment(received.end));
     slave_.sent(received.frame);
     return;
   }
@@ -189,7 +190,11 @@ can::Time SlaveMachine::edge_before(can::Time end) noexcept {
   if (timed_) return edge_;
   sync_.take_edges();
   const auto newest = sync_.newest();
-  return newest ? std::min(*newest, end) : end;
+  if (!newest) return end;
+  if (*newest <= end) return *newest;
+  // It came while the thread stood still: the frame belongs to an edge whole intervals before.
+  const auto back = (*newest - end - can::Time{1}) / slots_.interval + 1;
+  return *newest - back * slots_.interval;
 }
 
 void SlaveMachine::take(const cansync::Telegram& telegram, const can::ReceivedFrame& received) noexcept {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -62,7 +63,7 @@ class ApplicationGateTest : public testing::Test {
   KeptJournal journal_;
   EventPublisher events_{daemon_, journal_, "testbus"};
   SlaveExchange exchange_{64};
-  ApplicationGate gate_{daemon_, signal_, events_, kThisStart, exchange_};
+  ApplicationGate gate_{daemon_, signal_, events_, kThisStart, 301, exchange_};
   gateway::dds::Writer<cansync_slave_ApplicationAnswer> writer_{program_, 1, &signal_, "tester"};
   SteadyTime now_{1000s};
 };
@@ -122,6 +123,17 @@ TEST_F(ApplicationGateTest, WhatIsWrongReachesNobody) {
   gate_.set_read_only(true);
   say(cansync_slave_ANSWER_PARAMETER);
   EXPECT_TRUE(no_order()) << "read-only";
+}
+
+TEST_F(ApplicationGateTest, TheStatusWordIsNobodysElse) {
+  say(cansync_slave_ANSWER_PRESENT, {400, 301});
+  EXPECT_TRUE(no_order());
+  EXPECT_EQ(gate_.name(), "");
+  const auto told = journal_.with("EVENT", "application_refused");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].message.find("found 301, which is slave.status_parameter"), std::string::npos);
+  say(cansync_slave_ANSWER_PRESENT, {400});
+  EXPECT_TRUE(order<TakeOver>());
 }
 
 TEST_F(ApplicationGateTest, ThatItIsGoneReachesTheRealtimeThreadAlsoWhenThereIsNoRoom) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "slave_rig.h"
@@ -186,6 +187,26 @@ TEST(SlaveMachineTest, MissingReferenceValuesAreAFaultUntilTheyComeAgain) {
   EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::none);
 }
 
+/// Before the intervals follow the input, too: an edge that came while the thread stood still is not the one
+/// that the command came after.
+TEST(SlaveMachineTest, AThreadThatWakesLateBeforeItIsTimedAnswersNoCommandAfterItsSlot) {
+  for (can::Time late = microseconds(100); late < microseconds(1000); late += microseconds(50)) {
+    SlaveRig rig(cansync::BitRate::mbit1, {}, microseconds(400));
+    rig.bus->late = late;
+    rig.run_until(350 * rig.times.interval);
+    EXPECT_EQ(rig.snapshot.sync.state, sync_line::LockState::searching);
+    EXPECT_GT(rig.snapshot.responses.asked, 0u);
+    can::Time asked{};
+    for (const sim::TracedFrame& one : rig.trace.frames) {
+      if (one.frame.identifier() == cansync::identifier::command + kNumber) asked = one.start;
+      if (one.frame.identifier() != cansync::identifier::response + kNumber) continue;
+      const auto after = std::upper_bound(rig.trace.edges.begin(), rig.trace.edges.end(), asked);
+      ASSERT_NE(after, rig.trace.edges.begin());
+      ASSERT_LE(one.start - *(after - 1), rig.times.command) << late.count() << " ns late";
+    }
+  }
+}
+
 TEST(SlaveMachineTest, AThreadThatWakesLateAnswersNoCommandAfterItsSlot) {
   SlaveRig rig;
   rig.at(1500 * rig.times.interval, [&rig] { rig.bus->late = microseconds(700); });
@@ -193,6 +214,65 @@ TEST(SlaveMachineTest, AThreadThatWakesLateAnswersNoCommandAfterItsSlot) {
   EXPECT_GT(rig.snapshot.responses.late, 0u);
   for (const can::Time start : rig.trace.starts(cansync::identifier::response + kNumber))
     EXPECT_LE(start, rig.times.command);
+}
+
+/// Asks the slave for a parameter.
+void ask_at(SlaveRig& rig, can::Time when, unsigned number) {
+  rig.at(when, [&rig, number] {
+    cansync::ParameterRequest request;
+    request.id = number;
+    request.slave = *cansync::SlaveNumber::from(kNumber);
+    request.number = *cansync::ParameterNumber::from(number);
+    ASSERT_EQ(rig.master->master().submit(request), cansync::Refusal::none);
+  });
+}
+
+void take_over_at(SlaveRig& rig, can::Time when, unsigned number) {
+  rig.at(when, [&rig, number] {
+    TakeOver order;
+    order.present = true;
+    order.taken.numbers.set(number);
+    ASSERT_TRUE(rig.exchange.orders.try_push(order));
+  });
+}
+
+std::vector<JobReport> job_reports(SlaveRig& rig) {
+  std::vector<JobReport> found;
+  ServiceReport report;
+  while (rig.exchange.jobs.try_pop(report)) found.push_back(std::get<JobReport>(report));
+  return found;
+}
+
+TEST(SlaveMachineTest, ThatAJobIsAnsweredHasTheTimeAtWhichItsAnswerWasOnTheBus) {
+  SlaveRig rig;
+  const can::Time interval = rig.times.interval;
+  take_over_at(rig, 1490 * interval, 500);
+  ask_at(rig, 1500 * interval, 500);
+  rig.at(1520 * interval, [&rig] {
+    const auto asked = job_reports(rig);
+    ASSERT_EQ(asked.size(), 1u);
+    ASSERT_TRUE(rig.exchange.orders.try_push(JobAnswer{asked[0].job.id, {.value = 7}}));
+  });
+  rig.run_until(1600 * interval);
+  const auto ended = job_reports(rig);
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].step, JobReport::Step::answered);
+  can::Time end{};
+  for (const sim::TracedFrame& one : rig.trace.frames) {
+    const bool ours = one.frame.identifier() == cansync::identifier::response + kNumber;
+    if (ours && one.frame.data[0] == 0x01 && one.frame.data[1] == 0xF4) end = one.end;  // 500, not busy
+  }
+  EXPECT_EQ(ended[0].when.bus, end);
+}
+
+TEST(SlaveMachineTest, NoApplicationTakesTheStatusWordOver) {
+  SlaveRig rig;
+  const can::Time interval = rig.times.interval;
+  take_over_at(rig, 1490 * interval, 301);
+  ask_at(rig, 1500 * interval, 301);
+  rig.run_until(1600 * interval);
+  EXPECT_TRUE(job_reports(rig).empty());
+  EXPECT_TRUE(rig.snapshot.synchronized);
 }
 
 }  // namespace

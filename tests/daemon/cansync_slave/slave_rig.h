@@ -90,7 +90,9 @@ class WatchedBus final : public can::Bus {
 inline constexpr std::uint8_t kNumber = 5;
 
 struct SlaveRig {
-  explicit SlaveRig(cansync::BitRate bit_rate = cansync::BitRate::mbit1, std::vector<sim::Fault> faults = {})
+  /// `phase`: by which the edges stand after those of the slave's own timeline at first.
+  explicit SlaveRig(cansync::BitRate bit_rate = cansync::BitRate::mbit1, std::vector<sim::Fault> faults = {},
+                    can::Time phase = {})
       : rate(bit_rate), times(cansync::slot_times(bit_rate)) {
     sim::MasterNodeSettings settings;
     settings.master.bit_rate = rate;
@@ -99,7 +101,7 @@ struct SlaveRig {
     settings.master.process.maximum_slave = *cansync::SlaveNumber::from(kNumber);
     settings.master.process.polling.fill(
         {cansync::Cursor::Kind::fixed, *cansync::SlaveNumber::from(kNumber)});
-    settings.first_edge = times.interval;
+    settings.first_edge = times.interval + phase;
     settings.references[0] = {.kind = sim::ReferenceCurve::Kind::ramp, .offset = 100, .step = 1};
     settings.references[4] = {.kind = sim::ReferenceCurve::Kind::constant, .offset = 44};
     auto node = std::make_unique<sim::MasterNode>(settings);
