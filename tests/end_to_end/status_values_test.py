@@ -5,7 +5,7 @@ import re
 import sys
 import unittest
 
-from gateway import Gateway, wait_for
+from gateway import LONG, Gateway, wait_for
 
 BIT_RATE = 250000
 INTERVAL = 4  # ms, which follows from it
@@ -23,15 +23,19 @@ class StatusValue(unittest.TestCase):
             values = gateway.start("set", "0=100", "4=1", "--rate", 20)
             try:
                 wait_for("actual values come", lambda: gateway.json("watch", 0, "--count", 1)[0]["values"][0]["raw"] is not None)
-                answers, interval = self.slave()["answers"], gateway.status()["interval"]
-                wait_for("40 reads would have been due", lambda: gateway.status()["interval"] > interval + 40 * READ_PERIOD / INTERVAL)
-                slave = self.slave()
-                self.assertLess(slave["answers"] - answers, 10)
+                answers, interval = self.slave()["answers"], self.interval()
+                wait_for("40 reads would have been due", lambda: self.interval() > interval + 40 * READ_PERIOD / INTERVAL)
+                due, slave = (self.interval() - interval) * INTERVAL / READ_PERIOD, self.slave()
+                # Some are read where the writer or the line got no processor time for a while.
+                self.assertLess(slave["answers"] - answers, due / 4)
                 self.assertEqual((slave["synchronized"], slave["status_word"] & 0x8000), (True, 0x8000))
             finally:
                 values.terminate()
-                values.communicate()
+                values.communicate(timeout=LONG)
             wait_for("without them it is read", lambda: self.slave()["answers"] > slave["answers"] + 20)
+
+    def interval(self):
+        return self.gateway.wait_status("the interval is told", lambda status: status["interval"])["interval"]
 
     def slave(self):
         return self.gateway.json("slaves")[0]
@@ -48,9 +52,11 @@ class PollingApart(unittest.TestCase):
             gateway.run("set", "0=100", "4=1", "--rate", 20, "--seconds", 1)
             self.assertEqual(gateway.stop(), 0)
             with open(trace, encoding="ascii") as file:
-                identifiers = [int(found, 16) for found in re.findall(r" (1[0-9A-F]{2})#", file.read())]
-        asked = [(first & 0x7F, second & 0x7F) for first, second in zip(identifiers, identifiers[1:])
-                 if first < 0x180 <= second]
+                intervals = file.read().split(" sync 080#\n")
+        # A telegram that was left out must not pair one of this interval with one of the next.
+        identifiers = [[int(found, 16) for found in re.findall(r" (1[0-9A-F]{2})#", one)] for one in intervals]
+        asked = [(of_one[0] & 0x7F, of_one[1] & 0x7F) for of_one in identifiers
+                 if len(of_one) == 2 and of_one[0] < 0x180 <= of_one[1]]
         self.assertEqual({first for first, _ in asked}, set(range(SLAVES)))
         self.assertGreater(len(asked), 4 * SLAVES)
         self.assertEqual({(second - first) % SLAVES for first, second in asked}, {SLAVES // 2})

@@ -4,7 +4,7 @@ import contextlib
 import json
 import re
 
-from canline import BIT_RATE, SYNC, Candump, Daemon
+from canline import BIT_RATE, LONG, SYNC, Candump, Daemon
 from gateway import wait_for
 from line_judge import Judge
 
@@ -51,7 +51,7 @@ class SlavePair:
                     with self.running(self.slave, "actual", "0=1000", "1=-3", "4=7", "--rate", 20):
                         self.actual_values_reach_the_master()
                     self.parameters()
-                status = self.slave.objects("status")[0]
+                status = self.settled_status()
             self.judged(Judge(log.log(), BIT_RATE, self.tolerance), status)
 
     @contextlib.contextmanager
@@ -61,7 +61,22 @@ class SlavePair:
             yield
         finally:
             process.terminate()
-            process.communicate()
+            process.communicate(timeout=LONG)
+
+    def wait_for_match(self, pattern):
+        wait_for(f"{pattern} on the bus", lambda: [frame for frame in self.log.frames() if re.fullmatch(pattern, frame)])
+
+    def settled_status(self):
+        """The slave's status, once it counts every actual value: it comes later than they do."""
+        before = None
+
+        def settled():
+            nonlocal before
+            last, before = before, self.slave.status()
+            both = last and before and last["interval"] != before["interval"]
+            return both and last["actual_sent"] == before["actual_sent"] and before
+
+        return wait_for("the status has caught up", settled)
 
     def since_set_up(self):
         return [frame for frame in self.log.frames() if frame != f"{SYNC}#"]
@@ -69,10 +84,10 @@ class SlavePair:
     def set_up(self):
         wait_for("the slave says that it is synchronized", lambda: (s := self.slave.status()) and s["synchronized"])
         self.master.wait_status("the master says so, too", lambda s: s["slaves_synchronized"] == 1 << NUMBER)
+        self.log.wait_for_frame(f"50{NUMBER}#712D0000")  # element 7 of parameter 301, sub-slave 0
+        self.wait_for_match(LOCKED)
         frames = self.since_set_up()
         self.assertEqual(frames[0], "010#FFFFFFFF02010000", "action 2 with data byte 1, to every slave")
-        self.assertIn(f"50{NUMBER}#712D0000", frames, "element 7 of parameter 301, sub-slave 0")
-        self.assertTrue([frame for frame in frames if re.fullmatch(LOCKED, frame)])
         self.assertFalse([frame for frame in frames if frame[0] in "13"], "no process data before reference values are given")
 
     def reference_values_reach_the_slave(self):
@@ -100,12 +115,14 @@ class SlavePair:
 
     def parameters(self):
         """One that the slave has, and one that it cannot answer."""
-        done = wait_for("the status word is read", lambda: self.objects_of(self.master.run("read", NUMBER, 301, "--json")))
-        self.assertEqual(done[0]["value"], 0x8000)
+        def read():
+            result = self.master.run("read", NUMBER, 301, "--json")
+            return result.returncode == 0 and self.objects_of(result)[0]["value"] == 0x8000
+
+        wait_for("the status word is read", read)
         wait_for("parameter 1000 is refused", lambda: self.master.run("read", NUMBER, 1000).returncode == 4)
-        frames = self.log.frames()
-        self.assertIn(f"50{NUMBER}#73E80000", frames)
-        self.assertTrue([frame for frame in frames if re.fullmatch(f"58{NUMBER}#23E8F[AB]FF0000", frame)], "ERR and its code")
+        self.log.wait_for_frame(f"50{NUMBER}#73E80000")
+        self.wait_for_match(f"58{NUMBER}#23E8F[AB]FF0000")  # ERR and its code
 
     def judged(self, judge, status):
         print(f"frames: {judge.count}; us from WRC1 to RDC1: {sorted(judge.ways[0])}", flush=True)

@@ -21,8 +21,8 @@ class StatusRefused(unittest.TestCase):
         with Candump() as log, Simulator(slaves="0-0"), WrongStatusParameter(1) as daemon:
             event = daemon.wait_event("slave_status_refused")[0]
             # Element 7 of parameter 77; error bit, no such parameter.
-            self.assertIn("500#704D0000", log.frames())
-            self.assertIn("580#204DFBFF0000", log.frames())
+            log.wait_for_frame("500#704D0000")
+            log.wait_for_frame("580#204DFBFF0000")
             self.assertEqual((event["slave"], event["severity"]), (0, "error"))
             self.assertIn(REMEDY, event["text"])
             slave = wait_for("its state has the error", lambda: (s := daemon.objects("slaves")[0])["status_error"] and s)
