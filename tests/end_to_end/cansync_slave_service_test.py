@@ -219,6 +219,31 @@ class Blocks(unittest.TestCase):
             tail = "".join(f"{n % 256:02X}" for n in range(length - length % 6, length))
             self.assertTrue(any(answer[4:].startswith(tail) for answer in slave.answers()), tail)
 
+    def test_an_upload_of_less_than_lies_there_is_refused_where_it_goes_as_a_whole(self):
+        with Slave(jobs("bytes = 400\ndownload = true", "bytes = 20"), "block_limit = 1000") as slave, \
+                slave.serve("--blocks") as serving:
+            seen = []
+            while ("download", 0) not in seen or seen[-1] != ("upload", 0x0104):
+                found = serving.next_object()
+                seen.append((found["kind"], found["error_code"]))
+            self.assertNotIn(("upload", 0), seen)
+            slave.wait_for_answers("not possible", "A0000401")
+            serving.kill()
+
+    def test_blocks_are_kept_under_16_start_addresses(self):
+        # Different periods: else a full queue of the master would leave out the same ones each time.
+        asked = "".join(f"[[sim.job]]\nnumber = {n}\nevery = {50 + n}\nbytes = 6\ndownload = true\naddress = {0x100 + n}\n"
+                        for n in range(17))
+        with Slave(asked) as slave, slave.serve("--blocks") as serving:
+            done, refused = set(), set()
+            while len(done | refused) < 17:
+                found = serving.next_object()
+                self.assertIn(found["error_code"], (0, 0x0104))
+                (refused if found["error_code"] else done).add(found["number"])
+            self.assertEqual((len(done), len(refused)), (16, 1))
+            self.assertEqual(done & refused, set(), "one that is there may be replaced")
+            serving.kill()
+
     def test_a_block_of_299_bytes_goes_as_a_whole(self):
         self.moved(299, "block_limit = 300")
 

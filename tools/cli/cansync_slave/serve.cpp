@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cansync/slave/block_area.h"
 #include "cansync/slave/parameter_table.h"
 #include "cansync/telegram/errors.h"
 #include "cansync_slave/client/application.h"
@@ -29,6 +30,9 @@ using cansync_slave::ParameterSections;
 using cansync_slave::client::Application;
 using cansync_slave::client::Duties;
 using cansync_slave::client::SlaveClient;
+
+/// Start addresses under which downloads are kept.
+constexpr std::size_t kServedBlocks = 16;
 
 struct ServeTexts {
   std::string file;
@@ -107,6 +111,7 @@ class Server {
 
  private:
   void begin_block(Application& application, const cansync_slave_BlockJob& job);
+  bool possible(const cansync_slave_BlockJob& job) const;
   void move_telegram(Application& application, const cansync_slave_BlockJob& job);
   void show(const Served& served);
   void show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error);
@@ -165,21 +170,27 @@ void Server::show_block(const cansync_slave_BlockJob& job, std::size_t bytes, un
         static_cast<std::int64_t>(bytes), error});
 }
 
+/// There is room for a download; of an upload something lies there, and goes as a whole if that is asked.
+bool Server::possible(const cansync_slave_BlockJob& job) const {
+  const auto block = blocks_.find(job.address);
+  if (job.download) return block != blocks_.end() || blocks_.size() < kServedBlocks;
+  return block != blocks_.end() && (!job.whole || block->second.size() <= kBlockAreaBytes);
+}
+
 void Server::begin_block(Application& application, const cansync_slave_BlockJob& job) {
   open_ = job;
   coming_.clear();
-  if (job.download) {
-    problem_ = application.allow(job);
-    return;
-  }
-  const auto block = blocks_.find(job.address);
-  if (block == blocks_.end()) {
+  if (!possible(job)) {
     constexpr auto kNotPossible = static_cast<std::uint16_t>(TransferError::not_possible);
     problem_ = application.refuse(job, kNotPossible);
     show_block(job, 0, kNotPossible);
     return;
   }
-  coming_ = block->second;
+  if (job.download) {
+    problem_ = application.allow(job);
+    return;
+  }
+  coming_ = blocks_.at(job.address);
   problem_ = job.whole ? application.allow(job, coming_)
                        : application.allow(job, {}, static_cast<std::uint16_t>(coming_.size()));
 }
@@ -261,8 +272,8 @@ void add_serve_verb(CLI::App& app, Verb& chosen) {
       ->required();
   serve->add_flag(
       "--blocks", texts->blocks,
-      "uploads and downloads, too: a download is kept under its start address until the end, and an "
-      "upload gives what lies there");
+      "uploads and downloads, too: a download is kept under its start address, one of up to 16, until the "
+      "end, and an upload gives what lies there");
   serve
       ->add_option("--strength", texts->strength,
                    "among several applications the strongest answers; 0 and more (default 1)")
