@@ -270,8 +270,9 @@ class Secured(unittest.TestCase):
                 result = slave.place.run("actual", "0=1", "--seconds", 1)
                 self.assertIn("no right to write topic ActualRelease", result.stderr)
                 become("operator")
-                self.assertEqual(slave.place.run("actual", "0=1", "--seconds", 1).returncode, 0)
-                slave.wait_for_status("released", lambda s: s["released"][0] > 0)
+                with slave.place.start("actual", "0=1") as writer:
+                    slave.wait_for_status("released", lambda s: s["released"][0] > 0)
+                    end(writer)
                 path = os.path.join(folder, "own.toml")
                 with open(path, "w", encoding="utf-8") as file:
                     file.write(OWN)
