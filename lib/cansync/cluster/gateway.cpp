@@ -42,7 +42,7 @@ ParameterAnswer ClusterGateway::ask_below(ParameterRequest request, SubSlave sub
   const auto route = table_.find(sub);
   if (!route) {
     ++counters_.unknown;
-    return parameter_error(ParameterError::not_present);
+    return ParameterAnswer::refused(ParameterError::not_present);
   }
   request.slave = route->slave;
   request.sub_slave = route->below;
@@ -102,7 +102,7 @@ SlaveApplication::BlockAnswer ClusterGateway::begin_block(const TransferInitiali
   const auto route = table_.find(initialise.sub_slave);
   if (!route) {
     ++counters_.unknown;
-    return block_error(TransferError::not_possible);
+    return BlockAnswer::refused(TransferError::not_possible);
   }
   const JobId before = block_.running();
   const BlockAnswer answer = block_.begin(initialise, *route, *lower_, ids_);

@@ -6,30 +6,6 @@ namespace {
 using BlockAnswer = SlaveApplication::BlockAnswer;
 }  // namespace
 
-ParameterAnswer busy_parameter() noexcept {
-  ParameterAnswer answer;
-  answer.busy = true;
-  return answer;
-}
-
-ParameterAnswer parameter_error(ParameterError error) noexcept {
-  ParameterAnswer answer;
-  answer.error = error;
-  return answer;
-}
-
-BlockAnswer busy_block() noexcept {
-  BlockAnswer answer;
-  answer.busy = true;
-  return answer;
-}
-
-BlockAnswer block_error(TransferError error) noexcept {
-  BlockAnswer answer;
-  answer.error = error;
-  return answer;
-}
-
 ParameterAnswer answer_above(bool write, const ParameterResult& result) noexcept {
   switch (result.outcome) {
     case Outcome::done: {
@@ -39,19 +15,19 @@ ParameterAnswer answer_above(bool write, const ParameterResult& result) noexcept
       return answer;
     }
     case Outcome::slave_error:
-      return parameter_error(result.error == ParameterError::none ? ParameterError::unspecified
-                                                                  : result.error);
+      return ParameterAnswer::refused(result.error == ParameterError::none ? ParameterError::unspecified
+                                                                           : result.error);
     case Outcome::word_expected:
     case Outcome::doubleword_expected:
     case Outcome::value_too_wide:
-      return parameter_error(ParameterError::wrong_format);
+      return ParameterAnswer::refused(ParameterError::wrong_format);
     case Outcome::slave_lost:
-      return parameter_error(ParameterError::not_available_now);
+      return ParameterAnswer::refused(ParameterError::not_available_now);
     default: {
       // `intervals` is 0 while no telegram of the job was sent.
       const bool perhaps_written = write && result.intervals != 0;
-      return parameter_error(perhaps_written ? ParameterError::unspecified
-                                             : ParameterError::not_available_now);
+      return ParameterAnswer::refused(perhaps_written ? ParameterError::unspecified
+                                                      : ParameterError::not_available_now);
     }
   }
 }
@@ -59,35 +35,35 @@ ParameterAnswer answer_above(bool write, const ParameterResult& result) noexcept
 ParameterAnswer answer_above_parameter(Refusal refused) noexcept {
   switch (refused) {
     case Refusal::queue_full:
-      return busy_parameter();
+      return ParameterAnswer::later();
     case Refusal::slave_not_configured:
-      return parameter_error(ParameterError::not_present);
+      return ParameterAnswer::refused(ParameterError::not_present);
     case Refusal::element_not_writable:
-      return parameter_error(ParameterError::not_changeable);
+      return ParameterAnswer::refused(ParameterError::not_changeable);
     case Refusal::value_too_wide:
-      return parameter_error(ParameterError::wrong_format);
+      return ParameterAnswer::refused(ParameterError::wrong_format);
     default:
-      return parameter_error(ParameterError::not_available_now);
+      return ParameterAnswer::refused(ParameterError::not_available_now);
   }
 }
 
 BlockAnswer answer_above(const TransferResult& result) noexcept {
   if (result.outcome == Outcome::done) return {};
   const bool code = result.outcome == Outcome::slave_error && result.error != TransferError::none;
-  return block_error(code ? result.error : TransferError::cancelled_by_slave);
+  return BlockAnswer::refused(code ? result.error : TransferError::cancelled_by_slave);
 }
 
 BlockAnswer answer_above_transfer(Refusal refused) noexcept {
   switch (refused) {
     case Refusal::queue_full:
-      return busy_block();
+      return BlockAnswer::later();
     case Refusal::address_reserved:
     case Refusal::address_overflow:
-      return block_error(TransferError::address_not_allowed);
+      return BlockAnswer::refused(TransferError::address_not_allowed);
     case Refusal::block_size:
-      return block_error(TransferError::block_too_long);
+      return BlockAnswer::refused(TransferError::block_too_long);
     default:
-      return block_error(TransferError::not_possible);
+      return BlockAnswer::refused(TransferError::not_possible);
   }
 }
 

@@ -17,13 +17,4 @@ SlaveApplication::BlockAnswer answer_above(const TransferResult& result) noexcep
 /// Of a block that the lower master did not take; `queue_full` is busy.
 SlaveApplication::BlockAnswer answer_above_transfer(Refusal refused) noexcept;
 
-/// The answer that the job takes longer.
-ParameterAnswer busy_parameter() noexcept;
-/// The answer that the block takes longer.
-SlaveApplication::BlockAnswer busy_block() noexcept;
-/// An answer with an error code.
-ParameterAnswer parameter_error(ParameterError error) noexcept;
-/// An answer with an error code.
-SlaveApplication::BlockAnswer block_error(TransferError error) noexcept;
-
 }  // namespace cansync

@@ -30,7 +30,7 @@ ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& l
   if (!open_ && answer_ && same && now_ < remembered_until_) return *answer_;
   asked_ = now_;
   if (open_) {
-    if (!answer_) return busy_parameter();
+    if (!answer_) return ParameterAnswer::later();
     open_ = false;
     remembered_until_ = question_.write && may_be_written(*answer_) ? now_ + times_.remembered : 0;
     return *answer_;
@@ -43,7 +43,7 @@ ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& l
   if (refused != Refusal::none) return answer_above_parameter(refused);
   open_ = true;
   job_ = question_.id;
-  return busy_parameter();
+  return ParameterAnswer::later();
 }
 
 void GatewayParameter::drop(Master& lower) noexcept {
@@ -87,9 +87,9 @@ GatewayBlock::BlockAnswer GatewayBlock::begin(const TransferInitialise& initiali
       phase_ = Phase::none;
       return failure_;
     default:
-      return busy_block();
+      return BlockAnswer::later();
   }
-  if (job_ != 0) return busy_block();  // the area is still another's
+  if (job_ != 0) return BlockAnswer::later();  // the area is still another's
   direction_ = initialise.direction;
   route_ = route;
   address_ = initialise.address;
@@ -116,14 +116,14 @@ GatewayBlock::BlockAnswer GatewayBlock::submit(Master& lower, JobId& ids) noexce
   const Refusal refused = lower.submit(request);
   if (refused != Refusal::none) return answer_above_transfer(refused);
   job_ = request.id;
-  return busy_block();
+  return BlockAnswer::later();
 }
 
 GatewayBlock::BlockAnswer GatewayBlock::read(std::uint16_t offset, std::span<std::uint8_t> out) noexcept {
   touched_ = now_;
   if (phase_ == Phase::failed) return failure_;
   if (phase_ != Phase::moving || offset + out.size() > length_)
-    return block_error(TransferError::not_possible);
+    return BlockAnswer::refused(TransferError::not_possible);
   std::copy_n(area_.begin() + offset, out.size(), out.begin());
   return {};
 }
@@ -133,9 +133,9 @@ GatewayBlock::BlockAnswer GatewayBlock::write(std::uint16_t offset, std::span<co
   touched_ = now_;
   if (phase_ == Phase::failed) return failure_;
   if (phase_ == Phase::sent) return {};
-  if (phase_ == Phase::sending) return busy_block();
+  if (phase_ == Phase::sending) return BlockAnswer::later();
   if (phase_ != Phase::moving || job_ != 0 || offset + data.size() > length_)
-    return block_error(TransferError::not_possible);
+    return BlockAnswer::refused(TransferError::not_possible);
   std::ranges::copy(data, area_.begin() + offset);
   if (offset + data.size() < length_) return {};
   const BlockAnswer answer = submit(lower, ids);
@@ -165,7 +165,7 @@ void GatewayBlock::at(IntervalNumber now, Master& lower) noexcept {
   if (phase_ == Phase::none || phase_ == Phase::failed || now_ - touched_ <= times_.transfer_gone) return;
   cancel(lower);
   phase_ = Phase::failed;
-  failure_ = block_error(TransferError::cancelled_by_slave);
+  failure_ = BlockAnswer::refused(TransferError::cancelled_by_slave);
 }
 
 void GatewayBlock::done(JobId id, const TransferResult& result) noexcept {

@@ -13,19 +13,6 @@ namespace {
 /// This value of the parameter `busy_replies` means: for ever.
 constexpr std::uint32_t kEndlesslyBusy = 0xFFFF;
 
-ParameterAnswer busy_answer() noexcept {
-  ParameterAnswer answer;
-  answer.busy = true;
-  return answer;
-}
-
-/// A drive has no sub-slaves.
-ParameterAnswer no_sub_slave() noexcept {
-  ParameterAnswer answer;
-  answer.error = ParameterError::not_present;
-  return answer;
-}
-
 }  // namespace
 
 bool Drive::busy_by_order() noexcept {
@@ -36,8 +23,8 @@ bool Drive::busy_by_order() noexcept {
 
 ParameterAnswer Drive::read_parameter(cansync::ParameterNumber number, cansync::Element element,
                                       cansync::SubSlave sub) noexcept {
-  if (sub.value != 0) return no_sub_slave();
-  if (busy_by_order()) return busy_answer();
+  if (sub.value != 0) return ParameterAnswer::refused(ParameterError::not_present);
+  if (busy_by_order()) return ParameterAnswer::later();
   if (const std::optional<std::uint32_t> value = live_value(number.value())) {
     parameters_.set_value(number.value(), *value);
   }
@@ -46,8 +33,8 @@ ParameterAnswer Drive::read_parameter(cansync::ParameterNumber number, cansync::
 
 ParameterAnswer Drive::write_parameter(cansync::ParameterNumber number, cansync::Element /*element*/,
                                        cansync::SubSlave sub, bool doubleword, std::uint32_t value) noexcept {
-  if (sub.value != 0) return no_sub_slave();
-  if (busy_by_order()) return busy_answer();
+  if (sub.value != 0) return ParameterAnswer::refused(ParameterError::not_present);
+  if (busy_by_order()) return ParameterAnswer::later();
   const ParameterAnswer answer = parameters_.write(number, doubleword, value);
   if (!answer.busy && answer.error == ParameterError::none) apply_parameters();
   return answer;

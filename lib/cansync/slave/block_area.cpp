@@ -11,18 +11,6 @@ constexpr std::uint32_t kFirstAddress = 0x100;
 /// Codes below are the module's own (M 3.2.3.7).
 constexpr std::uint16_t kFirstApplicationError = 0x0100;
 
-BlockArea::BlockAnswer block_refused(TransferError error) noexcept {
-  BlockArea::BlockAnswer answer;
-  answer.error = error;
-  return answer;
-}
-
-BlockArea::BlockAnswer block_busy() noexcept {
-  BlockArea::BlockAnswer answer;
-  answer.busy = true;
-  return answer;
-}
-
 }  // namespace
 
 // --- of the slave
@@ -30,7 +18,7 @@ BlockArea::BlockAnswer block_busy() noexcept {
 BlockArea::BlockAnswer BlockArea::begin(const TransferInitialise& initialise) noexcept {
   switch (phase_) {
     case Phase::asked:
-      return block_busy();
+      return BlockAnswer::later();
     case Phase::allowed: {
       phase_ = Phase::moving;
       BlockAnswer answer;
@@ -44,8 +32,9 @@ BlockArea::BlockAnswer BlockArea::begin(const TransferInitialise& initialise) no
       break;
   }
   sent();  // the master has gone on, so it has the answer to the block before
-  if (initialise.address < kFirstAddress) return block_refused(TransferError::address_not_allowed);
-  if (initialise.sub_slave.value != 0 || !application_) return block_refused(TransferError::not_possible);
+  if (initialise.address < kFirstAddress) return BlockAnswer::refused(TransferError::address_not_allowed);
+  if (initialise.sub_slave.value != 0 || !application_)
+    return BlockAnswer::refused(TransferError::not_possible);
   block_ = {++ids_, initialise.direction, initialise.address, initialise.length.value(),
             settings_.area && initialise.length.value() <= kBlockAreaBytes};
   phase_ = Phase::asked;
@@ -53,7 +42,7 @@ BlockArea::BlockAnswer BlockArea::begin(const TransferInitialise& initialise) no
   counter_ = 0;
   progress();
   listener_.block_begun(block_);
-  return block_busy();
+  return BlockAnswer::later();
 }
 
 BlockArea::BlockAnswer BlockArea::read(std::uint16_t offset, std::span<std::uint8_t> out) noexcept {
@@ -64,7 +53,7 @@ BlockArea::BlockAnswer BlockArea::read(std::uint16_t offset, std::span<std::uint
     std::copy_n(step_.data.begin(), size, out.begin());
     phase_ = Phase::moving;
   } else {
-    if (offset + out.size() > area_.size()) return block_refused(TransferError::not_possible);
+    if (offset + out.size() > area_.size()) return BlockAnswer::refused(TransferError::not_possible);
     std::copy_n(area_.begin() + offset, out.size(), out.begin());
   }
   counter_ = static_cast<std::uint16_t>(offset + out.size());
@@ -74,7 +63,7 @@ BlockArea::BlockAnswer BlockArea::read(std::uint16_t offset, std::span<std::uint
 
 BlockArea::BlockAnswer BlockArea::write(std::uint16_t offset, std::span<const std::uint8_t> data) noexcept {
   if (phase_ == Phase::ended) return failure();
-  if (phase_ == Phase::waiting) return block_busy();
+  if (phase_ == Phase::waiting) return BlockAnswer::later();
   if (phase_ == Phase::answered) {
     phase_ = Phase::moving;
     counter_ = static_cast<std::uint16_t>(offset + data.size());
@@ -87,14 +76,14 @@ BlockArea::BlockAnswer BlockArea::write(std::uint16_t offset, std::span<const st
     return ask_step(asked);
   }
   if (offset + data.size() > length_ || length_ > area_.size())
-    return block_refused(TransferError::not_possible);
+    return BlockAnswer::refused(TransferError::not_possible);
   std::copy(data.begin(), data.end(), area_.begin() + offset);
   counter_ = static_cast<std::uint16_t>(offset + data.size());
   progress();
   if (counter_ < length_) return {};
   phase_ = Phase::waiting;
   listener_.block_complete(block_.id);
-  return block_busy();
+  return BlockAnswer::later();
 }
 
 BlockArea::BlockAnswer BlockArea::ask_step(const AskedStep& step) noexcept {
@@ -103,7 +92,7 @@ BlockArea::BlockAnswer BlockArea::ask_step(const AskedStep& step) noexcept {
     phase_ = Phase::waiting;
     listener_.step_asked(block_.id, step_);
   }
-  return block_busy();
+  return BlockAnswer::later();
 }
 
 void BlockArea::end(bool complete) noexcept {
@@ -134,7 +123,7 @@ void BlockArea::fail(TransferError error, BlockEnd end) noexcept {
 }
 
 BlockArea::BlockAnswer BlockArea::failure() const noexcept {
-  return block_refused(error_);
+  return BlockAnswer::refused(error_);
 }
 
 // --- of the application

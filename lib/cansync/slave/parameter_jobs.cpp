@@ -10,18 +10,6 @@ namespace {
 /// A master that still waits asks far more often.
 constexpr Duration kFetchTime = std::chrono::seconds(1);
 
-ParameterAnswer access_refused(ParameterError error) noexcept {
-  ParameterAnswer answer;
-  answer.error = error;
-  return answer;
-}
-
-ParameterAnswer access_busy() noexcept {
-  ParameterAnswer answer;
-  answer.busy = true;
-  return answer;
-}
-
 }  // namespace
 
 bool ParameterJobs::belongs_to_application(ParameterNumber number, SubSlave sub) const noexcept {
@@ -39,13 +27,13 @@ ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, Sub
   if (is_open(job)) return answer_to_open();
   forget_sending();
   const bool own = belongs_to_application(number, sub);
-  if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
+  if (sub.value != 0 && !own) return ParameterAnswer::refused(ParameterError::not_present);
   const ParameterDefinition* definition = sub.value == 0 ? table_.definition(number.value()) : nullptr;
   const bool in_table = definition != nullptr;
   if (!own) {
-    if (!in_table) return access_refused(settings_.unknown);
+    if (!in_table) return ParameterAnswer::refused(settings_.unknown);
     if (definition->without_application != ParameterError::none)
-      return access_refused(definition->without_application);
+      return ParameterAnswer::refused(definition->without_application);
   }
   // Limits and first value stand in the table, whoever answers for the value.
   if (!own || (in_table && element != kValueElement)) return table_.read(number, element);
@@ -68,12 +56,12 @@ ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, Su
   if (is_open(job)) return answer_to_open();
   forget_sending();
   const bool own = belongs_to_application(number, sub);
-  if (sub.value != 0 && !own) return access_refused(ParameterError::not_present);
+  if (sub.value != 0 && !own) return ParameterAnswer::refused(ParameterError::not_present);
   const ParameterDefinition* definition = sub.value == 0 ? table_.definition(number.value()) : nullptr;
   if (!own) {
-    if (definition == nullptr) return access_refused(settings_.unknown);
+    if (definition == nullptr) return ParameterAnswer::refused(settings_.unknown);
     if (definition->without_application != ParameterError::none)
-      return access_refused(definition->without_application);
+      return ParameterAnswer::refused(definition->without_application);
     return table_.write(number, doubleword, value);
   }
   if (definition != nullptr) {
@@ -84,13 +72,13 @@ ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, Su
 }
 
 ParameterAnswer ParameterJobs::ask(const AskedParameter& job) noexcept {
-  if (!application_) return access_refused(ParameterError::not_available_now);
+  if (!application_) return ParameterAnswer::refused(ParameterError::not_available_now);
   open_ = job;
   open_->id = ++ids_;
   answer_.reset();
   asked_at_ = now_;
   listener_.asked(*open_);
-  return access_busy();
+  return ParameterAnswer::later();
 }
 
 /// Is this the question that is open, again? Another one drops it, if the slave has not told so before.
@@ -105,7 +93,7 @@ bool ParameterJobs::is_open(const AskedParameter& job) noexcept {
 
 /// Whoever is to answer its number now.
 ParameterAnswer ParameterJobs::answer_to_open() noexcept {
-  if (!answer_) return access_busy();
+  if (!answer_) return ParameterAnswer::later();
   // What has an id of 0 was the application's that is gone.
   sending_ = open_->id;
   open_.reset();
@@ -155,11 +143,12 @@ ParameterAnswer ParameterJobs::without_application(const AskedParameter& job) co
   const ParameterDefinition* definition =
       job.sub_slave.value == 0 ? table_.definition(job.number.value()) : nullptr;
   if (definition == nullptr || definition->by_application)
-    return access_refused(ParameterError::not_available_now);
+    return ParameterAnswer::refused(ParameterError::not_available_now);
   if (definition->without_application != ParameterError::none)
-    return access_refused(definition->without_application);
+    return ParameterAnswer::refused(definition->without_application);
   // Nobody knows whether a write was taken.
-  return job.write ? access_refused(ParameterError::not_available_now) : table_.read(job.number, job.element);
+  return job.write ? ParameterAnswer::refused(ParameterError::not_available_now)
+                   : table_.read(job.number, job.element);
 }
 
 bool ParameterJobs::answer(std::uint64_t id, const ParameterAnswer& answer) noexcept {

@@ -23,6 +23,11 @@ struct ParameterAnswer {
   ParameterError error = ParameterError::none;
   bool doubleword = false;  ///< format of the parameter
   std::uint32_t value = 0;  ///< read: the value
+
+  /// It takes longer.
+  static ParameterAnswer later() noexcept { return {.busy = true}; }
+  /// With an error number.
+  static ParameterAnswer refused(ParameterError error) noexcept { return {.error = error}; }
 };
 
 /// What stands behind a slave: parameters, memory and control word. Called on the slave's thread; must not
@@ -35,6 +40,11 @@ class SlaveApplication {
     TransferError error =
         TransferError::none;   ///< `cancelled_by_slave` closes the block, others leave it open
     std::uint16_t length = 0;  ///< `begin_block` of an upload: length fixed by the slave; 0 = as asked
+
+    /// It takes longer.
+    static BlockAnswer later() noexcept { return {.busy = true}; }
+    /// With an error number.
+    static BlockAnswer refused(TransferError error) noexcept { return {.error = error}; }
   };
 
   virtual ~SlaveApplication() = default;
