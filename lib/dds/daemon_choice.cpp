@@ -58,11 +58,9 @@ DaemonChoice::View DaemonChoice::look_at_living() const {
 }
 
 void DaemonChoice::choose() {
-  place_ = 0;
   if (view_ != View::one) return;
   const auto only =
       std::find_if(known_.begin(), known_.end(), [](const Known& known) { return !known.silent; });
-  place_ = only->place;
   const bool first = program_ == DaemonIdentity{};
   if (first || (told_ && only->identity != daemon_)) program_ = only->identity;
   daemon_ = only->identity;
@@ -77,9 +75,9 @@ std::vector<DaemonChoice::Place> DaemonChoice::living() const {
   return places;
 }
 
-bool DaemonChoice::may_answer(Place place) const noexcept {
+bool DaemonChoice::may_answer(const DaemonIdentity& start) const noexcept {
   return std::any_of(known_.begin(), known_.end(),
-                     [place](const Known& known) { return known.place == place && !known.silent; });
+                     [&start](const Known& known) { return known.identity == start && !known.silent; });
 }
 
 void DaemonChoice::program_told() noexcept {

@@ -49,12 +49,10 @@ class DaemonChoice {
   View view() const noexcept { return view_; }
   /// Whom requests are for; when `view()` is not `one`, whom they were for last. All zero: nobody yet.
   const DaemonIdentity& daemon() const noexcept { return daemon_; }
-  /// Where that one is, while `view()` is `one`.
-  Place place() const noexcept { return place_; }
   /// Those that may live, in the order in which they were first heard.
   std::vector<Place> living() const;
-  /// May a reply to a request still come from there?
-  bool may_answer(Place place) const noexcept;
+  /// May a reply to a request that was for this start still come?
+  bool may_answer(const DaemonIdentity& start) const noexcept;
 
   /// The program was told why a request was not sent, or that the daemon it was for has gone.
   void program_told() noexcept;
@@ -85,7 +83,6 @@ class DaemonChoice {
 
   View view_ = View::none;
   DaemonIdentity daemon_ = {};
-  Place place_ = 0;
   DaemonIdentity program_ = {};  ///< the start of which the program knows
   bool told_ = false;            ///< since `daemon_` was there alone: any other may follow
 };

@@ -52,8 +52,7 @@ TEST_F(Choice, NobodyIsAskedBeforeADaemonToldItsIdentity) {
   look();
   EXPECT_EQ(choice.view(), View::one);
   EXPECT_EQ(choice.daemon(), kOne);
-  EXPECT_EQ(choice.place(), kHere);
-  EXPECT_TRUE(choice.may_answer(kHere));
+  EXPECT_TRUE(choice.may_answer(kOne));
   EXPECT_FALSE(choice.to_be_told());
 }
 
@@ -64,7 +63,7 @@ TEST_F(Choice, OneThatIsAloneMayBeSilentAsLongAsItIsThere) {
   matched = {};
   look();
   EXPECT_EQ(choice.view(), View::none);
-  EXPECT_FALSE(choice.may_answer(kHere));
+  EXPECT_FALSE(choice.may_answer(kOne));
   EXPECT_EQ(choice.daemon(), kOne) << "whom requests were for";
 }
 
@@ -74,14 +73,13 @@ TEST_F(Choice, OneThatWasKilledIsFollowedByItsNextStartWhenItHasBeenSilent) {
   choice.heard(kThere, kTwo);
   look(milliseconds(500));
   EXPECT_EQ(choice.view(), View::unsure);
-  EXPECT_TRUE(choice.may_answer(kHere));
+  EXPECT_TRUE(choice.may_answer(kOne));
   pass(milliseconds(1500), {{kThere, kTwo}});
   EXPECT_EQ(choice.view(), View::unsure) << "2 s since it was heard";
   pass(milliseconds(500), {{kThere, kTwo}});
   EXPECT_EQ(choice.view(), View::one);
   EXPECT_EQ(choice.daemon(), kTwo);
-  EXPECT_EQ(choice.place(), kThere);
-  EXPECT_FALSE(choice.may_answer(kHere));
+  EXPECT_FALSE(choice.may_answer(kOne));
   EXPECT_TRUE(choice.to_be_told());
   choice.program_told();
   EXPECT_FALSE(choice.to_be_told());
@@ -97,6 +95,18 @@ TEST_F(Choice, OneThatHasLeftIsFollowedAtOnce) {
   EXPECT_TRUE(choice.to_be_told());
 }
 
+// A line that is set up anew: another start behind the same participant.
+TEST_F(Choice, AnotherStartAtTheSamePlaceAnswersNothingThatWasForTheOneBefore) {
+  connect();
+  choice.heard(kHere, kTwo);
+  look();
+  EXPECT_EQ(choice.view(), View::one);
+  EXPECT_EQ(choice.daemon(), kTwo);
+  EXPECT_TRUE(choice.may_answer(kTwo));
+  EXPECT_FALSE(choice.may_answer(kOne));
+  EXPECT_TRUE(choice.to_be_told());
+}
+
 TEST_F(Choice, TwoLiveWhenTheOneBeforeIsHeardAgain) {
   connect();
   matched = {kHere, kThere};
@@ -105,7 +115,7 @@ TEST_F(Choice, TwoLiveWhenTheOneBeforeIsHeardAgain) {
   look();
   EXPECT_EQ(choice.view(), View::several);
   EXPECT_EQ(choice.living(), (std::vector<DaemonChoice::Place>{kHere, kThere}));
-  EXPECT_TRUE(choice.may_answer(kHere));
+  EXPECT_TRUE(choice.may_answer(kOne));
   // One of them dies: the other one is silent for nobody.
   pass(milliseconds(2000), {{kHere, kOne}});
   EXPECT_EQ(choice.view(), View::several);

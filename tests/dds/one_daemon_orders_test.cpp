@@ -33,7 +33,6 @@ constexpr unsigned kHosts = 2;
 /// What a request became.
 struct Asked {
   DaemonIdentity daemon = {};
-  DaemonChoice::Place place = 0;
   int carried_out = 0;
   bool ended = false;
 };
@@ -217,7 +216,7 @@ class Order {
     std::erase_if(open_, [&](std::uint64_t number) {
       Asked& asked = asked_.at(number);
       if (asked.ended) return true;
-      if (choice_.may_answer(asked.place)) return false;
+      if (choice_.may_answer(asked.daemon)) return false;
       asked.ended = lost = true;
       ++lost_;
       return true;
@@ -249,7 +248,6 @@ class Order {
     const std::uint64_t number = asked_.size();
     Asked& asked = asked_.emplace_back();
     asked.daemon = daemon;
-    asked.place = choice_.place();
     open_.push_back(number);
     // DDS gives it to every one that is matched.
     for (Daemon& each : daemons_) {

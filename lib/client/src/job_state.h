@@ -34,8 +34,7 @@ struct JobState {
   std::uint64_t progress = 0;  // rises with each progress sample
   std::uint64_t request = 0;   // constant from here on
   std::weak_ptr<Link> link;
-  gateway::dds::DaemonIdentity daemon = {};     // whom it is for
-  gateway::dds::DaemonChoice::Place place = 0;  // where that one is; 0: it was not sent
+  gateway::dds::DaemonIdentity daemon = {};  // whom it is for; all zero: it was not sent
 
   // Of a request whose reply does not come. The first two stay as they are, the others are guarded by
   // `mutex`.
@@ -156,7 +155,7 @@ class OpenJobs {
   std::vector<State> remove_lost(MayAnswer&& may_answer) {
     std::vector<State> lost;
     for (auto entry = open_.begin(); entry != open_.end();) {
-      if (may_answer(entry->second->place)) {
+      if (may_answer(entry->second->daemon)) {
         ++entry;
         continue;
       }

@@ -378,7 +378,9 @@ void Link::dispatch_feeds() {
 
 void Link::end_lost_jobs() {
   std::unique_lock lock(mutex_);
-  const auto may_answer = [this](Place place) { return !closed_ && choice_.may_answer(place); };
+  const auto may_answer = [this](const dds::DaemonIdentity& start) {
+    return !closed_ && choice_.may_answer(start);
+  };
   const auto parameters = parameter_jobs_.remove_lost(may_answer);
   const auto transfers = transfer_jobs_.remove_lost(may_answer);
   const auto commands = command_jobs_.remove_lost(may_answer);

@@ -157,7 +157,6 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::millise
   }
   state->request = ++last_request_;
   state->daemon = choice_.daemon();
-  state->place = choice_.place();
   jobs.add(state);
   return state;
 }

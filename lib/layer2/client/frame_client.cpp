@@ -62,7 +62,7 @@ std::optional<SendResult> FrameClient::obstacle() {
 SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) {
   sight_.look();
   if (auto problem = obstacle()) return *std::move(problem);
-  const auto daemon = sight_.choice().place();
+  const auto daemon = sight_.choice().daemon();
   layer2_SendRequest request = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
   request.request = ++number_;
