@@ -189,6 +189,23 @@ class Application(unittest.TestCase):
                 slave.wait_for_answers("the weaker answers again", "01F4EFCDAB890000")
                 weaker.kill()
 
+    def test_who_is_not_heard_is_told(self):
+        with tempfile.TemporaryDirectory() as folder, Slave(TABLE) as slave:
+            own, status_word = os.path.join(folder, "own.toml"), os.path.join(folder, "status.toml")
+            with open(own, "w", encoding="utf-8") as file:
+                file.write(OWN)
+            with open(status_word, "w", encoding="utf-8") as file:
+                file.write("[[parameter]]\nnumber = 301\n")
+            def says(words, *arguments):
+                with open(os.path.join(folder, "said"), "w+", encoding="utf-8") as said:
+                    with slave.place.start("serve", *arguments, stderr=said) as server:
+                        wait_for(words, lambda: words in open(said.name, encoding="utf-8").read())
+                        end(server)
+            says("the daemon does not take this application; `cansync events` has the reason", status_word)
+            with slave.place.start("serve", own, "--strength", 5) as stronger:
+                says("this application waits", own)
+                end(stronger)
+
     def test_the_file_is_checked(self):
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
             file.write("[[parameter]]\nnumber = 1\nvalue = 65536\n")

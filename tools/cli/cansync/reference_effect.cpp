@@ -1,22 +1,12 @@
 #include "cli/cansync/reference_effect.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <string_view>
 #include <utility>
 
 namespace cansync::cli {
-
-std::string name_of_this_process() {
-  // The daemon shortens what peers say of themselves.
-  constexpr std::size_t kLongestPart = 40;
-  std::array<char, 256> host{};
-  static_cast<void>(::gethostname(host.data(), host.size() - 1));
-  return fmt::format("process {} on host {}", ::getpid(),
-                     std::string_view(host.data()).substr(0, kLongestPart));
-}
 
 ReferenceEffect::ReferenceEffect(const Telegrams& telegrams, std::int32_t strength, std::string own)
     : telegrams_(telegrams), strength_(strength), own_(std::move(own)) {}
@@ -66,7 +56,7 @@ bool ReferenceEffect::heard() const noexcept {
 }
 
 std::string ReferenceEffect::without_effect() const {
-  if (!active_) return "the line was not in active operation; cansync mode run takes it there";
+  if (!active_) return "the line was not in active operation; `cansync doctor` says how it gets there";
   const std::lock_guard lock(mutex_);
   for (unsigned telegram = 0; telegram < telegrams_.size(); ++telegram) {
     const Known& known = known_[telegram];

@@ -20,9 +20,6 @@ struct TelegramToSet {
 };
 using Telegrams = std::array<TelegramToSet, 2>;
 
-/// "process 12 on host cab": how the daemon names the writers of this process.
-std::string name_of_this_process();
-
 /// Whether the values have an effect: the line is in active operation, and the daemon hears this writer.
 /// `take` may be called by another thread.
 class ReferenceEffect {

@@ -10,6 +10,7 @@
 
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/own_process.h"
 #include "cli/cansync/reference_effect.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/words.h"
@@ -256,10 +257,12 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
     if (wait_until(std::min(next, end))) break;
   }
   give_up(writer, telegrams);
-  // The daemon's word of the first sample may still be on its way, also after Ctrl-C.
-  for (const auto late = Clock::now() + kWordOfDaemon; reply.ok() && !effect.heard() && Clock::now() < late;)
-    std::this_thread::sleep_for(kLookAgain);
-  look();
+  if (reply.ok()) {
+    // The daemon's word of the first sample may still be on its way, also after Ctrl-C.
+    for (const auto late = Clock::now() + kWordOfDaemon; !effect.heard() && Clock::now() < late;)
+      std::this_thread::sleep_for(kLookAgain);
+    look();
+  }
   complaints.tell(session.output());
   if (const std::string reason = effect.without_effect(); reply.ok() && !reason.empty()) {
     if (session.json()) session.output().object(no_effect_object(samples, pace.release, reason));

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cansync/slave/block_area.h"
@@ -14,6 +15,7 @@
 #include "cansync_slave/client/application.h"
 #include "cansync_slave/config/parameter_rows.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/own_process.h"
 #include "cli/cansync_slave/verbs.h"
 #include "cli/connect/bus_connection.h"
 #include "cli/text/column_help.h"
@@ -232,6 +234,36 @@ void Server::serve(Application& application, const cansync_slave_BlockJob& job) 
   }
 }
 
+/// Says on a change whom the daemon takes for the application, when that is not this process: what it refuses
+/// and what waits behind a stronger one would hear nothing for ever.
+class Hearing {
+ public:
+  /// What is to be told now; empty: nothing. `application`: of the daemon's newest status.
+  std::string look(std::string_view application) {
+    const auto now = std::chrono::steady_clock::now();
+    if (application != application_) {
+      application_ = application;
+      since_ = now;
+      told_ = false;
+    }
+    // The status comes once a second, and one application follows another within that.
+    if (told_ || now - since_ < std::chrono::milliseconds(2500)) return {};
+    told_ = true;
+    if (application.find(own_) != std::string_view::npos) return {};
+    if (application.empty())
+      return "the daemon does not take this application; `cansync events` has the reason "
+             "(application_refused)";
+    return fmt::format("answers come from {}; this application waits, --strength gives it more weight",
+                       application);
+  }
+
+ private:
+  std::string own_ = name_of_this_process();
+  std::string application_;
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+  bool told_ = false;
+};
+
 ExitCode serve_verb(Session& session, const ServeTexts& texts) {
   constexpr std::int64_t kStrongest = 2'147'483'647;
   const auto strength = static_cast<std::int32_t>(parse_integer(texts.strength, "--strength", 0, kStrongest));
@@ -249,6 +281,7 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
   listener.parameter_job = [&](const cansync_slave_ParameterJob& job) { server.serve(application, job); };
   listener.block_job = [&](const cansync_slave_BlockJob& job) { server.serve(application, job); };
   constexpr auto kTurn = std::chrono::milliseconds(100);
+  Hearing hearing;
   while (!interrupt_flag().load() && !server.enough()) {
     std::string problem = application.keep();
     if (problem.empty()) problem = server.problem();
@@ -256,6 +289,10 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
     if (!client.receive(kTurn, listener)) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
       return ExitCode::not_reachable;
+    }
+    if (const auto status = client.status(std::chrono::milliseconds(0))) {
+      if (const std::string told = hearing.look(status->application); !told.empty())
+        session.output().remark(told);
     }
   }
   session.output().remark(fmt::format("{} answered; {} parameters{} are given back", server.served(),
