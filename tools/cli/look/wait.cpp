@@ -109,9 +109,9 @@ class Wait {
     Changes changes(*client, state_.of);
     Restarts restarts(*client);
     for (;;) {
-      if (!client->daemon_present()) {
+      if (restarts.gone()) {
         seen_ = "no daemon";
-        return wants_none;
+        return wants_none && !interrupt_flag().load();
       }
       if (restarts.take()) session_.output().remark(kStartedAnew);
       restarts.expect_one();
