@@ -15,7 +15,7 @@ CONFIG = """
 [bus]
 protocol = "cansync-slave"
 name = "{bus}"
-bit_rate = 125000
+bit_rate = 250000
 [dds]
 domain = {domain}
 {security}

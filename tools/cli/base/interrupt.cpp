@@ -7,6 +7,8 @@
 namespace cansync::cli {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 std::atomic<bool> pending = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only use lock-free atomics");
 
@@ -31,7 +33,6 @@ const std::atomic<bool>& interrupt_flag() noexcept {
 }
 
 bool wait_until(std::chrono::steady_clock::time_point instant) {
-  using Clock = std::chrono::steady_clock;
   constexpr auto kSlice = std::chrono::milliseconds(20);
   while (!pending.load() && Clock::now() < instant)
     std::this_thread::sleep_until(std::min(instant, Clock::now() + kSlice));

@@ -18,6 +18,8 @@
 namespace cansync::cli {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::uint16_t kSettingUp = 0x0043;   // w_OPTION_STATUS: setting up as master
 constexpr std::int64_t kMostIntervals = 1000;  // the daemon's default limit of release_intervals
 constexpr double kPeriodsReleased = 3.0;       // so that two late samples leave no gap
@@ -222,7 +224,6 @@ void announce(Output& output, const SetTexts& texts, const Pace& pace, std::int3
 
 /// Gives the values until the time is over or Ctrl-C came; then gives the telegrams up.
 ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, std::int32_t strength) {
-  using Clock = std::chrono::steady_clock;
   client::Client& client = session.client();
   ReferenceEffect effect(telegrams, strength, name_of_this_process());
   Complaints complaints(client, effect);

@@ -19,6 +19,8 @@
 namespace cansync::cli {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 using cansync_slave::client::ReleaseWriter;
 using cansync_slave::client::SlaveClient;
 
@@ -85,7 +87,6 @@ ReleasePace parse_release_pace(const ActualTexts& texts, std::uint64_t interval_
 client::Reply stream_actual(SlaveClient& client, ReleaseWriter& writer,
                             const std::array<TelegramToRelease, 2>& telegrams, const ReleasePace& pace,
                             std::uint64_t& samples) {
-  using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto length = std::chrono::duration<double>(pace.seconds.value_or(0.0));
   const auto end =
