@@ -62,20 +62,32 @@ class DeadlineLoop {
 
   /// Runs until `request_stop`. Call once, on the realtime thread.
   void run() noexcept {
-    const can::Time start = bus_.now();
-    next_look_ = start + look_;
-    machine_.begin(start);
+    start();
     while (!stop_.load(std::memory_order_relaxed)) {
-      machine_.advance(bus_.now());
-      send();
-      machine_.publish(bus_.now());
-      (void)bus_.wait_until(std::min(machine_.next_deadline(), next_look_));
-      wake_ups_.fetch_add(1, std::memory_order_relaxed);
-      pass_looks(bus_.now());
-      receive();
+      serve();
+      sleep(can::Time::max());
     }
-    machine_.end(bus_.now());
+    end();
   }
+
+  // --- in the place of `run`, for a thread that has something else to do, too
+
+  /// Once, before anything else.
+  void begin() noexcept {
+    start();
+    serve();
+  }
+  /// Sleeps as `run` does, but not beyond `until`, and does what is due then.
+  void turn(can::Time until) noexcept {
+    sleep(until);
+    serve();
+  }
+  /// Once, after all else.
+  void end() noexcept { machine_.end(bus_.now()); }
+  /// The bus clock now.
+  can::Time now() noexcept { return bus_.now(); }
+  /// Everything that was due up to this instant is done.
+  can::Time served() const noexcept { return served_; }
 
   /// Makes `run` return within one look. Any thread, also a signal handler.
   void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
@@ -87,6 +99,26 @@ class DeadlineLoop {
   /// Most frames handed over, and taken, at once: neither side starves the other.
   static constexpr unsigned kFramesSentAtOnce = 16;
   static constexpr unsigned kFramesTakenAtOnce = 64;
+
+  void start() noexcept {
+    const can::Time start = bus_.now();
+    next_look_ = start + look_;
+    machine_.begin(start);
+  }
+
+  void serve() noexcept {
+    served_ = bus_.now();
+    machine_.advance(served_);
+    send();
+    machine_.publish(bus_.now());
+  }
+
+  void sleep(can::Time until) noexcept {
+    (void)bus_.wait_until(std::min({machine_.next_deadline(), next_look_, until}));
+    wake_ups_.fetch_add(1, std::memory_order_relaxed);
+    pass_looks(bus_.now());
+    receive();
+  }
 
   void send() noexcept {
     for (unsigned i = 0; i < kFramesSentAtOnce; ++i) {
@@ -112,6 +144,7 @@ class DeadlineLoop {
   can::Bus& bus_;
   const can::Time look_;
   can::Time next_look_{};
+  can::Time served_{};
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> wake_ups_{0};
 };

@@ -5,13 +5,15 @@
 #include <optional>
 
 #include "can/bus.h"
+#include "daemon/loop/leading_edges.h"
 #include "daemon/loop/moment.h"
 #include "sync/phase_lock.h"
 
 namespace cansyncd {
 
 /// When each SYNC edge is due, on the clock of the bus. By itself SYNC n is due at start + n * interval, for
-/// ever; with a phase lock the edges follow an input. Realtime thread; nothing allocates or throws.
+/// ever; with a phase lock the edges follow an input; one that is led takes those of another timeline, with
+/// their numbers, each once it has passed there. Realtime thread; nothing allocates or throws.
 class Timeline {
  public:
   /// What became of edges that were missed.
@@ -20,9 +22,11 @@ class Timeline {
     bool wait = false;         ///< the next edge is still to be waited for
   };
 
-  /// `follow`: settings of the phase lock; empty: the timeline stands by itself.
-  Timeline(can::Time interval, const std::optional<sync_line::PhaseLockSettings>& follow) noexcept
-      : interval_(interval), tolerance_(interval / 2) {
+  /// `follow`: settings of the phase lock; empty: the timeline stands by itself. `led`: by which it is led
+  /// instead; null: by none; must outlive the timeline.
+  Timeline(can::Time interval, const std::optional<sync_line::PhaseLockSettings>& follow,
+           const LeadingEdges* led = nullptr) noexcept
+      : interval_(interval), tolerance_(interval / 2), led_(led) {
     if (!follow) return;
     lock_.emplace(*follow);
     // An interval may be shorter by the greatest step; two edges stay half an interval apart all the same.
@@ -32,11 +36,15 @@ class Timeline {
   /// Sets edge 0.
   void begin(can::Time first) noexcept {
     due_ = first;
+    if (led_ != nullptr) next_ = led_->passed + 1;
     if (lock_) lock_->begin(first);
   }
 
   /// The next edge.
-  can::Time due() const noexcept { return due_; }
+  can::Time due() const noexcept {
+    if (led_ == nullptr) return due_;
+    return led_->passed >= next_ ? led_->newest : led_->next;
+  }
   /// Number of the interval that the next edge begins.
   IntervalNumber next() const noexcept { return next_; }
 
@@ -57,6 +65,7 @@ class Timeline {
   /// Skips edges for which `now` is more than half an interval late, and one that would follow
   /// within half an interval on an edge that was held up; none is made up for.
   Missed skip_missed(can::Time now) noexcept {
+    if (led_ != nullptr) return skip_led(now);
     const can::Time period = lock_ ? can::Time(std::llround(lock_->period())) : interval_;
     Missed missed;
     for (can::Time late = now - due_; late > tolerance_; late = now - due_) {
@@ -76,8 +85,23 @@ class Timeline {
   sync_line::PhaseLock* lock() noexcept { return lock_ ? &*lock_ : nullptr; }
 
  private:
+  /// Which edges have passed says who leads.
+  Missed skip_led(can::Time now) noexcept {
+    Missed missed;
+    const auto skip = [&](IntervalNumber count) {
+      missed.count += count;
+      next_ += count;
+    };
+    if (led_->passed > next_) skip(led_->passed - next_);
+    if (led_->passed == next_ && now - led_->newest > tolerance_) skip(1);
+    if (led_->passed == next_ && made_ && now - *made_ < tolerance_) skip(1);
+    missed.wait = led_->passed < next_;
+    return missed;
+  }
+
   const can::Time interval_;
   can::Time tolerance_;
+  const LeadingEdges* led_;
   std::optional<sync_line::PhaseLock> lock_;
   std::optional<can::Time> made_;  ///< the last edge, as it was made
   can::Time due_{0};

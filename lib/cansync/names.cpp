@@ -180,6 +180,8 @@ std::string_view name(Refusal refusal) noexcept {
       return "too old";
     case Refusal::mapping_changed:
       return "made for another mapping";
+    case Refusal::lead_axis:
+      return "given by the lead axis";
   }
   return "unknown refusal";
 }

@@ -44,7 +44,7 @@ TEST(Names, Outcomes) {
   expect_names(Outcome::replaced);
 }
 TEST(Names, Refusals) {
-  expect_names(Refusal::mapping_changed);
+  expect_names(Refusal::lead_axis);
 }
 TEST(Names, Events) {
   expect_names(MasterEvent::Code::slave_status_refused);

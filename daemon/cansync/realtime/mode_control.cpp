@@ -16,14 +16,15 @@ void ModeControl::initialise() noexcept {
 
 void ModeControl::set_up() noexcept {
   initialise();
-  if (master_.state() != State::setting_up_master) master_.control(ControlCommand::start_synchronous);
+  if (master_.state() == State::setting_up_master || !sync_allowed()) return;
+  master_.control(ControlCommand::start_synchronous);
 }
 
 void ModeControl::pursue_target() noexcept {
   initialise();
   if (target_ == StartTarget::none) return;
   if (master_.state() == State::waiting_for_start) {
-    master_.control(ControlCommand::start_synchronous);
+    if (sync_allowed()) master_.control(ControlCommand::start_synchronous);
     return;
   }
   // Refused until the enable rule is met; asked again in the next interval.

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "can/bus.h"
+#include "cansync/cluster/cluster.h"
 #include "cansync/master.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
@@ -21,11 +22,14 @@ namespace cansyncd {
 /// | stop      | any     | cold restart, then waiting for start: no SYNC      | none          |
 /// | reset_can | any     | resets the controller, or says why it cannot       | as it was     |
 /// | restart   | any     | cold restart, then to the configured target        | as configured |
+///
+/// In a cluster SYNC begins when the upper bus's is followed; what wants it waits for that.
 class ModeControl {
  public:
-  /// Both must outlive the object.
-  ModeControl(cansync::Master& master, can::Bus& bus, StartTarget configured, StartTarget first) noexcept
-      : master_(master), bus_(bus), configured_(configured), target_(first) {}
+  /// All must outlive the object. `cluster`: that the master is of; null: of none.
+  ModeControl(cansync::Master& master, can::Bus& bus, StartTarget configured, StartTarget first,
+              const cansync::Cluster* cluster = nullptr) noexcept
+      : master_(master), bus_(bus), configured_(configured), cluster_(cluster), target_(first) {}
 
   /// Where it is going.
   StartTarget target() const noexcept { return target_; }
@@ -54,10 +58,12 @@ class ModeControl {
   cansync::Refusal run(bool force) noexcept;
   cansync::Refusal end_reset(can::ResetResult result) noexcept;
   void set_up() noexcept;
+  bool sync_allowed() const noexcept { return cluster_ == nullptr || cluster_->sync_allowed(); }
 
   cansync::Master& master_;
   can::Bus& bus_;
   const StartTarget configured_;
+  const cansync::Cluster* const cluster_;
   StartTarget target_;
   bool reset_pending_ = false;
 };

@@ -53,13 +53,17 @@ RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSe
       interval_(cansync::slot_times(settings.bit_rate).interval),
       clock_(loop.wall_clock, loop.epoch),
       reporter_(exchange, clock_, loop.tap),
-      master_(settings, reporter_),
-      mode_(master_, bus, loop.target, loop.first_target.value_or(loop.target)),
-      requests_(exchange, master_, mode_, reporter_),
-      timeline_(interval_, loop.sync_line != nullptr ? loop.sync_line->following() : std::nullopt),
+      master_(loop.cluster != nullptr ? loop.cluster->lower() : own_master_.emplace(settings, reporter_)),
+      mode_(master_, bus, loop.target, loop.first_target.value_or(loop.target), loop.cluster),
+      requests_(exchange, master_, mode_, reporter_,
+                loop.cluster != nullptr ? &loop.cluster->lead() : nullptr),
+      timeline_(interval_, loop.sync_line != nullptr ? loop.sync_line->following() : std::nullopt,
+                loop.cluster != nullptr ? loop.edges : nullptr),
       load_(cansync::slot_times(settings.bit_rate).bits_per_second),
       slots_(cansync::slot_times(settings.bit_rate)),
-      watch_(bus, reporter_) {}
+      watch_(bus, reporter_) {
+  if (loop.cluster != nullptr) loop.cluster->tell(reporter_);
+}
 
 void RealtimeLoop::run() noexcept {
   begin();
@@ -126,7 +130,7 @@ bool RealtimeLoop::skip_missed_edges() noexcept {
   const can::Time now = bus_.now();
   if (synchronous()) lateness_.add(now - timeline_.due());
   const Timeline::Missed missed = timeline_.skip_missed(now);
-  if (missed.count == 0) return false;
+  if (missed.count == 0) return loop_.cluster != nullptr && missed.wait;
   if (synchronous()) {
     missed_syncs_ += missed.count;
     reporter_.at(timeline_.next(), timeline_.due());
@@ -137,6 +141,10 @@ bool RealtimeLoop::skip_missed_edges() noexcept {
 
 void RealtimeLoop::begin_interval() noexcept {
   const can::Time edge = timeline_.due();
+  if (loop_.cluster != nullptr) {
+    reporter_.at(timeline_.next(), edge);
+    loop_.cluster->decide_sync();
+  }
   if (synchronous()) make_edge(edge);
   if (loop_.sync_line != nullptr) {
     loop_.sync_line->run(synchronous());
@@ -150,10 +158,18 @@ void RealtimeLoop::begin_interval() noexcept {
   heard_others_ = false;
   reporter_.at(number_, edge);
   begun_ = synchronous();
-  if (begun_) master_.begin_interval(number_);
+  if (begun_) begin_masters_interval();
   if (begun_ && loop_.report_intervals) {
     exchange_.interval.write({reporter_.moment(), master_.planned_start(Slot::reference_one)});
     reporter_.written();
+  }
+}
+
+void RealtimeLoop::begin_masters_interval() noexcept {
+  if (loop_.cluster != nullptr) {
+    loop_.cluster->begin_below(number_);
+  } else {
+    master_.begin_interval(number_);
   }
 }
 
@@ -182,7 +198,8 @@ void RealtimeLoop::serve(Slot slot) noexcept {
   if (!stopping()) requests_.take(kRequestsAtSlot);
   // Without an edge at its beginning, this interval carries no telegram.
   if (begun_) {
-    if (const auto frame = master_.take(slot)) hand_over(slot, *frame);
+    const auto frame = loop_.cluster != nullptr ? loop_.cluster->take(slot) : master_.take(slot);
+    if (frame) hand_over(slot, *frame);
   }
   // An actual value telegram of the first channel and the answer to the last command have come by now; the
   // others have at the edge. A look costs a system call, so the telegram goes first.

@@ -3,8 +3,10 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "can/bus.h"
+#include "cansync/cluster/cluster.h"
 #include "cansync/master.h"
 #include "cansync/settings/settings.h"
 #include "daemon/bus/bus_load.h"
@@ -15,6 +17,7 @@
 #include "daemon/cansync/realtime/reporter.h"
 #include "daemon/cansync/realtime/request_intake.h"
 #include "daemon/cansync/slot_statistics.h"
+#include "daemon/loop/leading_edges.h"
 #include "daemon/loop/sync_line.h"
 #include "daemon/loop/timeline.h"
 #include "daemon/loop/wall_clock.h"
@@ -38,11 +41,16 @@ struct LoopSettings {
   FlightTap* tap = nullptr;                  ///< flight recorder; null: none
   sync_line::SyncWire* sync_wire = nullptr;  ///< wire beside the bus; null: none; must outlive the loop
   SyncLine* sync_line = nullptr;             ///< what [sync] says; null: nothing; must outlive the loop
+  /// The loop drives the lower master of this cluster, at the edges `edges`, instead of a master of its own;
+  /// null: it has its own. Both must outlive the loop; the cluster is not started.
+  cansync::Cluster* cluster = nullptr;
+  const LeadingEdges* edges = nullptr;
 };
 
 /// The realtime thread's work: binds the master to a bus and to the gateway, interval by interval.
 ///
-/// Timeline: SYNC n is due at start + n * interval, for ever, or follows what the SYNC line follows.
+/// Timeline: SYNC n is due at start + n * interval, for ever, or follows what the SYNC line follows, or is
+/// that of a cluster.
 /// Missed-tick rule: an edge for which the thread wakes more than half an interval late is not produced, nor
 /// any before it; they are skipped, counted and reported. Nothing is made up for, and the timeline neither
 /// drifts nor bunches up. A telegram whose latest start has passed is left out of its interval and counted.
@@ -82,6 +90,7 @@ class RealtimeLoop {
   void end() noexcept;
   bool skip_missed_edges() noexcept;
   void begin_interval() noexcept;
+  void begin_masters_interval() noexcept;
   void make_edge(can::Time due) noexcept;
   Slots slots_in_order() const noexcept;
   void serve(cansync::Slot slot) noexcept;
@@ -104,7 +113,8 @@ class RealtimeLoop {
   const can::Time interval_;
   WallClock clock_;
   Reporter reporter_;
-  cansync::Master master_;
+  std::optional<cansync::Master> own_master_;  ///< without a cluster
+  cansync::Master& master_;
   ModeControl mode_;
   RequestIntake requests_;
   std::atomic<bool> stop_{false};

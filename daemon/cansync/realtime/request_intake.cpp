@@ -72,7 +72,8 @@ void RequestIntake::handle(const Job& job) noexcept {
 }
 
 void RequestIntake::handle(const cansync::ReferenceUpdate& update) noexcept {
-  const Refusal refusal = master_.submit(update);
+  const bool led = lead_ != nullptr && lead_->gives(update.channel);
+  const Refusal refusal = led ? Refusal::lead_axis : master_.submit(update);
   if (refusal != Refusal::none) {
     reporter_.report(ReferenceRefused{reporter_.moment(), update.channel, refusal});
   }
@@ -84,6 +85,7 @@ void RequestIntake::handle(const Cancel& cancel) noexcept {
 }
 
 void RequestIntake::handle(const StopRelease& stop) noexcept {
+  if (lead_ != nullptr && lead_->gives(stop.channel)) return;
   master_.stop_release(stop.channel, stop.hold);
 }
 

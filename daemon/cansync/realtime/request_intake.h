@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cansync/cluster/lead_axis.h"
 #include "cansync/master.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/mode_control.h"
@@ -10,9 +11,10 @@ namespace cansyncd {
 /// Takes the gateway's requests to the master. Realtime thread only; realtime safe.
 class RequestIntake {
  public:
-  /// All must outlive the object.
-  RequestIntake(Exchange& exchange, cansync::Master& master, ModeControl& mode, Reporter& reporter) noexcept
-      : exchange_(exchange), master_(master), mode_(mode), reporter_(reporter) {}
+  /// All must outlive the object. `lead`: what it gives nobody else may; null: there is none.
+  RequestIntake(Exchange& exchange, cansync::Master& master, ModeControl& mode, Reporter& reporter,
+                const cansync::LeadAxis* lead = nullptr) noexcept
+      : exchange_(exchange), master_(master), mode_(mode), reporter_(reporter), lead_(lead) {}
 
   /// Takes at most `most` waiting requests, and only while the answer of each has room.
   void take(unsigned most) noexcept;
@@ -47,6 +49,7 @@ class RequestIntake {
   cansync::Master& master_;
   ModeControl& mode_;
   Reporter& reporter_;
+  const cansync::LeadAxis* const lead_;
   cansync::JobId reset_ = 0;  ///< request of the reset that is under way
   can::Time reset_begun_{};
 };

@@ -176,6 +176,9 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
           config.failsafe.reference_max_age.count(), config.failsafe.reference_max_age.count());
     case Refusal::mapping_changed:
       return mapping_changed(request, context);
+    case Refusal::lead_axis:
+      return "reference values: the lead axis gives this telegram, so no program may; take its values out of "
+             "[[lead]] in the daemon's file, or write the other telegram";
     case Refusal::block_size:
       return block_size(request, config);
     case Refusal::value_too_wide:

@@ -1,5 +1,7 @@
 #include "daemon/cansync_slave/realtime/release_store.h"
 
+#include <utility>
+
 namespace cansyncd {
 
 using cansync::ActualRelease;
@@ -24,6 +26,7 @@ void ReleaseStore::take(const ReleaseOrder& order, cansync::Slave& slave) noexce
   for (unsigned i = 0; i < cansync::kWords; ++i) {
     if (((order.valid >> i) & 1u) != 0) values_[first + i] = order.values[i];
   }
+  for_lead_[index(order.channel)] = true;
   const bool free = now == ActualRelease::none || now == ActualRelease::released;
   if (free) hand_on(order.channel, slave);
 }
@@ -44,11 +47,14 @@ void ReleaseStore::interval_ends(const cansync::Slave& slave, std::uint64_t pass
 
 void ReleaseStore::interval_begins(cansync::Slave& slave) noexcept {
   for (const Channel channel : kBothChannels) {
+    const bool fresh = std::exchange(for_lead_[index(channel)], false);
+    if (fresh && lead_ != nullptr) lead_->released(channel, values_);
     if (waiting_[index(channel)].left != 0) hand_on(channel, slave);
   }
 }
 
 void ReleaseStore::drop() noexcept {
+  for_lead_ = {};
   for (Waiting& waiting : waiting_) {
     if (waiting.left != 0) ++waiting.unused;
     waiting.left = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "cansync/cluster/cluster.h"
 #include "cansync/slave/slave.h"
 #include "daemon/cansync_slave/exchange.h"
 
@@ -12,6 +13,10 @@ namespace cansyncd {
 /// intervals as it says. Realtime thread only; realtime safe.
 class ReleaseStore {
  public:
+  /// `lead`: gets each release once, at the beginning of the next interval; null: there is none. It must
+  /// outlive the store.
+  explicit ReleaseStore(cansync::LeadAxis* lead = nullptr) noexcept : lead_(lead) {}
+
   /// A release, or a withdrawal, came. It counts from the next edge on, or from now when the master has not
   /// asked in this interval yet.
   void take(const ReleaseOrder& order, cansync::Slave& slave) noexcept;
@@ -38,6 +43,8 @@ class ReleaseStore {
   void hand_on(cansync::Channel channel, cansync::Slave& slave) noexcept;
 
   cansync::Values values_ = {};
+  cansync::LeadAxis* const lead_;
+  std::array<bool, cansync::kChannels> for_lead_ = {};
   std::array<Waiting, cansync::kChannels> waiting_ = {};
 };
 

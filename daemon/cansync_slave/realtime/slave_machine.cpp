@@ -17,6 +17,20 @@ namespace {
 constexpr can::Time kSlaveSecond = std::chrono::seconds(1);
 constexpr can::Time kSlaveStatusPeriod = std::chrono::milliseconds(100);
 
+cansync::UpperSync followed(sync_line::LockState state) noexcept {
+  switch (state) {
+    case sync_line::LockState::searching:
+      return cansync::UpperSync::searching;
+    case sync_line::LockState::locked:
+      return cansync::UpperSync::locked;
+    case sync_line::LockState::holdover:
+      return cansync::UpperSync::holdover;
+    case sync_line::LockState::lost:
+      break;
+  }
+  return cansync::UpperSync::lost;
+}
+
 }  // namespace
 
 SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, SlaveExchange& exchange)
@@ -25,9 +39,13 @@ SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, 
       slots_(cansync::slot_times(settings.slave.bit_rate)),
       target_(settings.target),
       tap_(settings.tap),
+      cluster_(settings.cluster),
+      edges_(settings.edges),
       desk_(settings.service, settings.status_parameter, settings.status_bits, exchange),
-      slave_(settings.slave, desk_.application()),
+      slave_(cluster_ != nullptr ? cluster_->upper()
+                                 : own_slave_.emplace(settings.slave, desk_.application())),
       supervision_(settings.supervision),
+      releases_(cluster_ != nullptr ? &cluster_->lead() : nullptr),
       sync_(settings.lock, settings.edge_every_interval, settings.inputs),
       clock_(settings.wall_clock),
       load_(slots_.bits_per_second) {
@@ -35,6 +53,7 @@ SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, 
   for (unsigned n = 0; n < cansync::kSlaves; ++n) {
     if (settings.slave.monitored[n]) monitored_[n].words = word_mask(*settings.slave.monitored[n]);
   }
+  if (cluster_ != nullptr) cluster_->serve(desk_.application());
 }
 
 void SlaveMachine::begin(can::Time now) noexcept {
@@ -44,6 +63,7 @@ void SlaveMachine::begin(can::Time now) noexcept {
   next_status_ = now;
   snapshot_.controller = bus_.status();
   sync_.begin(bus_);
+  if (edges_ != nullptr) edges_->next = sync_.next();
   pursue_target();
   changed_ = true;  // nobody has been told how the bus is
 }
@@ -86,16 +106,30 @@ void SlaveMachine::pass_edges(can::Time now) noexcept {
   if (passed.count == 0) return;
   const bool was_timed = timed_;
   timed_ = sync_.tracking();
-  if (timed_) begin_intervals(passed);
+  if (cluster_ != nullptr) lead(passed);
+  if (timed_) return begin_intervals(passed);
   // What was released for an interval that never comes is released for none.
-  if (!was_timed || timed_) return;
-  releases_.drop();
-  slave_.on_sync();
+  if (was_timed) releases_.drop();
+  if (was_timed || cluster_ != nullptr) slave_interval(1);
+}
+
+/// The edges of this timeline are those of the lower bus, too.
+void SlaveMachine::lead(const SyncFollower::Passed& passed) noexcept {
+  *edges_ = {edges_->passed + passed.count, passed.edge, sync_.next()};
+  cluster_->follow(followed(sync_.snapshot().state));
+}
+
+void SlaveMachine::slave_interval(std::uint64_t passed) noexcept {
+  if (cluster_ != nullptr) {
+    cluster_->begin_above(edges_->passed);
+  } else {
+    slave_.on_sync(passed);
+  }
 }
 
 void SlaveMachine::begin_intervals(const SyncFollower::Passed& passed) noexcept {
   using cansync::Channel;
-  number_ += passed.count;
+  number_ = cluster_ != nullptr ? edges_->passed : number_ + passed.count;
   edge_ = passed.edge;
   if (tap_ != nullptr) tap_->edge(passed.edge, bus_.now());
   fresh_ = slave_.reference_fresh(Channel::one) || slave_.reference_fresh(Channel::two);
@@ -103,7 +137,7 @@ void SlaveMachine::begin_intervals(const SyncFollower::Passed& passed) noexcept 
   if (cansync::is_active(slave_.state())) (void)supervision_.references(intervals, fresh_);
   heard_others_ = false;
   releases_.interval_ends(slave_, passed.count);
-  slave_.on_sync(passed.count);
+  slave_interval(passed.count);
   releases_.interval_begins(slave_);
 }
 
@@ -202,7 +236,8 @@ void SlaveMachine::take(const cansync::Telegram& telegram, const can::ReceivedFr
   const std::uint32_t before = actual == nullptr ? 0 : slave_.monitored_count(actual->slave, actual->channel);
   const can::Time edge = edge_before(received.end);
   desk_.at(moment(received.end));
-  const auto answer = slave_.receive(telegram, received.end - edge);
+  const auto answer = cluster_ != nullptr ? cluster_->receive_above(telegram, received.end - edge)
+                                          : slave_.receive(telegram, received.end - edge);
   if (answer) answers_.add({*answer, edge, received.end});
   if (const auto* reference = std::get_if<cansync::ReferenceTelegram>(&telegram)) {
     take_reference(*reference, received.end);

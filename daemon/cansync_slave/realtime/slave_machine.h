@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "can/bus.h"
+#include "cansync/cluster/cluster.h"
 #include "cansync/settings/timing.h"
 #include "cansync/slave/slave.h"
 #include "daemon/bus/bus_load.h"
@@ -16,6 +17,7 @@
 #include "daemon/cansync_slave/realtime/slave_desk.h"
 #include "daemon/cansync_slave/realtime/sync_follower.h"
 #include "daemon/loop/flight_tap.h"
+#include "daemon/loop/leading_edges.h"
 #include "daemon/loop/wall_clock.h"
 #include "sync/phase_lock.h"
 
@@ -34,10 +36,15 @@ struct SlaveMachineSettings {
   SyncFollower::Inputs inputs;
   WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
   FlightTap* tap = nullptr;                           ///< flight recorder; null: none
+  /// The machine drives the upper slave of this cluster instead of one of its own, and its edges lead
+  /// `edges`; null: it has its own. Both must outlive the machine.
+  cansync::Cluster* cluster = nullptr;
+  LeadingEdges* edges = nullptr;
 };
 
 /// Binds a `cansync::Slave` to a bus, a SYNC input and the gateway; driven by `DeadlineLoop`. Realtime thread
-/// only; realtime safe after its construction.
+/// only; realtime safe after its construction. In a cluster it gives the time for both buses: `begin_above`
+/// at each edge of its timeline, also while that does not follow the input.
 ///
 /// An interval begins with an edge of the timeline that follows the input, and only while it follows it. An
 /// answer is handed over as soon as its request has come, and not after its latest start (docs/
@@ -61,6 +68,8 @@ class SlaveMachine {
 
  private:
   void pass_edges(can::Time now) noexcept;
+  void lead(const SyncFollower::Passed& passed) noexcept;
+  void slave_interval(std::uint64_t passed) noexcept;
   void begin_intervals(const SyncFollower::Passed& passed) noexcept;
   void watch_faults(can::Time now) noexcept;
   void take_releases() noexcept;
@@ -82,8 +91,11 @@ class SlaveMachine {
   const cansync::SlotTimes slots_;
   const SlaveTarget target_;
   FlightTap* const tap_;
+  cansync::Cluster* const cluster_;
+  LeadingEdges* const edges_;
   SlaveDesk desk_;
-  cansync::Slave slave_;
+  std::optional<cansync::Slave> own_slave_;  ///< without a cluster
+  cansync::Slave& slave_;
   cansync::SlaveSupervision supervision_;
   ReleaseStore releases_;
   SyncFollower sync_;

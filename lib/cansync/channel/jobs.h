@@ -139,6 +139,7 @@ enum class Refusal : std::uint8_t {
   not_held,          ///< release of a slave that is not held out
   too_old,           ///< reference values whose `ReferenceUpdate::too_old_from` has come
   mapping_changed,   ///< reference values for another mapping than the one in force
+  lead_axis,         ///< reference values of a telegram that the lead axis of a cluster gives
 };
 
 /// A short English word group for logs and messages, never empty; the text lives as long as the program.

@@ -18,13 +18,19 @@ std::string_view name(ClusterState state) noexcept {
   return "active";
 }
 
-Cluster::Cluster(const ClusterSettings& settings, SlaveApplication& own, MasterListener& below)
+Cluster::Cluster(const ClusterSettings& settings)
     : settings_(settings),
-      gateway_(settings.gateway, slot_times(settings.lower.bit_rate).interval, own, below),
+      gateway_(settings.gateway, slot_times(settings.lower.bit_rate).interval),
       upper_(settings.upper, gateway_),
       lower_(settings.lower, gateway_),
       lead_(settings.lead, settings.lower.bit_rate, settings.lower.send_margin, settings.lead_reserve) {
   gateway_.attach(lower_);
+}
+
+Cluster::Cluster(const ClusterSettings& settings, SlaveApplication& own, MasterListener& below)
+    : Cluster(settings) {
+  serve(own);
+  tell(below);
 }
 
 // --- states (O 7.1.2)
@@ -51,17 +57,20 @@ void Cluster::stop() noexcept {
   gateway_.forget();
 }
 
-void Cluster::pursue() noexcept {
-  if (!started_) return;
-  const bool above = is_synchronous(upper_.state());
-  if (sync_output() && (!above || sync_ == UpperSync::lost)) {
+bool Cluster::sync_allowed() const noexcept {
+  if (!is_synchronous(upper_.state())) return false;
+  return sync_output() ? sync_ != UpperSync::lost : sync_ == UpperSync::locked;
+}
+
+void Cluster::decide_sync() noexcept {
+  if (sync_output() && !sync_allowed()) {
     ++sync_losses_;
     // Its jobs end, and are answered above.
     static_cast<void>(lower_.control(ControlCommand::cold_restart));
     initialise_lower();
-  }
-  if (!sync_output() && above && sync_ == UpperSync::locked)
+  } else if (started_ && !sync_output() && sync_allowed()) {
     static_cast<void>(lower_.control(ControlCommand::start_synchronous));
+  }
 }
 
 ClusterState Cluster::state() const noexcept {
@@ -73,16 +82,24 @@ ClusterState Cluster::state() const noexcept {
 // --- the interval
 
 void Cluster::begin_interval(IntervalNumber now) noexcept {
+  begin_above(now);
+  decide_sync();
+  begin_below(now);
+}
+
+void Cluster::begin_above(IntervalNumber now) noexcept {
   const IntervalNumber passed = first_ || now <= now_ ? 1 : now - now_;
   first_ = false;
   now_ = now;
   lead_.begin_interval(now);
   upper_.on_sync(passed);
   gateway_.begin_interval(now);
-  pursue();
+}
+
+void Cluster::begin_below(IntervalNumber now) noexcept {
   if (!sync_output()) return;
   lower_.begin_interval(now);
-  if (settings_.enable_lower && lower_.state() == State::setting_up_master)
+  if (started_ && settings_.enable_lower && lower_.state() == State::setting_up_master)
     static_cast<void>(lower_.control(ControlCommand::enable_active));
 }
 

@@ -59,10 +59,10 @@ std::vector<std::string> describe_lead_axis(const ClusterSettings& settings);
 
 /// The two cores and what goes between them, sans-IO.
 ///
-/// One interval: `follow` when the way in which the upper SYNC is followed has changed; `begin_interval` at
-/// the timeline's edge, which is the lower SYNC edge when `sync_output` then says so; frames of the upper bus
-/// go into `receive_above`, whose answer is handed over as `Slave` says; frames of the lower bus into
-/// `lower()`; for each slot of the lower bus, at its planned start, `take`, then `lower().sent` or
+/// One interval: `follow` when the way in which the upper SYNC is followed has changed; `begin_interval`, or
+/// its steps, at the timeline's edge, which is the lower SYNC edge when `sync_output` then says so; frames of
+/// the upper bus go into `receive_above`, whose answer is handed over as `Slave` says; frames of the lower
+/// bus into `lower()`; for each slot of the lower bus, at its planned start, `take`, then `lower().sent` or
 /// `left_out`.
 ///
 /// Numbers of intervals rise; over a jump no value of the lead axis is carried. All memory is taken in the
@@ -72,8 +72,15 @@ class Cluster {
   /// `own` answers for the gateway itself, `below` is told of the lower bus; both must outlive the cluster.
   /// Settings must have passed `check`.
   Cluster(const ClusterSettings& settings, SlaveApplication& own, MasterListener& below);
+  /// The same; `serve` and `tell` come before anything else.
+  explicit Cluster(const ClusterSettings& settings);
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
+
+  /// Who answers for the gateway itself; must outlive the cluster.
+  void serve(SlaveApplication& own) noexcept { gateway_.serve(own); }
+  /// Who is told of the lower bus; must outlive the cluster.
+  void tell(MasterListener& below) noexcept { gateway_.tell(below); }
 
   /// Starts both interfaces, the slave first (O 7.1.2); the master's synchronous operation waits for SYNC.
   void start() noexcept;
@@ -84,6 +91,17 @@ class Cluster {
   void follow(UpperSync sync) noexcept { sync_ = sync; }
   /// Interval `now` of the timeline begins: first the slave's part, then the master's (O 7.1.2).
   void begin_interval(IntervalNumber now) noexcept;
+
+  // --- its three steps, for who leads both interfaces through their states by itself, without `start`
+  /// The slave's part.
+  void begin_above(IntervalNumber now) noexcept;
+  /// Stops the lower bus when the upper SYNC is lost; after `start` begins it when that is followed.
+  void decide_sync() noexcept;
+  /// The master's part.
+  void begin_below(IntervalNumber now) noexcept;
+  /// The lower bus may have SYNC: it follows the upper one, or goes on over edges that are missing there.
+  bool sync_allowed() const noexcept;
+
   /// The lower SYNC is to be made in this interval. Once it is made it goes on over missing edges above,
   /// until those are lost.
   bool sync_output() const noexcept { return is_synchronous(lower_.state()); }
@@ -108,6 +126,7 @@ class Cluster {
   /// What passes jobs on.
   ClusterGateway& gateway() noexcept { return gateway_; }
   /// What passes values on.
+  LeadAxis& lead() noexcept { return lead_; }
   const LeadAxis& lead() const noexcept { return lead_; }
 
   /// As of the last interval.
@@ -116,7 +135,6 @@ class Cluster {
   std::uint64_t sync_losses() const noexcept { return sync_losses_; }
 
  private:
-  void pursue() noexcept;
   void initialise_lower() noexcept;
   bool tracking() const noexcept { return sync_ == UpperSync::locked || sync_ == UpperSync::holdover; }
 

@@ -17,12 +17,9 @@ GatewayTimes gateway_times(const GatewaySettings& settings, Duration interval) n
 
 }  // namespace
 
-ClusterGateway::ClusterGateway(const GatewaySettings& settings, Duration interval, SlaveApplication& own,
-                               MasterListener& below)
+ClusterGateway::ClusterGateway(const GatewaySettings& settings, Duration interval)
     : own_number_(settings.own_number),
       table_(settings.routes),
-      own_(own),
-      below_(below),
       parameter_(gateway_times(settings, interval)),
       block_(gateway_times(settings, interval)) {}
 
@@ -55,7 +52,7 @@ ParameterAnswer ClusterGateway::ask_below(ParameterRequest request, SubSlave sub
 ParameterAnswer ClusterGateway::read_parameter(ParameterNumber number, Element element,
                                                SubSlave sub) noexcept {
   own_parameter_ = is_own(sub);
-  if (own_parameter_) return own_.read_parameter(number, element, {});
+  if (own_parameter_) return own_->read_parameter(number, element, {});
   ParameterRequest request;
   request.number = number;
   request.element = element;
@@ -65,7 +62,7 @@ ParameterAnswer ClusterGateway::read_parameter(ParameterNumber number, Element e
 ParameterAnswer ClusterGateway::write_parameter(ParameterNumber number, Element element, SubSlave sub,
                                                 bool doubleword, std::uint32_t value) noexcept {
   own_parameter_ = is_own(sub);
-  if (own_parameter_) return own_.write_parameter(number, element, {}, doubleword, value);
+  if (own_parameter_) return own_->write_parameter(number, element, {}, doubleword, value);
   ParameterRequest request;
   request.write = true;
   request.number = number;
@@ -77,16 +74,16 @@ ParameterAnswer ClusterGateway::write_parameter(ParameterNumber number, Element 
 
 void ClusterGateway::parameter_dropped() noexcept {
   // The slave tells before it asks for the next one.
-  if (own_parameter_) return own_.parameter_dropped();
+  if (own_parameter_) return own_->parameter_dropped();
   parameter_.drop(*lower_);
 }
 
 void ClusterGateway::parameter_answered() noexcept {
-  if (own_parameter_) own_.parameter_answered();
+  if (own_parameter_) own_->parameter_answered();
 }
 
 void ClusterGateway::parameter_done(JobId id, const ParameterResult& result) noexcept {
-  if (id < kGatewayJobs) return below_.parameter_done(id, result);
+  if (id < kGatewayJobs) return below_->parameter_done(id, result);
   parameter_.done(id, result);
 }
 
@@ -97,7 +94,7 @@ SlaveApplication::BlockAnswer ClusterGateway::begin_block(const TransferInitiali
   if (own_block_) {
     TransferInitialise own = initialise;
     own.sub_slave = {};
-    return own_.begin_block(own);
+    return own_->begin_block(own);
   }
   const auto route = table_.find(initialise.sub_slave);
   if (!route) {
@@ -112,12 +109,12 @@ SlaveApplication::BlockAnswer ClusterGateway::begin_block(const TransferInitiali
 
 SlaveApplication::BlockAnswer ClusterGateway::read_block(std::uint16_t offset,
                                                          std::span<std::uint8_t> out) noexcept {
-  return own_block_ ? own_.read_block(offset, out) : block_.read(offset, out);
+  return own_block_ ? own_->read_block(offset, out) : block_.read(offset, out);
 }
 
 SlaveApplication::BlockAnswer ClusterGateway::write_block(std::uint16_t offset,
                                                           std::span<const std::uint8_t> data) noexcept {
-  if (own_block_) return own_.write_block(offset, data);
+  if (own_block_) return own_->write_block(offset, data);
   const JobId before = block_.running();
   const BlockAnswer answer = block_.write(offset, data, *lower_, ids_);
   if (block_.running() != 0 && block_.running() != before) ++counters_.transfers;
@@ -125,20 +122,20 @@ SlaveApplication::BlockAnswer ClusterGateway::write_block(std::uint16_t offset,
 }
 
 void ClusterGateway::end_block(bool complete) noexcept {
-  if (own_block_) return own_.end_block(complete);
+  if (own_block_) return own_->end_block(complete);
   block_.end(complete, *lower_);
 }
 
 void ClusterGateway::transfer_answered() noexcept {
-  if (own_block_) own_.transfer_answered();
+  if (own_block_) own_->transfer_answered();
 }
 
 void ClusterGateway::transfer_progress(JobId id, std::uint32_t bytes) noexcept {
-  if (id < kGatewayJobs) below_.transfer_progress(id, bytes);
+  if (id < kGatewayJobs) below_->transfer_progress(id, bytes);
 }
 
 void ClusterGateway::transfer_done(JobId id, const TransferResult& result) noexcept {
-  if (id < kGatewayJobs) return below_.transfer_done(id, result);
+  if (id < kGatewayJobs) return below_->transfer_done(id, result);
   block_.done(id, result);
 }
 

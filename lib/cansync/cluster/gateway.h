@@ -46,10 +46,13 @@ struct GatewayCounters {
 /// One thread owns slave, gateway and master. Nothing allocates, blocks or throws after construction.
 class ClusterGateway final : public SlaveApplication, public MasterListener {
  public:
-  /// `own` and `below` must outlive the gateway.
-  ClusterGateway(const GatewaySettings& settings, Duration interval, SlaveApplication& own,
-                 MasterListener& below);
+  /// `serve` and `tell` come before anything else.
+  ClusterGateway(const GatewaySettings& settings, Duration interval);
 
+  /// Who answers for the gateway itself; must outlive the gateway.
+  void serve(SlaveApplication& own) noexcept { own_ = &own; }
+  /// Who is told of the lower bus; must outlive the gateway.
+  void tell(MasterListener& below) noexcept { below_ = &below; }
   /// The lower master, which was made with this as its listener; before the first interval.
   void attach(Master& lower) noexcept { lower_ = &lower; }
   /// Interval `now` begins.
@@ -76,35 +79,35 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
   void end_block(bool complete) noexcept override;
   void parameter_answered() noexcept override;
   void transfer_answered() noexcept override;
-  void sync_activated() noexcept override { own_.sync_activated(); }
-  void control_word(std::uint16_t word) noexcept override { own_.control_word(word); }
+  void sync_activated() noexcept override { own_->sync_activated(); }
+  void control_word(std::uint16_t word) noexcept override { own_->control_word(word); }
   void action(std::uint8_t command, std::uint8_t data_byte, std::uint16_t data_word) noexcept override {
-    own_.action(command, data_byte, data_word);
+    own_->action(command, data_byte, data_word);
   }
 
   // --- the master below
   void actual_values(SlaveNumber slave, const ActualValues& values) noexcept override {
-    below_.actual_values(slave, values);
+    below_->actual_values(slave, values);
   }
   void slave_status(SlaveNumber slave, const SlaveStatus& status) noexcept override {
-    below_.slave_status(slave, status);
+    below_->slave_status(slave, status);
   }
   void state_changed(State from, State to, ControlCommand command) noexcept override {
-    below_.state_changed(from, to, command);
+    below_->state_changed(from, to, command);
   }
   void parameter_done(JobId id, const ParameterResult& result) noexcept override;
   void transfer_progress(JobId id, std::uint32_t bytes) noexcept override;
   void transfer_done(JobId id, const TransferResult& result) noexcept override;
-  void command_done(JobId id, Outcome outcome) noexcept override { below_.command_done(id, outcome); }
-  void event(const MasterEvent& event) noexcept override { below_.event(event); }
+  void command_done(JobId id, Outcome outcome) noexcept override { below_->command_done(id, outcome); }
+  void event(const MasterEvent& event) noexcept override { below_->event(event); }
 
   bool is_own(SubSlave sub) const noexcept { return sub.value == 0 || sub == own_number_; }
   ParameterAnswer ask_below(ParameterRequest request, SubSlave sub) noexcept;
 
   SubSlave own_number_;
   SubSlaveTable table_;
-  SlaveApplication& own_;
-  MasterListener& below_;
+  SlaveApplication* own_ = nullptr;
+  MasterListener* below_ = nullptr;
   Master* lower_ = nullptr;
   JobId ids_ = kGatewayJobs;
   bool own_parameter_ = true;  ///< the newest parameter question was the own application's

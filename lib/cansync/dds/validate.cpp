@@ -187,6 +187,8 @@ gateway_RefusalCause to_cause(Refusal refusal) noexcept {
       return gateway_CAUSE_STALE;
     case Refusal::mapping_changed:
       return gateway_CAUSE_MAPPING_CHANGED;
+    case Refusal::lead_axis:
+      return gateway_CAUSE_RIGHT;
   }
   return gateway_CAUSE_NONE;
 }

@@ -42,7 +42,7 @@ class LineTrace final : public sim::TraceSink {
 };
 
 /// Does what the test wants at an instant of the bus, and wakes the loop late when it wants that.
-class WatchedBus final : public can::Bus {
+class WatchedBus : public can::Bus {
  public:
   explicit WatchedBus(can::Bus& line) : line_(line) {}
 
