@@ -16,6 +16,12 @@ bool takes(const ReceiveRange& range, const can::Frame& frame) noexcept {
   return range.first <= identifier && identifier <= range.last;
 }
 
+bool takes(const NodeFilter& filter, const can::Frame& frame) noexcept {
+  if (frame.error || frame.extended != filter.extended) return false;
+  const std::uint32_t node = frame.identifier() % 128;
+  return node == filter.node || node == 0;
+}
+
 bool RangeFilter::add(const ReceiveRange& range) noexcept {
   if (size_ == kMostRanges || check(range) != RangeProblem::none) return false;
   ranges_[size_++] = range;

@@ -18,6 +18,7 @@ struct ReceiveRange {
   std::uint32_t last = 0;   ///< `first`..0x7FF; extended `first`..0x1FFFFFFF
   bool extended = false;    ///< 29-bit identifiers; false: 11-bit ones
   FrameKinds kinds = FrameKinds::data_and_remote;
+  bool high_priority = false;  ///< what it takes overtakes what waits to be fetched (Helmholz 6.3.3)
   friend bool operator==(const ReceiveRange&, const ReceiveRange&) = default;
 };
 
@@ -34,6 +35,17 @@ RangeProblem check(const ReceiveRange& range) noexcept;
 /// True when the range takes the frame; never for error frames. Pure and realtime safe.
 bool takes(const ReceiveRange& range, const can::Frame& frame) noexcept;
 
+/// The node filter (Helmholz 6.3.4, "bit filter"): a frame whose identifier has the node's number in its
+/// lower seven bits, or 0, data or remote. Of 29-bit identifiers, when `extended`, the lower seven bits count
+/// too.
+struct NodeFilter {
+  std::uint8_t node = 1;  ///< 1..127
+  bool extended = false;  ///< 29-bit identifiers; false: 11-bit ones
+};
+
+/// Pure and realtime safe; never an error frame.
+bool takes(const NodeFilter& filter, const can::Frame& frame) noexcept;
+
 /// The ranges of identifiers a station receives, in the order they were given; ranges may overlap, and the
 /// first one counts. Realtime safe; one thread.
 class RangeFilter {
@@ -46,6 +58,9 @@ class RangeFilter {
 
   /// Position (0..kMostRanges-1) of the first range that takes the frame; nothing when none does.
   std::optional<std::uint8_t> match(const can::Frame& frame) const noexcept;
+
+  /// A range that was added.
+  const ReceiveRange& range(std::uint8_t at) const noexcept { return ranges_[at]; }
 
   /// Number of ranges; without one nothing is received.
   std::size_t size() const noexcept { return size_; }

@@ -17,62 +17,127 @@ can::Frame as_on_the_bus(can::Frame frame) noexcept {
   return frame;
 }
 
+/// The bits of the arbitration field: of two frames that begin at once the smaller number wins.
+std::uint32_t arbitration(const can::Frame& frame) noexcept {
+  const std::uint32_t id = frame.identifier();
+  const std::uint32_t remote = frame.remote ? 1 : 0;
+  if (!frame.extended) return id << 21 | remote << 20;
+  return (id >> 18) << 21 | 3u << 19 | (id & 0x3FFFF) << 1 | remote;
+}
+
 }  // namespace
 
-Station::Station(const StationSettings& settings) noexcept
-    : filter_(settings.filter), queue_(std::clamp<std::size_t>(settings.queue, 1, kMostQueue)) {}
+Station::Station(const StationSettings& settings)
+    : filter_(settings.filter),
+      node_(settings.node),
+      normal_(std::min<std::size_t>(settings.queue, kMostQueue), settings.overflow),
+      high_(std::min<std::size_t>(settings.high_queue, kMostQueue), settings.overflow),
+      answers_(normal_.depth() + high_.depth() + kMostHandedOver) {}
 
 std::optional<std::uint8_t> Station::receive(const can::Frame& frame) noexcept {
-  ++counters_.received;
-  const auto range = filter_.match(frame);
-  if (range) ++counters_.taken;
+  std::optional<std::uint8_t> range;
+  if (!node_) {
+    range = filter_.match(frame);
+  } else if (takes(*node_, frame)) {
+    range = 0;
+  }
+  count_received(range.has_value());
   return range;
+}
+
+void Station::count_received(bool taken) noexcept {
+  ++counters_.received;
+  if (taken) ++counters_.taken;
+}
+
+Priority Station::priority_of(std::uint8_t range) const noexcept {
+  return !node_ && filter_.range(range).high_priority ? Priority::high : Priority::normal;
 }
 
 Refusal Station::submit(const SendOrder& order, Time now) noexcept {
   if (stopped_) return Refusal::stopped;
   if (!can_be_sent(order.frame)) return Refusal::bad_frame;
   // Each open order has room for its answer.
-  if (waiting_.size() >= queue_ || open() >= kMostQueue + kMostHandedOver) return Refusal::queue_full;
-  if (waiting_.size() == 0) obstacle_ = Obstacle::none;
-  waiting_.push({order.id, as_on_the_bus(order.frame), now + order.timeout});
-  return Refusal::none;
+  if (open() >= answers_.depth()) return Refusal::queue_full;
+  if (waiting() == 0) obstacle_ = Obstacle::none;
+  BoundedQueue<Open>& queue = queue_of(order.priority);
+  const Open taken{order.id, as_on_the_bus(order.frame), now + order.timeout};
+  std::size_t at = queue.size();
+  if (order.placing == Placing::by_identifier) {
+    at = std::min<std::size_t>(1, queue.size());
+    while (at < queue.size() && arbitration(queue[at].frame) <= arbitration(taken.frame)) ++at;
+  }
+  const auto pushed = queue.insert(at, taken);
+  if (pushed.deleted) end(*pushed.deleted, Outcome::displaced);
+  return pushed.taken ? Refusal::none : Refusal::queue_full;
 }
 
 bool Station::cancel(OrderId id) noexcept {
-  for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    if (waiting_[i].id != id) continue;
-    end(waiting_[i], Outcome::cancelled);
-    waiting_.erase(i);
-    return true;
+  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    for (std::size_t i = 0; i < queue->size(); ++i) {
+      if ((*queue)[i].id != id) continue;
+      end((*queue)[i], Outcome::cancelled);
+      queue->erase(i);
+      return true;
+    }
   }
   return false;
 }
 
-std::optional<can::Frame> Station::next_frame() const noexcept {
-  if (waiting_.size() == 0 || handed_over_.full()) return std::nullopt;
-  return waiting_[0].frame;
+void Station::clear_queues() noexcept {
+  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    while (!queue->empty()) end(queue->pop(), Outcome::deleted);
+  }
+}
+
+void Station::reset_overflow() noexcept {
+  normal_.reset_overflow();
+  high_.reset_overflow();
+}
+
+Station::QueueState Station::queue(Priority priority) const noexcept {
+  const BoundedQueue<Open>& queue = priority == Priority::high ? high_ : normal_;
+  return {static_cast<std::uint16_t>(queue.size()), static_cast<std::uint16_t>(queue.depth()),
+          queue.half_full(), queue.overflowed(), queue.lost()};
+}
+
+std::optional<can::Frame> Station::next_frame(bool normal, bool high) noexcept {
+  if (handed_over_.full()) return std::nullopt;
+  if (high && !high_.empty()) {
+    offered_ = Priority::high;
+    return high_[0].frame;
+  }
+  if (!normal || normal_.empty()) return std::nullopt;
+  offered_ = Priority::normal;
+  return normal_[0].frame;
 }
 
 void Station::handed_over() noexcept {
-  if (waiting_.size() == 0 || handed_over_.full()) return;
-  handed_over_.push(waiting_[0]);
-  waiting_.erase(0);
+  BoundedQueue<Open>& queue = queue_of(offered_);
+  if (queue.empty() || handed_over_.full()) return;
+  handed_over_.push(queue.pop());
   obstacle_ = Obstacle::none;
+}
+
+void Station::own_handed_over(const can::Frame& frame, const OwnFrame& own) noexcept {
+  if (handed_over_.full()) return;
+  handed_over_.push({0, as_on_the_bus(frame), Time::max(), own, true});
 }
 
 void Station::held_back(Obstacle obstacle) noexcept {
   obstacle_ = obstacle;
 }
 
-void Station::echo(const can::Frame& frame, Time end_of_frame) noexcept {
+std::optional<OwnFrame> Station::echo(const can::Frame& frame, Time end_of_frame) noexcept {
   ++counters_.sent;
   std::size_t found = 0;
   while (found < handed_over_.size() && handed_over_[found].frame != frame) ++found;
-  if (found == handed_over_.size()) return;
+  if (found == handed_over_.size()) return std::nullopt;
+  const OwnFrame own = handed_over_[found].own;
   if (!handed_over_[found].answered) end(handed_over_[found], Outcome::done, end_of_frame);
   handed_over_.erase(found);
   overtake(found);
+  return own;
 }
 
 void Station::echoes_lost() noexcept {
@@ -107,19 +172,23 @@ void Station::advance(Time now) noexcept {
       ++i;
     }
   }
-  for (std::size_t i = 0; i < waiting_.size();) {
-    if (waiting_[i].until <= now) {
-      end(waiting_[i], Outcome::timeout);
-      waiting_.erase(i);
-    } else {
-      ++i;
+  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    for (std::size_t i = 0; i < queue->size();) {
+      if ((*queue)[i].until <= now) {
+        end((*queue)[i], Outcome::timeout);
+        queue->erase(i);
+      } else {
+        ++i;
+      }
     }
   }
 }
 
 Time Station::next_deadline() const noexcept {
   Time next = Time::max();
-  for (std::size_t i = 0; i < waiting_.size(); ++i) next = std::min(next, waiting_[i].until);
+  for (const BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    for (std::size_t i = 0; i < queue->size(); ++i) next = std::min(next, (*queue)[i].until);
+  }
   for (std::size_t i = 0; i < handed_over_.size(); ++i) {
     if (!handed_over_[i].answered) next = std::min(next, handed_over_[i].until);
   }
@@ -127,21 +196,21 @@ Time Station::next_deadline() const noexcept {
 }
 
 std::optional<Answer> Station::take_answer() noexcept {
-  if (answers_.size() == 0) return std::nullopt;
-  const Answer answer = answers_[0];
-  answers_.erase(0);
-  return answer;
+  if (answers_.empty()) return std::nullopt;
+  return answers_.pop();
 }
 
 void Station::stop() noexcept {
   stopped_ = true;
   controller_emptied();
-  for (; waiting_.size() != 0; waiting_.erase(0)) end(waiting_[0], Outcome::stopped);
+  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    while (!queue->empty()) end(queue->pop(), Outcome::stopped);
+  }
 }
 
 void Station::end(const Open& order, Outcome outcome, Time sent) noexcept {
   const Obstacle obstacle = outcome == Outcome::timeout ? obstacle_ : Obstacle::none;
-  answers_.push({order.id, outcome, sent, obstacle});
+  (void)answers_.push({order.id, outcome, sent, obstacle});
   if (outcome == Outcome::no_answer) ++counters_.unanswered;
   if (outcome != Outcome::no_answer && outcome != Outcome::done) ++counters_.not_sent;
 }

@@ -7,20 +7,36 @@
 #include <optional>
 
 #include "can/frame.h"
+#include "layer2/bounded_queue.h"
 #include "layer2/range_filter.h"
+#include "layer2/timers.h"
 
 namespace layer2 {
-
-/// An instant on the clock of the bus: nanoseconds since its arbitrary start.
-using Time = std::chrono::nanoseconds;
 
 /// By which a send order is answered; chosen by whoever gives it.
 using OrderId = std::uint64_t;
 
 /// Sizes of a station.
 struct StationSettings {
-  std::uint16_t queue = 64;  ///< orders that may wait to be handed over, 1..kMostQueue
+  std::uint16_t queue = 400;  ///< orders of normal priority that may wait to be handed over, 1..kMostQueue
+  std::uint16_t high_queue = 20;                ///< likewise, of high priority
+  Overflow overflow = Overflow::refuse_newest;  ///< of a queue that is full
   RangeFilter filter;
+  std::optional<NodeFilter> node;  ///< in place of the ranges
+};
+
+/// The queue that a frame waits in.
+enum class Priority : std::uint8_t {
+  normal,
+  high,  ///< goes before every one of normal priority
+};
+
+/// Where in its queue an order is put.
+enum class Placing : std::uint8_t {
+  last,
+  /// In front of the first whose identifier loses the arbitration against its own, but not in front of the
+  /// first one (Saia 4.2.3).
+  by_identifier,
 };
 
 /// A frame to be sent.
@@ -28,14 +44,26 @@ struct SendOrder {
   OrderId id = 0;
   can::Frame frame;
   Time timeout{};  ///< monitoring time from `submit` until the frame stands on the bus, over 0
+  Priority priority = Priority::normal;
+  Placing placing = Placing::last;
+};
+
+/// Whose frame an own one is.
+enum class Sender : std::uint8_t { order, timer, script, object, mapping };
+
+/// An own frame that stood on the bus.
+struct OwnFrame {
+  Sender sender = Sender::order;
+  std::uint8_t number = 0;  ///< of the timer, object or telegram; else 0
 };
 
 /// Why an order is not taken; nothing was sent.
 enum class Refusal : std::uint8_t {
   none,
-  queue_full,  ///< as many orders are open as there is room for: try again when one has been answered
-  bad_frame,   ///< no frame that can be sent: identifier or length too large, or an error frame
-  stopped,     ///< the station has been stopped
+  queue_full,   ///< as many orders are open as there is room for: try again when one has been answered
+  bad_frame,    ///< no frame that can be sent: identifier or length too large, or an error frame
+  stopped,      ///< the station has been stopped
+  not_running,  ///< the module is in stop
 };
 
 /// Why the bus did not take the frame that was to be handed over.
@@ -54,6 +82,8 @@ enum class Outcome : std::uint8_t {
   timeout,    ///< not handed over in time; it will not be sent
   cancelled,  ///< taken back before it was handed over; it will not be sent
   stopped,    ///< the station was stopped before it was handed over; it will not be sent
+  displaced,  ///< deleted for a newer one, because the queue was full; it will not be sent
+  deleted,    ///< the queues were emptied before it was handed over; it will not be sent
 };
 
 /// The one answer to an order that was taken.
@@ -78,23 +108,28 @@ struct StationCounters {
 /// identifiers, what it is to send is answered when it stands on the bus.
 ///
 /// Sans-IO: it is told what came and when, asked what to send, and asked when it must be told the time again.
-/// Frames are handed over in the order of their orders, at most `kMostHandedOver` without an echo. One whose
-/// echo is missed keeps its place after its answer, for it may stand in the controller still; it loses it by
-/// its late echo, by that of a later frame (the controller keeps the order), when the controller is empty, or
-/// when echoes were lost, for then nobody knows whether its own was one of them.
-/// Realtime safe; one thread.
+/// Frames of high priority are handed over first, those of one priority in the order of their queue, at most
+/// `kMostHandedOver` without an echo. One whose echo is missed keeps its place after its answer, for it may
+/// stand in the controller still; it loses it by its late echo, by that of a later frame (the controller
+/// keeps the order), when the controller is empty, or when echoes were lost, for then nobody knows whether
+/// its own was one of them. Realtime safe after its construction; one thread.
 class Station {
  public:
-  static constexpr std::size_t kMostQueue = 256;
+  static constexpr std::size_t kMostQueue = 1024;
   static constexpr std::size_t kMostHandedOver = 8;
 
-  /// A `queue` outside its range counts as the nearest inside.
-  explicit Station(const StationSettings& settings) noexcept;
+  /// A depth outside its range counts as the nearest inside. Allocates.
+  explicit Station(const StationSettings& settings);
 
   // --- receiving
 
-  /// A frame of another node came. Position of the range that takes it, 0..kMostRanges-1; nothing: none.
+  /// A frame of another node came. Position of the range that takes it, 0..kMostRanges-1, with a node filter
+  /// 0; nothing: it is not received.
   std::optional<std::uint8_t> receive(const can::Frame& frame) noexcept;
+  /// A frame of another node came that the ranges are not asked about; `taken` by somebody else.
+  void count_received(bool taken) noexcept;
+  /// Priority of what the range at a position takes.
+  Priority priority_of(std::uint8_t range) const noexcept;
 
   // --- sending
 
@@ -103,16 +138,26 @@ class Station {
   /// Takes an order back that still waits; it is answered as cancelled. False: it is not waiting (any more).
   bool cancel(OrderId id) noexcept;
 
+  /// Ends every order that waits, as deleted.
+  void clear_queues() noexcept;
+  /// Forgets that queues overflowed.
+  void reset_overflow() noexcept;
+
   /// The frame to be handed to the bus next; nothing: none now. Say what became of it by `handed_over` or
-  /// `held_back`.
-  std::optional<can::Frame> next_frame() const noexcept;
+  /// `held_back`. Without `normal` or `high`, frames of that priority stay back.
+  std::optional<can::Frame> next_frame(bool normal = true, bool high = true) noexcept;
+  /// A frame that is nobody's order may be handed over now: there is a place for it.
+  bool has_place() const noexcept { return !handed_over_.full(); }
+  /// The bus took a frame that is nobody's order; `has_place` must have said so. It is counted as sent when
+  /// its echo comes, and answered to nobody.
+  void own_handed_over(const can::Frame& frame, const OwnFrame& own) noexcept;
   /// The bus took what `next_frame` said.
   void handed_over() noexcept;
   /// What keeps the first waiting order from the bus, which waits on: the bus did not take what `next_frame`
   /// said, or takes nothing more while `kMostHandedOver` stand in the controller.
   void held_back(Obstacle obstacle) noexcept;
-  /// An own frame stood on the bus until `end`.
-  void echo(const can::Frame& frame, Time end) noexcept;
+  /// An own frame stood on the bus until `end`. Whose it was; nothing: nobody's that is known.
+  std::optional<OwnFrame> echo(const can::Frame& frame, Time end) noexcept;
   /// Whatever was handed over is gone from the controller: it was reset, or its interface went.
   void controller_emptied() noexcept;
   /// Frames were lost on their way here, echoes perhaps too: what was handed over so far may have been sent,
@@ -132,8 +177,18 @@ class Station {
 
   /// As of now.
   const StationCounters& counters() const noexcept { return counters_; }
-  /// Orders that wait to be handed over, 0..kMostQueue.
-  std::size_t waiting() const noexcept { return waiting_.size(); }
+  /// Orders that wait to be handed over, of every priority.
+  std::size_t waiting() const noexcept { return normal_.size() + high_.size(); }
+  /// The state of a queue: its size, whether it is half full, whether it overflowed.
+  struct QueueState {
+    std::uint16_t size = 0;   ///< elements that wait
+    std::uint16_t depth = 0;  ///< room
+    bool half_full = false;
+    bool overflowed = false;  ///< since the last reset
+    std::uint64_t lost = 0;   ///< elements lost since the start
+  };
+  /// Of the queue of a priority.
+  QueueState queue(Priority priority) const noexcept;
   /// Frames handed over that were not seen on the bus, answered ones included, 0..kMostHandedOver.
   std::size_t handed_over_count() const noexcept { return handed_over_.size(); }
 
@@ -162,19 +217,25 @@ class Station {
     OrderId id = 0;
     can::Frame frame;
     Time until{};
-    bool answered = false;   ///< handed over, and its echo missed
+    OwnFrame own = {};
+    bool answered = false;   ///< handed over, and its echo missed; of nobody's order from the start
     bool overtaken = false;  ///< handed over; a later frame was seen on the bus, or its echo may be lost
   };
 
-  std::size_t open() const noexcept { return waiting_.size() + handed_over_.size() + answers_.size(); }
+  std::size_t open() const noexcept { return waiting() + handed_over_.size() + answers_.size(); }
+  BoundedQueue<Open>& queue_of(Priority priority) noexcept {
+    return priority == Priority::high ? high_ : normal_;
+  }
   void end(const Open& order, Outcome outcome, Time sent = {}) noexcept;
   void overtake(std::size_t count) noexcept;
 
   RangeFilter filter_;
-  std::size_t queue_;
-  List<Open, kMostQueue> waiting_;
+  std::optional<NodeFilter> node_;
+  BoundedQueue<Open> normal_;
+  BoundedQueue<Open> high_;
+  Priority offered_ = Priority::normal;  ///< queue of what `next_frame` said
   List<Open, kMostHandedOver> handed_over_;
-  List<Answer, kMostQueue + kMostHandedOver> answers_;
+  BoundedQueue<Answer> answers_;
   Obstacle obstacle_ = Obstacle::none;  ///< of the first waiting order
   StationCounters counters_;
   bool stopped_ = false;

@@ -42,6 +42,10 @@ std::string_view SendRequests::name(Outcome outcome) noexcept {
       return "timeout";
     case Outcome::cancelled:
       return "cancelled";
+    case Outcome::displaced:
+      return "displaced";
+    case Outcome::deleted:
+      return "deleted";
     case Outcome::stopped:
       break;
   }

@@ -82,7 +82,10 @@ gateway_ReplyCode to_reply_code(Outcome outcome) noexcept {
     case Outcome::timeout:
       return gateway_REPLY_TIMEOUT;
     case Outcome::cancelled:
+    case Outcome::deleted:
       return gateway_REPLY_CANCELLED;
+    case Outcome::displaced:
+      return gateway_REPLY_REPLACED;
     case Outcome::stopped:
       break;
   }
@@ -100,6 +103,11 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept {
       return reason_of_timeout(obstacle);
     case Outcome::cancelled:
       return "cancelled";
+    case Outcome::displaced:
+      return "not sent: deleted for a newer frame, because the queue was full; send less at a time, or give the "
+             "queue more room";
+    case Outcome::deleted:
+      return "not sent: the queues were emptied";
     case Outcome::stopped:
       break;
   }

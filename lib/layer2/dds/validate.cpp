@@ -41,6 +41,8 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
     case Refusal::bad_frame:
       return Denial{gateway_CAUSE_FIELD,
                     "content: no frame that can be sent; allowed are data and remote frames with 0..8 bytes"};
+    case Refusal::not_running:
+      return Denial{gateway_CAUSE_WRONG_STATE, "in stop nothing is sent; let it run first"};
     case Refusal::stopped:
       break;
   }

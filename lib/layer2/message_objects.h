@@ -1,0 +1,149 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "can/frame.h"
+#include "layer2/timers.h"
+
+namespace layer2 {
+
+/// Identifiers by a pattern (Saia 4.2.2): a frame of the width is taken when its identifier is that of the
+/// rule in every bit of the mask. Mask bits of 0 do not count: mask 0 takes every identifier.
+struct MaskRule {
+  std::uint32_t identifier = 0;     ///< 0..0x7FF; extended 0..0x1FFFFFFF
+  std::uint32_t mask = 0xFFFFFFFF;  ///< bits above those of the width do not count
+  bool extended = false;            ///< 29-bit identifiers; false: 11-bit ones
+};
+
+/// Data and remote frames, never error frames. Pure and realtime safe.
+bool takes(const MaskRule& rule, const can::Frame& frame) noexcept;
+
+/// One message object.
+struct ObjectSettings {
+  MaskRule rule;          ///< of an object that sends, its identifier and width
+  bool transmit = false;  ///< it sends; false: it receives
+  Time timeout{0};        ///< of a job to send, until it is aborted; 0: never
+};
+
+/// What an object is to send.
+struct ObjectJob {
+  can::Frame frame;        ///< data; its width must be the object's
+  bool on_remote = false;  ///< held until a remote frame of its identifier asks for it
+  bool every_time =
+      false;  ///< with `on_remote`: each remote frame is answered, until another job replaces it
+};
+
+/// How far the job of an object is.
+enum class JobState : std::uint8_t {
+  none,       ///< no job was given, or its end was told
+  under_way,  ///< waits, or is in the controller
+  done,       ///< its frame stood on the bus; of `every_time`, since the last look
+  aborted,    ///< taken back before it was sent
+  timed_out,  ///< not sent in time
+};
+
+/// Why an object does not do what it is told.
+enum class ObjectProblem : std::uint8_t {
+  none,
+  number,     ///< no such object
+  reserved,   ///< it belongs to the data mapping or to the queues
+  direction,  ///< it receives, or sends, or is not configured
+  pending,    ///< it has a job that has not ended
+  frame,      ///< identifier or length too large, or of another width
+};
+
+/// What an object had received.
+struct ObjectReading {
+  can::Frame frame;
+  bool overrun = false;  ///< a frame came while it was full, and went on to the next that takes it
+};
+
+/// The 32 message objects of direct access (Saia 3.2, 4.2.2, 4.3): each holds one frame, which it sends or
+/// has received. The lowest number sends first, and receives first.
+///
+/// An object that receives is closed until it is released, and when it was read without being released anew.
+/// Open, it takes one frame; while that was not read it is full, and another frame that it would take is
+/// offered to the next object, with the first object's overrun told by the next reading. Realtime safe; one
+/// thread.
+class MessageObjects {
+ public:
+  static constexpr unsigned kMost = 32;
+
+  /// Gives an object (0..kMost-1) its settings, anew: whatever it held is gone, and a job ends as aborted.
+  ObjectProblem configure(unsigned number, const ObjectSettings& settings) noexcept;
+  /// From now on the object belongs to another service.
+  void reserve(unsigned number) noexcept;
+  /// Forgets every object's settings; what is reserved stays.
+  void reset() noexcept;
+
+  // --- sending
+
+  /// Gives an object a job. One that waits for a remote frame, or answers each, is replaced; another job must
+  /// have ended.
+  ObjectProblem start(unsigned number, const ObjectJob& job, Time now) noexcept;
+  /// Takes a job back that is not in the controller. False: there is none.
+  bool abort(unsigned number) noexcept;
+  /// How far the job of an object is; its end, and each answer to a remote frame, is told once.
+  JobState take_state(unsigned number) noexcept;
+
+  /// The object whose frame goes next, the lowest number; nothing: none has one ready.
+  std::optional<unsigned> next() const noexcept;
+  /// What the object that `next` said sends.
+  const can::Frame& frame(unsigned number) const noexcept { return objects_[number].job.frame; }
+  /// The bus took the frame of an object.
+  void handed_over(unsigned number) noexcept;
+  /// The frame of an object stood on the bus.
+  void sent(unsigned number) noexcept;
+  /// What was handed over is gone from the controller, and may have been sent: such jobs end as timed out.
+  void controller_emptied() noexcept;
+
+  // --- receiving
+
+  /// Opens an object that receives. With `request` a remote frame of its identifier is sent besides, whose
+  /// answer comes to it.
+  ObjectProblem release(unsigned number, bool request = false) noexcept;
+  /// A frame of another node came. The object that has taken it; nothing: none, and the next service is
+  /// asked. A remote frame makes objects ready that wait for it, and goes on, too.
+  std::optional<unsigned> receive(const can::Frame& frame) noexcept;
+  /// What an object has received, once; `release` opens it anew at once.
+  std::optional<ObjectReading> read(unsigned number, bool release) noexcept;
+
+  // --- time
+
+  /// It is `now`: ends jobs whose time has passed, but for those in the controller.
+  void advance(Time now) noexcept;
+  /// When `advance` must be called at the latest; Time::max(): nothing waits for time.
+  Time next_deadline() const noexcept;
+
+ private:
+  enum class Phase : std::uint8_t { idle, waits_for_remote, ready, in_controller };
+  struct Object {
+    ObjectSettings settings;
+    bool configured = false;
+    bool reserved = false;
+    // sending
+    ObjectJob job;
+    Phase phase = Phase::idle;
+    JobState told = JobState::none;  ///< what is to be told next; none: as `phase`
+    Time until = Time::max();
+    bool asked_again = false;  ///< every_time: a remote frame came while an answer was on its way
+    // receiving
+    bool open = false;
+    bool full = false;
+    bool overrun = false;
+    bool request = false;  ///< a remote frame is to be sent, or is in the controller
+    can::Frame received;
+  };
+
+  ObjectProblem access(unsigned number, bool transmit) const noexcept;
+  void answer_remote(const can::Frame& frame) noexcept;
+
+  std::array<Object, kMost> objects_ = {};
+};
+
+}  // namespace layer2

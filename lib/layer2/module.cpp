@@ -1,0 +1,261 @@
+#include "layer2/module.h"
+
+#include <algorithm>
+
+namespace layer2 {
+namespace {
+
+/// Commands of a script done in one step: they cost time.
+constexpr unsigned kCommandsAtOnce = 32;
+
+std::size_t depth_of(std::uint16_t depth) noexcept {
+  return std::min<std::size_t>(depth, Station::kMostQueue);
+}
+
+Station::QueueState state_of(const BoundedQueue<WaitingFrame>& queue) noexcept {
+  return {static_cast<std::uint16_t>(queue.size()), static_cast<std::uint16_t>(queue.depth()),
+          queue.half_full(), queue.overflowed(), queue.lost()};
+}
+
+StatusFacts::Queues queues_of(const Station::QueueState& high, const Station::QueueState& normal) noexcept {
+  return {high.half_full, normal.half_full, high.overflowed || normal.overflowed,
+          high.size == 0 && normal.size == 0};
+}
+
+}  // namespace
+
+Module::Module(const ModuleSettings& settings)
+    : settings_(settings),
+      station_(settings.station),
+      window_(settings.window),
+      received_(depth_of(settings.receive_queue), settings.receive_overflow),
+      received_high_(depth_of(settings.receive_high_queue), settings.receive_overflow) {
+  for (unsigned number = 1; number <= Timers::kMost; ++number) {
+    if (const auto& timer = settings_.timers[number - 1]) (void)timers_.configure(number, *timer);
+  }
+  if (settings_.mapped.empty()) return;
+  mapping_.configure(settings_.mapping, settings_.mapped);
+  // Saia 3.5: the mapping has two of the objects.
+  for (const unsigned number : {28u, 29u}) objects_.reserve(number);
+}
+
+void Module::begin(Time now) noexcept {
+  now_ = now;
+  start_script(settings_.power_on);
+  if (settings_.starts_in_run) set_running(true, now);
+}
+
+void Module::start_script(const Script& script) noexcept {
+  script_frame_.reset();
+  runner_.begin(script);
+}
+
+void Module::set_running(bool running, Time now) noexcept {
+  now_ = now;
+  if (running == running_) return;
+  running_ = running;
+  if (running) {
+    if (settings_.window.used) window_.timer_stopped(1);
+    mapping_.start(now);
+    // What the script of power-on does comes before what that of run does.
+    if (runner_.runs()) {
+      next_script_ = &settings_.run;
+    } else {
+      start_script(settings_.run);
+    }
+  } else {
+    timers_.stop_all();
+    window_.timer_stopped(1);
+    mapping_.stop();
+    for (unsigned number = 0; number < MessageObjects::kMost; ++number) (void)objects_.abort(number);
+    station_.clear_queues();
+    received_.clear();
+    received_high_.clear();
+    next_script_ = nullptr;
+    start_script(settings_.stop);
+  }
+  step_script();
+}
+
+/// Does what needs no bus, up to the next frame or the next wait.
+void Module::step_script() noexcept {
+  for (unsigned i = 0; i < kCommandsAtOnce && !script_frame_; ++i) {
+    const auto command = runner_.next(now_);
+    if (!command) {
+      if (runner_.runs() || next_script_ == nullptr) return;
+      start_script(*next_script_);
+      next_script_ = nullptr;
+      continue;
+    }
+    switch (command->kind) {
+      case ScriptCommand::Kind::send:
+        script_frame_ = command;
+        break;
+      case ScriptCommand::Kind::start:
+        (void)start_timer(command->number, now_);
+        runner_.done();
+        break;
+      case ScriptCommand::Kind::stop:
+        (void)stop_timer(command->number);
+        runner_.done();
+        break;
+      case ScriptCommand::Kind::wait:
+        return;  // the runner's own
+    }
+  }
+}
+
+bool Module::start_timer(unsigned number, Time now) noexcept {
+  if (window_.used() && (number == 1 || number == 2)) {
+    window_.timer_started(number, now);
+    return true;
+  }
+  window_.timer_started(number, now);
+  return timers_.start(number, now);
+}
+
+bool Module::stop_timer(unsigned number) noexcept {
+  window_.timer_stopped(number);
+  return timers_.stop(number);
+}
+
+bool Module::configure_timer(unsigned number, const TimerSettings& settings) noexcept {
+  return timers_.configure(number, settings);
+}
+
+bool Module::set_timer_frame(unsigned number, const can::Frame& frame) noexcept {
+  return timers_.set_frame(number, frame);
+}
+
+void Module::clear_queues() noexcept {
+  station_.clear_queues();
+  received_.clear();
+  received_high_.clear();
+}
+
+void Module::reset_overflow() noexcept {
+  station_.reset_overflow();
+  received_.reset_overflow();
+  received_high_.reset_overflow();
+}
+
+void Module::receive(const can::Frame& frame, Time end) noexcept {
+  if (!running_) {
+    station_.count_received(false);
+    return;
+  }
+  if (objects_.receive(frame) || mapping_.receive(frame)) {
+    station_.count_received(true);
+    return;
+  }
+  const auto range = station_.receive(frame);
+  if (!range) return;
+  const Priority priority = station_.priority_of(*range);
+  (void)(priority == Priority::high ? received_high_ : received_).push({frame, end, *range, priority});
+}
+
+std::optional<WaitingFrame> Module::take_received() noexcept {
+  if (!received_high_.empty()) return received_high_.pop();
+  if (!received_.empty()) return received_.pop();
+  return std::nullopt;
+}
+
+Station::QueueState Module::receive_queue(Priority priority) const noexcept {
+  return state_of(priority == Priority::high ? received_high_ : received_);
+}
+
+Refusal Module::submit(const SendOrder& order, Time now) noexcept {
+  return running_ ? station_.submit(order, now) : Refusal::not_running;
+}
+
+/// What stands in the controller already takes its time of the window, too.
+bool Module::orders_may_go() const noexcept {
+  const auto frames = static_cast<Time::rep>(station_.handed_over_count() + 1);
+  return window_.open(now_, frames * settings_.longest_frame);
+}
+
+std::optional<can::Frame> Module::next_frame() noexcept {
+  if (!station_.has_place()) return std::nullopt;
+  if (const auto timer = timers_.due()) {
+    offered_own_ = {Sender::timer, static_cast<std::uint8_t>(*timer)};
+    return offered_ = timers_.settings(*timer).frame;
+  }
+  if (script_frame_) {
+    offered_own_ = {Sender::script, 0};
+    return offered_ = script_frame_->frame;
+  }
+  if (const auto object = running_ ? objects_.next() : std::nullopt) {
+    offered_own_ = {Sender::object, static_cast<std::uint8_t>(*object)};
+    return offered_ = objects_.frame(*object);
+  }
+  if (const auto telegram = mapping_.next()) {
+    offered_own_ = {Sender::mapping, *telegram};
+    return offered_ = mapping_.frame(*telegram);
+  }
+  offered_own_ = {};
+  const bool open = orders_may_go();
+  return station_.next_frame(open, open || !window_.holds_high());
+}
+
+void Module::handed_over() noexcept {
+  if (offered_own_.sender == Sender::order) {
+    station_.handed_over();
+    return;
+  }
+  station_.own_handed_over(offered_, offered_own_);
+  switch (offered_own_.sender) {
+    case Sender::timer:
+      timers_.taken(offered_own_.number);
+      break;
+    case Sender::script:
+      script_frame_.reset();
+      runner_.done();
+      step_script();
+      break;
+    case Sender::object:
+      objects_.handed_over(offered_own_.number);
+      break;
+    case Sender::mapping:
+      mapping_.handed_over(offered_own_.number, offered_);
+      break;
+    case Sender::order:
+      break;
+  }
+}
+
+void Module::echo(const can::Frame& frame, Time end) noexcept {
+  const auto own = station_.echo(frame, end);
+  if (own && own->sender == Sender::object) objects_.sent(own->number);
+}
+
+void Module::controller_emptied() noexcept {
+  station_.controller_emptied();
+  objects_.controller_emptied();
+}
+
+void Module::advance(Time now) noexcept {
+  now_ = now;
+  timers_.advance(now);
+  step_script();
+  objects_.advance(now);
+  mapping_.advance(now);
+  station_.advance(now);
+}
+
+Time Module::next_deadline() const noexcept {
+  Time next = std::min({station_.next_deadline(), timers_.next_deadline(), runner_.next_deadline(),
+                        objects_.next_deadline(), mapping_.next_deadline()});
+  if (station_.waiting() != 0) next = std::min(next, window_.next_opening(now_));
+  return next;
+}
+
+StatusFacts Module::status() const noexcept {
+  StatusFacts facts;
+  facts.running = running_;
+  facts.send = queues_of(station_.queue(Priority::high), station_.queue(Priority::normal));
+  facts.receive = queues_of(receive_queue(Priority::high), receive_queue(Priority::normal));
+  if (settings_.station.node) facts.node = settings_.station.node->node;
+  return facts;
+}
+
+}  // namespace layer2

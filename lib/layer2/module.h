@@ -1,0 +1,160 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "can/frame.h"
+#include "layer2/bounded_queue.h"
+#include "layer2/data_mapping.h"
+#include "layer2/message_objects.h"
+#include "layer2/script.h"
+#include "layer2/station.h"
+#include "layer2/status_image.h"
+#include "layer2/timers.h"
+
+namespace layer2 {
+
+/// Everything a module of general frames is set up with.
+struct ModuleSettings {
+  StationSettings station;
+  std::uint16_t receive_queue = 400;  ///< frames of normal priority that wait to be fetched, 1..kMostQueue
+  std::uint16_t receive_high_queue = 20;  ///< likewise, of high priority
+  Overflow receive_overflow = Overflow::delete_oldest;
+  std::array<std::optional<TimerSettings>, Timers::kMost> timers = {};  ///< index: number - 1
+  WindowSettings window;
+  Time longest_frame = std::chrono::microseconds(320);  ///< time of the longest frame on the bus
+  Script power_on;                                      ///< without problems, as the other two
+  Script run;
+  Script stop;
+  bool starts_in_run = true;  ///< false: it stays in stop until it is told to run
+  MappingSettings mapping;
+  std::vector<MappedBytes>
+      mapped;  ///< in which `DataMapping::check` finds nothing; none: there is no mapping
+};
+
+/// A frame that waits to be fetched.
+struct WaitingFrame {
+  can::Frame frame;
+  Time end{};              ///< of its last bit
+  std::uint8_t range = 0;  ///< position of the range that takes it
+  Priority priority = Priority::normal;
+};
+
+/// All services of a module together: filters and queues (`Station`), timers, synchronous window, scripts,
+/// message objects and data mapping.
+///
+/// A frame of another node goes to the first that takes it: message objects, data mapping, queues (Saia 3.5).
+/// Frames are handed over in the order timers, scripts, message objects, data mapping, orders of high and
+/// orders of normal priority. The synchronous window holds orders alone.
+///
+/// In stop no order is taken, nothing is received, timers and mapping stand still; what a script of `stop`
+/// starts goes on. What is under way when a module is stopped is deleted. Sans-IO, as `Station`; realtime
+/// safe after its construction; one thread.
+class Module {
+ public:
+  /// Allocates. Depths outside their range count as the nearest inside.
+  explicit Module(const ModuleSettings& settings);
+
+  /// It is powered up: its script begins, and the module runs when it is set up so.
+  void begin(Time now) noexcept;
+  /// Changes between run and stop; nothing when it is there already.
+  void set_running(bool running, Time now) noexcept;
+  /// It is in run.
+  bool running() const noexcept { return running_; }
+  /// A script is under way.
+  bool script_runs() const noexcept { return runner_.runs(); }
+
+  // --- receiving
+
+  /// A frame of another node came.
+  void receive(const can::Frame& frame, Time end) noexcept;
+  /// The next frame to be fetched, high priority first.
+  std::optional<WaitingFrame> take_received() noexcept;
+  /// The state of a receive queue.
+  Station::QueueState receive_queue(Priority priority) const noexcept;
+
+  // --- sending, as `Station` says
+
+  /// As `Station::submit`; in stop refused.
+  Refusal submit(const SendOrder& order, Time now) noexcept;
+  /// As `Station::cancel`.
+  bool cancel(OrderId id) noexcept { return station_.cancel(id); }
+  /// As `Station::next_frame`, of all services.
+  std::optional<can::Frame> next_frame() noexcept;
+  /// The bus took what `next_frame` said.
+  void handed_over() noexcept;
+  /// As `Station::held_back`.
+  void held_back(Obstacle obstacle) noexcept { station_.held_back(obstacle); }
+  /// An own frame stood on the bus until `end`.
+  void echo(const can::Frame& frame, Time end) noexcept;
+  /// As `Station::controller_emptied`.
+  void controller_emptied() noexcept;
+  /// As `Station::echoes_lost`.
+  void echoes_lost() noexcept { station_.echoes_lost(); }
+  /// As `Station::take_answer`.
+  std::optional<Answer> take_answer() noexcept { return station_.take_answer(); }
+
+  // --- control
+
+  /// False: the timer is not configured, or belongs to the window and does not exist. Any state.
+  bool start_timer(unsigned number, Time now) noexcept;
+  /// False: there is no such timer.
+  bool stop_timer(unsigned number) noexcept;
+  /// Gives a timer what it sends and when; as `Timers::configure`.
+  bool configure_timer(unsigned number, const TimerSettings& settings) noexcept;
+  /// As `Timers::set_frame`.
+  bool set_timer_frame(unsigned number, const can::Frame& frame) noexcept;
+  /// Deletes what waits in every queue (Helmholz 7.2.4, function 6).
+  void clear_queues() noexcept;
+  /// Forgets that queues overflowed (function 7).
+  void reset_overflow() noexcept;
+
+  // --- time and state
+
+  /// It is `now`: does what is due.
+  void advance(Time now) noexcept;
+  /// When `advance` must be called at the latest.
+  Time next_deadline() const noexcept;
+  /// Takes no more orders, and ends those that are open.
+  void end() noexcept { station_.stop(); }
+
+  /// Filters, orders and counters.
+  const Station& station() const noexcept { return station_; }
+  /// The timers, as they are.
+  const Timers& timers() const noexcept { return timers_; }
+  /// The synchronous window, as it is.
+  const SyncWindow& window() const noexcept { return window_; }
+  /// The message objects.
+  MessageObjects& objects() noexcept { return objects_; }
+  /// The data mapping.
+  DataMapping& mapping() noexcept { return mapping_; }
+  const DataMapping& mapping() const noexcept { return mapping_; }
+  /// The part of the status bytes that the module knows: queues, whether it runs, the node filter.
+  StatusFacts status() const noexcept;
+
+ private:
+  void step_script() noexcept;
+  void start_script(const Script& script) noexcept;
+  bool orders_may_go() const noexcept;
+
+  ModuleSettings settings_;
+  Station station_;
+  Timers timers_;
+  SyncWindow window_;
+  ScriptRunner runner_;
+  MessageObjects objects_;
+  DataMapping mapping_;
+  BoundedQueue<WaitingFrame> received_;
+  BoundedQueue<WaitingFrame> received_high_;
+  const Script* next_script_ = nullptr;  ///< begins when the one under way has ended
+  std::optional<ScriptCommand> script_frame_;
+  OwnFrame offered_own_;
+  can::Frame offered_;
+  Time now_{0};
+  bool running_ = false;
+};
+
+}  // namespace layer2
