@@ -91,7 +91,8 @@ TEST(Setup, EveryOptionArrives) {
   arguments.memory = "8192";
   arguments.missing_references = "0";
   arguments.seed = "9";
-  arguments.set = {"process.reference_registers_1=[1, 5, 9, 13]", "command_channel.block_limit=60"};
+  arguments.set = {"process.reference_registers_1=[1, 5, 9, 13]", "command_channel.block_limit=60",
+                   "sim.missing_edges=50"};
   const auto setup = make_setup(arguments);
   ASSERT_TRUE(setup.problems.empty()) << setup.problems[0];
   ASSERT_EQ(setup.drives.size(), 2u);
@@ -102,6 +103,7 @@ TEST(Setup, EveryOptionArrives) {
   EXPECT_EQ(drive.status_parameter, 444);
   EXPECT_EQ(drive.memory.size, 8192u);
   EXPECT_EQ(drive.misses_until_fault, 0u);
+  EXPECT_EQ(drive.edges_until_fault, 50u);
   EXPECT_EQ(drive.slave.block_limit, 60);
   EXPECT_NE(drive.slave.reference_mapping, sim::DriveSettings{}.slave.reference_mapping);
   EXPECT_EQ(setup.bench.seed, 9u);

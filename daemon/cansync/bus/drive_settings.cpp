@@ -15,6 +15,7 @@ sim::DriveSettings drive_settings(const Config& config, cansync::SlaveNumber num
   settings.slave.activate_data = config.master.startup.activate_data;
   settings.lock_time = config.drives.lock_time;
   settings.misses_until_fault = config.drives.missing_references;
+  settings.edges_until_fault = config.drives.missing_edges;
   settings.status_parameter = slave.status_parameter;
   settings.memory.size = config.drives.memory;
   settings.memory.address_step = config.master.command_channel.address_step;

@@ -91,6 +91,10 @@ constexpr auto kBusRows = std::to_array<Row>({
         [](auto& d) -> auto& { return d.config.drives.missing_references; },
         whole_number("sim.missing_references", 0, 65535, "intervals",
                      "Intervals in a row without reference values until a drive faults; 0 = never.")),
+    field(
+        [](auto& d) -> auto& { return d.config.drives.missing_edges; },
+        whole_number("sim.missing_edges", 2, 65535, "edges",
+                     "SYNC edges missing in a row until a drive faults.")),
 });
 
 }  // namespace

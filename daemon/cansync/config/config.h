@@ -78,6 +78,7 @@ struct DrivesConfig {
   std::uint32_t memory = 256 * 1024;         ///< bytes of upload/download memory per drive
   /// Intervals in a row without reference values until a drive faults.
   std::uint16_t missing_references = 10;
+  std::uint16_t missing_edges = 10;  ///< SYNC edges missing in a row until a drive faults
 };
 
 /// Everything. The bit rate stands in `bus` and in `master`; both come from one option.

@@ -168,6 +168,7 @@ TEST(Config, DefaultsOfTheDaemonAreThoseOfTheStructs) {
   EXPECT_EQ(config.sim.seed, plain.sim.seed);
   EXPECT_EQ(config.drives.memory, plain.drives.memory);
   EXPECT_EQ(config.drives.missing_references, plain.drives.missing_references);
+  EXPECT_EQ(config.drives.missing_edges, plain.drives.missing_edges);
   EXPECT_EQ(config.sim.trace, plain.sim.trace);
   EXPECT_EQ(config.references, plain.references);
 }
