@@ -111,6 +111,7 @@ CORES = ("lib/cansync", "lib/layer2")
 CORE_HEADERS = set("""algorithm array bit bitset chrono compare concepts cstddef cstdint cstring deque functional
 initializer_list iterator limits memory new numeric optional ranges span string string_view tuple type_traits utility
 variant vector""".split())
+CORE_FRAMES = ("can/frame.h", "can/frame_length.h")
 CORE_WORDS = re.compile(r"steady_clock|system_clock|high_resolution_clock|utc_clock|clock_gettime|gettimeofday|std::time\b|"
                         r"this_thread|fopen|printf|getenv|std::(cout|cerr|clog)")
 CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
@@ -255,7 +256,7 @@ def check(files, rooms):
                 report("an installed header includes its own kind and the standard library; topics.h the data model")
             if room in CORES:
                 protocol = room.split("/")[1]
-                own = bracket == '"' and (path == "can/frame.h" or re.fullmatch(protocol + r"/([a-z_]+/)?[a-z_]+\.h", path)
+                own = bracket == '"' and (path in CORE_FRAMES or re.fullmatch(protocol + r"/([a-z_]+/)?[a-z_]+\.h", path)
                                          and there == room)
                 if not own and not (bracket == "<" and path in CORE_HEADERS):
                     report("not on the list of headers for the sans-IO core")
