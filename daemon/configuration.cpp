@@ -78,15 +78,24 @@ LoadedConfig load_configuration(const std::string& path, std::span<const std::st
 
 std::vector<config::Problem> check_together(std::span<const LoadedConfig> files) {
   std::vector<config::Problem> problems;
+  struct Served {
+    const std::string& path;
+    const DaemonConfig& config;
+  };
+  std::vector<Served> buses;
+  for (const LoadedConfig& file : files) {
+    for (const DaemonConfig& config : file.served()) buses.push_back({file.path, config});
+  }
   // What two buses cannot have both; nothing: this bus does not have it.
   const auto apart = [&](std::string_view key, const auto& of, std::string_view remedy) {
-    for (std::size_t i = 1; i < files.size(); ++i) {
-      const std::optional<std::string> mine = of(files[i].daemon);
+    for (std::size_t i = 1; i < buses.size(); ++i) {
+      const std::optional<std::string> mine = of(buses[i].config);
       for (std::size_t j = 0; j < i && mine; ++j) {
-        if (of(files[j].daemon) != mine) continue;
-        problems.push_back({{files[i].path, 0, 0},
+        if (of(buses[j].config) != mine) continue;
+        const std::string other = buses[j].path == buses[i].path ? "another bus of this file" : buses[j].path;
+        problems.push_back({{buses[i].path, 0, 0},
                             std::string(key),
-                            fmt::format("{} is that of {}, too; {}", *mine, files[j].path, remedy)});
+                            fmt::format("{} is that of {}, too; {}", *mine, other, remedy)});
         break;
       }
     }

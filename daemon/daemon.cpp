@@ -187,12 +187,16 @@ void for_bus(const Buses& buses, const Bus& bus, const Step& step) {
 /// those that run already end with it.
 void start(Buses& buses) {
   std::vector<const DaemonConfig*> configs;
-  for (const Bus& bus : buses) configs.push_back(&bus.config.daemon);
+  for (const Bus& bus : buses) {
+    for (const DaemonConfig& served : bus.config.served()) configs.push_back(&served);
+  }
   std::vector<gateway::dds::Participant> participants = bus_participants(configs);
-  auto participant = participants.begin();
-  for (Bus& bus : buses)
-    for_bus(buses, bus,
-            [&] { bus.segment = bus.config.make_segment(bus.journal, std::move(*participant++)); });
+  std::span<gateway::dds::Participant> left(participants);
+  for (Bus& bus : buses) {
+    const auto own = left.first(bus.config.served().size());
+    left = left.subspan(own.size());
+    for_bus(buses, bus, [&] { bus.segment = bus.config.make_segment(bus.journal, own); });
+  }
   for (const Bus& bus : buses) for_bus(buses, bus, [&] { bus.segment->start(); });
 }
 
@@ -208,7 +212,8 @@ int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string>
   const SignalWait signals;
   const bool small_stacks = rt::set_default_stack_size(kThreadStack);
   BusPrefix with_names(process_journal());
-  JournalSink& sink = files.size() > 1 ? with_names : process_journal();
+  const bool several = files.size() > 1 || files.front().served().size() > 1;
+  JournalSink& sink = several ? with_names : process_journal();
   JournalQueue journal(sink, names_of(files));
   const ServiceLog log(names_of(files), journal);
   if (!small_stacks) {

@@ -26,15 +26,24 @@ struct LoadedConfig {
   /// name are there.
   std::vector<config::Problem> problems;
   DaemonConfig daemon;  ///< the daemon's part; defaults when the file is wrong
+  /// The daemon's part for each bus, of a file that is for several; empty: it is for one, `daemon`.
+  std::vector<DaemonConfig> buses;
   /// What `--check` tells beside "in order": lines that end with a line feed; may be empty.
   std::string check_text;
   /// The bus as a DBC file; empty: the protocol has none. Called at most once.
   std::function<std::string()> dbc_text;
-  /// Makes the segment on the participant of `daemon`'s DDS options. Called at most once, before any thread
+  /// Makes the segment on the participants of its buses' DDS options, in their order, which it may move from.
+  /// Called at most once, before any thread
   /// runs but those of the journal and DDS; the journal must outlive the segment. Throws a std::exception
   /// that names what cannot be had and the remedy.
-  std::function<std::unique_ptr<Segment>(JournalSink& journal, gateway::dds::Participant participant)>
+  std::function<std::unique_ptr<Segment>(JournalSink& journal,
+                                         std::span<gateway::dds::Participant> participants)>
       make_segment;
+
+  /// Every bus that the file is for.
+  std::span<const DaemonConfig> served() const noexcept {
+    return buses.empty() ? std::span(&daemon, 1) : std::span<const DaemonConfig>(buses);
+  }
 };
 
 /// One protocol. All members are needed; the functions are for the main thread.

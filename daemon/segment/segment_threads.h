@@ -2,6 +2,8 @@
 
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "can/link_facts.h"
 #include "daemon/bus/bus_choice.h"
@@ -13,17 +15,55 @@
 
 namespace cansyncd {
 
+/// What runs for one bus of a segment beside the realtime thread. Everything it is given must outlive it.
+/// Main thread.
+///
+/// `Gateway`: `set_realtime`, `start`, `stop`. `Exchange`: `link`, `gateway_wake`.
+template <class Gateway, class Exchange>
+class SegmentSide {
+ public:
+  SegmentSide(const ServiceLog& log, const DaemonConfig& config, BusChoice& bus, FlightDesk& flight,
+              Gateway& gateway, Exchange& exchange) noexcept
+      : log_(log), config_(config), bus_(bus), flight_(flight), gateway_(gateway), exchange_(exchange) {}
+
+  /// Once the realtime thread runs. Throws std::system_error without threads.
+  void start(const rt::RealtimeSettings& wanted, const rt::Grants& granted) {
+    gateway_.set_realtime(wanted, granted);
+    if (const std::string advice = bus_.advice(); !advice.empty())
+      log_.say(LogPriority::warning, "not_one_shot", advice);
+    bus_.start([&exchange = exchange_](const can::LinkFacts& facts) {
+      exchange.link.write(facts);
+      exchange.gateway_wake.signal();
+    });
+    gateway_.start();
+  }
+
+  /// Once that thread has ended: the gateway answers what is open, and a simulated line's trace is told of.
+  void stop() noexcept {
+    flight_.stop();
+    bus_.stop();
+    gateway_.stop();
+    tell_trace(log_, config_.sim.trace, bus_.close_trace());
+  }
+
+ private:
+  const ServiceLog& log_;
+  const DaemonConfig& config_;
+  BusChoice& bus_;
+  FlightDesk& flight_;
+  Gateway& gateway_;
+  Exchange& exchange_;
+};
+
 /// The threads of a segment, whatever its protocol, begun and ended in the order that no request and no event
 /// is lost by. The last member of its segment: everything it is given must outlive it. Main thread.
 ///
-/// `Loop`: `run`, `request_stop`, `wake_ups`. `Gateway`: `set_realtime`, `start`, `stop`. `Exchange`: `link`,
-/// `gateway_wake`.
-template <class Loop, class Gateway, class Exchange>
+/// `Loop`: `run`, `request_stop`, `wake_ups`. `Sides`: a SegmentSide for each bus.
+template <class Loop, class... Sides>
 class SegmentThreads {
  public:
-  SegmentThreads(const ServiceLog& log, BusChoice& bus, FlightDesk& flight, Gateway& gateway, Loop& loop,
-                 Exchange& exchange) noexcept
-      : log_(log), bus_(bus), flight_(flight), gateway_(gateway), loop_(loop), exchange_(exchange) {}
+  SegmentThreads(const ServiceLog& log, Loop& loop, Sides... sides) noexcept
+      : log_(log), loop_(loop), sides_(std::move(sides)...) {}
 
   /// Returns once the realtime thread runs. Throws rt::RealtimeError when realtime is enforced and not
   /// granted, std::system_error without threads, std::runtime_error when the thread does not come to run.
@@ -31,36 +71,23 @@ class SegmentThreads {
     const rt::RealtimeSettings settings = realtime_settings(config);
     realtime_.emplace(settings, [this] { loop_.run(); });
     tell_grants(log_, settings, realtime_->grants());
-    gateway_.set_realtime(settings, realtime_->grants());
-    if (const std::string advice = bus_.advice(); !advice.empty())
-      log_.say(LogPriority::warning, "not_one_shot", advice);
-    bus_.start([this](const can::LinkFacts& facts) {
-      exchange_.link.write(facts);
-      exchange_.gateway_wake.signal();
-    });
-    gateway_.start();
+    std::apply([&](Sides&... sides) { (sides.start(settings, realtime_->grants()), ...); }, sides_);
     wait_until_running([this] { return loop_.wake_ups(); });
   }
 
-  /// Open requests are answered first by the realtime thread, then by the gateway. Does nothing before
-  /// `start` and the second time. `trace`: the file of a simulated line's trace, told of in the journal.
-  void stop(const std::string& trace) noexcept {
+  /// Open requests are answered first by the realtime thread, then by the gateways. Does nothing before
+  /// `start` and the second time.
+  void stop() noexcept {
     if (!realtime_) return;
     loop_.request_stop();
     realtime_.reset();
-    flight_.stop();
-    bus_.stop();
-    gateway_.stop();
-    tell_trace(log_, trace, bus_.close_trace());
+    std::apply([](Sides&... sides) { (sides.stop(), ...); }, sides_);
   }
 
  private:
   const ServiceLog& log_;
-  BusChoice& bus_;
-  FlightDesk& flight_;
-  Gateway& gateway_;
   Loop& loop_;
-  Exchange& exchange_;
+  std::tuple<Sides...> sides_;
   std::optional<rt::RealtimeThread> realtime_;
 };
 

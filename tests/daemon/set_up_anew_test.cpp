@@ -100,7 +100,7 @@ class SetUpAnew : public testing::Test {
       files_[i].daemon.bus.name = name;
       files_[i].daemon.dds.domain = domain_.get();
       files_[i].daemon.dds.partition = name;
-      files_[i].make_segment = [this, name, i](JournalSink&, const gateway::dds::Participant&) {
+      files_[i].make_segment = [this, name, i](JournalSink&, std::span<gateway::dds::Participant>) {
         return std::make_unique<WrittenSegment>(name, plans_[i], book_);
       };
     }

@@ -77,6 +77,13 @@ daemon/cansync_slave/gateway: idl lib/cansync lib/sync lib/dds lib/cansync_slave
 daemon/cansync_slave/segment: lib/config lib/can lib/cansync lib/dds lib/cansync/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/cansync_slave daemon/cansync_slave/config
                             daemon/cansync_slave/realtime daemon/cansync_slave/gateway
+daemon/cansync_cluster/config: lib/config lib/cansync daemon/config daemon/options daemon/cansync/config
+                            daemon/cansync_slave/config
+daemon/cansync_cluster/segment: lib/config lib/cansync lib/dds lib/cansync/sim daemon/service daemon/loop daemon/bus
+                            daemon/segment daemon/recorder daemon/cansync daemon/cansync/config daemon/cansync/bus
+                            daemon/cansync/realtime daemon/cansync/gateway daemon/cansync_slave
+                            daemon/cansync_slave/gateway daemon/cansync_slave/realtime daemon/cansync_slave/segment
+                            daemon/cansync_cluster/config
 daemon/layer2:              lib/can lib/layer2 lib/rt
 daemon/layer2/config:       lib/config lib/can lib/layer2 daemon/config daemon/options
 daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/layer2
@@ -98,6 +105,7 @@ tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/b
 tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/cansync_cluster:  tools/cli/base
 tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace

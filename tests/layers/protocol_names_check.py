@@ -18,7 +18,7 @@ from sources import load
 PLACES = ("lib", "daemon", "tools")
 LIST = "lib/protocols.def"
 COMING = ("canopen", "j1939")  # protocols that have no room yet
-PROTOCOLS = ("cansync", "cansync_slave", "layer2", *COMING)
+PROTOCOLS = ("cansync", "cansync_slave", "cansync_cluster", "layer2", *COMING)
 MENTIONS = {
     "cansync": re.compile(r'"(?:daemon/|cli/|tools/cli/)?cansync/|["<]cansync\.h[">]|\bcansync::(?!cli\b)|'
                           r"\bnamespace cansync(?!::cli\b|d\b)\b|\bcansync_[A-Z]|\busing namespace cansync\b"),
@@ -83,7 +83,7 @@ CLEAN = {
     "lib/layer2/dds/convert.h": '#include "layer2.h"',
     "daemon/layer2/exchange.h": "namespace layer2 {}",
     "tools/cli/cansync/status.cpp": "cansync_MasterStatus status;",
-    "lib/protocols.def": "PROTOCOL(cansync)\nPROTOCOL(cansync_slave)\nPROTOCOL(layer2)\n",
+    "lib/protocols.def": "PROTOCOL(cansync)\nPROTOCOL(cansync_slave)\nPROTOCOL(cansync_cluster)\nPROTOCOL(layer2)\n",
     "daemon/main.cpp": 'print("cansyncd: no file");\nnamespace cansyncd {}\n// the program cansync',
     "tools/cli/base/session.cpp": "#include <cansync/client.h>\nnamespace cansync::cli {\nfolder = \"/etc/cansync/profiles\";\n}",
 }

@@ -1,6 +1,7 @@
 #include "daemon/cansync/segment/master_protocol.h"
 
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "daemon/cansync/config/bus_budget.h"
@@ -23,8 +24,8 @@ LoadedConfig load(const std::string& path, std::span<const std::string> override
   if (!loaded.problems.empty()) return loaded;
   loaded.check_text = budget_text(bus_budget(budget_input(file->config)));
   loaded.dbc_text = [file] { return dbc_text(file->config); };
-  loaded.make_segment = [file](JournalSink& journal, gateway::dds::Participant participant) {
-    return std::make_unique<MasterSegment>(std::move(*file), journal, std::move(participant));
+  loaded.make_segment = [file](JournalSink& journal, std::span<gateway::dds::Participant> participants) {
+    return std::make_unique<MasterSegment>(std::move(*file), journal, std::move(participants.front()));
   };
   return loaded;
 }

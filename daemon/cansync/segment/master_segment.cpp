@@ -56,7 +56,7 @@ MasterSegment::MasterSegment(ConfigFile file, JournalSink& journal, gateway::dds
       loop_(file_.config.master,
             loop_settings(file_.config, before_.target, flight_.tap(), bus_.sync_wire(), sync_line_.get()),
             flight_.bus(), exchange_),
-      threads_(log_, bus_, flight_, gateway_, loop_, exchange_) {}
+      threads_(log_, loop_, {log_, file_.config, bus_, flight_, gateway_, exchange_}) {}
 
 MasterSegment::~MasterSegment() {
   stop();
@@ -84,7 +84,7 @@ bool MasterSegment::stop_unless_active() noexcept {
 }
 
 void MasterSegment::stop() noexcept {
-  threads_.stop(file_.config.sim.trace);
+  threads_.stop();
 }
 
 ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {

@@ -61,7 +61,7 @@ class MasterSegment final : public Segment {
   Gateway gateway_;
   FlightDesk flight_;
   RealtimeLoop loop_;
-  SegmentThreads<RealtimeLoop, Gateway, Exchange> threads_;
+  SegmentThreads<RealtimeLoop, SegmentSide<Gateway, Exchange>> threads_;
 };
 
 }  // namespace cansyncd

@@ -26,6 +26,7 @@ struct SimulatedJob {
   unsigned number = 0;                     ///< of its section
   std::optional<std::uint16_t> parameter;  ///< 0..4095
   std::optional<std::uint32_t> value;      ///< it is written; else it is read
+  std::uint16_t sub_slave = 0;             ///< sub-slave address; 0: the slave itself
   std::uint32_t address = 0;               ///< of a block; 0x100 and over
   std::uint16_t bytes = 0;                 ///< of a block: its length; 0: none
   bool download = false;                   ///< of a block: to the slave, byte n is n modulo 256; else from it

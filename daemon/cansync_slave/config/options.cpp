@@ -189,6 +189,8 @@ constexpr auto kSimulatedJobRows = std::to_array<SlaveRow>({
      [](SlaveRoleDraft& d, const Value& v) {
        simulated_job(d).value = static_cast<std::uint32_t>(whole<std::int64_t>(v));
      }},
+    {whole_number("sim.job.sub_slave", "0", 0, 65535, "", "Sub-slave address of all that; 0 = this slave."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).sub_slave = whole<std::uint16_t>(v); }},
     {whole_number("sim.job.bytes", "(none)", 1, 4092, "bytes", "Length of a block that is moved instead."),
      [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).bytes = whole<std::uint16_t>(v); }},
     {whole_number("sim.job.address", "0x100", 0x100, UINT32_MAX, "", "Its start address."),
@@ -266,15 +268,15 @@ constexpr std::string_view kManHeadOfSlaves =
 }  // namespace
 
 const config::Rows<SlaveRoleDraft>& slave_option_rows() {
-  using Draft = SlaveRoleDraft;
-  static const config::Rows<Draft> all(
-      kSlaveSections, {{std::span<const DaemonRow>(kSlaveProtocolRow), &Draft::config},
-                       {std::span<const DaemonRow>(for_slaves(rows::daemon_options())), &Draft::config},
-                       {std::span<const DaemonRow>(for_slaves(rows::access_options())), &Draft::config},
-                       {std::span<const DaemonRow>(for_slaves(rows::sync_options())), &Draft::config},
-                       std::span<const SlaveRow>(kSlaveRoleRows),
-                       std::span<const SlaveRow>(kSimulatedJobRows),
-                       {cansync_slave::parameter_rows(), &Draft::parameters}});
+  static const config::Rows<SlaveRoleDraft> all(
+      kSlaveSections,
+      {{std::span<const DaemonRow>(kSlaveProtocolRow), &SlaveRoleDraft::config},
+       {std::span<const DaemonRow>(for_slaves(rows::daemon_options())), &SlaveRoleDraft::config},
+       {std::span<const DaemonRow>(for_slaves(rows::access_options())), &SlaveRoleDraft::config},
+       {std::span<const DaemonRow>(for_slaves(rows::sync_options())), &SlaveRoleDraft::config},
+       std::span<const SlaveRow>(kSlaveRoleRows),
+       std::span<const SlaveRow>(kSimulatedJobRows),
+       {cansync_slave::parameter_rows(), &SlaveRoleDraft::parameters}});
   return all;
 }
 

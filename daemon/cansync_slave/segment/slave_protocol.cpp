@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "daemon/cansync_slave/config/file.h"
@@ -20,8 +21,8 @@ LoadedConfig load_slave(const std::string& path, std::span<const std::string> ov
   if (!loaded.problems.empty()) return loaded;
   loaded.check_text = fmt::format("slave {} at {} bit/s\n", file->config.slave.number.value(),
                                   file->config.bus.bits_per_second);
-  loaded.make_segment = [file](JournalSink& journal, gateway::dds::Participant participant) {
-    return std::make_unique<SlaveSegment>(std::move(*file), journal, std::move(participant));
+  loaded.make_segment = [file](JournalSink& journal, std::span<gateway::dds::Participant> participants) {
+    return std::make_unique<SlaveSegment>(std::move(*file), journal, std::move(participants.front()));
   };
   return loaded;
 }

@@ -32,6 +32,7 @@ void add_routine(const SimulatedJob& job, const SlaveRoleConfig& config, sim::Ma
     cansync::ParameterRequest request;
     request.id = job.number;
     request.slave = config.slave.number;
+    request.sub_slave = {job.sub_slave};
     request.number = *cansync::ParameterNumber::from(*job.parameter);
     request.write = job.value.has_value();
     request.value = job.value.value_or(0);
@@ -42,6 +43,7 @@ void add_routine(const SimulatedJob& job, const SlaveRoleConfig& config, sim::Ma
     request.id = job.number;
     request.direction = job.download ? Direction::download : Direction::upload;
     request.slave = config.slave.number;
+    request.sub_slave = {job.sub_slave};
     request.address = job.address;
     request.block_size = job.bytes;
     auto block = std::make_shared<std::vector<std::uint8_t>>(job.bytes);
@@ -143,7 +145,7 @@ SlaveSegment::SlaveSegment(SlaveRoleFile file, JournalSink& journal, gateway::dd
       machine_(slave_machine_settings(file_.config, flight_.tap(), {sync_line_.get(), bus_.sync_edges()}),
                flight_.bus(), exchange_),
       loop_(machine_, flight_.bus()),
-      threads_(log_, bus_, flight_, gateway_, loop_, exchange_) {}
+      threads_(log_, loop_, {log_, file_.config, bus_, flight_, gateway_, exchange_}) {}
 
 SlaveSegment::~SlaveSegment() {
   stop();
@@ -159,7 +161,7 @@ void SlaveSegment::start() {
 }
 
 void SlaveSegment::stop() noexcept {
-  threads_.stop(file_.config.sim.trace);
+  threads_.stop();
 }
 
 ReloadPlan SlaveSegment::plan_reload(std::span<const std::string> overrides) {

@@ -59,7 +59,7 @@ class SlaveSegment final : public Segment {
   FlightDesk flight_;
   SlaveMachine machine_;
   DeadlineLoop<SlaveMachine> loop_;
-  SegmentThreads<DeadlineLoop<SlaveMachine>, SlaveGateway, SlaveExchange> threads_;
+  SegmentThreads<DeadlineLoop<SlaveMachine>, SegmentSide<SlaveGateway, SlaveExchange>> threads_;
 };
 
 }  // namespace cansyncd

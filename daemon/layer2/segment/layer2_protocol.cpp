@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "daemon/layer2/config/file.h"
@@ -20,8 +21,8 @@ LoadedConfig load(const std::string& path, std::span<const std::string> override
   if (!loaded.problems.empty()) return loaded;
   loaded.check_text = fmt::format("general frames at {} bit/s, {} ranges received\n",
                                   file->config.bus.bits_per_second, file->config.receive.size());
-  loaded.make_segment = [file](JournalSink& journal, gateway::dds::Participant participant) {
-    return std::make_unique<Layer2Segment>(std::move(*file), journal, std::move(participant));
+  loaded.make_segment = [file](JournalSink& journal, std::span<gateway::dds::Participant> participants) {
+    return std::make_unique<Layer2Segment>(std::move(*file), journal, std::move(participants.front()));
   };
   return loaded;
 }

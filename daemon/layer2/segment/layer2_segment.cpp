@@ -77,7 +77,7 @@ Layer2Segment::Layer2Segment(Layer2File file, JournalSink& journal, gateway::dds
           [this](const EventText& event) { gateway_.post(event); }, journal),
       machine_(frame_machine_settings(file_.config, flight_.tap()), flight_.bus(), exchange_),
       loop_(machine_, flight_.bus()),
-      threads_(log_, bus_, flight_, gateway_, loop_, exchange_) {}
+      threads_(log_, loop_, {log_, file_.config, bus_, flight_, gateway_, exchange_}) {}
 
 Layer2Segment::~Layer2Segment() {
   stop();
@@ -92,7 +92,7 @@ void Layer2Segment::start() {
 }
 
 void Layer2Segment::stop() noexcept {
-  threads_.stop(file_.config.sim.trace);
+  threads_.stop();
 }
 
 ReloadPlan Layer2Segment::plan_reload(std::span<const std::string> overrides) {

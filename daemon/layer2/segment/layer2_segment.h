@@ -55,7 +55,7 @@ class Layer2Segment final : public Segment {
   FlightDesk flight_;
   FrameMachine machine_;
   DeadlineLoop<FrameMachine> loop_;
-  SegmentThreads<DeadlineLoop<FrameMachine>, FrameGateway, Layer2Exchange> threads_;
+  SegmentThreads<DeadlineLoop<FrameMachine>, SegmentSide<FrameGateway, Layer2Exchange>> threads_;
 };
 
 }  // namespace cansyncd

@@ -125,7 +125,7 @@ ExitCode status_verb(Session& session, std::span<const ProtocolVerbs* const> pro
   client::Client& client = session.client();
   const CommonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status()};
   const auto part = std::find_if(protocols.begin(), protocols.end(), [&status](const ProtocolVerbs* one) {
-    return one->status->protocol == client::text(status.gateway.protocol);
+    return one->status != nullptr && one->status->protocol == client::text(status.gateway.protocol);
   });
   if (session.json()) {
     JsonObject object;
@@ -147,9 +147,11 @@ ExitCode status_verb(Session& session, std::span<const ProtocolVerbs* const> pro
 std::string lines_help(std::span<const ProtocolVerbs* const> protocols) {
   std::vector<Explained> entries{{std::string(kFirst.label), std::string(kFirst.help)}};
   for (const CommonLine& line : kCommonLines) entries.emplace_back(line.label, line.help);
-  for (const ProtocolVerbs* protocol : protocols)
+  for (const ProtocolVerbs* protocol : protocols) {
+    if (protocol->status == nullptr) continue;
     for (const auto& [label, help] : protocol->status->help())
       entries.emplace_back(label, fmt::format("{}: {}", protocol->status->protocol, help));
+  }
   return "Those that begin with the name of a protocol (bus.protocol) are of its buses alone.\n" +
          explanation("Lines", entries);
 }

@@ -1,0 +1,116 @@
+"""The daemon as a cluster: a slave beside a simulated master above, the master of simulated drives below."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+from gateway import CANSYNCD, LONG, Place, end, wait_for
+
+CONFIG = """
+[bus]
+protocol = "cansync-cluster"
+name = "{bus}"
+bit_rate = 250000
+[dds]
+domain = {domain}
+
+[upper.slave]
+number = 5
+lock_time_ms = 50
+[upper.sync]
+holdover_ms = 100
+[upper.sim]
+fault_script = "faults.toml"
+[[upper.sim.job]]       # the master above writes a parameter of the drive with CANsync number 101
+number = 1
+sub_slave = 101
+parameter = 1000
+value = 77
+every = 40
+
+[lower.sim]
+lock_time_ms = 100
+[[lower.slave]]
+number = 0
+[[lower.slave]]
+number = 1
+name = "winder"
+
+[[sub_slave]]
+number = 101
+slave = 1
+
+[[lead]]                # its reference value 0 is reference value 4 below
+number = 4
+value = 0
+"""
+# SYNC above is away for a while, longer than the holdover.
+FAULTS = """
+[[fault]]
+kind = "missing_sync"
+from = 600
+to = 680
+"""
+
+
+class Cluster(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = Place()
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        config = os.path.join(folder, "bus.toml")
+        with open(os.path.join(folder, "faults.toml"), "w", encoding="utf-8") as file:
+            file.write(FAULTS)
+        with open(config, "w", encoding="utf-8") as file:
+            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
+        cls.log = os.path.join(folder, "log")
+        with open(cls.log, "wb") as log:
+            cls.daemon = subprocess.Popen([CANSYNCD, config], stdout=log, stderr=log)
+        cls.addClassCleanup(lambda: end(cls.daemon))
+
+    def on(self, level, *arguments):
+        """A verb on one of the two buses."""
+        return self.place.run("--bus", f"{self.place.bus}.{level}", *arguments)
+
+    def one(self, level, *arguments):
+        """The only object of a verb."""
+        result = self.on(level, *arguments, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+    def codes(self, level):
+        """The codes of the events so far, and the texts."""
+        lines = self.on(level, "events", "--json").stdout.splitlines()
+        return [(event["code"], event["text"]) for event in map(json.loads, lines)]
+
+    def test_both_buses_are_served_as_those_of_a_slave_and_of_a_master(self):
+        self.assertEqual(self.on("lower", "wait", "run", "--timeout", LONG).returncode, 0)
+        upper = wait_for("it is synchronized", lambda: (s := self.one("upper", "status"))["synchronized"] and s)
+        lower = self.one("lower", "status")
+        self.assertEqual((upper["protocol"], upper["slave_number"]), ("cansync-slave", 5))
+        self.assertEqual((lower["protocol"], lower["process"]), ("cansync-master", upper["process"]))
+        self.assertEqual(self.on("upper", "references").returncode, 0)
+
+    def test_the_master_above_writes_a_parameter_of_a_drive_below(self):
+        read = lambda: self.on("lower", "read", "winder", "1000", "--json")
+        wait_for("the drive has it", lambda: (r := read()).returncode == 0 and json.loads(r.stdout)["value"] == 77)
+
+    def test_the_lead_axis_gives_its_telegram_and_nobody_else_may(self):
+        wait_for("it gives", lambda: ("references_released", 2) in [
+            (code, int(text.split("telegram ")[1][0])) for code, text in self.codes("lower") if code == "references_released"])
+        refused = self.on("lower", "set", "4=5", "--seconds", "0.3")
+        self.assertIn("the lead axis gives this telegram", refused.stderr)
+
+    def test_the_lower_bus_stops_with_the_sync_above_and_begins_again(self):
+        def course():
+            texts = [text for code, text in self.codes("lower") if code == "state_changed"]
+            stopped = next((n for n, text in enumerate(texts) if "active as master' to 'start-up'" in text), len(texts))
+            return any("to 'synchronous operation active as master'" in text for text in texts[stopped:])
+        wait_for("the lower bus was stopped and is active again", course)
+        self.assertIn("sync_lost", {code for code, _ in self.codes("upper")})
+
+
+if __name__ == "__main__":
+    unittest.main()
