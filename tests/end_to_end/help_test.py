@@ -28,6 +28,7 @@ TABLES = {
     "watch": (["watch", "--count", "1"], ""),
     "events": (["events"], ""),
     "trace": (["trace", "LOG"], ""),
+    "learn": (["learn", "LOG"], ""),
     "poll": (["poll"], ""),
     "map": (["map"], ""),
     "params": (["params", "winder"], ""),

@@ -103,6 +103,8 @@ class Lists(Script):
         some = self.json("trace", log, "--slave", "1-2")
         self.assertEqual(some, [found for found in everything if found["slave"] in (1, 2)])
         self.assertEqual(len(self.json("trace", log, "--slave", "all")), len(everything))
+        heard = self.json("learn", log)
+        self.assertEqual([found["slave"] for found in heard if found["kind"] == "slave"], [0])
 
     def test_mappings(self):
         self.assertEqual(self.slaves("map", "0-1"), [0, 0, 1, 1])

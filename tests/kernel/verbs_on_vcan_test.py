@@ -54,6 +54,11 @@ class Verbs(unittest.TestCase):
         objects = [json.loads(line) for line in self.daemon.verb("trace", self.log.file.name, "--json").splitlines()]
         self.assertIn("CC", {found["channel"] for found in objects})
 
+    def test_learn(self):
+        points = [json.loads(line) for line in self.daemon.verb("learn", self.log.file.name, "--json").splitlines()]
+        found = {point["point"]: point["found"] for point in points if point["kind"] == "point"}
+        self.assertEqual((found["bus.bit_rate"], found["slaves"]), ("125000 bit/s", "0-3"))
+
     def test_read_and_write(self):
         self.assertEqual(self.one("write", 1, 1001, 4321)["result"], "done")
         self.assertEqual(self.one("read", 1, 1001)["value"], 4321)

@@ -103,12 +103,14 @@ tools/cli/watch:            lib/system lib/client tools/cli/text tools/cli/base 
 tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base tools/cli/watch
 tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
 tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/learn:            lib/system lib/profile lib/cansync daemon/cansync/config tools/cli/text
+                            tools/cli/base tools/cli/cansync tools/cli/trace
 tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
 tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
-                            tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace
+                            tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn
 tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus
 """

@@ -34,6 +34,7 @@ EXCEPTIONS = {
     "tools/cli/base/session.cpp": "as session.h, whose functions it defines",
     "tools/cli/app/completion.cpp": "offers names of slaves and of parameters of their profiles",
     "tools/cli/look/wait.cpp": "waits for states of slaves, whose words stand in cansync/",
+    "tools/cli/learn/": "learns from a recording what a master of CANsync does; reads logs as trace does",
     "tools/cli/trace/trace.cpp": "puts frames into words by the one protocol whose telegrams it knows",
     "tools/cli/trace/trace_interface.cpp": "as trace.cpp: receives the identifiers of CANsync",
     "tools/cli/watch/live_model.h": "the live view shows slaves and the timing of their telegrams",

@@ -175,6 +175,7 @@ void CommandWatch::took_value(ParameterUse& use, std::uint32_t value, bool doubl
   use.least = first ? value : std::min(use.least, value);
   use.most = first ? value : std::max(use.most, value);
   use.value = value;
+  use.written_last = false;
   use.doubleword = doubleword;
 }
 
@@ -206,6 +207,7 @@ void CommandWatch::reply(const ParameterReply& reply, const OnBus& when) {
   if (use != nullptr) {
     ++use->writes;
     use->written = command->value;
+    use->written_last = true;
     use->doubleword = command->kind == ParameterCommand::Kind::write_doubleword;
   }
 }

@@ -107,6 +107,7 @@ struct ParameterUse {
   std::uint32_t least = 0;                      ///< of those read
   std::uint32_t most = 0;                       ///< likewise
   bool doubleword = false;                      ///< format of the last value read or written
+  bool written_last = false;                    ///< the newest is one written, not one read
   std::uint32_t written = 0;                    ///< last one confirmed
   bool bit_15_rose = false;                     ///< read without, later with bit 15, during start-up
   bool bit_15_fell = false;                     ///< the other way round, likewise

@@ -10,6 +10,7 @@
 #include "cli/app/completion.h"
 #include "cli/app/protocols.h"
 #include "cli/doctor/verbs.h"
+#include "cli/learn/verbs.h"
 #include "cli/look/verbs.h"
 #include "cli/record/verbs.h"
 #include "cli/text/words.h"
@@ -116,7 +117,7 @@ void add_verbs(CLI::App& app, Verb& chosen) {
   add_status_verb(app, chosen, protocols());
   for (const ProtocolVerbs* protocol : protocols()) protocol->add(app, chosen);
   for (const AddVerbs add : {add_doctor_verb, add_watch_verb, add_record_verb, add_plot_verb, add_event_verb,
-                             add_trace_verb, add_wait_verb, add_batch_verb}) {
+                             add_trace_verb, add_learn_verb, add_wait_verb, add_batch_verb}) {
     add(app, chosen);
   }
   for (CLI::App* verb : app.get_subcommands({})) {

@@ -40,7 +40,7 @@ const char* exit_code_help() noexcept {
          "  6  the daemon is not running, not reachable, or went away\n"
          "  7  cancelled by Ctrl-C, because the master stopped, or replaced by a newer control word\n"
          "  8  `doctor` found an error (1: warnings alone)\n"
-         "  9  `diff` or `verify` found a difference\n"
+         "  9  `diff`, `verify` or `learn --compare` found a difference\n"
          " 10  the values of `set` had no effect";
 }
 

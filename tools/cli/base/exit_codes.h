@@ -18,7 +18,7 @@ enum class ExitCode : std::uint8_t {
   not_reachable = 6,  ///< no daemon, or it went away before it answered
   cancelled = 7,      ///< by Ctrl-C, because the master stopped, or replaced by a newer control word
   faults = 8,         ///< `doctor` found an error
-  different = 9,      ///< `diff` or `verify` found a difference
+  different = 9,      ///< `diff`, `verify` or `learn --compare` found one
   no_effect = 10,     ///< `set`: not one value reached the line
 };
 

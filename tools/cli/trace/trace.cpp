@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
-#include <stdexcept>
 
 #include "cli/base/interrupt.h"
 #include "cli/cansync/trace_text.h"
@@ -25,19 +23,6 @@ struct TraceTexts {
   std::string pcapng;
   bool candump = false;
 };
-
-std::unique_ptr<TraceSource> open_source(const std::string& source, std::uint32_t sync) {
-  std::error_code ignored;
-  const bool file =
-      source == "-" || source.find('/') != std::string::npos || std::filesystem::exists(source, ignored);
-  if (!file && !std::filesystem::exists("/sys/class/net/" + source, ignored)) {
-    throw std::runtime_error(
-        source +
-        ": there is no such file here, and no such interface; `ip -br link show type can` "
-        "lists those there are");
-  }
-  return file ? open_log(source) : open_interface(source, sync);
-}
 
 JsonObject telegram_object(const TracedTelegram& telegram, const can::CandumpLine& line) {
   JsonObject object;
@@ -120,7 +105,7 @@ ExitCode trace_verb(Session& session, const TraceTexts& texts) {
     throw UsageError("--pcapng: found together with --candump or --json; allowed: one of the three");
   const std::uint32_t slaves = texts.slave.empty() ? 0 : session.slave_mask(texts.slave);
   session.expect_input(texts.source);
-  const auto source = open_source(texts.source, sync);
+  const auto source = open_trace_source(texts.source, sync);
   Tracer tracer(session.output(), texts, slaves, sync);
   for (;;) {
     if (interrupt_flag().load()) break;

@@ -7,7 +7,9 @@
 
 #include <array>
 #include <cerrno>
+#include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -179,6 +181,19 @@ class FileSource final : public TraceSource {
 
 std::unique_ptr<TraceSource> open_log(const std::string& path) {
   return std::make_unique<FileSource>(path);
+}
+
+std::unique_ptr<TraceSource> open_trace_source(const std::string& source, std::uint32_t sync) {
+  std::error_code ignored;
+  const bool file =
+      source == "-" || source.find('/') != std::string::npos || std::filesystem::exists(source, ignored);
+  if (!file && !std::filesystem::exists("/sys/class/net/" + source, ignored)) {
+    throw std::runtime_error(
+        source +
+        ": there is no such file here, and no such interface; `ip -br link show type can` "
+        "lists those there are");
+  }
+  return file ? open_log(source) : open_interface(source, sync);
 }
 
 }  // namespace cansync::cli

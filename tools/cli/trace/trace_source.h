@@ -50,4 +50,8 @@ std::unique_ptr<TraceSource> open_log(const std::string& path);
 /// It sends nothing. Throws std::runtime_error, with the remedy, when there is no such interface.
 std::unique_ptr<TraceSource> open_interface(const std::string& name, std::uint32_t sync);
 
+/// The file, standard input for "-", or the interface of this name. Throws as those above; std::runtime_error
+/// when there is neither.
+std::unique_ptr<TraceSource> open_trace_source(const std::string& source, std::uint32_t sync);
+
 }  // namespace cansync::cli

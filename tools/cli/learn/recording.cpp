@@ -1,0 +1,146 @@
+#include "cli/learn/recording.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <optional>
+#include <vector>
+
+#include "cansync/observe/observer.h"
+#include "cli/base/interrupt.h"
+#include "cli/cansync/trace_text.h"
+#include "cli/text/values.h"
+#include "cli/trace/trace_source.h"
+
+namespace cansync::cli {
+namespace {
+
+using ListeningClock = std::chrono::steady_clock;
+
+/// Lines that are no frames are named up to this many times, then only counted.
+constexpr std::uint64_t kMostProblemsNamed = 10;
+/// Lines that are looked at to see which kind of log it is.
+constexpr std::size_t kLinesLookedAt = 256;
+/// The simulated line writes SYNC edges as frames of an interface of this name, and the start of frames.
+constexpr std::string_view kSyncInterface = "sync";
+
+/// Puts the lines of a recording into an observer.
+class RecordingReader {
+ public:
+  RecordingReader(Output& output, const RecordingTexts& texts)
+      : output_(output),
+        texts_(texts),
+        sync_(texts.sync.empty()
+                  ? kSyncIdentifier
+                  : static_cast<std::uint32_t>(parse_integer(texts.sync, "--sync", 0, 0x7FF))) {
+    if (!texts.bit_rate.empty()) {
+      const auto rate = parse_integer(texts.bit_rate, "--bit-rate", 0, 1'000'000);
+      const auto times = slot_times_for(static_cast<std::uint32_t>(rate));
+      if (!times)
+        throw UsageError(fmt::format("--bit-rate: found '{}'; allowed: 125000, 250000, 500000 or 1000000",
+                                     texts.bit_rate));
+      settings_.bit_rate = times->bit_rate;
+    }
+    if (!texts.stamps.empty() && texts.stamps != "start" && texts.stamps != "end")
+      throw UsageError(fmt::format("--stamps: found '{}'; allowed: start or end", texts.stamps));
+  }
+
+  std::uint32_t sync() const noexcept { return sync_; }
+
+  void take(const can::CandumpLine& line) {
+    if (observer_) return observe(line);
+    first_.push_back(line);
+    if (first_.size() >= kLinesLookedAt) begin();
+  }
+
+  void problem(const TraceProblem& problem) {
+    ++end_.problems;
+    if (end_.problems <= kMostProblemsNamed) output_.remark(problem.text);
+    if (end_.problems == kMostProblemsNamed) output_.remark("more of these are only counted");
+  }
+
+  RecordingEnd end(std::uint64_t dropped) {
+    if (!observer_) begin();
+    end_.observation = observer_->finish();
+    end_.dropped = dropped;
+    if (dropped > 0)
+      output_.remark(fmt::format("{} frames were dropped by the kernel and are missing here", dropped));
+    return std::move(end_);
+  }
+
+ private:
+  void begin() {
+    bool starts = texts_.stamps == "start";
+    if (texts_.stamps.empty())
+      for (const can::CandumpLine& line : first_) starts = starts || line.interface == kSyncInterface;
+    settings_.stamps = starts ? observe::Stamps::start : observe::Stamps::end;
+    observer_.emplace(settings_);
+    for (const can::CandumpLine& line : first_) observe(line);
+    first_ = {};
+  }
+
+  void observe(const can::CandumpLine& line) {
+    const bool edge = line.frame.is_standard_data() && line.frame.id == sync_;
+    if (line.interface == kSyncInterface || edge) {
+      if (edge) observer_->sync(line.time);
+      return;
+    }
+    if (!texts_.from.empty() && line.interface != texts_.from) return;
+    if (end_.interface.empty()) end_.interface = line.interface;
+    if (line.interface != end_.interface)
+      throw UsageError(fmt::format("{}: found frames of the interfaces {} and {}; name one with --from",
+                                   texts_.source, end_.interface, line.interface));
+    observer_->frame(line.time, line.frame);
+  }
+
+  Output& output_;
+  const RecordingTexts& texts_;
+  std::uint32_t sync_;
+  observe::ObserverSettings settings_;
+  std::vector<can::CandumpLine> first_;
+  std::optional<observe::Observer> observer_;
+  RecordingEnd end_;
+};
+
+}  // namespace
+
+void add_recording_options(CLI::App& verb, RecordingTexts& texts) {
+  verb.add_option(
+          "SOURCE", texts.source,
+          "a candump text log (candump -L, or the trace of the simulated line) or a pcapng capture, - for "
+          "standard input, or a SocketCAN interface, which is only listened to")
+      ->required();
+  verb.add_option("--seconds", texts.seconds,
+                  "of an interface: listen for so long, 1..86400 (default: until Ctrl-C)")
+      ->type_name("N");
+  verb.add_option("--from", texts.from, "of a log of several interfaces: the one to look at")
+      ->type_name("NAME");
+  verb.add_option("--sync", texts.sync, "identifier of the frame that marks SYNC, 0..0x7FF (default 0x080)")
+      ->type_name("ID");
+  verb.add_option("--bit-rate", texts.bit_rate,
+                  "of the line, when the recording is too short to tell its interval")
+      ->type_name("RATE");
+  verb.add_option("--stamps", texts.stamps,
+                  "what time stamps tell of a frame: its start or end (default: end; start for traces of the "
+                  "simulated line)")
+      ->type_name("start|end");
+}
+
+RecordingEnd observe_recording(Output& output, const RecordingTexts& texts) {
+  RecordingReader reader(output, texts);
+  std::optional<ListeningClock::time_point> until;
+  if (!texts.seconds.empty())
+    until = ListeningClock::now() + std::chrono::seconds(parse_integer(texts.seconds, "--seconds", 1, 86400));
+  const auto source = open_trace_source(texts.source, reader.sync());
+  while (!interrupt_flag().load()) {
+    if (until && ListeningClock::now() >= *until) break;
+    const TraceItem item = source->next();
+    if (std::holds_alternative<TraceEnd>(item)) break;
+    if (const auto* line = std::get_if<can::CandumpLine>(&item)) reader.take(*line);
+    if (const auto* problem = std::get_if<TraceProblem>(&item)) reader.problem(*problem);
+    if (const auto* remark = std::get_if<TraceRemark>(&item)) output.remark(remark->text);
+  }
+  return reader.end(source->dropped());
+}
+
+}  // namespace cansync::cli
