@@ -12,6 +12,8 @@ namespace {
 constexpr std::uint32_t kLowAddresses = 0x100;
 /// A cursor that rises comes back to a slave within 32 intervals; another block after more is another job.
 constexpr IntervalNumber kIntervalsBetweenBlocks = 64;
+/// No transfer is longer; blocks that go on all the same are another one.
+constexpr std::uint32_t kLongestTransfer = 1u << 24;
 
 bool is_cancel(const TransferInitialise& initialise) noexcept {
   return initialise.direction == TransferInitialise::Direction::upload && initialise.length.value() == 0 &&
@@ -37,8 +39,9 @@ void TransferWatch::command(const Telegram& telegram, bool again, Duration since
 /// True when it is the next block of that transfer.
 bool TransferWatch::goes_on(const TransferInitialise& initialise, const TransferStep& step,
                             const Block& block, Instant at) {
-  if (!block.done || at.interval > block.asked + kIntervalsBetweenBlocks ||
-      step.direction != initialise.direction || step.sub_slave != initialise.sub_slave)
+  if (!block.done || block.before >= kLongestTransfer ||
+      at.interval > block.asked + kIntervalsBetweenBlocks || step.direction != initialise.direction ||
+      step.sub_slave != initialise.sub_slave)
     return false;
   const bool bytes = initialise.address == block.address + block.length;
   const bool doublewords = block.length % 4 == 0 && initialise.address == block.address + block.length / 4;

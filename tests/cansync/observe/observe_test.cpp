@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "campaign/dice.h"
 #include "cansync/observe/learned.h"
 #include "cansync/observe/observer.h"
 
@@ -100,6 +101,35 @@ TEST_F(ObserverTest, WithoutBit15TheActivationIsOnlyInferred) {
   const Learned learned = learn(observer_.finish());
   EXPECT_EQ(learned.activation.certainty, Certainty::inferred);
   EXPECT_EQ(learned.slave[2].status_parameter.certainty, Certainty::inferred);
+}
+
+TEST_F(ObserverTest, FramesWithoutAnySenseAreReadToTheEnd) {
+  cansyncd::campaign::Dice dice(16);
+  constexpr std::uint32_t kChannels[] = {0x010, 0x100, 0x180, 0x300, 0x380, 0x500, 0x580, 0x7FF};
+  Duration now{};
+  for (unsigned i = 0; i < 50'000; ++i) {
+    now += dice.chance(10) ? Duration(dice.below(5'000'000'000'000)) : Duration(dice.below(300'000));
+    if (dice.chance(100)) observer_.sync(dice.chance(50) ? now / 2 : now);
+    can::Frame frame;
+    frame.id = dice.one_of(kChannels);
+    if (frame.id != identifier::action)
+      frame.id |= static_cast<std::uint32_t>(dice.below(dice.chance(900) ? 4 : 128));
+    frame.id &= can::kStandardIdentifierMask;
+    frame.error = dice.chance(5);
+    frame.dlc = static_cast<std::uint8_t>(dice.below(9));
+    // Few different bytes, so that answers fit commands and blocks go on.
+    for (unsigned b = 0; b < frame.dlc; ++b)
+      frame.data[b] = static_cast<std::uint8_t>(dice.chance(700) ? 6 * dice.below(3) : dice.next());
+    observer_.frame(now, frame);
+  }
+  const Observation observation = observer_.finish();
+  EXPECT_EQ(observation.frames, 50'000u);
+  EXPECT_LE(observation.steps.size(), kMostSteps);
+  EXPECT_GT(observation.steps.size(), 1000u);
+  EXPECT_LE(observation.parameters.size(), kMostParameters);
+  const Learned learned = learn(observation);
+  EXPECT_TRUE(learned.slaves.known());
+  static_cast<void>(settings_of(learned));
 }
 
 TEST_F(ObserverTest, TwoWordsThatMoveAsOneValueAreADoubleword) {

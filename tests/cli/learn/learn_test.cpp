@@ -141,6 +141,9 @@ TEST_F(LearnVerb, SaysWhatItCannotRead) {
             ExitCode::usage);
   EXPECT_NE(remarks_.find("--from"), std::string::npos) << remarks_;
   EXPECT_EQ(run_verb({write("words.log", "(1.000000) can0 101#0000\nnonsense\n")}), ExitCode::failed);
+  EXPECT_EQ(run_verb({write("far.log", "(1.000000) can0 101#0000\n(999999999999.000000) can0 101#0000\n")}),
+            ExitCode::failed);
+  EXPECT_NE(remarks_.find("is no time"), std::string::npos) << remarks_;
   EXPECT_EQ(run_verb({log_, "--stamps", "middle"}), ExitCode::usage);
   EXPECT_EQ(run_verb({log_, "--bit-rate", "100000"}), ExitCode::usage);
   const std::string wrong = write("wrong.toml", "[bus]\nbit_rate = 5\n");

@@ -21,6 +21,8 @@ using ListeningClock = std::chrono::steady_clock;
 constexpr std::uint64_t kMostProblemsNamed = 10;
 /// Lines that are looked at to see which kind of log it is.
 constexpr std::size_t kLinesLookedAt = 256;
+/// Nanoseconds of a later one would not fit 64 bits.
+constexpr std::chrono::microseconds kLatestStamp = std::chrono::hours(24) * 365 * 140;
 /// The simulated line writes SYNC edges as frames of an interface of this name, and the start of frames.
 constexpr std::string_view kSyncInterface = "sync";
 
@@ -80,6 +82,8 @@ class RecordingReader {
   }
 
   void observe(const can::CandumpLine& line) {
+    if (line.time < std::chrono::microseconds(0) || line.time > kLatestStamp)
+      return problem({fmt::format("a time stamp of {} s is no time", line.time.count() / 1'000'000)});
     const bool edge = line.frame.is_standard_data() && line.frame.id == sync_;
     if (line.interface == kSyncInterface || edge) {
       if (edge) observer_->sync(line.time);
@@ -132,6 +136,8 @@ RecordingEnd observe_recording(Output& output, const RecordingTexts& texts) {
   if (!texts.seconds.empty())
     until = ListeningClock::now() + std::chrono::seconds(parse_integer(texts.seconds, "--seconds", 1, 86400));
   const auto source = open_trace_source(texts.source, reader.sync());
+  if (source->endless() && !until)
+    output.remark(fmt::format("listening to {}; Ctrl-C ends it", texts.source));
   while (!interrupt_flag().load()) {
     if (until && ListeningClock::now() >= *until) break;
     const TraceItem item = source->next();

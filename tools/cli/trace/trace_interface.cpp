@@ -56,6 +56,8 @@ class InterfaceSource final : public TraceSource {
           "{}: not a CAN interface ({}); `ip -br link show type can` lists them", name, system_text(errno)));
   }
 
+  bool endless() const noexcept override { return true; }
+
   TraceItem next() override {
     pollfd ready{socket_.number(), POLLIN, 0};
     if (::poll(&ready, 1, kLongestPollMs) <= 0) return TraceNothing{};

@@ -34,6 +34,8 @@ class TraceSource {
   /// The next item; waits at most some 50 ms when there is none. Throws std::system_error when the source
   /// cannot be read.
   virtual TraceItem next() = 0;
+  /// It has no end of its own.
+  virtual bool endless() const noexcept { return false; }
   /// Frames the kernel dropped because they were not taken in time.
   virtual std::uint64_t dropped() const noexcept { return 0; }
 };
