@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-
 #include "can/bus.h"
 #include "daemon/loop/deadline_loop.h"
 
@@ -26,13 +24,8 @@ class BesideBus final : public can::Bus {
 
   can::Time now() noexcept override { return bus_.now(); }
   can::Wake wait_until(can::Time deadline) noexcept override {
-    for (bool served = false;; served = true) {
-      // It sleeps no further than the other bus has come.
-      const can::Wake wake = bus_.wait_until(std::min(deadline, other_.now()));
-      if (wake != can::Wake::deadline) return wake;
-      if (served && other_.served() >= deadline) return wake;
-      other_.turn(deadline);
-    }
+    while (other_.served() < deadline) other_.turn(deadline);
+    return bus_.wait_until(deadline);  // it has passed: there is nothing to sleep for
   }
   bool receive(can::ReceivedFrame& out) noexcept override { return bus_.receive(out); }
   can::SendResult send(const can::Frame& frame) noexcept override { return bus_.send(frame); }

@@ -84,8 +84,6 @@ class DeadlineLoop {
   }
   /// Once, after all else.
   void end() noexcept { machine_.end(bus_.now()); }
-  /// The bus clock now.
-  can::Time now() noexcept { return bus_.now(); }
   /// Everything that was due up to this instant is done.
   can::Time served() const noexcept { return served_; }
 

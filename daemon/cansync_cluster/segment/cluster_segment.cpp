@@ -98,7 +98,8 @@ ClusterSegment::ClusterSegment(ClusterFile file, JournalSink& journal, gateway::
       machine_(upper_settings(file_.config, upper_flight_.tap(), {upper_sync_.get(), upper_bus_.sync_edges()},
                               cluster_, edges_),
                upper_flight_.bus(), upper_exchange_),
-      upper_loop_(machine_, upper_flight_.bus()),
+      // The thread wakes at each slot of the lower bus anyhow.
+      upper_loop_(machine_, upper_flight_.bus(), interval_of(file_.config)),
       both_(lower_bus_.bus(), upper_loop_),
       lower_flight_(
           file_.config.lower, flight_protocol(interval_of(file_.config)), both_,
