@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,7 +9,7 @@
 #include "can/bus.h"
 #include "can/frame.h"
 #include "can/link_facts.h"
-#include "layer2/station.h"
+#include "layer2/module.h"
 #include "rt/latest_value.h"
 #include "rt/spsc_ring.h"
 #include "rt/wake_signal.h"
@@ -23,10 +24,13 @@ struct CancelOrder {
   layer2::OrderId id = 0;
 };
 
-/// A request of the gateway. Each SendOrder has exactly one `SendDone`.
-using Layer2Request = std::variant<layer2::SendOrder, CancelOrder>;
+/// What a client asks for.
+using Layer2Job = std::variant<layer2::SendOrder, layer2::ControlOrder>;
 
-/// The one answer to a SendOrder.
+/// A request of the gateway. Each job has exactly one `SendDone`.
+using Layer2Request = std::variant<layer2::SendOrder, layer2::ControlOrder, CancelOrder>;
+
+/// The one answer to a job; of a ControlOrder, its refusal alone.
 struct SendDone {
   layer2::Answer answer;
   layer2::Refusal refusal = layer2::Refusal::none;  ///< not none: nothing was sent, `answer` has the id alone
@@ -38,6 +42,26 @@ struct ReceivedReport {
   can::Frame frame;
   can::Time receive_time{0};  ///< CLOCK_REALTIME of its last bit
   std::uint8_t range = 0;     ///< position of the range
+  bool high_priority = false;
+};
+
+/// A timer as it is.
+struct TimerState {
+  bool configured = false;
+  bool running = false;
+  layer2::TimerSettings settings;
+  std::uint64_t sent = 0;
+  std::uint64_t left_out = 0;
+};
+
+/// The process image as it is.
+struct ImageSnapshot {
+  bool exchanging = false;
+  std::uint64_t received = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t sent = 0;
+  std::array<std::uint8_t, layer2::DataMapping::kBytes> inputs = {};
+  std::array<std::uint8_t, layer2::DataMapping::kBytes> outputs = {};
 };
 
 /// State of the bus; written when it changes and ten times a second.
@@ -48,6 +72,14 @@ struct BusSnapshot {
   std::uint64_t lost = 0;      ///< frames that had no room in `frames`
   std::uint32_t waiting = 0;   ///< orders that wait to be handed over
   std::uint32_t bus_load = 0;  ///< permille, of the last second
+  bool script_running = false;
+  bool window_running = false;
+  layer2::StatusFacts facts;
+  layer2::Station::QueueState send;
+  layer2::Station::QueueState send_high;
+  layer2::Station::QueueState receive;
+  layer2::Station::QueueState receive_high;
+  std::array<TimerState, layer2::Timers::kMost> timers = {};  ///< index: number - 1
 };
 
 /// The shared structures. Constructed before both threads, destroyed after both.
@@ -59,13 +91,14 @@ struct Layer2Exchange {
   /// `request_queue` and `report_queue`: entries of `requests` and of `frames`.
   Layer2Exchange(std::size_t request_queue, std::size_t report_queue)
       : requests(request_queue),
-        done(request_queue + layer2::Station::kMostQueue + layer2::Station::kMostHandedOver),
+        done(request_queue + 2 * layer2::Station::kMostQueue + layer2::Station::kMostHandedOver),
         frames(report_queue) {}
 
   rt::SpscRing<Layer2Request> requests;  ///< gateway -> realtime
   rt::SpscRing<SendDone> done;           ///< realtime -> gateway
   rt::SpscRing<ReceivedReport> frames;   ///< realtime -> gateway, lossy
   rt::LatestValue<BusSnapshot> status;
+  rt::LatestValue<ImageSnapshot> image;
   rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
   rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway
 };

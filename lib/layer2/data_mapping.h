@@ -95,6 +95,7 @@ class DataMapping {
   std::span<const std::uint8_t, kBytes> inputs() const noexcept { return inputs_; }
   /// What goes out; written by whoever has the values.
   std::span<std::uint8_t, kBytes> outputs() noexcept { return outputs_; }
+  std::span<const std::uint8_t, kBytes> outputs() const noexcept { return outputs_; }
   /// Telegrams taken, dropped for want of an entry, and handed over, since the start.
   std::uint64_t received() const noexcept { return received_; }
   /// Telegrams dropped for want of an entry, since the start.

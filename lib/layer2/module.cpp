@@ -105,6 +105,37 @@ void Module::step_script() noexcept {
   }
 }
 
+Refusal Module::control(const ControlOrder& order, Time now) noexcept {
+  const auto timer = [](bool done) { return done ? Refusal::none : Refusal::no_timer; };
+  switch (order.what) {
+    case Control::run:
+    case Control::stop:
+      set_running(order.what == Control::run, now);
+      return Refusal::none;
+    case Control::start_timer:
+      return timer(start_timer(order.number, now));
+    case Control::stop_timer:
+      return timer(stop_timer(order.number));
+    case Control::set_timer:
+      return timer(configure_timer(order.number, order.timer));
+    case Control::clear_queues:
+      clear_queues();
+      return Refusal::none;
+    case Control::reset_overflow:
+      reset_overflow();
+      return Refusal::none;
+    case Control::write_image:
+      if (settings_.mapped.empty() || order.size > order.bytes.size() ||
+          order.address + order.size > DataMapping::kBytes)
+        return Refusal::no_image;
+      std::copy_n(order.bytes.begin(), order.size, mapping_.outputs().begin() + order.address);
+      return Refusal::none;
+    case Control::reset_controller:
+      break;
+  }
+  return Refusal::no_controller;
+}
+
 bool Module::start_timer(unsigned number, Time now) noexcept {
   if (window_.used() && (number == 1 || number == 2)) {
     window_.timer_started(number, now);

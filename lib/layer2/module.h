@@ -35,6 +35,32 @@ struct ModuleSettings {
       mapped;  ///< in which `DataMapping::check` finds nothing; none: there is no mapping
 };
 
+/// What a module is told to do besides sending.
+enum class Control : std::uint8_t {
+  run,
+  stop,
+  start_timer,       ///< `number`
+  stop_timer,        ///< `number`
+  set_timer,         ///< `number`, `timer`
+  reset_controller,  ///< not the module's: of whoever has the bus
+  clear_queues,
+  reset_overflow,
+  write_image,  ///< `address`, `size`, `bytes`
+};
+
+/// An order to control.
+struct ControlOrder {
+  static constexpr std::size_t kMostBytes = 64;
+  OrderId id = 0;
+  Control what = Control::run;
+  std::uint8_t number = 0;  ///< of a timer, 1..kMost
+  TimerSettings timer;
+  std::uint16_t address =
+      0;  ///< first byte in the image that is sent; address + size at most DataMapping::kBytes
+  std::uint8_t size = 0;                            ///< bytes, 1..kMostBytes
+  std::array<std::uint8_t, kMostBytes> bytes = {};  ///< those from `size` on do not count
+};
+
 /// A frame that waits to be fetched.
 struct WaitingFrame {
   can::Frame frame;
@@ -99,6 +125,8 @@ class Module {
 
   // --- control
 
+  /// Does what an order says; Refusal::none when it is done.
+  Refusal control(const ControlOrder& order, Time now) noexcept;
   /// False: the timer is not configured, or belongs to the window and does not exist. Any state.
   bool start_timer(unsigned number, Time now) noexcept;
   /// False: there is no such timer.
@@ -129,6 +157,8 @@ class Module {
   const SyncWindow& window() const noexcept { return window_; }
   /// The message objects.
   MessageObjects& objects() noexcept { return objects_; }
+  /// It was set up with telegrams to map.
+  bool has_mapping() const noexcept { return !settings_.mapped.empty(); }
   /// The data mapping.
   DataMapping& mapping() noexcept { return mapping_; }
   const DataMapping& mapping() const noexcept { return mapping_; }

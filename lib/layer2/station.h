@@ -60,10 +60,15 @@ struct OwnFrame {
 /// Why an order is not taken; nothing was sent.
 enum class Refusal : std::uint8_t {
   none,
-  queue_full,   ///< as many orders are open as there is room for: try again when one has been answered
-  bad_frame,    ///< no frame that can be sent: identifier or length too large, or an error frame
-  stopped,      ///< the station has been stopped
-  not_running,  ///< the module is in stop
+  queue_full,       ///< as many orders are open as there is room for: try again when one has been answered
+  bad_frame,        ///< no frame that can be sent: identifier or length too large, or an error frame
+  stopped,          ///< the station has been stopped
+  not_running,      ///< the module is in stop
+  no_timer,         ///< there is no such timer, or it was not given what it sends
+  no_image,         ///< there is no process image, or not at that address
+  not_permitted,    ///< the controller cannot be reset: a right of the system is missing
+  no_controller,    ///< likewise: the interface is missing or down, or its driver cannot
+  reset_under_way,  ///< likewise: it is being reset
 };
 
 /// Why the bus did not take the frame that was to be handed over.

@@ -5,21 +5,23 @@
                                  exit 1 and one line per difference: a test (`Suite.Name`, or the path of a script)
                                  named in the table that is not there under TESTS; a test that carries a rule in its name (S16..., K8...) and is not in the
                                  table beside that rule, when the table has rules of that letter; with LAST, a row H1..LAST that is
-                                 missing. A row may have `declined:` or `open:` and a reason in place of a test
+                                 missing, or of another letter: L60 for L1..L60. A row may have `declined:`, `open:` or `not yet:`
+                                 and a reason in place of a test; those not met yet are counted
   rows_check.py --self-test      plants each difference in made-up texts and expects it to be found
 """
 import pathlib
 import re
 import sys
 
-ROW = re.compile(r"^\| ((?:[DFHKS]\d+)(?:, (?:[DFHKS]\d+))*) \|(.*)$", re.M)
+ROW = re.compile(r"^\| ((?:[DFHKLS]\d+)(?:, (?:[DFHKLS]\d+))*) \|(.*)$", re.M)
 NAMED = re.compile(r"`(\w+)\.(\w+)`")
 SCRIPT = re.compile(r"`(tests/[\w./]+)`")
 TEST = re.compile(r"\bTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\s*\)")
 PYTHON_CLASS = re.compile(r"^class (\w+)\b")
 PYTHON_TEST = re.compile(r"^    def (test_\w+)\b")
-REASON = re.compile(r"\b(declined|open): \S.{15,}")
-RULE = re.compile(r"^([SK]\d+)[A-Z]\w*$")
+REASON = re.compile(r"\b(declined|open|not yet): \S.{15,}")
+RULE = re.compile(r"^([SKL]\d+)[A-Z]\w*$")
+NOT_YET = re.compile(r"^\| ((?:[DFHKLS]\d+)(?:, (?:[DFHKLS]\d+))*) \|.*\bnot yet: ", re.M)
 
 
 def tests_of(source):
@@ -34,7 +36,7 @@ def tests_of(source):
     return found
 
 
-def differences(document, sources, exists=lambda path: False, last=0):
+def differences(document, sources, exists=lambda path: False, last=0, letter="H"):
     there = {pair for source in sources for pair in tests_of(source)}
     beside = {}
     found = []
@@ -49,7 +51,7 @@ def differences(document, sources, exists=lambda path: False, last=0):
                 found.append(f"{rules}: there is no test {'.'.join(pair)}")
         for rule in rules.split(", "):
             beside.setdefault(rule, set()).update(tests)
-    found += [f"H{row} has no row" for row in range(1, last + 1) if f"H{row}" not in beside]
+    found += [f"{letter}{row} has no row" for row in range(1, last + 1) if f"{letter}{row}" not in beside]
     kinds = {rule[0] for rule in beside}
     for suite, name in sorted(there):
         rule = RULE.match(name)
@@ -74,6 +76,11 @@ def self_test():
     assert len(differences(row, ["class C:\n    def test_one(self):\n"], last=1)) == 1
     assert differences("| H1 | text | declined: nobody can want it |\n", [], last=1) == []
     assert len(differences("| H1 | text | declined: no |\n", [], last=1)) == 1
+    row = "| L1 | text | not yet: nobody has built it |\n"
+    assert differences(row, [], last=1, letter="L") == []
+    assert len(differences(row, [], last=2, letter="L")) == 1
+    assert len(differences(row, ["TEST(A, L2Does) {}"], letter="L")) == 1
+    assert NOT_YET.findall(row) == ["L1"]
     print("each difference is found")
 
 
@@ -81,12 +88,14 @@ def main(arguments):
     if arguments == ["--self-test"]:
         return self_test()
     document, tests = map(pathlib.Path, arguments[:2])
-    last = int(arguments[2]) if len(arguments) > 2 else 0
+    word = arguments[2] if len(arguments) > 2 else "0"
+    letter, last = (word[0], int(word[1:])) if word[0].isalpha() else ("H", int(word))
     kinds = ("*_test.cpp", "*_test.py") if last else ("*_test.cpp",)
     sources = [path.read_text() for kind in kinds for path in sorted(tests.rglob(kind))]
     text = document.read_text()
-    found = differences(text, sources, lambda script: (tests.parent / script).is_file(), last)
-    print("\n".join(found) or f"{len(ROW.findall(text))} rows agree with their tests")
+    found = differences(text, sources, lambda script: (tests.parent / script).is_file(), last, letter)
+    not_yet = len([row for rows in NOT_YET.findall(text) for row in rows.split(", ")])
+    print("\n".join(found) or f"{len(ROW.findall(text))} rows agree with their tests, {not_yet} of them not met yet")
     return 1 if found else 0
 
 

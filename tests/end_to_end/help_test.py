@@ -40,7 +40,7 @@ TABLES = {
 
 
 # Their tables are looked at by the tests of their protocol.
-OF_OTHER_PROTOCOLS = {"frames", "send", "references", "actual", "serve"}
+OF_OTHER_PROTOCOLS = {"frames", "send", "can", "timers", "references", "actual", "serve"}
 
 
 class Columns(VerbTest):

@@ -45,6 +45,12 @@ number = 2
 identifier = 0x250
 data = [0]
 period_ms = 20
+[[timer]]
+number = 3
+identifier = 0x80
+period_us = 20000
+[script]
+power_on = ["// nothing yet", "Send 0x700 1 0"]
 """
 
 
@@ -87,7 +93,8 @@ class Frames(unittest.TestCase):
                                  (("send", "20000000", "--extended"), "00000000..1FFFFFFF"),
                                  (("send", "0x1", "0"), "DATA: found '0'"), (("send", "001", "1 2"), "DATA: found '1 2'"), (("send", "001", "00" * 9), "DATA: found"),
                                  (("send", "001", "00", "--remote"), "DATA: not with --remote"),
-                                 (("frames", "--count", "0"), "--count")):
+                                 (("frames", "--count", "0"), "--count"), (("can", "fly"), "ACTION: found 'fly'"),
+                                 (("can", "run", "1"), "NUMBER: only with"), (("can", "start-timer", "17"), "NUMBER")):
             result = self.place.run(*arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(words, result.stderr)
@@ -106,6 +113,38 @@ class Frames(unittest.TestCase):
         self.assertEqual(self.place.run("wait", "error-active", "--timeout", LONG).returncode, 0)
         found = [json.loads(line) for line in self.place.run("doctor", "--json").stdout.splitlines()]
         self.assertIn("layer2", next(one for one in found if one["topic"] == "daemon")["found"])
+
+    def timer(self):
+        return self.one("timers")
+
+    def test_a_timer_is_started_and_stopped(self):
+        self.assertEqual((self.timer()["number"], self.timer()["identifier"], self.timer()["period_us"]), (3, 0x80, 20000))
+        started = self.one("can", "start-timer", "3")
+        self.assertEqual((started["action"], started["number"], started["result"]), ("start-timer", 3, "done"))
+        expect(["can"], started)
+        running = wait_for("it sends", lambda: (t := self.timer())["running"] and t["sent"] > 2 and t)
+        expect(["timers"], running)
+        self.assertEqual(self.one("can", "stop-timer", "3")["result"], "done")
+        wait_for("it is stopped", lambda: not self.timer()["running"])
+        self.assertEqual(self.one("can", "start-timer", "4", code=3)["cause"], "field")
+        lines = self.place.run("timers").stdout.decode().splitlines()
+        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["timers"].explained("Columns")))
+
+    def test_in_stop_nothing_is_sent(self):
+        self.assertEqual(self.one("can", "stop")["result"], "done")
+        try:
+            self.assertEqual(self.one("send", "100", code=3)["cause"], "wrong_state")
+            wait_for("the status says so", lambda: not self.one("status")["running"])
+        finally:
+            self.assertEqual(self.one("can", "run")["result"], "done")
+        self.assertEqual(self.one("send", "100", "--high")["result"], "done")
+        self.assertEqual(self.one("send", "100", "--by-id")["result"], "done")
+        for action in ("clear-queues", "reset-overflow", "reset-controller"):
+            self.assertEqual(self.one("can", action)["result"], "done")
+        status = wait_for("it runs", lambda: (s := self.one("status"))["running"] and s)
+        self.assertEqual(status["status_word"] & 0xFF95, 0x4111)  # runs, everything empty and well
+        self.assertEqual(status["status_image"][:6], "410011")
+        self.assertEqual((status["send_depth"], status["send_high_depth"]), (400, 20))
 
     def test_verbs_of_another_protocol_say_so(self):
         for verb in (("slaves",), ("read", "0", "301"), ("watch", "--count", "1")):

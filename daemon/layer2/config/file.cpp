@@ -25,7 +25,8 @@ void finish_ranges(Layer2Draft& draft, Findings& findings) {
     const Layer2Draft::Range& found = draft.ranges[n];
     if (!found.given) continue;
     const std::uint32_t last = found.last.value_or(largest(found.extended));
-    const layer2::ReceiveRange range{found.first.value_or(0), last, found.extended, found.kinds};
+    const layer2::ReceiveRange range{found.first.value_or(0), last, found.extended, found.kinds,
+                                     found.high_priority};
     draft.config.receive.push_back(range);
     const auto problem = layer2::check(range);
     if (problem == layer2::RangeProblem::identifier_too_large) {
@@ -43,6 +44,79 @@ void finish_ranges(Layer2Draft& draft, Findings& findings) {
     draft.config.receive.push_back({0, largest(extended), extended, layer2::FrameKinds::data_and_remote});
 }
 
+void finish_timers(Layer2Draft& draft, Findings& findings) {
+  for (unsigned n = 1; n < draft.timers.size(); ++n) {
+    Layer2Draft::Timer& found = draft.timers[n];
+    if (!found.given) continue;
+    found.timer.number = n;
+    can::Frame& frame = found.timer.timer.frame;
+    if (frame.remote) frame.data = {};
+    draft.config.timers.push_back(found.timer);
+    if (frame.id > largest(frame.extended))
+      findings.problem(fmt::format("timer.{}.identifier", n), too_large(frame.id, frame.extended));
+    if (n <= 2 && draft.config.window.used)
+      findings.problem(fmt::format("timer.{}.number", n),
+                       fmt::format("found {}; allowed: 3..16, because window.used takes timers 1 and 2", n));
+  }
+}
+
+void finish_window(const layer2::WindowSettings& window, Findings& findings) {
+  if (!window.used) return;
+  const auto problem = layer2::check(window);
+  if (problem == layer2::WindowProblem::end_after_repeat) {
+    findings.problem("window.end_us", "found an end after window.repeat_us; allowed: up to it");
+  } else if (problem != layer2::WindowProblem::none) {
+    findings.problem("window.end_us", "found an end that is not after window.begin_us; allowed: after it");
+  }
+}
+
+void finish_scripts(const ScriptConfig& script, Findings& findings) {
+  const std::pair<const char*, const std::vector<std::string>&> all[] = {
+      {"script.power_on", script.power_on}, {"script.run", script.run}, {"script.stop", script.stop}};
+  for (const auto& [key, lines] : all) {
+    for (const layer2::ScriptProblem& problem : read_script(lines, script.rules).problems)
+      findings.problem(key,
+                       fmt::format("line {}, column {}: {}", problem.line, problem.column, problem.text));
+  }
+}
+
+std::string_view text_of(layer2::MappingProblem problem) {
+  switch (problem) {
+    case layer2::MappingProblem::identifier:
+      return "identifier too large; allowed: 0..0x7FF, or mapping.extended = true";
+    case layer2::MappingProblem::not_in_rule:
+      return "mapping.identifier and mapping.mask do not take this identifier: it would never be received";
+    case layer2::MappingProblem::bytes:
+      return "offset and size are more than 8 together";
+    case layer2::MappingProblem::address:
+      return "address and size are more than 1024 together";
+    case layer2::MappingProblem::address_taken:
+      return "another entry fills the same byte of the image";
+    case layer2::MappingProblem::bytes_taken:
+      return "another entry has the same byte of the telegram";
+    case layer2::MappingProblem::messages:
+      return "more telegrams than the 128 of a direction";
+    case layer2::MappingProblem::interval:
+    case layer2::MappingProblem::none:
+      break;
+  }
+  return "";
+}
+
+void finish_mapping(Layer2Draft& draft, Findings& findings) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t n = 0; n < draft.mapped.size(); ++n) {
+    if (!draft.mapped[n].given) continue;
+    numbers.push_back(n);
+    draft.config.mapped.push_back(draft.mapped[n].bytes);
+  }
+  if (numbers.empty()) return;
+  const auto fault = layer2::DataMapping::check(draft.config.mapping, draft.config.mapped);
+  if (fault.problem != layer2::MappingProblem::none)
+    findings.problem(fmt::format("mapped.{}.number", numbers[fault.entry]),
+                     std::string(text_of(fault.problem)));
+}
+
 void finish_nodes(Layer2Draft& draft, Findings& findings) {
   for (unsigned n = 0; n < draft.nodes.size(); ++n) {
     Layer2Draft::Node& found = draft.nodes[n];
@@ -56,6 +130,12 @@ void finish_nodes(Layer2Draft& draft, Findings& findings) {
 }
 
 }  // namespace
+
+layer2::Script read_script(const std::vector<std::string>& lines, const layer2::ScriptRules& rules) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return layer2::parse_script(text, rules);
+}
 
 Layer2File build_layer2_config(config::Settings settings, const std::string& path) {
   Layer2File file;
@@ -79,6 +159,10 @@ Layer2File build_layer2_config(config::Settings settings, const std::string& pat
           "frames");
     }
     finish_ranges(draft, findings);
+    finish_timers(draft, findings);
+    finish_window(draft.config.window, findings);
+    finish_scripts(draft.config.script, findings);
+    finish_mapping(draft, findings);
     finish_nodes(draft, findings);
     file.problems = std::move(findings.problems());
   }

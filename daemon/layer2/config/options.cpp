@@ -36,11 +36,46 @@ bool takes_data(const Layer2Draft& /*draft*/, const Value& value) {
          });
 }
 
-void put_data(Layer2Draft& draft, const Value& value) {
-  can::Frame& frame = node(draft).frame;
+void put_bytes(const Value& value, can::Frame& frame) {
   frame.dlc = static_cast<std::uint8_t>(value.items.size());
   std::transform(value.items.begin(), value.items.end(), frame.data.begin(),
                  [](const Scalar& item) { return static_cast<std::uint8_t>(std::get<std::int64_t>(item)); });
+}
+
+void put_data(Layer2Draft& draft, const Value& value) {
+  put_bytes(value, node(draft).frame);
+}
+
+TimerConfig& timer(Layer2Draft& draft) {
+  return draft.timers[draft.number].timer;
+}
+void put_timer_data(Layer2Draft& draft, const Value& value) {
+  put_bytes(value, timer(draft).timer.frame);
+}
+layer2::MappedBytes& mapped(Layer2Draft& draft) {
+  return draft.mapped[draft.number].bytes;
+}
+
+/// A script's lines.
+bool takes_lines(const Layer2Draft& /*draft*/, const Value& value) {
+  return value.kind == Value::Kind::list &&
+         std::all_of(value.items.begin(), value.items.end(),
+                     [](const Scalar& item) { return std::get_if<std::string>(&item) != nullptr; });
+}
+std::vector<std::string> lines_of(const Value& value) {
+  std::vector<std::string> lines;
+  for (const Scalar& item : value.items) lines.push_back(std::get<std::string>(item));
+  return lines;
+}
+
+constexpr config::Option script_lines(std::string_view key, std::string_view help) {
+  return example("[\"Send 0x000 2 1 0\", \"Wait 100\", \"Start 1\"]",
+                 other(key, "a list of strings, a line of the script each", "([])", help));
+}
+
+constexpr config::Option from_one(config::Option option) {
+  option.minimum = 1;
+  return option;
 }
 
 constexpr std::int64_t kLargestIdentifier = can::kExtendedIdentifierMask;
@@ -55,6 +90,17 @@ constexpr auto kKinds =
                                              {"data", layer2::FrameKinds::data},
                                              {"remote", layer2::FrameKinds::remote}});
 
+constexpr auto kOverflows = std::to_array<Word<layer2::Overflow>>(
+    {{"refuse_newest", layer2::Overflow::refuse_newest}, {"delete_oldest", layer2::Overflow::delete_oldest}});
+
+constexpr auto kNumbers =
+    std::to_array<Word<layer2::ScriptNumbers>>({{"marked", layer2::ScriptNumbers::marked},
+                                                {"decimal", layer2::ScriptNumbers::decimal},
+                                                {"hexadecimal", layer2::ScriptNumbers::hexadecimal}});
+
+constexpr std::int64_t kMostQueue = layer2::Station::kMostQueue;
+constexpr std::int64_t kLongestTimeUs = 3'600'000'000;
+
 constexpr auto kRows = std::to_array<Layer2Row>({
     // --- [bus]
     field(
@@ -64,8 +110,18 @@ constexpr auto kRows = std::to_array<Layer2Row>({
     // --- [send]
     field(
         [](auto& d) -> auto& { return d.config.send.queue; },
-        whole_number("send.queue", 1, 256, "requests",
-                     "Requests that may wait to be sent; more wait at their clients' turn, or are refused.")),
+        whole_number("send.queue", 1, kMostQueue, "requests",
+                     "Requests of normal priority that may wait to be sent.")),
+    field(
+        [](auto& d) -> auto& { return d.config.send.high_queue; },
+        whole_number("send.high_queue", 1, kMostQueue, "requests",
+                     "Requests of high priority that may wait to be sent.")),
+    chosen<kOverflows>(
+        [](auto& d) -> auto& { return d.config.send.overflow; },
+        word(
+            "send.overflow",
+            "More requests than a queue has room for: refuse_newest = they wait at their clients' turn, or are "
+            "refused; delete_oldest = the oldest in the queue is not sent, and answered so.")),
     duration<std::chrono::milliseconds>(
         [](auto& d) -> auto& { return d.config.send.timeout; },
         whole_number("send.timeout_ms", 1, kLongestTime, "ms",
@@ -86,6 +142,132 @@ constexpr auto kRows = std::to_array<Layer2Row>({
     chosen<kKinds>(
         [](auto& d) -> auto& { return range(d).kinds; },
         word("receive.kinds", "Which kinds of frames are received.")),
+    field(
+        [](auto& d) -> auto& { return range(d).high_priority; },
+        boolean("receive.high_priority", "Its frames overtake others that wait to be published.")),
+    // --- [filter]
+    field(
+        [](auto& d) -> auto& { return d.config.node_filter; },
+        whole_number(
+            "filter.node", 0, 127, "",
+            "In place of ranges: only frames are received that have this number, or 0, in the lower seven "
+            "bits of their identifier; 0 = the ranges count.")),
+    field(
+        [](auto& d) -> auto& { return d.config.node_filter_extended; },
+        boolean("filter.extended", "Of 29-bit identifiers; false = of 11-bit ones.")),
+    // --- [queue]
+    field(
+        [](auto& d) -> auto& { return d.config.queues.receive; },
+        whole_number("queue.receive", 1, kMostQueue, "frames",
+                     "Received frames that may wait while those before are published.")),
+    field(
+        [](auto& d) -> auto& { return d.config.queues.receive_high; },
+        whole_number("queue.receive_high", 1, kMostQueue, "frames", "Likewise, of ranges of high priority.")),
+    chosen<kOverflows>(
+        [](auto& d) -> auto& { return d.config.queues.overflow; },
+        word("queue.receive_overflow", "Which frame is lost when there is no room.")),
+    // --- [module]
+    field(
+        [](auto& d) -> auto& { return d.config.starts_in_run; },
+        boolean("module.run", "The daemon starts in run; false = it stays in stop until it is told to run.")),
+    // --- [script]
+    chosen<kNumbers>(
+        [](auto& d) -> auto& { return d.config.script.rules.numbers; },
+        word(
+            "script.numbers",
+            "What identifiers, lengths and data bytes without 0x are; marked = more than one digit needs 0x.")),
+    field(
+        [](auto& d) -> auto& { return d.config.script.rules.extended; },
+        boolean("script.extended", "Identifiers in scripts have 29 bits; false = 11.")),
+    {script_lines("script.power_on", "What is done when the daemon starts."),
+     [](Layer2Draft& d, const Value& v) { d.config.script.power_on = lines_of(v); }, takes_lines},
+    {script_lines("script.run", "What is done from stop to run, also at the start."),
+     [](Layer2Draft& d, const Value& v) { d.config.script.run = lines_of(v); }, takes_lines},
+    {script_lines("script.stop", "What is done from run to stop."),
+     [](Layer2Draft& d, const Value& v) { d.config.script.stop = lines_of(v); }, takes_lines},
+    // --- [window]
+    field(
+        [](auto& d) -> auto& { return d.config.window.used; },
+        boolean(
+            "window.used",
+            "Requests are sent in the synchronous window alone, once timers 1 and 2 were started one directly "
+            "after the other; these two send no frame then.")),
+    duration<std::chrono::microseconds>(
+        [](auto& d) -> auto& { return d.config.window.repeat; },
+        whole_number("window.repeat_us", 1, kLongestTimeUs, "us", "Period of the window.")),
+    duration<std::chrono::microseconds>(
+        [](auto& d) -> auto& { return d.config.window.begin; },
+        whole_number("window.begin_us", 0, kLongestTimeUs, "us", "Start of the window in its period.")),
+    duration<std::chrono::microseconds>(
+        [](auto& d) -> auto& { return d.config.window.end; },
+        whole_number("window.end_us", 1, kLongestTimeUs, "us",
+                     "End of the window in its period; no frame begins that would end later.")),
+    field(
+        [](auto& d) -> auto& { return d.config.window.holds_high; },
+        boolean("window.high_priority", "Requests of high priority are held, too.")),
+    // --- [mapping]
+    {example("0x180", whole_number("mapping.identifier", "0", 0, kLargestIdentifier, "",
+                                   "Telegrams received: their identifier where the mask has ones.")),
+     [](Layer2Draft& d, const Value& v) { d.config.mapping.rule.identifier = whole<std::uint32_t>(v); }},
+    {example("0x700",
+             whole_number("mapping.mask", "0", 0, kLargestIdentifier, "",
+                          "Bits of the identifier that count; 0 = every frame belongs to the mapping.")),
+     [](Layer2Draft& d, const Value& v) { d.config.mapping.rule.mask = whole<std::uint32_t>(v); }},
+    field(
+        [](auto& d) -> auto& { return d.config.mapping.rule.extended; },
+        boolean("mapping.extended", "29-bit identifiers; false = 11-bit ones.")),
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return d.config.mapping.interval; },
+        whole_number("mapping.interval_ms", 1, 65535, "ms", "Between two times of sending.")),
+    field(
+        [](auto& d) -> auto& { return d.config.mapping.on_change; },
+        boolean("mapping.on_change",
+                "Only telegrams are sent whose bytes have changed since they were sent.")),
+    field(
+        [](auto& d) -> auto& { return d.config.mapping.first_always; },
+        boolean("mapping.first_always", "With on_change: each telegram is sent once at the start.")),
+    // --- [[mapped]]
+    {config::rows::label("mapped.number", Layer2Draft::kMostMapped - 1, "Place in the table."),
+     [](Layer2Draft& d, const Value&) { d.mapped[d.number].given = true; }},
+    {example("0x181", whole_number("mapped.identifier", "0", 0, kLargestIdentifier, "",
+                                   "Identifier of the telegram.")),
+     [](Layer2Draft& d, const Value& v) { mapped(d).identifier = whole<std::uint32_t>(v); }},
+    field(
+        [](auto& d) -> auto& { return mapped(d).output; },
+        boolean("mapped.output", "The telegram is sent; false = it is received.")),
+    field(
+        [](auto& d) -> auto& { return mapped(d).offset; },
+        whole_number("mapped.offset", 0, 7, "B", "First byte in the telegram.")),
+    field(
+        [](auto& d) -> auto& { return mapped(d).address; },
+        whole_number("mapped.address", 0, 1023, "B", "First byte in the process image of its direction.")),
+    field(
+        [](auto& d) -> auto& { return mapped(d).size; },
+        whole_number("mapped.size", 1, 8, "B", "Bytes; offset and size are at most 8 together.")),
+    // --- [[timer]]
+    {from_one(config::rows::label("timer.number", layer2::Timers::kMost, "Number of the timer.")),
+     [](Layer2Draft& d, const Value&) { d.timers[d.number].given = true; }},
+    {example("0x080",
+             whole_number("timer.identifier", "0", 0, kLargestIdentifier, "", "Identifier of its frame.")),
+     [](Layer2Draft& d, const Value& v) { timer(d).timer.frame.id = whole<std::uint32_t>(v); }},
+    field(
+        [](auto& d) -> auto& { return timer(d).timer.frame.extended; },
+        boolean("timer.extended", "The identifier has 29 bits; false = 11.")),
+    {example("[0x01, 0x02]",
+             other("timer.data", "a list of at most eight numbers 0..255", "([])", "Its data bytes.")),
+     put_timer_data, takes_data},
+    field(
+        [](auto& d) -> auto& { return timer(d).timer.frame.remote; },
+        boolean("timer.remote", "A remote frame: it asks for as many bytes as `data` has.")),
+    duration<std::chrono::microseconds>(
+        [](auto& d) -> auto& { return timer(d).timer.period; },
+        whole_number("timer.period_us", 100, kLongestTimeUs, "us", "Between two of its frames.")),
+    duration<std::chrono::microseconds>(
+        [](auto& d) -> auto& { return timer(d).timer.phase; },
+        whole_number("timer.phase_us", 0, kLongestTimeUs, "us", "From its start to its first frame.")),
+    field(
+        [](auto& d) -> auto& { return timer(d).timer.cyclic; },
+        boolean("timer.cyclic", "It goes on; false = it sends one frame and stops.")),
     // --- [[node]]
     {config::rows::label("node.number", 31, "Number of the simulated node."),
      [](Layer2Draft& d, const Value&) { d.nodes[d.number].given = true; }},
@@ -128,6 +310,16 @@ constexpr auto kSections = std::to_array<config::Section>({
     {"send", "", ""},
     {"receive", "numbers",
      "Once for each range of identifiers that is received. Without any, every frame is."},
+    {"filter", "", ""},
+    {"queue", "", ""},
+    {"module", "", ""},
+    {"script", "",
+     "Scripts for power-on, run and stop: `Send ID LENGTH BYTE...`, `Fetch ID [LENGTH]`, `Start TIMER`, `Stop TIMER`, `Wait MS`, `// ...`."},
+    {"timer", "numbers", "Once for each timer, 1 to 16. A script or a command starts it."},
+    {"window", "", ""},
+    {"mapping", "", ""},
+    {"mapped", "numbers",
+     "Once for each place of a telegram's bytes in the process image. Without any there is none."},
     {"node", "numbers", "Once for each simulated node beside the daemon on a simulated bus."},
 });
 

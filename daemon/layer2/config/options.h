@@ -23,7 +23,19 @@ struct Layer2Draft {
     std::optional<std::uint32_t> last;
     bool extended = false;
     layer2::FrameKinds kinds = layer2::FrameKinds::data_and_remote;
+    bool high_priority = false;
   };
+  /// One [[timer]].
+  struct Timer {
+    bool given = false;
+    TimerConfig timer;
+  };
+  /// One [[mapped]].
+  struct Mapped {
+    bool given = false;
+    layer2::MappedBytes bytes;
+  };
+  static constexpr std::size_t kMostMapped = 512;
   /// One [[node]].
   struct Node {
     bool given = false;
@@ -33,6 +45,8 @@ struct Layer2Draft {
   Layer2Config config;
   std::array<Range, layer2::RangeFilter::kMostRanges> ranges = {};
   std::array<Node, 32> nodes = {};
+  std::array<Timer, layer2::Timers::kMost + 1> timers = {};
+  std::array<Mapped, kMostMapped> mapped = {};
   unsigned number = 0;  ///< of the section an option belongs to
 };
 

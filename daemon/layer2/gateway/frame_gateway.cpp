@@ -20,6 +20,28 @@ using std::chrono::steady_clock;
 /// Batches published in one pass: requests must not wait behind a bus that never rests.
 constexpr unsigned kBatchesAtOnce = 16;
 
+/// What FrameStatus says of the module.
+void fill_module(const BusSnapshot& bus, layer2_FrameStatus& sample) {
+  sample.running = bus.facts.running;
+  sample.script_running = bus.script_running;
+  sample.window_running = bus.window_running;
+  sample.status_word = layer2::status_word(bus.facts);
+  const auto image = layer2::status_image(bus.facts);
+  std::copy(image.begin(), image.end(), std::begin(sample.status_image));
+  sample.send_waiting = bus.send.size;
+  sample.send_high_waiting = bus.send_high.size;
+  sample.receive_waiting = bus.receive.size;
+  sample.receive_high_waiting = bus.receive_high.size;
+  sample.send_depth = bus.send.depth;
+  sample.send_high_depth = bus.send_high.depth;
+  sample.receive_depth = bus.receive.depth;
+  sample.receive_high_depth = bus.receive_high.depth;
+  sample.send_overflowed = bus.facts.send.overflowed;
+  sample.receive_overflowed = bus.facts.receive.overflowed;
+  sample.send_overflows = bus.send.lost + bus.send_high.lost;
+  sample.receive_overflows = bus.receive.lost + bus.receive_high.lost;
+}
+
 }  // namespace
 
 FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
@@ -35,6 +57,8 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
             !config.dds.security.empty()),
       batches_(participant, 0, &signal_),
       status_(participant, 0, &signal_),
+      timers_(participant, 0, &signal_),
+      image_(participant, 0, &signal_),
       thread_(
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
           [this] { end_jobs(); }) {
@@ -114,7 +138,8 @@ bool FrameGateway::publish_frames() {
     ReceivedReport report;
     batch_.clear();
     while (batch_.size() < layer2_BATCH && exchange_.frames.try_pop(report))
-      batch_.push_back(layer2::dds::received_frame(report.frame, report.receive_time.count(), report.range));
+      batch_.push_back(layer2::dds::received_frame(report.frame, report.receive_time.count(), report.range,
+                                                   report.high_priority));
     if (batch_.empty()) return false;
     layer2_FrameBatch sample = {};
     sample.number = ++batch_number_;
@@ -156,6 +181,8 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   common_.set_clients(jobs_.clients(), jobs_.rejections());
   common_.set_snapshot({.controller = bus_.controller, .timestamps = bus_.timestamps});
   tell_losses(now);
+  publish_timers(now >= next_status_);
+  publish_image(now);
   const SteadyTime common_due = common_.step(now);
   if (now < next_status_) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
@@ -170,8 +197,57 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   sample.not_sent = bus_.counters.not_sent;
   sample.waiting = bus_.waiting;
   sample.send_timeout = static_cast<std::uint32_t>(config_.send.timeout.count());
+  fill_module(bus_, sample);
   (void)status_.write(sample);
   return std::min(common_due, next_status_);
+}
+
+void FrameGateway::publish_timers(bool all) {
+  for (unsigned number = 1; number <= layer2::Timers::kMost; ++number) {
+    const TimerState& timer = bus_.timers[number - 1];
+    TimerState& told = told_timers_[number - 1];
+    if (!timer.configured) continue;
+    const layer2::TimerSettings& settings = timer.settings;
+    const bool same = told.configured && told.running == timer.running &&
+                      told.settings.frame == settings.frame && told.settings.period == settings.period &&
+                      told.settings.phase == settings.phase && told.settings.cyclic == settings.cyclic;
+    if (same && (!all || (told.sent == timer.sent && told.left_out == timer.left_out))) continue;
+    told = timer;
+    using std::chrono::duration_cast;
+    using std::chrono::microseconds;
+    layer2_TimerStatus sample = {};
+    sample.number = static_cast<std::uint8_t>(number);
+    sample.running = timer.running;
+    sample.content = layer2::dds::to_idl(settings.frame);
+    sample.period = static_cast<std::uint32_t>(duration_cast<microseconds>(settings.period).count());
+    sample.phase = static_cast<std::uint32_t>(duration_cast<microseconds>(settings.phase).count());
+    sample.cyclic = settings.cyclic;
+    sample.sent = timer.sent;
+    sample.left_out = timer.left_out;
+    (void)timers_.write(sample);
+  }
+}
+
+void FrameGateway::publish_image(SteadyTime now) {
+  if (config_.mapped.empty()) return;
+  ImageSnapshot read;
+  bool changed = false;
+  if (exchange_.image.read(read)) {
+    changed = read.exchanging != newest_image_.exchanging || read.inputs != newest_image_.inputs ||
+              read.outputs != newest_image_.outputs;
+    newest_image_ = read;
+  }
+  if (!changed && now < next_image_) return;
+  next_image_ = now + kStatusPeriod;
+  layer2_ProcessImage sample = {};
+  sample.time = wall_clock_now();
+  sample.exchanging = newest_image_.exchanging;
+  sample.received = newest_image_.received;
+  sample.dropped = newest_image_.dropped;
+  sample.sent = newest_image_.sent;
+  std::copy(newest_image_.inputs.begin(), newest_image_.inputs.end(), std::begin(sample.inputs));
+  std::copy(newest_image_.outputs.begin(), newest_image_.outputs.end(), std::begin(sample.outputs));
+  (void)image_.write(sample);
 }
 
 void FrameGateway::end_jobs() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -84,6 +85,8 @@ class FrameGateway {
   void tell_bus(const can::ControllerStatus& before, SteadyTime now);
   /// Returns when to call again.
   SteadyTime publish_status(SteadyTime now);
+  void publish_timers(bool all);
+  void publish_image(SteadyTime now);
   void end_jobs();
   SendContext context(SteadyTime now) const;
 
@@ -97,11 +100,16 @@ class FrameGateway {
   JobDesk<SendRequests> jobs_;
   gateway::dds::Writer<layer2_FrameBatch> batches_;
   gateway::dds::Writer<layer2_FrameStatus> status_;
+  gateway::dds::Writer<layer2_TimerStatus> timers_;
+  gateway::dds::Writer<layer2_ProcessImage> image_;
 
   std::vector<layer2_ReceivedFrame> batch_;  ///< memory of one batch
   std::uint64_t batch_number_ = 0;
   std::uint64_t unwritten_ = 0;  ///< frames of batches that could not be written
   BusSnapshot bus_;              ///< newest
+  std::array<TimerState, layer2::Timers::kMost> told_timers_ = {};
+  ImageSnapshot newest_image_;
+  SteadyTime next_image_;
   std::uint64_t told_lost_ = 0;
   FaultRow losses_{kLossQuiet};
   SteadyTime next_status_;

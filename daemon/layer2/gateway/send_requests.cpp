@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <variant>
 
 #include "can/candump.h"
 #include "daemon/desk/job_desk_answers.h"
@@ -26,6 +27,44 @@ std::optional<Change> SendRequests::change_of(const layer2_SendRequest& sample, 
                                                  sample.content.length)
                                    : frame_text(layer2::dds::to_core(sample.content));
   return change;
+}
+
+std::optional<Change> SendRequests::change_of(const layer2_ControlRequest& sample, const SendContext&) {
+  static constexpr std::array<const char*, layer2_CONTROL_WRITE_IMAGE + 1> kActions = {
+      "run",          "stop",           "start_timer", "stop_timer", "set_timer", "reset_controller",
+      "clear_queues", "reset_overflow", "write_image"};
+  Change change;
+  const auto kind = static_cast<std::size_t>(sample.kind);
+  change.action = kind < kActions.size() ? kActions[kind] : "control";
+  if (sample.kind == layer2_CONTROL_START_TIMER || sample.kind == layer2_CONTROL_STOP_TIMER)
+    change.new_value = fmt::format("timer {}", sample.number);
+  if (sample.kind == layer2_CONTROL_SET_TIMER) {
+    change.new_value = fmt::format("timer {}: {} every {} us from {} us on{}", sample.number,
+                                   frame_text(layer2::dds::to_core(sample.content)), sample.period,
+                                   sample.phase, sample.cyclic ? "" : ", once");
+  }
+  if (sample.kind == layer2_CONTROL_WRITE_IMAGE)
+    change.new_value = fmt::format("{} bytes from byte {} on", sample.size, sample.address);
+  return change;
+}
+
+LaneLimits SendRequests::lane_limits() const {
+  // A queue that refuses is never asked for more than it has room for.
+  constexpr unsigned kRoom = layer2::Station::kMostQueue;
+  const bool deletes = config_.overflow == layer2::Overflow::delete_oldest;
+  const unsigned normal = deletes ? kRoom : config_.queue;
+  const unsigned high = deletes ? kRoom : config_.high_queue;
+  return {{normal, normal}, {high, high}, {16, 16}};
+}
+
+Lane SendRequests::lane_of(const Request& request) noexcept {
+  const auto* order = std::get_if<layer2::SendOrder>(&request);
+  if (order == nullptr) return {FrameLane::control, 0};
+  return {order->priority == layer2::Priority::high ? FrameLane::high : FrameLane::normal, 0};
+}
+
+bool SendRequests::hand_on(const Request& request, const SendContext& context) {
+  return std::visit([&](const auto& order) { return context.exchange.requests.try_push(order); }, request);
 }
 
 gateway::dds::Problem SendRequests::refusal(const SendDone& done, const Request&, const SendContext&) const {

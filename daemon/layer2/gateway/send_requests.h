@@ -42,18 +42,38 @@ struct SendTopic {
   static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
     return layer2::dds::send_reply(key, {.outcome = outcome}, 0);
   }
-  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done,
-                      const layer2::SendOrder& /*request*/, std::span<std::uint8_t> /*data*/,
-                      const SendContext& /*context*/) {
+  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done, const Layer2Job& /*request*/,
+                      std::span<std::uint8_t> /*data*/, const SendContext& /*context*/) {
     return layer2::dds::send_reply(key, done.answer, done.sent_time.count());
   }
 };
 
+/// Topic ControlRequest.
+struct ControlTopic {
+  using Sample = layer2_ControlRequest;
+  using Reply = layer2_ControlReply;
+  static constexpr Right kRight = Right::operate;
+
+  static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
+    return layer2::dds::control_refused(key, denial);
+  }
+  static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
+    return layer2::dds::control_reply(key, outcome);
+  }
+  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done, const Layer2Job& /*request*/,
+                      std::span<std::uint8_t> /*data*/, const SendContext& /*context*/) {
+    return layer2::dds::control_reply(key, done.answer.outcome);
+  }
+};
+
+/// What requests wait for: a queue of the station, or the module itself.
+enum class FrameLane : std::uint8_t { normal, high, control };
+
 /// The protocol of the desk.
 class SendRequests {
  public:
-  using Topics = RequestTopics<SendTopic>;
-  using Request = layer2::SendOrder;
+  using Topics = RequestTopics<SendTopic, ControlTopic>;
+  using Request = Layer2Job;
   using Terminal = SendDone;
   using Outcome = layer2::Outcome;
   using Context = SendContext;
@@ -62,21 +82,28 @@ class SendRequests {
 
   explicit SendRequests(const SendConfig& config) : config_(config) {}
 
-  /// All frames share the one queue of the station; clients take turns in it.
-  LaneLimits lane_limits() const { return {{config_.queue, config_.queue}}; }
+  /// All frames of a priority share one queue of the station; clients take turns in it. A queue that deletes
+  /// the oldest must be able to overflow.
+  LaneLimits lane_limits() const;
 
   static std::optional<Change> change_of(const layer2_SendRequest& sample, const SendContext& context);
+  static std::optional<Change> change_of(const layer2_ControlRequest& sample, const SendContext& context);
+  static gateway::dds::Problem check(const layer2_ControlRequest& sample) {
+    return layer2::dds::check(sample);
+  }
   static gateway::dds::Problem check(const layer2_SendRequest& sample) { return layer2::dds::check(sample); }
   std::optional<Request> request_of(const layer2_SendRequest& sample, JobId id,
                                     std::vector<std::uint8_t>& /*data*/) const {
     return layer2::dds::to_core(sample, id, config_.timeout);
   }
-  static Lane lane_of(const Request& /*request*/) noexcept { return {}; }
+  std::optional<Request> request_of(const layer2_ControlRequest& sample, JobId id,
+                                    std::vector<std::uint8_t>& /*data*/) const {
+    return layer2::dds::to_core(sample, id);
+  }
+  static Lane lane_of(const Request& request) noexcept;
   static Effect effect_of(const Request& /*request*/) noexcept { return {Right::operate, true}; }
   static std::string wrong_topic() { return "topic: this one gives no right to send"; }
-  static bool hand_on(const Request& request, const SendContext& context) {
-    return context.exchange.requests.try_push(request);
-  }
+  static bool hand_on(const Request& request, const SendContext& context);
   static bool hand_on_cancel(JobId id, const SendContext& context) {
     return context.exchange.requests.try_push(CancelOrder{id});
   }

@@ -1,5 +1,6 @@
 #include "daemon/layer2/realtime/frame_machine.h"
 
+#include <algorithm>
 #include <chrono>
 #include <variant>
 
@@ -10,6 +11,8 @@ namespace {
 constexpr unsigned kRequestsAtOnce = 32;
 constexpr can::Time kSecond = std::chrono::seconds(1);
 constexpr can::Time kStatusPeriod = std::chrono::milliseconds(100);
+/// The image is passed on no more often.
+constexpr can::Time kImagePeriod = std::chrono::milliseconds(10);
 
 layer2::Obstacle obstacle_of(can::SendResult result) noexcept {
   switch (result) {
@@ -44,6 +47,7 @@ void FrameMachine::begin(can::Time now) noexcept {
   next_status_ = now;
   snapshot_.controller = bus_.status();
   changed_ = true;  // nobody has been told how the bus is
+  module_.begin(now);
 }
 
 void FrameMachine::advance(can::Time now) noexcept {
@@ -55,8 +59,9 @@ void FrameMachine::advance(can::Time now) noexcept {
     snapshot_.bus_load = load_.take(now);
   }
   watch_bus(now);
+  if (reset_) finish_reset(bus_.reset_result());
   take_requests(now);
-  station_.advance(now);
+  module_.advance(now);
 }
 
 /// What was handed over is gone when the controller was emptied, left bus-off, or lost its interface. Frames
@@ -68,16 +73,17 @@ void FrameMachine::watch_bus(can::Time when) noexcept {
   const bool emptied = now.unacknowledged != before.unacknowledged || now.restarts != before.restarts ||
                        (now.link != before.link && now.link != can::LinkState::up);
   if (emptied) {
-    station_.controller_emptied();
+    module_.controller_emptied();
   } else if (now.dropped != before.dropped) {
-    station_.echoes_lost();
+    module_.echoes_lost();
   }
   if (now.state != before.state || now.link != before.link || now.delivery != before.delivery)
     changed_ = true;
   if (tap_ != nullptr) record_faults(before, when);
   // The bus is not asked about a frame that has no place in the controller.
-  if (station_.waiting() != 0 && station_.handed_over_count() == layer2::Station::kMostHandedOver)
-    station_.held_back(obstacle_of(now));
+  const layer2::Station& station = module_.station();
+  if (station.waiting() != 0 && station.handed_over_count() == layer2::Station::kMostHandedOver)
+    module_.held_back(obstacle_of(now));
 }
 
 /// Tells the flight recorder, which must be there, what changed since `before`.
@@ -98,36 +104,69 @@ void FrameMachine::take_requests(can::Time now) noexcept {
   for (unsigned i = 0; i < kRequestsAtOnce && exchange_.done.room() > unanswered_; ++i) {
     if (!exchange_.requests.try_pop(request)) return;
     if (const auto* cancel = std::get_if<CancelOrder>(&request)) {
-      station_.cancel(cancel->id);
+      module_.cancel(cancel->id);
+      continue;
+    }
+    ++unanswered_;
+    if (const auto* order = std::get_if<layer2::ControlOrder>(&request)) {
+      control(*order, now);
       continue;
     }
     const auto& order = *std::get_if<layer2::SendOrder>(&request);
-    ++unanswered_;
-    const layer2::Refusal refusal = station_.submit(order, now);
+    const layer2::Refusal refusal = module_.submit(order, now);
     if (refusal != layer2::Refusal::none) answer({{.id = order.id}, refusal, {}});
   }
+}
+
+void FrameMachine::control(const layer2::ControlOrder& order, can::Time now) noexcept {
+  changed_ = true;
+  if (order.what != layer2::Control::reset_controller) {
+    const layer2::Refusal refusal = module_.control(order, now);
+    answer({{.id = order.id}, refusal, {}});
+  } else if (reset_) {
+    answer({{.id = order.id}, layer2::Refusal::reset_under_way, {}});
+  } else {
+    reset_ = order.id;
+    finish_reset(bus_.reset());
+  }
+}
+
+void FrameMachine::finish_reset(can::ResetResult result) noexcept {
+  if (result == can::ResetResult::pending) return;
+  layer2::Refusal refusal = layer2::Refusal::none;
+  if (result == can::ResetResult::not_permitted) refusal = layer2::Refusal::not_permitted;
+  if (result == can::ResetResult::unavailable) refusal = layer2::Refusal::no_controller;
+  if (refusal == layer2::Refusal::none) module_.controller_emptied();
+  answer({{.id = *reset_}, refusal, {}});
+  reset_.reset();
 }
 
 void FrameMachine::receive(const can::ReceivedFrame& received) noexcept {
   load_.add(received.frame);
   if (received.own) {
-    station_.echo(received.frame, received.end);
+    module_.echo(received.frame, received.end);
     return;
   }
-  const auto range = station_.receive(received.frame);
-  if (!range) return;
-  if (exchange_.frames.try_push({received.frame, clock_.at(received.end), *range})) {
+  module_.receive(received.frame, received.end);
+  pass_received();
+}
+
+/// What the gateway has no room for waits in the module's queues.
+void FrameMachine::pass_received() noexcept {
+  while (exchange_.frames.room() > 0) {
+    const auto waiting = module_.take_received();
+    if (!waiting) return;
+    (void)exchange_.frames.try_push({waiting->frame, clock_.at(waiting->end), waiting->range,
+                                     waiting->priority == layer2::Priority::high});
     pending_ = true;
-  } else {
-    ++snapshot_.lost;
   }
 }
 
 void FrameMachine::handed_over(can::SendResult result) noexcept {
   if (result == can::SendResult::queued) {
-    station_.handed_over();
+    module_.handed_over();
   } else {
-    station_.held_back(obstacle_of(result));
+    module_.held_back(obstacle_of(result));
   }
 }
 
@@ -139,19 +178,59 @@ void FrameMachine::answer(const SendDone& done) noexcept {
 }
 
 void FrameMachine::pass_answers() noexcept {
-  while (const auto ended = station_.take_answer()) {
+  while (const auto ended = module_.take_answer()) {
     const bool done = ended->outcome == layer2::Outcome::done;
     answer({*ended, layer2::Refusal::none, done ? clock_.at(ended->sent) : can::Time{0}});
   }
 }
 
+void FrameMachine::take_snapshot() noexcept {
+  using layer2::Priority;
+  const layer2::Station& station = module_.station();
+  snapshot_.counters = station.counters();
+  snapshot_.timestamps = bus_.timestamp_source();
+  snapshot_.waiting = static_cast<std::uint32_t>(station.waiting());
+  snapshot_.script_running = module_.script_runs();
+  snapshot_.window_running = module_.window().runs();
+  snapshot_.send = station.queue(Priority::normal);
+  snapshot_.send_high = station.queue(Priority::high);
+  snapshot_.receive = module_.receive_queue(Priority::normal);
+  snapshot_.receive_high = module_.receive_queue(Priority::high);
+  snapshot_.lost = snapshot_.receive.lost + snapshot_.receive_high.lost;
+  snapshot_.facts = module_.status();
+  const can::ControllerStatus& controller = snapshot_.controller;
+  snapshot_.facts.bus_off = controller.state == can::ControllerState::bus_off;
+  snapshot_.facts.receive_overrun = controller.overruns + controller.dropped != 0;
+  snapshot_.facts.transmit_errors = controller.transmit_errors;
+  snapshot_.facts.receive_errors = controller.receive_errors;
+  const layer2::Timers& timers = module_.timers();
+  for (unsigned number = 1; number <= layer2::Timers::kMost; ++number) {
+    snapshot_.timers[number - 1] = {timers.configured(number), timers.running(number),
+                                    timers.settings(number), timers.sent(number), timers.left_out(number)};
+  }
+}
+
+void FrameMachine::publish_image(can::Time now) noexcept {
+  if (!module_.has_mapping() || now < next_image_) return;
+  const layer2::DataMapping& mapping = module_.mapping();
+  next_image_ = now + kImagePeriod;
+  ImageSnapshot newest{mapping.runs(), mapping.received(), mapping.dropped(), mapping.sent(), {}, {}};
+  std::copy(mapping.inputs().begin(), mapping.inputs().end(), newest.inputs.begin());
+  std::copy(mapping.outputs().begin(), mapping.outputs().end(), newest.outputs.begin());
+  const bool changed = newest.exchanging != image_.exchanging || newest.inputs != image_.inputs ||
+                       newest.outputs != image_.outputs;
+  image_ = newest;
+  exchange_.image.write(image_);
+  if (changed) pending_ = true;
+}
+
 void FrameMachine::publish(can::Time now) noexcept {
   pass_answers();
+  pass_received();
+  publish_image(now);
   if (changed_ || now >= next_status_) {
     next_status_ = now + kStatusPeriod;
-    snapshot_.counters = station_.counters();
-    snapshot_.timestamps = bus_.timestamp_source();
-    snapshot_.waiting = static_cast<std::uint32_t>(station_.waiting());
+    take_snapshot();
     exchange_.status.write(snapshot_);
     // Nobody is woken for counters alone.
     if (changed_) pending_ = true;
@@ -163,14 +242,18 @@ void FrameMachine::publish(can::Time now) noexcept {
 }
 
 void FrameMachine::end(can::Time now) noexcept {
-  station_.stop();
+  module_.end();
   pass_answers();
+  if (reset_) answer({{.id = *reset_, .outcome = layer2::Outcome::stopped}, layer2::Refusal::none, {}});
+  reset_.reset();
   Layer2Request request;
   while (exchange_.done.room() > 0 && exchange_.requests.try_pop(request)) {
-    const auto* order = std::get_if<layer2::SendOrder>(&request);
-    if (order == nullptr) continue;
+    if (std::get_if<CancelOrder>(&request) != nullptr) continue;
+    const auto* control = std::get_if<layer2::ControlOrder>(&request);
+    const layer2::OrderId id =
+        control != nullptr ? control->id : std::get_if<layer2::SendOrder>(&request)->id;
     ++unanswered_;
-    answer({{.id = order->id, .outcome = layer2::Outcome::stopped}, layer2::Refusal::none, {}});
+    answer({{.id = id, .outcome = layer2::Outcome::stopped}, layer2::Refusal::none, {}});
   }
   changed_ = true;
   publish(now);

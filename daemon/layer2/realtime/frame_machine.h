@@ -9,27 +9,27 @@
 #include "daemon/layer2/exchange.h"
 #include "daemon/loop/flight_tap.h"
 #include "daemon/loop/wall_clock.h"
-#include "layer2/station.h"
+#include "layer2/module.h"
 
 namespace cansyncd {
 
 /// What the realtime thread of a bus of general frames needs to know.
 struct FrameMachineSettings {
-  layer2::StationSettings station;
+  layer2::ModuleSettings module;
   std::uint32_t bits_per_second = 500'000;            ///< over 0
   WallClock::Read wall_clock = &read_realtime_clock;  ///< null in virtual time
   FlightTap* tap = nullptr;                           ///< flight recorder; null: none
 };
 
-/// Binds a `layer2::Station` to a bus and to the gateway; driven by `DeadlineLoop`. Realtime thread only;
+/// Binds a `layer2::Module` to a bus and to the gateway; driven by `DeadlineLoop`. Realtime thread only;
 /// realtime safe after its construction.
 class FrameMachine {
  public:
   /// Bus and exchange must outlive the machine.
-  FrameMachine(const FrameMachineSettings& settings, can::Bus& bus, Layer2Exchange& exchange) noexcept
+  FrameMachine(const FrameMachineSettings& settings, can::Bus& bus, Layer2Exchange& exchange)
       : bus_(bus),
         exchange_(exchange),
-        station_(settings.station),
+        module_(settings.module),
         clock_(settings.wall_clock),
         load_(settings.bits_per_second),
         tap_(settings.tap) {}
@@ -38,14 +38,19 @@ class FrameMachine {
   void begin(can::Time now) noexcept;
   void advance(can::Time now) noexcept;
   void receive(const can::ReceivedFrame& received) noexcept;
-  std::optional<can::Frame> next_frame() noexcept { return station_.next_frame(); }
+  std::optional<can::Frame> next_frame() noexcept { return module_.next_frame(); }
   void handed_over(can::SendResult result) noexcept;
-  can::Time next_deadline() const noexcept { return station_.next_deadline(); }
+  can::Time next_deadline() const noexcept { return module_.next_deadline(); }
   void publish(can::Time now) noexcept;
   void end(can::Time now) noexcept;
 
  private:
   void take_requests(can::Time now) noexcept;
+  void control(const layer2::ControlOrder& order, can::Time now) noexcept;
+  void finish_reset(can::ResetResult result) noexcept;
+  void pass_received() noexcept;
+  void take_snapshot() noexcept;
+  void publish_image(can::Time now) noexcept;
   void watch_bus(can::Time now) noexcept;
   void record_faults(const can::ControllerStatus& before, can::Time when) noexcept;
   void answer(const SendDone& done) noexcept;
@@ -53,7 +58,7 @@ class FrameMachine {
 
   can::Bus& bus_;
   Layer2Exchange& exchange_;
-  layer2::Station station_;
+  layer2::Module module_;
   WallClock clock_;
   BusLoad load_;
   FlightTap* const tap_;
@@ -61,9 +66,12 @@ class FrameMachine {
   BusSnapshot snapshot_;
   can::Time next_second_{};
   can::Time next_status_{};
-  std::size_t unanswered_ = 0;  ///< orders taken whose answer was not pushed yet
-  bool changed_ = false;        ///< the state of the bus, since it was published
-  bool pending_ = false;        ///< something was written for the gateway
+  std::size_t unanswered_ = 0;            ///< orders taken whose answer was not pushed yet
+  std::optional<layer2::OrderId> reset_;  ///< that asked for the reset under way
+  ImageSnapshot image_;
+  can::Time next_image_{};
+  bool changed_ = false;  ///< the state of the bus, since it was published
+  bool pending_ = false;  ///< something was written for the gateway
 };
 
 }  // namespace cansyncd

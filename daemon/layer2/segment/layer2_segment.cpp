@@ -18,6 +18,9 @@ namespace {
 /// A frame without an echo for so long is taken as acknowledged by nobody.
 constexpr can::Time kEchoPatience = std::chrono::seconds(1);
 
+/// 29 bits and eight bytes, with stuff bits at the worst and the space after it.
+constexpr int kLongestFrameBits = 160;
+
 SimPlan sim_plan(const Layer2Config& config) {
   SimPlan plan;
   plan.faults = &sim::frame_faults();
@@ -60,8 +63,24 @@ FrameMachineSettings frame_machine_settings(const Layer2Config& config, FlightTa
   FrameMachineSettings settings;
   settings.tap = tap;
   settings.bits_per_second = config.bus.bits_per_second;
-  settings.station.queue = config.send.queue;
-  for (const layer2::ReceiveRange& range : config.receive) settings.station.filter.add(range);
+  layer2::ModuleSettings& module = settings.module;
+  module.station.queue = config.send.queue;
+  module.station.high_queue = config.send.high_queue;
+  module.station.overflow = config.send.overflow;
+  for (const layer2::ReceiveRange& range : config.receive) module.station.filter.add(range);
+  if (config.node_filter != 0) module.station.node = {config.node_filter, config.node_filter_extended};
+  module.receive_queue = config.queues.receive;
+  module.receive_high_queue = config.queues.receive_high;
+  module.receive_overflow = config.queues.overflow;
+  for (const TimerConfig& timer : config.timers) module.timers[timer.number - 1] = timer.timer;
+  module.window = config.window;
+  module.longest_frame = kLongestFrameBits * can::Time(std::chrono::seconds(1)) / config.bus.bits_per_second;
+  module.power_on = read_script(config.script.power_on, config.script.rules);
+  module.run = read_script(config.script.run, config.script.rules);
+  module.stop = read_script(config.script.stop, config.script.rules);
+  module.starts_in_run = config.starts_in_run;
+  module.mapping = config.mapping;
+  module.mapped = config.mapped;
   return settings;
 }
 

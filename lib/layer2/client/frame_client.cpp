@@ -36,18 +36,24 @@ FrameClient::FrameClient(const Options& options)
       participant_(options.participant()),
       replies_(participant_, gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
                &signal_),
+      control_replies_(participant_,
+                       gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
+                       &signal_),
       batches_(participant_, &signal_),
       status_(participant_, &signal_),
+      timer_status_(participant_, &signal_),
       sight_(participant_, signal_, options.bus),
       requests_(participant_, 0, &signal_),
+      controls_(participant_, 0, &signal_),
       cancels_(participant_, 0, &signal_) {
   sight_.find(
       options, signal_, "layer2", [this] { return matched(); }, [this] { return status_.matched() != 0; });
 }
 
 bool FrameClient::matched() const noexcept {
-  return replies_.matched() != 0 && batches_.matched() != 0 && status_.matched() != 0 &&
-         (requests_.matched() != 0 || !requests_.permitted()) &&
+  return replies_.matched() != 0 && control_replies_.matched() != 0 && batches_.matched() != 0 &&
+         status_.matched() != 0 && (requests_.matched() != 0 || !requests_.permitted()) &&
+         (controls_.matched() != 0 || !controls_.permitted()) &&
          (cancels_.matched() != 0 || !cancels_.permitted());
 }
 
@@ -59,29 +65,42 @@ std::optional<SendResult> FrameClient::obstacle() {
   return SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_OTHER_DAEMON, std::move(found->reason), 0};
 }
 
-SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) {
+milliseconds FrameClient::monitoring_of(std::uint32_t timeout_ms) const {
+  if (timeout_ms != 0) return milliseconds(timeout_ms);
+  return newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
+}
+
+SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
+  layer2_SendRequest request = {};
+  request.content = dds::to_idl(frame);
+  request.timeout = timeout_ms;
+  request.high_priority = choice.high_priority;
+  request.by_identifier = choice.by_identifier;
+  return ask(requests_, request, monitoring_of(timeout_ms));
+}
+
+SendResult FrameClient::control(const layer2_ControlRequest& wanted) {
+  return ask(controls_, wanted, kDefaultMonitoring);
+}
+
+template <class Request>
+SendResult FrameClient::ask(gateway::dds::Writer<Request>& writer, Request request, milliseconds monitoring) {
   sight_.look();
   if (auto problem = obstacle()) return *std::move(problem);
   const auto daemon = sight_.choice().daemon();
-  layer2_SendRequest request = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
   request.request = ++number_;
   gateway::dds::copy_text(options_.client_name, request.client_name);
-  gateway::dds::set_daemon(sight_.choice().daemon(), request);
-  request.content = dds::to_idl(frame);
-  request.timeout = timeout_ms;
-  if (const auto code = requests_.write(request); code != DDS_RETCODE_OK) {
+  gateway::dds::set_daemon(daemon, request);
+  if (const auto code = writer.write(request); code != DDS_RETCODE_OK) {
     const bool forbidden = code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
     const bool full = code == DDS_RETCODE_TIMEOUT;
     return {true, gateway_REPLY_REFUSED,
             forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN),
-            forbidden ? "the identity has no right to write topic SendRequest, nothing was sent"
+            forbidden ? "the identity has no right to write this topic, nothing was done"
                       : fmt::format("the request could not be written: {}", dds_strretcode(code)),
             0};
   }
-  const auto monitoring = timeout_ms != 0 ? milliseconds(timeout_ms)
-                          : newest_       ? milliseconds(newest_->send_timeout)
-                                          : kDefaultMonitoring;
   auto end = steady_clock::now() + monitoring + kGrace;
   bool cancelled = false;
   while (!cancelled || steady_clock::now() < end) {
@@ -92,7 +111,7 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
     }
     if (!cancelled && (options_.stopped() || steady_clock::now() >= end)) {
       cancelled = true;
-      cancel(request);
+      cancel(request.request, daemon);
       end = steady_clock::now() + kGrace;
     }
     (void)signal_.wait(static_cast<int>(kLook.count()));
@@ -104,19 +123,41 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms) 
 std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
   sight_.look();
   std::optional<SendResult> result;
+  const auto is_own = [&](const auto& reply) {
+    return reply.request == request && std::equal(identity_.begin(), identity_.end(), reply.client);
+  };
   replies_.take([&](const layer2_SendReply& reply) {
-    if (reply.request != request || !std::equal(identity_.begin(), identity_.end(), reply.client)) return;
-    result = {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)), reply.sent_time};
+    if (is_own(reply))
+      result = {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)),
+                reply.sent_time};
+  });
+  control_replies_.take([&](const layer2_ControlReply& reply) {
+    if (is_own(reply))
+      result = {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)), 0};
   });
   return result;
 }
 
-void FrameClient::cancel(const layer2_SendRequest& request) {
+void FrameClient::cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon) {
   gateway_JobCancel sample = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
-  sample.request = request.request;
-  gateway::dds::set_daemon(gateway::dds::daemon_of(request), sample);
+  sample.request = request;
+  gateway::dds::set_daemon(daemon, sample);
   (void)cancels_.write(sample);
+}
+
+std::vector<layer2_TimerStatus> FrameClient::timers(milliseconds time) {
+  const auto end = steady_clock::now() + time;
+  while (true) {
+    signal_.clear();
+    (void)take_reply(kNobodysRequest);
+    timer_status_.take([this](const layer2_TimerStatus& sample) { timers_[sample.number] = sample; });
+    if (!timers_.empty() || options_.stopped() || !daemon_present() || steady_clock::now() >= end) break;
+    (void)signal_.wait(static_cast<int>(kLook.count()));
+  }
+  std::vector<layer2_TimerStatus> found;
+  for (const auto& [number, timer] : timers_) found.push_back(timer);
+  return found;
 }
 
 bool FrameClient::receive(milliseconds time, const std::function<void(const layer2_FrameBatch&)>& on_batch) {

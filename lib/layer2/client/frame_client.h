@@ -4,10 +4,13 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "can/frame.h"
+#include "dds/daemon_identity.h"
 #include "dds/daemon_sight.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
@@ -31,6 +34,12 @@ struct SendResult {
   std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns) of the frame's last bit
 };
 
+/// How a frame waits to be sent.
+struct SendChoice {
+  bool high_priority = false;  ///< in the queue of high priority
+  bool by_identifier = false;  ///< in front of those that lose the arbitration against it
+};
+
 /// A connection to the daemon of one bus. One thread.
 class FrameClient {
  public:
@@ -44,7 +53,15 @@ class FrameClient {
   /// reply says whether that was in time. Without one 5 s later it gives up: the frame may have been sent, or
   /// be sent yet. A request is for the start of the daemon that this client knows: after another start the
   /// first is refused here, and every one while several daemons serve the bus.
-  SendResult send(const can::Frame& frame, std::uint32_t timeout_ms);
+  SendResult send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice = {});
+
+  /// Has the daemon do what `wanted` says, and waits for the reply as `send` does; `sent_time` is 0. Who asks
+  /// need not stand in it.
+  SendResult control(const layer2_ControlRequest& wanted);
+
+  /// What the daemon told last of its timers that are set up, by number; none: it has told of none within
+  /// `time`, which is waited for the first.
+  std::vector<layer2_TimerStatus> timers(std::chrono::milliseconds time);
 
   /// Waits at most `time` for frames that the daemon received, and calls `on_batch` for each batch that came.
   /// False: the daemon has gone.
@@ -68,20 +85,29 @@ class FrameClient {
   /// Why no request may be sent now, with its code; nothing: one may.
   std::optional<SendResult> obstacle();
   std::optional<SendResult> take_reply(std::uint64_t request);
-  void cancel(const layer2_SendRequest& request);
+  void cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon);
+  /// Gives the request who asks and its number, writes it, and waits for its reply.
+  template <class Request>
+  SendResult ask(gateway::dds::Writer<Request>& writer, Request request,
+                 std::chrono::milliseconds monitoring);
+  std::chrono::milliseconds monitoring_of(std::uint32_t timeout_ms) const;
 
   Options options_;
   std::array<std::uint8_t, 16> identity_;
   gateway::dds::Participant participant_;
   gateway::dds::DataSignal signal_;
   gateway::dds::Reader<layer2_SendReply> replies_;
+  gateway::dds::Reader<layer2_ControlReply> control_replies_;
   gateway::dds::Reader<layer2_FrameBatch> batches_;
   gateway::dds::Reader<layer2_FrameStatus> status_;
+  gateway::dds::Reader<layer2_TimerStatus> timer_status_;
   gateway::dds::DaemonSight sight_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
+  gateway::dds::Writer<layer2_ControlRequest> controls_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
   std::uint64_t number_ = 0;  ///< of the last request
   std::optional<layer2_FrameStatus> newest_;
+  std::map<unsigned, layer2_TimerStatus> timers_;
 };
 
 }  // namespace layer2::client

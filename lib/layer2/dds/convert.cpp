@@ -9,8 +9,9 @@
 namespace layer2::dds {
 namespace {
 
-layer2_SendReply reply_to(const RequestKey& key) noexcept {
-  layer2_SendReply reply = {};
+template <class Reply>
+Reply reply_to(const RequestKey& key) noexcept {
+  Reply reply = {};
   std::copy(key.client.begin(), key.client.end(), std::begin(reply.client));
   reply.request = key.request;
   return reply;
@@ -37,6 +38,29 @@ std::string_view reason_of_timeout(Obstacle obstacle) noexcept {
   return "not sent within the monitoring time";
 }
 
+Control control_of(layer2_ControlKind kind) noexcept {
+  switch (kind) {
+    case layer2_CONTROL_RUN:
+      return Control::run;
+    case layer2_CONTROL_STOP:
+      return Control::stop;
+    case layer2_CONTROL_START_TIMER:
+      return Control::start_timer;
+    case layer2_CONTROL_STOP_TIMER:
+      return Control::stop_timer;
+    case layer2_CONTROL_SET_TIMER:
+      return Control::set_timer;
+    case layer2_CONTROL_RESET_CONTROLLER:
+      return Control::reset_controller;
+    case layer2_CONTROL_CLEAR_QUEUES:
+      return Control::clear_queues;
+    case layer2_CONTROL_RESET_OVERFLOW:
+      return Control::reset_overflow;
+    default:
+      return Control::write_image;
+  }
+}
+
 }  // namespace
 
 can::Frame to_core(const layer2_CanFrame& frame) noexcept {
@@ -51,7 +75,24 @@ can::Frame to_core(const layer2_CanFrame& frame) noexcept {
 
 SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout) noexcept {
   const Time timeout = std::chrono::milliseconds(request.timeout);
-  return {id, to_core(request.content), timeout == Time{0} ? default_timeout : timeout};
+  return {id, to_core(request.content), timeout == Time{0} ? default_timeout : timeout,
+          request.high_priority ? Priority::high : Priority::normal,
+          request.by_identifier ? Placing::by_identifier : Placing::last};
+}
+
+ControlOrder to_core(const layer2_ControlRequest& request, OrderId id) noexcept {
+  ControlOrder order;
+  order.id = id;
+  order.what = control_of(request.kind);
+  order.number = request.number;
+  order.timer.frame = to_core(request.content);
+  order.timer.period = std::chrono::microseconds(request.period);
+  order.timer.phase = std::chrono::microseconds(request.phase);
+  order.timer.cyclic = request.cyclic;
+  order.address = request.address;
+  order.size = std::min<std::uint8_t>(request.size, ControlOrder::kMostBytes);
+  std::copy_n(std::begin(request.bytes), order.size, order.bytes.begin());
+  return order;
 }
 
 layer2_CanFrame to_idl(const can::Frame& frame) noexcept {
@@ -64,12 +105,13 @@ layer2_CanFrame to_idl(const can::Frame& frame) noexcept {
   return out;
 }
 
-layer2_ReceivedFrame received_frame(const can::Frame& frame, std::int64_t receive_time,
-                                    std::uint8_t range) noexcept {
+layer2_ReceivedFrame received_frame(const can::Frame& frame, std::int64_t receive_time, std::uint8_t range,
+                                    bool high_priority) noexcept {
   layer2_ReceivedFrame out = {};
   out.received = to_idl(frame);
   out.receive_time = receive_time;
   out.range_index = range;
+  out.high_priority = high_priority;
   return out;
 }
 
@@ -115,7 +157,7 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept {
 }
 
 layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept {
-  layer2_SendReply reply = reply_to(key);
+  auto reply = reply_to<layer2_SendReply>(key);
   reply.code = to_reply_code(answer.outcome);
   copy_text(reason_of(answer.outcome, answer.obstacle), reply.reason);
   if (answer.outcome == Outcome::done) reply.sent_time = sent_time;
@@ -123,7 +165,22 @@ layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::in
 }
 
 layer2_SendReply send_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept {
-  layer2_SendReply reply = reply_to(key);
+  auto reply = reply_to<layer2_SendReply>(key);
+  gateway::dds::refuse(reply, denial);
+  return reply;
+}
+
+layer2_ControlReply control_reply(const RequestKey& key, Outcome outcome) noexcept {
+  auto reply = reply_to<layer2_ControlReply>(key);
+  reply.code = to_reply_code(outcome);
+  const bool stopped = outcome == Outcome::stopped;
+  copy_text(stopped ? "the daemon was stopped before it was done" : reason_of(outcome, Obstacle::none),
+            reply.reason);
+  return reply;
+}
+
+layer2_ControlReply control_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept {
+  auto reply = reply_to<layer2_ControlReply>(key);
   gateway::dds::refuse(reply, denial);
   return reply;
 }

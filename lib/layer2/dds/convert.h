@@ -8,7 +8,7 @@
 #include "dds/request_key.h"
 #include "layer2.h"
 #include "layer2/dds/topics.h"
-#include "layer2/station.h"
+#include "layer2/module.h"
 
 /// Between the structs of the IDL and those of the core, in one file. Requests must have passed `check`
 /// (validate.h); a field out of range is cut to its type and never read out of bounds. No function allocates
@@ -20,11 +20,14 @@ can::Frame to_core(const layer2_CanFrame& frame) noexcept;
 /// `default_timeout` (over 0) counts for a request that names none.
 SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout) noexcept;
 
+/// The order of a request, its timer's frame included.
+ControlOrder to_core(const layer2_ControlRequest& request, OrderId id) noexcept;
+
 /// As the core has it; an error frame is no frame for clients and must not come here.
 layer2_CanFrame to_idl(const can::Frame& frame) noexcept;
 /// `receive_time` is CLOCK_REALTIME (ns) of the last bit; `range` the position of the range, 0..63.
-layer2_ReceivedFrame received_frame(const can::Frame& frame, std::int64_t receive_time,
-                                    std::uint8_t range) noexcept;
+layer2_ReceivedFrame received_frame(const can::Frame& frame, std::int64_t receive_time, std::uint8_t range,
+                                    bool high_priority) noexcept;
 
 /// The code by which an outcome is told.
 gateway_ReplyCode to_reply_code(Outcome outcome) noexcept;
@@ -35,5 +38,10 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept;
 layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept;
 /// Nothing was sent, for this cause and reason.
 layer2_SendReply send_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
+
+/// Likewise of a request to control; `outcome` of one that was taken.
+layer2_ControlReply control_reply(const RequestKey& key, Outcome outcome) noexcept;
+/// Nothing was done, for this cause and reason.
+layer2_ControlReply control_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
 
 }  // namespace layer2::dds

@@ -26,6 +26,20 @@ template <>
 inline constexpr TopicInfo topic_info<layer2_SendReply> = {
     "SendReply", &layer2_SendReply_desc, kFromDaemon, kind::reply(4096, 2048), &layer2_SendReply_final_desc};
 template <>
+inline constexpr TopicInfo topic_info<layer2_ControlRequest> = {"ControlRequest", &layer2_ControlRequest_desc,
+                                                                kFromClients, kind::request(),
+                                                                &layer2_ControlRequest_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_ControlReply> = {"ControlReply", &layer2_ControlReply_desc,
+                                                              kFromDaemon, kind::reply(4096, 2048),
+                                                              &layer2_ControlReply_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_TimerStatus> = {
+    "TimerStatus", &layer2_TimerStatus_desc, kFromDaemon, kind::state(), &layer2_TimerStatus_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_ProcessImage> = {
+    "ProcessImage", &layer2_ProcessImage_desc, kFromDaemon, kind::state(), &layer2_ProcessImage_final_desc};
+template <>
 inline constexpr TopicInfo topic_info<layer2_FrameStatus> = {
     "FrameStatus", &layer2_FrameStatus_desc, kFromDaemon, kind::state(), &layer2_FrameStatus_final_desc};
 

@@ -84,7 +84,7 @@ TEST(RealtimeRules, TheLoopOfGeneralFramesNeitherAllocatesNorLocksNorWritesAnyth
   RecordedBus recorded(busy, tap);
   FrameMachineSettings settings;
   settings.tap = &tap;
-  settings.station.filter.add({0, 0x7FF, false, layer2::FrameKinds::data_and_remote});
+  settings.module.station.filter.add({0, 0x7FF, false, layer2::FrameKinds::data_and_remote});
   FrameMachine machine(settings, recorded, exchange);
 
   DeadlineLoop<FrameMachine> loop(machine, recorded);

@@ -34,8 +34,8 @@ FrameMachineSettings everything() {
   FrameMachineSettings settings;
   settings.wall_clock = nullptr;
   settings.bits_per_second = 1'000'000;
-  settings.station.filter.add({0, 0x7FF, false, layer2::FrameKinds::data_and_remote});
-  settings.station.filter.add({0, 0x1FFFFFFF, true, layer2::FrameKinds::data_and_remote});
+  settings.module.station.filter.add({0, 0x7FF, false, layer2::FrameKinds::data_and_remote});
+  settings.module.station.filter.add({0, 0x1FFFFFFF, true, layer2::FrameKinds::data_and_remote});
   return settings;
 }
 
@@ -170,7 +170,7 @@ TEST(FrameMachine, ARemoteFrameIsAnsweredByTheNodeThatHasTheData) {
 TEST(FrameMachine, OnlyFramesThatARangeTakesAreHandedOn) {
   FrameMachineSettings settings;
   settings.wall_clock = nullptr;
-  settings.station.filter.add({0x200, 0x2FF, false, layer2::FrameKinds::data_and_remote});
+  settings.module.station.filter.add({0x200, 0x2FF, false, layer2::FrameKinds::data_and_remote});
   std::vector<std::unique_ptr<sim::Node>> nodes;
   for (const std::uint32_t identifier : {0x1FFu, 0x200u, 0x2FFu, 0x300u}) {
     nodes.push_back(std::make_unique<sim::FrameNode>(
@@ -187,12 +187,81 @@ TEST(FrameMachine, OnlyFramesThatARangeTakesAreHandedOn) {
 }
 
 TEST(FrameMachine, WhatDoesNotFitIsCounted) {
-  Rig rig(everything(), one({.periodic = data_frame(0x100, {0}), .period = milliseconds(1)}), 16);
+  FrameMachineSettings settings = everything();
+  settings.module.receive_queue = 8;
+  Rig rig(settings, one({.periodic = data_frame(0x100, {0}), .period = milliseconds(1)}), 16);
   rig.run_until(milliseconds(60));
   EXPECT_EQ(rig.received.size(), 16u);
   const BusSnapshot status = rig.status();
-  EXPECT_EQ(status.lost, status.counters.taken - 16u);
+  EXPECT_EQ(status.lost, status.counters.taken - 16u - 8u);
   EXPECT_GT(status.lost, 0u);
+  EXPECT_TRUE(status.facts.receive.overflowed);
+}
+
+TEST(FrameMachine, L9L11L12AScriptStartsATimerAndItsFramesStandOnTheBus) {
+  FrameMachineSettings settings = everything();
+  layer2::TimerSettings sync;
+  sync.frame = data_frame(0x80, {});
+  sync.period = milliseconds(10);
+  settings.module.timers[2] = sync;
+  settings.module.run = layer2::parse_script("Send 0x000 2 1 0\nWait 5\nStart 3");
+  Rig rig(settings);
+  rig.run_until(milliseconds(48));
+  const BusSnapshot status = rig.status();
+  EXPECT_EQ(status.counters.sent, 6u);  // the script's, and at 5, 15, 25, 35, 45 ms
+  EXPECT_TRUE(status.timers[2].running);
+  EXPECT_EQ(status.timers[2].sent, 5u);
+  EXPECT_EQ(status.timers[2].left_out, 0u);
+  EXPECT_FALSE(status.script_running);
+  EXPECT_TRUE(rig.received.empty());
+}
+
+TEST(FrameMachine, L5L18L19ControlIsAnsweredOnce) {
+  FrameMachineSettings settings = everything();
+  layer2::TimerSettings sync;
+  sync.frame = data_frame(0x80, {});
+  settings.module.timers[0] = sync;
+  Rig rig(settings);
+  const auto control_at = [&](can::Time when, layer2::ControlOrder order) {
+    rig.bus.script.emplace(when, [&rig, order] { EXPECT_TRUE(rig.exchange.requests.try_push(order)); });
+  };
+  control_at(milliseconds(1), {.id = 1, .what = layer2::Control::start_timer, .number = 1});
+  control_at(milliseconds(2), {.id = 2, .what = layer2::Control::start_timer, .number = 2});
+  control_at(milliseconds(30), {.id = 3, .what = layer2::Control::stop});
+  rig.order_at(milliseconds(40), 4, data_frame(1, {}));
+  control_at(milliseconds(50), {.id = 5, .what = layer2::Control::run});
+  rig.order_at(milliseconds(60), 6, data_frame(1, {}));
+  control_at(milliseconds(70), {.id = 7, .what = layer2::Control::reset_controller});
+  rig.run_until(milliseconds(100));
+  EXPECT_EQ(rig.answer_to(1).refusal, layer2::Refusal::none);
+  EXPECT_EQ(rig.answer_to(2).refusal, layer2::Refusal::no_timer);
+  EXPECT_EQ(rig.answer_to(3).refusal, layer2::Refusal::none);
+  EXPECT_EQ(rig.answer_to(4).refusal, layer2::Refusal::not_running);
+  EXPECT_EQ(rig.answer_to(5).refusal, layer2::Refusal::none);
+  EXPECT_EQ(rig.answer_to(6).answer.outcome, Outcome::done);
+  EXPECT_EQ(rig.answer_to(7).refusal, layer2::Refusal::none);
+  EXPECT_EQ(rig.status().timers[0].sent, 1u);
+}
+
+TEST(FrameMachine, L52L55TheProcessImageIsExchanged) {
+  FrameMachineSettings settings = everything();
+  settings.module.mapped = {{.identifier = 0x181, .address = 3, .size = 2},
+                            {.identifier = 0x201, .address = 0, .size = 2, .output = true}};
+  settings.module.mapping.rule = {.identifier = 0x181, .mask = 0x7FF};
+  Rig rig(settings, one({.periodic = data_frame(0x181, {0, 7}), .period = milliseconds(20)}));
+  layer2::ControlOrder write{.id = 1, .what = layer2::Control::write_image, .address = 0, .size = 2};
+  write.bytes = {0xAB, 0xCD};
+  rig.bus.script.emplace(milliseconds(5), [&] { EXPECT_TRUE(rig.exchange.requests.try_push(write)); });
+  rig.run_until(milliseconds(95));
+  EXPECT_EQ(rig.answer_to(1).refusal, layer2::Refusal::none);
+  ImageSnapshot image;
+  ASSERT_TRUE(rig.exchange.image.read(image));
+  EXPECT_TRUE(image.exchanging);
+  EXPECT_EQ(image.inputs[4], 7);
+  EXPECT_GT(image.received, 2u);
+  EXPECT_EQ(image.outputs[1], 0xCD);
+  EXPECT_EQ(image.sent, 10u);
+  EXPECT_TRUE(rig.received.empty());  // what the mapping takes goes to nobody else
 }
 
 TEST(FrameMachine, ABusThatTakesNothingIsTheReasonOfATimeout) {

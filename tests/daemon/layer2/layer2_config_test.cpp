@@ -52,7 +52,8 @@ TEST_F(Layer2Configuration, WithoutRangesEverythingIsReceived) {
                                                  {0, 0x1FFFFFFF, true, layer2::FrameKinds::data_and_remote}};
   EXPECT_EQ(config.receive, all);
   EXPECT_EQ(config.bus.bits_per_second, 500'000u);
-  EXPECT_EQ(config.send.queue, 64);
+  EXPECT_EQ(config.send.queue, 400);
+  EXPECT_EQ(config.send.high_queue, 20);
   EXPECT_EQ(config.send.timeout, std::chrono::milliseconds(1000));
 }
 
@@ -102,6 +103,71 @@ TEST_F(Layer2Configuration, WrongNodesAreToldWithTheirPlace) {
       "f.toml:3:14: node.1.identifier: found 0x20000; allowed: 0..0x7FF, or extended = true beside it\n");
   EXPECT_NE(problems("[[node]]\nnumber = 1\ndata = [256]\n").find("a list of at most eight numbers 0..255"),
             std::string::npos);
+}
+
+TEST_F(Layer2Configuration, L9L10ScriptsAreCheckedWithTheirLine) {
+  const Layer2Config config = good(R"([script]
+run = ["// the SYNC timer", "Start 3", "Wait 10", "Send 0x000 2 1 0"]
+[[timer]]
+number = 3
+identifier = 0x80
+period_us = 5000
+phase_us = 100
+)");
+  const FrameMachineSettings settings = frame_machine_settings(config, nullptr);
+  EXPECT_EQ(settings.module.run.commands.size(), 3u);
+  ASSERT_TRUE(settings.module.timers[2]);
+  EXPECT_EQ(settings.module.timers[2]->period, std::chrono::milliseconds(5));
+  EXPECT_EQ(settings.module.timers[2]->phase, std::chrono::microseconds(100));
+  EXPECT_EQ(settings.module.timers[2]->frame.id, 0x80u);
+  EXPECT_FALSE(settings.module.timers[0]);
+  EXPECT_EQ(problems("[script]\nstop = [\"Wait 1\", \"Wait 0\"]\n"),
+            "f.toml:2:8: script.stop: line 2, column 6: time in ms: found '0'; allowed: 1..65535\n");
+}
+
+TEST_F(Layer2Configuration, L11L13TimersAndTheWindowAreChecked) {
+  EXPECT_EQ(
+      problems("[[timer]]\nnumber = 2\nidentifier = 0x800\n"),
+      "f.toml:3:14: timer.2.identifier: found 0x800; allowed: 0..0x7FF, or extended = true beside it\n");
+  EXPECT_NE(problems("[[timer]]\nnumber = 17\n").find("1..16"), std::string::npos);
+  EXPECT_NE(problems("[window]\nused = true\n[[timer]]\nnumber = 2\n").find("takes timers 1 and 2"),
+            std::string::npos);
+  EXPECT_NE(
+      problems("[window]\nused = true\nbegin_us = 500\nend_us = 500\n").find("not after window.begin_us"),
+      std::string::npos);
+  EXPECT_NE(problems("[window]\nused = true\nrepeat_us = 400\nend_us = 500\n").find("after window.repeat_us"),
+            std::string::npos);
+}
+
+TEST_F(Layer2Configuration, L50AMappingIsChecked) {
+  const Layer2Config config = good(R"([mapping]
+identifier = 0x180
+mask = 0x780
+interval_ms = 20
+[[mapped]]
+number = 0
+identifier = 0x181
+size = 2
+address = 10
+[[mapped]]
+number = 1
+identifier = 0x201
+output = true
+size = 8
+)");
+  ASSERT_EQ(config.mapped.size(), 2u);
+  EXPECT_TRUE(config.mapped[1].output);
+  EXPECT_EQ(config.mapping.interval, std::chrono::milliseconds(20));
+  EXPECT_EQ(
+      problems("[[mapped]]\nnumber = 3\nsize = 2\n[[mapped]]\nnumber = 5\naddress = 1\nidentifier = 1\n"),
+      "f.toml:5:10: mapped.5.number: another entry fills the same byte of the image\n");
+}
+
+TEST_F(Layer2Configuration, L8ANodeFilterTakesThePlaceOfRanges) {
+  const Layer2Config config = good("[filter]\nnode = 5\n");
+  const FrameMachineSettings settings = frame_machine_settings(config, nullptr);
+  ASSERT_TRUE(settings.module.station.node);
+  EXPECT_EQ(settings.module.station.node->node, 5);
 }
 
 TEST_F(Layer2Configuration, SectionsOfAnotherProtocolAreRefused) {

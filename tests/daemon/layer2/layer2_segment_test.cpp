@@ -138,6 +138,32 @@ TEST_F(Layer2Bus, ARemoteFrameBringsTheDataOfTheNodeThatHasIt) {
   for (const layer2_ReceivedFrame& frame : seen_) EXPECT_FALSE(frame.received.remote);  // not the own one
 }
 
+TEST_F(Layer2Bus, L5L12L22ControlOverDds) {
+  Layer2File file = file_for(places_);
+  layer2::TimerSettings sync;
+  sync.frame = data_frame(0x80, {1});
+  file.config.timers = {{3, sync}};
+  start(std::move(file));
+  const auto control = [&](layer2_ControlKind kind, std::uint8_t number) {
+    layer2_ControlRequest request = {};
+    request.kind = kind;
+    request.number = number;
+    return client_->control(request);
+  };
+  EXPECT_EQ(control(layer2_CONTROL_START_TIMER, 3).code, gateway_REPLY_DONE);
+  EXPECT_EQ(control(layer2_CONTROL_START_TIMER, 4).cause, gateway_CAUSE_FIELD);
+  EXPECT_EQ(control(layer2_CONTROL_START_TIMER, 17).reason, "number 17: no such timer; allowed 1..16");
+  EXPECT_EQ(control(layer2_CONTROL_RESET_OVERFLOW, 0).code, gateway_REPLY_DONE);
+  const auto timers = client_->timers(seconds(20));
+  ASSERT_EQ(timers.size(), 1u);
+  EXPECT_EQ(timers[0].number, 3);
+  EXPECT_EQ(timers[0].content.identifier, 0x80u);
+  EXPECT_EQ(control(layer2_CONTROL_STOP, 0).code, gateway_REPLY_DONE);
+  EXPECT_EQ(client_->send(data_frame(0x123, {}), 0).cause, gateway_CAUSE_WRONG_STATE);
+  EXPECT_EQ(control(layer2_CONTROL_RUN, 0).code, gateway_REPLY_DONE);
+  EXPECT_EQ(client_->send(data_frame(0x123, {}), 0, {.high_priority = true}).code, gateway_REPLY_DONE);
+}
+
 TEST_F(Layer2Bus, ARequestThatIsWrongIsRefusedWithItsReason) {
   start();
   const SendResult result = client_->send(data_frame(0x123, {1}), 4'000'000);

@@ -67,7 +67,7 @@ TEST(Convert, ARequestWithoutATimeHasTheDefault) {
 }
 
 TEST(Convert, AReceivedFrameHasItsTimeAndItsRange) {
-  const layer2_ReceivedFrame received = received_frame(data_frame(0x181, {9}), 1234, 63);
+  const layer2_ReceivedFrame received = received_frame(data_frame(0x181, {9}), 1234, 63, true);
   EXPECT_EQ(received.received.identifier, 0x181u);
   EXPECT_EQ(received.receive_time, 1234);
   EXPECT_EQ(received.range_index, 63);
@@ -78,7 +78,9 @@ TEST(Convert, EachOutcomeHasItsCodeAndAReason) {
                                                          {Outcome::no_answer, gateway_REPLY_NO_ANSWER},
                                                          {Outcome::timeout, gateway_REPLY_TIMEOUT},
                                                          {Outcome::cancelled, gateway_REPLY_CANCELLED},
-                                                         {Outcome::stopped, gateway_REPLY_MASTER_STOPPED}};
+                                                         {Outcome::stopped, gateway_REPLY_MASTER_STOPPED},
+                                                         {Outcome::displaced, gateway_REPLY_REPLACED},
+                                                         {Outcome::deleted, gateway_REPLY_CANCELLED}};
   for (const auto& [outcome, code] : codes) {
     const layer2_SendReply reply = send_reply(kKey, {42, outcome, Time{5}, Obstacle::none}, 99);
     EXPECT_EQ(reply.code, code);
@@ -137,7 +139,7 @@ TEST(Topics, EachHasItsOwnNameAndTheTypeOfThatName) {
               fmt::format("{}::{}", of_every_protocol ? "gateway" : "layer2", topic->name));
     EXPECT_EQ(topic->qos.keep_all, topic->qos.max_samples > 0) << topic->name;
   }
-  EXPECT_EQ(names.size(), 9u);
+  EXPECT_EQ(names.size(), 13u);
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
+#include "cli/layer2/control_verbs.h"
+#include "cli/layer2/send_reply.h"
 #include "cli/layer2/status_part.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
@@ -31,6 +33,7 @@ struct SendTexts {
   std::string length;
   bool extended = false;
   bool remote = false;
+  layer2::client::SendChoice choice;
 };
 
 /// "0102FF", also with blanks or dots between the bytes.
@@ -84,63 +87,11 @@ can::Frame parse_frame(const SendTexts& texts) {
   return frame;
 }
 
-std::string identifier_text(const layer2_CanFrame& frame) {
-  return frame.extended ? fmt::format("{:08X}", frame.identifier) : fmt::format("{:03X}", frame.identifier);
-}
-
-std::string data_text(const layer2_CanFrame& frame) {
-  if (frame.remote) return "remote";
-  std::string text;
-  for (unsigned i = 0; i < frame.length && i < kMostData; ++i)
-    text += fmt::format("{}{:02X}", i == 0 ? "" : " ", frame.data[i]);
-  return text;
-}
-
-void add_frame(const layer2_CanFrame& frame, JsonObject& object) {
-  JsonArray data;
-  for (unsigned i = 0; !frame.remote && i < frame.length && i < kMostData; ++i) data.add(frame.data[i]);
-  object.add("identifier", frame.identifier)
-      .add("extended", frame.extended)
-      .add("remote", frame.remote)
-      .add("length", frame.length)
-      .add("data", data);
-}
-
-client::Reply to_reply(const layer2::client::SendResult& result) {
-  using client::ReplyCode;
-  client::Reply reply;
-  reply.reason = result.reason;
-  reply.code = ReplyCode::no_reply;
-  if (!result.replied) return reply;
-  switch (result.code) {
-    case gateway_REPLY_DONE:
-      reply.code = ReplyCode::done;
-      break;
-    case gateway_REPLY_TIMEOUT:
-      reply.code = ReplyCode::timeout;
-      break;
-    case gateway_REPLY_NO_ANSWER:
-      reply.code = ReplyCode::no_answer;
-      break;
-    case gateway_REPLY_CANCELLED:
-      reply.code = ReplyCode::cancelled;
-      break;
-    case gateway_REPLY_MASTER_STOPPED:
-      reply.code = ReplyCode::master_stopped;
-      break;
-    default:
-      reply.code = ReplyCode::refused;
-      // The numbers are those of the data model.
-      reply.cause = static_cast<client::RefusalCause>(result.cause);
-  }
-  return reply;
-}
-
 ExitCode send_verb(Session& session, const SendTexts& texts) {
   const can::Frame frame = parse_frame(texts);
   FrameClient client = connect_bus<layer2::client::FrameClient>(session);
   (void)client.status(session.search_time());
-  const layer2::client::SendResult result = client.send(frame, session.monitoring_ms());
+  const layer2::client::SendResult result = client.send(frame, session.monitoring_ms(), texts.choice);
   const layer2_CanFrame shown = layer2::dds::to_idl(frame);
   JsonObject object;
   add_frame(shown, object);
@@ -199,7 +150,7 @@ void FrameLines::show(const layer2_FrameBatch& batch) {
       JsonObject object;
       object.add("time_ns", frame.receive_time);
       add_frame(frame.received, object);
-      object.add("range", frame.range_index);
+      object.add("range", frame.range_index).add("high_priority", frame.high_priority);
       output_.object(object);
     } else {
       if (shown_ == 0) output_.line(table_.heading());
@@ -247,6 +198,10 @@ void add_send(CLI::App& app, Verb& chosen) {
   send->add_flag("--remote", texts->remote, "ask for the data instead of sending some");
   send->add_option("--length", texts->length, "with --remote: bytes asked for, 0..8 (default 0)")
       ->type_name("N");
+  send->add_flag("--high", texts->choice.high_priority,
+                 "wait in the queue of high priority, which is sent first");
+  send->add_flag("--by-id", texts->choice.by_identifier,
+                 "wait in front of frames that lose the arbitration against it, second at best");
   send->footer(
       "Of a bus with bus.protocol = \"layer2\". Done means that the frame was on the bus; without an answer it may "
       "have\nbeen, or be sent yet.");
@@ -257,6 +212,7 @@ void add_send(CLI::App& app, Verb& chosen) {
 void add_verbs_of_layer2(CLI::App& app, Verb& chosen) {
   add_frames(app, chosen);
   add_send(app, chosen);
+  add_control_verbs(app, chosen);
 }
 
 }  // namespace

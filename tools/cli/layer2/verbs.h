@@ -4,7 +4,7 @@
 
 namespace cansync::cli {
 
-/// `frames` and `send`: a bus of general frames.
+/// `frames`, `send`, `can` and `timers`: a bus of general frames.
 extern const ProtocolVerbs layer2_verbs;
 
 }  // namespace cansync::cli
