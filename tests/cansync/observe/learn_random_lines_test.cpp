@@ -308,6 +308,24 @@ unsigned lines_wanted() {
   return wanted == nullptr ? 40 : static_cast<unsigned>(std::strtoul(wanted, nullptr, 10));
 }
 
+TEST(LearnRandomLines, ARecordingThatBeginsInOperationSaysNothingWrong) {
+  for (unsigned seed = 1; seed <= lines_wanted(); ++seed) {
+    SCOPED_TRACE("line " + std::to_string(seed));
+    const RandomLine line = support::random_line(seed, seed % 4 == 0);
+    Recording recording = record(line, line.master);
+    const auto from = recording.entries.begin() + static_cast<std::ptrdiff_t>(recording.entries.size() / 2);
+    recording.entries.erase(recording.entries.begin(), from);
+    const Observation observed = observe_recording(recording, Form::ends);
+    const Learned learned = learn(observed);
+    const Truth truth{line, line.master.master, observed, learned};
+    Judge judge(std::to_string(seed));
+    judge.value("bit_rate", true, learned.bit_rate, line.master.master.bit_rate);
+    judge_process(judge, truth);
+    judge_seen(judge, truth);
+    EXPECT_EQ(judge.found_, judge.decided_) << judge.missing_;
+  }
+}
+
 TEST(LearnRandomLines, WhatIsSaidIsTrueAndOurMasterDoesTheSame) {
   Judge all("all");
   for (unsigned seed = 1; seed <= lines_wanted(); ++seed) {
