@@ -33,6 +33,16 @@ class SimulatorOnVcan(unittest.TestCase):
             self.assertEqual(sorted(answer[:4] for answer in answers), ["302#", "382#"])
             self.assertIn("302#0000000000000000", answers, "position and speed of a drive that stands")
 
+    def test_a_simulated_master_brings_simulated_drives_to_active_operation(self):
+        with Simulator(), Candump() as log, Simulator("--master", "--reference", "0=74565") as master:
+            for slave in range(4):
+                master.wait_text(f"slave {slave}: released")
+            master.wait_text("state: synchronous operation active as master")
+            log.wait_for_frame("010#FFFFFFFF02010000")
+            log.wait_for_frame("101#4523010000000000")
+            self.assertEqual(master.stop(), 0)
+        self.assertRegex(master.text(), "master in state 'synchronous operation active as master', [1-9][0-9]* SYNC")
+
     def test_fault_script(self):
         with open("/dev/shm/faults.toml", "w", encoding="utf-8") as file:
             file.write('[[fault]]\nkind = "wrong_answer"\nslave = 1\ncount = 1\n'

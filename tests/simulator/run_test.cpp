@@ -11,6 +11,7 @@
 #include <csignal>
 
 #include "rig.h"
+#include "simulator/drive_log.h"
 #include "simulator/socket_port.h"
 
 namespace {
@@ -23,8 +24,10 @@ using Sent = ScriptedPort::Sent;
 class RunTest : public testing::Test {
  protected:
   void run(Bench& bench, bool verbose = false) {
+    const auto remark = [&](const std::string& line) { said_.push_back(line); };
+    cansync_sim::DriveLog log(bench, remark);
     cansync_sim::run(bench, port_,
-                     {"vcan7", verbose, [&](const std::string& line) { said_.push_back(line); }});
+                     {"vcan7", remark, verbose ? [&] { log.look(); } : std::function<void()>()});
   }
 
   ScriptedPort port_;
@@ -71,7 +74,7 @@ TEST_F(RunTest, ALostInterfaceIsToldOnceAndWaitedFor) {
   EXPECT_EQ(said_[0].substr(0, 34), "vcan7 is down; waiting for it. An ");
   EXPECT_NE(said_[1].find("vcan7 does not exist; waiting for it."), std::string::npos);
   EXPECT_NE(said_[1].find("ip link add dev vcan7 type vcan"), std::string::npos);
-  EXPECT_EQ(said_[2], "vcan7 is up; the drives are on the bus");
+  EXPECT_EQ(said_[2], "vcan7 is up; on the bus again");
   EXPECT_EQ(port_.sent().size(), 1u);
 }
 
@@ -112,7 +115,7 @@ void stop_while_frames_wait(int frames) {
     if (::write(ends[1], &sync, sizeof sync) != sizeof sync) ::_exit(3);
   }
   ::raise(SIGTERM);
-  cansync_sim::run(bench, port, {"pair", false, [](const std::string&) {}});
+  cansync_sim::run(bench, port, {"pair", [](const std::string&) {}});
   ::_exit(0);
 }
 

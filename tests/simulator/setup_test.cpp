@@ -82,6 +82,39 @@ TEST(Setup, Defaults) {
   EXPECT_EQ(setup.drives[0].lock_time, 500ms);
 }
 
+TEST(Setup, AMasterGetsTheLineAndItsReferenceValues) {
+  Arguments arguments = on("can0");
+  arguments.master = true;
+  arguments.slaves = "0,31";
+  arguments.bit_rate = "500000";
+  arguments.references = {"0=1000+7", "5=-3"};
+  const auto setup = make_setup(arguments);
+  ASSERT_TRUE(setup.problems.empty()) << setup.problems[0];
+  EXPECT_TRUE(setup.drives.empty());
+  ASSERT_TRUE(setup.master);
+  EXPECT_EQ(setup.master->master.bit_rate, cansync::BitRate::kbit500);
+  EXPECT_EQ(setup.master->master.configured().bits, 0x80000001u);
+  EXPECT_EQ(sim::value_of(setup.master->references[0], 2), 1014u);
+  EXPECT_EQ(sim::value_of(setup.master->references[5], 2), 0xFFFFFFFDu);
+  EXPECT_EQ(setup.master->references[1].kind, sim::ReferenceCurve::Kind::none);
+}
+
+TEST(Setup, WrongReferenceValuesAreNamed) {
+  for (const char* text : {"", "0", "8=1", "0=", "0=1+", "=1", "0=1x", "0=2147483648", "0x1=1"}) {
+    Arguments arguments = on("can0");
+    arguments.master = true;
+    arguments.references = {text};
+    const auto setup = make_setup(arguments);
+    ASSERT_EQ(setup.problems.size(), 1u) << text;
+    EXPECT_NE(setup.problems[0].find("--reference: found '" + std::string(text) + "'; allowed: "),
+              std::string::npos);
+  }
+  Arguments arguments = on("can0");
+  arguments.references = {"0=1"};
+  ASSERT_EQ(make_setup(arguments).problems.size(), 1u);
+  EXPECT_NE(make_setup(arguments).problems[0].find("without --master"), std::string::npos);
+}
+
 TEST(Setup, EveryOptionArrives) {
   Arguments arguments = on("can0");
   arguments.slaves = "0,31";

@@ -37,8 +37,13 @@ void describe(CLI::App& app, Arguments& arguments) {
                  "Any option of the daemon's configuration, such as process.full_length=false")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  app.add_flag("--master", arguments.master, "Be the master of these slaves instead, for slaves under test");
+  app.add_option("--reference", arguments.references,
+                 "With --master: gives reference value NUMBER, raw, STEP more with each interval; repeatable")
+      ->type_name("NUMBER=RAW[+STEP]")
+      ->allow_extra_args(false);
   app.add_flag("--wait", arguments.wait, "Wait for an interface that is missing or down at the start, too");
-  app.add_flag("-v,--verbose", arguments.verbose, "Tell every change of a drive's state");
+  app.add_flag("-v,--verbose", arguments.verbose, "Tell every change of a drive's or the line's state");
   app.footer(
       "SIGTERM and SIGINT stop; then one line on standard output says what was done.\n"
       "Exit codes: 0 stopped, 1 cannot start, 2 wrong command line or file.\n"
@@ -48,7 +53,8 @@ void describe(CLI::App& app, Arguments& arguments) {
 }  // namespace
 
 std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv) {
-  CLI::App app("Simulated CANsync drives on a CAN interface of the kernel.", "cansync-sim");
+  CLI::App app("Simulated CANsync drives, or a simulated master, on a CAN interface of the kernel.",
+               "cansync-sim");
   Arguments arguments;
   describe(app, arguments);
   if (auto end = text::read_command_line(app, argc, argv)) return *std::move(end);

@@ -22,6 +22,8 @@ struct Arguments {
   std::string missing_references;
   std::string seed;
   std::vector<std::string> set;
+  std::vector<std::string> references;
+  bool master = false;
   bool wait = false;
   bool verbose = false;
 };

@@ -12,6 +12,7 @@
 #include "cansync/telegram/numbers.h"
 #include "sim/arbitration.h"
 #include "sim/faults.h"
+#include "simulator/station.h"
 
 /// The drive simulator program `cansync-sim`: simulated drives on a CAN interface of the kernel.
 namespace cansync_sim {
@@ -35,28 +36,18 @@ struct BenchCounters {
   std::uint64_t faults_missed = 0;  ///< foreign frames of the fault script without room
 };
 
-/// Simulated drives on a bus that is not simulated, sans-IO: it is given the frames that were received and
-/// asked which frame is to be sent next. SYNC is a frame of its own (sync/software_sync.h), which is no part
-/// of CANsync. One thread; nothing allocates or throws after construction.
-class Bench {
+/// Simulated drives on a bus that is not simulated. SYNC is a frame of its own (sync/software_sync.h), which
+/// is no part of CANsync.
+class Bench final : public Station {
  public:
   Bench(const BenchSettings& settings, std::vector<std::unique_ptr<sim::Drive>> drives);
 
-  /// A frame was received; `now` is the present in the clock of `frame.end`.
-  void receive(const can::ReceivedFrame& frame, can::Time now) noexcept;
-
-  /// When the next frame is to be sent; `can::Time::max()` when none waits.
-  can::Time next_due() const noexcept;
-
-  /// Takes the next frame to be sent at `now`; nothing when none is due. Of several the one with the lowest
-  /// identifier comes first.
-  std::optional<can::Frame> next(can::Time now) noexcept;
-
-  /// Tells what became of the frame that `next` gave last.
-  void sent(can::SendResult result) noexcept;
-
-  /// The interface is lost: what waits is not sent any more.
-  void link_lost() noexcept;
+  void receive(const can::ReceivedFrame& frame, can::Time now) noexcept override;
+  can::Time next_due() const noexcept override;
+  /// Of several frames the one with the lowest identifier comes first.
+  std::optional<can::Frame> next(can::Time now) noexcept override;
+  void sent(can::SendResult result) noexcept override;
+  void link_lost() noexcept override;
 
   const BenchCounters& counters() const noexcept { return counters_; }
   const std::vector<std::unique_ptr<sim::Drive>>& drives() const noexcept { return drives_; }

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstdint>
 #include <string_view>
 #include <utility>
 
@@ -36,6 +38,31 @@ std::optional<std::uint32_t> parse_number(std::string_view text) {
 std::optional<cansync::SlaveNumber> parse_slave(std::string_view text) {
   const auto number = text.starts_with("0x") ? std::nullopt : parse_number(text);
   return number ? cansync::SlaveNumber::from(*number) : std::nullopt;
+}
+
+template <class Number>
+bool read_whole(std::string_view text, Number& out) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+// "0=1000+7": value 0 is 1000 in interval 0 and rises by 7.
+std::optional<std::pair<unsigned, sim::ReferenceCurve>> parse_reference(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string_view::npos) return std::nullopt;
+  const std::string_view raw = text.substr(equals + 1);
+  const std::size_t plus = raw.find('+');
+  unsigned number = 0;
+  std::int32_t offset = 0;
+  std::int32_t step = 0;
+  if (!read_whole(text.substr(0, equals), number) || number >= cansync::kValues) return std::nullopt;
+  if (!read_whole(raw.substr(0, plus), offset)) return std::nullopt;
+  if (plus != std::string_view::npos && !read_whole(raw.substr(plus + 1), step)) return std::nullopt;
+  sim::ReferenceCurve curve;
+  curve.kind = sim::ReferenceCurve::Kind::ramp;
+  curve.offset = offset;
+  curve.step = step;
+  return std::pair{number, curve};
 }
 
 std::string list_of(cansync::SlaveMask slaves) {
@@ -80,6 +107,7 @@ class SetupReader {
   Setup read() {
     const cansync::SlaveMask slaves = read_slaves();
     read_sync_identifier();
+    read_references();
     if (arguments_.interface.empty() && arguments_.config.empty())
       problem("no interface given; usage: cansync-sim INTERFACE, or cansync-sim --help");
     // The name becomes a part of a configuration, between quotes.
@@ -121,6 +149,28 @@ class SetupReader {
     }
   }
 
+  void read_references() {
+    if (!arguments_.references.empty() && !arguments_.master)
+      problem("--reference: given without --master; drives take their reference values from the bus");
+    for (const std::string& text : arguments_.references) {
+      if (const auto given = parse_reference(text)) {
+        references_[given->first] = given->second;
+      } else {
+        problem(
+            fmt::format("--reference: found '{}'; allowed: NUMBER=RAW or NUMBER=RAW+STEP with a number of "
+                        "0 to 7, such as 0=1000+7",
+                        text));
+      }
+    }
+  }
+
+  void read_master(const cansyncd::Config& config) {
+    if (!arguments_.faults.empty()) problem("--faults: given with --master; allowed: with simulated drives");
+    setup_.master.emplace();
+    setup_.master->master = config.master;
+    setup_.master->references = references_;
+  }
+
   void read_line(cansync::SlaveMask slaves) {
     const std::vector<std::string> settings = overrides(arguments_);
     cansyncd::ConfigFile file = arguments_.config.empty()
@@ -148,6 +198,7 @@ class SetupReader {
     if (arguments_.sync_id.empty()) setup_.bench.sync_identifier = config.sync.can_identifier;
     setup_.bench.bit_rate = config.master.bit_rate;
     setup_.bench.seed = config.sim.seed;
+    if (arguments_.master) return read_master(config);
     for (const cansync::SlaveNumber slave : chosen) {
       setup_.drives.push_back(cansyncd::drive_settings(config, slave));
       // This process takes its time by itself.
@@ -191,6 +242,7 @@ class SetupReader {
   }
 
   const Arguments& arguments_;
+  std::array<sim::ReferenceCurve, cansync::kValues> references_ = {};
   Setup setup_;
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cansync/sim/drive.h"
+#include "cansync/sim/master_node.h"
 #include "simulator/arguments.h"
 #include "simulator/bench.h"
 
@@ -14,8 +15,9 @@ namespace cansync_sim {
 struct Setup {
   std::string interface;
   BenchSettings bench;
-  std::vector<sim::DriveSettings> drives;
-  std::vector<std::string> problems;  ///< one line each: what was found, where, what is allowed
+  std::vector<sim::DriveSettings> drives;         ///< none with `master`
+  std::optional<sim::MasterNodeSettings> master;  ///< a master instead of drives
+  std::vector<std::string> problems;              ///< one line each: what was found, where, what is allowed
 };
 
 /// Slave numbers written as "3", "0-31" or "0,3,5-7"; nothing when the text is no such list.

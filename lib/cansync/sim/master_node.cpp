@@ -78,16 +78,24 @@ std::optional<Transmission> MasterNode::on_sent(const can::Frame& frame, can::Ti
 Deed MasterNode::on_time(can::Time now) noexcept {
   Deed deed;
   if (slot_ == slots_.size()) {
+    // Whole intervals that were missed are skipped; the line keeps its time.
+    const auto missed = (now - next_) / interval_;
+    next_interval_ += static_cast<cansync::IntervalNumber>(missed);
+    planned_edge_ = next_ + missed * interval_;
     begin_interval(now);
     deed.sync_edge = true;
   } else {
     const Slot slot = slots_[slot_++].slot;
     if (const auto frame = master_.take(slot)) {
-      master_.sent(slot);
-      deed.transmission = Transmission{*frame, now};
+      if (now - edge_ <= master_.latest_start(slot)) {
+        master_.sent(slot);
+        deed.transmission = Transmission{*frame, now};
+      } else {
+        master_.left_out(slot);
+      }
     }
   }
-  next_ = slot_ < slots_.size() ? slots_[slot_].at : edge_ + interval_;
+  next_ = slot_ < slots_.size() ? slots_[slot_].at : planned_edge_ + interval_;
   return deed;
 }
 

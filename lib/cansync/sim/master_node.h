@@ -57,8 +57,9 @@ struct MasterNodeSettings {
   std::vector<std::shared_ptr<std::vector<std::uint8_t>>> blocks;
 };
 
-/// A whole `cansync::Master` as a participant of a simulated line, for slaves under test: it makes the SYNC
-/// edge and sends every telegram at its planned start, never late. Edges and telegrams go missing by faults
+/// A whole `cansync::Master` as a participant of a line, for slaves under test: it makes the SYNC edge and
+/// sends every telegram at its planned start. Called late, as on a line that is not simulated, it leaves out
+/// what would start after its slot and skips whole intervals. Edges and telegrams go missing by faults
 /// of the line (`missing_sync`; `lost` with the channel). Parameter jobs and transfers are submitted to
 /// `master()` between two calls of the line, or by routines. Nothing allocates, blocks or throws after
 /// construction; not thread safe.
@@ -109,6 +110,7 @@ class MasterNode final : public Node {
   unsigned slot_ = cansync::kSlots;                      ///< the next of them
   cansync::IntervalNumber next_interval_ = 0;
   can::Time edge_{};
+  can::Time planned_edge_{};  ///< of the running interval; `edge_` is when it was made
   can::Time next_{};
   std::uint64_t refused_ = 0;
 };
