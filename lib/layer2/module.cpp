@@ -242,6 +242,7 @@ void Module::handed_over() noexcept {
       script_frame_.reset();
       runner_.done();
       step_script();
+      timers_.advance(now_);  // what it has started is due now
       break;
     case Sender::object:
       objects_.handed_over(offered_own_.number);
@@ -266,8 +267,8 @@ void Module::controller_emptied() noexcept {
 
 void Module::advance(Time now) noexcept {
   now_ = now;
+  step_script();  // before the timers it starts
   timers_.advance(now);
-  step_script();
   objects_.advance(now);
   mapping_.advance(now);
   station_.advance(now);

@@ -91,6 +91,17 @@ TEST(Module, L12AScriptStartsAndStopsTimers) {
   EXPECT_EQ(run(module, Time{0}, milliseconds(50)), wanted);
 }
 
+TEST(Module, L12ATimerThatAScriptStartsSendsAtOnce) {
+  ModuleSettings settings = everything();
+  settings.timers[0] = timer(0x80, milliseconds(100));
+  settings.timers[1] = timer(0x81, milliseconds(100));
+  settings.run = script("Send 1 0\nStart 1\nWait 10\nStart 2");
+  Module module(settings);
+  module.begin(Time{0});
+  const std::vector<Sent> wanted = {{Time{0}, 1}, {Time{0}, 0x80}, {milliseconds(10), 0x81}};
+  EXPECT_EQ(run(module, Time{0}, milliseconds(50)), wanted);  // `run` expects no deadline that is over
+}
+
 TEST(Module, L5StopEndsWhatRunsAndRunBeginsAnew) {
   ModuleSettings settings = everything();
   settings.timers[2] = timer(0x80, milliseconds(4));
