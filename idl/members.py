@@ -102,7 +102,7 @@ def header(path, names):
 HERE = os.path.dirname(os.path.abspath(__file__))
 COMMON = ("GatewayStatus", "BusStatus", "RealtimeStatus")
 PROTOCOLS = {"cansync-master": ("cansync.idl", "MasterStatus"), "cansync-slave": ("cansync_slave.idl", "SlaveSideStatus"),
-             "layer2": ("layer2.idl", "FrameStatus")}
+             "layer2": ("layer2.idl", "FrameStatus"), "j1939": ("j1939.idl", "NodeStatus")}
 UNSIGNED = {"octet": 2**8 - 1, "unsigned short": 2**16 - 1, "unsigned long": None, "unsigned long long": None}
 
 
@@ -174,12 +174,12 @@ def kind_schemas():
 HEAD = """# The status topics, member by member
 
 Made by `idl/members.py --document` of the data model; a test compares the two. What the topics are for says
-[dds-api.md](dds-api.md#actual-values-and-state), of a slave [cansync-slave.md](cansync-slave.md), of general frames [layer2.md](layer2.md). `cansync status --json` writes the members of the first three and of
+[dds-api.md](dds-api.md#actual-values-and-state), of a slave [cansync-slave.md](cansync-slave.md), of general frames [layer2.md](layer2.md), of J1939 [j1939.md](j1939.md). `cansync status --json` writes the members of the first three and of
 the protocol's own under the names of the column JSON, `cansync slaves --json` and `timing --json` choose and reckon ([command-line.md](command-line-json.md)).
 Members that are metrics stand in [metrics.md](metrics.md). Unit `1`: a plain number or raw code.
 """
 DOCUMENTED = (("gateway.idl", COMMON), ("cansync.idl", ("MasterStatus", "ReferenceRelease", "ValueName", "SlaveStatus", "Timing", "SlotTiming")),
-              ("cansync_slave.idl", ("SlaveSideStatus",)), ("layer2.idl", ("CanFrame", "FrameStatus", "TimerStatus")))
+              ("cansync_slave.idl", ("SlaveSideStatus",)), ("layer2.idl", ("CanFrame", "FrameStatus", "TimerStatus")), ("j1939.idl", ("NodeStatus",)))
 
 
 def document():

@@ -102,6 +102,12 @@ inline constexpr EventKind kEventKinds[] = {
     {"frames_dropped_over", "3ea03a2f8b834e4383500f76f69518ec"},
     {"bus_fault", "abd6d6fcaa5147a9a2db220db27293de"},
     {"bus_fault_over", "f86942f7e51c4663afd974f17b97a8e0"},
+    // nodes that claim addresses and tell faults
+    {"address_claimed", "4c43a5a89f9b487b8095cea390c8f327"},
+    {"address_lost", "14779f5edf4f4b0a97c232b421d9aa13"},
+    {"address_unavailable", "d37a36c542134ca181f3a1ad0d07cc55"},
+    {"fault_appeared", "c6522638f1e741d5a9f5fc5d182398eb"},
+    {"fault_gone", "2e430107b41240dbbbb09fb790bd0269"},
     // the SYNC line
     {"sync_locked", "86e259bf84e64b57bc128dc78254224c"},
     {"sync_holdover", "cb029114c4e841078425f2260366f358"},

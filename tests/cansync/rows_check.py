@@ -13,7 +13,7 @@ import pathlib
 import re
 import sys
 
-ROW = re.compile(r"^\| ((?:[DFHKLS]\d+)(?:, (?:[DFHKLS]\d+))*) \|(.*)$", re.M)
+ROW = re.compile(r"^\| ((?:[DFHJKLS]\d+)(?:, (?:[DFHJKLS]\d+))*) \|(.*)$", re.M)
 NAMED = re.compile(r"`(\w+)\.(\w+)`")
 SCRIPT = re.compile(r"`(tests/[\w./]+)`")
 TEST = re.compile(r"\bTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\s*\)")
@@ -21,7 +21,7 @@ PYTHON_CLASS = re.compile(r"^class (\w+)\b")
 PYTHON_TEST = re.compile(r"^    def (test_\w+)\b")
 REASON = re.compile(r"\b(declined|open|not yet): \S.{15,}")
 RULE = re.compile(r"^([SKL]\d+)[A-Z]\w*$")
-NOT_YET = re.compile(r"^\| ((?:[DFHKLS]\d+)(?:, (?:[DFHKLS]\d+))*) \|.*\bnot yet: ", re.M)
+NOT_YET = re.compile(r"^\| ((?:[DFHJKLS]\d+)(?:, (?:[DFHJKLS]\d+))*) \|.*\bnot yet: ", re.M)
 
 
 def tests_of(source):

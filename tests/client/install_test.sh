@@ -32,13 +32,13 @@ diff -u "$here/exported_symbols.txt" <(exported "$library") || {
 # The generated types and Cyclone DDS, as far as programs or headers include them that look into one folder alone.
 data_model() {
   "$cxx" -std=c++20 -M -I "$1" -x c++ "${@:2}" | tr -d '\\' | tr -s ' ' '\n' |
-    grep -E '/cansync/(cansync|cansync_slave|gateway|layer2)\.h$|/(dds|ddsc)/'
+    grep -E '/cansync/(cansync|cansync_slave|gateway|j1939|layer2)\.h$|/(dds|ddsc)/'
 }
 
 # Headers find one another and the standard library, and nothing else; topics.h the data model, too.
 headers=("$here/install/stranger.cpp")
 for header in "$prefix"/include/cansync/**/*.h; do
-  case ${header##*/} in cansync.h | cansync_slave.h | gateway.h | layer2.h | topics.h) ;; *) headers+=("$header") ;; esac
+  case ${header##*/} in cansync.h | cansync_slave.h | gateway.h | j1939.h | layer2.h | topics.h) ;; *) headers+=("$header") ;; esac
 done
 [ ${#headers[@]} -ge 20 ]
 if data_model "$prefix/include" "${headers[@]}"; then
@@ -51,7 +51,7 @@ data_model "$prefix/include" "$prefix/include/cansync/topics.h" | grep -q '/cans
 cp -r "$prefix/include" "$work/planted"
 sed -i '1a #include "gateway.h"' "$work/planted/cansync/export.h"
 data_model "$work/planted" "$work/planted/cansync/client.h" | grep -q '/cansync/gateway.h$'
-for model in cansync cansync_slave gateway layer2; do [ -f "$prefix/share/cansync/idl/$model.idl" ]; done
+for model in cansync cansync_slave gateway j1939 layer2; do [ -f "$prefix/share/cansync/idl/$model.idl" ]; done
 
 # A domain of this test's own is not needed: nobody serves a bus of this name.
 domain=$((1 + $$ % 100))

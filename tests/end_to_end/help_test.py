@@ -40,7 +40,7 @@ TABLES = {
 
 
 # Their tables are looked at by the tests of their protocol.
-OF_OTHER_PROTOCOLS = {"frames", "send", "can", "timers", "references", "actual", "serve"}
+OF_OTHER_PROTOCOLS = {"frames", "send", "can", "timers", "messages", "transmit", "request", "addresses", "faults", "references", "actual", "serve"}
 
 
 class Columns(VerbTest):
@@ -89,6 +89,7 @@ class Columns(VerbTest):
         self.assertEqual(general - labels, {"SYNC line", "second master",  # only when there is one
                                             # of other protocols
                                             "frames received", "frames sent", "bus load",
+                                            "address", "messages received", "in packets", "messages sent", "load of the bus",
                                             "slave", "intervals", "reference values", "actual values", "fault", "answers",
                                             "response", "indicators", "parameters"})
 

@@ -171,8 +171,8 @@ class Verbs(unittest.TestCase):
         verbs = re.findall(r"[a-z]+", self.daemon.run().stderr.splitlines()[0].split("allowed: ")[1])
         with open(__file__, encoding="utf-8") as file:
             text = file.read()
-        # Those of a slave's bus: on the simulated bus alone.
-        for other in ("layer2_on_vcan_test.py", "../end_to_end/cansync_slave_test.py",
+        # Those of a slave's bus and of J1939: on the simulated bus alone.
+        for other in ("layer2_on_vcan_test.py", "../end_to_end/j1939_test.py", "../end_to_end/cansync_slave_test.py",
                       "../end_to_end/cansync_slave_service_test.py"):
             with open(os.path.join(os.path.dirname(__file__), other), encoding="utf-8") as file:
                 text += file.read()

@@ -15,7 +15,7 @@ import pathlib
 import re
 import sys
 
-CORES = ("lib/cansync", "lib/layer2")
+CORES = ("lib/cansync", "lib/layer2", "lib/j1939")
 NUMBER = re.compile(
     r"(?:std::array<\s*)?(?:std::)?(?:u?int(?:8|16|32|64)_t|size_t|unsigned|int|double|float"
     r"|BYTE|D?WORD|U?S?INT|U?DINT|[A-Z]+INT_\d+_BMARRAY)\b"

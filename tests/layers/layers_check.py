@@ -26,6 +26,7 @@ lib/profile:                lib/text lib/config
 lib/can:                    lib/system
 lib/cansync:                lib/can
 lib/layer2:                 lib/can
+lib/j1939:                  lib/can
 lib/rt:                     lib/system lib/can
 lib/sync:                   lib/system lib/can lib/rt
 lib/sim:                    lib/system lib/config lib/can lib/sync
@@ -39,6 +40,9 @@ lib/cansync_slave/client:   idl lib/dds lib/cansync_slave/dds
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
 lib/layer2/sim:             lib/can lib/sim
 lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
+lib/j1939/dds:              idl lib/j1939 lib/dds
+lib/j1939/sim:              lib/can lib/j1939 lib/sim
+lib/j1939/client:           idl lib/dds lib/j1939/dds
 lib/client:                 idl lib/profile lib/dds lib/cansync/dds
 
 daemon/config:              lib/can lib/sync
@@ -93,6 +97,15 @@ daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/service da
 daemon/layer2/segment:      lib/config lib/can lib/dds lib/layer2/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
+daemon/j1939:               lib/can lib/j1939 lib/rt
+daemon/j1939/config:        lib/config lib/j1939 daemon/config daemon/options
+daemon/j1939/realtime:      lib/can lib/j1939 daemon/loop daemon/bus daemon/j1939
+daemon/j1939/gateway:       idl lib/can lib/j1939 lib/dds lib/j1939/dds daemon/service daemon/desk
+                            daemon/status
+                            daemon/j1939 daemon/j1939/config
+daemon/j1939/segment:       lib/config lib/can lib/dds lib/j1939/sim daemon/service daemon/loop
+                            daemon/bus daemon/segment daemon/recorder daemon/j1939 daemon/j1939/config
+                            daemon/j1939/realtime daemon/j1939/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
 
 tools/cli/text:
@@ -109,6 +122,7 @@ tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
 tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/j1939:            idl lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn
 tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
@@ -117,7 +131,7 @@ tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync l
 PLACES = ("lib/", "daemon/", "tools/cli/", "tools/simulator/")
 
 # The protocols' cores. Standard headers they may use: nothing that reaches a file, a thread or the system.
-CORES = ("lib/cansync", "lib/layer2")
+CORES = ("lib/cansync", "lib/layer2", "lib/j1939")
 CORE_HEADERS = set("""algorithm array bit bitset chrono compare concepts cstddef cstdint cstring deque functional
 initializer_list iterator limits memory new numeric optional ranges span string string_view tuple type_traits utility
 variant vector""".split())
@@ -182,7 +196,7 @@ def included_room(file, bracket, path, libraries):
         return "dds"
     if bracket == "<" and first == "cansync":
         return "lib/client"
-    if path in ("cansync.h", "cansync_slave.h", "layer2.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
+    if path in ("cansync.h", "cansync_slave.h", "layer2.h", "j1939.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
         return "idl"
     if "/" not in path:
         return None

@@ -17,8 +17,8 @@ from sources import load
 
 PLACES = ("lib", "daemon", "tools")
 LIST = "lib/protocols.def"
-COMING = ("canopen", "j1939")  # protocols that have no room yet
-PROTOCOLS = ("cansync", "cansync_slave", "cansync_cluster", "layer2", *COMING)
+COMING = ("canopen",)  # protocols that have no room yet
+PROTOCOLS = ("cansync", "cansync_slave", "cansync_cluster", "layer2", "j1939", *COMING)
 MENTIONS = {
     "cansync": re.compile(r'"(?:daemon/|cli/|tools/cli/)?cansync/|["<]cansync\.h[">]|\bcansync::(?!cli\b)|'
                           r"\bnamespace cansync(?!::cli\b|d\b)\b|\bcansync_[A-Z]|\busing namespace cansync\b"),

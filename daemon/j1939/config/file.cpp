@@ -1,0 +1,110 @@
+#include "daemon/j1939/config/file.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "config/document.h"
+#include "daemon/j1939/config/options.h"
+#include "daemon/options/check_daemon.h"
+
+namespace cansyncd {
+namespace {
+
+std::string no_group(j1939::Pgn number) {
+  return fmt::format(
+      "found 0x{:X}, whose lowest byte is the destination's place below PDU format 240; "
+      "allowed: 0x{:X}",
+      number, number & ~0xFFu);
+}
+
+void finish_pgn_ranges(J1939Draft& draft, Findings& findings) {
+  for (std::size_t n = 0; n < draft.ranges.size(); ++n) {
+    const J1939Draft::Range& found = draft.ranges[n];
+    if (!found.given) continue;
+    const j1939::Pgn first = found.first.value_or(0);
+    const j1939::PgnRange range{first, found.last.value_or(found.first.value_or(j1939::kLargestPgn)),
+                                found.source};
+    draft.config.receive.push_back(range);
+    if (range.last < range.first)
+      findings.problem(fmt::format("receive.{}.first", n),
+                       fmt::format("found 0x{:X}, which is after last, 0x{:X}; allowed: 0..0x{:X}",
+                                   range.first, range.last, range.last));
+  }
+  if (draft.config.receive.empty()) draft.config.receive.push_back({});
+}
+
+void finish_provided(J1939Draft& draft, Findings& findings) {
+  for (std::size_t n = 0; n < draft.provided.size(); ++n) {
+    const J1939Draft::Offer& found = draft.provided[n];
+    if (!found.given) continue;
+    draft.config.provided.push_back(found.provided);
+    if (!j1939::is_pgn(found.provided.number))
+      findings.problem(fmt::format("provide.{}.pgn", n), no_group(found.provided.number));
+  }
+}
+
+void finish_ecus(J1939Draft& draft, Findings& findings) {
+  for (unsigned n = 0; n < draft.ecus.size(); ++n) {
+    J1939Draft::Ecu& found = draft.ecus[n];
+    if (!found.given) continue;
+    found.ecu.number = n;
+    // Those who were given no identity of their own still need different NAMEs.
+    if (found.ecu.name == j1939::NameFields{}) found.ecu.name.identity = 1000 + n;
+    draft.config.ecus.push_back(found.ecu);
+    if (!j1939::is_pgn(found.ecu.group))
+      findings.problem(fmt::format("ecu.{}.pgn", n), no_group(found.ecu.group));
+    if (found.ecu.destination == j1939::kNullAddress)
+      findings.problem(fmt::format("ecu.{}.destination", n), "found 254; allowed: 0..253, or 255 for all");
+  }
+}
+
+void check_address(const J1939Config& config, Findings& findings) {
+  if (config.first_other > config.last_other)
+    findings.problem("address.first_other",
+                     fmt::format("found {}, which is after address.last_other, {}; allowed: 0..{}",
+                                 config.first_other, config.last_other, config.last_other));
+}
+
+}  // namespace
+
+J1939File build_j1939_config(config::Settings settings, const std::string& path) {
+  J1939File file;
+  file.path = path;
+  file.problems = std::move(settings.problems);
+  J1939Draft draft;
+  for (const config::Setting& setting : settings.items) {
+    draft.number = setting.numbers.empty() ? 0 : static_cast<unsigned>(setting.numbers.front());
+    if (auto text = j1939_option_rows().apply(*setting.option, setting.value, draft))
+      file.problems.push_back({setting.where, setting.key, std::move(*text)});
+  }
+  apply_derived(draft.config, settings.items);
+  // With wrong values the cross-checks would only complain about what is missing because of them.
+  if (file.problems.empty()) {
+    Findings findings(settings.items, path);
+    check_daemon(draft.config, findings);
+    if (!draft.config.dds.security.empty()) {
+      findings.problem(
+          "dds.security",
+          "found an identity; allowed: \"\", because cansync-security gives no rights for J1939");
+    }
+    check_address(draft.config, findings);
+    finish_pgn_ranges(draft, findings);
+    finish_provided(draft, findings);
+    finish_ecus(draft, findings);
+    file.problems = std::move(findings.problems());
+  }
+  config::sort_by_place(file.problems);
+  file.config = std::move(draft.config);
+  file.settings = std::move(settings.items);
+  return file;
+}
+
+J1939File load_j1939_config(const std::string& path, std::span<const std::string> overrides) {
+  config::Settings settings = config::resolve(config::read_document(path), j1939_options());
+  for (const std::string& assignment : overrides)
+    config::override_setting(settings, assignment, j1939_options());
+  return build_j1939_config(std::move(settings), path);
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,270 @@
+#include "daemon/j1939/gateway/message_gateway.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "can/bus_names.h"
+#include "daemon/j1939/config/options.h"
+#include "daemon/status/bus_events.h"
+#include "dds/bounded_text.h"
+#include "j1939/dds/convert.h"
+#include "j1939/dds/texts.h"
+#include "j1939/name.h"
+
+namespace cansyncd {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Batches published in one pass: requests must not wait behind a bus that never rests.
+constexpr unsigned kMessageBatchesAtOnce = 16;
+
+}  // namespace
+
+MessageGateway::MessageGateway(const J1939Config& config, J1939Exchange& exchange,
+                               const gateway::dds::Participant& participant, JournalSink& journal,
+                               const DaemonIdentity& identity)
+    : config_(config),
+      exchange_(exchange),
+      events_(participant, journal, config.bus.name),
+      common_(participant, events_, config, {kJ1939Protocol}, identity),
+      second_daemon_(participant, signal_, events_, config.bus.name, identity),
+      trail_(journal, events_, config.bus.name, 0),
+      jobs_(participant, signal_, events_, trail_, MessageRequests(config.send), identity,
+            !config.dds.security.empty()),
+      batches_(participant, 0, &signal_),
+      status_(participant, 0, &signal_),
+      tables_(participant, 0, &signal_),
+      faults_(participant, signal_, events_),
+      thread_(
+          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
+          [this] { end_jobs(); }) {
+  long_data_.resize(j1939_MESSAGE_BATCH);
+}
+
+MessageGateway::~MessageGateway() {
+  stop();
+}
+
+void MessageGateway::start() {
+  thread_.start();
+}
+
+void MessageGateway::stop() noexcept {
+  thread_.stop();
+}
+
+void MessageGateway::post(const EventText& event) {
+  posted_.post(event);
+  exchange_.gateway_wake.signal();
+}
+
+void MessageGateway::reload(const J1939Config& config) {
+  {
+    const std::lock_guard lock(mutex_);
+    new_configuration_ = config;
+  }
+  exchange_.gateway_wake.signal();
+}
+
+MessageContext MessageGateway::context(SteadyTime now) const {
+  return {exchange_, config_, now, {config_.dds.request_max_age, config_.access.read_only}};
+}
+
+SteadyTime MessageGateway::pass(bool samples_may_wait) {
+  const SteadyTime now = steady_clock::now();
+  take_configuration(now);
+  const MessageContext jobs = context(now);
+  // A message that was sent is told before what came after it.
+  take_answers(jobs);
+  const bool more_messages = publish_messages();
+  posted_.publish(events_, now);
+  // Asking every reader costs more than all the rest of a pass.
+  if (samples_may_wait) {
+    second_daemon_.look(now);
+    if (jobs_.take_requests(jobs)) signal_.raise();
+  }
+  SteadyTime due = publish_status(now);
+  for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next()}) {
+    if (next) due = std::min(due, *next);
+  }
+  return more_messages ? now : due;
+}
+
+void MessageGateway::take_configuration(SteadyTime now) {
+  std::optional<J1939Config> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    taken = std::exchange(new_configuration_, std::nullopt);
+  }
+  if (!taken) return;
+  config_.access = taken->access;
+  config_.dds.request_max_age = taken->dds.request_max_age;
+  common_.set_access(config_.access);
+  events_.publish(
+      {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
+}
+
+void MessageGateway::take_answers(const MessageContext& context) {
+  MessageDone done;
+  while (exchange_.done.try_pop(done)) jobs_.finish(done, context);
+}
+
+bool MessageGateway::publish_messages() {
+  for (unsigned i = 0; i < kMessageBatchesAtOnce; ++i) {
+    reports_.clear();
+    MessageReport report;
+    while (reports_.size() < j1939_MESSAGE_BATCH && exchange_.messages.try_pop(report)) {
+      reports_.push_back(report);
+      // What is longer was pushed before the report.
+      if (report.size > report.data.size())
+        (void)exchange_.long_data.try_pop(long_data_[reports_.size() - 1]);
+    }
+    if (reports_.empty()) return false;
+    publish_batch();
+  }
+  return true;
+}
+
+void MessageGateway::publish_batch() {
+  batch_.clear();
+  for (std::size_t i = 0; i < reports_.size(); ++i) {
+    const MessageReport& report = reports_[i];
+    const std::uint8_t* data = report.size > report.data.size() ? long_data_[i].data() : report.data.data();
+    const j1939::Message message{report.number,      report.priority,  report.source,
+                                 report.destination, report.transport, report.receive_time,
+                                 {data, report.size}};
+    batch_.push_back(j1939::dds::received_message(message, report.receive_time.count(), report.range));
+  }
+  j1939_MessageBatch sample = {};
+  sample.number = ++batch_number_;
+  sample.lost = bus_.lost + unwritten_;
+  sample.messages._length = static_cast<std::uint32_t>(batch_.size());
+  sample.messages._maximum = sample.messages._length;
+  sample.messages._buffer = batch_.data();  // lent for the call
+  if (batches_.write(sample) != DDS_RETCODE_OK) unwritten_ += batch_.size();
+  const SteadyTime now = steady_clock::now();
+  for (const j1939_ReceivedMessage& message : batch_) faults_.take(message, now);
+}
+
+void MessageGateway::publish_addresses() {
+  AddressSnapshot snapshot;
+  if (!exchange_.addresses.read(snapshot)) return;
+  addresses_.clear();
+  for (std::size_t i = 0; i < snapshot.names.size(); ++i) {
+    if (snapshot.claimed[i]) addresses_.push_back({static_cast<std::uint8_t>(i), snapshot.names[i]});
+  }
+  j1939_AddressTable sample = {};
+  sample.time = wall_clock_now();
+  sample.addresses._length = static_cast<std::uint32_t>(addresses_.size());
+  sample.addresses._maximum = sample.addresses._length;
+  sample.addresses._buffer = addresses_.data();  // lent for the call
+  (void)tables_.write(sample);
+}
+
+void MessageGateway::tell_losses(SteadyTime now) {
+  const std::uint64_t lost = bus_.lost + unwritten_;
+  if (losses_.add(lost - std::exchange(told_lost_, lost), now)) {
+    events_.publish({gateway_SEVERITY_WARNING, "frames_dropped", -1,
+                     "received messages are not published, because they come faster than they can be; take "
+                     "fewer by ranges, or give realtime.report_queue more room",
+                     std::nullopt},
+                    now);
+  }
+  if (const std::uint64_t row = losses_.take_over(now); row != 0) {
+    events_.publish(
+        {gateway_SEVERITY_INFO, "frames_dropped_over", -1,
+         fmt::format("received messages are all published again; {} were not", row), std::nullopt},
+        now);
+  }
+}
+
+void MessageGateway::tell_bus(const can::ControllerStatus& before, SteadyTime now) {
+  for (const EventText& event : bus_events(before, bus_.controller, config_.bus)) {
+    events_.publish(event, now);
+  }
+}
+
+void MessageGateway::tell_claim(const NodeSnapshot& before, SteadyTime now) {
+  using j1939::ClaimState;
+  if (bus_.losses != before.losses) {
+    events_.publish(
+        {gateway_SEVERITY_WARNING, "address_lost", -1,
+         fmt::format("a stronger NAME took address {}{}", before.address,
+                     bus_.name_twice ? "; it is the daemon's own: give another name.identity" : ""),
+         std::nullopt},
+        now);
+  }
+  if (bus_.claim == before.claim && bus_.address == before.address) return;
+  if (bus_.claim == ClaimState::claimed) {
+    events_.publish({gateway_SEVERITY_INFO, "address_claimed", -1,
+                     fmt::format("the daemon has address {}", bus_.address), std::nullopt},
+                    now);
+  } else if (bus_.claim == ClaimState::cannot_claim) {
+    events_.publish({gateway_SEVERITY_ERROR, "address_unavailable", -1,
+                     "the daemon has no address and sends nothing; give it another address.preferred, or "
+                     "address.arbitrary, or end the node that has it",
+                     std::nullopt},
+                    now);
+  }
+}
+
+SteadyTime MessageGateway::publish_status(SteadyTime now) {
+  const NodeSnapshot before = bus_;
+  if (exchange_.status.read(bus_)) {
+    tell_bus(before.controller, now);
+    tell_claim(before, now);
+  }
+  publish_addresses();
+  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
+  common_.set_clients(jobs_.clients(), jobs_.rejections());
+  common_.set_snapshot({.controller = bus_.controller, .timestamps = bus_.timestamps});
+  tell_losses(now);
+  const SteadyTime common_due = common_.step(now);
+  const bool changed = bus_.claim != before.claim || bus_.address != before.address;
+  if (now < next_status_ && !changed) return std::min(common_due, next_status_);
+  next_status_ = now + kStatusPeriod;
+  (void)status_.write(node_status());
+  return std::min(common_due, next_status_);
+}
+
+j1939_NodeStatus MessageGateway::node_status() const {
+  j1939_NodeStatus sample = {};
+  sample.time = wall_clock_now();
+  gateway::dds::copy_text(j1939::dds::name_of(bus_.claim), sample.claim_state);
+  sample.address = bus_.address;
+  sample.node_name = j1939::compose(config_.name);
+  sample.name_twice = bus_.name_twice;
+  sample.addresses_lost = bus_.losses;
+  sample.intruders = bus_.intruders;
+  sample.bus_load = bus_.bus_load;
+  sample.received = bus_.counters.frames;
+  sample.foreign = bus_.counters.foreign;
+  sample.messages = bus_.counters.messages;
+  sample.taken = bus_.counters.taken;
+  sample.lost = bus_.lost + unwritten_;
+  sample.packets_completed = bus_.packets.completed;
+  sample.packets_broken = bus_.packets.broken;
+  sample.packets_refused = bus_.packets.refused;
+  sample.transports = bus_.transports;
+  sample.sent = bus_.counters.sent;
+  sample.unanswered = bus_.counters.unanswered;
+  sample.not_sent = bus_.counters.not_sent;
+  sample.answers_lost = bus_.answers_lost;
+  sample.waiting = bus_.waiting;
+  sample.send_timeout = static_cast<std::uint32_t>(config_.send.timeout.count());
+  return sample;
+}
+
+void MessageGateway::end_jobs() {
+  take_answers(context(steady_clock::now()));
+  while (publish_messages()) {
+  }  // the realtime thread has ended: the ring grows no more
+  posted_.publish(events_, steady_clock::now());
+  jobs_.stop_and_deliver(signal_, [this] { return context(steady_clock::now()); });
+}
+
+}  // namespace cansyncd

@@ -1,0 +1,25 @@
+#include "daemon/j1939/gateway/message_requests.h"
+
+#include <fmt/format.h>
+
+#include "daemon/desk/job_desk_answers.h"
+#include "daemon/desk/job_desk_requests.h"
+
+namespace cansyncd {
+
+template class JobDesk<MessageRequests>;
+
+/// A request for a group reads; what is sent may change something.
+std::optional<Change> MessageRequests::change_of(const j1939_MessageRequest& sample, const MessageContext&) {
+  if (sample.kind == j1939_MESSAGE_ASK) return std::nullopt;
+  constexpr unsigned kShown = 8;
+  Change change;
+  change.action = "send_message";
+  change.new_value =
+      fmt::format("PGN 0x{:05X} to {}, {} bytes", sample.pgn, sample.destination, sample.data._length);
+  for (unsigned i = 0; i < sample.data._length && i < kShown; ++i)
+    change.new_value += fmt::format("{}{:02X}", i == 0 ? ": " : " ", sample.data._buffer[i]);
+  return change;
+}
+
+}  // namespace cansyncd

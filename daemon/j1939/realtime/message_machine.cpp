@@ -1,0 +1,237 @@
+#include "daemon/j1939/realtime/message_machine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <variant>
+
+namespace cansyncd {
+namespace {
+
+/// Requests taken at once: the work they make must not keep frames waiting.
+constexpr unsigned kOrdersAtOnce = 16;
+constexpr can::Time kOneSecond = std::chrono::seconds(1);
+constexpr can::Time kSnapshotPeriod = std::chrono::milliseconds(100);
+
+j1939::Obstacle reason_not_sent(can::SendResult result) noexcept {
+  switch (result) {
+    case can::SendResult::queued:
+      return j1939::Obstacle::none;
+    case can::SendResult::queue_full:
+      return j1939::Obstacle::queue_full;
+    case can::SendResult::bus_off:
+      return j1939::Obstacle::bus_off;
+    case can::SendResult::interface_down:
+      return j1939::Obstacle::interface_down;
+    case can::SendResult::not_delivered:
+      break;
+  }
+  return j1939::Obstacle::not_delivered;
+}
+
+/// What keeps the controller from sending what it has; none: other frames.
+j1939::Obstacle reason_not_sent(const can::ControllerStatus& status) noexcept {
+  if (status.link != can::LinkState::up) return j1939::Obstacle::interface_down;
+  if (status.state == can::ControllerState::bus_off) return j1939::Obstacle::bus_off;
+  if (status.delivery != can::Delivery::normal) return j1939::Obstacle::not_delivered;
+  return j1939::Obstacle::none;
+}
+
+}  // namespace
+
+void MessageMachine::begin(can::Time now) noexcept {
+  clock_.adjust(bus_);
+  load_.take(now);
+  next_second_ = now + kOneSecond;
+  next_status_ = now;
+  next_addresses_ = now;
+  snapshot_.controller = bus_.status();
+  node_.start(now);
+  exchange_.addresses.write(addresses_);
+  changed_ = true;  // nobody has been told how the bus is
+}
+
+void MessageMachine::advance(can::Time now) noexcept {
+  ++turns_;
+  if (tap_ != nullptr) tap_->at({turns_, now, clock_.at(now)});
+  if (now >= next_second_) {
+    next_second_ = now + kOneSecond;
+    clock_.adjust(bus_);
+    snapshot_.bus_load = load_.take(now);
+  }
+  watch_bus(now);
+  take_requests(now);
+  node_.advance(now);
+}
+
+/// What was handed over is gone when the controller was emptied, left bus-off, or lost its interface. Frames
+/// that the kernel dropped may have been echoes.
+void MessageMachine::watch_bus(can::Time when) noexcept {
+  const can::ControllerStatus before = snapshot_.controller;
+  const can::ControllerStatus now = bus_.status();
+  snapshot_.controller = now;
+  const bool emptied = now.unacknowledged != before.unacknowledged || now.restarts != before.restarts ||
+                       (now.link != before.link && now.link != can::LinkState::up);
+  if (emptied) {
+    node_.controller_emptied();
+  } else if (now.dropped != before.dropped) {
+    node_.echoes_lost();
+  }
+  if (now.state != before.state || now.link != before.link || now.delivery != before.delivery)
+    changed_ = true;
+  if (tap_ != nullptr) record_faults(before, when);
+  // The bus is not asked about a frame that has no place in the controller.
+  if (node_.waiting() != 0 && node_.handed_over_count() == j1939::Node::kMostHandedOver)
+    node_.held_back(reason_not_sent(now));
+}
+
+/// Tells the flight recorder, which must be there, what changed since `before`.
+void MessageMachine::record_faults(const can::ControllerStatus& before, can::Time when) noexcept {
+  const can::ControllerStatus& now = snapshot_.controller;
+  const Moment moment{turns_, when, clock_.at(when)};
+  const auto not_sent = [&](can::SendResult result) {
+    tap_->fault(FlightReason::sending_failed, static_cast<std::uint64_t>(result), moment);
+  };
+  if (now.state != before.state) tap_->controller(moment, now.state);
+  if (now.link != before.link && now.link != can::LinkState::up) not_sent(can::SendResult::interface_down);
+  if (now.delivery != before.delivery && before.delivery == can::Delivery::normal)
+    not_sent(can::SendResult::not_delivered);
+}
+
+void MessageMachine::take_requests(can::Time now) noexcept {
+  J1939Request request;
+  for (unsigned i = 0; i < kOrdersAtOnce && exchange_.done.room() > unanswered_; ++i) {
+    if (!exchange_.requests.try_pop(request)) return;
+    if (const auto* cancel = std::get_if<CancelMessage>(&request)) {
+      (void)node_.cancel(cancel->id);
+      continue;
+    }
+    const auto& order = *std::get_if<j1939::Order>(&request);
+    ++unanswered_;
+    const j1939::Refusal refusal = node_.submit(order, now);
+    if (refusal != j1939::Refusal::none) answer({{.id = order.id}, refusal, {}});
+  }
+}
+
+void MessageMachine::receive(const can::ReceivedFrame& received) noexcept {
+  load_.add(received.frame);
+  if (received.own) {
+    node_.echo(received.frame, received.end);
+    return;
+  }
+  if (const auto delivery = node_.receive(received.frame, received.end)) report(*delivery);
+}
+
+void MessageMachine::report(const j1939::Node::Delivery& delivery) noexcept {
+  const j1939::Message& message = delivery.message;
+  MessageReport report;
+  report.number = message.number;
+  report.priority = message.priority;
+  report.source = message.source;
+  report.destination = message.destination;
+  report.transport = message.transport;
+  report.range = delivery.range;
+  report.size = static_cast<std::uint16_t>(message.data.size());
+  report.receive_time = clock_.at(message.end);
+  const bool is_long = message.data.size() > report.data.size();
+  if (exchange_.messages.room() == 0 || (is_long && exchange_.long_data.room() == 0)) {
+    ++snapshot_.lost;
+    return;
+  }
+  if (is_long) {
+    std::copy(message.data.begin(), message.data.end(), long_data_.begin());
+    (void)exchange_.long_data.try_push(long_data_);
+  } else {
+    std::copy(message.data.begin(), message.data.end(), report.data.begin());
+  }
+  (void)exchange_.messages.try_push(report);
+  pending_ = true;
+}
+
+void MessageMachine::handed_over(can::SendResult result) noexcept {
+  if (result == can::SendResult::queued) {
+    node_.handed_over();
+  } else {
+    node_.held_back(reason_not_sent(result));
+  }
+}
+
+void MessageMachine::answer(const MessageDone& done) noexcept {
+  // There is room: no more orders are taken than have it.
+  (void)exchange_.done.try_push(done);
+  --unanswered_;
+  pending_ = true;
+}
+
+void MessageMachine::pass_answers() noexcept {
+  while (const auto ended = node_.take_answer()) {
+    const bool done = ended->outcome == j1939::Outcome::done;
+    answer({*ended, j1939::Refusal::none, done ? clock_.at(ended->sent) : can::Time{0}});
+  }
+}
+
+void MessageMachine::tell_claim() noexcept {
+  const j1939::AddressClaim& claim = node_.claim();
+  const auto wanted = claim.wanted();
+  const auto address = static_cast<std::int16_t>(wanted ? *wanted : -1);
+  if (claim.state() != snapshot_.claim || address != snapshot_.address ||
+      claim.name_twice() != snapshot_.name_twice) {
+    changed_ = true;
+  }
+  snapshot_.claim = claim.state();
+  snapshot_.address = address;
+  snapshot_.name_twice = claim.name_twice();
+  snapshot_.losses = claim.losses();
+  snapshot_.intruders = claim.intruders();
+}
+
+void MessageMachine::tell_addresses(can::Time now) noexcept {
+  const j1939::ClaimTable& table = node_.claim().table();
+  if (table.revision() == told_revision_ || now < next_addresses_) return;
+  told_revision_ = table.revision();
+  next_addresses_ = now + kSnapshotPeriod;
+  for (unsigned i = 0; i < j1939::ClaimTable::kAddresses; ++i) {
+    const auto name = table.at(static_cast<j1939::Address>(i));
+    addresses_.claimed[i] = name.has_value();
+    addresses_.names[i] = name.value_or(0);
+  }
+  exchange_.addresses.write(addresses_);
+  pending_ = true;
+}
+
+void MessageMachine::publish(can::Time now) noexcept {
+  pass_answers();
+  tell_claim();
+  tell_addresses(now);
+  if (changed_ || now >= next_status_) {
+    next_status_ = now + kSnapshotPeriod;
+    snapshot_.counters = node_.counters();
+    snapshot_.packets = node_.received_packets();
+    snapshot_.answers_lost = node_.answers_lost();
+    snapshot_.timestamps = bus_.timestamp_source();
+    snapshot_.waiting = static_cast<std::uint32_t>(node_.waiting());
+    snapshot_.transports = static_cast<std::uint32_t>(node_.transports());
+    exchange_.status.write(snapshot_);
+    // Nobody is woken for counters alone.
+    if (changed_) pending_ = true;
+    changed_ = false;
+  }
+  if (!pending_) return;
+  pending_ = false;
+  exchange_.gateway_wake.signal();
+}
+
+void MessageMachine::end(can::Time now) noexcept {
+  node_.stop();
+  pass_answers();
+  J1939Request request;
+  while (exchange_.done.room() > 0 && exchange_.requests.try_pop(request)) {
+    const auto* order = std::get_if<j1939::Order>(&request);
+    if (order == nullptr) continue;
+    ++unanswered_;
+    answer({{.id = order->id, .outcome = j1939::Outcome::stopped}, j1939::Refusal::none, {}});
+  }
+  changed_ = true;
+  publish(now);
+}
+
+}  // namespace cansyncd

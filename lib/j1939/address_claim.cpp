@@ -1,0 +1,165 @@
+#include "j1939/address_claim.h"
+
+#include <algorithm>
+
+namespace j1939 {
+
+void ClaimTable::claimed(Address address, Name name) noexcept {
+  bool changed = false;
+  for (unsigned i = 0; i < kAddresses; ++i) {
+    if (i == address || names_[i] != name) continue;
+    names_[i].reset();
+    changed = true;
+  }
+  if (address < kAddresses && names_[address] != name) {
+    names_[address] = name;
+    changed = true;
+  }
+  if (changed) ++revision_;
+}
+
+std::optional<Name> ClaimTable::at(Address address) const noexcept {
+  return address < kAddresses ? names_[address] : std::nullopt;
+}
+
+void AddressClaim::start(Time now) noexcept {
+  now_ = now;
+  ask_ = true;
+  if (!settings_.preferred) return;
+  name_twice_ = false;
+  claim(address_ <= 253 ? address_ : *settings_.preferred);
+}
+
+void AddressClaim::claim(Address address) noexcept {
+  address_ = address;
+  state_ = ClaimState::claiming;
+  claimed_at_ = Time::max();
+  say_ = true;
+  say_not_before_ = now_;
+}
+
+/// Those who cannot claim must not all say so in the same instant: 0 to 153 ms, by the NAME.
+Time AddressClaim::answer_delay() const noexcept {
+  unsigned sum = 0;
+  for (unsigned i = 0; i < 8; ++i) sum += static_cast<unsigned>(settings_.name >> 8 * i & 0xFF);
+  return std::chrono::microseconds(600) * (sum & 0xFF);
+}
+
+void AddressClaim::give_up(Time now) noexcept {
+  state_ = ClaimState::cannot_claim;
+  address_ = kNullAddress;
+  claimed_at_ = Time::max();
+  say_ = true;
+  say_not_before_ = now + answer_delay();
+}
+
+std::optional<Address> AddressClaim::another() const noexcept {
+  if (!fields_of(settings_.name).arbitrary_address || name_twice_) return std::nullopt;
+  for (unsigned i = settings_.first_other; i <= settings_.last_other; ++i) {
+    const auto address = static_cast<Address>(i);
+    if (address != address_ && !table_.at(address)) return address;
+  }
+  return std::nullopt;
+}
+
+void AddressClaim::claim_received(Address source, Name name, Time now) noexcept {
+  now_ = std::max(now_, now);
+  table_.claimed(source, name);
+  if (!wanted()) return;
+  if (name == settings_.name) {
+    // Two with one NAME would answer each other's claims for ever.
+    name_twice_ = true;
+    ++losses_;
+    give_up(now);
+    return;
+  }
+  if (source != address_) return;
+  if (settings_.name < name) {
+    say_ = true;
+    say_not_before_ = now;
+    return;
+  }
+  ++losses_;
+  if (const auto other = another()) {
+    claim(*other);
+  } else {
+    give_up(now);
+  }
+}
+
+void AddressClaim::claim_requested(Time now) noexcept {
+  if (state_ == ClaimState::listening || say_) return;
+  say_ = true;
+  say_not_before_ = now + (state_ == ClaimState::cannot_claim ? answer_delay() : Time{0});
+}
+
+bool AddressClaim::commanded(Name name, Address address, Time now) noexcept {
+  if (!settings_.takes_commands || state_ == ClaimState::listening) return false;
+  if (name != settings_.name || address >= ClaimTable::kAddresses) return false;
+  now_ = std::max(now_, now);
+  if (wanted() != address) claim(address);
+  return true;
+}
+
+void AddressClaim::own_address_used(Time now) noexcept {
+  ++intruders_;
+  if (state_ != ClaimState::claimed) return;
+  if (defended_ != Time::min() && now < defended_ + kDefenceTime) return;
+  defended_ = now;
+  say_ = true;
+  say_not_before_ = now;
+}
+
+can::Frame AddressClaim::claim_frame() const noexcept {
+  std::array<std::uint8_t, 8> bytes = {};
+  for (unsigned i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(settings_.name >> 8 * i);
+  return frame_of(identifier_of(pgn::kAddressClaimed, 6, kGlobalAddress, address_), bytes);
+}
+
+std::optional<can::Frame> AddressClaim::next_frame() const noexcept {
+  if (ask_) {
+    return frame_of(identifier_of(pgn::kRequest, 6, kGlobalAddress, kNullAddress),
+                    std::array<std::uint8_t, 3>{0x00, 0xEE, 0x00});
+  }
+  if (say_ && say_not_before_ <= now_) return claim_frame();
+  return std::nullopt;
+}
+
+void AddressClaim::handed_over() noexcept {
+  if (ask_) {
+    ask_ = false;
+  } else {
+    say_ = false;
+  }
+}
+
+void AddressClaim::sent(const can::Frame& frame, Time end) noexcept {
+  if (state_ != ClaimState::claiming || claimed_at_ != Time::max() || frame != claim_frame()) return;
+  claimed_at_ = end + kClaimTime;
+}
+
+void AddressClaim::advance(Time now) noexcept {
+  now_ = now;
+  if (state_ == ClaimState::claiming && claimed_at_ <= now) {
+    state_ = ClaimState::claimed;
+    claimed_at_ = Time::max();
+  }
+}
+
+Time AddressClaim::next_deadline() const noexcept {
+  Time next = Time::max();
+  if (state_ == ClaimState::claiming && claimed_at_ > now_) next = claimed_at_;
+  if (say_ && say_not_before_ > now_) next = std::min(next, say_not_before_);
+  return next;
+}
+
+std::optional<Address> AddressClaim::address() const noexcept {
+  return state_ == ClaimState::claimed ? std::optional(address_) : std::nullopt;
+}
+
+std::optional<Address> AddressClaim::wanted() const noexcept {
+  const bool has = state_ == ClaimState::claiming || state_ == ClaimState::claimed;
+  return has ? std::optional(address_) : std::nullopt;
+}
+
+}  // namespace j1939

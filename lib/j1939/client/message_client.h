@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dds/daemon_sight.h"
+#include "dds/endpoint.h"
+#include "dds/participant.h"
+#include "dds/signal.h"
+#include "j1939.h"
+#include "j1939/dds/topics.h"
+
+/// A program's side of a bus of J1939.
+namespace j1939::client {
+
+using gateway::dds::NoDaemon;
+/// How to find the daemon.
+using Options = gateway::dds::ClientOptions;
+
+/// What is sent, or asked for.
+struct Message {
+  std::uint32_t pgn = 0;           ///< 0..0x3FFFF
+  std::uint8_t priority = 6;       ///< 0..7
+  std::uint8_t destination = 255;  ///< 0..253, or 255: all
+  std::vector<std::uint8_t> data;  ///< 0..1785 bytes; none when a group is asked for
+};
+
+/// How a request ended.
+struct Result {
+  bool replied = false;  ///< false: the daemon went away, or did not answer; `code` says nothing then
+  gateway_ReplyCode code = gateway_REPLY_DONE;
+  gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< of REPLY_REFUSED
+  std::string reason;                               ///< empty when done
+  std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns)
+  std::uint8_t answer_code = 0;                     ///< of REPLY_SLAVE_ERROR
+  std::vector<std::uint8_t> data;                   ///< of the answer
+};
+
+/// The faults that a node tells of.
+struct Faults {
+  j1939_FaultList list = {};             ///< its `codes` are empty
+  std::vector<j1939_TroubleCode> codes;  ///< in the order of the message
+};
+
+/// A connection to the daemon of one bus. One thread.
+class MessageClient {
+ public:
+  /// Waits until a daemon serves the bus and everything is matched with it, so that nothing is lost. Throws
+  /// NoDaemon when `options.wait` is over, `stop` is set or several daemons serve the bus,
+  /// gateway::dds::SetupError when DDS cannot be set up.
+  explicit MessageClient(const Options& options);
+
+  /// Sends a message (MESSAGE_SEND) or asks for a group (MESSAGE_ASK), and waits for the reply. `timeout_ms`:
+  /// monitoring time, 0 = the daemon's default. When `stop` is set, or no reply has come 5 s after the
+  /// monitoring time, the request is taken back, and the reply says whether that was in time.
+  Result request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms);
+
+  /// Waits at most `time` for messages that the daemon received, and calls `on_batch` for each batch that
+  /// came. False: the daemon has gone.
+  bool receive(std::chrono::milliseconds time,
+               const std::function<void(const j1939_MessageBatch&)>& on_batch);
+
+  /// Which daemon serves the bus, as it told last.
+  const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
+  /// What the daemon told last of itself as a node, waiting at most `time` for the first; nothing: none came.
+  std::optional<j1939_NodeStatus> status(std::chrono::milliseconds time);
+  /// The addresses that were claimed, rising; waits as `status`. Nothing: none were told.
+  std::optional<std::vector<j1939_ClaimedAddress>> addresses(std::chrono::milliseconds time);
+  /// The faults told of so far, by source, and whether they are active; looks for `time`.
+  const std::map<std::pair<std::uint8_t, bool>, Faults>& faults(std::chrono::milliseconds time);
+
+  /// A daemon serves the bus now.
+  bool daemon_present() const noexcept { return replies_.matched() != 0; }
+  /// Where the daemon was looked for, for messages.
+  std::string place() const { return participant_.place(); }
+
+ private:
+  bool matched() const noexcept;
+  std::optional<Result> obstacle();
+  std::optional<Result> take_reply(std::uint64_t request);
+  void take_state();
+  Result await_reply(const j1939_MessageRequest& request, std::chrono::milliseconds monitoring);
+  void cancel(const j1939_MessageRequest& request);
+  /// Takes the state until `there`, the daemon has gone, or `time` is over.
+  void look_until(std::chrono::milliseconds time, const std::function<bool()>& there);
+
+  Options options_;
+  std::array<std::uint8_t, 16> identity_;
+  gateway::dds::Participant participant_;
+  gateway::dds::DataSignal signal_;
+  gateway::dds::Reader<j1939_MessageReply> replies_;
+  gateway::dds::Reader<j1939_MessageBatch> batches_;
+  gateway::dds::Reader<j1939_NodeStatus> status_;
+  gateway::dds::Reader<j1939_AddressTable> tables_;
+  gateway::dds::Reader<j1939_FaultList> faults_;
+  gateway::dds::DaemonSight sight_;
+  gateway::dds::Writer<j1939_MessageRequest> requests_;
+  gateway::dds::Writer<gateway_JobCancel> cancels_;
+  std::uint64_t number_ = 0;  ///< of the last request
+  std::optional<j1939_NodeStatus> newest_;
+  std::optional<std::vector<j1939_ClaimedAddress>> addresses_;
+  std::map<std::pair<std::uint8_t, bool>, Faults> told_;
+};
+
+}  // namespace j1939::client

@@ -1,0 +1,167 @@
+#include "j1939/dds/texts.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace j1939::dds {
+namespace {
+
+std::string_view reason_of_timeout(Obstacle obstacle) noexcept {
+  switch (obstacle) {
+    case Obstacle::none:
+      return "not sent within the monitoring time: earlier messages kept the bus; send less, or give a "
+             "longer timeout";
+    case Obstacle::queue_full:
+      return "not sent within the monitoring time: the controller's queue was full; check the load of the bus "
+             "and that somebody acknowledges";
+    case Obstacle::bus_off:
+      return "not sent within the monitoring time: the controller is in bus-off; check wiring, termination and "
+             "bit rate; it leaves bus-off by its interface's restart-ms, or when the interface is set up anew";
+    case Obstacle::interface_down:
+      return "not sent within the monitoring time: the interface is missing or down; set it up with the "
+             "configured bit rate";
+    case Obstacle::not_delivered:
+      return "not sent within the monitoring time: nobody acknowledges; check that another node is on the bus, "
+             "with the same bit rate";
+    case Obstacle::no_address:
+      return "not sent within the monitoring time: the address is still being claimed, for which another node "
+             "must be on the bus; see NodeStatus";
+  }
+  return "not sent within the monitoring time";
+}
+
+std::string_view reason_of_refusal(std::uint8_t control) noexcept {
+  switch (control) {
+    case 1:
+      return "the node does not have this group (negative acknowledgement)";
+    case 2:
+      return "the node denies access to this group";
+    default:
+      return "the node cannot respond now; ask again later";
+  }
+}
+
+std::string_view reason_of_abort(std::uint8_t reason) noexcept {
+  switch (static_cast<AbortReason>(reason)) {
+    case AbortReason::busy:
+      return "it has a connection with this node already";
+    case AbortReason::no_resources:
+      return "it needs its resources elsewhere";
+    case AbortReason::timeout:
+      return "it waited too long";
+    case AbortReason::cts_while_sending:
+      return "a clear to send came in the midst of packets";
+    case AbortReason::too_many_repeats:
+      return "too many packets had to be repeated";
+    case AbortReason::unexpected_data:
+      return "a packet it did not expect";
+    case AbortReason::bad_sequence:
+      return "a packet's number that cannot be";
+    case AbortReason::twice:
+      return "a packet twice";
+    case AbortReason::too_long:
+      return "the message is too long for it";
+  }
+  return "no reason that the standard knows";
+}
+
+}  // namespace
+
+std::string_view name_of(ClaimState state) noexcept {
+  switch (state) {
+    case ClaimState::listening:
+      return "listening";
+    case ClaimState::claiming:
+      return "claiming";
+    case ClaimState::claimed:
+      return "claimed";
+    case ClaimState::cannot_claim:
+      break;
+  }
+  return "cannot-claim";
+}
+
+std::string_view name_of(Outcome outcome) noexcept {
+  switch (outcome) {
+    case Outcome::done:
+      return "done";
+    case Outcome::refused:
+      return "refused";
+    case Outcome::aborted:
+      return "aborted";
+    case Outcome::no_answer:
+      return "no_answer";
+    case Outcome::timeout:
+      return "timeout";
+    case Outcome::cancelled:
+      return "cancelled";
+    case Outcome::address_lost:
+      return "address_lost";
+    case Outcome::stopped:
+      break;
+  }
+  return "stopped";
+}
+
+std::string reason_of(const Answer& answer) {
+  switch (answer.outcome) {
+    case Outcome::done:
+      return {};
+    case Outcome::refused:
+      return std::string(reason_of_refusal(answer.code));
+    case Outcome::aborted:
+      return fmt::format("the node broke the connection off: {} (reason {})", reason_of_abort(answer.code),
+                         answer.code);
+    case Outcome::no_answer:
+      return "begun, but not seen on the bus or not answered within the monitoring time or the standard's "
+             "time-outs; check that the node is there and has this group";
+    case Outcome::timeout:
+      return std::string(reason_of_timeout(answer.obstacle));
+    case Outcome::cancelled:
+      return "cancelled";
+    case Outcome::address_lost:
+      return "the daemon lost its address to a stronger NAME while this was open; see NodeStatus";
+    case Outcome::stopped:
+      break;
+  }
+  return "the daemon was stopped before this had ended";
+}
+
+std::string_view failure_mode(std::uint8_t fmi) noexcept {
+  static constexpr std::array<std::string_view, 32> kModes = {"above normal, most severe",
+                                                              "below normal, most severe",
+                                                              "erratic or incorrect",
+                                                              "voltage high",
+                                                              "voltage low",
+                                                              "current low or open circuit",
+                                                              "current high or grounded",
+                                                              "mechanical",
+                                                              "abnormal frequency or pulse width",
+                                                              "abnormal update rate",
+                                                              "abnormal rate of change",
+                                                              "root cause not known",
+                                                              "bad device or component",
+                                                              "out of calibration",
+                                                              "special instructions",
+                                                              "above normal, least severe",
+                                                              "above normal, moderate",
+                                                              "below normal, least severe",
+                                                              "below normal, moderate",
+                                                              "network data in error",
+                                                              "drifted high",
+                                                              "drifted low",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "reserved",
+                                                              "condition exists"};
+  return kModes[fmi & 31];
+}
+
+}  // namespace j1939::dds

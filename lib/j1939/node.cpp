@@ -1,0 +1,396 @@
+#include "j1939/node.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace j1939 {
+namespace {
+
+constexpr std::size_t kFrameBytes = 8;
+
+bool is_long(const Order& order) noexcept {
+  return order.kind == OrderKind::send && order.memory.size() > kFrameBytes;
+}
+
+/// Carried by the protocol itself: nobody else may send them.
+constexpr bool is_reserved(Pgn number) noexcept {
+  return number == pgn::kTransportControl || number == pgn::kTransportData ||
+         number == pgn::kExtendedTransportControl || number == pgn::kExtendedTransportData ||
+         number == pgn::kAddressClaimed;
+}
+
+bool can_be_sent(const Order& order) noexcept {
+  if (!is_pgn(order.number) || order.priority > 7 || order.destination == kNullAddress) return false;
+  if (order.kind == OrderKind::request) return true;
+  if (is_reserved(order.number)) return false;
+  return has_destination(order.number) || order.destination == kGlobalAddress || is_long(order);
+}
+
+}  // namespace
+
+Node::Node(NodeSettings settings)
+    : settings_(std::move(settings)),
+      queue_(std::clamp<std::size_t>(settings_.queue, 1, kMostQueue)),
+      claim_(settings_.claim),
+      receiver_(settings_.window, replies_),
+      sender_(settings_.spacing, replies_) {}
+
+void Node::start(Time now) noexcept {
+  now_ = now;
+  claim_.start(now);
+  follow_address();
+}
+
+std::size_t Node::open() const noexcept {
+  return waiting_.size() + handed_over_.size() + sending_.size() + asked_.size() + answers_.size();
+}
+
+bool Node::wants_claims_of_all(const Order& order) const noexcept {
+  return order.kind == OrderKind::request && order.number == pgn::kAddressClaimed;
+}
+
+Refusal Node::submit(const Order& order, Time now) noexcept {
+  now_ = std::max(now_, now);
+  if (stopped_) return Refusal::stopped;
+  if (order.kind == OrderKind::send && order.memory.size() > kMostBytes) return Refusal::too_long;
+  if (!can_be_sent(order)) return Refusal::bad_order;
+  if (!claim_.wanted() && !wants_claims_of_all(order)) return Refusal::no_address;
+  // Each open order has room for its answer.
+  if (waiting_.size() >= queue_ || open() >= kMostOpen) return Refusal::queue_full;
+  if (order.kind == OrderKind::request && requests_ >= kMostRequests) return Refusal::queue_full;
+  if (waiting_.size() == 0) obstacle_ = Obstacle::none;
+  if (order.kind == OrderKind::request) ++requests_;
+  waiting_.push({order, now + order.timeout});
+  begin_sessions();
+  return Refusal::none;
+}
+
+bool Node::cancel(OrderId id) noexcept {
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    if (waiting_[i].order.id != id) continue;
+    end(waiting_[i].order, Outcome::cancelled);
+    waiting_.erase(i);
+    return true;
+  }
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    if (asked_[i].order.id != id) continue;
+    end(asked_[i].order, Outcome::cancelled);
+    asked_.erase(i);
+    return true;
+  }
+  for (std::size_t i = 0; i < sending_.size(); ++i) {
+    if (sending_[i].internal || sending_[i].open.order.id != id) continue;
+    if (!sender_.cancel(sending_[i].id)) continue;
+    end(sending_[i].open.order, Outcome::cancelled);
+    sending_.erase(i);
+    return true;
+  }
+  return false;
+}
+
+can::Frame Node::frame_for(const Order& order, Address source) const noexcept {
+  can::Frame frame;
+  frame.extended = true;
+  if (order.kind == OrderKind::request) {
+    frame.id = compose(identifier_of(pgn::kRequest, order.priority, order.destination, source));
+    frame.dlc = 3;
+    for (unsigned i = 0; i < 3; ++i) frame.data[i] = static_cast<std::uint8_t>(order.number >> 8 * i);
+    return frame;
+  }
+  frame.id = compose(identifier_of(order.number, order.priority, order.destination, source));
+  frame.dlc = static_cast<std::uint8_t>(order.memory.size());
+  std::copy(order.memory.begin(), order.memory.end(), frame.data.begin());
+  return frame;
+}
+
+std::optional<can::Frame> Node::next_frame() noexcept {
+  offer_.reset();
+  if (handed_over_.full()) return std::nullopt;
+  if (const auto frame = claim_.next_frame()) {
+    offer_ = Offer{Owner::claim, 0, *frame};
+    return *frame;
+  }
+  if (const auto frame = replies_.front()) {
+    offer_ = Offer{Owner::reply, 0, *frame};
+    return *frame;
+  }
+  // As on the bus: the lowest identifier goes first, of equal ones the older order.
+  const auto consider = [&](Owner owner, std::size_t index, const can::Frame& frame) {
+    if (!offer_ || frame.id < offer_->frame.id) offer_ = Offer{owner, index, frame};
+  };
+  const auto address = claim_.address();
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    const Order& order = waiting_[i].order;
+    if (is_long(order)) continue;
+    if (address) {
+      consider(Owner::order, i, frame_for(order, *address));
+    } else if (wants_claims_of_all(order)) {
+      consider(Owner::order, i, frame_for(order, kNullAddress));
+    }
+  }
+  for (std::size_t i = 0; i < TransportSender::kSessions; ++i) {
+    if (const auto frame = sender_.next_frame(i)) consider(Owner::session, i, *frame);
+  }
+  return offer_ ? std::optional(offer_->frame) : std::nullopt;
+}
+
+void Node::handed_over() noexcept {
+  if (!offer_ || handed_over_.full()) return;
+  const Offer offer = *offer_;
+  offer_.reset();
+  obstacle_ = Obstacle::none;
+  HandedOver entry;
+  entry.frame = offer.frame;
+  entry.owner = offer.owner;
+  switch (offer.owner) {
+    case Owner::claim:
+      claim_.handed_over();
+      break;
+    case Owner::reply:
+      replies_.pop();
+      break;
+    case Owner::order:
+      entry.open = waiting_[offer.index];
+      waiting_.erase(offer.index);
+      break;
+    case Owner::session:
+      entry.session = offer.index;
+      entry.id = sender_.job_at(offer.index);
+      sender_.handed_over(offer.index, now_);
+      break;
+  }
+  handed_over_.push(entry);
+}
+
+/// What follows from a frame that stood on the bus, or is taken to have.
+void Node::seen(const HandedOver& entry, Time end_of_frame) noexcept {
+  if (entry.owner == Owner::claim) claim_.sent(entry.frame, end_of_frame);
+  if (entry.owner == Owner::session && sender_.job_at(entry.session) == entry.id)
+    sender_.sent(entry.session, end_of_frame);
+}
+
+void Node::echo(const can::Frame& frame, Time end_of_frame) noexcept {
+  ++counters_.sent;
+  std::size_t found = 0;
+  while (found < handed_over_.size() && handed_over_[found].frame != frame) ++found;
+  if (found == handed_over_.size()) return;
+  const HandedOver entry = handed_over_[found];
+  handed_over_.erase(found);
+  seen(entry, end_of_frame);
+  if (entry.owner == Owner::order && !entry.answered) {
+    const Order& order = entry.open.order;
+    if (order.kind == OrderKind::request && order.destination != kGlobalAddress) {
+      asked_.push(entry.open);  // there is room: no more requests are open
+    } else {
+      end(order, Outcome::done, {.sent = end_of_frame});
+    }
+  }
+  overtake(found);
+  take_ended();
+}
+
+/// The `count` frames handed over first: no echo of theirs is waited for; orders keep their places until
+/// they are answered.
+void Node::overtake(std::size_t count) noexcept {
+  for (std::size_t i = count; i-- > 0;) {
+    HandedOver& entry = handed_over_[i];
+    entry.overtaken = true;
+    if (entry.owner == Owner::order && !entry.answered) continue;
+    seen(entry, now_);
+    handed_over_.erase(i);
+  }
+}
+
+void Node::echoes_lost() noexcept {
+  overtake(handed_over_.size());
+  take_ended();
+}
+
+void Node::controller_emptied() noexcept {
+  for (; handed_over_.size() != 0; handed_over_.erase(0)) {
+    const HandedOver& entry = handed_over_[0];
+    if (entry.owner == Owner::order && !entry.answered) end(entry.open.order, Outcome::no_answer);
+  }
+  offer_.reset();
+  sender_.drop();
+  take_ended();
+  claim_.start(now_);
+  follow_address();
+}
+
+/// With another address, or none, nothing that was begun with the old one can go on.
+void Node::follow_address() noexcept {
+  const auto wanted = claim_.wanted();
+  if (wanted != own_) {
+    if (own_) {
+      receiver_.drop_connections();
+      replies_.clear();
+      offer_.reset();
+      end_asked(Outcome::address_lost);
+      for (; sending_.size() != 0; sending_.erase(0)) {
+        (void)sender_.cancel(sending_[0].id);
+        if (!sending_[0].internal) end(sending_[0].open.order, Outcome::address_lost);
+      }
+      replies_.clear();
+      (void)sender_.take_ended();
+    }
+    own_ = wanted;
+  }
+  if (!wanted && claim_.state() == ClaimState::cannot_claim) end_waiting(Outcome::address_lost);
+}
+
+/// Long messages for which there is room now.
+void Node::begin_sessions() noexcept {
+  const auto address = claim_.address();
+  if (!address) return;
+  for (std::size_t i = 0; i < waiting_.size() && !sending_.full();) {
+    const Open open = waiting_[i];
+    if (!is_long(open.order) || !sender_.has_room(open.order.destination)) {
+      ++i;
+      continue;
+    }
+    const std::uint64_t id = ++jobs_;
+    sender_.begin(
+        {id, open.order.number, open.order.priority, *address, open.order.destination, open.order.memory},
+        now_);
+    sending_.push({open, id, false});
+    waiting_.erase(i);
+  }
+}
+
+void Node::take_ended() noexcept {
+  while (const auto ended = sender_.take_ended()) {
+    for (std::size_t i = 0; i < sending_.size(); ++i) {
+      if (sending_[i].id != ended->id) continue;
+      const Sending sending = sending_[i];
+      sending_.erase(i);
+      if (sending.internal) break;
+      const Outcome outcome = ended->end == SendEnd::done      ? Outcome::done
+                              : ended->end == SendEnd::aborted ? Outcome::aborted
+                                                               : Outcome::no_answer;
+      end(sending.open.order, outcome, {.sent = ended->sent, .code = ended->reason});
+      break;
+    }
+  }
+  begin_sessions();
+}
+
+void Node::advance(Time now) noexcept {
+  now_ = now;
+  claim_.advance(now);
+  follow_address();
+  receiver_.advance(now);
+  sender_.advance(now);
+  for (std::size_t i = 0; i < sending_.size();) {
+    if (sending_[i].open.until > now) {
+      ++i;
+      continue;
+    }
+    const bool begun = sender_.begun(sending_[i].id);
+    (void)sender_.cancel(sending_[i].id);
+    if (!sending_[i].internal) {
+      end(sending_[i].open.order, begun ? Outcome::no_answer : Outcome::timeout,
+          {.obstacle = begun ? Obstacle::none : obstacle_});
+    }
+    sending_.erase(i);
+  }
+  for (std::size_t i = 0; i < handed_over_.size();) {
+    HandedOver& entry = handed_over_[i];
+    if (entry.owner == Owner::order && !entry.answered && entry.open.until <= now) {
+      end(entry.open.order, Outcome::no_answer);
+      entry.answered = true;
+    }
+    if (entry.owner == Owner::order && entry.answered && entry.overtaken) {
+      handed_over_.erase(i);
+    } else {
+      ++i;
+    }
+  }
+  for (std::size_t i = 0; i < asked_.size();) {
+    if (asked_[i].until > now) {
+      ++i;
+      continue;
+    }
+    end(asked_[i].order, Outcome::no_answer);
+    asked_.erase(i);
+  }
+  for (std::size_t i = 0; i < waiting_.size();) {
+    if (waiting_[i].until > now) {
+      ++i;
+      continue;
+    }
+    const bool claiming = claim_.state() == ClaimState::claiming && obstacle_ == Obstacle::none;
+    end(waiting_[i].order, Outcome::timeout, {.obstacle = claiming ? Obstacle::no_address : obstacle_});
+    waiting_.erase(i);
+  }
+  take_ended();
+}
+
+Time Node::next_deadline() const noexcept {
+  Time next = std::min({claim_.next_deadline(), receiver_.next_deadline(), sender_.next_deadline()});
+  for (std::size_t i = 0; i < waiting_.size(); ++i) next = std::min(next, waiting_[i].until);
+  for (std::size_t i = 0; i < asked_.size(); ++i) next = std::min(next, asked_[i].until);
+  for (std::size_t i = 0; i < sending_.size(); ++i) next = std::min(next, sending_[i].open.until);
+  for (std::size_t i = 0; i < handed_over_.size(); ++i) {
+    const HandedOver& entry = handed_over_[i];
+    if (entry.owner == Owner::order && !entry.answered) next = std::min(next, entry.open.until);
+  }
+  return next;
+}
+
+std::optional<Answer> Node::take_answer() noexcept {
+  if (answers_.size() == 0) return std::nullopt;
+  const Answer answer = answers_[0];
+  answers_.erase(0);
+  return answer;
+}
+
+void Node::stop() noexcept {
+  stopped_ = true;
+  for (; handed_over_.size() != 0; handed_over_.erase(0)) {
+    const HandedOver& entry = handed_over_[0];
+    if (entry.owner == Owner::order && !entry.answered) end(entry.open.order, Outcome::no_answer);
+  }
+  for (; sending_.size() != 0; sending_.erase(0)) {
+    (void)sender_.cancel(sending_[0].id);
+    if (!sending_[0].internal) end(sending_[0].open.order, Outcome::stopped);
+  }
+  end_asked(Outcome::stopped);
+  end_waiting(Outcome::stopped);
+}
+
+void Node::end_waiting(Outcome outcome) noexcept {
+  for (std::size_t i = 0; i < waiting_.size();) {
+    if (outcome == Outcome::address_lost && wants_claims_of_all(waiting_[i].order)) {
+      ++i;
+      continue;
+    }
+    end(waiting_[i].order, outcome);
+    waiting_.erase(i);
+  }
+}
+
+void Node::end_asked(Outcome outcome) noexcept {
+  for (; asked_.size() != 0; asked_.erase(0)) end(asked_[0].order, outcome);
+}
+
+void Node::end(const Order& order, Outcome outcome, const Answer& rest) noexcept {
+  if (order.kind == OrderKind::request) --requests_;
+  Answer answer = rest;
+  answer.id = order.id;
+  answer.outcome = outcome;
+  answers_.push(answer);
+  switch (outcome) {
+    case Outcome::done:
+      break;
+    case Outcome::refused:
+    case Outcome::aborted:
+    case Outcome::no_answer:
+      ++counters_.unanswered;
+      break;
+    default:
+      ++counters_.not_sent;
+  }
+}
+
+}  // namespace j1939

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "j1939/identifier.h"
+
+/// What a node is asked to send, and how that ended.
+namespace j1939 {
+
+/// By which an order is answered; chosen by whoever gives it, below 2^63.
+using OrderId = std::uint64_t;
+
+/// What an order is for.
+enum class OrderKind : std::uint8_t {
+  send,     ///< a message
+  request,  ///< a request for a group (PGN 59904); of one destination also its answer
+};
+
+/// Something to be sent.
+struct Order {
+  OrderId id = 0;
+  OrderKind kind = OrderKind::send;
+  Pgn number = 0;                        ///< what is sent, or asked for (`is_pgn`)
+  std::uint8_t priority = 6;             ///< 0..7
+  Address destination = kGlobalAddress;  ///< 0..253, or all; PDU2 in one frame: all
+  Time timeout{};                        ///< monitoring time from `submit` to the answer, over 0
+  /// Of a message its data, 0..1785 bytes; of a request the memory for those of its answer. It stays where
+  /// it is until the order has been answered.
+  std::span<std::uint8_t> memory = {};
+};
+
+/// Why an order is not taken; nothing was sent.
+enum class Refusal : std::uint8_t {
+  none,
+  queue_full,  ///< as many orders are open as there is room for: try again when one has been answered
+  bad_order,   ///< no group, priority or destination that can be
+  too_long,    ///< over 1785 bytes, which would need the extended transport protocol
+  no_address,  ///< the node has no address, and none to come
+  stopped,     ///< the node has been stopped
+};
+
+/// Why the first waiting order was not handed to the bus.
+enum class Obstacle : std::uint8_t {
+  none,            ///< earlier orders
+  queue_full,      ///< the controller's queue has no room
+  bus_off,         ///< the controller takes no part in the bus
+  interface_down,  ///< the interface is missing or not up
+  not_delivered,   ///< nobody acknowledges what was handed over before
+  no_address,      ///< the address is still being claimed
+};
+
+/// How an order ended.
+enum class Outcome : std::uint8_t {
+  done,          ///< the message stood on the bus whole, or was acknowledged, or the request was answered
+  refused,       ///< the other node answered that it will not (`code`: control byte of PGN 59392)
+  aborted,       ///< the receiver broke the connection off (`code`: its reason)
+  no_answer,     ///< begun, but not seen on the bus or not answered in time
+  timeout,       ///< nothing of it was handed over in time; it will not be sent
+  cancelled,     ///< taken back; of a long message a part may have been sent
+  address_lost,  ///< the node lost its address
+  stopped,       ///< the node was stopped; of a long message a part may have been sent
+};
+
+/// The one answer to an order that was taken.
+struct Answer {
+  OrderId id = 0;
+  Outcome outcome = Outcome::done;
+  Time sent{};                         ///< done: end of the last frame, or of the answer
+  Obstacle obstacle = Obstacle::none;  ///< timeout: what kept it from the bus
+  std::uint8_t code = 0;               ///< refused, aborted
+  std::uint16_t size = 0;              ///< request, done: bytes of the answer, in the order's memory
+};
+
+}  // namespace j1939

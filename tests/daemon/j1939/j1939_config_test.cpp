@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "config/problem.h"
+#include "daemon/j1939/config/file.h"
+#include "daemon/j1939/config/options.h"
+#include "daemon/j1939/segment/j1939_segment.h"
+
+namespace cansyncd {
+namespace {
+
+namespace fs = std::filesystem;
+
+class J1939Configuration : public testing::Test {
+ protected:
+  J1939Configuration() {
+    std::string name = (fs::temp_directory_path() / "cansyncd-test-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~J1939Configuration() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  J1939File load(const std::string& text) const {
+    std::ofstream(folder_ / "f.toml") << text;
+    return load_j1939_config((folder_ / "f.toml").string(), {});
+  }
+  /// The configuration of a file that is in order.
+  J1939Config good(const std::string& text) const {
+    const J1939File file = load(text);
+    EXPECT_EQ(config::problems_text(file.problems), "");
+    return file.config;
+  }
+  std::string problems(const std::string& text) const { return config::problems_text(load(text).problems); }
+
+  fs::path folder_;
+};
+
+TEST_F(J1939Configuration, TheSmallestFileListens) {
+  const J1939Config config = good("");
+  EXPECT_FALSE(config.preferred);
+  EXPECT_EQ(config.bus.bits_per_second, 250'000u);
+  EXPECT_EQ(config.receive, std::vector<j1939::PgnRange>{{}});
+  EXPECT_EQ(config.send.timeout, std::chrono::milliseconds(1250));
+}
+
+TEST_F(J1939Configuration, ANodeWithItsNameRangesAndGroups) {
+  const J1939Config config = good(R"([address]
+preferred = 0x80
+arbitrary = true
+first_other = 130
+last_other = 140
+takes_commands = false
+[name]
+identity = 5
+manufacturer = 7
+ecu_instance = 1
+function_instance = 2
+function = 3
+vehicle_system = 4
+vehicle_system_instance = 6
+industry_group = 5
+[transport]
+window = 8
+broadcast_interval_ms = 60
+[listen]
+between_others = true
+[[receive]]
+number = 3
+first = 0xFEF0
+last = 0xFEFF
+source = 33
+[[receive]]
+number = 1
+first = 0xF004
+[[provide]]
+number = 0
+pgn = 0xFEEB
+data = [1, 2, 3]
+)");
+  EXPECT_EQ(config.preferred, 0x80);
+  EXPECT_EQ(config.name, (j1939::NameFields{5, 7, 1, 2, 3, 4, 6, 5, true}));
+  const std::vector<j1939::PgnRange> ranges = {{0xF004, 0xF004, {}}, {0xFEF0, 0xFEFF, j1939::Address{33}}};
+  EXPECT_EQ(config.receive, ranges);
+  const j1939::NodeSettings node = message_machine_settings(config, nullptr).node;
+  EXPECT_EQ(node.claim.preferred, 0x80);
+  EXPECT_EQ(node.claim.first_other, 130);
+  EXPECT_EQ(node.claim.last_other, 140);
+  EXPECT_FALSE(node.claim.takes_commands);
+  EXPECT_TRUE(node.between_others);
+  EXPECT_EQ(node.window, 8);
+  EXPECT_EQ(node.spacing, std::chrono::milliseconds(60));
+  ASSERT_EQ(node.provided.size(), 1u);
+  EXPECT_EQ(node.provided[0].data.size(), 3u);
+  EXPECT_EQ(node.filter.match(0xFEF1, 33), 1);
+}
+
+TEST_F(J1939Configuration, WhatIsWrongNamesItsPlace) {
+  EXPECT_NE(problems("[[provide]]\nnumber = 0\npgn = 0xEF01\n").find("f.toml:3"), std::string::npos);
+  EXPECT_NE(problems("[[receive]]\nnumber = 0\nfirst = 5\nlast = 4\n").find("f.toml:3"), std::string::npos);
+  EXPECT_NE(problems("[address]\nfirst_other = 140\nlast_other = 130\n").find("f.toml:2"), std::string::npos);
+  EXPECT_NE(problems("[address]\npreferred = 254\n").find("f.toml:2"), std::string::npos);
+  EXPECT_NE(problems("[[ecu]]\nnumber = 0\ndestination = 254\n").find("f.toml:3"), std::string::npos);
+  EXPECT_NE(problems("[[ecu]]\nnumber = 0\ndata = [256]\n").find("f.toml:3"), std::string::npos);
+  EXPECT_NE(problems("[dds]\nsecurity = \"x\"\n").find("cansync-security"), std::string::npos);
+}
+
+TEST_F(J1939Configuration, SimulatedNodesHaveNamesOfTheirOwn) {
+  const J1939Config config = good("[[ecu]]\nnumber = 0\n[[ecu]]\nnumber = 1\naddress = 1\n");
+  ASSERT_EQ(config.ecus.size(), 2u);
+  EXPECT_NE(j1939::compose(config.ecus[0].name), j1939::compose(config.ecus[1].name));
+  EXPECT_EQ(j1939_bus_plan(config).sim.nodes.size(), 2u);
+}
+
+TEST_F(J1939Configuration, ThePrintedFileIsInOrder) {
+  const J1939Config printed = good(j1939_default_config());
+  EXPECT_FALSE(printed.preferred);
+  EXPECT_EQ(printed.send.queue, 64);
+}
+
+}  // namespace
+}  // namespace cansyncd

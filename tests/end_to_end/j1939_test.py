@@ -1,0 +1,153 @@
+"""J1939: the daemon with simulated nodes, and the verbs `messages`, `transmit`, `request`, `addresses` and `faults`."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
+from help_text import helps
+
+from json_schemas import expect
+from gateway import CANSYNC, CANSYNCD, LONG, Place, end, wait_for
+
+CONFIG = """
+[bus]
+protocol = "j1939"
+name = "{bus}"
+[dds]
+domain = {domain}
+[address]
+preferred = 0x21     # which the stronger simulated node has
+arbitrary = true
+first_other = 0x90
+[name]
+identity = 500000
+[send]
+timeout_ms = 20000
+[[receive]]
+number = 0
+first = 0xFECA
+[[receive]]
+number = 1
+first = 0xEF00
+[[ecu]]              # three faults: a broadcast
+number = 0
+address = 0x21
+pgn = 0xFECA
+data = [0x04, 0xFF, 0xB8, 0x04, 0x03, 0x0A, 0x10, 0x27, 0x45, 0x7F, 0x01, 0x00, 0x02, 0x01]
+period_ms = 500
+[[ecu]]              # by a connection to the daemon
+number = 1
+address = 0x22
+pgn = 0xEF00
+destination = 0x90
+data = [0, 2, 3, 4, 5, 6, 7, 8, 9, 10]
+period_ms = 300
+[[ecu]]              # on request alone
+number = 2
+address = 0x23
+pgn = 0xFEEB
+data = [65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75]
+"""
+
+
+class Messages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = Place()
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.config = os.path.join(folder, "bus.toml")
+        cls.log = os.path.join(folder, "log")
+        with open(cls.config, "w", encoding="utf-8") as file:
+            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
+        with open(cls.log, "wb") as log:
+            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
+        cls.addClassCleanup(lambda: end(cls.daemon))
+        wait_for("a message is sent", lambda: cls.place.run("transmit", "0FEF1", "01").returncode == 0)
+
+    def json(self, *arguments, code=0):
+        result = self.place.run(*arguments, "--json")
+        self.assertEqual(result.returncode, code, result.stderr)
+        found = [json.loads(line) for line in result.stdout.splitlines()]
+        for one in found:
+            expect(arguments, one)
+        return found
+
+    def one(self, *arguments, code=0):
+        """The only object of a verb."""
+        found = self.json(*arguments, code=code)
+        self.assertEqual(len(found), 1, found)
+        return found[0]
+
+    def test_it_lost_its_address_and_has_another(self):
+        found = {one["address"]: one for one in self.json("addresses")}
+        self.assertEqual(set(found), {0x21, 0x22, 0x23, 0x90})
+        self.assertEqual([address for address, one in found.items() if one["own"]], [0x90])
+        self.assertEqual((found[0x90]["identity"], found[0x22]["identity"]), (500000, 1001))
+        events = {event["code"] for event in self.json("events")}
+        self.assertLessEqual({"address_lost", "address_claimed", "fault_appeared"}, events)
+
+    def test_messages_of_each_length_are_sent(self):
+        self.assertEqual(self.one("transmit", "0xFEF1", "01 02")["result"], "done")
+        sent = self.one("transmit", "0EF00", "5A" * 1785, "--to", "0x23")
+        self.assertEqual((sent["result"], sent["length"], sent["priority"]), ("done", 1785, 7))
+        self.assertGreater(sent["sent_time_ns"], 0)
+        self.assertEqual(self.one("transmit", "0FEF2", "5A" * 9)["result"], "done")
+        nobody = self.one("transmit", "0EF00", "5A" * 9, "--to", "0x55", "--timeout", 1, code=5)
+        self.assertEqual(nobody["result"], "no_answer")
+
+    def test_a_node_is_asked(self):
+        answer = self.one("request", "0FEEB", "--to", "0x23")
+        self.assertEqual((answer["result"], answer["data"]), ("done", list(range(65, 76))))
+        refused = self.one("request", "0FEE5", "--to", "0x23", code=4)
+        self.assertEqual((refused["result"], refused["answer_code"]), ("slave_error", 1))
+        self.assertEqual(self.one("request", "0EE00")["result"], "done")
+        text = self.place.run("request", "0FEEB", "--to", "0x23").stdout.decode()
+        self.assertEqual(text, "41 42 43 44 45 46 47 48 49 4A 4B\n")
+
+    def test_messages_in_packets_come_whole(self):
+        with self.place.start("messages", "--json", "--count", 4) as messages:
+            found = [messages.next_object() for _ in range(4)]
+        self.assertEqual({(one["pgn"], one["transport"], one["source"], one["range"]) for one in found},
+                         {(0xFECA, "broadcast", 0x21, 0), (0xEF00, "connection", 0x22, 1)})
+        by_connection = [one for one in found if one["pgn"] == 0xEF00]
+        self.assertEqual(by_connection[0]["data"][1:], list(range(2, 11)))
+        self.assertEqual(by_connection[0]["destination"], 0x90)
+
+    def test_the_faults_of_a_node(self):
+        found = wait_for("faults are told", lambda: self.json("faults"))[0]
+        self.assertEqual((found["source"], found["active"]), (0x21, True))
+        codes = [(one["spn"], one["fmi"], one["occurrences"]) for one in found["codes"]]
+        self.assertEqual(codes, [(1208, 3, 10), (0x22710, 5, 127), (1, 2, 1)])
+
+    def test_status_and_doctor_find_the_daemon(self):
+        status = self.one("status")
+        self.assertEqual((status["protocol"], status["claim_state"], status["address"]), ("j1939", "claimed", 0x90))
+        self.assertEqual((status["addresses_lost"], status["bit_rate"]), (1, 250000))
+        self.assertRegex(self.place.run("status").stdout.decode(), r"(?m)^address +144, claimed; NAME 800000000007A120")
+        found = [json.loads(line) for line in self.place.run("doctor", "--json").stdout.splitlines()]
+        self.assertIn("j1939", next(one for one in found if one["topic"] == "daemon")["found"])
+
+    def test_the_tables_are_explained(self):
+        for verb, arguments in (("messages", ("--count", 1)), ("addresses", ()), ("faults", ())):
+            heading = self.place.run(verb, *arguments).stdout.decode().splitlines()[0]
+            self.assertEqual(re.split("  *", heading.strip()), list(helps(CANSYNC)[verb].explained("Columns")))
+
+    def test_what_is_wrong_is_told(self):
+        for arguments, words in ((("transmit", "FEF1"), "PGN: found"), (("transmit", "40000"), "00000..3FFFF"), (("transmit", "0EF21"), "by --to"),
+                                 (("transmit", "0FEF1", "0"), "DATA: found"), (("transmit", "0FEF1", "00" * 1786), "up to 1785 bytes"),
+                                 (("transmit", "0FEF1", "00", "--to", "254"), "--to: found 254"), (("request", "0FEF1", "--priority", "8"), "--priority"),
+                                 (("messages", "--count", "0"), "--count")):
+            result = self.place.run(*arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(words, result.stderr)
+        refused = self.one("transmit", "0FEF1", "00", "--to", "0x23", code=3)
+        self.assertEqual((refused["result"], refused["cause"]), ("refused", "field"))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v", *filter(None, sys.argv[1:])])

@@ -1,0 +1,69 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "j1939/dds/validate.h"
+#include "j1939/transport.h"
+
+namespace j1939::dds {
+namespace {
+
+struct Wrong {
+  const char* words;
+  gateway_RefusalCause cause;
+  std::function<void(j1939_MessageRequest&)> change;
+};
+
+TEST(MessageValidate, EachFieldOutOfItsRangeIsToldByNameAndRange) {
+  std::vector<std::uint8_t> data(1786);
+  j1939_MessageRequest good = {};
+  good.pgn = 0xEF00;
+  good.destination = 0x21;
+  good.data._buffer = data.data();
+  good.data._length = 8;
+  EXPECT_FALSE(check(good));
+  const std::vector<Wrong> all = {
+      {"kind 9", gateway_CAUSE_KIND,
+       [](auto& r) {
+         const unsigned nine = 9;  // as a newer client may say
+         std::memcpy(&r.kind, &nine, sizeof(nine));
+       }},
+      {"pgn 0x40000", gateway_CAUSE_FIELD, [](auto& r) { r.pgn = 0x40000; }},
+      {"allowed 0xEF00", gateway_CAUSE_FIELD, [](auto& r) { r.pgn = 0xEF21; }},
+      {"priority 8", gateway_CAUSE_FIELD, [](auto& r) { r.priority = 8; }},
+      {"data: 1786 bytes", gateway_CAUSE_LENGTH, [](auto& r) { r.data._length = 1786; }},
+      {"MESSAGE_ASK has none", gateway_CAUSE_LENGTH, [](auto& r) { r.kind = j1939_MESSAGE_ASK; }},
+      {"destination 254", gateway_CAUSE_FIELD, [](auto& r) { r.destination = 254; }},
+      {"goes to all", gateway_CAUSE_FIELD, [](auto& r) { r.pgn = 0xFEF1; }},
+      {"timeout 3600001", gateway_CAUSE_FIELD, [](auto& r) { r.timeout = 3'600'001; }},
+  };
+  for (const Wrong& wrong : all) {
+    j1939_MessageRequest request = good;
+    wrong.change(request);
+    const auto problem = check(request);
+    ASSERT_TRUE(problem) << wrong.words;
+    EXPECT_EQ(problem->cause, wrong.cause) << wrong.words;
+    EXPECT_NE(problem->reason.find(wrong.words), std::string::npos) << problem->reason;
+    EXPECT_LT(problem->reason.size(), std::size_t{gateway_TEXT});
+  }
+  good.pgn = 0xFEF1;
+  good.data._length = 9;
+  EXPECT_FALSE(check(good)) << "in packets a PDU2 group may go to one node";
+}
+
+TEST(MessageValidate, EachRefusalHasACauseAndAReasonThatFits) {
+  EXPECT_FALSE(explain(Refusal::none, 64));
+  for (const Refusal refusal :
+       {Refusal::queue_full, Refusal::bad_order, Refusal::too_long, Refusal::no_address, Refusal::stopped}) {
+    const auto problem = explain(refusal, 64);
+    ASSERT_TRUE(problem);
+    EXPECT_FALSE(problem->reason.empty());
+    EXPECT_LT(problem->reason.size(), std::size_t{gateway_TEXT});
+  }
+}
+
+}  // namespace
+}  // namespace j1939::dds

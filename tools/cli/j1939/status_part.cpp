@@ -1,0 +1,62 @@
+#include "cli/j1939/status_part.h"
+
+#include <fmt/format.h>
+
+#include "cli/connect/bus_connection.h"
+#include "dds/bounded_text.h"
+#include "j1939/client/message_client.h"
+#include "j1939_members.h"
+
+namespace cansync::cli {
+namespace {
+
+/// Throws client::NoDaemon.
+j1939_NodeStatus node_status(Session& session) {
+  auto client = connect_bus<j1939::client::MessageClient>(session);
+  const auto status = client.status(session.search_time());
+  if (!status) throw client::NoDaemon("the daemon has told no NodeStatus (" + client.place() + ")");
+  return *status;
+}
+
+std::string address_line(const j1939_NodeStatus& status) {
+  std::string text = status.address < 0 ? "none" : fmt::format("{}", status.address);
+  text += fmt::format(", {}", gateway::dds::text(status.claim_state));
+  text += fmt::format("; NAME {:016X}", status.node_name);
+  if (status.name_twice) text += ", which another node has, too";
+  if (status.addresses_lost != 0) text += fmt::format("; lost {} times", status.addresses_lost);
+  if (status.intruders != 0) text += fmt::format("; {} messages of others with it", status.intruders);
+  return text;
+}
+
+std::vector<Explained> lines_of_node(Session& session) {
+  const j1939_NodeStatus status = node_status(session);
+  return {
+      {"address", address_line(status)},
+      {"messages received",
+       fmt::format("{} for the daemon or all, {} taken by a range, {} of them not published", status.messages,
+                   status.taken, status.lost)},
+      {"in packets", fmt::format("{} whole, {} broken, {} refused, {} under way", status.packets_completed,
+                                 status.packets_broken, status.packets_refused, status.transports)},
+      {"messages sent", fmt::format("{} frames; {} requests not answered, {} not sent, {} waiting",
+                                    status.sent, status.unanswered, status.not_sent, status.waiting)},
+      {"load of the bus", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
+}
+
+void add_node_members(Session& session, JsonObject& object) {
+  text::add_members(object, node_status(session));
+}
+
+std::vector<Explained> node_lines_help() {
+  return {{"address", "the daemon's own, how far its claim has come, its NAME"},
+          {"messages received", "whole messages of other nodes, since the start"},
+          {"in packets",
+           "messages of more than eight bytes of other nodes, since the start; and what is under way now"},
+          {"messages sent", "own frames and what became of requests, since the start; and how many wait now"},
+          {"load of the bus", "share of the last second in which it was busy"}};
+}
+
+}  // namespace
+
+const StatusPart kJ1939StatusPart = {"j1939", lines_of_node, add_node_members, node_lines_help};
+
+}  // namespace cansync::cli

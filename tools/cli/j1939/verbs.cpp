@@ -1,0 +1,312 @@
+#include "cli/j1939/verbs.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/base/interrupt.h"
+#include "cli/connect/bus_connection.h"
+#include "cli/j1939/message_lines.h"
+#include "cli/j1939/status_part.h"
+#include "cli/text/column_help.h"
+#include "cli/text/values.h"
+#include "j1939/client/message_client.h"
+#include "j1939/dds/texts.h"
+#include "j1939/name.h"
+
+namespace cansync::cli {
+namespace {
+
+using j1939::client::MessageClient;
+
+/// The arguments of `transmit` and `request` as they were typed.
+struct MessageTexts {
+  std::string pgn;
+  std::string data;
+  std::string to;
+  std::string priority;
+};
+
+j1939::client::Message parse_message(const MessageTexts& texts) {
+  j1939::client::Message message;
+  message.pgn = parse_pgn(texts.pgn);
+  message.data = parse_bytes(texts.data);
+  // In packets, seven is what the standard says.
+  message.priority = message.data.size() > 8 ? 7 : 6;
+  if (!texts.to.empty()) message.destination = parse_address(texts.to, "--to");
+  if (!texts.priority.empty())
+    message.priority = static_cast<std::uint8_t>(parse_integer(texts.priority, "--priority", 0, 7));
+  return message;
+}
+
+client::Reply reply_of(const j1939::client::Result& result) {
+  using client::ReplyCode;
+  client::Reply reply;
+  reply.reason = result.reason;
+  reply.code = ReplyCode::no_reply;
+  if (!result.replied) return reply;
+  switch (result.code) {
+    case gateway_REPLY_DONE:
+      reply.code = ReplyCode::done;
+      break;
+    case gateway_REPLY_SLAVE_ERROR:
+      reply.code = ReplyCode::slave_error;
+      break;
+    case gateway_REPLY_TIMEOUT:
+      reply.code = ReplyCode::timeout;
+      break;
+    case gateway_REPLY_NO_ANSWER:
+      reply.code = ReplyCode::no_answer;
+      break;
+    case gateway_REPLY_CANCELLED:
+      reply.code = ReplyCode::cancelled;
+      break;
+    case gateway_REPLY_MASTER_STOPPED:
+      reply.code = ReplyCode::master_stopped;
+      break;
+    default:
+      reply.code = ReplyCode::refused;
+      // The numbers are those of the data model.
+      reply.cause = static_cast<client::RefusalCause>(result.cause);
+  }
+  return reply;
+}
+
+/// Whom a message is for, or is asked.
+std::string target_text(std::uint8_t address) {
+  return address == 255 ? "all" : fmt::format("address {}", address);
+}
+
+ExitCode transmit_verb(Session& session, const MessageTexts& texts) {
+  const j1939::client::Message message = parse_message(texts);
+  auto client = connect_bus<MessageClient>(session);
+  (void)client.status(session.search_time());
+  const auto result = client.request(j1939_MESSAGE_SEND, message, session.monitoring_ms());
+  JsonObject object;
+  object.add("pgn", message.pgn)
+      .add("priority", message.priority)
+      .add("destination", message.destination)
+      .add("length", static_cast<std::uint32_t>(message.data.size()))
+      .add("sent_time_ns", result.sent_time)
+      .add("answer_code", result.answer_code);
+  const std::string where =
+      fmt::format("PGN {} to {}", pgn_text(message.pgn), target_text(message.destination));
+  return session.finish(reply_of(result), object, where, where + " sent");
+}
+
+ExitCode request_verb(Session& session, const MessageTexts& texts) {
+  const j1939::client::Message message = parse_message(texts);
+  auto client = connect_bus<MessageClient>(session);
+  (void)client.status(session.search_time());
+  const auto result = client.request(j1939_MESSAGE_ASK, message, session.monitoring_ms());
+  JsonObject object;
+  object.add("pgn", message.pgn)
+      .add("destination", message.destination)
+      .add("data", bytes_json(result.data))
+      .add("answer_time_ns", result.sent_time)
+      .add("answer_code", result.answer_code);
+  const auto reply = reply_of(result);
+  const std::string where =
+      fmt::format("request for PGN {} to {}", pgn_text(message.pgn), target_text(message.destination));
+  if (!reply.ok() || message.destination == 255) return session.finish(reply, object, where, where + " sent");
+  if (!session.json()) session.output().line(bytes_text(result.data));
+  return session.finish(reply, object, where, result.data.empty() ? where + " acknowledged" : "");
+}
+
+ExitCode messages_verb(Session& session, const std::string& count_text) {
+  const std::uint64_t count =
+      count_text.empty() ? 0 : static_cast<std::uint64_t>(parse_integer(count_text, "--count", 1, INT32_MAX));
+  auto client = connect_bus<MessageClient>(session);
+  MessageLines lines(session.output(), count);
+  constexpr auto kLook = std::chrono::milliseconds(200);
+  while (!interrupt_flag().load() && !lines.enough()) {
+    if (client.receive(kLook, [&lines](const j1939_MessageBatch& batch) { lines.show(batch); })) continue;
+    session.output().remark("the daemon has gone (" + client.place() + ")");
+    return ExitCode::not_reachable;
+  }
+  return ExitCode::done;
+}
+
+std::vector<Table::Column> address_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"ADDRESS", right, "claimed by another node; with an asterisk: the daemon's own", 7},
+          {"NAME", left, "the 64 bits of its NAME, hexadecimal; of two the lower is the stronger", 16},
+          {"IDENTITY", right, "serial number in the NAME", 8},
+          {"MAKER", right, "code of the manufacturer", 5},
+          {"FUNCTION", right, "code of the function, behind a dot its instance", 8},
+          {"GROUP", right, "industry group", 5},
+          {"ARBITRARY", left, "yes: it takes another address when it loses its own", 9}};
+}
+
+ExitCode addresses_verb(Session& session) {
+  auto client = connect_bus<MessageClient>(session);
+  const auto status = client.status(session.search_time());
+  const auto others = client.addresses(session.search_time());
+  if (!status || !others)
+    throw client::NoDaemon("the daemon has told no AddressTable (" + client.place() + ")");
+  Table table(address_columns());
+  const auto show = [&](int address, std::uint64_t name, bool own) {
+    const j1939::NameFields fields = j1939::fields_of(name);
+    if (session.json()) {
+      JsonObject object;
+      object.add("address", address)
+          .add("own", own)
+          .add("name", fmt::format("{:016X}", name))
+          .add("identity", fields.identity)
+          .add("manufacturer", fields.manufacturer)
+          .add("ecu_instance", fields.ecu_instance)
+          .add("function_instance", fields.function_instance)
+          .add("function", fields.function)
+          .add("vehicle_system", fields.vehicle_system)
+          .add("vehicle_system_instance", fields.vehicle_system_instance)
+          .add("industry_group", fields.industry_group)
+          .add("arbitrary_address", fields.arbitrary_address);
+      session.output().object(object);
+      return;
+    }
+    table.add({fmt::format("{}{}", own ? "*" : "", address), fmt::format("{:016X}", name),
+               fmt::format("{}", fields.identity), fmt::format("{}", fields.manufacturer),
+               fmt::format("{}.{}", fields.function, fields.function_instance),
+               fmt::format("{}", fields.industry_group), fields.arbitrary_address ? "yes" : "no"});
+  };
+  if (status->address >= 0) show(status->address, status->node_name, true);
+  for (const j1939_ClaimedAddress& other : *others) show(other.address, other.node_name, false);
+  if (!session.json()) session.output().table(table);
+  return ExitCode::done;
+}
+
+std::vector<Table::Column> fault_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"FROM", right, "address of the node that tells the fault", 4},
+          {"WHEN", left, "active (DM1), or previous (DM2)", 8},
+          {"SPN", right, "suspect parameter number", 6},
+          {"FMI", right, "failure mode identifier, 0 to 31", 3},
+          {"TIMES", right, "how often it occurred; -: not told", 5},
+          {"MODE", left, "what the failure mode means", 0}};
+}
+
+const char* lamp_text(std::uint8_t lamp) {
+  constexpr const char* kLampStates[] = {"off", "on", "reserved", "not-available"};
+  return kLampStates[lamp & 3];
+}
+
+JsonObject fault_json(const j1939::client::Faults& faults) {
+  JsonArray codes;
+  for (const j1939_TroubleCode& code : faults.codes) {
+    JsonObject one;
+    one.add("spn", code.spn).add("fmi", code.fmi).add("occurrences", code.occurrences);
+    one.add("old_conversion", code.old_conversion);
+    codes.add_json(one.text());
+  }
+  JsonObject object;
+  object.add("source", faults.list.source)
+      .add("active", faults.list.active)
+      .add("time_ns", faults.list.receive_time)
+      .add("malfunction_lamp", lamp_text(faults.list.malfunction_lamp))
+      .add("red_stop_lamp", lamp_text(faults.list.red_stop_lamp))
+      .add("amber_warning_lamp", lamp_text(faults.list.amber_warning_lamp))
+      .add("protect_lamp", lamp_text(faults.list.protect_lamp))
+      .add("codes", codes);
+  return object;
+}
+
+ExitCode faults_verb(Session& session) {
+  auto client = connect_bus<MessageClient>(session);
+  Table table(fault_columns());
+  // What the daemon keeps comes at once; nodes tell theirs once a second.
+  constexpr auto kLook = std::chrono::milliseconds(300);
+  for (const auto& [key, faults] : client.faults(kLook)) {
+    if (session.json()) {
+      session.output().object(fault_json(faults));
+      continue;
+    }
+    for (const j1939_TroubleCode& code : faults.codes) {
+      table.add({fmt::format("{}", key.first), key.second ? "active" : "previous",
+                 fmt::format("{}", code.spn), fmt::format("{}", code.fmi),
+                 code.occurrences == 127 ? std::string("-") : fmt::format("{}", code.occurrences),
+                 std::string(j1939::dds::failure_mode(code.fmi))});
+    }
+  }
+  if (!session.json()) session.output().table(table);
+  return ExitCode::done;
+}
+
+constexpr std::string_view kOfJ1939 = "Of a bus with bus.protocol = \"j1939\"";
+
+void add_messages(CLI::App& app, Verb& chosen) {
+  auto* messages = app.add_subcommand("messages", "J1939: what other nodes send, until Ctrl-C");
+  auto count = std::make_shared<std::string>();
+  messages->add_option("--count", *count, "end after so many messages")->type_name("N");
+  messages->footer(fmt::format("{}: whole messages that its ranges take.\n", kOfJ1939) +
+                   columns_help(message_columns()));
+  messages->callback(
+      [count, &chosen] { chosen = [count](Session& session) { return messages_verb(session, *count); }; });
+}
+
+void add_transmit(CLI::App& app, Verb& chosen) {
+  auto* transmit = app.add_subcommand("transmit", "J1939: send a message");
+  auto texts = std::make_shared<MessageTexts>();
+  transmit->add_option("PGN", texts->pgn, "group in five hexadecimal digits, or 0x..")->required();
+  transmit->add_option("DATA", texts->data,
+                       "up to 1785 bytes of two hexadecimal digits, e.g. 0102FF; none: no data");
+  transmit->add_option("--to", texts->to, "address of the node it is for, 0..253, or all (the default)")
+      ->type_name("ADDRESS");
+  transmit->add_option("--priority", texts->priority, "0 (most urgent) to 7; default 6, in packets 7")
+      ->type_name("N");
+  transmit->footer(fmt::format(
+      "{}. Over 8 bytes go in packets: to all as a broadcast, to one node by a\nconnection. Done means that it was on "
+      "the bus whole, by a connection that it was acknowledged.",
+      kOfJ1939));
+  transmit->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return transmit_verb(session, *texts); }; });
+}
+
+void add_request(CLI::App& app, Verb& chosen) {
+  auto* request = app.add_subcommand("request", "J1939: ask a node for a message");
+  auto texts = std::make_shared<MessageTexts>();
+  request->add_option("PGN", texts->pgn, "group in five hexadecimal digits, or 0x..")->required();
+  request->add_option("--to", texts->to, "address of the node that is asked, 0..253, or all (the default)")
+      ->type_name("ADDRESS");
+  request->add_option("--priority", texts->priority, "of the request, 0 (most urgent) to 7; default 6")
+      ->type_name("N");
+  request->footer(fmt::format(
+      "{}. Prints the bytes of the node's answer. Asked of all it is done when it\nwas sent; the answers come as "
+      "messages (cansync messages).",
+      kOfJ1939));
+  request->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return request_verb(session, *texts); }; });
+}
+
+void add_addresses(CLI::App& app, Verb& chosen) {
+  auto* addresses = app.add_subcommand("addresses", "J1939: which node has which address");
+  addresses->footer(fmt::format("{}: the claims that were heard, and the daemon's own.\n", kOfJ1939) +
+                    columns_help(address_columns()));
+  addresses->callback([&chosen] { chosen = addresses_verb; });
+}
+
+void add_faults(CLI::App& app, Verb& chosen) {
+  auto* faults = app.add_subcommand("faults", "J1939: the faults that other nodes tell");
+  faults->footer(fmt::format("{}: what DM1 and DM2 said last.\n", kOfJ1939) + columns_help(fault_columns()));
+  faults->callback([&chosen] { chosen = faults_verb; });
+}
+
+void add_verbs_of_j1939(CLI::App& app, Verb& chosen) {
+  add_messages(app, chosen);
+  add_transmit(app, chosen);
+  add_request(app, chosen);
+  add_addresses(app, chosen);
+  add_faults(app, chosen);
+}
+
+}  // namespace
+
+const ProtocolVerbs j1939_verbs = {add_verbs_of_j1939, &kJ1939StatusPart};
+
+}  // namespace cansync::cli
