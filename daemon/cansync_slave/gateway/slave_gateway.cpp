@@ -75,6 +75,9 @@ SlaveGateway::~SlaveGateway() {
 }
 
 void SlaveGateway::start() {
+  // Who listens to whom, and how, is known before the first telegram.
+  for (std::uint8_t slave = 0; slave < cansync::kSlaves; ++slave)
+    publish_monitored(*cansync::SlaveNumber::from(slave), {});
   thread_.start();
 }
 
@@ -153,12 +156,18 @@ void SlaveGateway::publish(const SlaveSideReport& report, SteadyTime now) {
     (void)references_.write(
         cansync_slave::dds::references_received(references->values, snapshot_.lost_references));
   } else if (const auto* monitored = std::get_if<MonitoredReport>(&report)) {
-    (void)monitored_.write(cansync_slave::dds::monitored_values(monitored->slave, monitored->values));
+    publish_monitored(monitored->slave, monitored->values);
   } else if (const auto* action = std::get_if<ActionReport>(&report)) {
     (void)actions_.write(action_received(*action, ++action_number_));
   } else if (const auto event = event_of(report, config_)) {
     events_.publish(*event, now);
   }
+}
+
+void SlaveGateway::publish_monitored(cansync::SlaveNumber slave,
+                                     const cansync_slave::ReceivedValues& values) {
+  if (const auto& mapping = config_.slave.monitored[slave.value()])
+    (void)monitored_.write(cansync_slave::dds::monitored_values(slave, values, *mapping));
 }
 
 SteadyTime SlaveGateway::publish_status(SteadyTime now) {

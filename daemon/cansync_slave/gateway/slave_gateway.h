@@ -71,6 +71,7 @@ class SlaveGateway {
   /// True: there may be more.
   bool take_reports(SteadyTime now);
   void publish(const SlaveSideReport& report, SteadyTime now);
+  void publish_monitored(cansync::SlaveNumber slave, const cansync_slave::ReceivedValues& values);
   void take_jobs();
   /// Returns when to call again.
   SteadyTime publish_status(SteadyTime now);

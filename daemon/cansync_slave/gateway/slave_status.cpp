@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "cansync/settings/timing.h"
+#include "cansync_slave/dds/convert.h"
 #include "dds/bounded_text.h"
 
 namespace cansyncd {
@@ -117,6 +118,9 @@ cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
   put_indicators(snapshot, interval, sample);
   sample.parameters = static_cast<std::uint32_t>(config.service.parameters.size() - 1);
   put_service(snapshot.service, sample);
+  sample.status_parameter = config.status_parameter;
+  cansync_slave::dds::put_registers(config.slave.reference_mapping, sample.reference_mapping);
+  cansync_slave::dds::put_registers(config.slave.actual_mapping, sample.actual_mapping);
   return sample;
 }
 

@@ -40,6 +40,12 @@ Application::~Application() {
   (void)writer_.unregister(sample);
 }
 
+std::string Application::take_over(Duties duties) {
+  duties_ = std::move(duties);
+  said_.reset();
+  return keep();
+}
+
 std::string Application::keep() {
   if (!writer_.permitted()) return kNoRight;
   const auto now = steady_clock::now();

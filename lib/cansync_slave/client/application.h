@@ -35,6 +35,9 @@ class Application {
   Application(const Application&) = delete;
   Application& operator=(const Application&) = delete;
 
+  /// Takes over other things from now on. What is open of before stays open.
+  std::string take_over(Duties duties);
+
   /// Says that the application is there, when that is due: to be called at least every half second. A
   /// program that stands still longer than two seconds is none any more.
   std::string keep();

@@ -8,14 +8,22 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
+/// The topic as a reader asks for it that wants nothing of before.
+template <class T>
+gateway::dds::TopicInfo reader_topic(bool only_new) noexcept {
+  gateway::dds::TopicInfo info = gateway::dds::topic_info<T>;
+  if (only_new) info.qos.transient_local = false;
+  return info;
+}
+
 }  // namespace
 
-SlaveClient::SlaveClient(const Options& options)
+SlaveClient::SlaveClient(const Options& options, bool only_new)
     : options_(options),
       participant_(options.participant()),
-      references_(participant_, &signal_),
+      references_(participant_, reader_topic<cansync_slave_ReferencesReceived>(only_new), &signal_),
       monitored_(participant_, &signal_),
-      actions_(participant_, &signal_),
+      actions_(participant_, reader_topic<cansync_slave_ActionReceived>(only_new), &signal_),
       parameter_jobs_(participant_, &signal_),
       block_jobs_(participant_, &signal_),
       status_(participant_, &signal_),

@@ -34,7 +34,8 @@ class SlaveClient {
   /// Waits until a daemon serves the bus and everything is matched with it. Throws NoDaemon when
   /// `options.wait` is over, `stop` is set or several daemons serve the bus, gateway::dds::SetupError when
   /// DDS cannot be set up.
-  explicit SlaveClient(const Options& options);
+  /// `only_new`: reference values and actions of before the connection are not given.
+  explicit SlaveClient(const Options& options, bool only_new = false);
 
   /// Waits at most `time` for what the daemon received, and calls `listener` for all that came. False: the
   /// daemon has gone.

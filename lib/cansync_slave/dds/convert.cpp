@@ -27,12 +27,18 @@ cansync_slave_ReferencesReceived references_received(const ReceivedValues& recei
   return sample;
 }
 
-cansync_slave_MonitoredValues monitored_values(cansync::SlaveNumber slave,
-                                               const ReceivedValues& received) noexcept {
+cansync_slave_MonitoredValues monitored_values(cansync::SlaveNumber slave, const ReceivedValues& received,
+                                               const cansync::ProcessMapping& mapping) noexcept {
   cansync_slave_MonitoredValues sample = {};
   sample.slave = slave.value();
   fill(received, sample);
+  put_registers(mapping, sample.mapping);
   return sample;
+}
+
+void put_registers(const cansync::ProcessMapping& mapping, std::uint8_t (&bytes)[8]) noexcept {
+  for (unsigned i = 0; i < std::size(bytes); ++i)
+    bytes[i] = cansync::to_register(mapping[i / cansync::kWords].word[i % cansync::kWords]);
 }
 
 }  // namespace cansync_slave::dds

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "cansync/telegram/mapping.h"
 #include "cansync/telegram/numbers.h"
 #include "cansync_slave.h"
 #include "cansync_slave/received_values.h"
@@ -12,8 +13,10 @@ namespace cansync_slave::dds {
 /// `lost`: telegrams since the start that are in no sample.
 cansync_slave_ReferencesReceived references_received(const ReceivedValues& received,
                                                      std::uint64_t lost) noexcept;
-/// Of the slave that sent them.
-cansync_slave_MonitoredValues monitored_values(cansync::SlaveNumber slave,
-                                               const ReceivedValues& received) noexcept;
+/// Of the slave that sent them, whose telegrams `mapping` makes values of.
+cansync_slave_MonitoredValues monitored_values(cansync::SlaveNumber slave, const ReceivedValues& received,
+                                               const cansync::ProcessMapping& mapping) noexcept;
+/// The register bytes of words 0..3 of telegram 1, then of telegram 2.
+void put_registers(const cansync::ProcessMapping& mapping, std::uint8_t (&bytes)[8]) noexcept;
 
 }  // namespace cansync_slave::dds

@@ -14,7 +14,7 @@ template <class Make>
 auto set_up(Make&& make) {
   try {
     return std::forward<Make>(make)();
-  } catch (const dds::SetupError& error) {
+  } catch (const gateway::dds::SetupError& error) {
     throw SetupError(error.what());
   }
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -61,7 +62,13 @@ TEST(SlaveConvert, TelegramsFillTheirHalfAndSayWhichCame) {
   EXPECT_EQ(sample.raw[4], 5u);
   EXPECT_EQ(sample.receive_time, 2000);
   EXPECT_EQ(sample.lost, 3u);
-  EXPECT_EQ(monitored_values(*cansync::SlaveNumber::from(31), received).slave, 31);
+  cansync::ProcessMapping mapping;
+  mapping[0] = cansync::default_mapping(cansync::Channel::one);
+  mapping[1].word[3] = *cansync::from_register(0x1D);
+  const auto monitored = monitored_values(*cansync::SlaveNumber::from(31), received, mapping);
+  EXPECT_EQ(monitored.slave, 31);
+  EXPECT_EQ(std::to_array(monitored.mapping),
+            (std::array<std::uint8_t, 8>{0x01, 0x03, 0x05, 0x07, 0, 0, 0, 0x1D}));
 }
 
 TEST(SlaveValidate, AReleaseOutOfItsRangeIsRefusedWithTheRange) {

@@ -10,40 +10,12 @@
 #include <thread>
 
 #include "client/fake_daemon.h"
+#include "client/function_blocks/block_cycle.h"
 #include "daemon/whole/whole_rig.h"
 #include "support/dds_places.h"
 
 /// Function blocks against the gateway with simulated drives, or against a daemon without a bus.
 namespace cansync::client::function_blocks {
-
-inline Options options_at(const dds::ParticipantOptions& place) {
-  return {.domain = place.domain,
-          .bus = place.partition,
-          .interface = place.interface,
-          .client_name = "blocks",
-          .xml = place.xml,
-          .wait = std::chrono::seconds(20)};
-}
-
-/// Calls a block as a PLC program does, with the time of the test.
-template <class Block>
-void cycle(Block& block, Clock::time_point now) {
-  if constexpr (requires { block.call(now); }) {
-    block.call(now);
-  } else {
-    block.call();
-  }
-}
-
-/// Calls `step` until `condition` holds; false when it does not within a minute.
-template <class Step, class Condition>
-bool repeat_until(Step&& step, Condition&& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  for (step(); !condition(); step()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-  }
-  return true;
-}
 
 /// Four simulated drives in active operation behind a real gateway. The line's time stands still unless a
 /// test lets it go on, so that a job stays open for as long as the test wants.

@@ -62,6 +62,16 @@ TEST_F(InitTest, NoDaemonIsBitZero) {
   EXPECT_NE(alone.error().find("no daemon found"), std::string::npos);
 }
 
+// A master's daemon is none for x_SL = TRUE.
+TEST_F(InitTest, ADaemonOfAnotherRoleIsBitZero) {
+  Options master = options_at(rig.client_place());
+  master.wait = std::chrono::milliseconds(1);
+  INIT slave(master);
+  slave.x_SL = true;
+  finish(slave);
+  EXPECT_EQ(slave.w_ERR, 0x0001);
+}
+
 // "Setting x_SYNC_MODE = TRUE sets synchronous operation."
 TEST_F(InitTest, SyncModeSetsTheLineUpUnlessThatIsPast) {
   block.x_SYNC_MODE = true;
@@ -96,10 +106,7 @@ TEST_F(InitCommands, ASyncModeThatIsRefusedIsBitEleven) {
 }
 
 // w_ERR bit 11: "Initialization of CANsync interface module not completed".
-TEST_F(InitTest, ASlaveRoleOrAMissingSlaveIsBitEleven) {
-  block.x_SL = true;
-  finish(block);
-  EXPECT_EQ(block.w_ERR, 0x0800);
+TEST_F(InitTest, AMissingSlaveIsBitEleven) {
   INIT missing(options_at(rig.client_place()));
   missing.a_SL_TYP[9] = 1;
   finish(missing);

@@ -1,10 +1,12 @@
 #include <cansync/function_blocks/init.h>
 #include <cansync/topics.h>
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
 #include "client/src/function_blocks/option_status.h"
+#include "client/src/slave_side.h"
 
 namespace cansync::client::function_blocks {
 namespace {
@@ -26,36 +28,63 @@ void INIT::call() {
     if (set_up()) x_OK = true;
     return;
   }
-  if (x_SL) return fail(init_error::not_completed, "client: x_SL: the daemon is a master; allowed FALSE");
+  if (x_SL) {
+    if (!connecting_slave_.valid())
+      connecting_slave_ =
+          std::async(std::launch::async, [options = options_] { return SlaveConnection::connect(options); });
+    connect(connecting_slave_, slave_);
+    if (slave_) compare_slave();
+    return;
+  }
   if (!connecting_.valid())
     connecting_ = std::async(std::launch::async, [options = options_] {
       Client client = Client::connect(options);
       (void)client.bus_status();  // from here on it is known, and `compare` waits for nothing
       return client;
     });
-  if (connecting_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  connect(connecting_, client_);
+  if (client_) compare();
+}
+
+/// Takes the connection when it is there.
+template <class Connection>
+void INIT::connect(std::future<Connection>& connecting, std::optional<Connection>& connection) {
+  if (connecting.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
-    client_.emplace(connecting_.get());
+    connection.emplace(connecting.get());
   } catch (const NoDaemon& error) {
-    return fail(init_error::handshake_timeout, error.what());
+    fail(init_error::handshake_timeout, error.what());
   } catch (const std::exception& error) {
-    return fail(init_error::not_completed, error.what());
+    fail(init_error::not_completed, error.what());
   }
-  compare();
+}
+
+/// False: us_BAUDRATE or us_SYNC_INTERVAL is not the daemon's, which has these.
+bool INIT::compare_rates(std::uint32_t bit_rate, std::uint64_t interval) {
+  constexpr std::uint64_t kMillisecond = 1'000'000;  // ns
+  if (us_BAUDRATE != 0 && bit_rate_of(us_BAUDRATE) != bit_rate) {
+    fail(init_error::bit_timing, "client: us_BAUDRATE " + std::to_string(us_BAUDRATE) + ": the daemon has " +
+                                     std::to_string(bit_rate) + " bit/s; change bus.bit_rate or this");
+    return false;
+  }
+  if (us_SYNC_INTERVAL != 0 && us_SYNC_INTERVAL * kMillisecond != interval) {
+    fail(init_error::bit_timing, "client: us_SYNC_INTERVAL " + std::to_string(us_SYNC_INTERVAL) +
+                                     " ms: the daemon has " + std::to_string(interval) + " ns");
+    return false;
+  }
+  return true;
+}
+
+void INIT::compare_slave() {
+  constexpr std::uint64_t kBitsPerInterval = 1000;  // at every bit rate (M 3.1.1)
+  constexpr std::uint64_t kSecond = 1'000'000'000;  // ns
+  const std::uint64_t interval = std::max<std::uint64_t>(slave_->side().status().interval_length, 1);
+  x_OK = compare_rates(static_cast<std::uint32_t>(kBitsPerInterval * kSecond / interval), interval);
 }
 
 void INIT::compare() {
-  constexpr std::uint64_t kMillisecond = 1'000'000;  // ns
   const MasterStatus status = client_->master_status();
-  const std::uint32_t bit_rate = client_->bus_status().bit_rate;
-  if (us_BAUDRATE != 0 && bit_rate_of(us_BAUDRATE) != bit_rate)
-    return fail(init_error::bit_timing, "client: us_BAUDRATE " + std::to_string(us_BAUDRATE) +
-                                            ": the daemon has " + std::to_string(bit_rate) +
-                                            " bit/s; change bus.bit_rate or this");
-  if (us_SYNC_INTERVAL != 0 && us_SYNC_INTERVAL * kMillisecond != status.interval_length)
-    return fail(init_error::bit_timing, "client: us_SYNC_INTERVAL " + std::to_string(us_SYNC_INTERVAL) +
-                                            " ms: the daemon has " + std::to_string(status.interval_length) +
-                                            " ns");
+  if (!compare_rates(client_->bus_status().bit_rate, status.interval_length)) return;
   for (std::size_t slave = 0; slave < a_SL_TYP.size(); ++slave) {
     if (a_SL_TYP[slave] != 0 && ((status.slaves_configured >> slave) & 1u) == 0)
       return fail(init_error::not_completed,
@@ -81,6 +110,7 @@ bool INIT::set_up() {
 void INIT::fail(WORD bits, std::string reason) {
   set_up_.reset();
   client_.reset();
+  slave_.reset();
   x_OK = false;
   x_ERR = true;
   w_ERR = bits;

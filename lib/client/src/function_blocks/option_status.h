@@ -10,6 +10,8 @@ inline constexpr WORD kInitialisationPossible = 0x0002;
 inline constexpr WORD kWaiting = 0x0003;
 inline constexpr WORD kSettingUp = 0x0043;
 inline constexpr WORD kActive = 0x0080;
+inline constexpr WORD kSettingUpSlave = 0x0013;  // M 3.2.3.3
+inline constexpr WORD kActiveSlave = 0x0020;
 
 /// Synchronous operation has been set up, or is active.
 constexpr bool is_synchronous(WORD option_status) noexcept {

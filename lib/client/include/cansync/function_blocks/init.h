@@ -5,6 +5,7 @@
 #include <string>
 
 #include "../client.h"
+#include "../slave_connection.h"
 #include "types.h"
 
 namespace cansync::client::function_blocks {
@@ -21,10 +22,11 @@ inline constexpr WORD not_completed = 0x0800;      ///< everything else, `error(
 /// What the option module is told here is the daemon's configuration file; the inputs are compared with it,
 /// and nothing is changed on the line but its mode, with x_SYNC_MODE. x_SYNC_IN, x_ASYNC_MODE0 and 1, the bit
 /// timing registers and the acceptance filter have no counterpart. Connecting runs on a thread of its own;
-/// call until x_OK or x_ERR.
+/// call until x_OK or x_ERR. Of a slave a_SL_TYP means nothing (M 4.9), and x_SYNC_MODE has no effect: the
+/// daemon sets its mode by itself.
 class CANSYNC_PUBLIC INIT {
  public:
-  BOOL x_SL = false;              ///< TRUE (slave) is an error: the daemon is a master
+  BOOL x_SL = false;              ///< TRUE: the daemon is a slave, and `slave()` the connection
   USINT us_BAUDRATE = 0;          ///< 3 125 kbit/s, 4 250, 5 500, 6 1 Mbit/s; 0: whatever the daemon has
   USINT us_SYNC_INTERVAL = 0;     ///< 8, 4, 2, 1 ms; 0: whatever the daemon has
   BOOL x_SYNC_MODE = false;       ///< TRUE: the line is set up, unless it is set up or active
@@ -37,8 +39,12 @@ class CANSYNC_PUBLIC INIT {
   /// What went wrong, in words. Not in the manual.
   const std::string& error() const noexcept { return error_; }
 
-  /// The connection, when x_OK; for the other blocks. Lives as long as this block.
+  /// The connection, when x_OK and x_SL is FALSE; for the other blocks of a master. Lives as long as this
+  /// block.
   Client& client() { return *client_; }
+  /// The connection, when x_OK and x_SL is TRUE; for the other blocks of a slave. Lives as long as this
+  /// block.
+  SlaveConnection& slave() { return *slave_; }
 
   /// Where the daemon is looked for; connects with the first `call`, not here.
   explicit INIT(Options options) : options_(std::move(options)) {}
@@ -54,12 +60,18 @@ class CANSYNC_PUBLIC INIT {
 
  private:
   void fail(WORD bits, std::string reason);
+  template <class Connection>
+  void connect(std::future<Connection>& connecting, std::optional<Connection>& connection);
   void compare();
+  void compare_slave();
+  bool compare_rates(std::uint32_t bit_rate, std::uint64_t interval);
   bool set_up();
 
   Options options_;
   std::future<Client> connecting_;
   std::optional<Client> client_;
+  std::future<SlaveConnection> connecting_slave_;
+  std::optional<SlaveConnection> slave_;
   std::optional<CommandJob> set_up_;  ///< asked for with x_SYNC_MODE
   std::string error_;
 };

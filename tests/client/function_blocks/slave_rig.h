@@ -1,0 +1,184 @@
+#pragma once
+
+#include <cansync/function_blocks.h>
+#include <cansync/slave_connection.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cansync_slave/dds/topics.h"
+#include "client/function_blocks/block_cycle.h"
+#include "dds/bounded_text.h"
+#include "dds/daemon_identity.h"
+#include "dds/endpoint.h"
+#include "support/dds_places.h"
+
+/// The function blocks of a slave against a daemon without a bus.
+namespace cansync::client::function_blocks {
+
+/// Says what the daemon of slave 5 would say, when the test wants it: active, at 1 Mbit/s, status word in
+/// parameter 301, listening to slave 7. Each object is a start of its own.
+class FakeSlaveDaemon {
+ public:
+  explicit FakeSlaveDaemon(const gateway::dds::ParticipantOptions& place) : participant_(place) {
+    static std::uint8_t starts = 0;
+    identity_[0] = ++starts;
+    gateway_GatewayStatus gateway = {};
+    gateway::dds::copy_text(place.partition, gateway.bus);
+    gateway::dds::copy_text("cansync-slave", gateway.protocol);
+    gateway.data_model = gateway_DATA_MODEL;
+    gateway::dds::set_daemon(identity_, gateway);
+    (void)gateway_writer_.write(gateway);
+    status.slave_number = 5;
+    status.option_status = 0x0020;
+    status.interval_length = 1'000'000;
+    status.status_parameter = 301;
+    set({0x01, 0x03, 0x05, 0x07, 0x11, 0x13, 0x15, 0x17}, status.reference_mapping);
+    set({0x01, 0x03, 0, 0, 0x1D, 0, 0, 0}, status.actual_mapping);
+    tell();
+    cansync_slave_MonitoredValues other = {};
+    other.slave = 7;
+    set({0x01, 0x03, 0x05, 0x07, 0, 0, 0, 0}, other.mapping);
+    (void)monitored_writer_.write(other);
+  }
+
+  void tell() { (void)status_writer_.write(status); }
+  void references(std::uint8_t telegram, std::uint32_t first, std::uint64_t interval) {
+    put(telegram, first, interval, references_);
+    (void)references_writer_.write(references_);
+  }
+  void monitored(std::uint8_t slave, std::uint8_t telegram, std::uint32_t first, std::uint64_t interval) {
+    monitored_[slave].slave = slave;
+    put(telegram, first, interval, monitored_[slave]);
+    (void)monitored_writer_.write(monitored_[slave]);
+  }
+  void action(cansync_slave_ActionKind kind, std::uint8_t command, std::uint8_t byte, std::uint16_t word) {
+    cansync_slave_ActionReceived sample = {};
+    sample.number = ++actions_;
+    sample.kind = kind;
+    sample.command = command;
+    sample.data_byte = byte;
+    sample.data_word = word;
+    (void)action_writer_.write(sample);
+  }
+  cansync_slave_ParameterJob job(std::uint64_t number, cansync_slave_JobStep step) const {
+    cansync_slave_ParameterJob sample = {};
+    sample.job = number;
+    sample.step = step;
+    sample.element = 7;
+    gateway::dds::set_daemon(identity_, sample);
+    return sample;
+  }
+  void write(const cansync_slave_ParameterJob& sample) { (void)job_writer_.write(sample); }
+  cansync_slave_BlockJob block(std::uint64_t number, cansync_slave_BlockStep step) const {
+    cansync_slave_BlockJob sample = {};
+    sample.job = number;
+    sample.step = step;
+    sample.whole = true;
+    sample.address = 0x100;
+    gateway::dds::set_daemon(identity_, sample);
+    return sample;
+  }
+  void write(cansync_slave_BlockJob sample, std::vector<std::uint8_t> data = {}) {
+    sample.data._buffer = data.data();
+    sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(data.size());
+    (void)block_writer_.write(sample);
+  }
+
+  /// What applications have said, and their data; signs of presence apart.
+  struct Answer {
+    cansync_slave_ApplicationAnswer sample;
+    std::vector<std::uint8_t> data;
+  };
+  std::vector<Answer> answers;
+  std::optional<std::vector<std::uint16_t>> parameters;  ///< taken over, as said last; none: no application
+  bool blocks = false;
+  std::vector<cansync_slave_ActualRelease> releases;
+  void take() {
+    (void)answer_reader_.take([this](const cansync_slave_ApplicationAnswer& sample) {
+      if (sample.kind == cansync_slave_ANSWER_GIVEN_UP) {
+        parameters.reset();
+        blocks = false;
+      } else if (sample.kind == cansync_slave_ANSWER_PRESENT) {
+        parameters.emplace(sample.parameters._buffer, sample.parameters._buffer + sample.parameters._length);
+        blocks = sample.blocks;
+      } else {
+        EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+        Answer& answer = answers.emplace_back();
+        answer.sample = sample;
+        answer.data.assign(sample.data._buffer, sample.data._buffer + sample.data._length);
+      }
+    });
+    (void)release_reader_.take([this](const cansync_slave_ActualRelease& sample) {
+      if (!sample.given_up && gateway::dds::daemon_of(sample) == identity_) releases.push_back(sample);
+    });
+  }
+
+  cansync_slave_SlaveSideStatus status = {};
+
+ private:
+  static void set(const std::array<std::uint8_t, 8>& from, std::uint8_t (&to)[8]) {
+    std::copy(from.begin(), from.end(), std::begin(to));
+  }
+  /// Values first, first + 1 and so on.
+  template <class Sample>
+  static void put(std::uint8_t telegram, std::uint32_t first, std::uint64_t interval, Sample& sample) {
+    const unsigned place = telegram - 1u;
+    for (unsigned i = 0; i < 4; ++i) sample.raw[4 * place + i] = first + i;
+    sample.arrived = static_cast<std::uint8_t>(1u << place);
+    sample.ever = static_cast<std::uint8_t>(sample.ever | sample.arrived);
+    sample.interval[place] = interval;
+  }
+
+  gateway::dds::Participant participant_;
+  gateway::dds::DaemonIdentity identity_ = {};
+  gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_{participant_};
+  gateway::dds::Writer<cansync_slave_SlaveSideStatus> status_writer_{participant_};
+  gateway::dds::Writer<cansync_slave_ReferencesReceived> references_writer_{participant_};
+  gateway::dds::Writer<cansync_slave_MonitoredValues> monitored_writer_{participant_};
+  gateway::dds::Writer<cansync_slave_ActionReceived> action_writer_{participant_};
+  gateway::dds::Writer<cansync_slave_ParameterJob> job_writer_{participant_};
+  gateway::dds::Writer<cansync_slave_BlockJob> block_writer_{participant_};
+  gateway::dds::Reader<cansync_slave_ApplicationAnswer> answer_reader_{participant_};
+  gateway::dds::Reader<cansync_slave_ActualRelease> release_reader_{participant_};
+  cansync_slave_ReferencesReceived references_ = {};
+  std::array<cansync_slave_MonitoredValues, 32> monitored_ = {};
+  std::uint64_t actions_ = 0;
+};
+
+class SlaveBlockTest : public ::testing::Test {
+ protected:
+  /// Calls the block and lets the daemon listen until `condition` holds.
+  template <class Block, class Condition>
+  bool call_until(Block& block, Condition&& condition) {
+    return repeat_until(
+        [&] {
+          cycle(block, now);
+          daemon->take();
+          std::this_thread::yield();
+        },
+        condition);
+  }
+  template <class Block>
+  void call_often(Block& block) {
+    for (int i = 0; i < 50; ++i) {
+      cycle(block, now);
+      daemon->take();
+    }
+  }
+
+  TwoPlaces places;
+  std::optional<FakeSlaveDaemon> daemon{std::in_place, places.here};
+  SlaveConnection connection = SlaveConnection::connect(options_at(places.there));
+  Clock::time_point now = Clock::now();
+};
+
+}  // namespace cansync::client::function_blocks
