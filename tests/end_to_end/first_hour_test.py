@@ -59,6 +59,8 @@ class Doctor(unittest.TestCase):
             found = findings(gateway)["operating state"]
             self.assertEqual(found["level"], "warning")
             self.assertIn("cansync mode", found["remedy"])
+            slave = gateway.json("slaves")[0]
+            self.assertEqual((slave["state"], slave["responds"], slave["synchronized"]), (None, None, None))
             shown = gateway.run("slaves")
             self.assertRegex(shown.stdout.decode(), r"0 +slave0 +- +- +- ")
             self.assertIn("`cansync mode setup`, then `cansync mode run`", shown.stderr)

@@ -1,5 +1,6 @@
 """Parameters by the names of a drive profile, as processes."""
 
+import json
 import os
 import re
 import subprocess
@@ -67,6 +68,11 @@ class ByName(Named):
         wait_for("the drive faults", faulty)
         self.assertRegex(self.text("params", 0, "--group", "state"), r"fault-code +26 .*: reference values missing\n")
         wait_for("slaves tells it", lambda: re.search(r"0x[0-9A-F]{4} fault ", self.text("slaves", 0)))
+        self.assertRegex(self.one("slaves", 0)["fault"], "^fault")
+        self.assertRegex(self.one("watch", 0, "--count", 1)["fault"], "^fault")
+        told = [json.loads(line) for line in self.gateway.run("doctor", "--json").stdout.splitlines()]
+        self.assertRegex([found["found"] for found in told if found["topic"] == "drive fault"][0], "^slave 0 'slave0': fault")
+        self.assertEqual(self.text("slaves", "--color", "always").count("\x1b[31m"), 1)
         shown, _ = self.gateway.run_on_terminal("slaves")
         self.assertEqual(shown.count("\x1b[31m"), 1)
         self.gateway.environment["NO_COLOR"] = "1"

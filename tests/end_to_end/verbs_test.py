@@ -57,6 +57,12 @@ class Looking(VerbTest):
         events = self.json("events")
         self.assertEqual([event["number"] for event in events], sorted(event["number"] for event in events))
         self.assertIn("all_synchronized", [event["code"] for event in events])
+        chosen = self.json("events", "--code", "all_synchronized,slave_lost", "--since", "1d", "--level", "info")
+        self.assertEqual({event["code"] for event in chosen}, {"all_synchronized"})
+        self.assertEqual({event["slave"] for event in self.json("events", "--slave", "winder")} - {1}, set())
+        told = self.run_verb("events", "--code", "no_such")
+        self.assertEqual(told.stdout, b"")
+        self.assertIn("all_synchronized", told.stderr)
         self.assertRegex(self.text("events"), r"(?m)^\d{4}-\d\d-\d\d [\d:.]{12}  info     all_synchronized ")
 
     def test_events_are_followed_until_ctrl_c(self):

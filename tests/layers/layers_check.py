@@ -111,10 +111,10 @@ daemon:                     lib/text lib/config lib/rt daemon/service daemon/opt
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client tools/cli/text tools/cli/base
-tools/cli/look:             tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/look:             lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/system lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base tools/cli/watch
-tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base
+tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/learn:            lib/system lib/profile lib/cansync daemon/cansync/config tools/cli/text
                             tools/cli/base tools/cli/cansync tools/cli/trace

@@ -37,6 +37,8 @@ EXCEPTIONS = {
     "tools/cli/learn/": "learns from a recording what a master of CANsync does; reads logs as trace does",
     "tools/cli/trace/trace.cpp": "puts frames into words by the one protocol whose telegrams it knows",
     "tools/cli/trace/trace_interface.cpp": "as trace.cpp: receives the identifiers of CANsync",
+    "tools/cli/doctor/doctor.cpp": "tells the faults of a line's slaves",
+    "tools/cli/watch/watch_rows.h": "the rows of slaves have their faults in words",
     "tools/cli/watch/live_model.h": "the live view shows slaves and the timing of their telegrams",
 }
 

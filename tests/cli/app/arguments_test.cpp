@@ -55,10 +55,17 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         WrongLine{{}, "VERB: found nothing; allowed: status, slaves"},
         WrongLine{{"frobnicate", "1"}, "VERB: found 'frobnicate'; allowed: status, slaves"},
-        WrongLine{{"status", "--colour"},
-                  "found '--colour', which is no argument of status; see `cansync status --help`"},
-        WrongLine{{"--colour", "red"},
-                  "found '--colour', which is no argument of cansync; see `cansync --help`"},
+        WrongLine{{"status", "--color", "red"}, "--color: found 'red'; allowed: auto, always, never"},
+        WrongLine{{"events", "--since", "soon"}, "--since: found 'soon'; allowed: how long ago"},
+        WrongLine{{"events", "--level", "bad"}, "--level: found 'bad'; allowed: info, warning, error"},
+        WrongLine{{"events", "--code", "Slave lost"}, "--code: found 'Slave lost'; allowed: codes"},
+        WrongLine{{"events", "--slave", "32"}, "SLAVE: found '32'; allowed: 0..31"},
+        WrongLine{
+            {"status", "--colour"},
+            "found '--colour', which is no argument of status; did you mean '--color'?; see `cansync status --help`"},
+        WrongLine{
+            {"--colour", "red"},
+            "found '--colour', which is no argument of cansync; did you mean '--color'?; see `cansync --help`"},
         WrongLine{{"control", "1", "7", "8", "9"}, "found '8', which is no argument of control"},
         WrongLine{{"--domain", "231", "status"}, "--domain: found '231'; allowed: 0..230"},
         WrongLine{{"sttus"}, "VERB: found 'sttus'; did you mean 'status'?; allowed: status, slaves"},

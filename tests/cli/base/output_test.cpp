@@ -34,6 +34,18 @@ class Capture {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_{std::tmpfile(), &std::fclose};
 };
 
+TEST(Colours, AreThereWhenTheyAreAskedForAlone) {
+  Capture capture;
+  Output output(capture.file(), stderr, false);
+  EXPECT_EQ(output.painted("a", Style::bad), "a") << "a file is no terminal";
+  output.set_colours(ColourUse::always);
+  EXPECT_EQ(output.painted("a", Style::bad), "\x1b[31ma\x1b[0m");
+  EXPECT_EQ(output.painted("a", Style::plain), "a");
+  EXPECT_EQ(output.for_line(false, "").painted("a", Style::warning), "\x1b[33ma\x1b[0m");
+  output.set_colours(ColourUse::never);
+  EXPECT_EQ(output.painted("a", Style::bad), "a");
+}
+
 TEST(Table, AlignsColumns) {
   Table table({{"NAME"}, {"VALUE", Table::Align::right}});
   table.add({"a", "10"});

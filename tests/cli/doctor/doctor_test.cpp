@@ -131,6 +131,11 @@ INSTANTIATE_TEST_SUITE_P(
             },
             "2 programs on this bus's topics can neither hear the daemon nor be heard; the newest: a writer of",
             "Other DDS implementations"},
+        Fault{"drive fault", Level::error,
+              [](In& in) {
+                in.status->faults = {{0, "fault, SYNC edges missing"}};
+              },
+              "slave 0 'winder': fault, SYNC edges missing", "cansync control 0 WORD"},
         Fault{"data model", Level::warning, [](In& in) { in.status->gateway.data_model = 3; },
               "the daemon has number 3", "update cansyncd"},
         Fault{"data model", Level::warning, [](In& in) { in.status->gateway.data_model = 5; },

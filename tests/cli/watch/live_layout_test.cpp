@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -110,6 +111,26 @@ TEST_F(LiveLayout, SaysHowLargeTheTerminalIsToBe) {
   EXPECT_EQ(rig.screen({}, {59, 24}), (Lines{"At least 60 x 12 characters are needed,",
                                              "this terminal has 59 x 24.", "Make it larger, or press q."}));
   EXPECT_EQ(rig.screen({}, {60, 12}).size(), 12u);
+}
+
+TEST_F(LiveLayout, SaysFaultsInWordsBesideTheStatusWordAndMarksThem) {
+  rig.rows[1].status.status_word = 0x8028;
+  rig.rows[1].fault = "fault";
+  rig.look(1);
+  const auto lines = live_lines(rig.model, {}, {80, 24}, Symbols::ascii);
+  const auto row = std::find_if(lines.begin(), lines.end(), [](const StyledLine& line) {
+    return line.text().find("dancer") != std::string::npos;
+  });
+  ASSERT_NE(row, lines.end());
+  EXPECT_NE(row->text().find("0x8028 fault"), std::string::npos) << row->text();
+  const auto marked = [](const Span& span) {
+    return span.style == Style::bad && span.text.starts_with("0x8028");
+  };
+  EXPECT_TRUE(std::any_of(row->spans.begin(), row->spans.end(), marked));
+  rig.rows[1].fault.clear();
+  rig.look(1);
+  for (const std::string& line : rig.screen({}, {80, 24}))
+    EXPECT_EQ(line.find("fault"), std::string::npos) << line;
 }
 
 TEST_F(LiveLayout, MarksWhatIsPausedFilteredAndRaw) {

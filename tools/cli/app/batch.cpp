@@ -153,6 +153,7 @@ class Batch {
     if (interrupt_flag().load()) return false;
     Output output =
         session_.output().for_line(line.command.globals.json, fmt::format("{}:{}: ", name_, line.number));
+    output.set_colours(line.command.globals.colours);
     ExitCode code = ExitCode::done;
     try {
       Session session(line.command.globals, output, session_.connection());

@@ -27,6 +27,7 @@ struct GlobalTexts {
   std::string timeout;
   std::string retry;
   std::string types;
+  std::string colours;
 };
 
 constexpr std::int64_t kHighestDomain = 230;
@@ -77,6 +78,11 @@ void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
          "try again for so long what surely did nothing: no daemon is there yet, or it refuses because of "
          "what passes; what only reads also when no answer came (default: never)")
       ->type_name("SECONDS");
+  app.add_option(
+         "--color", texts.colours,
+         "colours in data for people: on a terminal unless NO_COLOR is set (auto, the default), always, or "
+         "never")
+      ->type_name("auto|always|never");
   app.add_flag("--json", globals.json,
                "data as JSON, one object a line; docs/command-line-json.md lists the keys");
 }
@@ -95,6 +101,13 @@ bool parse_types(const std::string& text) {
       fmt::format("--types: found '{}'; allowed: appendable or final, as the daemon's dds.types", text));
 }
 
+ColourUse parse_colours(const std::string& text) {
+  if (text == "auto") return ColourUse::automatic;
+  if (text == "always") return ColourUse::always;
+  if (text == "never") return ColourUse::never;
+  throw UsageError(fmt::format("--color: found '{}'; allowed: auto, always, never", text));
+}
+
 /// As the daemon's bus.name, so that what is meant for a shell or a unit cannot stand in it.
 void expect_bus(const std::string& bus) {
   constexpr std::size_t kLongest = 63;
@@ -109,6 +122,7 @@ void take_global_texts(const GlobalTexts& texts, Globals& globals) {
     globals.domain = static_cast<std::uint32_t>(parse_integer(texts.domain, "--domain", 0, kHighestDomain));
   expect_bus(globals.bus);
   if (!texts.types.empty()) globals.final_types = parse_types(texts.types);
+  if (!texts.colours.empty()) globals.colours = parse_colours(texts.colours);
   if (!texts.timeout.empty()) globals.timeout = parse_seconds(texts.timeout, "--timeout", kLongestTimeout);
   if (!texts.retry.empty()) globals.retry = parse_seconds(texts.retry, "--retry", kLongestRetry);
 }

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdlib>
+
 #include "cli/base/files.h"
 #include "cli/text/progress.h"
 
@@ -14,7 +16,43 @@ constexpr std::string_view kHome = "\x1b[H";         // cursor to the upper left
 constexpr std::string_view kEraseLine = "\x1b[K\n";  // rest of the line, next line
 constexpr std::string_view kEraseBelow = "\x1b[J";   // from the cursor to the end
 
+/// A variable of the environment that is set to something.
+bool environment_has(const char* variable) {
+  const char* value = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): nobody changes the environment
+  return value != nullptr && *value != '\0';
+}
+
+bool terminal_is_dumb() {
+  const char* kind = std::getenv("TERM");  // NOLINT(concurrency-mt-unsafe): nobody changes the environment
+  return kind == nullptr || std::string_view(kind) == "dumb" || *kind == '\0';
+}
+
+/// What follows "ESC[" for a style; empty: nothing.
+std::string_view colour_of(Style style) {
+  switch (style) {
+    case Style::bad:
+      return "31";  // red
+    case Style::warning:
+      return "33";  // yellow
+    case Style::good:
+      return "32";  // green
+    default:
+      return "";
+  }
+}
+
 }  // namespace
+
+bool Output::colours() const noexcept {
+  if (colours_ != ColourUse::automatic) return colours_ == ColourUse::always;
+  return data_on_terminal() && !environment_has("NO_COLOR") && !terminal_is_dumb();
+}
+
+std::string Output::painted(std::string_view text, Style style) const {
+  const std::string_view colour = colour_of(style);
+  if (colour.empty() || !colours()) return std::string(text);
+  return fmt::format("\x1b[{}m{}\x1b[0m", colour, text);
+}
 
 bool Output::data_on_terminal() const noexcept {
   return ::isatty(::fileno(data_)) == 1;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/text/styled_text.h"
 #include "cli/text/table.h"
 #include "text/json.h"
 
@@ -17,6 +18,13 @@ using text::json_string;
 using text::JsonArray;
 using text::JsonObject;
 
+/// When data have colours.
+enum class ColourUse : unsigned char {
+  automatic,  ///< on a terminal that draws, unless the environment has NO_COLOR
+  always,
+  never,
+};
+
 class Output {
  public:
   /// Both files stay open and belong to the caller; data are not buffered. `json`: data as objects, one a
@@ -27,12 +35,20 @@ class Output {
   Output for_line(bool json, std::string place) const {
     Output line(data_, remarks_, json);
     line.set_place(std::move(place));
+    line.colours_ = colours_;
     return line;
   }
 
   bool json() const noexcept { return json_; }
   /// Data go to a terminal, which can be redrawn in place.
   bool data_on_terminal() const noexcept;
+
+  /// Default: automatic.
+  void set_colours(ColourUse use) noexcept { colours_ = use; }
+  /// Data for people have colours.
+  bool colours() const noexcept;
+  /// `text` as a terminal shows it in this style; as it is where there are no colours.
+  std::string painted(std::string_view text, Style style) const;
 
   /// What follows concerns this slave of several: a line begins with "slave 3: ", and a table stands below a
   /// line "slave 3:". Objects and bytes stay as they are. Nothing: ends it.
@@ -64,6 +80,7 @@ class Output {
   std::FILE* remarks_;
   bool json_;
   bool cleared_ = false;
+  ColourUse colours_ = ColourUse::automatic;
   std::string slave_;  ///< "slave 3:"; empty: none of several
   std::string place_;
   std::string last_remark_;

@@ -29,6 +29,7 @@ struct Globals {
   std::optional<double> timeout;  ///< seconds; see docs/command-line.md
   double retry = 0.0;             ///< seconds for which what did nothing is tried again; 0: not at all
   bool json = false;
+  ColourUse colours = ColourUse::automatic;
   bool input_is_taken = false;  ///< standard input is read already
   std::string profiles;         ///< folder of drive profiles, before the standard ones; empty: none
   std::string security;         ///< DDS Security: folder of the identity; empty: without

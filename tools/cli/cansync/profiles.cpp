@@ -25,15 +25,14 @@ std::string slave_text(const client::SlaveStatus& slave) {
                                               : fmt::format("slave {} '{}'", slave.slave, slave.name);
 }
 
-/// The file of a profile that the daemon names.
-SlaveProfile load_named(const client::SlaveStatus& slave, const std::string& folder) {
+}  // namespace
+
+SlaveProfile named_profile(const client::SlaveStatus& slave, const std::string& folder) {
   profile::NamedProfile found = profile::find_named(slave.profile, slave.profile_hash, folders_of(folder),
                                                     {"--profiles or CANSYNC_PROFILES", "--profile"});
   if (found.profile == nullptr) return {nullptr, fmt::format("{}: {}", slave_text(slave), found.problem)};
   return {std::move(found.profile), ""};
 }
-
-}  // namespace
 
 ProfilePointer load_profile(const std::string& name_or_path, const std::string& folder) {
   if (profile::is_path(name_or_path)) return profile::load(name_or_path);
@@ -46,7 +45,7 @@ SlaveProfile find_profile(Session& session, unsigned slave, const std::string& g
   if (!given.empty()) return {load_profile(given, session.profiles()), ""};
   for (const client::SlaveStatus& status : session.client().slaves()) {
     if (status.slave != slave) continue;
-    if (!std::string_view(status.profile).empty()) return load_named(status, session.profiles());
+    if (!std::string_view(status.profile).empty()) return named_profile(status, session.profiles());
     return {nullptr, fmt::format("{} has no profile, so that its parameters have no names; set profile = "
                                  "\"NAME\" in its [[slave]] section of the daemon's configuration, or give "
                                  "--profile",

@@ -1,17 +1,15 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cli/base/status_refusal.h"
-#include "cli/cansync/profiles.h"
+#include "cli/cansync/fault_words.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
-#include "profile/meaning.h"
 
 namespace cansync::cli {
 namespace {
@@ -20,39 +18,36 @@ struct SlavesOptions {
   std::vector<std::string> slaves;
 };
 
-JsonObject slave_object(const client::SlaveStatus& slave) {
+/// `asked`: SYNC is there; without it nothing is known of what the slave does now.
+JsonObject slave_object(const client::SlaveStatus& slave, const std::string& fault, bool asked) {
   JsonObject object;
-  object.add("slave", slave.slave)
-      .add("name", slave.name)
-      .add("responds", slave.responds)
-      .add("synchronized", slave.synchronized);
+  object.add("slave", slave.slave).add("name", slave.name);
+  if (asked)
+    object.add("responds", slave.responds).add("synchronized", slave.synchronized);
+  else
+    object.add_null("responds").add_null("synchronized");
   if (slave.status_known)
     object.add("status_word", slave.status_word);
   else
     object.add_null("status_word");
-  return object.add("last_seen_interval", slave.last_seen)
+  object.add("last_seen_interval", slave.last_seen)
       .add("answers", slave.answers)
       .add("unanswered", slave.unanswered)
       .add("missed_actual", slave.missed_actual)
       .add("slow_answers", slave.slow_answers)
       .add("last_response_ns", slave.last_response)
-      .add("longest_response_ns", slave.longest_response)
-      .add("state", slave.state)
-      .add("times_lost", slave.times_lost)
+      .add("longest_response_ns", slave.longest_response);
+  if (asked)
+    object.add("state", slave.state);
+  else
+    object.add_null("state");
+  return object.add("times_lost", slave.times_lost)
       .add("times_returned", slave.times_returned)
       .add("jobs_ended", slave.jobs_ended)
       .add("profile", slave.profile)
       .add("status_parameter", slave.status_parameter)
-      .add("status_error", slave.status_error);
-}
-
-/// What the slave's profile calls a fault in its status word; empty: none, or no profile says so here.
-std::string fault_of(Session& session, const client::SlaveStatus& slave) {
-  if (!slave.status_known || slave.status_error != 0 || client::text(slave.profile).empty()) return "";
-  const SlaveProfile found = find_profile(session, slave.slave, "");
-  const profile::Parameter* known =
-      found.profile == nullptr ? nullptr : found.profile->find(std::uint32_t{slave.status_parameter});
-  return known == nullptr ? "" : profile::fault_words(*known, slave.status_word);
+      .add("status_error", slave.status_error)
+      .add("fault", fault);
 }
 
 std::string status_text(const client::SlaveStatus& slave, const std::string& fault) {
@@ -114,13 +109,10 @@ std::vector<Table::Column> slave_columns() {
 
 /// Slaves in fault in red where there are colours.
 void show_slaves(Output& output, const Table& table, const std::vector<bool>& faulty) {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody changes the environment
-  const char* no_color = std::getenv("NO_COLOR");
-  const bool colours = output.data_on_terminal() && (no_color == nullptr || *no_color == '\0');
   output.line(table.heading());
   const std::vector<std::string> lines = table.lines();
   for (std::size_t i = 0; i < lines.size(); ++i)
-    output.line(colours && faulty[i] ? "\x1b[31m" + lines[i] + "\x1b[0m" : lines[i]);
+    output.line(output.painted(lines[i], faulty[i] ? Style::bad : Style::plain));
 }
 
 ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
@@ -136,15 +128,16 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
                     "`cansync mode setup`, then `cansync mode run`",
                     client::text(master.state)));
   std::vector<bool> faulty;
+  FaultWords faults(session.profiles());
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
     if (slave.status_error != 0)
       refusals.push_back(status_refusal(slave) + "; mend: " + kStatusRefusalRemedy);
+    const std::string fault = faults.of(slave);
     if (session.json()) {
-      session.output().object(slave_object(slave));
+      session.output().object(slave_object(slave, fault, asked));
       continue;
     }
-    const std::string fault = fault_of(session, slave);
     faulty.push_back(!fault.empty() || slave.status_error != 0);
     add_slave_row(table, slave, fault, asked);
   }

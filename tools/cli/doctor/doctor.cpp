@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <string>
 #include <system_error>
+#include <utility>
 
 #include "can/link_kernel.h"
+#include "cli/cansync/fault_words.h"
 #include "cli/doctor/doctor_findings.h"
 #include "cli/doctor/doctor_link.h"
 #include "cli/doctor/verbs.h"
@@ -24,6 +27,10 @@ void ask_daemon(Session& session, DoctorInput& in) {
     if (client::text(status.gateway.protocol) == "cansync-master") {
       status.master = client.master_status();
       status.slaves = client.slaves();
+      FaultWords faults(session.profiles());
+      for (const client::SlaveStatus& slave : status.slaves)
+        if (std::string fault = faults.of(slave); !fault.empty())
+          status.faults.emplace(slave.slave, std::move(fault));
     }
     in.status = status;
     in.participants = client.participants();
@@ -69,9 +76,15 @@ std::vector<Table::Column> doctor_columns() {
            "mends it"}};
 }
 
+Style style_of(Level level) {
+  if (level == Level::error) return Style::bad;
+  return level == Level::warning ? Style::warning : Style::plain;
+}
+
 void show(Output& output, const Table& table, const Finding& finding) {
   if (!output.json()) {
-    output.line(table.line({std::string(name(finding.level)), finding.topic, finding.found}));
+    output.line(output.painted(table.line({std::string(name(finding.level)), finding.topic, finding.found}),
+                               style_of(finding.level)));
     if (!finding.remedy.empty()) output.line(table.line({"", "", "mend: " + finding.remedy}));
     return;
   }

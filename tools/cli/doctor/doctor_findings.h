@@ -4,6 +4,7 @@
 #include <cansync/types.h>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,6 +37,7 @@ struct DaemonStatus {
   client::RealtimeStatus realtime;
   std::optional<client::MasterStatus> master;    ///< of a line of CANsync alone
   std::vector<client::SlaveStatus> slaves = {};  ///< likewise
+  std::map<unsigned, std::string> faults = {};   ///< what profiles call the faults of slaves, by number
 };
 
 /// Everything the findings are made of.

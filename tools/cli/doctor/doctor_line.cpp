@@ -92,6 +92,14 @@ void look_at_slaves(const DaemonStatus& status, FindingList& out) {
     } else if (!look_at_slave(master, slave, out)) {
       well = false;
     }
+    if (const auto fault = status.faults.find(slave.slave); fault != status.faults.end() && slave.responds) {
+      out.error(
+          "drive fault", fmt::format("{}: {}", slave_called(slave), fault->second),
+          fmt::format("mend the cause (cansync params {0} shows the drive's own words), then acknowledge it "
+                      "with the drive's control word: cansync control {0} WORD",
+                      slave.slave));
+      well = false;
+    }
   }
   if (well) out.ok("slaves", fmt::format("all {} answer and are synchronized", status.slaves.size()));
 }

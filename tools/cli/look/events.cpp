@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <string>
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
+#include "cli/look/event_filter.h"
 #include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
 
@@ -13,6 +17,15 @@ namespace cansync::cli {
 namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(50);
+
+/// The arguments as they were typed; empty: not given.
+struct EventTexts {
+  bool following = false;
+  std::string since;
+  std::string level;
+  std::string codes;
+  std::string slaves;
+};
 
 std::string_view severity_name(gateway_EventSeverity severity) {
   switch (severity) {
@@ -25,6 +38,11 @@ std::string_view severity_name(gateway_EventSeverity severity) {
     default:
       return "unknown";
   }
+}
+
+Style event_style(gateway_EventSeverity severity) {
+  if (severity == gateway_SEVERITY_ERROR) return Style::bad;
+  return severity == gateway_SEVERITY_WARNING ? Style::warning : Style::plain;
 }
 
 std::vector<Table::Column> event_columns() {
@@ -77,8 +95,10 @@ void EventLines::show(const client::Event& event) {
   if (output_.json()) return output_.object(event_object(event));
   if (!headed_) output_.line(table_.heading());
   headed_ = true;
-  output_.line(table_.line(
-      {time_text(event.time, true), std::string(severity_name(event.severity)), event.code, event.text}));
+  output_.line(
+      output_.painted(table_.line({time_text(event.time, true), std::string(severity_name(event.severity)),
+                                   event.code, event.text}),
+                      event_style(event.severity)));
 }
 
 /// Events on their way from the client's thread to this one.
@@ -98,7 +118,7 @@ class EventQueue {
   std::deque<client::Event> events_;
 };
 
-ExitCode follow(Session& session) {
+ExitCode follow(Session& session, const EventFilter& filter) {
   client::Client& client = session.client();
   EventQueue queue;
   EventLines lines(session.output());
@@ -108,7 +128,8 @@ ExitCode follow(Session& session) {
     const bool stop = wait_until(std::chrono::steady_clock::now() + kLook);
     if (restarts.take()) session.output().remark(kStartedAnew);
     restarts.expect_one();
-    for (const client::Event& event : queue.take_all()) lines.show(event);
+    for (const client::Event& event : queue.take_all())
+      if (passes(filter, event)) lines.show(event);
     if (stop) return ExitCode::done;
     if (restarts.gone()) {
       session.output().remark("the daemon has gone (" + client.place() + ")");
@@ -117,11 +138,42 @@ ExitCode follow(Session& session) {
   }
 }
 
-ExitCode events_verb(Session& session, bool following) {
+/// Slaves are looked up last: what else is wrong is told without a daemon.
+EventFilter event_filter(Session& session, const EventTexts& texts) {
+  EventFilter filter;
+  if (!texts.since.empty()) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    filter.since = parse_since(texts.since, std::chrono::nanoseconds(now).count());
+  }
+  if (!texts.level.empty()) filter.least = parse_severity(texts.level);
+  if (!texts.codes.empty()) filter.codes = parse_codes(texts.codes);
+  if (!texts.slaves.empty()) filter.slaves = session.slave_mask(texts.slaves);
+  return filter;
+}
+
+/// A code that is misspelt passes nothing, which must not look as if nothing had happened.
+void tell_none_passes(Output& output, const std::vector<client::Event>& events) {
+  std::set<std::string> codes;
+  for (const client::Event& event : events) codes.emplace(event.code);
+  std::string list;
+  for (const std::string& code : codes) list += (list.empty() ? "" : ", ") + code;
+  output.remark(fmt::format("none of the {} events the daemon keeps is one of these; their codes: {}",
+                            events.size(), list));
+}
+
+ExitCode events_verb(Session& session, const EventTexts& texts) {
   session.look_only();
-  if (following) return follow(session);
+  const EventFilter filter = event_filter(session, texts);
+  if (texts.following) return follow(session, filter);
   EventLines lines(session.output());
-  for (const client::Event& event : session.client().recent_events()) lines.show(event);
+  const std::vector<client::Event> events = session.client().recent_events();
+  bool any = false;
+  for (const client::Event& event : events) {
+    if (!passes(filter, event)) continue;
+    lines.show(event);
+    any = true;
+  }
+  if (!any && !events.empty()) tell_none_passes(session.output(), events);
   return ExitCode::done;
 }
 
@@ -129,12 +181,24 @@ ExitCode events_verb(Session& session, bool following) {
 
 void add_event_verb(CLI::App& app, Verb& chosen) {
   auto* events = app.add_subcommand("events", "what happened: the last 100 events, oldest first");
-  auto following = std::make_shared<bool>(false);
-  events->add_flag("--follow", *following, "then also those to come, until Ctrl-C");
+  auto texts = std::make_shared<EventTexts>();
+  events->add_flag("--follow", texts->following, "then also those to come, until Ctrl-C");
+  events
+      ->add_option(
+          "--since", texts->since,
+          "only since then: how long ago (90s, 10m, 2h, 1d), a time of day (14:05), or a date with or "
+          "without one ('2026-11-23 14:05')")
+      ->type_name("TIME");
+  events->add_option("--level", texts->level, "only of this level, or graver")
+      ->type_name("info|warning|error");
+  events->add_option("--code", texts->codes, "only of these codes, with commas between")->type_name("CODES");
+  events
+      ->add_option("--slave", texts->slaves,
+                   "only what concerns one of these slaves: a list such as 1,3,5-9, or all")
+      ->type_name("SLAVE");
   events->footer(columns_help(event_columns()));
-  events->callback([following, &chosen] {
-    chosen = [following](Session& session) { return events_verb(session, *following); };
-  });
+  events->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return events_verb(session, *texts); }; });
 }
 
 }  // namespace cansync::cli

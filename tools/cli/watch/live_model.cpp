@@ -69,6 +69,7 @@ void LiveModel::look(const LineFacts& line, const client::MasterStatus& status,
     known.responds = row.status.responds;
     known.status_word.reset();
     if (row.status.status_known) known.status_word = row.status.status_word;
+    known.fault = row.fault;
     known.answers = row.status.answers;
     known.age_ms.reset();
     if (row.values) known.age_ms = std::max<std::int64_t>(0, (now - row.values->receive_time) / kMillisecond);

@@ -51,6 +51,7 @@ struct LiveSlave {
   std::string state;
   bool responds = false;
   std::optional<std::uint16_t> status_word;
+  std::string fault;  ///< as the profile calls it; empty: none known
   std::uint64_t answers = 0;
   std::optional<std::int64_t> age_ms;  ///< of its newest actual value telegram; nothing: none yet
   std::array<LiveValue, kSlaveValues> values;

@@ -123,7 +123,7 @@ struct LiveScreen::Terminal {
   bool colours = false;
 };
 
-LiveScreen::LiveScreen() : terminal_(std::make_unique<Terminal>()) {
+LiveScreen::LiveScreen(bool colours) : terminal_(std::make_unique<Terminal>()) {
   // Characters alone: numbers keep their point. Nobody else looks at the locale meanwhile.
   std::setlocale(LC_CTYPE, "");                           // NOLINT(concurrency-mt-unsafe): see above
   if (std::string_view(nl_langinfo(CODESET)) == "UTF-8")  // NOLINT(concurrency-mt-unsafe): see above
@@ -137,7 +137,7 @@ LiveScreen::LiveScreen() : terminal_(std::make_unique<Terminal>()) {
   nodelay(stdscr, TRUE);
   set_escdelay(kEscapeDelay);
   curs_set(0);
-  terminal_->colours = has_colors();
+  terminal_->colours = colours && has_colors();
   if (terminal_->colours) set_up_colours();
 }
 

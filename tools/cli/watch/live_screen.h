@@ -23,7 +23,7 @@ bool full_screen_possible();
 class LiveScreen {
  public:
   /// Throws std::runtime_error when the terminal's kind is not known here.
-  LiveScreen();
+  explicit LiveScreen(bool colours);
   ~LiveScreen();
   LiveScreen(const LiveScreen&) = delete;
   LiveScreen& operator=(const LiveScreen&) = delete;

@@ -28,6 +28,7 @@ constexpr std::size_t kRoomy = 110;  // columns from which the number of answers
 /// Where everything stands in a line of this width.
 struct Plan {
   std::size_t name = 4;
+  std::size_t status = kStatusWidth;
   bool answers = false;
   std::size_t trend = kLeastTrend;
   std::vector<unsigned> values;  ///< those that fit, the chosen one among them
@@ -35,8 +36,14 @@ struct Plan {
   std::size_t right_of = 0;
 };
 
+/// The status word, and its faults in words.
+std::string status_cell(const LiveSlave& slave) {
+  if (!slave.status_word) return "-";
+  return fmt::format("0x{:04X}{}{}", *slave.status_word, slave.fault.empty() ? "" : " ", slave.fault);
+}
+
 std::size_t fixed_width(const Plan& plan) {
-  return kNumberWidth + kGap + plan.name + kGap + kStateWidth + kGap + kStatusWidth + kGap + kAgeWidth +
+  return kNumberWidth + kGap + plan.name + kGap + kStateWidth + kGap + plan.status + kGap + kAgeWidth +
          (plan.answers ? kGap + kAnswersWidth : 0);
 }
 
@@ -44,8 +51,11 @@ Plan make_plan(const LiveModel& model, const ViewState& state, std::size_t colum
   Plan plan;
   plan.answers = columns >= kRoomy;
   const std::size_t longest_name = columns >= kRoomy ? 20 : 12;
-  for (const LiveSlave& slave : model.slaves())
+  const std::size_t widest_status = columns >= kRoomy ? 40 : 26;
+  for (const LiveSlave& slave : model.slaves()) {
     plan.name = std::clamp(display_width(slave.name), plan.name, longest_name);
+    plan.status = std::clamp(display_width(status_cell(slave)), plan.status, widest_status);
+  }
   const std::vector<unsigned> values = shown_values(model);
   const std::size_t room = columns - std::min(columns, fixed_width(plan));
   const std::size_t least = kGap + kValueWidth + 1 + kLeastTrend;
@@ -89,7 +99,7 @@ StyledLine heading_line(const LiveModel& model, const ViewState& state, const Pl
   line.add(gap, Style::heading);
   add_heading(line, state, SortBy::state, "STATE", kStateWidth, false);
   line.add(gap, Style::heading);
-  add_heading(line, state, std::nullopt, "STATUS", kStatusWidth, false);
+  add_heading(line, state, std::nullopt, "STATUS", plan.status, false);
   line.add(gap, Style::heading);
   add_heading(line, state, SortBy::age, "AGE ms", kAgeWidth, true);
   if (plan.answers) {
@@ -131,8 +141,7 @@ StyledLine slave_line(const LiveModel& model, const LiveSlave& slave, const View
   line.add(fitted(fmt::format("{}", slave.number), kNumberWidth, true)).add(gap);
   line.add(fitted(slave.name, plan.name), Style::strong).add(gap);
   line.add(fitted(slave.state, kStateWidth), state_style(slave)).add(gap);
-  line.add(fitted(slave.status_word ? fmt::format("0x{:04X}", *slave.status_word) : "-", kStatusWidth))
-      .add(gap);
+  line.add(fitted(status_cell(slave), plan.status), slave.fault.empty() ? Style::plain : Style::bad).add(gap);
   const bool old = !slave.age_ms || *slave.age_ms > kOld;
   line.add(fitted(slave.age_ms ? fmt::format("{}", *slave.age_ms) : "-", kAgeWidth, true),
            old ? Style::warning : Style::plain);
@@ -224,7 +233,7 @@ std::string live_help() {
       "Full screen",
       {{"NO, NAME", "the slave's number and configured name"},
        {"STATE", "what the master makes of it, as in `slaves`"},
-       {"STATUS", "status word of its last answer; - = none yet"},
+       {"STATUS", "status word of its last answer, and the faults in it by its profile; - = none yet"},
        {"AGE ms", "time since its newest actual value telegram; - = none yet, marked when over 1 s"},
        {"ANSWERS", "its answers on the command channel since the daemon started; on wide screens"},
        {"values",

@@ -53,7 +53,7 @@ JsonObject row_object(const WatchRow& row, std::int64_t now) {
                         .add("unit", name.unit_symbol)
                         .text());
   }
-  return object.add("intervals", intervals).add("values", values);
+  return object.add("intervals", intervals).add("values", values).add("fault", row.fault);
 }
 
 /// What the table may show; the last stands for each of the values, under its name or number.
@@ -64,6 +64,7 @@ std::vector<Table::Column> watch_columns() {
           {"SLAVE", right, "its number"},
           {"NAME", left, "its configured name"},
           {"AGE ms", right, "time since the slave's newest actual value telegram; - = none yet"},
+          {"FAULT", left, "faults in its status word, as its profile calls them; - = none known"},
           {"VALUE n", right,
            "actual value n with its unit, in a column that is headed by its configured name if it has one; - "
            "= not mapped, or its telegram never came"}};
@@ -112,6 +113,7 @@ class WatchTable {
     out.push_back(fmt::format("{}", row.status.slave));
     out.emplace_back(row.status.name);
     out.push_back(row.values ? fmt::format("{}", (now - row.values->receive_time) / kMillisecond) : "-");
+    out.push_back(row.fault.empty() ? "-" : row.fault);
     for (unsigned i = 0; i < kSlaveValues; ++i)
       if (((mapped_ >> i) & 1u) != 0) out.push_back(cell(row, i));
     return out;
@@ -171,6 +173,7 @@ class Display {
 ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_t count, bool in_place) {
   client::Client& client = session.client();
   Display display(session.output(), client.gateway_status().bus, settings.raw, in_place);
+  FaultWords faults(session.profiles());
   Restarts restarts(client);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {
@@ -183,7 +186,7 @@ ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_
       session.output().remark(kStartedAnew);
     }
     restarts.expect_one();
-    display.show(client.master_status(), watch_rows(client, settings.slaves));
+    display.show(client.master_status(), watch_rows(client, settings.slaves, faults));
     ++shown;
     if (shown == count) return ExitCode::done;
     next = std::max(next + settings.interval, std::chrono::steady_clock::now());
@@ -194,7 +197,7 @@ ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_
 /// The screen; nothing, with a remark, when the terminal cannot be drawn on.
 std::unique_ptr<LiveScreen> take_screen(Output& output) {
   try {
-    return std::make_unique<LiveScreen>();
+    return std::make_unique<LiveScreen>(output.colours());
   } catch (const std::runtime_error& error) {
     output.remark(fmt::format("{}; plain lines instead", error.what()));
     return nullptr;

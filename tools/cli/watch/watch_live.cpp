@@ -48,8 +48,13 @@ class Arrivals {
 /// The view while it runs.
 class LiveView {
  public:
-  LiveView(client::Client& client, LiveScreen& screen, const LiveSettings& settings)
-      : client_(client), screen_(screen), settings_(settings), arrivals_(client), restarts_(client) {
+  LiveView(client::Client& client, LiveScreen& screen, const LiveSettings& settings, std::string profiles)
+      : client_(client),
+        screen_(screen),
+        settings_(settings),
+        faults_(std::move(profiles)),
+        arrivals_(client),
+        restarts_(client) {
     state_.raw = settings.raw;
   }
 
@@ -62,7 +67,8 @@ class LiveView {
     model_.set_daemon(present, client_.place());
     if (frozen_) frozen_->set_daemon(present, client_.place());
     if (present)
-      rows_ = watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves);
+      rows_ =
+          watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves, faults_);
     model_.look(line_facts(client_), status, rows_, wall_clock());
     if (restarts_.take()) model_.tell_restart(wall_clock(), std::string(kStartedAnew));
     restarts_.expect_one();
@@ -94,6 +100,7 @@ class LiveView {
   client::Client& client_;
   LiveScreen& screen_;
   LiveSettings settings_;
+  FaultWords faults_;
   LiveModel model_;
   std::optional<LiveModel> frozen_;  ///< what is shown while paused
   std::vector<WatchRow> rows_;       ///< the newest from a living daemon
@@ -105,7 +112,7 @@ class LiveView {
 }  // namespace
 
 ExitCode watch_live(Session& session, LiveScreen& screen, const LiveSettings& settings) {
-  LiveView view(session.client(), screen, settings);
+  LiveView view(session.client(), screen, settings, session.profiles());
   auto next = Clock::now();
   bool changed = true;
   while (!view.quit() && !interrupt_flag().load()) {

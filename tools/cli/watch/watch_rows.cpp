@@ -21,11 +21,12 @@ void await_values(const client::Client& client, std::uint32_t wanted) {
   }
 }
 
-std::vector<WatchRow> watch_rows(const client::Client& client, std::uint32_t wanted) {
+std::vector<WatchRow> watch_rows(const client::Client& client, std::uint32_t wanted, FaultWords& faults) {
   std::vector<WatchRow> rows;
   for (const client::SlaveStatus& status : client.slaves(std::chrono::milliseconds(0))) {
     if (((wanted >> status.slave) & 1u) == 0) continue;
-    WatchRow row{status, client.actual_values(status.slave, std::chrono::milliseconds(0)), 0};
+    WatchRow row{status, client.actual_values(status.slave, std::chrono::milliseconds(0)), 0,
+                 faults.of(status)};
     if (row.values) {
       const unsigned came =
           ((row.values->ever & 1u) != 0 ? 0x0Fu : 0u) | ((row.values->ever & 2u) != 0 ? 0xF0u : 0u);

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cansync/topics.h>
+#include <cansync/types.h>
+
+#include <array>
+#include <string>
+
+#include "cli/cansync/profiles.h"
+#include "cli/text/slave_list.h"
+
+namespace cansync::cli {
+
+/// What the profiles of slaves call the faults in their status words. Main thread only.
+class FaultWords {
+ public:
+  /// `folder`: of --profiles, before the standard ones; may be empty.
+  explicit FaultWords(std::string folder) : folder_(std::move(folder)) {}
+
+  /// Such as "fault, reference value missing"; empty: no fault, or no profile on this computer tells. A
+  /// profile is read when it is first needed and when the daemon names another one.
+  std::string of(const client::SlaveStatus& slave);
+
+ private:
+  struct Known {
+    std::string hash;  ///< of the profile that was looked for; empty: none yet
+    ProfilePointer profile;
+  };
+  std::string folder_;
+  std::array<Known, kSlaves> known_ = {};
+};
+
+}  // namespace cansync::cli
