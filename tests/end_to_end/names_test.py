@@ -48,6 +48,15 @@ class ByName(Named):
         self.run_verb("write", 1, "torque-offset", 50, "--raw")
         self.assertEqual(self.one("read", 1, "torque-offset")["scaled"], 5.0)
 
+    def test_several_parameters_of_several_slaves_again_and_again(self):
+        lines = self.text("read", "0,1", "device-type", TORQUE_OFFSET).splitlines()
+        self.assertEqual([line.split(": ")[:2] for line in lines], [
+            [slave, name] for slave in ("slave 0", "slave 1") for name in ("device-type", "torque-offset")])
+        found = self.json("read", "0,1", DEVICE_TYPE, "torque-offset", "--every", 0.1, "--count", 2)
+        self.assertEqual([(o["slave"], o["number"]) for o in found],
+                         2 * [(slave, number) for slave in (0, 1) for number in (DEVICE_TYPE, TORQUE_OFFSET)])
+        self.assertGreaterEqual(found[4]["time_ns"] - found[0]["time_ns"], 50_000_000)
+
     def test_a_number_works_as_before_and_shows_the_name(self):
         self.assertEqual(self.text("read", 0, DEVICE_TYPE), "4400 (0x1130, word); device-type 4400\n")
         self.run_verb("write", 0, TORQUE_OFFSET, "-10")

@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <memory>
+#include <optional>
 
+#include "cli/base/interrupt.h"
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
 #include "profile/meaning.h"
@@ -15,14 +19,22 @@ constexpr std::uint32_t kValueElement = 7;
 /// The arguments as they were typed.
 struct ParameterOptions {
   std::string slave;
-  std::string parameter;
-  std::string value;  ///< write
+  std::string parameter;  ///< write; read: the one that is being looked at
+  std::string value;      ///< write
   std::string element = "7";
   std::string sub_slave = "0";
   std::string format = "auto";
   std::string profile;
   bool raw = false;
   bool scaled = false;
+};
+
+/// Those of `read`: several parameters, and again and again.
+struct ReadOptions {
+  ParameterOptions each;
+  std::vector<std::string> parameters;
+  std::string every;        ///< seconds; empty: once
+  std::string count = "0";  ///< rounds; 0: until Ctrl-C
 };
 
 /// A request, and what the profile says of its parameter.
@@ -115,7 +127,14 @@ std::string value_text(const Request& request, const client::ParameterReply& rep
   return number_text(request, reply) + (words.empty() ? "" : ": " + words);
 }
 
-ExitCode finish(Session& session, const Request& request, const client::ParameterReply& reply) {
+/// How a reading stands among others.
+struct Shown {
+  std::string before;                ///< what its line begins with
+  std::optional<std::int64_t> time;  ///< CLOCK_REALTIME in ns, for its object; nothing: it has none
+};
+
+ExitCode finish(Session& session, const Request& request, const client::ParameterReply& reply,
+                const Shown& shown = {}) {
   JsonObject object;
   object.add("slave", request.job.slave)
       .add("number", request.job.number)
@@ -139,7 +158,8 @@ ExitCode finish(Session& session, const Request& request, const client::Paramete
   } else {
     object.add_null("scaled");
   }
-  if (reply.ok() && !session.json()) session.output().line(value_text(request, reply));
+  if (shown.time) object.add("time_ns", *shown.time);
+  if (reply.ok() && !session.json()) session.output().line(shown.before + value_text(request, reply));
   const std::string parameter = request.known != nullptr ? profile::label(*request.known)
                                                          : fmt::format("parameter {}", request.job.number);
   return session.finish(reply, object, fmt::format("slave {}, {}", request.job.slave, parameter));
@@ -169,13 +189,92 @@ std::vector<unsigned> slaves_of(const std::vector<Request>& requests) {
   return slaves;
 }
 
-ExitCode read_verb(Session& session, const ParameterOptions& options) {
-  const std::vector<Request> requests = parse_requests(session, options, [](const Request& request) {
-    if (request.known == nullptr) return;
-    if (const auto problem = profile::read_problem(*request.known)) throw UsageError(problem->text);
+/// The parameters of one slave, in the order typed.
+using Readings = std::vector<Request>;
+
+/// Those of each slave, all of them checked; what needs no daemon first.
+std::vector<Readings> parse_readings(Session& session, const ReadOptions& options) {
+  ParameterOptions each = options.each;
+  for (const std::string& parameter : options.parameters) {
+    each.parameter = parameter;
+    static_cast<void>(parse_numbers(session, each));
+  }
+  std::vector<Readings> slaves;
+  for (const std::string& parameter : options.parameters) {
+    each.parameter = parameter;
+    const std::vector<Request> of_all = parse_requests(session, each, [](const Request& request) {
+      if (request.known == nullptr) return;
+      if (const auto problem = profile::read_problem(*request.known)) throw UsageError(problem->text);
+    });
+    slaves.resize(of_all.size());
+    for (std::size_t i = 0; i < of_all.size(); ++i) slaves[i].push_back(of_all[i]);
+  }
+  return slaves;
+}
+
+ExitCode read_one(Session& session, const Request& request, bool of_several, bool timed) {
+  const client::ParameterReply reply =
+      session.ask(Effect::reads, [&] { return session.client().submit(request.job); });
+  Shown shown;
+  if (timed) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    shown.time = std::chrono::nanoseconds(now).count();
+    shown.before = time_text(*shown.time, false) + "  ";
+  }
+  if (of_several) {
+    shown.before +=
+        request.known != nullptr ? request.known->name : fmt::format("parameter {}", request.job.number);
+    shown.before += ": ";
+  }
+  return finish(session, request, reply, shown);
+}
+
+/// Every parameter of every slave once, also when one fails; ends early at Ctrl-C.
+ExitCode read_round(Session& session, const std::vector<Readings>& slaves, bool timed) {
+  std::vector<unsigned> numbers;
+  numbers.reserve(slaves.size());
+  for (const Readings& readings : slaves) numbers.push_back(readings.front().job.slave);
+  return session.for_each(numbers, [&](std::size_t index) {
+    ExitCode first = ExitCode::done;
+    for (const Request& request : slaves[index]) {
+      const ExitCode code = read_one(session, request, slaves[index].size() > 1, timed);
+      if (first == ExitCode::done) first = code;
+      if (interrupt_flag().load() || code == ExitCode::not_reachable) break;
+    }
+    return first;
   });
-  return session.for_each(slaves_of(requests),
-                          [&](std::size_t index) { return run_job(session, requests[index]); });
+}
+
+/// Rounds until there were `count` of them, or (0) Ctrl-C, which is their end and no failure.
+ExitCode read_rounds(Session& session, const std::vector<Readings>& slaves, std::chrono::nanoseconds every,
+                     std::int64_t count) {
+  ExitCode first = ExitCode::done;
+  auto next = std::chrono::steady_clock::now();
+  for (std::int64_t round = 1;; ++round) {
+    const ExitCode code = read_round(session, slaves, true);
+    if (interrupt_flag().load()) return first;
+    if (first == ExitCode::done) first = code;
+    if (round == count || code == ExitCode::not_reachable) return first;
+    next = std::max(next + every, std::chrono::steady_clock::now());
+    if (wait_until(next)) return first;
+  }
+}
+
+ExitCode read_verb(Session& session, const ReadOptions& options) {
+  constexpr double kShortest = 0.1;     // seconds
+  constexpr double kLongest = 86400.0;  // seconds
+  const std::int64_t count = parse_integer(options.count, "--count", 0, 1'000'000'000);
+  std::chrono::nanoseconds every(0);
+  if (!options.every.empty()) {
+    const double seconds = parse_real(options.every, "--every");
+    if (seconds < kShortest || seconds > kLongest)
+      throw UsageError(fmt::format("--every: found '{}'; allowed: {:g}..{:g} seconds", options.every,
+                                   kShortest, kLongest));
+    every = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
+  }
+  const std::vector<Readings> slaves = parse_readings(session, options);
+  return options.every.empty() ? read_round(session, slaves, false)
+                               : read_rounds(session, slaves, every, count);
 }
 
 Width width_of(client::ParameterFormat format) {
@@ -264,17 +363,28 @@ constexpr const char* kParameterHelp = "parameter number 0..4095, or its name in
 }  // namespace
 
 void add_parameter_verbs(CLI::App& app, Verb& chosen) {
-  auto* read = app.add_subcommand("read", "read a parameter of a slave");
-  auto read_options = std::make_shared<ParameterOptions>();
-  read->add_option("SLAVE", read_options->slave, kSlavesHelp)->required();
-  read->add_option("PARAMETER", read_options->parameter, kParameterHelp)->required();
-  add_common(*read, *read_options);
+  auto* read = app.add_subcommand("read", "read parameters of slaves");
+  auto read_options = std::make_shared<ReadOptions>();
+  read->add_option("SLAVE", read_options->each.slave, kSlavesHelp)->required();
+  read->add_option("PARAMETER", read_options->parameters, kParameterHelp)->required();
+  add_common(*read, read_options->each);
+  auto* every =
+      read->add_option("--every", read_options->every,
+                       "again and again, so many seconds from one round to the next, 0.1..86400, until "
+                       "Ctrl-C")
+          ->type_name("SECONDS");
+  read->add_option("--count", read_options->count,
+                   "with --every: end after N rounds; 0 = until Ctrl-C (default)")
+      ->type_name("N")
+      ->needs(every);
   read->footer(
       "With a name: prints the value in its unit, then name, number and raw value. With a number: prints the "
       "value in\n"
       "decimal, in hexadecimal, its format, and, when its highest bit is set, its signed value; then name "
       "and value in\n"
-      "its unit, when the slave's profile knows them.");
+      "its unit, when the slave's profile knows them. Of several parameters each line begins with the "
+      "parameter, with\n"
+      "--every before it with the time.");
   read->callback([read_options, &chosen] {
     chosen = [read_options](Session& session) { return read_verb(session, *read_options); };
   });
