@@ -36,7 +36,8 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
         boolean(
             "bus.wake_on_frame",
             "CAN interface: wake for every frame, for lower latency and more system calls; false = look for "
-            "frames at the SYNC edge and after WRC2, with general frames every millisecond.")),
+            "frames at the SYNC edge and after WRC2, with general frames every millisecond. A slave always "
+            "wakes.")),
     chosen<kOneShot>(
         [](auto& c) -> auto& { return c.bus.one_shot; },
         word("bus.one_shot",

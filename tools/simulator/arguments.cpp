@@ -38,9 +38,11 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app.add_flag("--master", arguments.master, "Be the master of these slaves instead, for slaves under test");
-  app.add_option("--reference", arguments.references,
-                 "With --master: gives reference value NUMBER, raw, STEP more with each interval; repeatable")
-      ->type_name("NUMBER=RAW[+STEP]")
+  app.add_option(
+         "--reference", arguments.references,
+         "With --master: gives reference value NUMBER, raw; as RAW+STEP with STEP more in each interval; "
+         "repeatable")
+      ->type_name("NUMBER=RAW")
       ->allow_extra_args(false);
   app.add_flag("--wait", arguments.wait, "Wait for an interface that is missing or down at the start, too");
   app.add_flag("-v,--verbose", arguments.verbose, "Tell every change of a drive's or the line's state");

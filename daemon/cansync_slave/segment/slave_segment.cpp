@@ -101,6 +101,8 @@ BusPlan slave_bus_plan(const SlaveRoleConfig& config) {
   BusPlan plan;
   plan.bus = config.bus;
   plan.line = config.sim;
+  // An answer has to stand on the bus within its slot, whatever the configuration says.
+  plan.bus.wake_on_frame = true;
   plan.interval = kAnswerEchoPatience;
   // Everything: a slave hears the master and the slaves that it listens to, and own frames must come back.
   plan.filters = {{.mask = 0, .extended = can::FlagFilter::either, .remote = can::FlagFilter::either}};

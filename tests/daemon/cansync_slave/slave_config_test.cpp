@@ -8,6 +8,7 @@
 #include "config/problem.h"
 #include "daemon/cansync_slave/config/file.h"
 #include "daemon/cansync_slave/config/options.h"
+#include "daemon/cansync_slave/segment/slave_segment.h"
 
 namespace cansyncd {
 namespace {
@@ -37,6 +38,14 @@ class SlaveConfiguration : public testing::Test {
 
   fs::path folder_;
 };
+
+TEST_F(SlaveConfiguration, ASlaveWakesForEveryFrameWhateverItSays) {
+  const SlaveRoleFile file = load(
+      "[bus]\nprotocol = \"cansync-slave\"\ninterface = \"can0\"\nwake_on_frame = false\n[slave]\nnumber = 3\n"
+      "[sync]\ninput = \"can\"\n");
+  ASSERT_TRUE(file.problems.empty()) << to_string(file.problems[0]);
+  EXPECT_TRUE(slave_bus_plan(file.config).bus.wake_on_frame);
+}
 
 TEST_F(SlaveConfiguration, TheNumberIsRequired) {
   EXPECT_NE(problems("").find("slave.number: is missing; allowed: 0..31"), std::string::npos) << problems("");
