@@ -285,7 +285,7 @@ class Batch(Script):
     def test_a_wrong_line_is_told_with_its_place_and_nothing_is_sent(self):
         self.run_verb("write", 0, WORD, 1)
         wrong = {"write 0 1000 99999 --format word": 14, "write 0 99999 1": 9, "nosuch 1": 1, "read 0": 1, "read 'x": 6,
-                 " status --domain 3": 9, "batch other": 1, "control 0-40 1": 9, "wait soon": 6, "read 0 1 2": 10}
+                 " status --domain 3": 9, "batch other": 1, "control 0-40 1": 9, "wait soon": 6, "write 0 1 2 3": 13}
         text = f"write 0 {WORD} 2\n" + "".join(line + "\n" for line in wrong)
         told = self.batch(text, code=2).stderr
         for number, (line, column) in enumerate(wrong.items(), 2):
