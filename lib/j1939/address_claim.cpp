@@ -67,6 +67,8 @@ void AddressClaim::claim_received(Address source, Name name, Time now) noexcept 
   table_.claimed(source, name);
   if (!wanted()) return;
   if (name == settings_.name) {
+    // Who cannot claim takes nothing away.
+    if (source == kNullAddress) return;
     // Two with one NAME would answer each other's claims for ever.
     name_twice_ = true;
     ++losses_;

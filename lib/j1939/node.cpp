@@ -110,7 +110,7 @@ std::optional<can::Frame> Node::next_frame() noexcept {
     offer_ = Offer{Owner::claim, 0, *frame};
     return *frame;
   }
-  if (const auto frame = replies_.front()) {
+  if (const auto frame = replies_.front(); frame && claim_.address()) {
     offer_ = Offer{Owner::reply, 0, *frame};
     return *frame;
   }
@@ -213,6 +213,9 @@ void Node::controller_emptied() noexcept {
   }
   offer_.reset();
   sender_.drop();
+  // Nothing is sent with the address until it is claimed anew.
+  receiver_.drop_connections();
+  replies_.clear();
   take_ended();
   claim_.start(now_);
   follow_address();

@@ -148,6 +148,8 @@ class Node {
 
   // --- receiving (node_receive.cpp)
   std::optional<Delivery> receive_frame(const can::Frame& frame, const Identifier& from, Time end) noexcept;
+  /// Somebody here takes such a long message of `source`; others get no session.
+  bool wanted(Pgn number, Address source) const noexcept;
   void transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept;
   std::optional<Delivery> deliver(const Message& message) noexcept;
   void take_request(const Message& message) noexcept;

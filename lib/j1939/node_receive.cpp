@@ -55,6 +55,15 @@ std::optional<Node::Delivery> Node::receive_frame(const can::Frame& frame, const
                   std::span<const std::uint8_t>(last_.data.data(), std::min<std::size_t>(frame.dlc, 8))});
 }
 
+bool Node::wanted(Pgn number, Address source) const noexcept {
+  if (number == pgn::kCommandedAddress || settings_.filter.match(number, source)) return true;
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    const Order& order = asked_[i].order;
+    if (order.number == number && order.destination == source) return true;
+  }
+  return false;
+}
+
 void Node::transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
   const bool broadcast = destination_of(from) == kGlobalAddress;
   const auto control = static_cast<Control>(frame.data[0]);
@@ -67,14 +76,17 @@ void Node::transport_control(const can::Frame& frame, const Identifier& from, Ti
   }
   if (broadcast) {
     // Only what somebody wants takes a place.
-    const bool wanted = pgn_in(frame) == pgn::kCommandedAddress ||
-                        settings_.filter.match(pgn_in(frame), from.source).has_value();
-    if (control == Control::bam && wanted) receiver_.announce(from, frame, end);
+    if (control == Control::bam && wanted(pgn_in(frame), from.source)) receiver_.announce(from, frame, end);
     return;
   }
   switch (control) {
     case Control::rts:
-      if (claim_.address()) receiver_.request(from, frame, *claim_.address(), end);
+      if (!claim_.address()) break;
+      if (wanted(pgn_in(frame), from.source)) {
+        receiver_.request(from, frame, *claim_.address(), end);
+      } else {
+        replies_.push(abort_frame(*claim_.address(), from.source, pgn_in(frame), AbortReason::no_resources));
+      }
       break;
     case Control::cts:
       sender_.clear_to_send(from.source, frame, end);

@@ -94,6 +94,7 @@ void DataMapping::start(Time now) noexcept {
   for (Telegram& telegram : out_) {
     telegram.due = false;
     telegram.sent = false;
+    telegram.lost = false;
     if (!settings_.first_always) telegram.last = frame(static_cast<std::uint8_t>(&telegram - out_.data()));
   }
 }
@@ -125,7 +126,8 @@ void DataMapping::advance(Time now) noexcept {
   for (std::size_t i = 0; i < out_.size(); ++i) {
     Telegram& telegram = out_[i];
     const bool known = telegram.sent || !settings_.first_always;
-    telegram.due = !settings_.on_change || !known || frame(static_cast<std::uint8_t>(i)) != telegram.last;
+    telegram.due = !settings_.on_change || !known || telegram.lost ||
+                   frame(static_cast<std::uint8_t>(i)) != telegram.last;
   }
 }
 
@@ -149,10 +151,15 @@ can::Frame DataMapping::frame(std::uint8_t telegram) const noexcept {
   return frame;
 }
 
+void DataMapping::controller_emptied() noexcept {
+  for (Telegram& telegram : out_) telegram.lost = telegram.sent;
+}
+
 void DataMapping::handed_over(std::uint8_t telegram, const can::Frame& frame) noexcept {
   Telegram& out = out_[telegram];
   out.due = false;
   out.sent = true;
+  out.lost = false;
   out.last = frame;
   ++sent_;
 }

@@ -263,6 +263,7 @@ void Module::echo(const can::Frame& frame, Time end) noexcept {
 void Module::controller_emptied() noexcept {
   station_.controller_emptied();
   objects_.controller_emptied();
+  mapping_.controller_emptied();
 }
 
 void Module::advance(Time now) noexcept {

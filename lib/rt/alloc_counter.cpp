@@ -38,6 +38,14 @@ void* operator new(std::size_t size) {
 void* operator new[](std::size_t size) {
   return counted_new(size, 0);
 }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  ++calls.allocations;
+  return std::malloc(size == 0 ? 1 : size);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  ++calls.allocations;
+  return std::malloc(size == 0 ? 1 : size);
+}
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return counted_new(size, static_cast<std::size_t>(alignment));
 }

@@ -180,6 +180,13 @@ TEST(AddressClaim, AnotherWithTheSameNameEndsTheClaimInsteadOfADuelWithoutEnd) {
   EXPECT_TRUE(rig.hear_claim(kOwn, compose(kFields)).empty());
 }
 
+TEST(AddressClaim, AnotherWithTheSameNameThatCannotClaimTakesNothingAway) {
+  NodeRig rig;
+  rig.claimed();
+  EXPECT_TRUE(rig.hear_claim(254, compose(kFields)).empty());
+  EXPECT_EQ(rig.node.claim().state(), ClaimState::claimed);
+}
+
 TEST(AddressClaim, WhoSendsWithItsAddressIsAnsweredByTheClaimAtMostEvery5S) {
   NodeRig rig;
   rig.claimed();

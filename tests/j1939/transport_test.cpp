@@ -322,6 +322,18 @@ TEST_F(TransportTest, AnEmptiedControllerEndsWhatWasBeingSent) {
   EXPECT_EQ(rig.node.transports(), 0u);
 }
 
+TEST_F(TransportTest, AnEmptiedControllerEndsWhatWasBeingReceivedUntilTheAddressIsClaimedAnew) {
+  (void)rig.hear(frame(0x1CEC8022, {16, 20, 0, 3, 255, 0xF2, 0xFE, 0x00}));
+  EXPECT_EQ(rig.node.transports(), 1u);
+  rig.node.controller_emptied();
+  EXPECT_EQ(rig.node.transports(), 0u);
+  (void)rig.pump();  // the claim
+  EXPECT_TRUE(rig.hear(frame(0x1CEB8022, {1, 1, 2, 3, 4, 5, 6, 7})).empty());
+  EXPECT_TRUE(rig.hear(frame(0x1CEC8022, {16, 20, 0, 3, 255, 0xF2, 0xFE, 0x00})).empty());
+  (void)rig.run(milliseconds(250));
+  EXPECT_EQ(rig.hear(frame(0x1CEC8022, {16, 20, 0, 3, 255, 0xF2, 0xFE, 0x00})).size(), 1u) << "clear to send";
+}
+
 TEST_F(TransportTest, ALostAddressEndsConnectionsInBothDirections) {
   ASSERT_EQ(send(1, kOther, twenty), Refusal::none);
   (void)rig.pump();

@@ -110,6 +110,17 @@ TEST(DataMapping, L53OnlyWhatHasChangedGoes) {
   EXPECT_EQ(sent(quiet, milliseconds(10)).size(), 1u);
 }
 
+TEST(DataMapping, WhatAnEmptiedControllerMayHaveLostGoesOnceMore) {
+  MappingSettings settings;
+  settings.on_change = true;
+  DataMapping image = mapping({out(1, 0, 0, 1)}, settings);
+  image.outputs()[0] = 7;
+  EXPECT_EQ(sent(image, Time{0}), std::vector<can::Frame>{data_frame(1, {7})});
+  image.controller_emptied();
+  EXPECT_EQ(sent(image, milliseconds(10)), std::vector<can::Frame>{data_frame(1, {7})});
+  EXPECT_TRUE(sent(image, milliseconds(20)).empty());
+}
+
 TEST(DataMapping, L57ItStopsAndNeedsToBeStartedAnew) {
   DataMapping image = mapping({out(1, 0, 0, 1), in(2, 0, 0, 1)});
   image.advance(Time{0});

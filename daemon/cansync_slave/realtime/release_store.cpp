@@ -21,17 +21,23 @@ void ReleaseStore::take(const ReleaseOrder& order, cansync::Slave& slave) noexce
   if (waiting.left != 0 && !asked) ++waiting.unused;
   waiting.left = order.intervals;
   waiting.in_slave = false;
-  if (order.intervals == 0) return;  // withdrawn; what the slave has for the running interval ends with it
+  if (order.intervals == 0) {
+    // Withdrawn; what the slave has for the running interval ends with it.
+    for_lead_[index(order.channel)] = 0;
+    return;
+  }
   const unsigned first = index(order.channel) * cansync::kWords;
   for (unsigned i = 0; i < cansync::kWords; ++i) {
     if (((order.valid >> i) & 1u) != 0) values_[first + i] = order.values[i];
   }
-  for_lead_[index(order.channel)] = true;
+  for_lead_[index(order.channel)] |= order.valid;
   const bool free = now == ActualRelease::none || now == ActualRelease::released;
   if (free) hand_on(order.channel, slave);
 }
 
 void ReleaseStore::interval_ends(const cansync::Slave& slave, std::uint64_t passed) noexcept {
+  // Over intervals that were skipped everything is too old for the lower bus.
+  if (passed > 1) for_lead_ = {};
   for (const Channel channel : kBothChannels) {
     Waiting& waiting = waiting_[index(channel)];
     if (waiting.left == 0 || !waiting.in_slave) continue;
@@ -47,8 +53,8 @@ void ReleaseStore::interval_ends(const cansync::Slave& slave, std::uint64_t pass
 
 void ReleaseStore::interval_begins(cansync::Slave& slave) noexcept {
   for (const Channel channel : kBothChannels) {
-    const bool fresh = std::exchange(for_lead_[index(channel)], false);
-    if (fresh && lead_ != nullptr) lead_->released(channel, values_);
+    const std::uint8_t fresh = std::exchange(for_lead_[index(channel)], std::uint8_t{0});
+    if (fresh != 0 && lead_ != nullptr) lead_->released(channel, fresh, values_);
     if (waiting_[index(channel)].left != 0) hand_on(channel, slave);
   }
 }

@@ -44,7 +44,7 @@ class ReleaseStore {
 
   cansync::Values values_ = {};
   cansync::LeadAxis* const lead_;
-  std::array<bool, cansync::kChannels> for_lead_ = {};
+  std::array<std::uint8_t, cansync::kChannels> for_lead_ = {};  ///< bit n: value n was released anew
   std::array<Waiting, cansync::kChannels> waiting_ = {};
 };
 

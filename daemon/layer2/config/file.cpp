@@ -60,13 +60,25 @@ void finish_timers(Layer2Draft& draft, Findings& findings) {
   }
 }
 
-void finish_window(const layer2::WindowSettings& window, Findings& findings) {
+/// A longest frame with all its stuff bits and the space behind it.
+constexpr int kLongestFrameBits = 160;
+
+void finish_window(const Layer2Config& config, Findings& findings) {
+  const layer2::WindowSettings& window = config.window;
   if (!window.used) return;
   const auto problem = layer2::check(window);
   if (problem == layer2::WindowProblem::end_after_repeat) {
     findings.problem("window.end_us", "found an end after window.repeat_us; allowed: up to it");
   } else if (problem != layer2::WindowProblem::none) {
     findings.problem("window.end_us", "found an end that is not after window.begin_us; allowed: after it");
+  } else if (const std::int64_t least = (kLongestFrameBits * 1'000'000LL + config.bus.bits_per_second - 1) /
+                                        config.bus.bits_per_second;
+             window.end - window.begin < std::chrono::microseconds(least)) {
+    findings.problem(
+        "window.end_us",
+        fmt::format("found a window shorter than one longest frame, so that nothing would ever be "
+                    "sent; allowed: at least {} us after window.begin_us at {} bit/s",
+                    least, config.bus.bits_per_second));
   }
 }
 
@@ -160,7 +172,7 @@ Layer2File build_layer2_config(config::Settings settings, const std::string& pat
     }
     finish_ranges(draft, findings);
     finish_timers(draft, findings);
-    finish_window(draft.config.window, findings);
+    finish_window(draft.config, findings);
     finish_scripts(draft.config.script, findings);
     finish_mapping(draft, findings);
     finish_nodes(draft, findings);

@@ -127,7 +127,10 @@ void FrameMachine::control(const layer2::ControlOrder& order, can::Time now) noe
     answer({{.id = order.id}, layer2::Refusal::reset_under_way, {}});
   } else {
     reset_ = order.id;
-    finish_reset(bus_.reset());
+    const can::ResetResult result = bus_.reset();
+    // One that takes its time is seen in the bus's status: a frame may be in the controller again by its end.
+    if (result == can::ResetResult::done) module_.controller_emptied();
+    finish_reset(result);
   }
 }
 
@@ -136,7 +139,6 @@ void FrameMachine::finish_reset(can::ResetResult result) noexcept {
   layer2::Refusal refusal = layer2::Refusal::none;
   if (result == can::ResetResult::not_permitted) refusal = layer2::Refusal::not_permitted;
   if (result == can::ResetResult::unavailable) refusal = layer2::Refusal::no_controller;
-  if (refusal == layer2::Refusal::none) module_.controller_emptied();
   answer({{.id = *reset_}, refusal, {}});
   reset_.reset();
 }

@@ -3,6 +3,11 @@
 #include <variant>
 
 namespace cansync {
+namespace {
+
+constexpr std::uint8_t kAllWords = (1u << kWords) - 1;
+
+}  // namespace
 
 std::string_view name(ClusterState state) noexcept {
   switch (state) {
@@ -131,7 +136,7 @@ std::optional<SlaveAnswer> Cluster::receive_above(const Telegram& telegram, Dura
 
 void Cluster::release_actual(Channel channel, const Values& values) noexcept {
   upper_.release_actual(channel, values);
-  lead_.released(channel, values);
+  lead_.released(channel, kAllWords, values);
 }
 
 // --- the lower bus

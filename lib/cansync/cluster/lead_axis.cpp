@@ -85,11 +85,11 @@ void LeadAxis::took_monitored(SlaveNumber slave, Channel channel, unsigned words
   }
 }
 
-void LeadAxis::released(Channel channel, const Values& values) noexcept {
+void LeadAxis::released(Channel channel, std::uint8_t valid, const Values& values) noexcept {
   for (unsigned lower = 0; lower < kValues; ++lower) {
     const LeadSource& source = sources_[lower];
-    if (source.kind == LeadSource::Kind::actual && channel_of_value(source.value) == channel)
-      current_[lower] = {true, values[source.value]};
+    if (source.kind != LeadSource::Kind::actual || channel_of_value(source.value) != channel) continue;
+    if (((valid >> (source.value % kWords)) & 1u) != 0) current_[lower] = {true, values[source.value]};
   }
 }
 

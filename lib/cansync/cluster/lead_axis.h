@@ -62,8 +62,8 @@ class LeadAxis {
   /// An actual value telegram of another slave, likewise.
   void took_monitored(SlaveNumber slave, Channel channel, unsigned words, const ProcessMapping& mapping,
                       const Values& values) noexcept;
-  /// The gateway's own actual values of a channel were released.
-  void released(Channel channel, const Values& values) noexcept;
+  /// The gateway's own actual values of a channel were released: of its four those whose bit is in `valid`.
+  void released(Channel channel, std::uint8_t valid, const Values& values) noexcept;
 
   /// Asked once an interval, right before the lower telegram is taken: its values, when all of them are
   /// there.

@@ -78,10 +78,14 @@ std::optional<Transmission> MasterNode::on_sent(const can::Frame& frame, can::Ti
 Deed MasterNode::on_time(can::Time now) noexcept {
   Deed deed;
   if (slot_ == slots_.size()) {
-    // Whole intervals that were missed are skipped; the line keeps its time.
-    const auto missed = (now - next_) / interval_;
-    next_interval_ += static_cast<cansync::IntervalNumber>(missed);
-    planned_edge_ = next_ + missed * interval_;
+    if (now - next_ > interval_ / 2) {
+      // Too late for an edge: the next one would follow too soon. The line keeps its time.
+      const auto missed = (now - next_) / interval_ + 1;
+      next_interval_ += static_cast<cansync::IntervalNumber>(missed);
+      next_ += missed * interval_;
+      return deed;
+    }
+    planned_edge_ = next_;
     begin_interval(now);
     deed.sync_edge = true;
   } else {

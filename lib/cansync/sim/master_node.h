@@ -59,10 +59,10 @@ struct MasterNodeSettings {
 
 /// A whole `cansync::Master` as a participant of a line, for slaves under test: it makes the SYNC edge and
 /// sends every telegram at its planned start. Called late, as on a line that is not simulated, it leaves out
-/// what would start after its slot and skips whole intervals. Edges and telegrams go missing by faults
-/// of the line (`missing_sync`; `lost` with the channel). Parameter jobs and transfers are submitted to
-/// `master()` between two calls of the line, or by routines. Nothing allocates, blocks or throws after
-/// construction; not thread safe.
+/// what would start after its slot, and an interval whose edge would be more than half of one late. Edges and
+/// telegrams go missing by faults of the line (`missing_sync`; `lost` with the channel). Parameter jobs and
+/// transfers are submitted to `master()` between two calls of the line, or by routines. Nothing allocates,
+/// blocks or throws after construction; not thread safe.
 class MasterNode final : public Node {
  public:
   /// `listener` must outlive the node. Null: nobody is told.

@@ -136,10 +136,20 @@ void SlaveSide::attach_blocks() {
 
 void SlaveSide::detach_parameters() noexcept {
   has_parameters_ = false;
+  try {
+    serve_parameters({});
+  } catch (...) {
+    // The daemon finds out by itself that nobody answers (slave.answer_time_ms).
+  }
 }
 
 void SlaveSide::detach_blocks() noexcept {
   has_blocks_ = false;
+  try {
+    serve_blocks(false);
+  } catch (...) {
+    // As above.
+  }
 }
 
 void SlaveSide::serve_parameters(const std::vector<std::uint16_t>& numbers) {

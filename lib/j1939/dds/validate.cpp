@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+
+#include "dds/enumerator.h"
 #include "j1939/identifier.h"
 #include "j1939/transport.h"
 
@@ -40,9 +43,10 @@ Problem check_destination(const j1939_MessageRequest& request) {
 }  // namespace
 
 Problem check(const j1939_MessageRequest& request) {
-  if (request.kind != j1939_MESSAGE_SEND && request.kind != j1939_MESSAGE_ASK)
-    return Denial{gateway_CAUSE_KIND, fmt::format("kind {}: not known; allowed MESSAGE_SEND, MESSAGE_ASK",
-                                                  static_cast<int>(request.kind))};
+  const std::int64_t kind = gateway::dds::raw_number_of(request.kind);
+  if (kind != j1939_MESSAGE_SEND && kind != j1939_MESSAGE_ASK)
+    return Denial{gateway_CAUSE_KIND,
+                  fmt::format("kind {}: not known; allowed MESSAGE_SEND, MESSAGE_ASK", kind)};
   if (auto problem = check_group(request)) return problem;
   if (request.priority > 7)
     return Denial{gateway_CAUSE_FIELD,

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <utility>
 
 #include "can/frame.h"
+#include "dds/enumerator.h"
 
 namespace layer2::dds {
 
@@ -63,7 +65,8 @@ Problem check_bytes(const layer2_ControlRequest& request) {
 }  // namespace
 
 Problem check(const layer2_ControlRequest& request) {
-  switch (request.kind) {
+  const std::int64_t kind = gateway::dds::raw_number_of(request.kind);
+  switch (kind) {
     case layer2_CONTROL_START_TIMER:
     case layer2_CONTROL_STOP_TIMER:
       return check_number(request);
@@ -76,9 +79,8 @@ Problem check(const layer2_ControlRequest& request) {
     default:
       break;
   }
-  if (request.kind >= layer2_CONTROL_RUN && request.kind <= layer2_CONTROL_WRITE_IMAGE) return std::nullopt;
-  return Denial{gateway_CAUSE_KIND,
-                fmt::format("kind {}: unknown to this daemon", static_cast<int>(request.kind))};
+  if (kind >= layer2_CONTROL_RUN && kind <= layer2_CONTROL_WRITE_IMAGE) return std::nullopt;
+  return Denial{gateway_CAUSE_KIND, fmt::format("kind {}: unknown to this daemon", kind)};
 }
 
 Problem check(const layer2_SendRequest& request) {

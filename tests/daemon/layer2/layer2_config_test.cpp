@@ -135,6 +135,9 @@ TEST_F(Layer2Configuration, L11L13TimersAndTheWindowAreChecked) {
   EXPECT_NE(
       problems("[window]\nused = true\nbegin_us = 500\nend_us = 500\n").find("not after window.begin_us"),
       std::string::npos);
+  EXPECT_NE(problems("[window]\nused = true\nbegin_us = 500\nend_us = 819\n").find("at least 320 us after"),
+            std::string::npos);
+  EXPECT_EQ(problems("[window]\nused = true\nbegin_us = 500\nend_us = 820\n"), "");
   EXPECT_NE(problems("[window]\nused = true\nrepeat_us = 400\nend_us = 500\n").find("after window.repeat_us"),
             std::string::npos);
 }

@@ -88,7 +88,10 @@ bool passes(const EventFilter& filter, const client::Event& event) {
 }
 
 std::int64_t parse_since(std::string_view text, std::int64_t now) {
-  if (const auto length = length_of_time(text)) return now - *length * kSecondInNs;
+  if (const auto length = length_of_time(text)) {
+    if (*length > now / kSecondInNs) refuse_since(text);
+    return now - *length * kSecondInNs;
+  }
   const auto found = local_time(std::string(text), now / kSecondInNs);
   if (!found || *found < 0 || *found > now / kSecondInNs) refuse_since(text);
   return *found * kSecondInNs;

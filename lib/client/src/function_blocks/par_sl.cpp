@@ -1,5 +1,6 @@
 #include <cansync/function_blocks/par_sl.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "client/src/slave_side.h"
@@ -26,6 +27,16 @@ cansync_slave_ParameterJob job_named(std::uint64_t number, const std::array<std:
   job.job = number;
   gateway::dds::set_daemon(daemon, job);
   return job;
+}
+
+/// True for a job that nobody waits for any more: its end has come, too, or its daemon has gone. What it asks
+/// for must not be done; the master may have asked for the same again.
+bool is_over(detail::SlaveSide& side, const cansync_slave_ParameterJob& asked) {
+  if (gateway::dds::daemon_of(asked) != side.daemon()) return true;
+  const auto& later = side.parameter_steps();
+  return std::any_of(later.begin(), later.end(), [&](const cansync_slave_ParameterJob& step) {
+    return step.job == asked.job && step.step != cansync_slave_JOB_ASKED;
+  });
 }
 
 }  // namespace
@@ -58,10 +69,7 @@ void PAR_SL::call() {
   side.look();
   error_ = side.problem();
   const bool shown = phase_ == Phase::asked;
-  if (phase_ != Phase::idle && (!side.daemon_present() || daemon_ != side.daemon())) {
-    side.parameter_steps().clear();
-    return end(false);
-  }
+  if (phase_ != Phase::idle && (!side.daemon_present() || daemon_ != side.daemon())) return end(false);
   next_step();
   if (shown && phase_ == Phase::asked && (x_OK_IN || x_ERR_IN)) answer();
 }
@@ -91,6 +99,7 @@ void PAR_SL::next_step() {
     }
     if (phase_ != Phase::idle) return end(false);  // its end was lost on the way; the new job waits
     side.parameter_steps().pop_front();
+    if (is_over(side, step)) continue;
     if (step.element != kValueElement) {
       if (auto* const application = side.application()) error_ = application->refuse(step, kNotAvailable);
       continue;

@@ -42,14 +42,12 @@ void UPDOWNLOAD_SL::call(Clock::time_point now) {
   side.serve_blocks(true);
   side.look();
   if (!side.problem().empty()) error_ = side.problem();
-  if (x_BUSY && (!side.daemon_present() || daemon_ != side.daemon())) {
-    side.block_steps().clear();
+  if (x_BUSY && (!side.daemon_present() || daemon_ != side.daemon()))
     return cancelled("client: the daemon has gone");
-  }
   while (!side.block_steps().empty() && phase_ != Phase::locked) {
     const detail::BlockStep step = std::move(side.block_steps().front());
     side.block_steps().pop_front();
-    take(step, now);
+    if (gateway::dds::daemon_of(step.job) == side.daemon()) take(step, now);
   }
   if (x_BUSY && now >= deadline_) return fail(updownload_sl_error::timeout, "client: not done within t_TIME");
   if (phase_ == Phase::pausing && now >= pause_end_) finish();
