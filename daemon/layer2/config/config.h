@@ -53,6 +53,9 @@ struct SimNodeConfig {
   std::chrono::milliseconds period{0};  ///< between two of them; 0: sent as the answer to remote frames
 };
 
+/// Bits of a longest frame with all its stuff bits and the space behind it.
+inline constexpr int kLongestFrameBits = 160;
+
 /// Everything.
 struct Layer2Config : DaemonConfig {
   Layer2Config() { bus.bits_per_second = 500'000; }

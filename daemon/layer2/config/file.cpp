@@ -60,9 +60,6 @@ void finish_timers(Layer2Draft& draft, Findings& findings) {
   }
 }
 
-/// A longest frame with all its stuff bits and the space behind it.
-constexpr int kLongestFrameBits = 160;
-
 void finish_window(const Layer2Config& config, Findings& findings) {
   const layer2::WindowSettings& window = config.window;
   if (!window.used) return;

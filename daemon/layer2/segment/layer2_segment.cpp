@@ -18,9 +18,6 @@ namespace {
 /// A frame without an echo for so long is taken as acknowledged by nobody.
 constexpr can::Time kEchoPatience = std::chrono::seconds(1);
 
-/// 29 bits and eight bytes, with stuff bits at the worst and the space after it.
-constexpr int kLongestFrameBits = 160;
-
 SimPlan sim_plan(const Layer2Config& config) {
   SimPlan plan;
   plan.faults = &sim::frame_faults();
