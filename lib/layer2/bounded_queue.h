@@ -52,23 +52,20 @@ class BoundedQueue {
   const T& operator[](std::size_t at) const noexcept { return elements_[index(at)]; }
 
   /// Puts an element behind all others.
-  Pushed push(const T& element) noexcept { return insert(size_, element); }
+  Pushed push(const T& element) noexcept {
+    Pushed result = make_room();
+    if (result.taken) (*this)[size_++] = element;
+    return result;
+  }
 
   /// Puts an element in front of the one at `at` (0..size).
   Pushed insert(std::size_t at, const T& element) noexcept {
-    Pushed result;
-    if (full()) {
-      overflowed_ = true;
-      ++lost_;
-      result.taken = rule_ == Overflow::delete_oldest;
-      if (!result.taken) return result;
-      result.deleted = (*this)[0];
-      pop();
-      at = at == 0 ? 0 : at - 1;
-    }
-    ++size_;
-    for (std::size_t i = size_ - 1; i > at; --i) (*this)[i] = (*this)[i - 1];
-    (*this)[at] = element;
+    Pushed result = make_room();
+    if (!result.taken) return result;
+    if (result.deleted && at > 0) --at;
+    std::size_t place = size_++;
+    for (; place > at; --place) (*this)[place] = (*this)[place - 1];
+    (*this)[place] = element;
     return result;
   }
 
@@ -94,6 +91,17 @@ class BoundedQueue {
   void clear() noexcept { size_ = 0; }
 
  private:
+  /// For one more element, by the rule.
+  Pushed make_room() noexcept {
+    Pushed result;
+    if (!full()) return result;
+    overflowed_ = true;
+    ++lost_;
+    result.taken = rule_ == Overflow::delete_oldest;
+    if (result.taken) result.deleted = pop();
+    return result;
+  }
+
   std::size_t index(std::size_t at) const noexcept {
     const std::size_t sum = first_ + at;
     return sum < elements_.size() ? sum : sum - elements_.size();

@@ -91,26 +91,6 @@ TEST_F(ParSl, ReadsAreReportedAnsweredAndFetched) {
   EXPECT_EQ(daemon->answers.size(), 1u) << "x_OK_IN stays, and answers nothing twice";
 }
 
-// A write that was dropped before anybody looked, and was asked for again: it is done once.
-TEST_F(ParSl, AJobThatIsOverBeforeItIsSeenIsNotShown) {
-  enable();
-  ask_read(1, 400);
-  ASSERT_TRUE(call_until(block, [&] { return block.x_READ; }));
-  ask_write(2, 500, 7, false);  // waits behind the first
-  end(2, cansync_slave_JOB_DROPPED);
-  ask_write(3, 500, 7, false);
-  unsigned shown = 0;
-  EXPECT_TRUE(call_until(block, [&] {
-    if (block.x_WRITE && block.x_ACTIV && !block.x_OK_IN) {
-      ++shown;
-      block.x_OK_IN = true;
-    }
-    return !daemon->answers.empty();
-  }));
-  EXPECT_EQ(shown, 1u);
-  EXPECT_EQ(daemon->answers.back().sample.job, 3u);
-}
-
 TEST_F(ParSl, ThatGoesGivesItsParametersBack) {
   SlaveConnection other = SlaveConnection::connect(options_at(places.there));
   {
