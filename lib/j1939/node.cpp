@@ -323,7 +323,7 @@ void Node::advance(Time now) noexcept {
       continue;
     }
     const bool claiming = claim_.state() == ClaimState::claiming && obstacle_ == Obstacle::none;
-    end(waiting_[i].order, Outcome::timeout, {.obstacle = claiming ? Obstacle::no_address : obstacle_});
+    end(waiting_[i].order, Outcome::timeout, {.obstacle = obstacle_, .claiming = claiming});
     waiting_.erase(i);
   }
   take_ended();

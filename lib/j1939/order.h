@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "can/obstacle.h"
 #include "j1939/identifier.h"
 
 /// What a node is asked to send, and how that ended.
@@ -40,15 +41,7 @@ enum class Refusal : std::uint8_t {
   stopped,     ///< the node has been stopped
 };
 
-/// Why the first waiting order was not handed to the bus.
-enum class Obstacle : std::uint8_t {
-  none,            ///< earlier orders
-  queue_full,      ///< the controller's queue has no room
-  bus_off,         ///< the controller takes no part in the bus
-  interface_down,  ///< the interface is missing or not up
-  not_delivered,   ///< nobody acknowledges what was handed over before
-  no_address,      ///< the address is still being claimed
-};
+using can::Obstacle;
 
 /// How an order ended.
 enum class Outcome : std::uint8_t {
@@ -68,6 +61,7 @@ struct Answer {
   Outcome outcome = Outcome::done;
   Time sent{};                         ///< done: end of the last frame, or of the answer
   Obstacle obstacle = Obstacle::none;  ///< timeout: what kept it from the bus
+  bool claiming = false;               ///< timeout: nothing did, the address was still being claimed
   std::uint8_t code = 0;               ///< refused, aborted
   std::uint16_t size = 0;              ///< request, done: bytes of the answer, in the order's memory
 };

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "can/frame.h"
+#include "can/obstacle.h"
 #include "layer2/bounded_queue.h"
 #include "layer2/range_filter.h"
 #include "layer2/timers.h"
@@ -71,14 +72,7 @@ enum class Refusal : std::uint8_t {
   reset_under_way,  ///< likewise: it is being reset
 };
 
-/// Why the bus did not take the frame that was to be handed over.
-enum class Obstacle : std::uint8_t {
-  none,
-  queue_full,      ///< the controller's queue has no room
-  bus_off,         ///< the controller takes no part in the bus
-  interface_down,  ///< the interface is missing or not up
-  not_delivered,   ///< nobody acknowledges what was handed over before
-};
+using can::Obstacle;
 
 /// How an order ended.
 enum class Outcome : std::uint8_t {

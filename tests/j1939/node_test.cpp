@@ -107,7 +107,7 @@ TEST_F(NodeTest, OrdersWaitForTheAddressAndEndWhenItIsNotClaimedInTime) {
   const auto all = fresh.answers();
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].outcome, Outcome::timeout);
-  EXPECT_EQ(all[0].obstacle, Obstacle::no_address);
+  EXPECT_TRUE(all[0].claiming);
   Order patient = message(2, 0xFEF1, 1);
   patient.timeout = milliseconds(500);
   ASSERT_EQ(fresh.node.submit(patient, fresh.now), Refusal::none);

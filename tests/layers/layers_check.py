@@ -135,7 +135,7 @@ CORES = ("lib/cansync", "lib/layer2", "lib/j1939")
 CORE_HEADERS = set("""algorithm array bit bitset chrono compare concepts cstddef cstdint cstring deque functional
 initializer_list iterator limits memory new numeric optional ranges span string string_view tuple type_traits utility
 variant vector""".split())
-CORE_FRAMES = ("can/frame.h", "can/frame_length.h")
+CORE_FRAMES = ("can/frame.h", "can/frame_length.h", "can/obstacle.h")
 CORE_WORDS = re.compile(r"steady_clock|system_clock|high_resolution_clock|utc_clock|clock_gettime|gettimeofday|std::time\b|"
                         r"this_thread|fopen|printf|getenv|std::(cout|cerr|clog)")
 CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),

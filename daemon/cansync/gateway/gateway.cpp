@@ -65,10 +65,7 @@ void Gateway::stop() noexcept {
 }
 
 void Gateway::reload(const Config& config) {
-  {
-    const std::lock_guard lock(configuration_mutex_);
-    new_configuration_ = config;
-  }
+  new_configuration_.give(config);
   exchange_.gateway_wake.signal();
 }
 
@@ -173,11 +170,7 @@ std::optional<SteadyTime> Gateway::tell_syncs(SteadyTime now) {
 }
 
 void Gateway::take_configuration(SteadyTime now) {
-  std::optional<Config> taken;
-  {
-    const std::lock_guard lock(configuration_mutex_);
-    taken = std::exchange(new_configuration_, std::nullopt);
-  }
+  const auto taken = new_configuration_.take();
   if (!taken) return;
   for (const Request& request : changes(config_, *taken)) jobs_.give(request);
   take_changeable(*taken, config_);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <mutex>
 #include <optional>
 
 #include "daemon/cansync/config/config.h"
@@ -18,6 +17,7 @@
 #include "daemon/desk/job_desk.h"
 #include "daemon/desk/second_daemon.h"
 #include "daemon/service/daemon_identity.h"
+#include "daemon/service/new_configuration.h"
 #include "daemon/status/common_status.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -102,8 +102,7 @@ class Gateway {
   StatusLine status_line_;
   std::optional<MetricsDesk> metrics_;  ///< from `start` to `stop`
 
-  std::mutex configuration_mutex_;
-  std::optional<Config> new_configuration_;
+  NewConfiguration<Config> new_configuration_;
   PostedEvents posted_;
   GatewayThread thread_;  ///< last: it uses all of them
 };

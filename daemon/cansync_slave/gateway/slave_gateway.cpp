@@ -91,10 +91,7 @@ void SlaveGateway::post(const EventText& event) {
 }
 
 void SlaveGateway::reload(const SlaveRoleConfig& config) {
-  {
-    const std::lock_guard lock(mutex_);
-    new_configuration_ = config;
-  }
+  new_configuration_.give(config);
   exchange_.gateway_wake.signal();
 }
 
@@ -117,11 +114,7 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
 }
 
 void SlaveGateway::take_configuration(SteadyTime now) {
-  std::optional<SlaveRoleConfig> taken;
-  {
-    const std::lock_guard lock(mutex_);
-    taken = std::exchange(new_configuration_, std::nullopt);
-  }
+  const auto taken = new_configuration_.take();
   if (!taken) return;
   config_.access = taken->access;
   common_.set_access(config_.access);

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -16,6 +15,7 @@
 #include "daemon/desk/second_daemon.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
+#include "daemon/service/new_configuration.h"
 #include "daemon/status/common_status.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
@@ -98,8 +98,7 @@ class SlaveGateway {
   std::string told_application_;  ///< of the newest status
   SteadyTime next_status_;
 
-  std::mutex mutex_;
-  std::optional<SlaveRoleConfig> new_configuration_;
+  NewConfiguration<SlaveRoleConfig> new_configuration_;
   PostedEvents posted_;
   GatewayThread thread_;  ///< last: it uses all of them
 };

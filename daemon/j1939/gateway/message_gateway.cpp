@@ -63,10 +63,7 @@ void MessageGateway::post(const EventText& event) {
 }
 
 void MessageGateway::reload(const J1939Config& config) {
-  {
-    const std::lock_guard lock(mutex_);
-    new_configuration_ = config;
-  }
+  new_configuration_.give(config);
   exchange_.gateway_wake.signal();
 }
 
@@ -95,11 +92,7 @@ SteadyTime MessageGateway::pass(bool samples_may_wait) {
 }
 
 void MessageGateway::take_configuration(SteadyTime now) {
-  std::optional<J1939Config> taken;
-  {
-    const std::lock_guard lock(mutex_);
-    taken = std::exchange(new_configuration_, std::nullopt);
-  }
+  const auto taken = new_configuration_.take();
   if (!taken) return;
   config_.access = taken->access;
   config_.dds.request_max_age = taken->dds.request_max_age;

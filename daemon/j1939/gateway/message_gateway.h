@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -19,6 +18,7 @@
 #include "daemon/j1939/gateway/message_requests.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
+#include "daemon/service/new_configuration.h"
 #include "daemon/status/common_status.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
@@ -117,8 +117,7 @@ class MessageGateway {
   FaultRow losses_{kLossQuiet};
   SteadyTime next_status_;
 
-  std::mutex mutex_;
-  std::optional<J1939Config> new_configuration_;
+  NewConfiguration<J1939Config> new_configuration_;
   PostedEvents posted_;
   GatewayThread thread_;  ///< last: it uses all of them
 };

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <variant>
 
+#include "daemon/bus/bus_obstacle.h"
+
 namespace cansyncd {
 namespace {
 
@@ -11,30 +13,6 @@ namespace {
 constexpr unsigned kOrdersAtOnce = 16;
 constexpr can::Time kOneSecond = std::chrono::seconds(1);
 constexpr can::Time kSnapshotPeriod = std::chrono::milliseconds(100);
-
-j1939::Obstacle reason_not_sent(can::SendResult result) noexcept {
-  switch (result) {
-    case can::SendResult::queued:
-      return j1939::Obstacle::none;
-    case can::SendResult::queue_full:
-      return j1939::Obstacle::queue_full;
-    case can::SendResult::bus_off:
-      return j1939::Obstacle::bus_off;
-    case can::SendResult::interface_down:
-      return j1939::Obstacle::interface_down;
-    case can::SendResult::not_delivered:
-      break;
-  }
-  return j1939::Obstacle::not_delivered;
-}
-
-/// What keeps the controller from sending what it has; none: other frames.
-j1939::Obstacle reason_not_sent(const can::ControllerStatus& status) noexcept {
-  if (status.link != can::LinkState::up) return j1939::Obstacle::interface_down;
-  if (status.state == can::ControllerState::bus_off) return j1939::Obstacle::bus_off;
-  if (status.delivery != can::Delivery::normal) return j1939::Obstacle::not_delivered;
-  return j1939::Obstacle::none;
-}
 
 }  // namespace
 
@@ -81,7 +59,7 @@ void MessageMachine::watch_bus(can::Time when) noexcept {
   if (tap_ != nullptr) record_faults(before, when);
   // The bus is not asked about a frame that has no place in the controller.
   if (node_.waiting() != 0 && node_.handed_over_count() == j1939::Node::kMostHandedOver)
-    node_.held_back(reason_not_sent(now));
+    node_.held_back(obstacle_of(now));
 }
 
 /// Tells the flight recorder, which must be there, what changed since `before`.
@@ -151,7 +129,7 @@ void MessageMachine::handed_over(can::SendResult result) noexcept {
   if (result == can::SendResult::queued) {
     node_.handed_over();
   } else {
-    node_.held_back(reason_not_sent(result));
+    node_.held_back(obstacle_of(result));
   }
 }
 

@@ -83,10 +83,7 @@ void FrameGateway::post(const EventText& event) {
 }
 
 void FrameGateway::reload(const Layer2Config& config) {
-  {
-    const std::lock_guard lock(mutex_);
-    new_configuration_ = config;
-  }
+  new_configuration_.give(config);
   exchange_.gateway_wake.signal();
 }
 
@@ -115,11 +112,7 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
 }
 
 void FrameGateway::take_configuration(SteadyTime now) {
-  std::optional<Layer2Config> taken;
-  {
-    const std::lock_guard lock(mutex_);
-    taken = std::exchange(new_configuration_, std::nullopt);
-  }
+  const auto taken = new_configuration_.take();
   if (!taken) return;
   config_.access = taken->access;
   config_.dds.request_max_age = taken->dds.request_max_age;

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <variant>
 
+#include "daemon/bus/bus_obstacle.h"
+
 namespace cansyncd {
 namespace {
 
@@ -13,30 +15,6 @@ constexpr can::Time kSecond = std::chrono::seconds(1);
 constexpr can::Time kStatusPeriod = std::chrono::milliseconds(100);
 /// The image is passed on no more often.
 constexpr can::Time kImagePeriod = std::chrono::milliseconds(10);
-
-layer2::Obstacle obstacle_of(can::SendResult result) noexcept {
-  switch (result) {
-    case can::SendResult::queued:
-      return layer2::Obstacle::none;
-    case can::SendResult::queue_full:
-      return layer2::Obstacle::queue_full;
-    case can::SendResult::bus_off:
-      return layer2::Obstacle::bus_off;
-    case can::SendResult::interface_down:
-      return layer2::Obstacle::interface_down;
-    case can::SendResult::not_delivered:
-      break;
-  }
-  return layer2::Obstacle::not_delivered;
-}
-
-/// What keeps the controller from sending what it has; none: other frames.
-layer2::Obstacle obstacle_of(const can::ControllerStatus& status) noexcept {
-  if (status.link != can::LinkState::up) return layer2::Obstacle::interface_down;
-  if (status.state == can::ControllerState::bus_off) return layer2::Obstacle::bus_off;
-  if (status.delivery != can::Delivery::normal) return layer2::Obstacle::not_delivered;
-  return layer2::Obstacle::none;
-}
 
 }  // namespace
 

@@ -7,28 +7,10 @@
 namespace j1939::dds {
 namespace {
 
-std::string_view reason_of_timeout(Obstacle obstacle) noexcept {
-  switch (obstacle) {
-    case Obstacle::none:
-      return "not sent within the monitoring time: earlier messages kept the bus; send less, or give a "
-             "longer timeout";
-    case Obstacle::queue_full:
-      return "not sent within the monitoring time: the controller's queue was full; check the load of the bus "
-             "and that somebody acknowledges";
-    case Obstacle::bus_off:
-      return "not sent within the monitoring time: the controller is in bus-off; check wiring, termination and "
-             "bit rate; it leaves bus-off by its interface's restart-ms, or when the interface is set up anew";
-    case Obstacle::interface_down:
-      return "not sent within the monitoring time: the interface is missing or down; set it up with the "
-             "configured bit rate";
-    case Obstacle::not_delivered:
-      return "not sent within the monitoring time: nobody acknowledges; check that another node is on the bus, "
-             "with the same bit rate";
-    case Obstacle::no_address:
-      return "not sent within the monitoring time: the address is still being claimed, for which another node "
-             "must be on the bus; see NodeStatus";
-  }
-  return "not sent within the monitoring time";
+std::string_view reason_of_timeout(const Answer& answer) noexcept {
+  if (!answer.claiming) return can::reason_not_sent(answer.obstacle);
+  return "not sent within the monitoring time: the address is still being claimed, for which another node must "
+         "be on the bus; see NodeStatus";
 }
 
 std::string_view reason_of_refusal(std::uint8_t control) noexcept {
@@ -117,7 +99,7 @@ std::string reason_of(const Answer& answer) {
       return "begun, but not seen on the bus or not answered within the monitoring time or the standard's "
              "time-outs; check that the node is there and has this group";
     case Outcome::timeout:
-      return std::string(reason_of_timeout(answer.obstacle));
+      return std::string(reason_of_timeout(answer));
     case Outcome::cancelled:
       return "cancelled";
     case Outcome::address_lost:

@@ -17,27 +17,6 @@ Reply reply_to(const RequestKey& key) noexcept {
   return reply;
 }
 
-std::string_view reason_of_timeout(Obstacle obstacle) noexcept {
-  switch (obstacle) {
-    case Obstacle::none:
-      return "not sent within the monitoring time: earlier frames kept the bus; send less, or give a longer "
-             "timeout";
-    case Obstacle::queue_full:
-      return "not sent within the monitoring time: the controller's queue was full; check the load of the bus "
-             "and that somebody acknowledges";
-    case Obstacle::bus_off:
-      return "not sent within the monitoring time: the controller is in bus-off; check wiring, termination and "
-             "bit rate; it leaves bus-off by its interface's restart-ms, or when the interface is set up anew";
-    case Obstacle::interface_down:
-      return "not sent within the monitoring time: the interface is missing or down; set it up with the "
-             "configured bit rate";
-    case Obstacle::not_delivered:
-      return "not sent within the monitoring time: nobody acknowledges; check that another node is on the bus, "
-             "with the same bit rate";
-  }
-  return "not sent within the monitoring time";
-}
-
 Control control_of(layer2_ControlKind kind) noexcept {
   switch (kind) {
     case layer2_CONTROL_RUN:
@@ -142,7 +121,7 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept {
       return "handed over, but not seen on the bus within the monitoring time: it may have been sent, or be "
              "sent yet; check that another node is on the bus";
     case Outcome::timeout:
-      return reason_of_timeout(obstacle);
+      return can::reason_not_sent(obstacle);
     case Outcome::cancelled:
       return "cancelled";
     case Outcome::displaced:

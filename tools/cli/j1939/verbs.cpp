@@ -11,6 +11,7 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
+#include "cli/connect/gateway_reply.h"
 #include "cli/j1939/message_lines.h"
 #include "cli/j1939/status_part.h"
 #include "cli/text/column_help.h"
@@ -42,39 +43,6 @@ j1939::client::Message parse_message(const MessageTexts& texts) {
   if (!texts.priority.empty())
     message.priority = static_cast<std::uint8_t>(parse_integer(texts.priority, "--priority", 0, 7));
   return message;
-}
-
-client::Reply reply_of(const j1939::client::Result& result) {
-  using client::ReplyCode;
-  client::Reply reply;
-  reply.reason = result.reason;
-  reply.code = ReplyCode::no_reply;
-  if (!result.replied) return reply;
-  switch (result.code) {
-    case gateway_REPLY_DONE:
-      reply.code = ReplyCode::done;
-      break;
-    case gateway_REPLY_SLAVE_ERROR:
-      reply.code = ReplyCode::slave_error;
-      break;
-    case gateway_REPLY_TIMEOUT:
-      reply.code = ReplyCode::timeout;
-      break;
-    case gateway_REPLY_NO_ANSWER:
-      reply.code = ReplyCode::no_answer;
-      break;
-    case gateway_REPLY_CANCELLED:
-      reply.code = ReplyCode::cancelled;
-      break;
-    case gateway_REPLY_MASTER_STOPPED:
-      reply.code = ReplyCode::master_stopped;
-      break;
-    default:
-      reply.code = ReplyCode::refused;
-      // The numbers are those of the data model.
-      reply.cause = static_cast<client::RefusalCause>(result.cause);
-  }
-  return reply;
 }
 
 /// Whom a message is for, or is asked.

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "cli/connect/bus_connection.h"
-#include "cli/layer2/send_reply.h"
+#include "cli/connect/gateway_reply.h"
+#include "cli/layer2/frame_lines.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
@@ -60,7 +61,7 @@ ExitCode can_verb(Session& session, const std::string& word, const std::string& 
   JsonObject object;
   object.add("action", action.word).add("number", request.number);
   const std::string where = action.numbered ? fmt::format("timer {}", request.number) : std::string("module");
-  return session.finish(to_reply(result), object, where, fmt::format("{}: {}", where, action.done));
+  return session.finish(reply_of(result), object, where, fmt::format("{}: {}", where, action.done));
 }
 
 std::vector<Table::Column> timer_columns() {

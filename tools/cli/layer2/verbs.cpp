@@ -11,8 +11,9 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
+#include "cli/connect/gateway_reply.h"
 #include "cli/layer2/control_verbs.h"
-#include "cli/layer2/send_reply.h"
+#include "cli/layer2/frame_lines.h"
 #include "cli/layer2/status_part.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
@@ -97,7 +98,7 @@ ExitCode send_verb(Session& session, const SendTexts& texts) {
   add_frame(shown, object);
   object.add("sent_time_ns", result.sent_time);
   const std::string where = fmt::format("frame {}", identifier_text(shown));
-  return session.finish(to_reply(result), object, where, where + " sent");
+  return session.finish(reply_of(result), object, where, where + " sent");
 }
 
 std::vector<Table::Column> frame_columns() {

@@ -5,11 +5,8 @@
 #include "cli/base/session.h"
 #include "layer2/client/frame_client.h"
 
-/// What the verbs of general frames write of frames and of how requests ended. Main thread.
+/// What the verbs of general frames write of frames. Main thread.
 namespace cansync::cli {
-
-/// As every verb tells how a request ended.
-client::Reply to_reply(const layer2::client::SendResult& result);
 
 /// Three hexadecimal digits, eight of a 29-bit identifier.
 std::string identifier_text(const layer2_CanFrame& frame);
