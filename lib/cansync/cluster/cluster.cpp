@@ -142,7 +142,9 @@ void Cluster::release_actual(Channel channel, const Values& values) noexcept {
 // --- the lower bus
 
 std::optional<can::Frame> Cluster::take(Slot slot) noexcept {
-  if (slot != Slot::command && is_active(lower_.state())) {
+  // A slot below that is late, after the next edge, must not take what belongs to the interval of that edge.
+  const bool in_this_interval = lower_.interval() == now_;
+  if (slot != Slot::command && in_this_interval && is_active(lower_.state())) {
     const Channel channel = slot == Slot::reference_one ? Channel::one : Channel::two;
     if (auto update = lead_.take(channel)) {
       update->mapping_number = lower_.mapping_number();

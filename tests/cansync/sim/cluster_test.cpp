@@ -46,6 +46,21 @@ TEST(Cluster, K2TheTwoNodesAreSlaveAndMasterWithABusEach) {
   EXPECT_TRUE(net.ends_a.parameters.contains(request.id));
 }
 
+TEST(Cluster, K9ALateSlotBelowDoesNotTakeTheValuesOfTheNextInterval) {
+  Levels net;
+  net.a.cluster.lead[4] = {LeadSource::Kind::actual, 0, {}, true};
+  net.start();
+  cansync::Cluster& cluster = net.cluster();
+  const cansync::IntervalNumber next = cluster.lower().interval() + 2;
+  cluster.begin_above(next - 1);
+  cluster.begin_below(next - 1);
+  cluster.begin_above(next);
+  EXPECT_FALSE(cluster.take(cansync::Slot::reference_two)) << "the slot of the interval before";
+  cluster.release_actual(cansync::Channel::one, {77});
+  cluster.begin_below(next);
+  EXPECT_TRUE(cluster.take(cansync::Slot::reference_two));
+}
+
 TEST(Cluster, K3EveryParticipantHasANumberOf16Bits) {
   Levels net;
   net.a.cluster.gateway.routes.push_back(Levels::route(65535, 2, 0));
