@@ -215,13 +215,14 @@ void Master::transmitted(const can::Frame& frame, Duration since_sync) noexcept 
 
 void Master::receive(const can::Frame& frame, Duration since_sync) noexcept {
   // Its identifier tells a master, whatever stands in the frame.
-  if (is_from_master(frame)) impl_->second_master(frame.id);
+  const bool from_master = is_from_master(frame);
+  if (from_master) impl_->second_master(frame.id);
   const Decoded decoded = decode(frame);
   if (const auto* error = std::get_if<DecodeError>(&decoded)) {
     ++impl_->counters.rejected[static_cast<unsigned>(*error)];
     return;
   }
-  if (is_from_master(frame)) return;
+  if (from_master) return;
   impl_->take_or_count(frame, *std::get_if<Telegram>(&decoded), since_sync);
 }
 

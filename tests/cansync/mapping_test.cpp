@@ -162,6 +162,43 @@ TEST(Pack, UnpackBringsBackWhatIsMappedWhole) {
   }
 }
 
+/// Word by word: each half that came is put in its place, and a half without a word is 0.
+Values taken_word_by_word(const TelegramMapping& mapping, std::span<const std::uint16_t> words,
+                          Values values) {
+  Values carried = {};
+  for (unsigned i = 0; i < kWords; ++i) {
+    const WordMapping& entry = mapping.word[i];
+    if (!entry.assigned) continue;
+    const unsigned shift = entry.high ? 16 : 0;
+    carried[entry.value] |= 0xFFFFu << shift;
+    if (i >= words.size()) continue;
+    values[entry.value] &= ~(0xFFFFu << shift);
+    values[entry.value] |= std::uint32_t{words[i]} << shift;
+  }
+  for (unsigned i = 0; i < kValues; ++i) values[i] &= carried[i] == 0 || words.empty() ? ~0u : carried[i];
+  return values;
+}
+
+TEST(Pack, AnyMappingIsTakenWordByWord) {
+  std::mt19937 random(kSeed);
+  for (int i = 0; i < 10'000; ++i) {
+    TelegramMapping mapping;
+    for (WordMapping& word : mapping.word) {
+      const auto chance = static_cast<std::uint32_t>(random());
+      // Four values, so that halves meet and the same half comes twice.
+      if (chance % 4 != 0) word = {true, (chance & 8) != 0, static_cast<std::uint8_t>((chance >> 4) % 4)};
+    }
+    Values values;
+    for (auto& value : values) value = static_cast<std::uint32_t>(random());
+    std::array<std::uint16_t, kWords> all;
+    for (auto& word : all) word = static_cast<std::uint16_t>(random());
+    const auto words = std::span<const std::uint16_t>(all).first(random() % (kWords + 1));
+    const Values expected = taken_word_by_word(mapping, words, values);
+    unpack(mapping, words, values);
+    ASSERT_EQ(values, expected) << "seed " << kSeed << ", round " << i << ", " << words.size() << " words";
+  }
+}
+
 TEST(Default, LowWordFirst) {
   const TelegramMapping one = default_mapping(Channel::one);
   EXPECT_EQ(to_register(one.word[0]), 0x01);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "cansync/channel/command_channel.h"
@@ -18,13 +19,12 @@ std::optional<SlaveNumber> CommandChannel::next_slave(const Scan& scan, SlaveMas
   return next_in_turn(scan, waiting);
 }
 
-/// Round robin.
+/// Round robin: the first that waits after the one served last.
 std::optional<SlaveNumber> CommandChannel::next_in_turn(const Scan& scan, SlaveMask waiting) const noexcept {
-  for (unsigned step = 1; step <= kSlaves; ++step) {
-    const SlaveNumber slave = *SlaveNumber::from((scan.last + step) % kSlaves);
-    if (waiting.has(slave)) return slave;
-  }
-  return std::nullopt;
+  if (waiting.empty()) return std::nullopt;
+  const unsigned first = scan.last + 1u;
+  const int steps = std::countr_zero(std::rotr(waiting.bits, static_cast<int>(first % kSlaves)));
+  return SlaveNumber::from((first + static_cast<unsigned>(steps)) % kSlaves);
 }
 
 bool CommandChannel::share_due(const Scan& scan, SlaveMask waiting) const noexcept {

@@ -103,38 +103,40 @@ std::array<std::uint16_t, kWords> pack(const TelegramMapping& mapping, const Val
   return words;
 }
 
-Unpacking::Unpacking(const TelegramMapping& mapping) noexcept {
-  const Carried carried = carried_by(mapping);
+Unpacking::Unpacking(const TelegramMapping& mapping) noexcept
+    : mapping_(mapping), used_words_(mapping.used_words()) {
   for (unsigned i = 0; i < kWords; ++i) {
     const WordMapping& entry = mapping.word[i];
     if (!entry.assigned) continue;
-    const unsigned number = entry.value % kValues;
-    const bool with_other = ((entry.high ? carried.low : carried.high) >> number & 1u) != 0;
-    const std::uint32_t other = entry.high ? 0xFFFFu : 0xFFFF0000u;
-    used_words_ = static_cast<std::uint8_t>(i + 1);
-    places_[count_++] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(number),
-                         static_cast<std::uint8_t>(entry.high ? 16 : 0), with_other ? other : 0u};
+    const auto number = static_cast<std::uint8_t>(entry.value % kValues);
+    const auto end = sources_.begin() + values_;
+    const auto source =
+        std::find_if(sources_.begin(), end, [number](const Source& known) { return known.value == number; });
+    if (source == end) ++values_;
+    source->value = number;
+    (entry.high ? source->high : source->low) = static_cast<std::uint8_t>(i);
+    source->carried |= entry.high ? 0xFFFF0000u : 0xFFFFu;
   }
 }
 
 void Unpacking::operator()(std::span<const std::uint16_t> words, Values& values) const noexcept {
   if (words.empty()) return;
   if (words.size() >= used_words_) {  // the usual telegram; every drive of a simulated line takes each
-    for (unsigned i = 0; i < count_; ++i) {
-      const Place& place = places_[i];
-      std::uint32_t& value = values[place.value];
-      value = (value & place.keep) | static_cast<std::uint32_t>(words[place.word]) << place.shift;
+    for (unsigned i = 0; i < values_; ++i) {
+      const Source& source = sources_[i];
+      const std::uint32_t high = words[source.high];
+      values[source.value] = (words[source.low] | high << 16) & source.carried;
     }
     return;
   }
-  for (unsigned i = 0; i < count_; ++i) {
-    const Place& place = places_[i];
-    std::uint32_t& value = values[place.value];
-    const std::uint32_t own = 0xFFFFu << place.shift;
-    value = place.word < words.size()
-                ? (value & place.keep) | static_cast<std::uint32_t>(words[place.word]) << place.shift
-                : value & (place.keep | own);
+  for (unsigned i = 0; i < words.size(); ++i) {
+    const WordMapping& entry = mapping_.word[i];
+    if (!entry.assigned) continue;
+    std::uint32_t& value = values[entry.value % kValues];
+    const std::uint32_t word = words[i];
+    value = entry.high ? (value & 0xFFFFu) | word << 16 : (value & 0xFFFF0000u) | word;
   }
+  for (unsigned i = 0; i < values_; ++i) values[sources_[i].value] &= sources_[i].carried;
 }
 
 void unpack(const TelegramMapping& mapping, std::span<const std::uint16_t> words, Values& values) noexcept {

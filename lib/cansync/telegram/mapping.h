@@ -101,15 +101,16 @@ class Unpacking {
   void operator()(std::span<const std::uint16_t> words, Values& values) const noexcept;
 
  private:
-  /// Where a word goes: value, bits it is shifted by, and the bits of the value that stay beside it.
-  struct Place {
-    std::uint8_t word = 0;
+  /// Where a value of a telegram that has all words comes from; a half that no word carries is masked out.
+  struct Source {
     std::uint8_t value = 0;
-    std::uint8_t shift = 0;
-    std::uint32_t keep = 0;
+    std::uint8_t low = 0;
+    std::uint8_t high = 0;
+    std::uint32_t carried = 0;
   };
-  std::array<Place, kWords> places_ = {};
-  std::uint8_t count_ = 0;
+  TelegramMapping mapping_;
+  std::array<Source, kWords> sources_ = {};
+  std::uint8_t values_ = 0;      ///< how many values have a source
   std::uint8_t used_words_ = 0;  ///< words of a telegram that has all of them
 };
 
