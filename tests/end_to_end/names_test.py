@@ -151,6 +151,13 @@ class Refusals(Named):
         self.assertIn("set profile = ", self.fails("read", 2, "speed-limit", code=1))
         self.assertIn("has no profile", self.fails("params", 3, code=1))
 
+    def test_a_slave_without_a_profile_leaves_the_others_their_list(self):
+        result = self.gateway.run("params", "1,2", "--json")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("slave 2: slave 2 'slave2' has no profile", result.stderr)
+        listed = [json.loads(line) for line in result.stdout.splitlines()]
+        self.assertEqual({found["slave"] for found in listed if found["number"] == DEVICE_TYPE}, {1})
+
     def test_a_profile_that_is_missing_or_another_version(self):
         empty = self.enterContext(tempfile.TemporaryDirectory())
         self.assertIn("copy its file", self.fails("read", 1, "speed-limit", "--profiles", empty, code=1))

@@ -101,6 +101,15 @@ class Transfers(VerbTest):
         self.run_verb("upload", "winder", hex(DATA), 65536, self.path("out"))
         self.assertEqual(self.content("out"), data)
 
+    def test_a_transfer_says_how_long_it_took(self):
+        for done in (
+            self.one("download", "winder", DATA, self.path("timed", os.urandom(3000))),
+            self.one("upload", "winder", DATA, 3000, self.path("timed_back")),
+        ):
+            # 1 Mbit/s: intervals of 1 ms.
+            self.assertGreater(done["intervals"], 10)
+            self.assertAlmostEqual(done["seconds"], done["intervals"] / 1000)
+
     def test_standard_input_and_output(self):
         data = os.urandom(1001)
         self.run_verb("download", 2, DATA, "-", "--block-size", 60, data=data)
@@ -135,7 +144,7 @@ class Transfers(VerbTest):
         shown, code = self.gateway.run_on_terminal("upload", 0, DATA, 3000, self.path("bar"))
         self.assertEqual(code, 0, shown)
         self.assertRegex(shown, r"\r\x1b\[K\[#*\.*\] +\d+ %  \d+ of 3000 B")
-        self.assertRegex(self.run_verb("upload", 0, DATA, 3000, self.path("bar")).stderr, r"^cansync: 3000 bytes in \d+ intervals\n$")
+        self.assertRegex(self.run_verb("upload", 0, DATA, 3000, self.path("bar")).stderr, r"^cansync: 3000 bytes in \d+ intervals, \d+\.\d{3} s, \d+ bytes/s\n$")
 
 
 if __name__ == "__main__":

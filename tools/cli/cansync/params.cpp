@@ -140,12 +140,6 @@ class Listing {
   Table table_{parameter_columns()};
 };
 
-/// One slave's parameters, and what it needs of its profile.
-struct Wanted {
-  ProfilePointer profile;  ///< keeps the parameters
-  Parameters chosen;
-};
-
 ExitCode list(Session& session, unsigned slave, const Parameters& chosen, bool raw) {
   Parameters readable;
   for (const profile::Parameter* parameter : chosen) {
@@ -172,14 +166,9 @@ ExitCode list(Session& session, unsigned slave, const Parameters& chosen, bool r
 
 ExitCode params_verb(Session& session, const ParamsOptions& options) {
   const std::vector<unsigned> slaves = session.slaves(options.slave);
-  std::vector<Wanted> wanted;
-  for (const unsigned slave : slaves) {
-    Wanted one{need_profile(session, slave, options.profile), {}};
-    one.chosen = of_group(*one.profile, options.group);
-    wanted.push_back(std::move(one));
-  }
   return session.for_each(slaves, [&](std::size_t index) {
-    return list(session, slaves[index], wanted[index].chosen, options.raw);
+    const ProfilePointer profile = need_profile(session, slaves[index], options.profile);
+    return list(session, slaves[index], of_group(*profile, options.group), options.raw);
   });
 }
 

@@ -78,11 +78,10 @@ ExitCode backup_verb(Session& session, const PassportOptions& options) {
   }
   const std::vector<unsigned> slaves = session.slaves(options.slave);
   const std::vector<std::string> files = session.files(options.file, slaves);
-  std::vector<ProfilePointer> profiles;
-  profiles.reserve(slaves.size());
-  for (const unsigned slave : slaves) profiles.push_back(need_profile(session, slave, options.profile));
+  // Of a slave without a profile nothing can be read; the others are not to go without a backup for it.
   return session.for_each(slaves, [&](std::size_t index) {
-    return backup_one(session, options, slaves[index], *profiles[index], files[index]);
+    const ProfilePointer profile = need_profile(session, slaves[index], options.profile);
+    return backup_one(session, options, slaves[index], *profile, files[index]);
   });
 }
 

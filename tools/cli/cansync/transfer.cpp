@@ -34,15 +34,34 @@ client::TransferRequest parse_request(Session& session, const TransferOptions& o
   return request;
 }
 
-client::TransferReply run_job(Session& session, const client::TransferRequest& request) {
+/// An ended transfer.
+struct Transferred {
+  client::TransferReply reply;
+  double seconds = 0.0;  ///< that its intervals took on the bus; waiting for its turn is not among them
+};
+
+Transferred run_job(Session& session, const client::TransferRequest& request) {
+  // Asked before: a transfer that is done must not fail for want of a status.
+  const auto interval = static_cast<double>(session.client().master_status().interval_length);
   ProgressBar bar(stderr);
-  return session.ask(
+  Transferred ended;
+  ended.reply = session.ask(
       request.download ? Effect::changes : Effect::reads, [&] { return session.client().submit(request); },
       [&bar](std::uint32_t done, std::uint32_t total) { bar.update(done, total); });
+  ended.seconds = static_cast<double>(ended.reply.intervals) * interval / 1e9;
+  return ended;
 }
 
-ExitCode finish(Session& session, const client::TransferRequest& request,
-                const client::TransferReply& reply) {
+/// E.g. "3000 bytes in 120 intervals, 0.960 s, 3125 bytes/s".
+std::string transferred_text(const Transferred& ended) {
+  const std::string pace =
+      ended.seconds > 0.0 ? fmt::format(", {:.0f} bytes/s", ended.reply.done / ended.seconds) : "";
+  return fmt::format("{} bytes in {} intervals, {:.3f} s{}", ended.reply.done, ended.reply.intervals,
+                     ended.seconds, pace);
+}
+
+ExitCode finish(Session& session, const client::TransferRequest& request, const Transferred& ended) {
+  const client::TransferReply& reply = ended.reply;
   JsonObject object;
   object.add("slave", request.slave)
       .add("sub_slave", request.sub_slave)
@@ -51,29 +70,30 @@ ExitCode finish(Session& session, const client::TransferRequest& request,
       .add("error_code", reply.error_code)
       .add("error_offset", reply.error_offset)
       .add("intervals", reply.intervals)
+      .add("seconds", ended.seconds)
       .add("repeated_telegrams", reply.repeated_telegrams)
       .add("repeated_blocks", reply.repeated_blocks);
   const std::string where =
       fmt::format("slave {}, {} at 0x{:X}, after {} bytes", request.slave,
                   request.download ? "download" : "upload", request.address, reply.done);
-  return session.finish(reply, object, where,
-                        fmt::format("{}{} bytes in {} intervals",
-                                    session.several() ? fmt::format("slave {}: ", request.slave) : "",
-                                    reply.done, reply.intervals));
+  return session.finish(
+      reply, object, where,
+      (session.several() ? fmt::format("slave {}: ", request.slave) : "") + transferred_text(ended));
 }
 
 ExitCode upload_one(Session& session, const client::TransferRequest& request, const std::string& path) {
   const bool to_stdout = path == "-";
   std::optional<ReplacementFile> file;
   if (!to_stdout) file.emplace(path);
-  const client::TransferReply reply = run_job(session, request);
-  if (reply.ok()) {
+  const Transferred ended = run_job(session, request);
+  const std::vector<std::uint8_t>& data = ended.reply.data;
+  if (ended.reply.ok()) {
     if (to_stdout)
-      session.output().bytes({reinterpret_cast<const char*>(reply.data.data()), reply.data.size()});
+      session.output().bytes({reinterpret_cast<const char*>(data.data()), data.size()});
     else
-      file->commit(reply.data);
+      file->commit(data);
   }
-  return finish(session, request, reply);
+  return finish(session, request, ended);
 }
 
 ExitCode upload_verb(Session& session, const TransferOptions& options) {
