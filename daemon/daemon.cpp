@@ -228,7 +228,7 @@ int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string>
     serve(buses, signals, overrides, log);
     for (const Bus& bus : buses) bus.segment->stop();
   } catch (const std::exception& error) {
-    log.say(LogPriority::error, "daemon_cannot_run", fmt::format("cannot run: {}", error.what()));
+    log.cannot_run(error.what());
     return exit_code::cannot_start;
   }
   log.say(LogPriority::notice, "daemon_stopped", "stopped");

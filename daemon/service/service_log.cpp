@@ -39,6 +39,14 @@ void ServiceLog::problems(const std::vector<config::Problem>& problems) const {
   }
 }
 
+void ServiceLog::cannot_run(std::string_view why) const {
+  do {
+    const std::string_view line = why.substr(0, why.find('\n'));
+    why.remove_prefix(std::min(line.size() + 1, why.size()));
+    say(LogPriority::error, "daemon_cannot_run", fmt::format("cannot run: {}", line));
+  } while (!why.empty());
+}
+
 void tell_wrong_configuration(const std::string& bus, const std::vector<config::Problem>& problems) {
   if (writes_to_journal()) return ServiceLog(bus).problems(problems);
   std::fputs(problems_text(problems).c_str(), stderr);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,9 @@ class ServiceLog {
   /// Writes one entry configuration_wrong for each problem, with its place and option in fields; of more than
   /// `kProblemsShown` the others are counted in one.
   void problems(const std::vector<config::Problem>& problems) const;
+
+  /// Writes why the daemon cannot run: one entry daemon_cannot_run for each line of `why`, at least one.
+  void cannot_run(std::string_view why) const;
 
  private:
   std::string bus_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <net/if.h>
+#include <sys/eventfd.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +18,7 @@
 #include "dds/loopback_ports.h"
 #include "dds/security.h"
 #include "dds/topic.h"
+#include "system/descriptor.h"
 
 namespace gateway::dds {
 namespace {
@@ -65,6 +67,19 @@ std::string place_of(const ParticipantOptions& options) {
       fmt::format("{} failed: {} ({}); {}", what, dds_strretcode(code), place_of(options), remedy));
 }
 
+/// Throws when the DDS library could not open what it needs: without it, it ends the process.
+void expect_descriptors(const ParticipantOptions& options) {
+  constexpr std::size_t kNeeded = 8;
+  std::array<sys::Descriptor, kNeeded> probe;
+  for (std::size_t i = 0; i < kNeeded; ++i) {
+    probe[i].reset(::eventfd(0, EFD_CLOEXEC));
+    if (probe[i].is_open()) continue;
+    throw SetupError(fmt::format(
+        "DDS needs {} file descriptors, {} are left ({}); raise the limit (LimitNOFILE=, ulimit -n)", kNeeded,
+        i, place_of(options)));
+  }
+}
+
 /// Opens the domain under this number of this process. A negative DDS return code when that cannot be done.
 dds_entity_t open_domain(const ParticipantOptions& options, std::uint32_t id) {
   const auto open = [&](std::uint32_t place) {
@@ -109,6 +124,7 @@ class DomainShare {
     }
     if (open.has(id_)) id_ = kMaximumDomain + 1;
     while (open.has(id_)) ++id_;
+    expect_descriptors(options);
     const dds_entity_t handle = open_domain(options, id_);
     if (handle < 0) {
       fail_at(options, "creating the DDS domain", handle,

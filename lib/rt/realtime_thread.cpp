@@ -84,7 +84,6 @@ RealtimeThread::RealtimeThread(const RealtimeSettings& settings, std::function<v
     : settings_(settings), work_(std::move(work)) {
   check(settings_);
   lock_memory();
-  hold_cpu_awake();
 
   // A stack of its own size: with locked memory the usual 8 MiB would all be resident.
   pthread_attr_t attributes;
@@ -117,6 +116,8 @@ RealtimeThread::RealtimeThread(const RealtimeSettings& settings, std::function<v
     join();
     throw RealtimeError(joined(grants_.missing));
   }
+  // Never a reason to refuse, so it is not asked for before.
+  hold_cpu_awake();
   move_to(Start::go);
 }
 

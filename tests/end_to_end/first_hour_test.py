@@ -2,12 +2,14 @@
 
 import json
 import os
+import resource
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
 
-from gateway import CANSYNC, LONG, Gateway, end, wait_for
+from gateway import CANSYNC, CANSYNCD, LONG, Gateway, Place, end, wait_for
 from verb_case import VerbTest
 
 SETTING_UP = 0x43
@@ -99,6 +101,10 @@ class Set(VerbTest):
             finally:
                 end(writer)
 
+    def is_given_by(self, status, process):
+        telegram = status["reference_release"][0]
+        return telegram["state"] == "released" and f"process {process} " in telegram["writer"]
+
     def test_a_name_means_the_unit_and_a_number_means_raw(self):
         self.given(2500, "target=2.5")
         self.given(700, "0=700")
@@ -110,14 +116,17 @@ class Set(VerbTest):
 
     def test_without_effect_it_says_who_is_heard_and_ends_with_a_code_of_its_own(self):
         with self.gateway.start("set", "0=100", "--strength", 3, stderr=subprocess.DEVNULL) as writer:
-            self.gateway.wait_status("it is heard", lambda s: s["reference_release"][0]["state"] == "released")
-            for strength in (2, 1):
-                told = self.fails("set", "0=5", "--strength", strength, "--seconds", 1, code=10)
-                self.assertIn(f"process {writer.pid} on host", told)
-                self.assertIn(f"with strength {strength}, have no effect", told)
-                self.assertIn("--strength 4 takes over", told)
-            self.run_verb("set", "0=100", "--strength", 4, "--seconds", 3)
-            end(writer)
+            try:
+                # The status comes once a second: it may still be that of the test before.
+                self.gateway.wait_status("it is heard", lambda s: self.is_given_by(s, writer.pid))
+                for strength in (2, 1):
+                    told = self.fails("set", "0=5", "--strength", strength, "--seconds", 1, code=10)
+                    self.assertIn(f"process {writer.pid} on host", told)
+                    self.assertIn(f"with strength {strength}, have no effect", told)
+                    self.assertIn("--strength 4 takes over", told)
+                self.run_verb("set", "0=100", "--strength", 4, "--seconds", 3)
+            finally:
+                end(writer)
         self.run_verb("mode", "stop")
         self.assertIn("no effect: the line was not", self.fails("set", "0=5", "--seconds", 0.1, code=10))
 
@@ -159,6 +168,26 @@ class Interrupt(unittest.TestCase):
 
 def threads(process):
     return len(os.listdir(f"/proc/{process}/task"))
+
+
+class Limits(unittest.TestCase):
+    """Without enough file descriptors the DDS library ends the process; both programs look before it does."""
+
+    def ended(self, program, descriptors):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
+
+        return subprocess.run(program, env=Place().environment, preexec_fn=limit, timeout=LONG, capture_output=True)
+
+    def test_too_few_file_descriptors_are_named(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write("[bus]\nname = \"few\"\ninterface = \"sim\"\n[[slave]]\nnumber = 0\n")
+            file.flush()
+            for program, code in (([CANSYNC, "status"], 6), ([CANSYNCD, file.name], 1)):
+                for descriptors in range(5, 11):
+                    result = self.ended(program, descriptors)
+                    self.assertEqual(result.returncode, code, (program, descriptors, result.stderr))
+                    self.assertRegex(result.stderr, rb"needs \d+ file descriptors, \d are left .*LimitNOFILE=, ulimit -n")
 
 
 if __name__ == "__main__":

@@ -140,6 +140,14 @@ class Refused(Passports):
         self.assertIn("nothing was written", said)
         self.assertEqual(self.one("read", SLAVE, "operating-mode")["value"], 1)
 
+    def test_a_slave_without_a_profile_leaves_the_others_their_backup(self):
+        for last in range(self.gateway.slaves):
+            self.assertFalse(os.path.exists(self.path(f"all_{last}")))
+        told = self.fails("backup", "all", self.path("all_{slave}"), code=1)
+        self.assertIn("slave 2: slave 2 'slave2' has no profile", told)
+        self.assertEqual([os.path.exists(self.path(f"all_{slave}")) for slave in range(3)], [True, True, False])
+        self.assertEqual(self.one("verify", SLAVE, self.path("all_1"))["different"], 0)
+
     def test_without_a_profile_or_a_passport(self):
         self.assertIn("has no profile", self.fails("backup", 2, self.path("none"), code=1))
         self.assertFalse(os.path.exists(self.path("none")))
@@ -231,6 +239,8 @@ class Undisturbed(unittest.TestCase):
                 for attempt in range(self.RESTORES):
                     self.assertEqual(gateway.run("write", 0, BUSY_REPLIES, 1000 + attempt).returncode, 0)
                     self.assertEqual(gateway.json("restore", SLAVE, files[attempt % 2])[-1]["written"], len(CHANGES))
+                # Ends the last restore's intervals while the reference values are still released.
+                self.assertEqual(gateway.run("write", 0, BUSY_REPLIES, 1000 + self.RESTORES).returncode, 0)
                 end = gateway.status()["interval"]
                 # The status comes once a second.
                 status = gateway.wait_status("a later status", lambda s: s["interval"] > end)
@@ -243,9 +253,9 @@ class Undisturbed(unittest.TestCase):
     def missing(self, frames):
         """How many reference value telegrams the intervals of the restores do not have."""
         marks = [i for i, f in enumerate(frames) if f["text"].startswith(f"write parameter {BUSY_REPLIES} = 10")]
-        self.assertEqual(len(marks), self.RESTORES)
+        self.assertEqual(len(marks), self.RESTORES + 1)
         missing = 0
-        for begin, end in zip(marks, marks[1:] + [len(frames)]):
+        for begin, end in zip(marks, marks[1:]):
             jobs = [i for i in range(begin, end) if frames[i]["channel"] == "CC" and frames[i]["slave"] == 1]
             jobs = [i for i in jobs if "parameter" in frames[i]["text"]]
             self.assertGreater(len(jobs), 2 * len(CHANGES))

@@ -114,7 +114,7 @@ tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client 
 tools/cli/look:             lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/system lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base tools/cli/watch
-tools/cli/doctor:           lib/can lib/rt lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/doctor:           lib/config lib/can lib/rt lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/learn:            lib/system lib/profile lib/cansync daemon/cansync/config tools/cli/text
                             tools/cli/base tools/cli/cansync tools/cli/trace

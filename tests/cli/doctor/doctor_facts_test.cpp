@@ -72,5 +72,17 @@ TEST(DoctorFacts, ProcessorLists) {
   EXPECT_FALSE(in_processor_list("1-", 1));
 }
 
+TEST(DoctorFacts, TheInterfaceOfABusIsReadFromItsConfiguration) {
+  const Tree tree;
+  tree.write("etc/cansync/press.toml", "[bus]\nname = \"press\"\ninterface = \"can3\"\n");
+  tree.write("etc/cansync/unnamed.toml", "[dds]\ninterface = \"eth0\"\n[bus]\nname = \"unnamed\"\n");
+  tree.write("etc/cansync/number.toml", "[bus]\ninterface = 3\n");
+  tree.write("etc/cansync/empty.toml", "[bus]\ninterface = \"\"\n");
+  tree.write("etc/cansync/wrong.toml", "[bus\ninterface = \"can3\"\n");
+  EXPECT_EQ(configured_interface(tree.root(), "press"), "can3");
+  for (const std::string bus : {"unnamed", "number", "empty", "wrong", "absent"})
+    EXPECT_EQ(configured_interface(tree.root(), bus), std::nullopt) << bus;
+}
+
 }  // namespace
 }  // namespace cansync::cli

@@ -55,6 +55,22 @@ TEST(ServiceLog, EachEntryHasTheBusAndProblemsTheirPlace) {
   for (const auto& [name, value] : expected) EXPECT_EQ(all[1].field(name), value) << name;
 }
 
+TEST(ServiceLog, EachSentenceOfARefusalToStartIsAnEntry) {
+  KeptJournal kept;
+  ServiceLog("can0", kept).cannot_run("no such thing\nit helps to add it\n");
+  const auto all = kept.all();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].message, "cannot run: no such thing");
+  EXPECT_EQ(all[1].message, "cannot run: it helps to add it");
+  for (const auto& entry : all) {
+    EXPECT_EQ(entry.field("EVENT"), "daemon_cannot_run");
+    EXPECT_EQ(entry.priority, LogPriority::error);
+  }
+  KeptJournal wordless;
+  ServiceLog("can0", wordless).cannot_run("");
+  EXPECT_EQ(wordless.all().size(), 1u) << "a daemon never ends without a word";
+}
+
 TEST(ServiceLog, ManyProblemsAreCountedInOne) {
   KeptJournal kept;
   ServiceLog("can0", kept)

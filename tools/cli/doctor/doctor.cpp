@@ -105,7 +105,8 @@ ExitCode doctor_verb(Session& session) {
   in.data_model = gateway_DATA_MODEL;
   ask_daemon(session, in);
   // A bus without a name of its own is named like its interface.
-  in.interface_name = in.status ? std::string(client::text(in.status->bus.bus_interface)) : in.bus;
+  in.interface_name = in.status ? std::string(client::text(in.status->bus.bus_interface))
+                                : configured_interface("/", in.bus).value_or(in.bus);
   in.machine = read_machine("/", in.status ? in.status->realtime.realtime_cpu : -1);
   ask_kernel(in);
   const std::vector<Finding> findings = diagnose(in);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "config/document.h"
 #include "rt/kernel_type.h"
 
 namespace cansync::cli {
@@ -59,6 +60,18 @@ MachineFacts read_machine(const fs::path& root, int cpu) {
   facts.isolated = first_line(root / "sys/devices/system/cpu/isolated").value_or("");
   facts.idle_states = read_idle_states(root, cpu);
   return facts;
+}
+
+std::optional<std::string> configured_interface(const fs::path& root, const std::string& bus) {
+  const config::Document document = config::read_document(root / "etc/cansync" / (bus + ".toml"));
+  for (const config::Node& node : document.nodes) {
+    const bool it_is = node.kind == config::Node::Kind::value && node.path.size() == 2 &&
+                       node.path.front().name == "bus" && node.name() == "interface";
+    if (!it_is) continue;
+    const std::string* name = config::scalar<std::string>(node.value);
+    return name != nullptr && !name->empty() ? std::optional(*name) : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 bool in_processor_list(const std::string& list, int cpu) noexcept {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-/// What this computer says of itself in /proc and /sys. `root` stands before both, so that a made-up tree can
-/// be read; "/" is the computer. What cannot be read is left unknown; nothing throws for it.
+/// What this computer says of itself in /proc, /sys and /etc/cansync. `root` stands before them, so that a
+/// made-up tree can be read; "/" is the computer. What cannot be read is left unknown; nothing throws for it.
 namespace cansync::cli {
 
 /// An idle state of a processor that is switched on.
@@ -26,6 +26,10 @@ struct MachineFacts {
 
 /// `cpu`: the processor the realtime thread is bound to; below 0: processor 0 stands for all.
 MachineFacts read_machine(const std::filesystem::path& root, int cpu);
+
+/// bus.interface of the configuration that cansyncd@BUS reads, /etc/cansync/BUS.toml; nothing when there is
+/// no such file, it cannot be read or does not say it. `bus`: a bus's name.
+std::optional<std::string> configured_interface(const std::filesystem::path& root, const std::string& bus);
 
 /// Is processor `cpu` in a kernel list such as "1,4-7"? What is no such list names none.
 bool in_processor_list(const std::string& list, int cpu) noexcept;
