@@ -39,11 +39,11 @@ class Walk {
       only_arguments_ = true;
     } else if (word != "-" && is_option(word)) {
       take_option(word);
-    } else if (has_verbs() && verb_ == nullptr && !lost_) {
-      line_.verb = word;
-      for (const CLI::App* verb : app_.get_subcommands({}))
-        if (verb->get_name() == word) verb_ = verb;
-      lost_ = verb_ == nullptr;
+    } else if (const CLI::App* verb = verb_named(word); verb != nullptr) {
+      line_.verb += (line_.verb.empty() ? "" : " ") + verb->get_name();
+      verb_ = verb;
+    } else if (has_verbs() && verb_ == nullptr) {
+      lost_ = true;
     } else {
       line_.arguments.emplace_back(word);
     }
@@ -64,8 +64,11 @@ class Walk {
         if (!value.starts_with(':')) value.insert(0, word.substr(0, equals + 1));
       return out;
     }
-    if (has_verbs() && verb_ == nullptr) return filtered(word, verb_names());
-    return filtered(word, values(placeholder(), lookup));
+    std::vector<std::string> all;
+    if (line_.arguments.empty()) all = verb_names();
+    const std::vector<std::string> more = values(placeholder(), lookup);
+    all.insert(all.end(), more.begin(), more.end());
+    return filtered(word, all);
   }
 
  private:
@@ -95,10 +98,19 @@ class Walk {
     line_.options["--" + option->get_lnames().front()] = word.substr(equals + 1);
   }
 
+  /// Those that may come next.
   std::vector<std::string> verb_names() const {
     std::vector<std::string> out;
-    for (const CLI::App* verb : app_.get_subcommands({})) out.push_back(verb->get_name());
+    for (const CLI::App* verb : place().get_subcommands({})) out.push_back(verb->get_name());
     return out;
+  }
+
+  /// The verb, or its second word, that this word is where it stands; null: none.
+  const CLI::App* verb_named(std::string_view word) const {
+    if (lost_ || !line_.arguments.empty()) return nullptr;
+    for (const CLI::App* verb : place().get_subcommands({}))
+      if (verb->get_name() == word) return verb;
+    return nullptr;
   }
 
   std::vector<std::string> option_names() const {

@@ -17,7 +17,7 @@ namespace text {
 
 /// A command line that is being typed, up to the word at the cursor.
 struct TypedLine {
-  std::string verb;                            ///< empty: none yet, or the program has none
+  std::string verb;  ///< its words with blanks between; empty: none yet, or none there
   std::map<std::string, std::string> options;  ///< values by long name, such as "--bus"
   std::vector<std::string> arguments;          ///< what stands without an option, after the verb
 };

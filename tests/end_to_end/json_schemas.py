@@ -11,12 +11,12 @@ END = ".schema.json"
 
 @functools.cache
 def schemas():
-    """The schema of each verb."""
+    """The schema of each verb; that of a verb of two words, "can dump", is can-dump.schema.json."""
     found = {}
     for name in sorted(os.listdir(FOLDER)):
         if name.endswith(END):
             with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
-                found[name.removesuffix(END)] = json.load(file)
+                found[name.removesuffix(END).replace("-", " ")] = json.load(file)
     return found
 
 
@@ -45,12 +45,15 @@ def problem(verb, found):
         if list(found) == keys(kind):
             wrong = next(_validator(verb, number).iter_errors(found), None)
             return wrong and f"{wrong.json_path}: {wrong.message}"
-    return f"{list(found)} are not the keys of docs/json/{verb}{END}"
+    return f"{list(found)} are not the keys of docs/json/{verb.replace(' ', '-')}{END}"
 
 
 def verb_of(arguments):
     """The verb on a command line; None: none with objects."""
-    return next((word for word in map(str, arguments) if word in schemas()), None)
+    words = list(map(str, arguments))
+    verb = next((word for word in words if word in schemas()), None)
+    second = next((f"{verb} {word}" for word in words[words.index(verb) + 1:] if not word.startswith("-")), "") if verb else ""
+    return second if second in schemas() else verb
 
 
 def expect(arguments, found):

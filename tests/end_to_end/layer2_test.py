@@ -1,4 +1,4 @@
-"""General frames: the daemon with simulated nodes, and the verbs `frames` and `send`."""
+"""General frames: the daemon with simulated nodes, and the verbs of `can`."""
 
 import json
 import os
@@ -66,7 +66,7 @@ class Frames(unittest.TestCase):
         with open(cls.log, "wb") as log:
             cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
         cls.addClassCleanup(lambda: end(cls.daemon))
-        wait_for("a frame is sent", lambda: cls.place.run("send", "0x100").returncode == 0)
+        wait_for("a frame is sent", lambda: cls.place.run("can", "send", "100#").returncode == 0)
 
     def one(self, *arguments, code=0):
         """The only object of a verb."""
@@ -77,30 +77,33 @@ class Frames(unittest.TestCase):
         return json.loads(lines[0])
 
     def test_frames_of_every_kind_are_sent(self):
-        sent = self.one("send", "0x123", "0102FF")
+        sent = self.one("can", "send", "123#0102FF")
         self.assertEqual((sent["result"], sent["data"], sent["extended"]), ("done", [1, 2, 255], False))
         self.assertGreater(sent["sent_time_ns"], 0)
-        self.assertEqual(self.one("send", "0x1FFFFFFF", "00", "--extended")["result"], "done")
-        self.assertEqual(self.one("send", "0x123", "--remote", "--length", "3")["length"], 3)
-        self.assertEqual(self.one("send", "00000005", "--remote", "--extended")["identifier"], 5)
-        self.assertEqual(self.one("send", "7fF", "00")["identifier"], 0x7FF)
-        self.assertIn("frame 123 sent", self.place.run("send", "0x123", "01 02").stderr)
+        self.assertEqual(self.one("can", "send", "1FFFFFFF#00")["result"], "done")
+        self.assertEqual(self.one("can", "send", "123#R3")["length"], 3)
+        self.assertEqual(self.one("can", "send", "00000005#R")["identifier"], 5)
+        self.assertEqual(self.one("can", "send", "7fF#00")["identifier"], 0x7FF)
+        self.assertIn("frame 123 sent", self.place.run("can", "send", "123#01.02").stderr)
 
     def test_what_is_wrong_is_told(self):
-        for arguments, words in ((("send", "0x800"), "ID: found"), (("send", "800"), "allowed: 3 hexadecimal digits, 000..7FF"),
-                                 (("send", "5"), "ID: found '5'"), (("send", "0x"), "ID: found"), (("send", "12G"), "ID: found"),
-                                 (("send", "0123"), "29 bits: --extended"), (("send", "123", "--extended"), "8 hexadecimal digits"),
-                                 (("send", "20000000", "--extended"), "00000000..1FFFFFFF"),
-                                 (("send", "0x1", "0"), "DATA: found '0'"), (("send", "001", "1 2"), "DATA: found '1 2'"), (("send", "001", "00" * 9), "DATA: found"),
-                                 (("send", "001", "00", "--remote"), "DATA: not with --remote"),
-                                 (("frames", "--count", "0"), "--count"), (("can", "fly"), "ACTION: found 'fly'"),
+        for arguments, words in ((("can", "send", "800#"), "identifier 800 is over 7FF"), (("can", "send", "0x1#"), "FRAME: found '0x1#', expected an identifier of 3"),
+                                 (("can", "send", "123"), "expected '#'"), (("can", "send", "20000000#"), "which is an error frame"),
+                                 (("can", "send", "001#0"), "second hexadecimal digit"), (("can", "send", "001#0.1"), "FRAME: found '001#0.1'"),
+                                 (("can", "send", "001#" + "00" * 9), "more than 8 data bytes"), (("can", "send", "001##100"), "CAN FD"), (("can", "send"), "FRAME is required"),
+                                 (("can", "send", "001#", "--every", "0"), "--every: found '0'"), (("can", "send", "001#", "--count", "0"), "--count"),
+                                 (("can", "dump", "--count", "0"), "--count"), (("can", "dump", "--id", "123,4"), "--id: found '4'"),
+                                 (("can", "dump", "--id", "1FF-100"), "--id: found '1FF-100'"), (("can", "dump", "--id", "100-00000200"), "--id: found"),
+                                 (("can", "dump", "--kind", "error"), "--kind: found 'error'"), (("can", "dump", "--candump", "--json"), "found more than one"),
+                                 (("can", "dump", "5"), "can dump"), (("can", "script", "fly", "x"), "ACTION: found 'fly'"),
+                                 (("can", "fly"), "ACTION: found 'fly'"), (("can",), "ACTION: found nothing"),
                                  (("can", "run", "1"), "NUMBER: only with"), (("can", "start-timer", "17"), "NUMBER")):
             result = self.place.run(*arguments)
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(words, result.stderr)
 
     def test_status_and_events_find_the_daemon(self):
-        self.assertEqual(self.one("send", "0x123", "00")["result"], "done")
+        self.assertEqual(self.one("can", "send", "123#00")["result"], "done")
         status = wait_for("the frame is counted", lambda: (s := self.one("status"))["sent"] and s)
         expect(["status"], status)
         self.assertEqual((status["bus"], status["protocol"]), (self.place.bus, "layer2"))
@@ -115,7 +118,7 @@ class Frames(unittest.TestCase):
         self.assertIn("layer2", next(one for one in found if one["topic"] == "daemon")["found"])
 
     def timer(self):
-        return self.one("timers")
+        return self.one("can", "timers")
 
     def test_a_timer_is_started_and_stopped(self):
         self.assertEqual((self.timer()["number"], self.timer()["identifier"], self.timer()["period_us"]), (3, 0x80, 20000))
@@ -123,22 +126,82 @@ class Frames(unittest.TestCase):
         self.assertEqual((started["action"], started["number"], started["result"]), ("start-timer", 3, "done"))
         expect(["can"], started)
         running = wait_for("it sends", lambda: (t := self.timer())["running"] and t["sent"] > 2 and t)
-        expect(["timers"], running)
+        expect(["can", "timers"], running)
         self.assertEqual(self.one("can", "stop-timer", "3")["result"], "done")
         wait_for("it is stopped", lambda: not self.timer()["running"])
         self.assertEqual(self.one("can", "start-timer", "4", code=3)["cause"], "field")
-        lines = self.place.run("timers").stdout.decode().splitlines()
-        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["timers"].explained("Columns")))
+        lines = self.place.run("can", "timers").stdout.decode().splitlines()
+        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can timers"].explained("Columns")))
+
+    def test_many_frames_are_sent_by_one_call(self):
+        before = self.one("status")["sent"]
+        lines = self.place.run("can", "send", "150#01", "00000150#02", "--count", "3", "--every", "1", "--json").stdout.splitlines()
+        found = [json.loads(line) for line in lines]
+        self.assertEqual([(one["extended"], one["data"], one["result"]) for one in found], 3 * [(False, [1], "done"), (True, [2], "done")])
+        times = [one["sent_time_ns"] for one in found]
+        self.assertEqual(times, sorted(times))
+        self.assertGreaterEqual(times[4] - times[0], 1000000, "two turns of 1 ms")
+        self.assertIn("6 frames sent", self.place.run("can", "send", "150#01", "00000150#02", "--count", "3").stderr)
+        wait_for("they are counted", lambda: self.one("status")["sent"] >= before + 12)
+        with self.place.start("can", "send", "150#", "--every", "2", "--json") as endless:
+            self.assertEqual([endless.next_object()["result"] for _ in range(3)], 3 * ["done"])
+            endless.send_signal(signal.SIGINT)
+
+    def test_the_queues_are_shown(self):
+        lines = self.place.run("can", "queues", "--json").stdout.splitlines()
+        send, receive = (json.loads(line) for line in lines)
+        self.assertEqual((send["queue"], send["room"], send["high_room"], send["lost"], send["not_published"]), ("send", 400, 20, 0, None))
+        self.assertEqual((receive["queue"], receive["overflowed"], receive["lost"], receive["not_published"]), ("receive", False, 0, 0))
+        lines = self.place.run("can", "queues").stdout.decode().splitlines()
+        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can queues"].explained("Columns")))
+        self.assertRegex(lines[1], r"^send +\d+ +400 +\d+ +20 +no +0 +-$")
+
+    def script(self, action, text, *options, code=0):
+        with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
+            file.write(text)
+            file.flush()
+            result = self.place.run("can", "script", action, file.name, *options)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result.stderr if "--json" not in options else [json.loads(line) for line in result.stdout.splitlines()]
+
+    def test_a_script_is_checked_and_run(self):
+        good = "// a comment\nSend 0x150 2 1 0x2\nFetch 0x123\nStart 3\nWait 1\nStop 3\n"
+        self.assertIn("5 commands, no errors", self.script("check", good))
+        self.assertRegex(self.script("check", "Stop 3\nSend 80 1 1\n", code=1), r":2:6: .*80")
+        self.assertEqual(self.script("check", "Send 80 1 1\n", "--numbers", "decimal", "--json")[0]["problems"], [])
+        problem, = self.script("check", "Wait 1\n  Jump 3\n", "--json", code=1)[0]["problems"]
+        self.assertEqual((problem["line"], problem["column"]), (2, 3))
+        self.assertIn("nothing was sent", self.script("run", "Send\n", code=2))
+        done = self.script("run", good, "--json")
+        self.assertEqual([(one["command"], one["kind"], one["timer"]) for one in done], [(1, "send", 0), (2, "fetch", 0), (3, "start", 3), (5, "stop", 3)])
+        self.assertEqual((done[0]["frame"]["data"], {one["result"] for one in done}), ([1, 2], {"done"}))
+        self.assertEqual(self.script("run", "Stop 3\nStart 4\nStop 3\n", "--json", code=3)[-1]["cause"], "field")
+
+    def test_frames_are_chosen_and_kept_as_logs_and_captures(self):
+        only = json.loads(self.place.run("can", "dump", "--id", "123,18DAF100:1FFFFF00", "--kind", "data", "--count", 1, "--json").stdout)
+        self.assertEqual(only["identifier"], 0x18DAF110)
+        log = self.place.run("can", "dump", "--candump", "--count", 2).stdout.decode().splitlines()
+        self.assertRegex(log[1], r"^\(\d{10}\.\d{6}\) test[\w-]+ 18DAF110#[0-9A-F]{2}07$")
+        self.assertEqual(len(log), 2)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "bus.pcapng")
+            result = self.place.run("can", "dump", "--write", path, "--count", 3)
+            self.assertEqual((result.returncode, result.stdout), (0, b""))
+            self.assertIn("3 frames written to " + path, result.stderr)
+            read = subprocess.run([CANSYNC, "trace", path, "--candump"], capture_output=True, text=True, timeout=LONG)
+        self.assertEqual(len(re.findall(r" 18DAF110#[0-9A-F]{2}07\n", read.stdout)), 3, read.stdout + read.stderr)
+        coloured = self.place.run("can", "dump", "--count", 2, "--color", "always").stdout.decode().splitlines()
+        self.assertRegex(coloured[2], r" \x1b\[33m[0-9A-F]{2}\x1b\[0m 07$")  # the counter has changed
 
     def test_in_stop_nothing_is_sent(self):
         self.assertEqual(self.one("can", "stop")["result"], "done")
         try:
-            self.assertEqual(self.one("send", "100", code=3)["cause"], "wrong_state")
+            self.assertEqual(self.one("can", "send", "100#", code=3)["cause"], "wrong_state")
             wait_for("the status says so", lambda: not self.one("status")["running"])
         finally:
             self.assertEqual(self.one("can", "run")["result"], "done")
-        self.assertEqual(self.one("send", "100", "--high")["result"], "done")
-        self.assertEqual(self.one("send", "100", "--by-id")["result"], "done")
+        self.assertEqual(self.one("can", "send", "100#", "--high")["result"], "done")
+        self.assertEqual(self.one("can", "send", "100#", "--by-id")["result"], "done")
         for action in ("clear-queues", "reset-overflow", "reset-controller"):
             self.assertEqual(self.one("can", action)["result"], "done")
         status = wait_for("it runs", lambda: (s := self.one("status"))["running"] and s)
@@ -153,7 +216,7 @@ class Frames(unittest.TestCase):
             self.assertIn("it speaks layer2 on this bus", result.stderr)
 
     def test_the_ranges_say_which_frames_come(self):
-        with self.place.start("frames", "--json", "--count", 3) as frames:
+        with self.place.start("can", "dump", "--json", "--count", 3) as frames:
             found = [frames.next_object() for _ in range(3)]
         for frame in found:
             self.assertEqual((frame["identifier"], frame["extended"], frame["range"]), (0x18DAF110, True, 1))
@@ -162,18 +225,18 @@ class Frames(unittest.TestCase):
         self.assertEqual(sorted(frame["time_ns"] for frame in found), [frame["time_ns"] for frame in found])
 
     def test_a_remote_frame_brings_the_data(self):
-        with self.place.start("frames", "--json") as frames:
+        with self.place.start("can", "dump", "--json") as frames:
             frames.next_object()  # it is listening
-            self.assertEqual(self.one("send", "0x123", "--remote", "--length", "3")["result"], "done")
+            self.assertEqual(self.one("can", "send", "123#R3")["result"], "done")
             answer = wait_for("the answer", lambda: (f := frames.next_object())["identifier"] == 0x123 and f)
             self.assertEqual((answer["data"], answer["remote"], answer["range"]), ([1, 2, 255], False, 0))
             frames.send_signal(signal.SIGINT)
 
     def test_the_table_is_explained(self):
-        lines = self.place.run("frames", "--count", 2).stdout.decode().splitlines()
+        lines = self.place.run("can", "dump", "--count", 2).stdout.decode().splitlines()
         self.assertEqual(len(lines), 3)
-        self.assertEqual(re.split("  *", lines[0].strip()), list(helps(CANSYNC)["frames"].explained("Columns")))
-        self.assertRegex(lines[1], r"^\d{4}-\d\d-\d\d [\d:.]+ +18DAF110 +2 +[0-9A-F]{2} 07 +1$")
+        self.assertEqual(re.split("  *", lines[0].strip()), list(helps(CANSYNC)["can dump"].explained("Columns")))
+        self.assertRegex(lines[1], r"^\d{4}-\d\d-\d\d [\d:.]+ +18DAF110 +2 +1 +[0-9A-F]{2} 07$")
 
     def test_the_configuration_is_checked(self):
         result = subprocess.run([CANSYNCD, "--check", self.config], capture_output=True, text=True, timeout=LONG)
@@ -187,7 +250,7 @@ class Frames(unittest.TestCase):
         self.assertIn(":3:", result.stderr)
 
     def test_without_a_daemon_it_says_where_it_looked(self):
-        result = self.place.run("--bus", "nobody", "--timeout", 1, "send", "001")
+        result = self.place.run("--bus", "nobody", "--timeout", 1, "can", "send", "001#")
         self.assertEqual(result.returncode, 6)
         self.assertIn('bus.protocol = "layer2"', result.stderr)
 

@@ -264,22 +264,22 @@ last = 0x1FF
         cls.other.settimeout(LONG)
 
     def sent(self, *arguments):
-        return wait_for(f"send {arguments}", lambda: self.place.run("send", *arguments).returncode == 0, LONG)
+        return wait_for(f"send {arguments}", lambda: self.place.run("can", "send", *arguments).returncode == 0, LONG)
 
     def test_frames_are_on_the_bus_and_answered_once(self):
         extended, remote = socket.CAN_EFF_FLAG, socket.CAN_RTR_FLAG
-        for arguments, identifier, length, data in (
-            (("0x7FF", "0102"), 0x7FF, 2, "0102"),
-            (("0x18DAF110", "FF", "--extended"), 0x18DAF110 | extended, 1, "FF"),
-            (("0x123", "--remote", "--length", "3"), 0x123 | remote, 3, ""),
+        for frame, identifier, length, data in (
+            ("7FF#0102", 0x7FF, 2, "0102"),
+            ("18DAF110#FF", 0x18DAF110 | extended, 1, "FF"),
+            ("123#R3", 0x123 | remote, 3, ""),
         ):
-            self.sent(*arguments)
+            self.sent(frame)
             found, size, bytes_ = struct.unpack("=IB3x8s", self.other.recv(16))
             self.assertEqual((found, size), (identifier, length))
             self.assertEqual(bytes_, bytes.fromhex(data).ljust(8, b"\0"))
 
     def test_frames_of_others_come_through_the_range(self):
-        with self.place.start("frames", "--json") as frames:
+        with self.place.start("can", "dump", "--json") as frames:
             came = threading.Event()
 
             def send():

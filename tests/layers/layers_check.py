@@ -121,7 +121,7 @@ tools/cli/learn:            lib/system lib/profile lib/cansync daemon/cansync/co
 tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
-tools/cli/layer2:           lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/layer2:           lib/text lib/can lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/trace tools/cli/connect
 tools/cli/j1939:            idl lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn

@@ -54,6 +54,11 @@ class Help:
 
 @functools.cache
 def helps(program):
-    """The help of the program under "", and of each of its verbs; asked once, for a sanitized program starts slowly."""
-    whole = Help(program)
-    return {"": whole, **{verb: Help(program, verb) for verb in whole.verbs}}
+    """The help of the program under "", and of each of its verbs ("read", "can dump"); asked once, for a sanitized program starts slowly."""
+    found = {"": Help(program)}
+    waiting = [(verb,) for verb in found[""].verbs]
+    while waiting:
+        words = waiting.pop(0)
+        told = found[" ".join(words)] = Help(program, *words)
+        waiting = [(*words, verb) for verb in told.verbs] + waiting
+    return found

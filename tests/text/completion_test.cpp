@@ -54,6 +54,19 @@ TEST_F(Completions, OptionsOfTheVerbAndOfTheProgram) {
   EXPECT_EQ(at({"read", "3", "--q"}), "--quiet\n");
 }
 
+TEST_F(Completions, AVerbMayHaveASecondWord) {
+  CLI::App app;
+  auto* can = app.add_subcommand("can", "");
+  can->add_option("ACTION", text_)->type_name("run|stop");
+  can->add_subcommand("dump", "")->add_flag("--candump", flag_);
+  const auto offered = [&app](std::vector<std::string_view> words) { return completions(app, words); };
+  EXPECT_EQ(offered({"can", ""}), "dump\nrun\nstop\n");
+  EXPECT_EQ(offered({"can", "dump", "--c"}), "--candump\n");
+  EXPECT_EQ(offered({"can", "dump", ""}), "");
+  EXPECT_EQ(offered({"can", "run", ""}), "");
+  EXPECT_EQ(offered({"dump", ""}), "");
+}
+
 TEST_F(Completions, ValuesOfOptions) {
   EXPECT_EQ(at({"read", "--priority", ""}), "0\n1\n2\n");
   EXPECT_EQ(at({"read", "--priority=1"}), "--priority=1\n");

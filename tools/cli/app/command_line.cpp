@@ -127,6 +127,16 @@ void take_global_texts(const GlobalTexts& texts, Globals& globals) {
   if (!texts.retry.empty()) globals.retry = parse_seconds(texts.retry, "--retry", kLongestRetry);
 }
 
+/// What every verb has in its help, also those of two words.
+void finish_verbs(CLI::App& app) {
+  for (CLI::App* verb : app.get_subcommands({})) {
+    verb->group("Verbs");
+    verb->footer(verb->get_footer() +
+                 "\n\n`cansync --help` shows the options of every verb and the exit codes.");
+    finish_verbs(*verb);
+  }
+}
+
 void add_verbs(CLI::App& app, Verb& chosen) {
   add_status_verb(app, chosen, protocols());
   for (const ProtocolVerbs* protocol : protocols()) protocol->add(app, chosen);
@@ -134,11 +144,7 @@ void add_verbs(CLI::App& app, Verb& chosen) {
                              add_trace_verb, add_learn_verb, add_wait_verb, add_batch_verb}) {
     add(app, chosen);
   }
-  for (CLI::App* verb : app.get_subcommands({})) {
-    verb->group("Verbs");
-    verb->footer(verb->get_footer() +
-                 "\n\n`cansync --help` shows the options of every verb and the exit codes.");
-  }
+  finish_verbs(app);
 }
 
 /// CLI11's help in the words of this program.
@@ -158,6 +164,20 @@ std::vector<std::string> verb_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* verb : app.get_subcommands({})) names.push_back(verb->get_name());
   return names;
+}
+
+/// The verb that was typed, the last word of it; null: none.
+const CLI::App* typed_verb(const CLI::App& app) {
+  const CLI::App* verb = nullptr;
+  for (auto verbs = app.get_subcommands(); !verbs.empty(); verbs = verb->get_subcommands())
+    verb = verbs.front();
+  return verb;
+}
+
+/// Its words, such as "can dump".
+std::string name_of(const CLI::App& verb, const CLI::App& app) {
+  const CLI::App* parent = verb.get_parent();
+  return (parent == nullptr || parent == &app ? "" : name_of(*parent, app) + " ") + verb.get_name();
 }
 
 /// Long options of every verb, and of `verb`.
@@ -223,7 +243,7 @@ class CommandLine {
     }
     if (place_ == Place::batch) refuse_place_options();
     take_global_texts(texts_, command_.globals);
-    command_.name = app_.get_subcommands().front()->get_name();
+    command_.name = name_of(*typed_verb(app_), app_);
     return command_;
   }
 
@@ -244,17 +264,17 @@ class CommandLine {
 
   /// Words that stand for nothing: throws UsageError with the first one.
   [[noreturn]] void refuse_extra_words() const {
-    const auto verbs = app_.get_subcommands();
+    const CLI::App* verb = typed_verb(app_);
     const std::vector<std::string> words = app_.remaining(true);
     const std::string first = words.empty() ? "" : words.front();
-    if (verbs.empty() && !first.starts_with('-'))
+    if (verb == nullptr && !first.starts_with('-'))
       throw UsageError(fmt::format("VERB: found '{}'{}; allowed: {}", first,
                                    did_you_mean(first, verb_names(app_)), verb_list(app_)));
-    const CLI::App* verb = verbs.empty() ? nullptr : verbs.front();
+    const std::string name = verb == nullptr ? "" : name_of(*verb, app_);
     throw UsageError(fmt::format("found '{}', which is no argument of {}{}; see `cansync {}--help`", first,
-                                 verb == nullptr ? "cansync" : verb->get_name(),
+                                 name.empty() ? "cansync" : name,
                                  first.starts_with('-') ? did_you_mean(first, option_names(app_, verb)) : "",
-                                 verb == nullptr ? "" : verb->get_name() + " "));
+                                 name.empty() ? "" : name + " "));
   }
 
   void refuse_place_options() const {

@@ -7,12 +7,9 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "cli/connect/bus_connection.h"
 #include "cli/connect/gateway_reply.h"
-#include "cli/layer2/frame_lines.h"
-#include "cli/text/column_help.h"
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
 
@@ -37,10 +34,10 @@ constexpr auto kCanActions = std::to_array<CanAction>({
     {"reset-controller", layer2_CONTROL_RESET_CONTROLLER, false, "controller reset"},
 });
 
-std::string can_words() {
+std::string can_words(std::string_view between = ", ") {
   std::string words;
   for (const CanAction& action : kCanActions)
-    words += fmt::format("{}{}", words.empty() ? "" : ", ", action.word);
+    words += fmt::format("{}{}", words.empty() ? "" : between, action.word);
   return words;
 }
 
@@ -48,7 +45,8 @@ ExitCode can_verb(Session& session, const std::string& word, const std::string& 
   const auto found = std::find_if(kCanActions.begin(), kCanActions.end(),
                                   [&](const CanAction& action) { return action.word == word; });
   if (found == kCanActions.end())
-    throw UsageError(fmt::format("ACTION: found '{}'; allowed: {}", word, can_words()));
+    throw UsageError(fmt::format("ACTION: found {}; allowed: {}, or one of the verbs of `cansync can --help`",
+                                 word.empty() ? "nothing" : "'" + word + "'", can_words()));
   const CanAction& action = *found;
   if (!action.numbered && !number_text.empty())
     throw UsageError("NUMBER: only with start-timer and stop-timer");
@@ -64,64 +62,24 @@ ExitCode can_verb(Session& session, const std::string& word, const std::string& 
   return session.finish(reply_of(result), object, where, fmt::format("{}: {}", where, action.done));
 }
 
-std::vector<Table::Column> timer_columns() {
-  constexpr auto left = Table::Align::left;
-  constexpr auto right = Table::Align::right;
-  return {{"TIMER", right, "number, 1 to 16", 5},
-          {"STATE", left, "running or stopped", 7},
-          {"ID", right, "identifier of its frame, hexadecimal", 8},
-          {"DATA", left, "the bytes, hexadecimal; remote: a frame that asks for them", 23},
-          {"PERIOD", right, "between two frames, in us", 10},
-          {"PHASE", right, "from its start to its first frame, in us", 10},
-          {"SENT", right, "frames handed to the controller, since the start", 8},
-          {"LEFT OUT", right, "frames that went by while the one before still waited", 8}};
-}
-
-ExitCode timers_verb(Session& session) {
-  layer2::client::FrameClient client = connect_bus<layer2::client::FrameClient>(session);
-  const auto timers = client.timers(session.search_time());
-  const Table table(timer_columns());
-  if (!session.output().json()) {
-    session.output().line(table.heading());
-    if (timers.empty()) session.output().remark("no timer is set up");
-  }
-  for (const layer2_TimerStatus& timer : timers) {
-    if (session.output().json()) {
-      JsonObject object;
-      object.add("number", timer.number).add("running", timer.running);
-      add_frame(timer.content, object);
-      object.add("period_us", timer.period)
-          .add("phase_us", timer.phase)
-          .add("cyclic", timer.cyclic)
-          .add("sent", timer.sent)
-          .add("left_out", timer.left_out);
-      session.output().object(object);
-      continue;
-    }
-    session.output().line(table.line({fmt::format("{}", timer.number), timer.running ? "running" : "stopped",
-                                      identifier_text(timer.content), data_text(timer.content),
-                                      fmt::format("{}", timer.period), fmt::format("{}", timer.phase),
-                                      fmt::format("{}", timer.sent), fmt::format("{}", timer.left_out)}));
-  }
-  return ExitCode::done;
-}
-
 }  // namespace
 
-void add_control_verbs(CLI::App& app, Verb& chosen) {
-  auto* can = app.add_subcommand("can", "general frames: run, stop, timers, queues, controller");
+CLI::App& add_can_verb(CLI::App& app, Verb& chosen) {
+  auto* can = app.add_subcommand("can", "general frames: watch, send, timers, queues, controller");
   auto action = std::make_shared<std::string>();
   auto number = std::make_shared<std::string>();
-  can->add_option("ACTION", *action, "what is to be done: " + can_words())->required();
+  can->add_option("ACTION", *action, "what is to be done: " + can_words())->type_name(can_words("|"));
   can->add_option("NUMBER", *number, "of the timer, 1..16");
   can->footer(
       "Of a bus with bus.protocol = \"layer2\". In stop nothing is sent or received but what the script of stop starts.");
-  can->callback([action, number, &chosen] {
-    chosen = [action, number](Session& session) { return can_verb(session, *action, *number); };
+  can->callback([can, action, number, &chosen] {
+    const bool other = !can->get_subcommands().empty();
+    if (other && !action->empty())
+      throw UsageError(fmt::format("found '{}', which is no argument of can {}", *action,
+                                   can->get_subcommands().front()->get_name()));
+    if (!other) chosen = [action, number](Session& session) { return can_verb(session, *action, *number); };
   });
-  auto* timers = app.add_subcommand("timers", "general frames: the timers that are set up");
-  timers->footer("Of a bus with bus.protocol = \"layer2\".\n" + columns_help(timer_columns()));
-  timers->callback([&chosen] { chosen = timers_verb; });
+  return *can;
 }
 
 }  // namespace cansync::cli

@@ -6,7 +6,7 @@
 
 namespace cansync::cli {
 
-/// The verbs `can`, which controls the module of general frames, and `timers`.
-void add_control_verbs(CLI::App& app, Verb& chosen);
+/// The verb `can`, which controls the module of general frames, and which the others are added to.
+CLI::App& add_can_verb(CLI::App& app, Verb& chosen);
 
 }  // namespace cansync::cli

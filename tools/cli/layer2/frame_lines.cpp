@@ -2,30 +2,27 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
-
 namespace cansync::cli {
 
-std::string identifier_text(const layer2_CanFrame& frame) {
-  return frame.extended ? fmt::format("{:08X}", frame.identifier) : fmt::format("{:03X}", frame.identifier);
+std::string identifier_text(const can::Frame& frame) {
+  return frame.extended ? fmt::format("{:08X}", frame.id) : fmt::format("{:03X}", frame.id);
 }
 
-std::string data_text(const layer2_CanFrame& frame) {
+std::string data_text(const can::Frame& frame) {
   if (frame.remote) return "remote";
   std::string text;
-  for (unsigned i = 0; i < frame.length && i < std::size(frame.data); ++i)
+  for (unsigned i = 0; i < frame.dlc && i < frame.data.size(); ++i)
     text += fmt::format("{}{:02X}", i == 0 ? "" : " ", frame.data[i]);
   return text;
 }
 
-void add_frame(const layer2_CanFrame& frame, JsonObject& object) {
-  JsonArray data;
-  for (unsigned i = 0; !frame.remote && i < frame.length && i < std::size(frame.data); ++i)
-    data.add(frame.data[i]);
-  object.add("identifier", frame.identifier)
+void add_frame(const can::Frame& frame, text::JsonObject& object) {
+  text::JsonArray data;
+  for (unsigned i = 0; !frame.remote && i < frame.dlc && i < frame.data.size(); ++i) data.add(frame.data[i]);
+  object.add("identifier", frame.id)
       .add("extended", frame.extended)
       .add("remote", frame.remote)
-      .add("length", frame.length)
+      .add("length", frame.dlc)
       .add("data", data);
 }
 

@@ -4,7 +4,7 @@
 
 namespace cansync::cli {
 
-/// `frames`, `send`, `can` and `timers`: a bus of general frames.
+/// `can` and the verbs behind it: a bus of general frames.
 extern const ProtocolVerbs layer2_verbs;
 
 }  // namespace cansync::cli

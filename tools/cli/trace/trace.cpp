@@ -41,14 +41,15 @@ class Tracer {
  public:
   Tracer(Output& output, const TraceTexts& texts, std::uint32_t slaves, std::uint32_t sync)
       : output_(output), candump_(texts.candump), slaves_(slaves), text_(sync) {
-    if (!texts.pcapng.empty()) capture_.emplace(texts.pcapng, output);
+    if (!texts.pcapng.empty()) capture_.emplace(texts.pcapng, output, "--pcapng");
   }
 
   void show(const can::CandumpLine& line) {
     const TracedTelegram telegram = text_.describe(line);
     if (slaves_ != 0 && (telegram.slaves & slaves_) == 0) return;
     if (capture_) {
-      capture_->write(line);
+      capture_->write(line.time, line.interface, line.frame);
+      capture_->flush();
     } else if (output_.json()) {
       output_.object(telegram_object(telegram, line));
     } else if (candump_) {

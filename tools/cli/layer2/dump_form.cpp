@@ -1,0 +1,95 @@
+#include "cli/layer2/dump_form.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+
+#include "can/candump.h"
+#include "cli/base/session.h"
+#include "cli/layer2/frame_lines.h"
+
+namespace cansync::cli {
+namespace {
+
+/// Width of eight bytes with blanks between.
+constexpr std::size_t kDataWidth = 23;
+
+JsonObject dumped_object(const DumpedFrame& dumped) {
+  JsonObject object;
+  object.add("time_ns", dumped.time);
+  add_frame(dumped.frame, object);
+  return object.add("range", dumped.range).add("high_priority", dumped.high_priority);
+}
+
+}  // namespace
+
+std::vector<Table::Column> dump_columns() {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  return {{"TIME", left, "when its last bit was on the bus, in the time zone of this computer", 23},
+          {"ID", right, "identifier, hexadecimal: three digits for 11 bits, eight for 29", 8},
+          {"LEN", right, "length in bytes, 0 to 8", 3},
+          {"RANGE", right, "place in the configuration of the range that takes it", 5},
+          {"DATA", left,
+           "the bytes, hexadecimal, those that changed in colour; remote: a frame that asks for them",
+           kDataWidth}};
+}
+
+DumpForm::DumpForm(Output& output, const Choice& choice)
+    : output_(output), choice_(choice), table_(dump_columns()) {
+  if (!choice.capture.empty()) capture_ = std::make_unique<TraceCapture>(choice.capture, output, "--write");
+}
+
+std::string DumpForm::painted_data(const can::Frame& frame) {
+  std::string plain = fitted(data_text(frame), kDataWidth);
+  if (!output_.colours() || frame.remote) return plain;
+  const Key key = (Key{frame.extended} << 32U) | frame.id;
+  const auto known = last_.find(key);
+  if (known == last_.end()) {
+    if (last_.size() < kMostRemembered) last_[key] = frame;
+    return plain;
+  }
+  std::string text;
+  for (unsigned i = 0; i < frame.dlc && i < frame.data.size(); ++i) {
+    const bool changed = i >= known->second.dlc || known->second.data[i] != frame.data[i];
+    text += (i == 0 ? "" : " ") +
+            output_.painted(fmt::format("{:02X}", frame.data[i]), changed ? Style::warning : Style::plain);
+  }
+  known->second = frame;
+  return text + plain.substr(data_text(frame).size());
+}
+
+std::string DumpForm::table_line(const DumpedFrame& dumped) {
+  std::string line = table_.line({time_text(dumped.time, true), identifier_text(dumped.frame),
+                                  fmt::format("{}", dumped.frame.dlc), fmt::format("{}", dumped.range), ""});
+  line.resize(line.find_last_not_of(' ') + 1);
+  line += "  " + painted_data(dumped.frame);
+  line.resize(line.find_last_not_of(' ') + 1);
+  return line + '\n';
+}
+
+void DumpForm::write(const DumpedFrame& dumped) {
+  const std::chrono::nanoseconds time(dumped.time);
+  if (capture_) {
+    capture_->write(time, choice_.bus, dumped.frame);
+  } else if (choice_.candump) {
+    std::array<char, can::kCandumpLineLimit> line{};
+    const auto micros = std::chrono::duration_cast<std::chrono::microseconds>(time);
+    text_.append(line.data(), can::write_candump_line(micros, choice_.bus, dumped.frame, line));
+  } else if (output_.json()) {
+    text_ += dumped_object(dumped).text() + '\n';
+  } else {
+    if (!headed_) text_ += table_.heading() + '\n';
+    headed_ = true;
+    text_ += table_line(dumped);
+  }
+}
+
+void DumpForm::flush() {
+  if (capture_) capture_->flush();
+  if (!text_.empty()) output_.bytes(text_);
+  text_.clear();
+}
+
+}  // namespace cansync::cli

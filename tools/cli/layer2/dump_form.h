@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "can/frame.h"
+#include "cli/base/output.h"
+#include "cli/text/table.h"
+#include "cli/trace/trace_writer.h"
+
+/// How `can dump` writes frames. Main thread.
+namespace cansync::cli {
+
+/// A received frame with what the daemon says of it.
+struct DumpedFrame {
+  std::int64_t time = 0;  ///< ns, CLOCK_REALTIME of its last bit
+  can::Frame frame;
+  std::uint8_t range = 0;      ///< place of the range that takes it
+  bool high_priority = false;  ///< of that range
+};
+
+/// The columns of the table.
+std::vector<Table::Column> dump_columns();
+
+/// Writes frames in one of the forms: a table, in which bytes that changed are coloured; objects with
+/// `--json`; a candump text log; a pcapng capture.
+class DumpForm {
+ public:
+  /// What is wanted. A capture, else a log, else what `output` says.
+  struct Choice {
+    bool candump = false;
+    std::string capture;  ///< file of the capture, "-" for standard output; empty: none
+    std::string bus;      ///< what logs and captures call the interface
+  };
+  /// Opens the capture. Throws as TraceCapture.
+  DumpForm(Output& output, const Choice& choice);
+
+  /// What is written comes out at the next `flush`.
+  void write(const DumpedFrame& frame);
+  /// Throws std::system_error when it cannot be written.
+  void flush();
+
+ private:
+  /// An identifier with its width and kind.
+  using Key = std::uint64_t;
+  /// So many identifiers are remembered at most, for the colours.
+  static constexpr std::size_t kMostRemembered = 4096;
+
+  std::string table_line(const DumpedFrame& frame);
+  /// The bytes, those that differ from the last frame of the same identifier coloured.
+  std::string painted_data(const can::Frame& frame);
+
+  Output& output_;
+  Choice choice_;
+  Table table_;
+  bool headed_ = false;
+  std::unique_ptr<TraceCapture> capture_;
+  std::map<Key, can::Frame> last_;
+  std::string text_;
+};
+
+}  // namespace cansync::cli

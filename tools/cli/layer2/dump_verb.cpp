@@ -1,0 +1,134 @@
+#include "cli/layer2/dump_verb.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/base/interrupt.h"
+#include "cli/connect/bus_connection.h"
+#include "cli/layer2/dump_filter.h"
+#include "cli/layer2/dump_form.h"
+#include "cli/text/column_help.h"
+#include "cli/text/values.h"
+#include "layer2/client/frame_client.h"
+#include "layer2/dds/convert.h"
+
+namespace cansync::cli {
+namespace {
+
+/// The arguments of `can dump` as they were typed.
+struct DumpTexts {
+  std::string count;
+  std::vector<std::string> identifiers;
+  std::string kind;
+  bool candump = false;
+  std::string write;
+};
+
+/// Takes batches, and writes the frames that are wanted until `count` are there; 0: without end.
+class Dump {
+ public:
+  Dump(Output& output, DumpFilter filter, const DumpForm::Choice& form, std::uint64_t count)
+      : output_(output), filter_(std::move(filter)), form_(output, form), count_(count) {}
+
+  void take(const layer2_FrameBatch& batch);
+  void flush() { form_.flush(); }
+  bool enough() const noexcept { return count_ != 0 && shown_ == count_; }
+  std::uint64_t shown() const noexcept { return shown_; }
+
+ private:
+  void tell_missed(const layer2_FrameBatch& batch);
+
+  Output& output_;
+  DumpFilter filter_;
+  DumpForm form_;
+  std::uint64_t count_;
+  std::uint64_t shown_ = 0;
+  std::uint64_t number_ = 0;  ///< of the last batch; 0: none yet
+  std::uint64_t lost_ = 0;
+};
+
+void Dump::tell_missed(const layer2_FrameBatch& batch) {
+  if (number_ != 0 && batch.number <= number_) {
+    output_.remark("the daemon was started anew; frames may have been missed");
+    number_ = 0;
+  }
+  if (number_ != 0 && batch.number != number_ + 1)
+    output_.remark(fmt::format("{} batches of frames were missed", batch.number - number_ - 1));
+  if (number_ != 0 && batch.lost != lost_)
+    output_.remark(fmt::format("{} frames came faster than the daemon could publish", batch.lost - lost_));
+  number_ = batch.number;
+  lost_ = batch.lost;
+}
+
+void Dump::take(const layer2_FrameBatch& batch) {
+  tell_missed(batch);
+  for (std::uint32_t i = 0; i < batch.frames._length && !enough(); ++i) {
+    const layer2_ReceivedFrame& received = batch.frames._buffer[i];
+    const can::Frame frame = layer2::dds::to_core(received.received);
+    if (!filter_.takes(frame)) continue;
+    form_.write({received.receive_time, frame, received.range_index, received.high_priority});
+    ++shown_;
+  }
+}
+
+DumpFilter filter_of(const DumpTexts& texts) {
+  DumpFilter filter;
+  for (const std::string& list : texts.identifiers) filter.add_identifiers(list);
+  if (!texts.kind.empty()) filter.set_kind(texts.kind);
+  return filter;
+}
+
+ExitCode dump_verb(Session& session, const DumpTexts& texts) {
+  const std::uint64_t count =
+      texts.count.empty() ? 0
+                          : static_cast<std::uint64_t>(parse_integer(texts.count, "--count", 1, INT32_MAX));
+  if (int{texts.candump} + int{!texts.write.empty()} + int{session.json()} > 1)
+    throw UsageError("--candump, --write, --json: found more than one; allowed: one of the three");
+  const DumpFilter filter = filter_of(texts);
+  auto client = connect_bus<layer2::client::FrameClient>(session);
+  Dump dump(session.output(), filter, {texts.candump, texts.write, session.bus()}, count);
+  constexpr auto kLook = std::chrono::milliseconds(200);
+  ExitCode code = ExitCode::done;
+  while (!interrupt_flag().load() && !dump.enough()) {
+    const bool present = client.receive(kLook, [&dump](const layer2_FrameBatch& batch) { dump.take(batch); });
+    dump.flush();
+    if (present) continue;
+    session.output().remark("the daemon has gone (" + client.place() + ")");
+    code = ExitCode::not_reachable;
+    break;
+  }
+  if (!texts.write.empty() && texts.write != "-")
+    session.output().remark(fmt::format("{} frames written to {}", dump.shown(), texts.write));
+  return code;
+}
+
+}  // namespace
+
+void add_dump_verb(CLI::App& can, Verb& chosen) {
+  auto* dump = can.add_subcommand("dump", "what the bus carries, until Ctrl-C");
+  auto texts = std::make_shared<DumpTexts>();
+  dump->add_option("--count", texts->count, "end after so many frames")->type_name("N");
+  dump->add_option("--id", texts->identifiers,
+                   "these identifiers alone: 123, 18DAF110, 100-1FF, 120:7F0 (identifier:mask), with commas "
+                   "between")
+      ->type_name("LIST")
+      ->expected(1)
+      ->take_all();
+  dump->add_option("--kind", texts->kind, "data frames or remote frames alone")->type_name("data|remote");
+  dump->add_flag("--candump", texts->candump, "write a text log as candump -L does instead");
+  dump->add_option("--write", texts->write,
+                   "write a pcapng capture into FILE instead, which is replaced; - = stdout")
+      ->type_name("FILE");
+  dump->footer(
+      "Of a bus with bus.protocol = \"layer2\": frames of other nodes that its ranges take.\n"
+      "Example: cansync can dump --write - | wireshark -k -i -\n" +
+      columns_help(dump_columns()));
+  dump->callback(
+      [texts, &chosen] { chosen = [texts](Session& session) { return dump_verb(session, *texts); }; });
+}
+
+}  // namespace cansync::cli
