@@ -38,7 +38,8 @@ def measure(build, rounds, seconds):
         environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found,
                            CANSYNC_UML_SCRIPT=os.path.join(ROOT, "bench", "inside_kernel.py"),
                            CANSYNC=f"{build}/tools/cli/cansync", CANSYNCD=f"{build}/daemon/cansyncd",
-                           CANSYNC_SIM=f"{build}/tools/simulator/cansync-sim")
+                           CANSYNC_SIM=f"{build}/tools/simulator/cansync-sim",
+                           CANSYNC_UML_REGISTERS=f"{build}/tests/kernel/libuml_registers.so")
         done = subprocess.run(command, env=environment, check=False)
         if done.returncode == 77:
             return None

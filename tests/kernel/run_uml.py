@@ -3,7 +3,8 @@
     run_uml.py [-k PATTERN] ...      arguments go to unittest inside
 
 With CANSYNC_UML_SCRIPT in the environment that Python program runs inside instead, on an interface vcan0, with our
-arguments and the name of a file behind them; what it writes there is copied to CANSYNC_UML_RESULT.
+arguments and the name of a file behind them; what it writes there is copied to CANSYNC_UML_RESULT. CANSYNC_UML_REGISTERS:
+the library of uml_registers.c; without it the kernel stops at once on processors with AMX.
 
 Needs Debian's package user-mode-linux, no KVM, no rights. Exit code: that of the tests, 77 when this machine cannot
 run them (with the reason), 1 when the kernel did not end in order or in time. With CANSYNC_KERNEL_TESTS in the
@@ -98,7 +99,7 @@ def boot(work, kernel):
     command = [kernel, f"mem={MEMORY}M", "rootfstype=hostfs", "root=/dev/root", "rootflags=/", "ro", "quiet",
                "con=null", "con0=null,fd:1", "ssl=null", f"uml_dir={work}/uml/", "umid=cansync", f"cansync_work={work}",
                f"init={os.path.dirname(os.path.abspath(__file__))}/init.sh"]
-    environment = dict(os.environ, TMPDIR=memory_folder())
+    environment = dict(os.environ, TMPDIR=memory_folder(), LD_PRELOAD=os.environ.get("CANSYNC_UML_REGISTERS", ""))
     prefer_kernel()
     # A session of its own: the processes inside are processes here, and all of them must end with it.
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment, start_new_session=True)
