@@ -18,12 +18,12 @@ using std::chrono::microseconds;
 
 struct LatestStarts {
   BitRate rate;
-  int interval, rc, rdc1, rdc2, cc;  // microseconds
+  int interval, rc, rdc1, rdc2, cc, rspto;  // microseconds
 };
-constexpr LatestStarts kManual[] = {{BitRate::mbit1, 1000, 210, 520, 820, 950},
-                                    {BitRate::kbit500, 2000, 460, 1060, 1630, 1890},
-                                    {BitRate::kbit250, 4000, 900, 2100, 3290, 3810},
-                                    {BitRate::kbit125, 8000, 1920, 4310, 6640, 7680}};
+constexpr LatestStarts kManual[] = {{BitRate::mbit1, 1000, 210, 520, 820, 950, 300},
+                                    {BitRate::kbit500, 2000, 460, 1060, 1630, 1890, 600},
+                                    {BitRate::kbit250, 4000, 900, 2100, 3290, 3810, 1100},
+                                    {BitRate::kbit125, 8000, 1920, 4310, 6640, 7680, 2100}};
 
 StartWindow window(AnswerSlot slot, bool process_data, BitRate rate, int asked_until) {
   return start_window(slot, process_data, slot_times(rate), microseconds(asked_until));
@@ -54,7 +54,9 @@ TEST(AnswerSlot, S28ResponsesStartByTrcOfTheNextInterval) {
     EXPECT_EQ(response(true, row.rc), from_to(row.rc, row.rc));
     EXPECT_EQ(response(true, row.rc + 1), from_to(row.interval, row.interval + row.rc));
     EXPECT_EQ(response(false, row.rc + 100), from_to(row.rc + 100, row.cc)) << "set up, within the interval";
-    EXPECT_EQ(response(false, row.cc + 1), from_to(row.interval, row.interval + row.rc));
+    EXPECT_EQ(response(false, row.cc - row.rspto), from_to(row.cc - row.rspto, row.cc));
+    for (const int late : {row.cc - row.rspto + 1, row.cc - 200, row.cc + 1})
+      EXPECT_EQ(response(false, late), from_to(row.interval, row.interval + row.rc)) << "in operation";
     EXPECT_EQ(response(true, row.interval + row.cc), from_to(2 * row.interval, 2 * row.interval + row.rc));
     EXPECT_EQ(response(true, -10), from_to(0, row.rc));
   }

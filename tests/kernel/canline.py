@@ -26,20 +26,20 @@ def ip(*arguments):
     subprocess.run(["ip", *arguments], check=True, timeout=LONG)
 
 
-def interface_exists():
-    return os.path.exists(f"/sys/class/net/{INTERFACE}")
+def interface_exists(interface=INTERFACE):
+    return os.path.exists(f"/sys/class/net/{interface}")
 
 
-def create_interface():
-    """A new vcan0 that is up, in the place of one that is there."""
-    if interface_exists():
-        delete_interface()
-    ip("link", "add", "dev", INTERFACE, "type", "vcan")
-    ip("link", "set", INTERFACE, "up")
+def create_interface(interface=INTERFACE):
+    """A new one that is up, in the place of one that is there."""
+    if interface_exists(interface):
+        delete_interface(interface)
+    ip("link", "add", "dev", interface, "type", "vcan")
+    ip("link", "set", interface, "up")
 
 
-def delete_interface():
-    ip("link", "delete", INTERFACE)
+def delete_interface(interface=INTERFACE):
+    ip("link", "delete", interface)
 
 
 class Wire:
@@ -180,10 +180,10 @@ class Process:
 
 
 class Simulator(Process):
-    """`cansync-sim` on vcan0 at 125 kbit/s."""
+    """`cansync-sim` at 125 kbit/s."""
 
-    def __init__(self, *options, slaves="0-3"):
-        super().__init__(CANSYNC_SIM, INTERFACE, "--slaves", slaves, "--bit-rate", BIT_RATE, "--lock-time", 50,
+    def __init__(self, *options, slaves="0-3", interface=INTERFACE):
+        super().__init__(CANSYNC_SIM, interface, "--slaves", slaves, "--bit-rate", BIT_RATE, "--lock-time", 50,
                          "--sync-id", "0x" + SYNC, "--missing-references", 0, "--verbose", *options)
 
     def start(self):
@@ -199,12 +199,16 @@ class Daemon(Place):
 
     def __init__(self, slaves=4, interface=INTERFACE):
         super().__init__()
-        self.slaves = slaves
+        self.slaves, self.interface = slaves, interface
         self.config = tempfile.NamedTemporaryFile("w", prefix="line_", suffix=".toml", encoding="utf-8")
-        self.config.write(f'[bus]\nprotocol = "{self.PROTOCOL}"\nname = "{self.bus}"\ninterface = "{interface}"\n'
-                          f'bit_rate = {BIT_RATE}\n[dds]\ndomain = {self.domain}\n{self.role()}')
+        self.config.write(f'[bus]\nprotocol = "{self.PROTOCOL}"\nname = "{self.bus}"\nbit_rate = {BIT_RATE}\n'
+                          f'{self.on_interface()}[dds]\ndomain = {self.domain}\n{self.role()}')
         self.config.flush()
         self.program = Process(CANSYNCD, self.config.name)
+
+    def on_interface(self):
+        """Goes on with [bus]."""
+        return f'interface = "{self.interface}"\n'
 
     def role(self):
         """The sections of the configuration that belong to the role on the bus."""

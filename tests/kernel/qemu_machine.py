@@ -12,6 +12,8 @@ import shutil
 import subprocess
 import tempfile
 
+from priority import prefer
+
 CACHE = os.environ.get("CANSYNC_KERNEL_CACHE", os.path.expanduser("~/.cache/cansyncd-kernel"))
 MODULES = ["virtio_pci", "9pnet_virtio", "9p", "can", "can_raw", "can_dev", "kvaser_pci"]
 BUSYBOX = "/bin/busybox"
@@ -166,7 +168,8 @@ def run(command, shared, timeout, show=print):
         arguments += ["-virtfs", f"{share},path=/,mount_tag=host,readonly=on"]
         arguments += ["-virtfs", f"{share},path={shared},mount_tag=shared"]
         with subprocess.Popen(
-            arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+            arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
+            preexec_fn=prefer
         ) as machine:
             # `timeout` of the whole machine, also while it is silent.
             watchdog = subprocess.Popen(["sh", "-c", f"sleep {timeout}; kill -9 {machine.pid}"], start_new_session=True)

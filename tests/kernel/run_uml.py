@@ -11,7 +11,6 @@ run them (with the reason), 1 when the kernel did not end in order or in time. W
 environment a machine that cannot run them is an error: CI must not skip.
 """
 
-import contextlib
 import glob
 import os
 import shlex
@@ -20,6 +19,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+
+from priority import prefer
 
 SKIPPED = 77
 MEMORY = 448  # MiB of the kernel inside
@@ -85,12 +86,9 @@ def write_environment(work, modules):
             file.write(f"export {name}={shlex.quote(value)}\n")
 
 
-def prefer_kernel():
-    """What is started from now on runs before others, and on one processor."""
-    with contextlib.suppress(PermissionError):
-        os.nice(-15)  # what else runs here must not make the kernel inside miss its slots
-    # The kernel and its processes take turns at every system call. On a virtual machine waking another processor for that
-    # costs much; when the machine is busy the kernel has stood still for seconds.
+def use_one_processor():
+    """For what is started from now on: the kernel and its processes take turns at every system call. On a virtual machine
+    waking another processor for that costs much; when the machine is busy the kernel has stood still for seconds."""
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
@@ -100,9 +98,10 @@ def boot(work, kernel):
                "con=null", "con0=null,fd:1", "ssl=null", f"uml_dir={work}/uml/", "umid=cansync", f"cansync_work={work}",
                f"init={os.path.dirname(os.path.abspath(__file__))}/init.sh"]
     environment = dict(os.environ, TMPDIR=memory_folder(), LD_PRELOAD=os.environ.get("CANSYNC_UML_REGISTERS", ""))
-    prefer_kernel()
+    use_one_processor()
     # A session of its own: the processes inside are processes here, and all of them must end with it.
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment, start_new_session=True)
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment, start_new_session=True,
+                               preexec_fn=prefer)
     try:
         process.wait(LIMIT)
         return True

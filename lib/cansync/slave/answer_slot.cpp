@@ -18,8 +18,9 @@ StartWindow start_window(AnswerSlot slot, bool process_data, const SlotTimes& ti
     case AnswerSlot::response:
       break;
   }
-  const Duration own = process_data ? times.response : times.command;
-  if (within <= own) return {asked_until, edge + own};
+  // One that came so late that not all of tRSPTO is left until tCC is none of a line that is set up.
+  const Duration until = process_data ? times.response : times.command - times.response_timeout;
+  if (within <= until) return {asked_until, edge + (process_data ? times.response : times.command)};
   return {edge + times.interval, edge + times.interval + times.response};
 }
 
