@@ -19,6 +19,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "end_to_end"))
 
 import gateway  # noqa: E402: found on the path that was set above
+import slave_pair  # noqa: E402
 from gateway import CANSYNCD, Place, end, wait_for  # noqa: E402
 
 CANSYNC_SIM = os.environ["CANSYNC_SIM"]
@@ -294,6 +295,17 @@ last = 0x1FF
             sender.join(LONG)
             frames.terminate()
         self.assertEqual((found["identifier"], found["data"], found["range"]), (0x1FF, [0x55], 0))
+
+
+class MasterAndSlave(slave_pair.SlavePair, unittest.TestCase):
+    """Our master on can0, our slave on can1."""
+
+    interfaces = ("can0", "can1")
+    tolerance = 4000
+
+    def setUp(self):
+        for interface in self.interfaces:
+            bring_up(interface)
 
 
 if __name__ == "__main__":

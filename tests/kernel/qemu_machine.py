@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import tempfile
 
-from priority import prefer
+from priority import prefer_realtime
 
 CACHE = os.environ.get("CANSYNC_KERNEL_CACHE", os.path.expanduser("~/.cache/cansyncd-kernel"))
 MODULES = ["virtio_pci", "9pnet_virtio", "9p", "can", "can_raw", "can_dev", "kvaser_pci"]
@@ -162,14 +162,14 @@ def run(command, shared, timeout, show=print):
         arguments = [QEMU, "-machine", "pc", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", "768"]
         arguments += ["-nodefaults", "-display", "none", "-serial", "stdio", "-no-reboot"]
         arguments += ["-kernel", glob.glob(os.path.join(kernel, "boot/vmlinuz-*"))[0], "-initrd", initrd]
-        arguments += ["-append", "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check tsc=unstable"]
+        arguments += ["-append", "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check tsc=reliable clocksource=tsc"]
         arguments += ["-object", "can-bus,id=bus", "-device", "kvaser_pci,canbus=bus", "-device", "kvaser_pci,canbus=bus"]
         share = "local,security_model=none,multidevs=remap"
         arguments += ["-virtfs", f"{share},path=/,mount_tag=host,readonly=on"]
         arguments += ["-virtfs", f"{share},path={shared},mount_tag=shared"]
         with subprocess.Popen(
             arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
-            preexec_fn=prefer
+            preexec_fn=prefer_realtime
         ) as machine:
             # `timeout` of the whole machine, also while it is silent.
             watchdog = subprocess.Popen(["sh", "-c", f"sleep {timeout}; kill -9 {machine.pid}"], start_new_session=True)

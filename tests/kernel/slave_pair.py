@@ -14,6 +14,7 @@ MASTER = f"[[slave]]\nnumber = {NUMBER}\n"
 SLAVE = f"""[sync]
 input = "can"
 can_identifier = 0x{SYNC}
+greatest_step_ns = 50000
 [slave]
 number = {NUMBER}
 lock_time_ms = 50
