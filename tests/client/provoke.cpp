@@ -1,5 +1,6 @@
 #include <cansync/client.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -8,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-/// One request of tests/client/refusals.json through the C++ face: prints code, cause and whether to ask
-/// again. Usage: provoke DOMAIN BUS CALL NUMBER...
+/// Requests of tests/client/refusals.json through the C++ face, one after the other: prints code, cause and
+/// whether to ask again, a line for each. Usage: provoke DOMAIN BUS CALL NUMBER... [-- CALL NUMBER...]...
 namespace {
 
 using namespace cansync::client;  // NOLINT(google-build-using-namespace): the program is about it
@@ -58,11 +59,16 @@ Reply ask(Client& client, const std::vector<std::string>& words) {
 
 int main(int argc, char** argv) {
   try {
-    const std::vector<std::string> words(argv + 3, argv + argc);
+    const std::vector<std::string> all(argv + 3, argv + argc);
     Client client = Client::connect(
         {.domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)), .bus = argv[2]});
-    const Reply reply = ask(client, words);
-    std::printf("%s %s %s\n", name(reply.code).data(), name(reply.cause).data(), name(reply.retry()).data());
+    for (auto begin = all.begin(); begin < all.end();) {
+      const auto end = std::find(begin, all.end(), "--");
+      const Reply reply = ask(client, {begin, end});
+      std::printf("%s %s %s\n", name(reply.code).data(), name(reply.cause).data(),
+                  name(reply.retry()).data());
+      begin = end == all.end() ? end : end + 1;
+    }
     return 0;
   } catch (const std::exception& error) {
     std::printf("%s\n", error.what());

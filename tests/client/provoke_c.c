@@ -1,5 +1,5 @@
-/* One request of tests/client/refusals.json through the C face: prints result, cause and whether to ask
- * again. Usage: provoke_c DOMAIN BUS CALL NUMBER... */
+/* Requests of tests/client/refusals.json through the C face, one after the other: prints result, cause and
+ * whether to ask again, a line for each. Usage: provoke_c DOMAIN BUS CALL NUMBER... [-- CALL NUMBER...]... */
 #include <cansync/cansync_c.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -51,11 +51,14 @@ int main(int argc, char** argv) {
     printf("%s\n", cansync_last_error(client));
     return 1;
   }
-  words = argv + 3;
-  const int result = ask(client);
-  const int cause = cansync_last_cause(client);
-  printf("%s %s %s\n", cansync_result_name(result), cansync_cause_name(cause),
-         retry_name(cansync_retry(result, cause)));
+  for (int next = 3; next < argc; next++) {
+    words = argv + next;
+    const int result = ask(client);
+    const int cause = cansync_last_cause(client);
+    printf("%s %s %s\n", cansync_result_name(result), cansync_cause_name(cause),
+           retry_name(cansync_retry(result, cause)));
+    while (next < argc && strcmp(argv[next], "--") != 0) next++;
+  }
   cansync_free(client);
   return 0;
 }

@@ -102,7 +102,7 @@ def provoked_problems(texts):
     """Every cause is in the table of provoked requests, or names the test where it is decided."""
     found, table = [], json.loads(texts[PROVOKED])
     decided = {row["cause"]: row for row in table["decided"]}
-    listed = {row["cause"] for row in table["provoked"]} | set(decided)
+    listed = {row["cause"] for row in table["provoked"] + table["without_library"]} | set(decided)
     known = {word_of(cause) for cause, _, _ in enumerators(texts[IDL], "RefusalCause")} - {"none"}
     found += [f"{PROVOKED}: nothing provokes '{cause}'" for cause in sorted(known - listed)]
     found += [f"{PROVOKED}: '{cause}' is no cause" for cause in sorted(listed - known)]

@@ -5,14 +5,15 @@ import os
 import subprocess
 import unittest
 
-from gateway import LONG, Gateway, wait_for
+from gateway import LONG, Gateway, Place, wait_for
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PROFILE = os.path.join(HERE, "..", "..", "config", "profiles", "simulated-drive.toml")
 SETTING_UP = 0x0043
 
 with open(os.path.join(HERE, "..", "client", "refusals.json"), encoding="utf-8") as table:
-    ROWS = json.load(table)["provoked"]
+    TABLE = json.load(table)
+ROWS = TABLE["provoked"]
 
 
 class SetUpOnly(Gateway):
@@ -25,23 +26,23 @@ class SetUpOnly(Gateway):
 
 class Refusals(unittest.TestCase):
     def ask(self, program, gateway, call):
-        """What the program printed: code, cause, and whether to ask again."""
+        """What the program printed: code, cause, and whether to ask again, of each call between two '--'."""
         arguments = [os.environ[program], str(gateway.domain), gateway.bus, *map(str, call)]
         done = subprocess.run(arguments, capture_output=True, text=True, timeout=LONG)
         self.assertEqual(done.returncode, 0, done.stdout)
         return done.stdout.split()
 
+    def faces(self, gateway, call, through=("c++", "c", "python")):
+        """By face, what its program printed."""
+        programs = {"c++": "PROVOKE", "c": "PROVOKE_C", "python": "PROVOKE_PYTHON"}  # no Python under a sanitizer
+        return {face: self.ask(program, gateway, call) for face, program in programs.items()
+                if face in through and program in os.environ}
+
     def provoke(self, situation, gateway):
         rows = [row for row in ROWS if row["situation"] == situation]
         self.assertTrue(rows)
         for row in rows:
-            said = {}
-            if "c++" in row["through"]:
-                said["c++"] = self.ask("PROVOKE", gateway, row["call"])
-            if "c" in row["through"]:
-                said["c"] = self.ask("PROVOKE_C", gateway, row["call"])
-            if "python" in row["through"] and "PROVOKE_PYTHON" in os.environ:  # not under a sanitizer
-                said["python"] = self.ask("PROVOKE_PYTHON", gateway, row["call"])
+            said = self.faces(gateway, row["call"], row["through"])
             for face, (code, cause, retry) in said.items():
                 self.assertEqual((code, cause), ("refused", row["cause"]), f"{face}: {row}")
                 self.assertEqual(retry, next(iter(said.values()))[2], f"{face}: {row}")
@@ -86,6 +87,30 @@ class Refusals(unittest.TestCase):
         with gateway:
             wait_for("slave 1 is held out", lambda: gateway.json("slaves", 1)[0]["state"] == "held")
             self.provoke("held", gateway)
+
+    def test_every_cause_through_every_face(self):
+        causes = {row["cause"] for rows in (ROWS, TABLE["without_library"], TABLE["decided"]) for row in rows}
+        place = Place()
+        command = [os.environ["REFUSING_DAEMON"], str(place.domain), place.bus]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as daemon:
+            self.assertEqual(daemon.stdout.readline(), "serving\n")
+            # As refusing_daemon has it: the number of a cause on top of 3400.
+            numbers = range(3401, 3401 + len(causes))
+            done = place.run("read", "0", *numbers, "--json")
+            found = [json.loads(line) for line in done.stdout.splitlines()]
+            self.assertEqual({one["result"] for one in found}, {"refused"}, done)
+            self.assertEqual(sorted(one["cause"] for one in found), sorted(causes))
+            calls = [word for number in numbers for word in ("--", "read", 0, number)][1:]
+            for face, words in self.faces(place, calls).items():
+                self.assertEqual(words[0::3], ["refused"] * len(numbers), face)
+                self.assertEqual(words[1::3], [one["cause"] for one in found], face)
+            daemon.stdin.close()
+            self.assertEqual(daemon.wait(LONG), 0)
+
+    def test_what_the_library_never_asks(self):
+        for row in TABLE["without_library"]:
+            with self.subTest(row["way"]), Gateway() as gateway:
+                self.assertEqual(self.ask("RAW_ASKER", gateway, [row["way"]]), [row["cause"]])
 
 
 if __name__ == "__main__":

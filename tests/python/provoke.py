@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""One request of tests/client/refusals.json through the Python package: prints code, cause and whether to ask again.
+"""Requests of tests/client/refusals.json through the Python package: prints code, cause and whether to ask again of each.
 
-Usage: provoke.py DOMAIN BUS CALL NUMBER...
+Usage: provoke.py DOMAIN BUS CALL NUMBER... [-- CALL NUMBER...]...
 """
 
 import sys
@@ -31,8 +31,10 @@ def ask(line, call, words):
 
 
 with cansync.connect(sys.argv[2], domain=int(sys.argv[1]), timeout=60) as line:
-    try:
-        ask(line, sys.argv[3], sys.argv[4:])
-        print("done none never")
-    except cansync.Error as error:
-        print(error.code.name.lower(), error.cause.name.lower(), error.retry.name.lower())
+    for call in " ".join(sys.argv[3:]).split(" -- "):
+        try:
+            name, *numbers = call.split()
+            ask(line, name, numbers)
+            print("done none never")
+        except cansync.Error as error:
+            print(error.code.name.lower(), error.cause.name.lower(), error.retry.name.lower())
