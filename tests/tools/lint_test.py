@@ -103,6 +103,60 @@ class LintTest(unittest.TestCase):
         (self.project / "second.cpp").write_text(CLEAN)
         self.assertEqual(self.lint()[0], 0)
 
+    def together(self, sources, checks="modernize-use-nullptr"):
+        """What lint says of a target of these texts: exit status, its words, and how often it called clang-tidy."""
+        (self.project / ".clang-tidy").write_text(f"Checks: '-*,{checks}'\nWarningsAsErrors: '*'\n")
+        for name, text in sources.items():
+            (self.project / f"{name}.cpp").write_text(text)
+        (self.project / "build/compile_commands.json").write_text(json.dumps([
+            {"directory": f"{self.project}/build", "file": f"{self.project}/{name}.cpp",
+             "command": f"c++ -I{self.project} -o {name}.o -c {self.project}/{name}.cpp"} for name in sources]))
+        counting = self.place / "bin/clang-tidy"
+        counting.parent.mkdir(exist_ok=True)
+        counting.write_text(f'#!/bin/sh\n[ "$1" = --version ] || echo >>{self.place}/calls\nexec {shutil.which("clang-tidy")} "$@"\n')
+        counting.chmod(0o755)
+        (self.place / "calls").write_text("")
+        done = subprocess.run([self.project / "tools/lint", self.project / "build", *(self.project / f"{name}.cpp" for name in sources)],
+                              env={**os.environ, "CCACHE_DIR": f"{self.place}/cache", "XDG_CACHE_HOME": f"{self.place}/cache",
+                                   "PATH": f"{counting.parent}:{os.environ['PATH']}"}, capture_output=True, text=True)
+        return done.returncode, done.stderr, len((self.place / "calls").read_text())
+
+    def test_clean_sources_of_a_target_are_read_at_once(self):
+        clean = {f"source{i}": f'#include "part.h"\nint* nothing{i}() {{ return nullptr; }}\n' for i in range(8)}
+        self.assertEqual(self.together(clean), (0, "", 1))
+
+    def test_what_one_of_many_has_is_told_of_it_alone(self):
+        many = {f"source{i}": f'#include "part.h"\nint* nothing{i}() {{ return nullptr; }}\n' for i in range(8)}
+        many["source5"] = FOUND
+        code, said, calls = self.together(many)
+        self.assertEqual(code, 1)
+        self.assertEqual({line.split(":")[0] for line in said.splitlines() if "error:" in line}, {f"{self.project}/source5.cpp"})
+        self.assertEqual(calls, 7)  # the eight, both halves of what was not clean three times
+        self.assertEqual(self.together(many)[2], 1)  # the others have their stamps
+
+    def test_sources_that_do_not_go_together_are_read_alone(self):
+        same = {f"source{i}": f'#include "part.h"\nnamespace {{\nconst int kSame = {i};\n}}\nint number{i}() {{ return kSame; }}\n' for i in range(2)}
+        self.assertEqual(self.together(same), (0, "", 3))
+
+    def test_checks_that_look_at_a_source_alone_find_what_they_do(self):
+        """Of each kind of check, one that reads only what stands in the source itself."""
+        other = {f"other{i}": f'#include "part.h"\nint other{i}() {{ return {i}; }}\n' for i in range(3)}
+        used = {"user": "namespace a { struct T; }\nnamespace { using a::T; }\nT* none();\n"}
+        for check, text in {
+            "misc-unused-using-decls": "namespace a { struct T; }\nusing a::T;\n",
+            "readability-duplicate-include": '#include "part.h"\n\n#include "part.h"\n',
+            "misc-unused-parameters": "static int one(int unused) { return 1; }\nint call() { return one(2); }\n",
+            "misc-redundant-expression": "bool same(int a) { return a == a; }\n",
+            "readability-else-after-return": "int sign(int a) {\n  if (a < 0) {\n    return -1;\n  } else {\n    return 1;\n  }\n}\n",
+            "clang-analyzer-core.DivideZero": "int divide(int a) {\n  int zero = 0;\n  return a / zero;\n}\n",
+            "bugprone-macro-parentheses": "#define TWICE(a) a * 2\nint two() { return TWICE(1); }\n",
+            "bugprone-branch-clone": "int clone(bool a) {\n  if (a) {\n    return 1;\n  } else {\n    return 1;\n  }\n}\n",
+        }.items():
+            with self.subTest(check):
+                code, said, _ = self.together({"finding": text, **other, **used}, check)
+                self.assertEqual(code, 1, said)
+                self.assertIn(f"[{check}", said)
+
     def test_the_oldest_stamps_go(self):
         for version in range(3):
             (self.project / "first.cpp").write_text(CLEAN + f"// {version}\n")
