@@ -40,6 +40,7 @@ MessageClient::MessageClient(const Options& options)
       status_(participant_, &signal_),
       tables_(participant_, &signal_),
       faults_(participant_, &signal_),
+      bus_reader_(participant_, &signal_),
       sight_(participant_, signal_, options.bus),
       requests_(participant_, 0, &signal_),
       cancels_(participant_, 0, &signal_) {
@@ -65,9 +66,9 @@ std::optional<Result> MessageClient::obstacle() {
   return result;
 }
 
-Result MessageClient::request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms) {
+Begun MessageClient::begin(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms) {
   sight_.look();
-  if (auto problem = obstacle()) return *std::move(problem);
+  if (auto problem = obstacle()) return {0, *std::move(problem)};
   j1939_MessageRequest request = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
   request.request = ++number_;
@@ -92,15 +93,29 @@ Result MessageClient::request(j1939_MessageKind kind, const Message& message, st
         forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN);
     result.reason = forbidden ? "the identity has no right to write topic MessageRequest, nothing was sent"
                               : fmt::format("the request could not be written: {}", dds_strretcode(code));
-    return result;
+    return {0, std::move(result)};
   }
-  const auto by_default = newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
-  return await_reply(request, timeout_ms != 0 ? milliseconds(timeout_ms)
-                                              : std::chrono::duration_cast<milliseconds>(
-                                                    dds::monitoring_time(message.data.size(), by_default)));
+  return {request.request, std::nullopt};
 }
 
-Result MessageClient::await_reply(const j1939_MessageRequest& request, milliseconds monitoring) {
+Result MessageClient::request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms) {
+  Begun begun = begin(kind, message, timeout_ms);
+  if (begun.not_begun) return *std::move(begun.not_begun);
+  const auto by_default = newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
+  return await_reply(begun.request, timeout_ms != 0
+                                        ? milliseconds(timeout_ms)
+                                        : std::chrono::duration_cast<milliseconds>(
+                                              dds::monitoring_time(message.data.size(), by_default)));
+}
+
+bool MessageClient::may_answer(const gateway::dds::DaemonIdentity& daemon) {
+  sight_.look();
+  if (sight_.choice().may_answer(daemon)) return true;
+  sight_.choice().program_told();
+  return false;
+}
+
+Result MessageClient::await_reply(std::uint64_t request, milliseconds monitoring) {
   const auto daemon = sight_.choice().daemon();
   const auto without_reply = [](std::string reason) {
     Result result;
@@ -110,14 +125,11 @@ Result MessageClient::await_reply(const j1939_MessageRequest& request, milliseco
   auto end = steady_clock::now() + monitoring + kGrace;
   bool cancelled = false;
   while (!cancelled || steady_clock::now() < end) {
-    if (auto result = take_reply(request.request)) return *std::move(result);
-    if (!sight_.choice().may_answer(daemon)) {
-      sight_.choice().program_told();
-      return without_reply("the daemon has gone");
-    }
+    if (auto result = take_reply(request)) return *std::move(result);
+    if (!may_answer(daemon)) return without_reply("the daemon has gone");
     if (!cancelled && (options_.stopped() || steady_clock::now() >= end)) {
       cancelled = true;
-      cancel(request);
+      cancel(request, daemon);
       end = steady_clock::now() + kGrace;
     }
     (void)signal_.wait(static_cast<int>(kLook.count()));
@@ -128,9 +140,16 @@ Result MessageClient::await_reply(const j1939_MessageRequest& request, milliseco
 
 std::optional<Result> MessageClient::take_reply(std::uint64_t request) {
   sight_.look();
-  std::optional<Result> result;
+  std::optional<Result> found;
+  take_replies([&](std::uint64_t number, const Result& result) {
+    if (number == request) found = result;
+  });
+  return found;
+}
+
+void MessageClient::take_replies(const std::function<void(std::uint64_t, const Result&)>& ended) {
   replies_.take([&](const j1939_MessageReply& reply) {
-    if (reply.request != request || !std::equal(identity_.begin(), identity_.end(), reply.client)) return;
+    if (!std::equal(identity_.begin(), identity_.end(), reply.client)) return;
     Result got;
     got.replied = true;
     got.code = reply.code;
@@ -139,16 +158,31 @@ std::optional<Result> MessageClient::take_reply(std::uint64_t request) {
     got.sent_time = reply.sent_time;
     got.answer_code = reply.answer_code;
     got.data.assign(reply.data._buffer, reply.data._buffer + reply.data._length);
-    result = std::move(got);
+    ended(reply.request, got);
   });
-  return result;
 }
 
-void MessageClient::cancel(const j1939_MessageRequest& request) {
+void MessageClient::look(const Listener& listener) {
+  sight_.look();
+  take_replies([&](std::uint64_t number, const Result& result) {
+    if (listener.ended) listener.ended(number, result);
+  });
+  batches_.take([&](const j1939_MessageBatch& batch) {
+    if (listener.batch) listener.batch(batch);
+  });
+  status_.take([this](const j1939_NodeStatus& sample) { newest_ = sample; });
+}
+
+const std::optional<gateway_BusStatus>& MessageClient::bus_status() {
+  bus_reader_.take([this](const gateway_BusStatus& sample) { bus_ = sample; });
+  return bus_;
+}
+
+void MessageClient::cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon) {
   gateway_JobCancel sample = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
-  sample.request = request.request;
-  gateway::dds::set_daemon(gateway::dds::daemon_of(request), sample);
+  sample.request = request;
+  gateway::dds::set_daemon(daemon, sample);
   (void)cancels_.write(sample);
 }
 

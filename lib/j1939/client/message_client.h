@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "dds/daemon_identity.h"
 #include "dds/daemon_sight.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
@@ -44,6 +45,18 @@ struct Result {
   std::vector<std::uint8_t> data;                   ///< of the answer
 };
 
+/// A request that was begun; its result comes to a `Listener`.
+struct Begun {
+  std::uint64_t request = 0;        ///< its number; 0: it was not written
+  std::optional<Result> not_begun;  ///< why it was not written
+};
+
+/// What a program is told that never waits; each may be empty.
+struct Listener {
+  std::function<void(std::uint64_t request, const Result& result)> ended;
+  std::function<void(const j1939_MessageBatch& batch)> batch;
+};
+
 /// The faults that a node tells of.
 struct Faults {
   j1939_FaultList list = {};             ///< its `codes` are empty
@@ -63,6 +76,15 @@ class MessageClient {
   /// monitoring time, the request is taken back, and the reply says whether that was in time.
   Result request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms);
 
+  /// Like `request`, without waiting: `look` tells how it ended. A daemon that has gone tells nothing more
+  /// (`may_answer`). Waits at most 1 s when the daemon takes no samples.
+  Begun begin(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms);
+  /// Takes what has come, without waiting.
+  void look(const Listener& listener);
+  /// May the result of a request to this start of the daemon still come? Whoever hears that it may not is
+  /// taken to know that the daemon has gone.
+  bool may_answer(const gateway::dds::DaemonIdentity& daemon);
+
   /// Waits at most `time` for messages that the daemon received, and calls `on_batch` for each batch that
   /// came. False: the daemon has gone.
   bool receive(std::chrono::milliseconds time,
@@ -72,6 +94,11 @@ class MessageClient {
   const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
   /// What the daemon told last of itself as a node, waiting at most `time` for the first; nothing: none came.
   std::optional<j1939_NodeStatus> status(std::chrono::milliseconds time);
+  /// As `status`, of what was taken so far; takes nothing.
+  const std::optional<j1939_NodeStatus>& newest_status() const noexcept { return newest_; }
+  /// What the daemon told last of the controller and its interface; nothing: it was not told yet. Looks
+  /// without waiting.
+  const std::optional<gateway_BusStatus>& bus_status();
   /// The addresses that were claimed, rising; waits as `status`. Nothing: none were told.
   std::optional<std::vector<j1939_ClaimedAddress>> addresses(std::chrono::milliseconds time);
   /// The faults told of so far, by source, and whether they are active; looks for `time`.
@@ -86,9 +113,10 @@ class MessageClient {
   bool matched() const noexcept;
   std::optional<Result> obstacle();
   std::optional<Result> take_reply(std::uint64_t request);
+  void take_replies(const std::function<void(std::uint64_t, const Result&)>& ended);
   void take_state();
-  Result await_reply(const j1939_MessageRequest& request, std::chrono::milliseconds monitoring);
-  void cancel(const j1939_MessageRequest& request);
+  Result await_reply(std::uint64_t request, std::chrono::milliseconds monitoring);
+  void cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon);
   /// Takes the state until `there`, the daemon has gone, or `time` is over.
   void look_until(std::chrono::milliseconds time, const std::function<bool()>& there);
 
@@ -101,6 +129,7 @@ class MessageClient {
   gateway::dds::Reader<j1939_NodeStatus> status_;
   gateway::dds::Reader<j1939_AddressTable> tables_;
   gateway::dds::Reader<j1939_FaultList> faults_;
+  gateway::dds::Reader<gateway_BusStatus> bus_reader_;
   gateway::dds::DaemonSight sight_;
   gateway::dds::Writer<j1939_MessageRequest> requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
@@ -108,6 +137,7 @@ class MessageClient {
   std::optional<j1939_NodeStatus> newest_;
   std::optional<std::vector<j1939_ClaimedAddress>> addresses_;
   std::map<std::pair<std::uint8_t, bool>, Faults> told_;
+  std::optional<gateway_BusStatus> bus_;
 };
 
 }  // namespace j1939::client

@@ -42,6 +42,7 @@ FrameClient::FrameClient(const Options& options)
       batches_(participant_, &signal_),
       status_(participant_, &signal_),
       timer_status_(participant_, &signal_),
+      bus_reader_(participant_, &signal_),
       sight_(participant_, signal_, options.bus),
       requests_(participant_, 0, &signal_),
       controls_(participant_, 0, &signal_),
@@ -70,48 +71,67 @@ milliseconds FrameClient::monitoring_of(std::uint32_t timeout_ms) const {
   return newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
 }
 
-SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
+Begun FrameClient::begin_send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
   layer2_SendRequest request = {};
   request.content = dds::to_idl(frame);
   request.timeout = timeout_ms;
   request.high_priority = choice.high_priority;
   request.by_identifier = choice.by_identifier;
-  return ask(requests_, request, monitoring_of(timeout_ms));
+  return begin(requests_, request);
+}
+
+Begun FrameClient::begin_control(const layer2_ControlRequest& wanted) {
+  return begin(controls_, wanted);
+}
+
+SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
+  return await(begin_send(frame, timeout_ms, choice), monitoring_of(timeout_ms));
 }
 
 SendResult FrameClient::control(const layer2_ControlRequest& wanted) {
-  return ask(controls_, wanted, kDefaultMonitoring);
+  return await(begin_control(wanted), kDefaultMonitoring);
 }
 
 template <class Request>
-SendResult FrameClient::ask(gateway::dds::Writer<Request>& writer, Request request, milliseconds monitoring) {
+Begun FrameClient::begin(gateway::dds::Writer<Request>& writer, Request request) {
   sight_.look();
-  if (auto problem = obstacle()) return *std::move(problem);
-  const auto daemon = sight_.choice().daemon();
+  if (auto problem = obstacle()) return {0, *std::move(problem)};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
   request.request = ++number_;
   gateway::dds::copy_text(options_.client_name, request.client_name);
-  gateway::dds::set_daemon(daemon, request);
+  gateway::dds::set_daemon(sight_.choice().daemon(), request);
   if (const auto code = writer.write(request); code != DDS_RETCODE_OK) {
     const bool forbidden = code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
     const bool full = code == DDS_RETCODE_TIMEOUT;
-    return {true, gateway_REPLY_REFUSED,
-            forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN),
-            forbidden ? "the identity has no right to write this topic, nothing was done"
-                      : fmt::format("the request could not be written: {}", dds_strretcode(code)),
-            0};
+    return {0,
+            SendResult{
+                true, gateway_REPLY_REFUSED,
+                forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN),
+                forbidden ? "the identity has no right to write this topic, nothing was done"
+                          : fmt::format("the request could not be written: {}", dds_strretcode(code)),
+                0}};
   }
+  return {request.request, std::nullopt};
+}
+
+bool FrameClient::may_answer(const gateway::dds::DaemonIdentity& daemon) {
+  sight_.look();
+  if (sight_.choice().may_answer(daemon)) return true;
+  sight_.choice().program_told();
+  return false;
+}
+
+SendResult FrameClient::await(const Begun& begun, milliseconds monitoring) {
+  if (begun.not_begun) return *begun.not_begun;
+  const auto daemon = sight_.choice().daemon();
   auto end = steady_clock::now() + monitoring + kGrace;
   bool cancelled = false;
   while (!cancelled || steady_clock::now() < end) {
-    if (auto result = take_reply(request.request)) return *result;
-    if (!sight_.choice().may_answer(daemon)) {
-      sight_.choice().program_told();
-      return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon has gone", 0};
-    }
+    if (auto result = take_reply(begun.request)) return *result;
+    if (!may_answer(daemon)) return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon has gone", 0};
     if (!cancelled && (options_.stopped() || steady_clock::now() >= end)) {
       cancelled = true;
-      cancel(request.request, daemon);
+      cancel(begun.request, daemon);
       end = steady_clock::now() + kGrace;
     }
     (void)signal_.wait(static_cast<int>(kLook.count()));
@@ -122,20 +142,37 @@ SendResult FrameClient::ask(gateway::dds::Writer<Request>& writer, Request reque
 
 std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
   sight_.look();
-  std::optional<SendResult> result;
-  const auto is_own = [&](const auto& reply) {
-    return reply.request == request && std::equal(identity_.begin(), identity_.end(), reply.client);
+  std::optional<SendResult> found;
+  take_replies([&](std::uint64_t number, const SendResult& result) {
+    if (number == request) found = result;
+  });
+  return found;
+}
+
+void FrameClient::take_replies(const std::function<void(std::uint64_t, const SendResult&)>& ended) {
+  const auto tell = [&](const auto& reply, std::int64_t sent_time) {
+    if (!std::equal(identity_.begin(), identity_.end(), reply.client)) return;
+    ended(reply.request,
+          {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)), sent_time});
   };
-  replies_.take([&](const layer2_SendReply& reply) {
-    if (is_own(reply))
-      result = {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)),
-                reply.sent_time};
+  replies_.take([&](const layer2_SendReply& reply) { tell(reply, reply.sent_time); });
+  control_replies_.take([&](const layer2_ControlReply& reply) { tell(reply, 0); });
+}
+
+void FrameClient::look(const Listener& listener) {
+  sight_.look();
+  take_replies([&](std::uint64_t number, const SendResult& result) {
+    if (listener.ended) listener.ended(number, result);
   });
-  control_replies_.take([&](const layer2_ControlReply& reply) {
-    if (is_own(reply))
-      result = {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)), 0};
+  batches_.take([&](const layer2_FrameBatch& batch) {
+    if (listener.batch) listener.batch(batch);
   });
-  return result;
+  status_.take([this](const layer2_FrameStatus& sample) { newest_ = sample; });
+}
+
+const std::optional<gateway_BusStatus>& FrameClient::bus_status() {
+  bus_reader_.take([this](const gateway_BusStatus& sample) { bus_ = sample; });
+  return bus_;
 }
 
 void FrameClient::cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon) {

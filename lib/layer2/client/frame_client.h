@@ -34,6 +34,18 @@ struct SendResult {
   std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns) of the frame's last bit
 };
 
+/// A request that was begun; its result comes to a `Listener`.
+struct Begun {
+  std::uint64_t request = 0;            ///< its number; 0: it was not written
+  std::optional<SendResult> not_begun;  ///< why it was not written
+};
+
+/// What a program is told that never waits; each may be empty.
+struct Listener {
+  std::function<void(std::uint64_t request, const SendResult& result)> ended;
+  std::function<void(const layer2_FrameBatch& batch)> batch;
+};
+
 /// How a frame waits to be sent.
 struct SendChoice {
   bool high_priority = false;  ///< in the queue of high priority
@@ -59,6 +71,17 @@ class FrameClient {
   /// need not stand in it.
   SendResult control(const layer2_ControlRequest& wanted);
 
+  /// Like `send` and `control`, without waiting: `look` tells how it ended. A daemon that has gone tells
+  /// nothing more (`may_answer`). Waits at most 1 s when the daemon takes no samples.
+  Begun begin_send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice = {});
+  /// Likewise.
+  Begun begin_control(const layer2_ControlRequest& wanted);
+  /// Takes what has come, without waiting.
+  void look(const Listener& listener);
+  /// May the result of a request to this start of the daemon still come? Whoever hears that it may not is
+  /// taken to know that the daemon has gone.
+  bool may_answer(const gateway::dds::DaemonIdentity& daemon);
+
   /// What the daemon told last of its timers that are set up, by number; none: it has told of none within
   /// `time`, which is waited for the first.
   std::vector<layer2_TimerStatus> timers(std::chrono::milliseconds time);
@@ -74,6 +97,12 @@ class FrameClient {
   /// What the daemon told last of its frames, waiting at most `time` for the first; nothing: none came.
   std::optional<layer2_FrameStatus> status(std::chrono::milliseconds time);
 
+  /// As `status`, of what was taken so far; takes nothing.
+  const std::optional<layer2_FrameStatus>& newest_status() const noexcept { return newest_; }
+  /// What the daemon told last of the controller and its interface; nothing: it was not told yet. Looks
+  /// without waiting.
+  const std::optional<gateway_BusStatus>& bus_status();
+
   /// A daemon serves the bus now.
   bool daemon_present() const noexcept { return replies_.matched() != 0; }
 
@@ -85,11 +114,13 @@ class FrameClient {
   /// Why no request may be sent now, with its code; nothing: one may.
   std::optional<SendResult> obstacle();
   std::optional<SendResult> take_reply(std::uint64_t request);
+  void take_replies(const std::function<void(std::uint64_t, const SendResult&)>& ended);
   void cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon);
-  /// Gives the request who asks and its number, writes it, and waits for its reply.
+  /// Gives the request who asks and its number, and writes it.
   template <class Request>
-  SendResult ask(gateway::dds::Writer<Request>& writer, Request request,
-                 std::chrono::milliseconds monitoring);
+  Begun begin(gateway::dds::Writer<Request>& writer, Request request);
+  /// Waits for the result of what was begun.
+  SendResult await(const Begun& begun, std::chrono::milliseconds monitoring);
   std::chrono::milliseconds monitoring_of(std::uint32_t timeout_ms) const;
 
   Options options_;
@@ -101,6 +132,7 @@ class FrameClient {
   gateway::dds::Reader<layer2_FrameBatch> batches_;
   gateway::dds::Reader<layer2_FrameStatus> status_;
   gateway::dds::Reader<layer2_TimerStatus> timer_status_;
+  gateway::dds::Reader<gateway_BusStatus> bus_reader_;
   gateway::dds::DaemonSight sight_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
   gateway::dds::Writer<layer2_ControlRequest> controls_;
@@ -108,6 +140,7 @@ class FrameClient {
   std::uint64_t number_ = 0;  ///< of the last request
   std::optional<layer2_FrameStatus> newest_;
   std::map<unsigned, layer2_TimerStatus> timers_;
+  std::optional<gateway_BusStatus> bus_;
 };
 
 }  // namespace layer2::client
