@@ -43,7 +43,7 @@ lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
 lib/j1939/dds:              idl lib/j1939 lib/dds
 lib/j1939/sim:              lib/can lib/j1939 lib/sim
 lib/j1939/client:           idl lib/dds lib/j1939/dds
-lib/client:                 idl lib/profile lib/dds lib/cansync/dds lib/cansync_slave/client
+lib/client:                 idl lib/profile lib/can lib/layer2 lib/j1939 lib/dds lib/cansync/dds lib/cansync_slave/client lib/layer2/dds lib/layer2/client lib/j1939/client
 
 daemon/config:              lib/can lib/sync
 daemon/service:             lib/config

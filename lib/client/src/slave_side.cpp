@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "client/src/connect_options.h"
 #include "client/src/set_up.h"
 
 namespace cansync::client {
@@ -15,29 +16,6 @@ namespace {
 
 /// Steps kept for a block that is not called, as many as the daemon keeps.
 constexpr std::size_t kSteps = 100;
-/// How long the first status is waited for: it is kept for whoever comes.
-constexpr std::chrono::milliseconds kFirstStatus{2000};
-
-gateway::dds::ClientOptions client_options(const Options& options) {
-  return {.domain = options.domain,
-          .bus = options.bus,
-          .interface = options.interface,
-          .client_name = options.client_name,
-          .xml = options.xml,
-          .security = options.security,
-          .final_types = options.final_types,
-          .wait = options.wait};
-}
-
-/// With the errors that programs know.
-cansync_slave::client::SlaveClient connect_to(const Options& options) {
-  try {
-    return set_up([&] { return cansync_slave::client::SlaveClient(client_options(options), true); });
-  } catch (const gateway::dds::NoDaemon& error) {
-    throw NoDaemon(error.what());
-  }
-}
-
 /// Takes what a sample brought. A telegram is a new one when its interval is another one than that known; of
 /// the first sample `arrived` says which are.
 template <class Sample>
@@ -59,7 +37,8 @@ unsigned fresh_telegrams(SlaveSide::Telegrams& known, const Sample& sample, unsi
 
 }  // namespace
 
-SlaveSide::SlaveSide(const Options& options) : client_(connect_to(options)) {
+SlaveSide::SlaveSide(const Options& options)
+    : client_(connect_to<cansync_slave::client::SlaveClient>(options, true)) {
   listener_.references = [this](const cansync_slave_ReferencesReceived& sample) {
     (void)fresh_telegrams(references_, sample, sample.arrived);
   };
@@ -67,7 +46,7 @@ SlaveSide::SlaveSide(const Options& options) : client_(connect_to(options)) {
   listener_.action = [this](const cansync_slave_ActionReceived& sample) { note(sample); };
   listener_.parameter_job = [this](const cansync_slave_ParameterJob& sample) { note(sample); };
   listener_.block_job = [this](const cansync_slave_BlockJob& sample) { note(sample); };
-  const auto first = client_.status(std::max(kFirstStatus, options.wait));
+  const auto first = client_.status(first_status_wait(options));
   if (!first) throw NoDaemon("the daemon tells nothing of its slave (" + client_.place() + ")");
   status_ = *first;
   daemon_ = gateway::dds::daemon_of(client_.gateway_status());

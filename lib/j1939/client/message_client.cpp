@@ -67,7 +67,6 @@ std::optional<Result> MessageClient::obstacle() {
 }
 
 Begun MessageClient::begin(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms) {
-  sight_.look();
   if (auto problem = obstacle()) return {0, *std::move(problem)};
   j1939_MessageRequest request = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
@@ -99,6 +98,7 @@ Begun MessageClient::begin(j1939_MessageKind kind, const Message& message, std::
 }
 
 Result MessageClient::request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms) {
+  sight_.look();
   Begun begun = begin(kind, message, timeout_ms);
   if (begun.not_begun) return *std::move(begun.not_begun);
   const auto by_default = newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
@@ -109,7 +109,6 @@ Result MessageClient::request(j1939_MessageKind kind, const Message& message, st
 }
 
 bool MessageClient::may_answer(const gateway::dds::DaemonIdentity& daemon) {
-  sight_.look();
   if (sight_.choice().may_answer(daemon)) return true;
   sight_.choice().program_told();
   return false;

@@ -76,7 +76,8 @@ class MessageClient {
   /// monitoring time, the request is taken back, and the reply says whether that was in time.
   Result request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms);
 
-  /// Like `request`, without waiting: `look` tells how it ended. A daemon that has gone tells nothing more
+  /// Like `request`, without waiting: `look` tells how it ended. Which daemon is asked goes by the last
+  /// `look`. A daemon that has gone tells nothing more
   /// (`may_answer`). Waits at most 1 s when the daemon takes no samples.
   Begun begin(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms);
   /// Takes what has come, without waiting.

@@ -85,16 +85,17 @@ Begun FrameClient::begin_control(const layer2_ControlRequest& wanted) {
 }
 
 SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
+  sight_.look();
   return await(begin_send(frame, timeout_ms, choice), monitoring_of(timeout_ms));
 }
 
 SendResult FrameClient::control(const layer2_ControlRequest& wanted) {
+  sight_.look();
   return await(begin_control(wanted), kDefaultMonitoring);
 }
 
 template <class Request>
 Begun FrameClient::begin(gateway::dds::Writer<Request>& writer, Request request) {
-  sight_.look();
   if (auto problem = obstacle()) return {0, *std::move(problem)};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
   request.request = ++number_;
@@ -115,7 +116,6 @@ Begun FrameClient::begin(gateway::dds::Writer<Request>& writer, Request request)
 }
 
 bool FrameClient::may_answer(const gateway::dds::DaemonIdentity& daemon) {
-  sight_.look();
   if (sight_.choice().may_answer(daemon)) return true;
   sight_.choice().program_told();
   return false;

@@ -71,8 +71,9 @@ class FrameClient {
   /// need not stand in it.
   SendResult control(const layer2_ControlRequest& wanted);
 
-  /// Like `send` and `control`, without waiting: `look` tells how it ended. A daemon that has gone tells
-  /// nothing more (`may_answer`). Waits at most 1 s when the daemon takes no samples.
+  /// Like `send` and `control`, without waiting: `look` tells how it ended. Which daemon is asked goes by the
+  /// last `look`. A daemon that has gone tells nothing more (`may_answer`). Waits at most 1 s when the daemon
+  /// takes no samples.
   Begun begin_send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice = {});
   /// Likewise.
   Begun begin_control(const layer2_ControlRequest& wanted);
