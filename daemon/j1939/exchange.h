@@ -39,7 +39,8 @@ struct MessageDone {
   can::Time sent_time{0};                         ///< done: CLOCK_REALTIME
 };
 
-/// A message that a range takes. Over 8 bytes its data are the next entry of `long_data`.
+/// A message that a range takes. Over 8 bytes its data are the next entries of `long_data`, as many as
+/// `pieces_of` says.
 struct MessageReport {
   j1939::Pgn number = 0;
   std::uint8_t priority = 0;
@@ -47,13 +48,17 @@ struct MessageReport {
   std::uint8_t destination = 0;
   j1939::Transport transport = j1939::Transport::frame;
   std::uint8_t range = 0;     ///< position of the range
-  std::uint16_t size = 0;     ///< bytes
+  std::uint32_t size = 0;     ///< bytes
   can::Time receive_time{0};  ///< CLOCK_REALTIME of the last bit
   std::array<std::uint8_t, 8> data = {};
 };
 
-/// The data of a long message.
+/// The data of a long message, or a piece of those of one of over 1785 bytes.
 using LongData = std::array<std::uint8_t, j1939::kMostBytes>;
+/// Pieces that so many bytes take.
+constexpr std::size_t pieces_of(std::size_t bytes) noexcept {
+  return (bytes + j1939::kMostBytes - 1) / j1939::kMostBytes;
+}
 
 /// The claims of others that were heard.
 struct AddressSnapshot {
@@ -85,15 +90,17 @@ struct NodeSnapshot {
 /// so that no answer can be lost. What still waits in `requests` when it stops is answered as stopped, as far
 /// as there is room; once it has ended, whatever is left was never begun.
 struct J1939Exchange {
-  /// Long messages that may wait for the gateway.
+  /// Long messages that may wait for the gateway, and beside them so many of the longest.
   static constexpr std::size_t kLongMessages = 64;
+  static constexpr std::size_t kLongest = 2;
 
-  /// `request_queue` and `report_queue`: entries of `requests` and of `messages`.
-  J1939Exchange(std::size_t request_queue, std::size_t report_queue)
+  /// `request_queue` and `report_queue`: entries of `requests` and of `messages`; `most_bytes`: of the
+  /// longest message.
+  J1939Exchange(std::size_t request_queue, std::size_t report_queue, std::size_t most_bytes)
       : requests(request_queue),
         done(request_queue + j1939::Node::kMostOpen),
         messages(report_queue),
-        long_data(kLongMessages) {}
+        long_data(kLongMessages + kLongest * pieces_of(most_bytes)) {}
 
   rt::SpscRing<J1939Request> requests;   ///< gateway -> realtime
   rt::SpscRing<MessageDone> done;        ///< realtime -> gateway

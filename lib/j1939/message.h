@@ -12,6 +12,7 @@ enum class Transport : std::uint8_t {
   frame,       ///< one frame, up to 8 bytes
   broadcast,   ///< packets for all (BAM)
   connection,  ///< packets for one, each window asked for (RTS and CTS)
+  extended,    ///< likewise, by the extended transport protocol
 };
 
 /// A whole message.
@@ -22,7 +23,7 @@ struct Message {
   Address destination = 0;    ///< 0..255, kGlobalAddress: all
   Transport transport = Transport::frame;
   Time end{};                          ///< end of its last frame
-  std::span<const std::uint8_t> data;  ///< 0..1785 bytes; as long as the function that gave it says
+  std::span<const std::uint8_t> data;  ///< stays as long as the function that gave it says
 };
 
 }  // namespace j1939

@@ -12,6 +12,11 @@ bool is_long(const Order& order) noexcept {
   return order.kind == OrderKind::send && order.memory.size() > kFrameBytes;
 }
 
+/// By the extended transport protocol, which knows no broadcast.
+bool is_extended(const Order& order) noexcept {
+  return order.kind == OrderKind::send && order.memory.size() > kMostBytes;
+}
+
 /// Carried by the protocol itself: nobody else may send them.
 constexpr bool is_reserved(Pgn number) noexcept {
   return number == pgn::kTransportControl || number == pgn::kTransportData ||
@@ -32,7 +37,7 @@ Node::Node(NodeSettings settings)
     : settings_(std::move(settings)),
       queue_(std::clamp<std::size_t>(settings_.queue, 1, kMostQueue)),
       claim_(settings_.claim),
-      receiver_(settings_.window, replies_),
+      receiver_(settings_.window, settings_.most_bytes, replies_),
       sender_(settings_.spacing, replies_) {}
 
 void Node::start(Time now) noexcept {
@@ -52,8 +57,10 @@ bool Node::wants_claims_of_all(const Order& order) const noexcept {
 Refusal Node::submit(const Order& order, Time now) noexcept {
   now_ = std::max(now_, now);
   if (stopped_) return Refusal::stopped;
-  if (order.kind == OrderKind::send && order.memory.size() > kMostBytes) return Refusal::too_long;
+  if (order.kind == OrderKind::send && order.memory.size() > std::max(kMostBytes, settings_.most_bytes))
+    return Refusal::too_long;
   if (!can_be_sent(order)) return Refusal::bad_order;
+  if (is_extended(order) && order.destination == kGlobalAddress) return Refusal::too_long_for_all;
   if (!claim_.wanted() && !wants_claims_of_all(order)) return Refusal::no_address;
   // Each open order has room for its answer.
   if (waiting_.size() >= queue_ || open() >= kMostOpen) return Refusal::queue_full;

@@ -31,7 +31,9 @@ struct NodeSettings {
   PgnFilter filter;
   bool between_others = false;  ///< messages in one frame from one other node to another are received too
   std::uint16_t queue = 64;     ///< orders that may wait to be sent, 1..Node::kMostQueue
-  std::uint8_t window = 16;     ///< packets of a connection asked for at once, 1..255
+  /// Bytes of a message by the extended transport protocol, in both directions; up to 1785: there is none.
+  std::size_t most_bytes = 65'536;
+  std::uint8_t window = 16;                      ///< packets of a connection asked for at once, 1..255
   Time spacing = std::chrono::milliseconds(50);  ///< between two packets of a broadcast, 10..200 ms
   std::vector<Provided> provided;
 };
@@ -50,7 +52,7 @@ struct NodeCounters {
 /// A controller application on a bus: its address, messages in both directions, requests and their answers.
 ///
 /// Sans-IO: it is told what came and when, asked what to send, and asked when it must be told the time again.
-/// Realtime safe after its construction; one thread.
+/// Realtime safe after its construction, which allocates; one thread.
 class Node {
  public:
   static constexpr std::size_t kMostQueue = 64;
@@ -151,6 +153,8 @@ class Node {
   /// Somebody here takes such a long message of `source`; others get no session.
   bool wanted(Pgn number, Address source) const noexcept;
   void transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept;
+  void extended_control(const can::Frame& frame, const Identifier& from, Time end) noexcept;
+  bool may_begin(const can::Frame& frame, const Identifier& from, Pgn by) noexcept;
   std::optional<Delivery> deliver(const Message& message) noexcept;
   void take_request(const Message& message) noexcept;
   void provide(const Provided& provided, const Message& request) noexcept;

@@ -43,8 +43,7 @@ std::optional<Node::Delivery> Node::receive_frame(const can::Frame& frame, const
     if (for_us && from.source < kNullAddress && frame.dlc == 8) transport_control(frame, from, end);
     return std::nullopt;
   }
-  if (number == pgn::kExtendedTransportData) return std::nullopt;
-  if (number == pgn::kTransportData) {
+  if (number == pgn::kTransportData || number == pgn::kExtendedTransportData) {
     if (!for_us) return std::nullopt;
     const auto message = receiver_.packet(from, frame, end);
     return message ? deliver(*message) : std::nullopt;
@@ -66,41 +65,65 @@ bool Node::wanted(Pgn number, Address source) const noexcept {
 
 void Node::transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
   const bool broadcast = destination_of(from) == kGlobalAddress;
+  const bool extended = pgn_of(from) == pgn::kExtendedTransportControl;
   const auto control = static_cast<Control>(frame.data[0]);
-  if (pgn_of(from) == pgn::kExtendedTransportControl) {
-    if (control == Control::extended_rts && !broadcast && claim_.address()) {
-      replies_.push(abort_frame(*claim_.address(), from.source, pgn_in(frame), AbortReason::no_resources,
-                                pgn::kExtendedTransportControl));
-    }
-    return;
-  }
   if (broadcast) {
     // Only what somebody wants takes a place.
-    if (control == Control::bam && wanted(pgn_in(frame), from.source)) receiver_.announce(from, frame, end);
+    if (!extended && control == Control::bam && wanted(pgn_in(frame), from.source))
+      receiver_.announce(from, frame, end);
     return;
   }
+  if (extended) return extended_control(frame, from, end);
   switch (control) {
     case Control::rts:
-      if (!claim_.address()) break;
-      if (wanted(pgn_in(frame), from.source)) {
+      if (may_begin(frame, from, pgn::kTransportControl))
         receiver_.request(from, frame, *claim_.address(), end);
-      } else {
-        replies_.push(abort_frame(*claim_.address(), from.source, pgn_in(frame), AbortReason::no_resources));
-      }
       break;
     case Control::cts:
       sender_.clear_to_send(from.source, frame, end);
       break;
     case Control::acknowledged:
-      sender_.acknowledged(from.source, frame, end);
+      sender_.acknowledged(from.source, frame, false, end);
       break;
     case Control::abort:
-      sender_.aborted(from.source, frame);
-      receiver_.aborted(from.source, pgn_in(frame));
+      sender_.aborted(from.source, frame, false);
+      receiver_.aborted(from.source, pgn_in(frame), false);
       break;
     default:
       break;
   }
+}
+
+void Node::extended_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
+  switch (static_cast<Control>(frame.data[0])) {
+    case Control::extended_rts:
+      if (may_begin(frame, from, pgn::kExtendedTransportControl))
+        receiver_.request_extended(from, frame, *claim_.address(), end);
+      break;
+    case Control::extended_offset:
+      receiver_.offset(from, frame, end);
+      break;
+    case Control::extended_cts:
+      sender_.extended_clear_to_send(from.source, frame, end);
+      break;
+    case Control::extended_acknowledged:
+      sender_.acknowledged(from.source, frame, true, end);
+      break;
+    case Control::abort:
+      sender_.aborted(from.source, frame, true);
+      receiver_.aborted(from.source, pgn_in(frame), true);
+      break;
+    default:
+      break;
+  }
+}
+
+/// Somebody here takes what a connection is asked for; who asks is told when not.
+bool Node::may_begin(const can::Frame& frame, const Identifier& from, Pgn by) noexcept {
+  if (!claim_.address()) return false;
+  if (wanted(pgn_in(frame), from.source)) return true;
+  replies_.push(abort_frame(*claim_.address(), from.source, pgn_in(frame), AbortReason::no_resources, by));
+  return false;
 }
 
 std::optional<Node::Delivery> Node::deliver(const Message& message) noexcept {
@@ -205,7 +228,7 @@ void Node::answer_asked(const Message& message) noexcept {
     }
     const std::size_t size = std::min(message.data.size(), order.memory.size());
     std::copy_n(message.data.begin(), size, order.memory.begin());
-    end(order, Outcome::done, {.sent = message.end, .size = static_cast<std::uint16_t>(size)});
+    end(order, Outcome::done, {.sent = message.end, .size = static_cast<std::uint32_t>(size)});
     asked_.erase(i);
   }
 }

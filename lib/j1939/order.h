@@ -26,19 +26,20 @@ struct Order {
   std::uint8_t priority = 6;             ///< 0..7
   Address destination = kGlobalAddress;  ///< 0..253, or all; PDU2 in one frame: all
   Time timeout{};                        ///< monitoring time from `submit` to the answer, over 0
-  /// Of a message its data, 0..1785 bytes; of a request the memory for those of its answer. It stays where
-  /// it is until the order has been answered.
+  /// Of a message its data, as many bytes as the node's settings allow; over 1785 to one destination alone;
+  /// of a request the memory for those of its answer. It stays where it is until the order has been answered.
   std::span<std::uint8_t> memory = {};
 };
 
 /// Why an order is not taken; nothing was sent.
 enum class Refusal : std::uint8_t {
   none,
-  queue_full,  ///< as many orders are open as there is room for: try again when one has been answered
-  bad_order,   ///< no group, priority or destination that can be
-  too_long,    ///< over 1785 bytes, which would need the extended transport protocol
-  no_address,  ///< the node has no address, and none to come
-  stopped,     ///< the node has been stopped
+  queue_full,        ///< as many orders are open as there is room for: try again when one has been answered
+  bad_order,         ///< no group, priority or destination that can be
+  too_long,          ///< more bytes than the node's settings allow
+  too_long_for_all,  ///< over 1785 bytes, and not to one destination
+  no_address,        ///< the node has no address, and none to come
+  stopped,           ///< the node has been stopped
 };
 
 using can::Obstacle;
@@ -63,7 +64,7 @@ struct Answer {
   Obstacle obstacle = Obstacle::none;  ///< timeout: what kept it from the bus
   bool claiming = false;               ///< timeout: nothing did, the address was still being claimed
   std::uint8_t code = 0;               ///< refused, aborted
-  std::uint16_t size = 0;              ///< request, done: bytes of the answer, in the order's memory
+  std::uint32_t size = 0;              ///< request, done: bytes of the answer, in the order's memory
 };
 
 }  // namespace j1939

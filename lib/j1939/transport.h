@@ -8,11 +8,13 @@
 #include "can/frame.h"
 #include "j1939/identifier.h"
 
-/// What both ends of the transport protocol (SAE J1939-21) share.
+/// What both ends of the transport protocol and of its extended form (SAE J1939-21) share.
 namespace j1939 {
 
 /// Most bytes of a message by the transport protocol.
 inline constexpr std::size_t kMostBytes = 1785;
+/// Most bytes of a message by the extended transport protocol; a node takes as many as it is told to.
+inline constexpr std::size_t kMostExtendedBytes = 117'440'505;
 /// Data bytes of one packet.
 inline constexpr std::size_t kPacketBytes = 7;
 
@@ -35,6 +37,9 @@ enum class AbortReason : std::uint8_t {
   bad_sequence = 7,       ///< a packet's number that cannot be
   twice = 8,              ///< a packet twice
   too_long = 9,           ///< more than 1785 bytes
+  // Of the extended form alone.
+  wrong_count = 11,   ///< its offset announces more packets than were asked for
+  wrong_offset = 12,  ///< its offset is not that of the packet that was asked for
 };
 
 /// First byte of a connection management message.
@@ -44,12 +49,28 @@ enum class Control : std::uint8_t {
   acknowledged = 19,
   bam = 32,
   abort = 255,
-  extended_rts = 20,  ///< of the extended transport protocol
+  // Of the extended form.
+  extended_rts = 20,
+  extended_cts = 21,
+  extended_offset = 22,  ///< of the packets that follow
+  extended_acknowledged = 23,
 };
 
-/// Packets that so many bytes need, 0..255.
-constexpr std::uint8_t packets_of(std::size_t bytes) noexcept {
-  return static_cast<std::uint8_t>((bytes + kPacketBytes - 1) / kPacketBytes);
+/// Packets that so many bytes need: 0..255, of the extended form up to 16,777,215.
+constexpr std::uint32_t packets_of(std::size_t bytes) noexcept {
+  return static_cast<std::uint32_t>((bytes + kPacketBytes - 1) / kPacketBytes);
+}
+
+/// A number in three or four bytes of a connection management message, the lowest first.
+constexpr std::uint32_t number_in(const can::Frame& frame, std::size_t at, std::size_t bytes) noexcept {
+  std::uint32_t number = 0;
+  for (std::size_t i = bytes; i-- > 0;) number = number << 8 | frame.data[at + i];
+  return number;
+}
+
+/// Likewise, to be sent: byte `at` of a number.
+constexpr std::uint8_t byte_of(std::uint32_t number, unsigned at) noexcept {
+  return static_cast<std::uint8_t>(number >> 8 * at);
 }
 
 /// The group that a connection management message speaks of: its last three bytes.

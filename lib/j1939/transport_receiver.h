@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "can/frame.h"
 #include "j1939/identifier.h"
@@ -18,22 +20,30 @@ struct ReceiverCounters {
   std::uint64_t refused = 0;    ///< announced and not begun: no room, too long, a connection already
 };
 
-/// Puts messages together out of packets: of each source one broadcast and one connection at a time, of all
-/// together kSessions. What is to be answered goes into a `FrameQueue`. Realtime safe; one thread.
+/// Puts messages together out of packets: of each source one broadcast, one connection and one of the
+/// extended form at a time, of all together kSessions, and kExtended of the last kind. What is to be answered
+/// goes into a `FrameQueue`. Memory is allocated by the constructor alone; the rest is realtime safe. One
+/// thread.
 class TransportReceiver {
  public:
   static constexpr std::size_t kSessions = 16;
 
-  /// `window`: packets asked for at once, 1..255. The queue must outlive the receiver.
-  TransportReceiver(std::uint8_t window, FrameQueue& answers) noexcept
-      : window_(window == 0 ? std::uint8_t{1} : window), answers_(answers) {}
+  static constexpr std::size_t kExtended = 2;
+
+  /// `window`: packets asked for at once, 1..255. `most`: bytes of a message of the extended form; up to 1785
+  /// there is none. The queue must outlive the receiver.
+  TransportReceiver(std::uint8_t window, std::size_t most, FrameQueue& answers);
 
   /// A broadcast is announced (control byte 32).
   void announce(const Identifier& from, const can::Frame& frame, Time now) noexcept;
   /// A connection to `own`, the address of this node, is asked for (control byte 16).
   void request(const Identifier& from, const can::Frame& frame, Address own, Time now) noexcept;
-  /// `source` breaks its connection off.
-  void aborted(Address source, Pgn number) noexcept;
+  /// Likewise, of the extended form (control byte 20).
+  void request_extended(const Identifier& from, const can::Frame& frame, Address own, Time now) noexcept;
+  /// Which packets follow (control byte 22).
+  void offset(const Identifier& from, const can::Frame& frame, Time now) noexcept;
+  /// `source` breaks its connection off; `extended`: that of the extended form.
+  void aborted(Address source, Pgn number, bool extended) noexcept;
   /// A packet, for all or for this node. The message that it completes, whose data stay until the next call.
   std::optional<Message> packet(const Identifier& from, const can::Frame& frame, Time end) noexcept;
   /// This node has lost its address: ends the connections to it without a word.
@@ -50,26 +60,35 @@ class TransportReceiver {
   std::size_t open() const noexcept;
 
  private:
+  enum class Kind : std::uint8_t { broadcast, connection, extended };
   struct Session {
     bool used = false;
-    bool broadcast = false;
+    Kind kind = Kind::connection;
     Address source = 0;
     Address own = 0;  ///< of a connection: to whom it was asked for
     Pgn number = 0;
     std::uint8_t priority = 7;
-    std::uint16_t size = 0;
-    std::uint8_t packets = 0;
-    std::uint8_t most = 255;      ///< packets of one window, as the sender wants it
-    std::uint8_t next = 1;        ///< number of the packet that is waited for; packets + 1 does not occur
-    std::uint8_t window_end = 0;  ///< last one of the window
-    bool gap = false;             ///< one of the window was missed
+    std::uint32_t size = 0;
+    std::uint32_t packets = 0;
+    std::uint8_t most = 255;       ///< packets of one window, as the sender wants it
+    std::uint32_t next = 1;        ///< number of the packet that is waited for; packets + 1 does not occur
+    std::uint32_t window_end = 0;  ///< last one of the window
+    std::uint32_t offset = 0;      ///< extended: what the numbers of packets count from
+    bool offset_wanted = false;    ///< extended: the sender says first which packets follow
+    bool gap = false;              ///< one of the window was missed
     std::uint8_t repeats = 0;
     Time until{};
-    std::array<std::uint8_t, kMostBytes> data = {};
+    std::span<std::uint8_t> data;  ///< memory for the message
+    std::array<std::uint8_t, kMostBytes> own_memory = {};
   };
 
-  Session* find(Address source, bool broadcast) noexcept;
-  Session* begin(const Identifier& from, const can::Frame& frame, bool broadcast, Time now) noexcept;
+  Session* find(Address source, Kind kind) noexcept;
+  Session* begin(const Identifier& from, Pgn number, std::uint32_t size, Kind kind, Time now) noexcept;
+  std::span<std::uint8_t> free_memory() noexcept;
+  void refuse(const Identifier& from, const can::Frame& frame, Address own, AbortReason reason,
+              Kind kind) noexcept;
+  void break_off(Session& session, AbortReason reason) noexcept;
+  Message finish(Session& session, Time end) noexcept;
   void give_up(Session& session) noexcept;
   void ask(Session& session, Time now) noexcept;
   void ask_again(Session& session, Time now) noexcept;
@@ -77,6 +96,8 @@ class TransportReceiver {
   std::uint8_t window_;
   FrameQueue& answers_;
   std::array<Session, kSessions> sessions_ = {};
+  std::size_t most_;
+  std::vector<std::uint8_t> extended_memory_;  ///< kExtended times `most_`
   ReceiverCounters counters_;
 };
 

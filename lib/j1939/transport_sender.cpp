@@ -3,6 +3,13 @@
 #include <algorithm>
 
 namespace j1939 {
+namespace {
+
+constexpr Pgn control_by(bool extended) noexcept {
+  return extended ? pgn::kExtendedTransportControl : pgn::kTransportControl;
+}
+
+}  // namespace
 
 bool TransportSender::has_room(Address destination) const noexcept {
   bool room = false;
@@ -23,6 +30,7 @@ void TransportSender::begin(const Job& job, Time now) noexcept {
     session.step = Step::announce;
     session.job = job;
     session.packets = packets_of(job.data.size());
+    session.extended = job.data.size() > kMostBytes;
     session.not_before = now;
     return;
   }
@@ -33,7 +41,7 @@ bool TransportSender::cancel(std::uint64_t id) noexcept {
     if (session.step == Step::free || session.step == Step::over || session.job.id != id) continue;
     if (session.step != Step::announce && session.job.destination != kGlobalAddress) {
       answers_.push(abort_frame(session.job.source, session.job.destination, session.job.number,
-                                AbortReason::no_resources));
+                                AbortReason::no_resources, control_by(session.extended)));
     }
     session.step = Step::free;
     return true;
@@ -48,29 +56,45 @@ void TransportSender::drop() noexcept {
 }
 
 bool TransportSender::ready(const Session& session) const noexcept {
-  return (session.step == Step::announce || session.step == Step::packets) && !session.in_controller;
+  return (session.step == Step::announce || session.step == Step::offset || session.step == Step::packets) &&
+         !session.in_controller;
+}
+
+/// RTS, BAM, or the offset of a window: what is said before packets.
+can::Frame TransportSender::announcement(const Session& session) noexcept {
+  const Job& job = session.job;
+  const auto size = static_cast<std::uint32_t>(job.data.size());
+  Control control = job.destination == kGlobalAddress ? Control::bam : Control::rts;
+  std::array<std::uint8_t, 4> bytes = {byte_of(size, 0), byte_of(size, 1),
+                                       static_cast<std::uint8_t>(session.packets), 0xFF};
+  if (session.extended) {
+    control = Control::extended_rts;
+    bytes = {byte_of(size, 0), byte_of(size, 1), byte_of(size, 2), byte_of(size, 3)};
+  }
+  if (session.step == Step::offset) {
+    control = Control::extended_offset;
+    bytes = {static_cast<std::uint8_t>(session.window_end - session.offset), byte_of(session.offset, 0),
+             byte_of(session.offset, 1), byte_of(session.offset, 2)};
+  }
+  const Pgn by = control_by(session.extended);
+  can::Frame frame = control_frame(job.source, job.destination, job.number, control, bytes, by);
+  frame.id = compose(identifier_of(by, job.priority, job.destination, job.source));
+  return frame;
 }
 
 std::optional<can::Frame> TransportSender::next_frame(std::size_t index) const noexcept {
   const Session& session = sessions_[index];
   if (!ready(session) || session.not_before > now_) return std::nullopt;
+  if (session.step != Step::packets) return announcement(session);
   const Job& job = session.job;
-  const std::size_t size = job.data.size();
-  if (session.step == Step::announce) {
-    const bool broadcast = job.destination == kGlobalAddress;
-    can::Frame frame = control_frame(
-        job.source, job.destination, job.number, broadcast ? Control::bam : Control::rts,
-        {static_cast<std::uint8_t>(size), static_cast<std::uint8_t>(size >> 8), session.packets, 0xFF});
-    frame.id = compose(identifier_of(pgn::kTransportControl, job.priority, job.destination, job.source));
-    return frame;
-  }
   std::array<std::uint8_t, 8> bytes;
   bytes.fill(0xFF);
-  bytes[0] = session.next;
-  const std::size_t at = (session.next - 1u) * kPacketBytes;
-  std::copy_n(job.data.begin() + static_cast<std::ptrdiff_t>(at), std::min(kPacketBytes, size - at),
-              bytes.begin() + 1);
-  return frame_of(identifier_of(pgn::kTransportData, job.priority, job.destination, job.source), bytes);
+  bytes[0] = static_cast<std::uint8_t>(session.next - session.offset);
+  const std::size_t at = (session.next - std::size_t{1}) * kPacketBytes;
+  std::copy_n(job.data.begin() + static_cast<std::ptrdiff_t>(at),
+              std::min(kPacketBytes, job.data.size() - at), bytes.begin() + 1);
+  const Pgn by = session.extended ? pgn::kExtendedTransportData : pgn::kTransportData;
+  return frame_of(identifier_of(by, job.priority, job.destination, job.source), bytes);
 }
 
 void TransportSender::handed_over(std::size_t index, Time now) noexcept {
@@ -80,8 +104,12 @@ void TransportSender::handed_over(std::size_t index, Time now) noexcept {
   const bool broadcast = session.job.destination == kGlobalAddress;
   if (session.step == Step::announce) {
     session.step = broadcast ? Step::packets : Step::wait;
-    session.window_end = broadcast ? session.packets : std::uint8_t{0};
+    session.window_end = broadcast ? session.packets : 0;
     session.until = now + kT3;
+    return;
+  }
+  if (session.step == Step::offset) {
+    session.step = Step::packets;
     return;
   }
   session.highest = std::max(session.highest, session.next);
@@ -103,22 +131,31 @@ void TransportSender::sent(std::size_t index, Time end_of_frame) noexcept {
   if (session.step == Step::finished) end(session, SendEnd::done, 0, end_of_frame);
 }
 
-TransportSender::Session* TransportSender::find(Address destination, Pgn number) noexcept {
+TransportSender::Session* TransportSender::find(Address destination, Pgn number, bool extended) noexcept {
   for (Session& session : sessions_) {
     const bool open = session.step != Step::free && session.step != Step::over;
-    if (open && session.job.destination == destination && session.job.number == number) return &session;
+    if (open && session.extended == extended && session.job.destination == destination &&
+        session.job.number == number)
+      return &session;
   }
   return nullptr;
 }
 
 void TransportSender::clear_to_send(Address from, const can::Frame& frame, Time now) noexcept {
-  Session* session = find(from, pgn_in(frame));
+  send_window(find(from, pgn_in(frame), false), frame.data[2], frame.data[1], now);
+}
+
+void TransportSender::extended_clear_to_send(Address from, const can::Frame& frame, Time now) noexcept {
+  send_window(find(from, pgn_in(frame), true), number_in(frame, 2, 3), frame.data[1], now);
+}
+
+/// The receiver asks for `count` packets from `first` on; with none it holds the connection.
+void TransportSender::send_window(Session* session, std::uint32_t first, std::uint8_t count,
+                                  Time now) noexcept {
   if (session == nullptr || session->step == Step::announce) return;
   if (session->step != Step::wait) return break_off(*session, AbortReason::cts_while_sending);
   session->in_controller = false;  // it answers what was sent last
-  const std::uint8_t count = frame.data[1];
-  const std::uint8_t first = frame.data[2];
-  if (count == 0) {  // held
+  if (count == 0) {                // held
     session->until = now + kT4;
     return;
   }
@@ -127,26 +164,28 @@ void TransportSender::clear_to_send(Address from, const can::Frame& frame, Time 
   if (first <= session->highest && ++session->repeats > kMostRepeats)
     return break_off(*session, AbortReason::too_many_repeats);
   session->next = first;
-  session->window_end = static_cast<std::uint8_t>(std::min(first + count - 1u, unsigned{session->packets}));
-  session->step = Step::packets;
+  session->window_end = std::min(first + count - 1u, session->packets);
+  session->offset = session->extended ? first - 1 : 0;
+  session->step = session->extended ? Step::offset : Step::packets;
   session->not_before = now_;
   session->until = Time::max();
 }
 
-void TransportSender::acknowledged(Address from, const can::Frame& frame, Time now) noexcept {
-  Session* session = find(from, pgn_in(frame));
+void TransportSender::acknowledged(Address from, const can::Frame& frame, bool extended, Time now) noexcept {
+  Session* session = find(from, pgn_in(frame), extended);
   if (session == nullptr || session->step != Step::wait || session->highest != session->packets) return;
   end(*session, SendEnd::done, 0, now);
 }
 
-void TransportSender::aborted(Address from, const can::Frame& frame) noexcept {
-  Session* session = find(from, pgn_in(frame));
+void TransportSender::aborted(Address from, const can::Frame& frame, bool extended) noexcept {
+  Session* session = find(from, pgn_in(frame), extended);
   if (session == nullptr || session->step == Step::announce) return;
   end(*session, SendEnd::aborted, frame.data[1], {});
 }
 
 void TransportSender::break_off(Session& session, AbortReason reason) noexcept {
-  answers_.push(abort_frame(session.job.source, session.job.destination, session.job.number, reason));
+  answers_.push(abort_frame(session.job.source, session.job.destination, session.job.number, reason,
+                            control_by(session.extended)));
   end(session, SendEnd::no_answer, 0, {});
 }
 

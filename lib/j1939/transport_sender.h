@@ -31,7 +31,7 @@ class TransportSender {
     std::uint8_t priority = 7;  ///< of the announcement and the packets, 0..7
     Address source = 0;
     Address destination = 0;             ///< kGlobalAddress: a broadcast
-    std::span<const std::uint8_t> data;  ///< 9..1785 bytes
+    std::span<const std::uint8_t> data;  ///< 9..1785 bytes; to one destination more: in the extended form
   };
   /// How a job ended; once for each.
   struct Ended {
@@ -62,10 +62,12 @@ class TransportSender {
 
   /// The receiver asks for packets.
   void clear_to_send(Address from, const can::Frame& frame, Time now) noexcept;
-  /// The receiver has all of them.
-  void acknowledged(Address from, const can::Frame& frame, Time now) noexcept;
+  /// Likewise, of the extended form.
+  void extended_clear_to_send(Address from, const can::Frame& frame, Time now) noexcept;
+  /// The receiver has all of them; `extended`: it said so by the extended form, as in `aborted`.
+  void acknowledged(Address from, const can::Frame& frame, bool extended, Time now) noexcept;
   /// The receiver breaks it off.
-  void aborted(Address from, const can::Frame& frame) noexcept;
+  void aborted(Address from, const can::Frame& frame, bool extended) noexcept;
 
   /// It is `now`: ends what the receiver left.
   void advance(Time now) noexcept;
@@ -85,6 +87,7 @@ class TransportSender {
     free,
     announce,  ///< RTS or BAM is to be sent
     wait,      ///< for the receiver
+    offset,    ///< extended: the receiver is to be told which packets follow
     packets,   ///< of the window
     finished,  ///< broadcast: the last one is in the controller
     over,      ///< `ended` has not been taken
@@ -92,10 +95,12 @@ class TransportSender {
   struct Session {
     Step step = Step::free;
     Job job;
-    std::uint8_t packets = 0;
-    std::uint8_t next = 1;        ///< packet to be sent
-    std::uint8_t window_end = 0;  ///< last one of the window
-    std::uint8_t highest = 0;     ///< last packet that was ever sent
+    bool extended = false;
+    std::uint32_t packets = 0;
+    std::uint32_t next = 1;        ///< packet to be sent
+    std::uint32_t offset = 0;      ///< what the numbers of packets count from
+    std::uint32_t window_end = 0;  ///< last one of the window
+    std::uint32_t highest = 0;     ///< last packet that was ever sent
     unsigned repeats = 0;
     bool in_controller = false;  ///< a frame was handed over and not seen yet
     Time not_before{};           ///< of its next frame
@@ -103,7 +108,9 @@ class TransportSender {
     Ended ended;
   };
 
-  Session* find(Address destination, Pgn number) noexcept;
+  Session* find(Address destination, Pgn number, bool extended) noexcept;
+  static can::Frame announcement(const Session& session) noexcept;
+  void send_window(Session* session, std::uint32_t first, std::uint8_t count, Time now) noexcept;
   void end(Session& session, SendEnd how, std::uint8_t reason, Time sent) noexcept;
   void break_off(Session& session, AbortReason reason) noexcept;
   bool ready(const Session& session) const noexcept;

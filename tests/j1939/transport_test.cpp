@@ -180,9 +180,6 @@ TEST_F(TransportTest, WhatCannotBeIsRefused) {
   EXPECT_EQ(answer_to(20, 0, 4)[0].data[1], 7) << "packets do not fit";
   EXPECT_EQ(answer_to(8, 0, 2)[0].data[1], 7) << "one frame";
   EXPECT_EQ(rig.node.transports(), 0u);
-  // The extended transport protocol: said to be lacking, in its own group.
-  EXPECT_EQ(rig.hear(frame(0x1CC88021, {20, 0, 8, 0, 0, 0xF2, 0xFE, 0x00})),
-            std::vector{frame(0x1CC82180, {255, 2, 255, 255, 255, 0xF2, 0xFE, 0x00})});
 }
 
 TEST_F(TransportTest, TheSenderMayBreakOff) {
@@ -300,9 +297,9 @@ TEST_F(TransportTest, OneMessageAtATimeToEachDestinationAndTheNextWhenItHasEnded
   EXPECT_EQ(rig.node.waiting(), 0u);
 }
 
-TEST_F(TransportTest, MoreThan1785BytesAreRefused) {
+TEST_F(TransportTest, MoreThan1785BytesAreNoBroadcast) {
   std::vector<std::uint8_t> longer = counting(1786);
-  EXPECT_EQ(send(1, kOther, longer), Refusal::too_long);
+  EXPECT_EQ(send(1, kGlobalAddress, longer), Refusal::too_long_for_all);
 }
 
 TEST_F(TransportTest, WithoutEchoesTheMonitoringTimeEndsABroadcast) {

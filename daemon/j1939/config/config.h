@@ -24,6 +24,7 @@ struct MessageSendConfig {
 /// Messages in packets.
 struct MessageTransportConfig {
   std::uint8_t window = 16;                ///< packets of a connection asked for at once, 1..255
+  std::uint32_t most_bytes = 65'536;       ///< of a message, 1785..1'048'576
   std::chrono::milliseconds interval{50};  ///< between two packets of a broadcast, 10..200
 };
 

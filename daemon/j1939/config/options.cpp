@@ -116,6 +116,12 @@ constexpr auto kJ1939Rows = std::to_array<J1939Row>({
         [](auto& d) -> auto& { return d.config.transport.window; },
         whole_number("transport.window", 1, 255, "packets",
                      "Packets of a connection that other nodes are asked for at once.")),
+    field(
+        [](auto& d) -> auto& { return d.config.transport.most_bytes; },
+        whole_number(
+            "transport.most_bytes", 1785, 1'048'576, "bytes",
+            "Longest message, in both directions; over 1785 by the extended transport protocol. Memory for "
+            "some is taken at the start.")),
     duration<std::chrono::milliseconds>(
         [](auto& d) -> auto& { return d.config.transport.interval; },
         whole_number("transport.broadcast_interval_ms", 10, 200, "ms",

@@ -33,9 +33,10 @@ MessageGateway::MessageGateway(const J1939Config& config, J1939Exchange& exchang
       common_(participant, events_, config, {kJ1939Protocol}, identity),
       second_daemon_(participant, signal_, events_, config.bus.name, identity),
       trail_(journal, events_, config.bus.name, 0),
-      jobs_(participant, signal_, events_, trail_, MessageRequests(config.send), identity,
-            !config.dds.security.empty()),
+      jobs_(participant, signal_, events_, trail_, MessageRequests(config.send, config.transport.most_bytes),
+            identity, !config.dds.security.empty()),
       batches_(participant, 0, &signal_),
+      long_messages_(participant, 0, &signal_),
       status_(participant, 0, &signal_),
       tables_(participant, 0, &signal_),
       faults_(participant, signal_, events_),
@@ -108,18 +109,44 @@ void MessageGateway::take_answers(const MessageContext& context) {
 
 bool MessageGateway::publish_messages() {
   for (unsigned i = 0; i < kMessageBatchesAtOnce; ++i) {
-    reports_.clear();
-    MessageReport report;
-    while (reports_.size() < j1939_MESSAGE_BATCH && exchange_.messages.try_pop(report)) {
-      reports_.push_back(report);
-      // What is longer was pushed before the report.
-      if (report.size > report.data.size())
-        (void)exchange_.long_data.try_pop(long_data_[reports_.size() - 1]);
-    }
-    if (reports_.empty()) return false;
-    publish_batch();
+    const bool more = collect_batch();
+    if (!reports_.empty()) publish_batch();
+    if (!more) return false;
   }
   return true;
+}
+
+bool MessageGateway::collect_batch() {
+  reports_.clear();
+  MessageReport report;
+  while (reports_.size() < j1939_MESSAGE_BATCH) {
+    if (!exchange_.messages.try_pop(report)) return false;
+    if (report.size > j1939::kMostBytes) {
+      // What came before it is published before it.
+      if (!reports_.empty()) publish_batch();
+      reports_.clear();
+      publish_long(report);
+      continue;
+    }
+    reports_.push_back(report);
+    // What is longer was pushed before the report.
+    if (report.size > report.data.size()) (void)exchange_.long_data.try_pop(long_data_[reports_.size() - 1]);
+  }
+  return true;
+}
+
+void MessageGateway::publish_long(const MessageReport& report) {
+  longest_.clear();
+  for (std::size_t i = 0; i < pieces_of(report.size); ++i) {
+    (void)exchange_.long_data.try_pop(long_data_[0]);
+    longest_.insert(longest_.end(), long_data_[0].begin(), long_data_[0].end());
+  }
+  longest_.resize(report.size);
+  const j1939::Message message{report.number,    report.priority,     report.source, report.destination,
+                               report.transport, report.receive_time, longest_};
+  const auto sample =
+      j1939::dds::long_message(message, report.receive_time.count(), report.range, ++long_number_);
+  if (long_messages_.write(sample) != DDS_RETCODE_OK) ++unwritten_;
 }
 
 void MessageGateway::publish_batch() {

@@ -81,7 +81,10 @@ class MessageGateway {
   void take_answers(const MessageContext& context);
   /// True: there may be more.
   bool publish_messages();
+  /// Takes reports until a batch is full; false: there are no more.
+  bool collect_batch();
   void publish_batch();
+  void publish_long(const MessageReport& report);
   void publish_addresses();
   void tell_losses(SteadyTime now);
   void tell_claim(const NodeSnapshot& before, SteadyTime now);
@@ -101,6 +104,7 @@ class MessageGateway {
   AuditTrail trail_;
   JobDesk<MessageRequests> jobs_;
   gateway::dds::Writer<j1939_MessageBatch> batches_;
+  gateway::dds::Writer<j1939_LongMessage> long_messages_;
   gateway::dds::Writer<j1939_NodeStatus> status_;
 
   gateway::dds::Writer<j1939_AddressTable> tables_;
@@ -110,6 +114,8 @@ class MessageGateway {
   std::vector<MessageReport> reports_;        ///< to whose short data it points
   std::vector<LongData> long_data_;           ///< and to these
   std::vector<j1939_ClaimedAddress> addresses_;
+  std::vector<std::uint8_t> longest_;  ///< memory of one LongMessage
+  std::uint64_t long_number_ = 0;
   std::uint64_t batch_number_ = 0;
   std::uint64_t unwritten_ = 0;  ///< messages of batches that could not be written
   NodeSnapshot bus_;             ///< newest

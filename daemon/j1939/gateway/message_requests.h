@@ -35,7 +35,7 @@ struct MessageTopic {
   static constexpr Right kRight = Right::operate;
 
   static std::size_t bytes_of(const Sample& sample) noexcept {
-    return sample.kind == j1939_MESSAGE_ASK ? j1939::kMostBytes : sample.data._length;
+    return sample.kind == j1939_MESSAGE_ASK ? j1939::kMostBytes : j1939::dds::bytes_of(sample);
   }
   static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
     return j1939::dds::message_refused(key, denial);
@@ -61,7 +61,7 @@ class MessageRequests {
   static constexpr Outcome kCancelled = Outcome::cancelled;
   static constexpr Outcome kStopped = Outcome::stopped;
 
-  explicit MessageRequests(const MessageSendConfig& config) : config_(config) {}
+  MessageRequests(const MessageSendConfig& config, std::size_t most) : config_(config), most_(most) {}
 
   /// All messages share the one queue of the node; clients take turns in it.
   LaneLimits lane_limits() const { return {{config_.queue, config_.queue}}; }
@@ -70,7 +70,7 @@ class MessageRequests {
   static gateway::dds::Problem check(const j1939_MessageRequest& sample) { return j1939::dds::check(sample); }
   std::optional<Request> request_of(const j1939_MessageRequest& sample, JobId id,
                                     std::vector<std::uint8_t>& data) const {
-    return j1939::dds::to_core(sample, id, config_.timeout, data);
+    return j1939::dds::to_core(sample, id, config_.timeout, most_, data);
   }
   static Lane lane_of(const Request& /*request*/) noexcept { return {}; }
   static Effect effect_of(const Request& request) noexcept {
@@ -87,7 +87,7 @@ class MessageRequests {
   static JobId id_of(const MessageDone& done) noexcept { return done.answer.id; }
   gateway::dds::Problem refusal(const MessageDone& done, const Request& /*request*/,
                                 const MessageContext& /*context*/) const {
-    return j1939::dds::explain(done.refusal, config_.queue);
+    return j1939::dds::explain(done.refusal, config_.queue, most_);
   }
   static Outcome outcome_of(const MessageDone& done) noexcept { return done.answer.outcome; }
   static std::string_view name(Outcome outcome) noexcept { return j1939::dds::name_of(outcome); }
@@ -95,6 +95,7 @@ class MessageRequests {
 
  private:
   MessageSendConfig config_;
+  std::size_t most_;  ///< bytes of a message
 };
 
 extern template class JobDesk<MessageRequests>;

@@ -108,16 +108,21 @@ void MessageMachine::report(const j1939::Node::Delivery& delivery) noexcept {
   report.destination = message.destination;
   report.transport = message.transport;
   report.range = delivery.range;
-  report.size = static_cast<std::uint16_t>(message.data.size());
+  report.size = static_cast<std::uint32_t>(message.data.size());
   report.receive_time = clock_.at(message.end);
   const bool is_long = message.data.size() > report.data.size();
-  if (exchange_.messages.room() == 0 || (is_long && exchange_.long_data.room() == 0)) {
+  const std::size_t pieces = is_long ? pieces_of(message.data.size()) : 0;
+  if (exchange_.messages.room() == 0 || exchange_.long_data.room() < pieces) {
     ++snapshot_.lost;
     return;
   }
   if (is_long) {
-    std::copy(message.data.begin(), message.data.end(), long_data_.begin());
-    (void)exchange_.long_data.try_push(long_data_);
+    for (auto rest = message.data; !rest.empty();) {
+      const auto piece = rest.first(std::min(rest.size(), long_data_.size()));
+      std::copy(piece.begin(), piece.end(), long_data_.begin());
+      (void)exchange_.long_data.try_push(long_data_);
+      rest = rest.subspan(piece.size());
+    }
   } else {
     std::copy(message.data.begin(), message.data.end(), report.data.begin());
   }

@@ -75,6 +75,7 @@ MessageMachineSettings message_machine_settings(const J1939Config& config, Fligh
   node.between_others = config.between_others;
   node.queue = config.send.queue;
   node.window = config.transport.window;
+  node.most_bytes = config.transport.most_bytes;
   node.spacing = config.transport.interval;
   node.provided = config.provided;
   for (const j1939::PgnRange& range : config.receive) (void)node.filter.add(range);
@@ -85,7 +86,8 @@ J1939Segment::J1939Segment(J1939File file, JournalSink& journal, gateway::dds::P
     : file_(std::move(file)),
       log_(file_.config.bus.name, journal),
       bus_(j1939_bus_plan(file_.config)),
-      exchange_(file_.config.realtime.request_queue, file_.config.realtime.report_queue),
+      exchange_(file_.config.realtime.request_queue, file_.config.realtime.report_queue,
+                file_.config.transport.most_bytes),
       participant_(std::move(participant)),
       gateway_(file_.config, exchange_, participant_, journal),
       flight_(

@@ -37,6 +37,7 @@ MessageClient::MessageClient(const Options& options)
       replies_(participant_, gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
                &signal_),
       batches_(participant_, &signal_),
+      long_messages_(participant_, &signal_),
       status_(participant_, &signal_),
       tables_(participant_, &signal_),
       faults_(participant_, &signal_),
@@ -78,9 +79,16 @@ Begun MessageClient::begin(j1939_MessageKind kind, const Message& message, std::
   request.priority = message.priority;
   request.destination = message.destination;
   std::vector<std::uint8_t> data = message.data;
-  request.data._length = static_cast<std::uint32_t>(data.size());
-  request.data._maximum = request.data._length;
-  request.data._buffer = data.data();  // lent for the call
+  const auto lend = [&data](auto& to) {  // for the call
+    to._length = static_cast<std::uint32_t>(data.size());
+    to._maximum = to._length;
+    to._buffer = data.data();
+  };
+  if (data.size() > j1939_MESSAGE_BYTES) {
+    lend(request.long_data);
+  } else {
+    lend(request.data);
+  }
   request.timeout = timeout_ms;
   if (const auto code = requests_.write(request); code != DDS_RETCODE_OK) {
     const bool forbidden = code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
@@ -157,6 +165,8 @@ void MessageClient::take_replies(const std::function<void(std::uint64_t, const R
     got.sent_time = reply.sent_time;
     got.answer_code = reply.answer_code;
     got.data.assign(reply.data._buffer, reply.data._buffer + reply.data._length);
+    got.data.insert(got.data.end(), reply.long_data._buffer,
+                    reply.long_data._buffer + reply.long_data._length);
     ended(reply.request, got);
   });
 }
@@ -199,13 +209,17 @@ void MessageClient::take_state() {
   });
 }
 
-bool MessageClient::receive(milliseconds time,
-                            const std::function<void(const j1939_MessageBatch&)>& on_batch) {
+bool MessageClient::receive(milliseconds time, const std::function<void(const j1939_MessageBatch&)>& on_batch,
+                            const std::function<void(const j1939_LongMessage&)>& on_long) {
   const auto end = steady_clock::now() + time;
   while (true) {
     signal_.clear();
     take_state();
-    if (batches_.take(on_batch) > 0) return true;
+    const bool came = batches_.take(on_batch) > 0;
+    const auto longest = long_messages_.take([&](const j1939_LongMessage& message) {
+      if (on_long) on_long(message);
+    });
+    if (came || longest > 0) return true;
     if (!daemon_present()) return false;
     const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
     if (left <= milliseconds{0} || options_.stopped()) return true;
@@ -219,6 +233,7 @@ void MessageClient::look_until(milliseconds time, const std::function<bool()>& t
     signal_.clear();
     take_state();
     batches_.take([](const j1939_MessageBatch&) {});
+    long_messages_.take([](const j1939_LongMessage&) {});
     if (there() || options_.stopped() || !daemon_present() || steady_clock::now() >= end) return;
     (void)signal_.wait(static_cast<int>(kLook.count()));
   }

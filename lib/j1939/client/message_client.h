@@ -31,7 +31,7 @@ struct Message {
   std::uint32_t pgn = 0;           ///< 0..0x3FFFF
   std::uint8_t priority = 6;       ///< 0..7
   std::uint8_t destination = 255;  ///< 0..253, or 255: all
-  std::vector<std::uint8_t> data;  ///< 0..1785 bytes; none when a group is asked for
+  std::vector<std::uint8_t> data;  ///< 0..1048576 bytes; none when a group is asked for
 };
 
 /// How a request ended.
@@ -87,9 +87,9 @@ class MessageClient {
   bool may_answer(const gateway::dds::DaemonIdentity& daemon);
 
   /// Waits at most `time` for messages that the daemon received, and calls `on_batch` for each batch that
-  /// came. False: the daemon has gone.
-  bool receive(std::chrono::milliseconds time,
-               const std::function<void(const j1939_MessageBatch&)>& on_batch);
+  /// came, `on_long` for each message of over 1785 bytes. False: the daemon has gone.
+  bool receive(std::chrono::milliseconds time, const std::function<void(const j1939_MessageBatch&)>& on_batch,
+               const std::function<void(const j1939_LongMessage&)>& on_long = {});
 
   /// Which daemon serves the bus, as it told last.
   const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
@@ -127,6 +127,7 @@ class MessageClient {
   gateway::dds::DataSignal signal_;
   gateway::dds::Reader<j1939_MessageReply> replies_;
   gateway::dds::Reader<j1939_MessageBatch> batches_;
+  gateway::dds::Reader<j1939_LongMessage> long_messages_;
   gateway::dds::Reader<j1939_NodeStatus> status_;
   gateway::dds::Reader<j1939_AddressTable> tables_;
   gateway::dds::Reader<j1939_FaultList> faults_;

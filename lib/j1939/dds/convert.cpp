@@ -7,6 +7,7 @@
 #include "dds/bounded_text.h"
 #include "j1939/dds/texts.h"
 #include "j1939/diagnostics.h"
+#include "j1939/transport.h"
 
 namespace j1939::dds {
 namespace {
@@ -24,7 +25,11 @@ Time monitoring_time(std::size_t bytes, Time default_timeout) noexcept {
   return bytes <= 8 ? default_timeout : default_timeout + kPacketTime * packets_of(bytes);
 }
 
-Order to_core(const j1939_MessageRequest& request, OrderId id, Time default_timeout,
+std::size_t bytes_of(const j1939_MessageRequest& request) noexcept {
+  return std::size_t{request.data._length} + request.long_data._length;
+}
+
+Order to_core(const j1939_MessageRequest& request, OrderId id, Time default_timeout, std::size_t most,
               std::vector<std::uint8_t>& memory) {
   Order order;
   order.id = id;
@@ -33,12 +38,12 @@ Order to_core(const j1939_MessageRequest& request, OrderId id, Time default_time
   order.priority = request.priority;
   order.destination = request.destination;
   const Time timeout = std::chrono::milliseconds(request.timeout);
-  const std::size_t size = std::min<std::size_t>(request.data._length, kMostBytes);
-  order.timeout = timeout == Time{0} ? monitoring_time(size, default_timeout) : timeout;
+  order.timeout = timeout == Time{0} ? monitoring_time(bytes_of(request), default_timeout) : timeout;
   if (order.kind == OrderKind::send) {
-    memory.assign(request.data._buffer, request.data._buffer + size);
+    const auto& data = request.data._length != 0 ? request.data._buffer : request.long_data._buffer;
+    memory.assign(data, data + bytes_of(request));
   } else {
-    memory.assign(request.destination == kGlobalAddress ? 0 : kMostBytes, 0);
+    memory.assign(request.destination == kGlobalAddress ? 0 : most, 0);
   }
   order.memory = memory;
   return order;
@@ -53,7 +58,24 @@ j1939_ReceivedMessage received_message(const Message& message, std::int64_t rece
   out.destination = message.destination;
   out.transport = message.transport == Transport::frame       ? j1939_TRANSPORT_FRAME
                   : message.transport == Transport::broadcast ? j1939_TRANSPORT_BROADCAST
+                  : message.transport == Transport::extended  ? j1939_TRANSPORT_EXTENDED
                                                               : j1939_TRANSPORT_CONNECTION;
+  out.receive_time = receive_time;
+  out.range_index = range;
+  out.data._length = static_cast<std::uint32_t>(message.data.size());
+  out.data._maximum = out.data._length;
+  out.data._buffer = const_cast<std::uint8_t*>(message.data.data());  // lent: DDS only reads it
+  return out;
+}
+
+j1939_LongMessage long_message(const Message& message, std::int64_t receive_time, std::uint8_t range,
+                               std::uint64_t number) noexcept {
+  j1939_LongMessage out = {};
+  out.number = number;
+  out.pgn = message.number;
+  out.priority = message.priority;
+  out.source = message.source;
+  out.destination = message.destination;
   out.receive_time = receive_time;
   out.range_index = range;
   out.data._length = static_cast<std::uint32_t>(message.data.size());
@@ -90,9 +112,16 @@ j1939_MessageReply message_reply(const gateway::dds::RequestKey& key, const Answ
   reply.answer_code = answer.code;
   if (answer.outcome != Outcome::done) return reply;
   reply.sent_time = sent_time;
-  reply.data._length = static_cast<std::uint32_t>(std::min<std::size_t>(answer.size, data.size()));
-  reply.data._maximum = reply.data._length;
-  reply.data._buffer = data.data();  // lent
+  const auto lend = [&](auto& to) {
+    to._length = static_cast<std::uint32_t>(std::min<std::size_t>(answer.size, data.size()));
+    to._maximum = to._length;
+    to._buffer = data.data();  // lent
+  };
+  if (answer.size > kMostBytes) {
+    lend(reply.long_data);
+  } else {
+    lend(reply.data);
+  }
   return reply;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -15,9 +16,12 @@
 namespace j1939::dds {
 
 /// `default_timeout` (over 0) counts for a request that names none, and kPacketTime for each packet besides.
-/// `memory` gets the data, or room for an answer; the order points into it. Allocates.
-Order to_core(const j1939_MessageRequest& request, OrderId id, Time default_timeout,
+/// `memory` gets the data, or room for an answer of at most `most` bytes; the order points into it.
+/// Allocates.
+Order to_core(const j1939_MessageRequest& request, OrderId id, Time default_timeout, std::size_t most,
               std::vector<std::uint8_t>& memory);
+/// Bytes that a request is to send: those of `data` or of `long_data`.
+std::size_t bytes_of(const j1939_MessageRequest& request) noexcept;
 /// What a request without a time of its own gets for each of its packets.
 inline constexpr Time kPacketTime = std::chrono::milliseconds(200);
 /// The monitoring time of so many bytes by default.
@@ -27,6 +31,10 @@ Time monitoring_time(std::size_t bytes, Time default_timeout) noexcept;
 /// the message's data.
 j1939_ReceivedMessage received_message(const Message& message, std::int64_t receive_time,
                                        std::uint8_t range) noexcept;
+
+/// Likewise, of a message of over 1785 bytes; `number` rises by one with each.
+j1939_LongMessage long_message(const Message& message, std::int64_t receive_time, std::uint8_t range,
+                               std::uint64_t number) noexcept;
 
 /// The code by which an outcome is told.
 gateway_ReplyCode to_reply_code(Outcome outcome) noexcept;

@@ -19,6 +19,12 @@ inline constexpr TopicQos kMessageStream = {.depth = 100};
 template <>
 inline constexpr TopicInfo topic_info<j1939_MessageBatch> = {
     "MessageBatch", &j1939_MessageBatch_desc, kFromDaemon, kMessageStream, &j1939_MessageBatch_final_desc};
+/// Few and large: a reader that is slow gets the newest ones.
+inline constexpr TopicQos kLongMessages = {.depth = 8};
+
+template <>
+inline constexpr TopicInfo topic_info<j1939_LongMessage> = {
+    "LongMessage", &j1939_LongMessage_desc, kFromDaemon, kLongMessages, &j1939_LongMessage_final_desc};
 template <>
 inline constexpr TopicInfo topic_info<j1939_MessageRequest> = {"MessageRequest", &j1939_MessageRequest_desc,
                                                                kFromClients, kind::request(),

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "dds/enumerator.h"
+#include "j1939/dds/convert.h"
 #include "j1939/identifier.h"
 #include "j1939/transport.h"
 
@@ -31,7 +32,7 @@ Problem check_group(const j1939_MessageRequest& request) {
 Problem check_destination(const j1939_MessageRequest& request) {
   if (request.destination == kNullAddress)
     return Denial{gateway_CAUSE_FIELD, "destination 254: nobody has it; allowed 0..253, or 255 for all"};
-  const bool one_frame = request.kind == j1939_MESSAGE_SEND && request.data._length <= 8;
+  const bool one_frame = request.kind == j1939_MESSAGE_SEND && bytes_of(request) <= 8;
   if (one_frame && !has_destination(request.pgn) && request.destination != kGlobalAddress)
     return Denial{gateway_CAUSE_FIELD,
                   fmt::format("destination {}: a group from PDU format 240 on goes to all; allowed 255, or "
@@ -52,10 +53,16 @@ Problem check(const j1939_MessageRequest& request) {
     return Denial{gateway_CAUSE_FIELD,
                   fmt::format("priority {}: out of range; allowed 0..7", request.priority)};
   if (request.data._length > kMostBytes)
-    return Denial{gateway_CAUSE_LENGTH, fmt::format("data: {} bytes; allowed 0..{}: longer ones need the "
-                                                    "extended transport protocol, which is not there",
+    return Denial{gateway_CAUSE_LENGTH, fmt::format("data: {} bytes; allowed 0..{}, more in `long_data`",
                                                     request.data._length, kMostBytes)};
-  if (request.kind == j1939_MESSAGE_ASK && request.data._length != 0)
+  if (request.long_data._length != 0 &&
+      (request.data._length != 0 || request.long_data._length <= kMostBytes ||
+       request.long_data._length > j1939_LONG_MESSAGE_BYTES))
+    return Denial{gateway_CAUSE_LENGTH,
+                  fmt::format("long_data: {} bytes beside {} of data; allowed {}..{}, and none of data",
+                              request.long_data._length, request.data._length, kMostBytes + 1,
+                              j1939_LONG_MESSAGE_BYTES)};
+  if (request.kind == j1939_MESSAGE_ASK && bytes_of(request) != 0)
     return Denial{gateway_CAUSE_LENGTH, "data: MESSAGE_ASK has none; allowed 0 bytes"};
   if (auto problem = check_destination(request)) return problem;
   if (request.timeout > kMaximumTimeoutMs)
@@ -65,7 +72,7 @@ Problem check(const j1939_MessageRequest& request) {
   return std::nullopt;
 }
 
-Problem explain(Refusal refusal, std::uint16_t queue) {
+Problem explain(Refusal refusal, std::uint16_t queue, std::size_t most) {
   switch (refusal) {
     case Refusal::none:
       return std::nullopt;
@@ -79,7 +86,12 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
                     "pgn: carried by the transport protocol or the address claim themselves (0xC700, 0xC800, "
                     "0xEB00, 0xEC00, 0xEE00); allowed are all others"};
     case Refusal::too_long:
-      return Denial{gateway_CAUSE_LENGTH, fmt::format("data: allowed 0..{} bytes", kMostBytes)};
+      return Denial{gateway_CAUSE_LENGTH,
+                    fmt::format("data: the daemon is set to at most {} bytes (transport.most_bytes)", most)};
+    case Refusal::too_long_for_all:
+      return Denial{gateway_CAUSE_LENGTH,
+                    fmt::format("data: over {} bytes go to one node, not to all; name a destination 0..253",
+                                kMostBytes)};
     case Refusal::no_address:
       return Denial{gateway_CAUSE_WRONG_STATE,
                     "the daemon has no address on this bus: it was given none (address.preferred), or a "

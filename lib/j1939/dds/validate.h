@@ -18,6 +18,6 @@ gateway::dds::Problem check(const j1939_MessageRequest& request);
 
 /// A refusal of the node, with limits and remedy; nothing for Refusal::none. `queue` is the configured number
 /// of orders that may wait.
-gateway::dds::Problem explain(Refusal refusal, std::uint16_t queue);
+gateway::dds::Problem explain(Refusal refusal, std::uint16_t queue, std::size_t most);
 
 }  // namespace j1939::dds

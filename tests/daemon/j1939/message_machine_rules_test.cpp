@@ -100,7 +100,7 @@ TEST(RealtimeRules, TheLoopOfMessagesNeitherAllocatesNorLocksNorWritesAnythingBu
   ecu.data = j1939::test::counting(30);
   nodes.push_back(std::make_unique<sim::EcuNode>(std::move(ecu)));
   sim::Line line({}, std::move(nodes));
-  J1939Exchange exchange(64, 64);
+  J1939Exchange exchange(64, 64, 65'536);
   CrowdedBus busy(line, exchange);
   rt::FlightRecorder recorder(4096, 10);
   FlightTap tap(recorder, {});

@@ -111,7 +111,7 @@ struct MachineRig {
 
   sim::Line line;
   TimedBus bus{line};
-  J1939Exchange exchange{16, 256};
+  J1939Exchange exchange{16, 256, 65'536};
   MessageMachine machine;
   DeadlineLoop<MessageMachine> loop{machine, bus};
   std::multimap<j1939::OrderId, MessageDone> answers;

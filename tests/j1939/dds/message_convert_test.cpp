@@ -33,7 +33,7 @@ j1939_MessageRequest asked(std::vector<std::uint8_t>& data) {
 TEST(MessageConvert, ARequestBecomesAnOrderWithItsOwnMemory) {
   std::vector<std::uint8_t> data = {1, 2, 3};
   std::vector<std::uint8_t> memory;
-  const Order order = to_core(asked(data), 7, milliseconds(1000), memory);
+  const Order order = to_core(asked(data), 7, milliseconds(1000), kMostBytes, memory);
   EXPECT_EQ(order.id, 7u);
   EXPECT_EQ(order.kind, OrderKind::send);
   EXPECT_EQ(order.number, 0xEF00u);
@@ -48,9 +48,10 @@ TEST(MessageConvert, TheDefaultTimeGrowsWithThePacketsAndAGivenOneDoesNot) {
   std::vector<std::uint8_t> data(1785);
   std::vector<std::uint8_t> memory;
   j1939_MessageRequest request = asked(data);
-  EXPECT_EQ(to_core(request, 1, milliseconds(1000), memory).timeout, milliseconds(1000 + 255 * 200));
+  EXPECT_EQ(to_core(request, 1, milliseconds(1000), kMostBytes, memory).timeout,
+            milliseconds(1000 + 255 * 200));
   request.timeout = 30;
-  EXPECT_EQ(to_core(request, 1, milliseconds(1000), memory).timeout, milliseconds(30));
+  EXPECT_EQ(to_core(request, 1, milliseconds(1000), kMostBytes, memory).timeout, milliseconds(30));
 }
 
 TEST(MessageConvert, ARequestForAGroupHasRoomForItsAnswer) {
@@ -58,9 +59,9 @@ TEST(MessageConvert, ARequestForAGroupHasRoomForItsAnswer) {
   std::vector<std::uint8_t> memory;
   j1939_MessageRequest request = asked(none);
   request.kind = j1939_MESSAGE_ASK;
-  EXPECT_EQ(to_core(request, 1, milliseconds(1000), memory).memory.size(), kMostBytes);
+  EXPECT_EQ(to_core(request, 1, milliseconds(1000), kMostBytes, memory).memory.size(), kMostBytes);
   request.destination = 255;
-  EXPECT_EQ(to_core(request, 1, milliseconds(1000), memory).memory.size(), 0u);
+  EXPECT_EQ(to_core(request, 1, milliseconds(1000), kMostBytes, memory).memory.size(), 0u);
 }
 
 TEST(MessageConvert, EachOutcomeHasItsCodeAndAReasonThatFits) {

@@ -35,6 +35,17 @@ TEST(MessageValidate, EachFieldOutOfItsRangeIsToldByNameAndRange) {
       {"allowed 0xEF00", gateway_CAUSE_FIELD, [](auto& r) { r.pgn = 0xEF21; }},
       {"priority 8", gateway_CAUSE_FIELD, [](auto& r) { r.priority = 8; }},
       {"data: 1786 bytes", gateway_CAUSE_LENGTH, [](auto& r) { r.data._length = 1786; }},
+      {"long_data: 1785 bytes", gateway_CAUSE_LENGTH,
+       [](auto& r) {
+         r.data._length = 0;
+         r.long_data._length = 1785;
+       }},
+      {"beside 8 of data", gateway_CAUSE_LENGTH, [](auto& r) { r.long_data._length = 1786; }},
+      {"long_data: 1048577", gateway_CAUSE_LENGTH,
+       [](auto& r) {
+         r.data._length = 0;
+         r.long_data._length = 1048577;
+       }},
       {"MESSAGE_ASK has none", gateway_CAUSE_LENGTH, [](auto& r) { r.kind = j1939_MESSAGE_ASK; }},
       {"destination 254", gateway_CAUSE_FIELD, [](auto& r) { r.destination = 254; }},
       {"goes to all", gateway_CAUSE_FIELD, [](auto& r) { r.pgn = 0xFEF1; }},
@@ -55,10 +66,10 @@ TEST(MessageValidate, EachFieldOutOfItsRangeIsToldByNameAndRange) {
 }
 
 TEST(MessageValidate, EachRefusalHasACauseAndAReasonThatFits) {
-  EXPECT_FALSE(explain(Refusal::none, 64));
-  for (const Refusal refusal :
-       {Refusal::queue_full, Refusal::bad_order, Refusal::too_long, Refusal::no_address, Refusal::stopped}) {
-    const auto problem = explain(refusal, 64);
+  EXPECT_FALSE(explain(Refusal::none, 64, 1785));
+  for (const Refusal refusal : {Refusal::queue_full, Refusal::bad_order, Refusal::too_long,
+                                Refusal::too_long_for_all, Refusal::no_address, Refusal::stopped}) {
+    const auto problem = explain(refusal, 64, 1785);
     ASSERT_TRUE(problem);
     EXPECT_FALSE(problem->reason.empty());
     EXPECT_LT(problem->reason.size(), std::size_t{gateway_TEXT});

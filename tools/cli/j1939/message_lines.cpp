@@ -18,6 +18,8 @@ const char* transport_text(j1939_MessageTransport transport) {
       return "broadcast";
     case j1939_TRANSPORT_CONNECTION:
       return "connection";
+    case j1939_TRANSPORT_EXTENDED:
+      return "extended";
     default:
       return "frame";
   }
@@ -96,9 +98,10 @@ std::vector<Table::Column> message_columns() {
           {"PRIO", right, "priority, 0 (most urgent) to 7", 4},
           {"FROM", right, "address of the node that sent it", 4},
           {"TO", right, "address of the node it is for; 255: all", 3},
-          {"BY", left, "frame, or in packets: broadcast to all, connection to one", 10},
+          {"BY", left,
+           "frame, or in packets: broadcast to all, connection to one; extended: over 1785 bytes to one", 10},
           {"RANGE", right, "place in the configuration of the range that takes it", 5},
-          {"LEN", right, "length in bytes, 0 to 1785", 4},
+          {"LEN", right, "length in bytes, 0 to 1048576", 4},
           {"DATA", left, "the bytes, hexadecimal", 23}};
 }
 
@@ -115,8 +118,7 @@ void MessageLines::tell_missed(const j1939_MessageBatch& batch) {
   lost_ = batch.lost;
 }
 
-void MessageLines::show(const j1939_ReceivedMessage& message) {
-  const std::span<const std::uint8_t> data(message.data._buffer, message.data._length);
+void MessageLines::show(const j1939_ReceivedMessage& message, std::span<const std::uint8_t> data) {
   if (output_.json()) {
     JsonObject object;
     object.add("time_ns", message.receive_time)
@@ -141,9 +143,24 @@ void MessageLines::show(const j1939_ReceivedMessage& message) {
 void MessageLines::show(const j1939_MessageBatch& batch) {
   tell_missed(batch);
   for (std::uint32_t i = 0; i < batch.messages._length && !enough(); ++i) {
-    show(batch.messages._buffer[i]);
+    const j1939_ReceivedMessage& message = batch.messages._buffer[i];
+    show(message, {message.data._buffer, message.data._length});
     ++shown_;
   }
+}
+
+void MessageLines::show(const j1939_LongMessage& message) {
+  if (enough()) return;
+  j1939_ReceivedMessage head = {};
+  head.pgn = message.pgn;
+  head.priority = message.priority;
+  head.source = message.source;
+  head.destination = message.destination;
+  head.transport = j1939_TRANSPORT_EXTENDED;
+  head.receive_time = message.receive_time;
+  head.range_index = message.range_index;
+  show(head, {message.data._buffer, message.data._length});
+  ++shown_;
 }
 
 }  // namespace cansync::cli

@@ -34,11 +34,12 @@ class MessageLines {
       : output_(output), table_(message_columns()), count_(count) {}
 
   void show(const j1939_MessageBatch& batch);
+  void show(const j1939_LongMessage& message);
   bool enough() const noexcept { return count_ != 0 && shown_ == count_; }
 
  private:
   void tell_missed(const j1939_MessageBatch& batch);
-  void show(const j1939_ReceivedMessage& message);
+  void show(const j1939_ReceivedMessage& message, std::span<const std::uint8_t> data);
 
   Output& output_;
   Table table_;

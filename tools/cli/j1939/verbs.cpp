@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
 #include "cli/connect/gateway_reply.h"
@@ -29,6 +30,7 @@ using j1939::client::MessageClient;
 struct MessageTexts {
   std::string pgn;
   std::string data;
+  std::string file;
   std::string to;
   std::string priority;
 };
@@ -36,7 +38,10 @@ struct MessageTexts {
 j1939::client::Message parse_message(const MessageTexts& texts) {
   j1939::client::Message message;
   message.pgn = parse_pgn(texts.pgn);
-  message.data = parse_bytes(texts.data);
+  if (!texts.data.empty() && !texts.file.empty())
+    throw UsageError("DATA and --file: the bytes are given twice; give one of them");
+  message.data =
+      texts.file.empty() ? parse_bytes(texts.data) : read_file(texts.file, j1939_LONG_MESSAGE_BYTES);
   // In packets, seven is what the standard says.
   message.priority = message.data.size() > 8 ? 7 : 6;
   if (!texts.to.empty()) message.destination = parse_address(texts.to, "--to");
@@ -93,7 +98,10 @@ ExitCode messages_verb(Session& session, const std::string& count_text) {
   MessageLines lines(session.output(), count);
   constexpr auto kLook = std::chrono::milliseconds(200);
   while (!interrupt_flag().load() && !lines.enough()) {
-    if (client.receive(kLook, [&lines](const j1939_MessageBatch& batch) { lines.show(batch); })) continue;
+    if (client.receive(
+            kLook, [&lines](const j1939_MessageBatch& batch) { lines.show(batch); },
+            [&lines](const j1939_LongMessage& message) { lines.show(message); }))
+      continue;
     session.output().remark("the daemon has gone (" + client.place() + ")");
     return ExitCode::not_reachable;
   }
@@ -224,12 +232,15 @@ void add_transmit(CLI::App& app, Verb& chosen) {
   transmit->add_option("PGN", texts->pgn, "group in five hexadecimal digits, or 0x..")->required();
   transmit->add_option("DATA", texts->data,
                        "up to 1785 bytes of two hexadecimal digits, e.g. 0102FF; none: no data");
+  transmit->add_option("--file", texts->file, "take the bytes from a file, up to 1048576, instead of DATA")
+      ->type_name("FILE");
   transmit->add_option("--to", texts->to, "address of the node it is for, 0..253, or all (the default)")
       ->type_name("ADDRESS");
   transmit->add_option("--priority", texts->priority, "0 (most urgent) to 7; default 6, in packets 7")
       ->type_name("N");
   transmit->footer(fmt::format(
-      "{}. Over 8 bytes go in packets: to all as a broadcast, to one node by a\nconnection. Done means that it was on "
+      "{}. Over 8 bytes go in packets: to all as a broadcast, to one node by a\nconnection; over 1785 to one node alone, as "
+      "many as the daemon's transport.most_bytes allows. Done means that it was on "
       "the bus whole, by a connection that it was acknowledged.",
       kOfJ1939));
   transmit->callback(
