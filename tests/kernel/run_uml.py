@@ -25,10 +25,11 @@ from priority import prefer
 SKIPPED = 77
 MEMORY = 448  # MiB of the kernel inside
 LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "1500"))  # seconds for boot and tests together; four minutes are usual, on a busy machine many more
-MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan")
+MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan",
+           "net/can/j1939/can-j1939")
 # Queueing disciplines: vcan has no back-pressure of its own.
 OPTIONAL_MODULES = ("net/sched/sch_tbf", "net/sched/sch_plug")
-PROGRAMS = ("candump", "cansend", "cangen", "ip", "tc", "insmod", "mount")
+PROGRAMS = ("candump", "cansend", "cangen", "j1939acd", "j1939cat", "j1939spy", "testj1939", "ip", "tc", "insmod", "mount")
 
 
 def skip(reason):

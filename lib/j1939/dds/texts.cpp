@@ -44,6 +44,10 @@ std::string_view reason_of_abort(std::uint8_t reason) noexcept {
       return "a packet twice";
     case AbortReason::too_long:
       return "the message is too long for it";
+    case AbortReason::wrong_count:
+      return "more packets were announced than it asked for";
+    case AbortReason::wrong_offset:
+      return "an offset that is not that of the packet it asked for";
   }
   return "no reason that the standard knows";
 }

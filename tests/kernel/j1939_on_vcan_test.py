@@ -1,0 +1,174 @@
+"""J1939 on a real CAN socket, against the kernel's own stack and its programs (can-utils): j1939cat, j1939acd, j1939spy, testj1939."""
+
+import json
+import os
+import select
+import subprocess
+import tempfile
+import unittest
+
+from canline import INTERFACE, LONG, Candump, Place, Process, create_interface, wait_for
+from gateway import CANSYNCD, end
+
+OTHER = 0x40  # address of the programs
+OWN = 0x80
+TAKEN = 0x90  # what the daemon takes when it loses that
+GROUP = "12300"  # for one destination
+CONFIG = """
+[bus]
+protocol = "j1939"
+name = "{bus}"
+interface = "{interface}"
+bit_rate = 250000
+[dds]
+domain = {domain}
+[address]
+preferred = 0x80
+arbitrary = true
+first_other = 0x90
+last_other = 0x90
+[name]
+identity = 1234
+manufacturer = 7
+[send]
+timeout_ms = 30000
+[transport]
+most_bytes = 20000
+[[receive]]
+number = 0
+first = 0x12300
+[[receive]]
+number = 1
+first = 0xFEF1
+"""
+
+
+def bytes_of(count):
+    return bytes((7 * i + i // 256) % 256 for i in range(count))
+
+
+class AgainstTheKernelsStack(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        create_interface()
+        cls.place = Place()
+        cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        config = os.path.join(cls.folder, "bus.toml")
+        with open(config, "w", encoding="utf-8") as file:
+            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, interface=INTERFACE))
+        cls.log = cls.enterClassContext(Candump())
+        cls.daemon = cls.enterClassContext(Process(CANSYNCD, config))
+
+    def status(self):
+        result = self.place.run("status", "--json")
+        return json.loads(result.stdout) if result.returncode == 0 else {}
+
+    def wait_for_address(self, address):
+        wait_for(f"address {address}", lambda: self.status().get("claim_state") == "claimed" and self.status()["address"] == address)
+
+    def file_of(self, data):
+        path = os.path.join(self.folder, "data")
+        with open(path, "wb") as file:
+            file.write(data)
+        return path
+
+    def transmit(self, *arguments):
+        """In this kernel a program may find its daemon late."""
+
+        def attempt():
+            result = self.place.run("transmit", *arguments, "--json")
+            return result.stdout and json.loads(result.stdout)["result"] == "done"
+
+        wait_for(f"transmit {arguments}", attempt)
+
+    # Names begin with their order: the address is lost at the end.
+    def test_1_single_frames_and_broadcasts_both_ways(self):
+        self.wait_for_address(OWN)
+        for count in (8, 100):
+            data = bytes_of(count)
+            with tempfile.TemporaryFile() as output:
+                spy = subprocess.Popen(["j1939cat", "-B", "-r", f"{INTERFACE}:{OTHER:#x}"], stdout=output)
+                try:
+                    # Until the program listens.
+                    wait_for("the program hears it", lambda: self.transmit("0FEF1", "--file", self.file_of(data)) or size_of(output) >= count)
+                finally:
+                    end(spy)
+                output.seek(0)
+                self.assertEqual(output.read(count), data)
+            with self.place.start("messages", "--json") as messages:
+                self.until_heard(messages, data, ["j1939cat", "-B", "-i", self.file_of(data), f"{INTERFACE}:{OTHER:#x}", ":,0x0FEF1"])
+
+    def test_2_connections_and_longer_ones_both_ways(self):
+        self.wait_for_address(OWN)
+        for count, transport in ((9, "connection"), (1785, "connection"), (1786, "extended"), (6000, "extended")):
+            data = bytes_of(count)
+            with self.place.start("messages", "--json") as messages:
+                self.until_heard(messages, data, ["j1939cat", "-i", self.file_of(data), f"{INTERFACE}:{OTHER:#x}", f":{OWN:#x},0x{GROUP}"], transport)
+            with tempfile.TemporaryFile() as output:
+                receiver = subprocess.Popen(["j1939cat", "-r", f"{INTERFACE}:{OTHER:#x}"], stdout=output)
+                try:
+                    self.transmit(GROUP, "--file", self.file_of(data), "--to", str(OTHER))
+                    wait_for("it is there whole", lambda: size_of(output) >= count)
+                finally:
+                    end(receiver)
+                output.seek(0)
+                self.assertEqual(output.read(count), data)
+
+    def until_heard(self, messages, data, command, transport=None):
+        """The program sends until the message comes: it may begin before anybody listens."""
+
+        def attempt():
+            subprocess.run(command, check=True, timeout=LONG)
+            return messages.next_object() if select.select([messages.stdout], [], [], 2)[0] else None
+
+        got = wait_for(f"{len(data)} bytes come", attempt)
+        self.assertEqual(bytes(got["data"]), data)
+        self.assertEqual(got["source"], OTHER)
+        if transport:
+            self.assertEqual(got["transport"], transport)
+            self.assertEqual(got["destination"], OWN)
+
+    def test_3_the_kernels_programs_read_what_is_sent(self):
+        self.wait_for_address(OWN)
+        for command in (["testj1939", "-B", "-r", f"{INTERFACE}:{OTHER:#x}"], ["j1939spy", "-P", INTERFACE]):
+            with tempfile.TemporaryFile() as output:
+                program = subprocess.Popen(["stdbuf", "-o0", *command], stdout=output, stderr=subprocess.STDOUT)
+                try:
+                    wait_for("it reads", lambda: self.transmit("0FEF1", "C0FFEE0102030405") or size_of(output) > 0)
+                    output.seek(0)
+                    text = output.read().decode(errors="replace")
+                finally:
+                    end(program)
+            print(command[0], repr(text[:200]))
+            self.assertIn("c0ffee0102030405", text.lower().replace(" ", "").replace(":", ""), text)
+
+    def test_4_a_weaker_name_gets_another_address_and_a_stronger_one_takes_ours(self):
+        self.wait_for_address(OWN)
+        cache = os.path.join(self.folder, "cache")
+        weaker = subprocess.Popen(["j1939acd", "-r", "128,129", "-a", "128", "-c", cache + "1", "FFFFFFFFFFFFFFF0", INTERFACE])
+        try:
+            wait_for("the weaker one has 129", lambda: 129 in self.others())
+            self.assertEqual(self.status()["address"], OWN)
+        finally:
+            end(weaker)
+        stronger = subprocess.Popen(["j1939acd", "-r", "128", "-a", "128", "-c", cache + "2", "0000000000000010", INTERFACE])
+        try:
+            self.wait_for_address(TAKEN)
+            self.assertEqual(self.others()[128], "0000000000000010")
+            self.transmit("0FEF1", "0102030405060708")
+            self.log.wait_for_frame("18FEF190#0102030405060708")
+        finally:
+            end(stronger)
+
+    def others(self):
+        result = self.place.run("addresses", "--json")
+        found = [json.loads(line) for line in result.stdout.splitlines()] if result.returncode == 0 else []
+        return {one["address"]: one["name"] for one in found if not one["own"]}
+
+
+def size_of(file):
+    return os.fstat(file.fileno()).st_size
+
+
+if __name__ == "__main__":
+    unittest.main()
