@@ -193,6 +193,23 @@ class Frames(unittest.TestCase):
         coloured = self.place.run("can", "dump", "--count", 2, "--color", "always").stdout.decode().splitlines()
         self.assertRegex(coloured[2], r" \x1b\[33m[0-9A-F]{2}\x1b\[0m 07$")  # the counter has changed
 
+    def test_frames_are_named_by_a_dbc_file(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".dbc", encoding="latin-1") as file:
+            file.write(f'BO_ {0x18DAF110 | 1 << 31} Engine: 2 ECU\n SG_ Counter : 0|8@1+ (1,0) [0|255] "" X\n'
+                       ' SG_ Oil : 8|8@1+ (0.5,-40) [0|0] "\u00b0C" X\nVAL_ 2564485392 Oil 7 "cold" ;\n')
+            file.flush()
+            lines = self.place.run("can", "dump", "--count", 1, "--dbc", file.name).stdout.decode().splitlines()
+            found = json.loads(self.place.run("can", "dump", "--count", 1, "--dbc", file.name, "--json").stdout)
+        self.assertEqual(re.split("  *", lines[0].strip()), list(helps(CANSYNC)["can dump"].explained("Columns")))
+        self.assertRegex(lines[1], r" ([0-9A-F]{2}) 07 +Engine: Counter \d+, Oil -36.5 \u00b0C \(cold\)$")
+        self.assertEqual((found["message"], found["signals"][1]), ("Engine", {"name": "Oil", "raw": 7, "value": -36.5, "unit": "\u00b0C", "word": "cold"}))
+        with tempfile.NamedTemporaryFile("w", suffix=".dbc") as file:
+            file.write("BO_ 1 A: 8 X\n SG_ S 0|8\n")
+            file.flush()
+            wrong = self.place.run("can", "dump", "--dbc", file.name)
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn(f"{file.name}:2:8: found '0'; allowed: ':'", wrong.stderr)
+
     def test_in_stop_nothing_is_sent(self):
         self.assertEqual(self.one("can", "stop")["result"], "done")
         try:

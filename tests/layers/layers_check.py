@@ -24,6 +24,7 @@ lib/text:                   lib/system
 lib/config:                 lib/text
 lib/profile:                lib/text lib/config
 lib/can:                    lib/system
+lib/dbc:                    lib/can
 lib/cansync:                lib/can
 lib/layer2:                 lib/can
 lib/j1939:                  lib/can
@@ -94,7 +95,7 @@ daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/lay
 daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/service daemon/desk
                             daemon/status
                             daemon/layer2 daemon/layer2/config
-daemon/layer2/segment:      lib/config lib/can lib/dds lib/layer2/sim daemon/service daemon/loop
+daemon/layer2/segment:      lib/config lib/can lib/sim lib/dds lib/layer2/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
 daemon/j1939:               lib/can lib/j1939 lib/rt
@@ -121,7 +122,7 @@ tools/cli/learn:            lib/system lib/profile lib/cansync daemon/cansync/co
 tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
-tools/cli/layer2:           lib/text lib/can lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/trace tools/cli/connect
+tools/cli/layer2:           lib/text lib/can lib/dbc lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/trace tools/cli/connect
 tools/cli/j1939:            idl lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn

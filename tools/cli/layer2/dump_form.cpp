@@ -4,9 +4,11 @@
 
 #include <array>
 #include <chrono>
+#include <utility>
 
 #include "can/candump.h"
 #include "cli/base/session.h"
+#include "cli/layer2/dbc_file.h"
 #include "cli/layer2/frame_lines.h"
 
 namespace cansync::cli {
@@ -15,11 +17,13 @@ namespace {
 /// Width of eight bytes with blanks between.
 constexpr std::size_t kDataWidth = 23;
 
-JsonObject dumped_object(const DumpedFrame& dumped) {
+JsonObject dumped_object(const DumpedFrame& dumped, const dbc::Database& names) {
   JsonObject object;
   object.add("time_ns", dumped.time);
   add_frame(dumped.frame, object);
-  return object.add("range", dumped.range).add("high_priority", dumped.high_priority);
+  object.add("range", dumped.range).add("high_priority", dumped.high_priority);
+  add_meaning(names, dumped.frame, object);
+  return object;
 }
 
 }  // namespace
@@ -33,12 +37,13 @@ std::vector<Table::Column> dump_columns() {
           {"RANGE", right, "place in the configuration of the range that takes it", 5},
           {"DATA", left,
            "the bytes, hexadecimal, those that changed in colour; remote: a frame that asks for them",
-           kDataWidth}};
+           kDataWidth},
+          {"MEANING", left, "with --dbc: message and signals, with unit and name of the value", 7}};
 }
 
-DumpForm::DumpForm(Output& output, const Choice& choice)
-    : output_(output), choice_(choice), table_(dump_columns()) {
-  if (!choice.capture.empty()) capture_ = std::make_unique<TraceCapture>(choice.capture, output, "--write");
+DumpForm::DumpForm(Output& output, Choice choice)
+    : output_(output), choice_(std::move(choice)), table_(dump_columns()) {
+  if (!choice_.capture.empty()) capture_ = std::make_unique<TraceCapture>(choice_.capture, output, "--write");
 }
 
 std::string DumpForm::painted_data(const can::Frame& frame) {
@@ -61,10 +66,11 @@ std::string DumpForm::painted_data(const can::Frame& frame) {
 }
 
 std::string DumpForm::table_line(const DumpedFrame& dumped) {
-  std::string line = table_.line({time_text(dumped.time, true), identifier_text(dumped.frame),
-                                  fmt::format("{}", dumped.frame.dlc), fmt::format("{}", dumped.range), ""});
+  std::string line =
+      table_.line({time_text(dumped.time, true), identifier_text(dumped.frame),
+                   fmt::format("{}", dumped.frame.dlc), fmt::format("{}", dumped.range), "", ""});
   line.resize(line.find_last_not_of(' ') + 1);
-  line += "  " + painted_data(dumped.frame);
+  line += "  " + painted_data(dumped.frame) + "  " + meaning_of(choice_.names, dumped.frame);
   line.resize(line.find_last_not_of(' ') + 1);
   return line + '\n';
 }
@@ -78,7 +84,7 @@ void DumpForm::write(const DumpedFrame& dumped) {
     const auto micros = std::chrono::duration_cast<std::chrono::microseconds>(time);
     text_.append(line.data(), can::write_candump_line(micros, choice_.bus, dumped.frame, line));
   } else if (output_.json()) {
-    text_ += dumped_object(dumped).text() + '\n';
+    text_ += dumped_object(dumped, choice_.names).text() + '\n';
   } else {
     if (!headed_) text_ += table_.heading() + '\n';
     headed_ = true;

@@ -10,6 +10,7 @@
 #include "cli/base/output.h"
 #include "cli/text/table.h"
 #include "cli/trace/trace_writer.h"
+#include "dbc/database.h"
 
 /// How `can dump` writes frames. Main thread.
 namespace cansync::cli {
@@ -34,9 +35,10 @@ class DumpForm {
     bool candump = false;
     std::string capture;  ///< file of the capture, "-" for standard output; empty: none
     std::string bus;      ///< what logs and captures call the interface
+    dbc::Database names;  ///< what frames mean; empty: not told
   };
   /// Opens the capture. Throws as TraceCapture.
-  DumpForm(Output& output, const Choice& choice);
+  DumpForm(Output& output, Choice choice);
 
   /// What is written comes out at the next `flush`.
   void write(const DumpedFrame& frame);

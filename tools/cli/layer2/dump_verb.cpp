@@ -5,10 +5,12 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
+#include "cli/layer2/dbc_file.h"
 #include "cli/layer2/dump_filter.h"
 #include "cli/layer2/dump_form.h"
 #include "cli/text/column_help.h"
@@ -26,13 +28,14 @@ struct DumpTexts {
   std::string kind;
   bool candump = false;
   std::string write;
+  std::string dbc;
 };
 
 /// Takes batches, and writes the frames that are wanted until `count` are there; 0: without end.
 class Dump {
  public:
-  Dump(Output& output, DumpFilter filter, const DumpForm::Choice& form, std::uint64_t count)
-      : output_(output), filter_(std::move(filter)), form_(output, form), count_(count) {}
+  Dump(Output& output, DumpFilter filter, DumpForm::Choice form, std::uint64_t count)
+      : output_(output), filter_(std::move(filter)), form_(output, std::move(form)), count_(count) {}
 
   void take(const layer2_FrameBatch& batch);
   void flush() { form_.flush(); }
@@ -89,8 +92,10 @@ ExitCode dump_verb(Session& session, const DumpTexts& texts) {
   if (int{texts.candump} + int{!texts.write.empty()} + int{session.json()} > 1)
     throw UsageError("--candump, --write, --json: found more than one; allowed: one of the three");
   const DumpFilter filter = filter_of(texts);
+  DumpForm::Choice form{texts.candump, texts.write, session.bus(), {}};
+  if (!texts.dbc.empty()) form.names = load_dbc(texts.dbc);
   auto client = connect_bus<layer2::client::FrameClient>(session);
-  Dump dump(session.output(), filter, {texts.candump, texts.write, session.bus()}, count);
+  Dump dump(session.output(), filter, std::move(form), count);
   constexpr auto kLook = std::chrono::milliseconds(200);
   ExitCode code = ExitCode::done;
   while (!interrupt_flag().load() && !dump.enough()) {
@@ -119,6 +124,7 @@ void add_dump_verb(CLI::App& can, Verb& chosen) {
       ->expected(1)
       ->take_all();
   dump->add_option("--kind", texts->kind, "data frames or remote frames alone")->type_name("data|remote");
+  dump->add_option("--dbc", texts->dbc, "name messages and signals by this DBC file")->type_name("FILE");
   dump->add_flag("--candump", texts->candump, "write a text log as candump -L does instead");
   dump->add_option("--write", texts->write,
                    "write a pcapng capture into FILE instead, which is replaced; - = stdout")

@@ -1,0 +1,98 @@
+#include "dbc/database.h"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+namespace dbc {
+namespace {
+
+constexpr unsigned kByteBits = 8;
+
+/// `bits` lower bits of `raw` as two's complement.
+std::int64_t sign_extended(std::uint64_t raw, unsigned bits) noexcept {
+  const unsigned unused = 64 - bits;
+  return static_cast<std::int64_t>(raw << unused) >> unused;
+}
+
+double number_of(const Signal& signal, std::uint64_t raw) noexcept {
+  switch (signal.kind) {
+    case NumberKind::unsigned_integer:
+      return static_cast<double>(raw);
+    case NumberKind::signed_integer:
+      return static_cast<double>(sign_extended(raw, signal.length));
+    case NumberKind::float32:
+      return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw)));
+    case NumberKind::float64:
+      return std::bit_cast<double>(raw);
+  }
+  return 0.0;
+}
+
+std::string_view word_of(const Signal& signal, std::uint64_t raw) noexcept {
+  const std::int64_t wanted = signal.kind == NumberKind::signed_integer ? sign_extended(raw, signal.length)
+                                                                        : static_cast<std::int64_t>(raw);
+  const auto found = std::find_if(signal.words.begin(), signal.words.end(),
+                                  [wanted](const auto& word) { return word.first == wanted; });
+  return found == signal.words.end() ? std::string_view() : std::string_view(found->second);
+}
+
+auto place_of(const Message& message) noexcept {
+  return std::make_tuple(message.extended, message.identifier);
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> raw_bits(const Signal& signal, std::span<const std::uint8_t> data) noexcept {
+  std::uint64_t raw = 0;
+  std::size_t byte = signal.start / kByteBits;
+  unsigned bit = signal.start % kByteBits;
+  for (unsigned i = 0; i < signal.length; ++i) {
+    if (byte >= data.size()) return std::nullopt;
+    const std::uint64_t one = (data[byte] >> bit) & 1U;
+    if (signal.little_endian) {
+      raw |= one << i;
+      if (++bit == kByteBits) {
+        bit = 0;
+        ++byte;
+      }
+    } else {
+      raw = (raw << 1U) | one;
+      if (bit-- == 0) {
+        bit = kByteBits - 1;
+        ++byte;
+      }
+    }
+  }
+  return raw;
+}
+
+std::vector<Reading> read_signals(const Message& message, std::span<const std::uint8_t> data) {
+  std::optional<std::uint64_t> choice;
+  for (const Signal& signal : message.signals)
+    if (signal.chooses) choice = raw_bits(signal, data);
+  std::vector<Reading> readings;
+  for (const Signal& signal : message.signals) {
+    if (signal.chosen_by && signal.chosen_by != choice) continue;
+    const auto raw = raw_bits(signal, data);
+    if (!raw) continue;
+    readings.push_back(
+        {&signal, *raw, number_of(signal, *raw) * signal.factor + signal.offset, word_of(signal, *raw)});
+  }
+  return readings;
+}
+
+Database::Database(std::vector<Message> messages) : messages_(std::move(messages)) {
+  std::sort(messages_.begin(), messages_.end(),
+            [](const Message& one, const Message& other) { return place_of(one) < place_of(other); });
+}
+
+const Message* Database::find(std::uint32_t identifier, bool extended) const noexcept {
+  const auto wanted = std::make_tuple(extended, identifier);
+  const auto found =
+      std::lower_bound(messages_.begin(), messages_.end(), wanted,
+                       [](const Message& message, const auto& place) { return place_of(message) < place; });
+  return found != messages_.end() && place_of(*found) == wanted ? &*found : nullptr;
+}
+
+}  // namespace dbc

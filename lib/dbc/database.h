@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "can/frame.h"
+
+/// Messages and signals by name, as a DBC file describes them. Plain values; they allocate, so not for the
+/// realtime thread.
+namespace dbc {
+
+/// How the bits of a signal are a number.
+enum class NumberKind : std::uint8_t { unsigned_integer, signed_integer, float32, float64 };
+
+/// A part of a message.
+struct Signal {
+  std::string name;
+  std::string unit;  ///< UTF-8; may be empty
+  unsigned start =
+      0;  ///< bit in the file's own count: bit 0 is the lowest of byte 0, bit 8 the lowest of byte 1
+  unsigned length = 1;  ///< bits, 1..64
+  bool little_endian =
+      true;  ///< `start` is the lowest bit; false: the highest, and it goes on to lower bits and later bytes
+  NumberKind kind = NumberKind::unsigned_integer;
+  double factor = 1.0;   ///< value = raw * factor + offset
+  double offset = 0.0;   ///< in `unit`
+  bool chooses = false;  ///< its raw value says which of the others are there (multiplexor)
+  std::optional<std::uint64_t>
+      chosen_by;  ///< it is there when the multiplexor has this raw value; nothing: always
+  std::vector<std::pair<std::int64_t, std::string>> words;  ///< raw values that have a name
+};
+
+/// A message that one identifier carries.
+struct Message {
+  std::uint32_t identifier = 0;  ///< 0..0x7FF; extended 0..0x1FFFFFFF
+  bool extended = false;         ///< the identifier has 29 bits
+  unsigned length = 0;           ///< bytes, 0..1785
+  std::string name;
+  std::vector<Signal> signals;  ///< in the order of the file
+};
+
+/// The value of a signal in a message that came.
+struct Reading {
+  const Signal* signal = nullptr;  ///< lives as long as its message
+  std::uint64_t raw = 0;           ///< its bits
+  double value = 0.0;              ///< in the signal's unit
+  std::string_view word;           ///< the name of this raw value; empty: it has none
+};
+
+/// The bits of a signal in `data`, which may be shorter than its message; nothing when not all of them are
+/// there.
+std::optional<std::uint64_t> raw_bits(const Signal& signal, std::span<const std::uint8_t> data) noexcept;
+
+/// The signals that are in `data`, in the order of the file: those whose bits are all there and that the
+/// multiplexor, if there is one, chooses.
+std::vector<Reading> read_signals(const Message& message, std::span<const std::uint8_t> data);
+
+/// The messages of a file.
+class Database {
+ public:
+  /// Takes messages of which no two have the same identifier and width.
+  explicit Database(std::vector<Message> messages);
+  Database() = default;
+
+  /// The message of a frame's identifier; null: there is none.
+  const Message* find(std::uint32_t identifier, bool extended) const noexcept;
+  const Message* find(const can::Frame& frame) const noexcept { return find(frame.id, frame.extended); }
+
+  /// By rising identifier, those of 11 bits first.
+  const std::vector<Message>& messages() const noexcept { return messages_; }
+
+ private:
+  std::vector<Message> messages_;
+};
+
+}  // namespace dbc
