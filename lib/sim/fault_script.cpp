@@ -83,7 +83,7 @@ class FaultReader {
     std::string_view name;
     unsigned kinds;
   };
-  static constexpr std::size_t kKeyCount = 13;
+  static constexpr std::size_t kKeyCount = 14;
   /// All keys; that of a node is a word of the protocol.
   std::array<Key, kKeyCount> keys() const {
     return {{
@@ -96,6 +96,7 @@ class FaultReader {
         {"channel", kFiltered},
         {"identifier", kFiltered},
         {"mask", kFiltered},
+        {"extended", kFiltered},
         {"receivers", bit(FaultKind::lost)},
         {"delay_us", bit(FaultKind::late)},
         {"frame", bit(FaultKind::inject)},
@@ -200,10 +201,17 @@ class FaultReader {
     }
     if (channel != nullptr) read_channel(*channel);
     if (identifier != nullptr) {
-      fault_.identifier = static_cast<std::uint32_t>(integer("identifier", 0, 0x7FF).value_or(0));
-      fault_.mask = static_cast<std::uint32_t>(integer("mask", 0, 0x7FF).value_or(0x7FF));
+      constexpr std::uint32_t kMost = can::kExtendedIdentifierMask;
+      fault_.identifier = static_cast<std::uint32_t>(integer("identifier", 0, kMost).value_or(0));
+      fault_.mask = static_cast<std::uint32_t>(integer("mask", 0, kMost).value_or(kMost));
     } else if (const Node* mask = table_.find("mask")) {
       wrong(mask->where, "mask needs the key identifier");
+    }
+    if (const Node* extended = table_.find("extended")) {
+      const bool* value = scalar<bool>(*extended);
+      if (value == nullptr)
+        return wrong_value(*extended, "true (29-bit identifiers) or false (those of 11 bits)");
+      fault_.extended = *value;
     }
   }
 

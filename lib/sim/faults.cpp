@@ -62,6 +62,7 @@ bool FaultSchedule::in_time(const Entry& entry) const noexcept {
 bool FaultSchedule::concerns(const Entry& entry, const can::Frame& frame) const noexcept {
   const Fault& fault = entry.fault;
   if (!in_time(entry) || ((frame.id ^ fault.identifier) & fault.mask) != 0) return false;
+  if (fault.extended && *fault.extended != frame.extended) return false;
   return !fault.node || (protocol_ != nullptr && protocol_->node_of(frame) == fault.node);
 }
 

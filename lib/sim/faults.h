@@ -48,6 +48,7 @@ struct Fault {
   std::optional<NodeNumber> node;
   std::uint32_t identifier = 0;        ///< filter: frames with (id & mask) == (identifier & mask)
   std::uint32_t mask = 0;              ///< 0 = any frame
+  std::optional<bool> extended;        ///< filter: frames with 29-bit identifiers, or those without
   NodeSet receivers = NodeSet::all();  ///< lost: nodes that do not get it
   bool lost_to_master = true;          ///< lost: the master does not get it either
   can::Time delay{0};                  ///< late: how much; inject: after the SYNC edge

@@ -3,7 +3,7 @@
 import subprocess
 import unittest
 
-from canline import CANSYNC_SIM, INTERFACE, LONG, SYNC, Candump, Simulator, Wire, create_interface, delete_interface, ip
+from canline import CANSYNC_SIM, INTERFACE, LONG, SYNC, Candump, Process, Simulator, Wire, create_interface, delete_interface, ip
 
 
 class SimulatorOnVcan(unittest.TestCase):
@@ -42,6 +42,21 @@ class SimulatorOnVcan(unittest.TestCase):
             log.wait_for_frame("101#4523010000000000")
             self.assertEqual(master.stop(), 0)
         self.assertRegex(master.text(), "master in state 'synchronous operation active as master', [1-9][0-9]* SYNC")
+
+    def test_a_device_of_a_script(self):
+        with open("/dev/shm/device.toml", "w", encoding="utf-8") as file:
+            file.write('[[answer]]\nto = "601#40"\nframe = "581#4301"\nafter_ms = 1\n[[answer]]\nto = "18DAF110#R"\nframe = "18DA10F1#02"\n'
+                       '[[periodic]]\nframe = "181#00"\nevery_ms = 20\ncounting_byte = 0\n')
+        with Process(CANSYNC_SIM, INTERFACE, "--device", file.name) as device, Candump() as log, Wire() as wire:
+            device.wait_text("2 answers, 1 frames sent again and again")
+            for asked, answer in (("601#40AA", "581#4301"), ("18DAF110#R", "18DA10F1#02")):
+                wire.send(asked)
+                log.wait_for_frame(answer)
+            log.wait_for_frame("181#03")
+            self.assertEqual(device.stop(), 0)
+        self.assertRegex(device.text(), r"\d+ frames received, \d+ sent, 0 not sent")
+        counted = [int(frame[4:], 16) for frame in log.frames() if frame.startswith("181#")]
+        self.assertEqual(counted, list(range(counted[0], counted[0] + len(counted))))
 
     def test_fault_script(self):
         with open("/dev/shm/faults.toml", "w", encoding="utf-8") as file:

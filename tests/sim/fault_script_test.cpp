@@ -54,6 +54,18 @@ receivers = [1, 31, "master"]
   EXPECT_TRUE(fault.lost_to_master);
 }
 
+TEST(FaultScript, IdentifiersMayHave29Bits) {
+  const Fault wide = only("[[fault]]\nkind = \"lost\"\nidentifier = 0x18DAF110\nextended = true\n");
+  EXPECT_EQ(wide.identifier, 0x18DAF110u);
+  EXPECT_EQ(wide.extended, true);
+  EXPECT_EQ(only("[[fault]]\nkind = \"lost\"\n").extended, std::nullopt);
+  const FaultScript wrong =
+      sim::parse_fault_script("[[fault]]\nkind = \"lost\"\nextended = 1\n", "f.toml", sim::drive_faults());
+  ASSERT_EQ(wrong.errors.size(), 1u);
+  EXPECT_EQ(to_string(wrong.errors[0]),
+            "f.toml:3:12: extended is 1; allowed: true (29-bit identifiers) or false (those of 11 bits)");
+}
+
 TEST(FaultScript, DefaultsAreAlwaysAndEverybody) {
   const Fault fault = only("[[fault]]\nkind = \"lost\"\n");
   EXPECT_EQ(fault.from, 0u);
@@ -69,7 +81,7 @@ TEST(FaultScript, DefaultsAreAlwaysAndEverybody) {
 
 TEST(FaultScript, EveryKind) {
   EXPECT_EQ(only("[[fault]]\nkind = \"late\"\ndelay_us = 12.5\n").delay, us(12.5));
-  EXPECT_EQ(only("[[fault]]\nkind = \"corrupted\"\nidentifier = 0x010\n").mask, 0x7FFu);
+  EXPECT_EQ(only("[[fault]]\nkind = \"corrupted\"\nidentifier = 0x010\n").mask, 0x1FFFFFFFu);
   EXPECT_EQ(only("[[fault]]\nkind = \"corrupted\"\nidentifier = 0x010\nmask = 0x0F0\n").mask, 0x0F0u);
   EXPECT_EQ(only("[[fault]]\nkind = \"duplicated\"\nchannel = \"action\"\n").identifier, 0x010u);
   EXPECT_EQ(only("[[fault]]\nkind = \"silent\"\nslave = 7\n").node, 7);
@@ -141,8 +153,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[fault]]\nkind = \"lost\"\nchannel = \"rdc1\"\nidentifier = 1\n",
               "f.toml:4:14: channel and identifier exclude each other"},
         Wrong{"[[fault]]\nkind = \"lost\"\nmask = 1\n", "f.toml:3:8: mask needs the key identifier"},
-        Wrong{"[[fault]]\nkind = \"lost\"\nidentifier = 0x800\n",
-              "f.toml:3:14: identifier is 2048; allowed: a whole number 0 to 2047"},
+        Wrong{"[[fault]]\nkind = \"lost\"\nidentifier = 0x20000000\n",
+              "f.toml:3:14: identifier is 536870912; allowed: a whole number 0 to 536870911"},
         Wrong{"[[fault]]\nkind = \"lost\"\nreceivers = []\n",
               "f.toml:3:13: receivers is an array; allowed: "},
         Wrong{"[[fault]]\nkind = \"lost\"\nreceivers = [1, \"all\"]\n",

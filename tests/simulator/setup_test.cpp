@@ -82,6 +82,24 @@ TEST(Setup, Defaults) {
   EXPECT_EQ(setup.drives[0].lock_time, 500ms);
 }
 
+TEST(Setup, ADeviceIsThatOfItsScript) {
+  const ScratchFile script("[[answer]]\nto = \"601#\"\nframe = \"581#\"\n");
+  Arguments arguments = on("vcan0");
+  arguments.device = script.path();
+  const auto setup = make_setup(arguments);
+  EXPECT_TRUE(setup.problems.empty());
+  ASSERT_TRUE(setup.device);
+  EXPECT_EQ(setup.device->answers.size(), 1u);
+  EXPECT_EQ(setup.interface, "vcan0");
+  EXPECT_TRUE(setup.drives.empty());
+  arguments.master = true;
+  EXPECT_EQ(problems(arguments), "--master: given with --device; allowed: one of the two\n");
+  arguments.master = false;
+  const ScratchFile wrong("[[answer]]\nto = 1\n");
+  arguments.device = wrong.path();
+  EXPECT_NE(problems(arguments).find(":2:6: to is 1"), std::string::npos);
+}
+
 TEST(Setup, AMasterGetsTheLineAndItsReferenceValues) {
   Arguments arguments = on("can0");
   arguments.master = true;

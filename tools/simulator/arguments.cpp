@@ -30,6 +30,9 @@ void describe(CLI::App& app, Arguments& arguments) {
                  "Intervals without reference values until a drive faults, 0 = never (default 10)")
       ->type_name("N");
   app.add_option("--faults", arguments.faults, "Fault script (docs/fault-scripts.md)")->type_name("FILE");
+  app.add_option("--device", arguments.device,
+                 "Be the device of this script instead, on a bus of general frames (docs/cansync-sim.md)")
+      ->type_name("FILE");
   app.add_option("--seed", arguments.seed, "Seed of the faults' chance (default 1)")->type_name("N");
   app.add_option("--config", arguments.config, "The daemon's configuration file: take the line from it")
       ->type_name("FILE");
@@ -55,8 +58,9 @@ void describe(CLI::App& app, Arguments& arguments) {
 }  // namespace
 
 std::variant<Arguments, CommandLineEnd> parse_arguments(int argc, const char* const* argv) {
-  CLI::App app("Simulated CANsync drives, or a simulated master, on a CAN interface of the kernel.",
-               "cansync-sim");
+  CLI::App app(
+      "Simulated CANsync drives, a simulated master, or a device of a script, on a CAN interface of the kernel.",
+      "cansync-sim");
   Arguments arguments;
   describe(app, arguments);
   if (auto end = text::read_command_line(app, argc, argv)) return *std::move(end);

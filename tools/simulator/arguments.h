@@ -15,6 +15,7 @@ struct Arguments {
   std::string slaves;
   std::string sync_id;
   std::string faults;
+  std::string device;
   std::string bit_rate;
   std::string lock_time;
   std::string status_parameter;

@@ -13,6 +13,7 @@
 #include "simulator/bench.h"
 #include "simulator/drive_log.h"
 #include "simulator/master_bench.h"
+#include "simulator/node_bench.h"
 #include "simulator/run.h"
 #include "simulator/setup.h"
 #include "simulator/socket_port.h"
@@ -54,6 +55,15 @@ int run_master(const Setup& setup, SocketPort& port, bool verbose) {
   return end(summary(bench, port.dropped()));
 }
 
+int run_device(const Setup& setup, SocketPort& port) {
+  const sim::DeviceSettings& device = *setup.device;
+  NodeBench bench(std::make_unique<sim::ScriptedDevice>(device), port.now());
+  remark(fmt::format("a device on {}, {} answers, {} frames sent again and again", setup.interface,
+                     device.answers.size(), device.periods.size()));
+  run(bench, port, {setup.interface, remark});
+  return end(summary(bench, port.dropped()));
+}
+
 int run_program(const Arguments& arguments) {
   const Setup setup = make_setup(arguments);
   for (const std::string& problem : setup.problems) remark(problem);
@@ -69,6 +79,7 @@ int run_program(const Arguments& arguments) {
                        remedy(port.link(), setup.interface)));
     return kCannotStart;
   }
+  if (setup.device) return run_device(setup, port);
   return setup.master ? run_master(setup, port, arguments.verbose)
                       : run_drives(setup, port, arguments.verbose);
 }

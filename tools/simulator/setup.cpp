@@ -15,6 +15,7 @@
 #include "daemon/cansync/bus/drive_settings.h"
 #include "daemon/cansync/config/file.h"
 #include "daemon/cansync/config/options.h"
+#include "sim/device_script.h"
 #include "sim/fault_script.h"
 
 namespace cansync_sim {
@@ -117,7 +118,8 @@ class SetupReader {
           fmt::format("bus.interface: found \"{}\"; allowed: printable characters but space and ', such as "
                       "vcan0 or can0",
                       arguments_.interface));
-    if (setup_.problems.empty()) read_line(slaves);
+    if (!setup_.problems.empty()) return std::move(setup_);
+    arguments_.device.empty() ? read_line(slaves) : read_device();
     return std::move(setup_);
   }
 
@@ -169,6 +171,18 @@ class SetupReader {
     setup_.master.emplace();
     setup_.master->master = config.master;
     setup_.master->references = references_;
+  }
+
+  void read_device() {
+    for (const auto& [option, given] :
+         {std::pair{"--config", !arguments_.config.empty()},
+          std::pair{"--slaves", !arguments_.slaves.empty()},
+          std::pair{"--faults", !arguments_.faults.empty()}, std::pair{"--master", arguments_.master}})
+      if (given) problem(fmt::format("{}: given with --device; allowed: one of the two", option));
+    sim::DeviceScript script = sim::load_device_script(arguments_.device);
+    for (const config::Problem& error : script.errors) problem(to_string(error));
+    setup_.interface = arguments_.interface;
+    setup_.device = std::move(script.device);
   }
 
   void read_line(cansync::SlaveMask slaves) {

@@ -6,6 +6,7 @@
 
 #include "cansync/sim/drive.h"
 #include "cansync/sim/master_node.h"
+#include "sim/scripted_device.h"
 #include "simulator/arguments.h"
 #include "simulator/bench.h"
 
@@ -17,6 +18,7 @@ struct Setup {
   BenchSettings bench;
   std::vector<sim::DriveSettings> drives;         ///< none with `master`
   std::optional<sim::MasterNodeSettings> master;  ///< a master instead of drives
+  std::optional<sim::DeviceSettings> device;      ///< the device of a script instead of drives
   std::vector<std::string> problems;              ///< one line each: what was found, where, what is allowed
 };
 

@@ -11,9 +11,13 @@
 #include "daemon/segment/segment_start.h"
 #include "layer2/sim/frame_faults.h"
 #include "layer2/sim/frame_node.h"
+#include "sim/metronome.h"
 
 namespace cansyncd {
 namespace {
+
+/// What intervals of fault scripts last, for there is no SYNC.
+constexpr can::Time kFaultInterval = std::chrono::milliseconds(1);
 
 /// A frame without an echo for so long is taken as acknowledged by nobody.
 constexpr can::Time kEchoPatience = std::chrono::seconds(1);
@@ -32,6 +36,8 @@ SimPlan sim_plan(const Layer2Config& config) {
     }
     plan.nodes.push_back(std::make_unique<sim::FrameNode>(std::move(settings)));
   }
+  if (!config.sim.fault_script.empty())
+    plan.nodes.push_back(std::make_unique<sim::Metronome>(kFaultInterval));
   return plan;
 }
 
