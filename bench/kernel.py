@@ -27,16 +27,16 @@ def processor_kept_awake():
         loop.wait()
 
 
-def measure(build, rounds, seconds):
-    """What the script inside found, see inside_kernel.py; None when this machine cannot boot that kernel."""
+def measure(build, rounds, seconds, script="inside_kernel.py"):
+    """What the script inside found; None when this machine cannot boot that kernel."""
     with tempfile.TemporaryDirectory(prefix="cansync_bench_") as folder, processor_kept_awake():
         found = os.path.join(folder, "found.json")
-        limit = int(60 + rounds * 2 * (seconds + 15))
+        limit = int(60 + rounds * 3 * (seconds + 15))
         command = ["chrt", "-f", "20", "taskset", "-c", str(CPU), sys.executable, "-B",
                    os.path.join(ROOT, "tests", "kernel", "run_uml.py"), build, "vcan0", str(INTERVAL // 1000),
                    str(rounds), str(seconds)]
         environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found,
-                           CANSYNC_UML_SCRIPT=os.path.join(ROOT, "bench", "inside_kernel.py"),
+                           CANSYNC_UML_SCRIPT=os.path.join(ROOT, "bench", script),
                            CANSYNC=f"{build}/tools/cli/cansync", CANSYNCD=f"{build}/daemon/cansyncd",
                            CANSYNC_SIM=f"{build}/tools/simulator/cansync-sim",
                            CANSYNC_UML_REGISTERS=f"{build}/tests/kernel/libuml_registers.so")

@@ -70,8 +70,10 @@ class FrameMachine {
   std::optional<layer2::OrderId> reset_;  ///< that asked for the reset under way
   ImageSnapshot image_;
   can::Time next_image_{};
-  bool changed_ = false;  ///< the state of the bus, since it was published
-  bool pending_ = false;  ///< something was written for the gateway
+  bool changed_ = false;         ///< the state of the bus, since it was published
+  bool pending_ = false;         ///< something was written for the gateway
+  bool frames_pending_ = false;  ///< received frames were
+  can::Time next_wake_{};        ///< from then on they wake it
 };
 
 }  // namespace cansyncd

@@ -186,6 +186,24 @@ TEST(FrameMachine, OnlyFramesThatARangeTakesAreHandedOn) {
   EXPECT_EQ(status.counters.taken, 2u);
 }
 
+TEST(FrameMachine, FramesThatFollowEachOtherWakeTheGatewayTogether) {
+  Rig rig(everything(), one({.periodic = data_frame(0x080, {0}), .period = us(200)}));
+  unsigned wakes = 0;
+  unsigned frames = 0;
+  ReceivedReport report;
+  for (can::Time at = milliseconds(5); at < milliseconds(15); at += us(50)) {
+    rig.bus.script.emplace(at, [&] {
+      if (!rig.exchange.gateway_wake.wait(milliseconds(0))) return;
+      ++wakes;
+      while (rig.exchange.frames.try_pop(report)) ++frames;
+    });
+  }
+  rig.run_until(milliseconds(16));
+  EXPECT_GT(frames, 35u);
+  EXPECT_GE(wakes, 9u) << "none waits longer than a look";
+  EXPECT_LE(wakes, 21u) << "at most one in 500 us";
+}
+
 TEST(FrameMachine, WhatDoesNotFitIsCounted) {
   FrameMachineSettings settings = everything();
   settings.module.receive_queue = 8;
