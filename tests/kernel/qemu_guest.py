@@ -5,6 +5,7 @@ emulation acknowledges every frame and makes no errors of its own: error states 
 """
 
 import os
+import select
 import socket
 import struct
 import subprocess
@@ -278,6 +279,20 @@ last = 0x1FF
             found, size, bytes_ = struct.unpack("=IB3x8s", self.other.recv(16))
             self.assertEqual((found, size), (identifier, length))
             self.assertEqual(bytes_, bytes.fromhex(data).ljust(8, b"\0"))
+
+    def test_every_frame_of_cansequence_comes_in_order(self):
+        count = 300
+        with self.place.start("can", "dump", "--candump", "--id", "102-104") as frames:
+            wait_for("a frame comes", lambda: self.other.send(struct.pack("=IB3x8s", 0x104, 1, b"\x55")) and
+                     select.select([frames.stdout], [], [], 0.5)[0])
+            subprocess.run(["cansequence", "can1", "--identifier=0x102", f"--loop={count}", "--poll"], check=True, timeout=LONG)
+            found = []
+            while len(found) < count:
+                frame = frames.stdout.readline().split()[2]
+                if frame != b"104#55":
+                    found.append(frame.decode())
+            frames.terminate()
+        self.assertEqual(found, [f"102#{i % 256:02X}" for i in range(count)])
 
     def test_frames_of_others_come_through_the_range(self):
         with self.place.start("can", "dump", "--json") as frames:
