@@ -65,6 +65,7 @@ def of_daemon(build, seconds, domain):
         used, after = processor(pid) - used, status(build, bus, domain)
         found = json.loads(client.communicate()[0])
         found["processor"] = used
+        found["priority"] = after["realtime_priority"]
         found["counted"] = after["received"] - before["received"]
         found["time"] = (after["time_ns"] - before["time_ns"]) / 1e9
         found["not_taken"] = after["received"] - after["taken"]
@@ -73,12 +74,14 @@ def of_daemon(build, seconds, domain):
         return found
 
 
-def of_bridge(build, seconds, domain):
+def of_bridge(build, seconds, domain, priority):
+    """The bridge, at the priority of the daemon's realtime thread."""
     bus = f"bench{random.randrange(10**9)}"
     reader = subprocess.Popen([f"{build}/bench/frames_bench", "listen", str(domain), bus, str(seconds + 2)],
                               stdout=subprocess.PIPE, text=True)
     time.sleep(1)
-    shown = subprocess.run([f"{build}/bench/frames_bench", "bridge", str(domain), bus, str(seconds)], check=True,
+    command = ["chrt", "-f", str(priority)] if priority else []
+    shown = subprocess.run([*command, f"{build}/bench/frames_bench", "bridge", str(domain), bus, str(seconds)], check=True,
                            capture_output=True, text=True)
     reader.communicate()
     return json.loads(shown.stdout)
@@ -88,7 +91,8 @@ def full_load(figures, build, rounds, seconds, domain):
     """G14."""
     pairs, missing = [], []
     for _ in range(rounds):
-        ours, bridge = of_daemon(build, seconds, domain), of_bridge(build, seconds, domain)
+        ours = of_daemon(build, seconds, domain)
+        bridge = of_bridge(build, seconds, domain, ours["priority"])
         print(json.dumps({"daemon": ours, "bridge": bridge}), flush=True)
         pairs.append((ours["processor"] / ours["counted"] * ours["time"] / seconds / 1000,
                       bridge["processor"] / bridge["frames"] / 1000))

@@ -272,5 +272,44 @@ class Frames(unittest.TestCase):
         self.assertIn('bus.protocol = "layer2"', result.stderr)
 
 
+class FullLoad(unittest.TestCase):
+    """A bus that is never free; bench/frames.py has the same at 1 Mbit/s."""
+
+    BIT_RATE = 125000
+    LONGEST = 60  # bits of a frame without data, stuffed, and the pause behind it
+
+    @classmethod
+    def setUpClass(cls):
+        cls.place = Place()
+        config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8"))
+        config.write(f'[bus]\nprotocol = "layer2"\nname = "{cls.place.bus}"\nbit_rate = {cls.BIT_RATE}\n[dds]\ndomain = {cls.place.domain}\n')
+        config.write("".join(f"[[node]]\nnumber = {n}\nidentifier = {0x100 + n}\nperiod_ms = 1\n" for n in range(32)))
+        config.flush()
+        cls.daemon = subprocess.Popen([CANSYNCD, config.name], stderr=subprocess.DEVNULL)
+        cls.addClassCleanup(lambda: end(cls.daemon))
+        wait_for("the daemon runs", lambda: cls.place.run("status", "--json").returncode == 0)
+
+    def test_every_frame_comes_in_order_and_who_stops_reading_holds_up_nobody(self):
+        longest = self.LONGEST * 10**9 // self.BIT_RATE
+        with self.place.start("can", "dump", "--candump", "--id", "100") as stopped:
+            stopped.stdout.readline()
+            stopped.send_signal(signal.SIGSTOP)
+            # The other one: nothing is missing on a bus that is never free.
+            result = self.place.run("can", "dump", "--json", "--count", 12000)
+            self.assertNotIn("missed", result.stderr)
+            times = [json.loads(line)["time_ns"] for line in result.stdout.splitlines()]
+            self.assertEqual(len(times), 12000)
+            steps = [later - earlier for earlier, later in zip(times, times[1:])]
+            self.assertGreater(min(steps), 0)
+            self.assertLess(max(steps), longest)
+            stopped.send_signal(signal.SIGCONT)
+            stopped.stdout.close()  # what it has still to write is of no interest
+            missed = stopped.stderr.readline().decode()
+            stopped.terminate()
+        self.assertRegex(missed, r"cansync: [1-9]\d* frames were missed: they were read too slowly")
+        queues = [json.loads(line) for line in self.place.run("can", "queues", "--json").stdout.splitlines()]
+        self.assertEqual([(one["lost"], one["not_published"]) for one in queues], [(0, None), (0, 0)])
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], "-v", *filter(None, sys.argv[1:])])

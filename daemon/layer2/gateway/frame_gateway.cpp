@@ -140,7 +140,8 @@ bool FrameGateway::publish_frames() {
     sample.frames._length = static_cast<std::uint32_t>(batch_.size());
     sample.frames._maximum = sample.frames._length;
     sample.frames._buffer = batch_.data();  // lent for the call
-    if (batches_.write(sample) != DDS_RETCODE_OK) unwritten_ += batch_.size();
+    sample.first = published_;
+    (batches_.write(sample) == DDS_RETCODE_OK ? published_ : unwritten_) += batch_.size();
   }
   return true;
 }

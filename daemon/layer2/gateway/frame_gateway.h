@@ -106,6 +106,7 @@ class FrameGateway {
   std::vector<layer2_ReceivedFrame> batch_;  ///< memory of one batch
   std::uint64_t batch_number_ = 0;
   std::uint64_t unwritten_ = 0;  ///< frames of batches that could not be written
+  std::uint64_t published_ = 0;  ///< frames in batches that were written
   BusSnapshot bus_;              ///< newest
   std::array<TimerState, layer2::Timers::kMost> told_timers_ = {};
   ImageSnapshot newest_image_;

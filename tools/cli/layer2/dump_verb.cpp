@@ -51,6 +51,7 @@ class Dump {
   std::uint64_t count_;
   std::uint64_t shown_ = 0;
   std::uint64_t number_ = 0;  ///< of the last batch; 0: none yet
+  std::uint64_t next_ = 0;    ///< number of the frame that comes next
   std::uint64_t lost_ = 0;
 };
 
@@ -59,11 +60,12 @@ void Dump::tell_missed(const layer2_FrameBatch& batch) {
     output_.remark("the daemon was started anew; frames may have been missed");
     number_ = 0;
   }
-  if (number_ != 0 && batch.number != number_ + 1)
-    output_.remark(fmt::format("{} batches of frames were missed", batch.number - number_ - 1));
+  if (number_ != 0 && batch.first > next_)
+    output_.remark(fmt::format("{} frames were missed: they were read too slowly", batch.first - next_));
   if (number_ != 0 && batch.lost != lost_)
     output_.remark(fmt::format("{} frames came faster than the daemon could publish", batch.lost - lost_));
   number_ = batch.number;
+  next_ = batch.first + batch.frames._length;
   lost_ = batch.lost;
 }
 
