@@ -283,11 +283,20 @@ class FullLoad(unittest.TestCase):
         cls.place = Place()
         config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8"))
         config.write(f'[bus]\nprotocol = "layer2"\nname = "{cls.place.bus}"\nbit_rate = {cls.BIT_RATE}\n[dds]\ndomain = {cls.place.domain}\n')
+        # A foreign frame every 20 ms or so; intervals are milliseconds.
+        faults = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8"))
+        faults.write('[[fault]]\nkind = "inject"\nframe = "7AB#"\nfrom = 10\nprobability = 0.05\n')
+        faults.flush()
+        config.write(f'[sim]\nfault_script = "{faults.name}"\n')
         config.write("".join(f"[[node]]\nnumber = {n}\nidentifier = {0x100 + n}\nperiod_ms = 1\n" for n in range(32)))
         config.flush()
         cls.daemon = subprocess.Popen([CANSYNCD, config.name], stderr=subprocess.DEVNULL)
         cls.addClassCleanup(lambda: end(cls.daemon))
         wait_for("the daemon runs", lambda: cls.place.run("status", "--json").returncode == 0)
+
+    def test_faults_of_a_script_are_on_the_bus(self):
+        found = json.loads(self.place.run("can", "dump", "--json", "--id", "7AB", "--count", 1).stdout)
+        self.assertEqual((found["identifier"], found["length"]), (0x7AB, 0))
 
     def test_every_frame_comes_in_order_and_who_stops_reading_holds_up_nobody(self):
         longest = self.LONGEST * 10**9 // self.BIT_RATE
