@@ -17,4 +17,10 @@ const Parameter* Profile::find(std::string_view wanted) const noexcept {
   return place != parameters.end() ? &*place : nullptr;
 }
 
+const Parameter* Profile::telling(Tells wanted) const noexcept {
+  const auto place = std::find_if(parameters.begin(), parameters.end(),
+                                  [&](const Parameter& parameter) { return parameter.tells == wanted; });
+  return place != parameters.end() ? &*place : nullptr;
+}
+
 }  // namespace profile

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,23 @@ enum class Identity : std::uint8_t {
   unit,  ///< tells one drive from the other: serial number
 };
 
+/// Does the value tell something of how the drive takes part in the bus?
+enum class Tells : std::uint8_t {
+  none,
+  status_word,          ///< it is the status word
+  block_limit,          ///< most bytes of a block of an upload or download
+  reference_mapping_1,  ///< four register bytes, that of word 0 the lowest (M 3.1.1.1)
+  reference_mapping_2,
+  actual_mapping_1,
+  actual_mapping_2,
+};
+
+/// A parameter with the raw value that a type of drive has there.
+struct Recognition {
+  std::uint16_t number = 0;  ///< 0..4095
+  std::uint32_t value = 0;
+};
+
 /// What a bit that is set, or a number, means.
 struct Meaning {
   std::uint32_t number = 0;  ///< bit 0..31, or the raw number
@@ -48,6 +66,9 @@ struct Parameter {
   Access access = Access::read_write;
   bool is_volatile = false;  ///< changes by itself: never compared and never restored
   Identity identity = Identity::none;
+  Tells tells = Tells::none;
+  std::optional<std::uint8_t>
+      actual_value;             ///< 0..7: the same stands in this actual value, with this scaling
   std::string group;            ///< a name like `name`; empty: none
   std::string text;             ///< what it means, for people; 0..200 bytes
   std::vector<Meaning> bits;    ///< each bit at most once
@@ -58,13 +79,16 @@ struct Parameter {
 struct Profile {
   std::string name;  ///< a name like a parameter's; also the name of its file without ".toml"
   std::string text;
-  std::string hash;                   ///< SHA-256 of the file, 64 hexadecimal digits
-  std::vector<Parameter> parameters;  ///< by rising number, each number and each name once
+  std::vector<Recognition> recognised_by;  ///< a drive with all of these is of this type; empty: never
+  std::string hash;                        ///< SHA-256 of the file, 64 hexadecimal digits
+  std::vector<Parameter> parameters;       ///< by rising number, each number and each name once
 
   /// The parameter of this number; null when the profile has none.
   const Parameter* find(std::uint32_t wanted) const noexcept;
   /// The parameter of this name; null when the profile has none.
   const Parameter* find(std::string_view wanted) const noexcept;
+  /// The parameter that tells this; null when the profile has none.
+  const Parameter* telling(Tells wanted) const noexcept;
 };
 
 }  // namespace profile

@@ -26,6 +26,7 @@ constexpr config::Wording kWording{
     .allowed = "[profile], [[parameter]], key = value, # comment",
 };
 constexpr std::int64_t kHighestNumber = 4095;
+constexpr std::int64_t kHighestValue = 7;
 constexpr std::size_t kLongestUnit = 16;
 constexpr std::size_t kLongestText = 200;
 /// How far, in raw steps, a limit may lie beside a raw number and still mean it: what doubles round.
@@ -102,9 +103,28 @@ void read_access(Fields& fields, Parameter& parameter) {
   }
 }
 
+/// What a scan of a line takes from the parameter.
+void read_scanning(Fields& fields, Parameter& parameter) {
+  constexpr Tells kTells[] = {Tells::status_word,         Tells::block_limit,      Tells::reference_mapping_1,
+                              Tells::reference_mapping_2, Tells::actual_mapping_1, Tells::actual_mapping_2};
+  if (const auto place =
+          fields.choice("tells", {"status-word", "block-limit", "reference-mapping-1", "reference-mapping-2",
+                                  "actual-mapping-1", "actual-mapping-2"})) {
+    parameter.tells = kTells[*place];
+    const bool mapping = parameter.tells != Tells::status_word && parameter.tells != Tells::block_limit;
+    if (parameter.access == Access::none)
+      fields.problem("tells", "found beside access = \"none\"; allowed: with a parameter that can be read");
+    else if (mapping && parameter.format != Format::doubleword)
+      fields.problem("tells",
+                     "found a mapping with format \"word\"; allowed: four register bytes, \"doubleword\"");
+  }
+  if (const auto value = fields.integer("actual_value", 0, kHighestValue))
+    parameter.actual_value = static_cast<std::uint8_t>(*value);
+}
+
 Parameter read_parameter(Fields& fields) {
   fields.only({"number", "name", "format", "signed", "unit", "factor", "offset", "minimum", "maximum",
-               "access", "volatile", "identity", "group", "text", "bits", "values"});
+               "access", "volatile", "identity", "tells", "actual_value", "group", "text", "bits", "values"});
   fields.require("number", "0..4095");
   fields.require("name", "1..64 lower-case letters, digits and '-'");
   fields.require("format", "\"word\", \"doubleword\"");
@@ -117,6 +137,7 @@ Parameter read_parameter(Fields& fields) {
   parameter.is_signed = fields.flag("signed").value_or(false);
   read_scaling(fields, parameter);
   read_access(fields, parameter);
+  read_scanning(fields, parameter);
   parameter.group = fields.name("group").value_or("");
   parameter.text = fields.text("text", kLongestText).value_or("");
   const bool doubleword = parameter.format == Format::doubleword;
@@ -160,10 +181,11 @@ class Reader {
 
   void head(const Content& content, Profile& profile) {
     Fields fields(content, "profile", problems_);
-    fields.only({"name", "text"});
+    fields.only({"name", "text", "recognised_by"});
     fields.require("name", "1..64 lower-case letters, digits and '-', the same as the file's name");
     profile.name = fields.name("name").value_or("");
     profile.text = fields.text("text", kLongestText).value_or("");
+    profile.recognised_by = fields.recognitions("recognised_by");
   }
 
   void parameter(const Content& content, Profile& profile) {
@@ -171,6 +193,10 @@ class Reader {
     Parameter parameter = read_parameter(fields);
     if (fields.has("number")) unique(fields, "number", std::to_string(parameter.number), content, numbers_);
     if (!parameter.name.empty()) unique(fields, "name", "\"" + parameter.name + "\"", content, names_);
+    if (parameter.tells != Tells::none)
+      unique(fields, "tells", std::to_string(static_cast<unsigned>(parameter.tells)), content, tells_);
+    if (parameter.actual_value)
+      unique(fields, "actual_value", std::to_string(*parameter.actual_value), content, actual_values_);
     profile.parameters.push_back(std::move(parameter));
   }
 
@@ -199,6 +225,8 @@ class Reader {
   std::vector<Problem> problems_;
   std::map<std::string, std::uint32_t> numbers_;
   std::map<std::string, std::uint32_t> names_;
+  std::map<std::string, std::uint32_t> tells_;
+  std::map<std::string, std::uint32_t> actual_values_;
 };
 
 /// A problem of the file as a whole.

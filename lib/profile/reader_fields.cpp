@@ -25,6 +25,14 @@ bool is_control(char c) noexcept {
   return static_cast<unsigned char>(c) < 0x20 || c == kDelete;
 }
 
+/// The decimal digits as a number up to `highest`.
+std::optional<std::int64_t> whole_number(std::string_view digits, std::int64_t highest) {
+  std::int64_t number = -1;
+  const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+  if (end != digits.data() + digits.size() || number < 0 || number > highest) return std::nullopt;
+  return number;
+}
+
 }  // namespace
 
 template <class T>
@@ -104,6 +112,33 @@ std::vector<Meaning> Fields::meanings(std::string_view key, std::int64_t highest
       fmt::format("a list of \"NUMBER WORDS\", each number of 0..{} once, words of 1..{} bytes, with '!' at "
                   "their end for a fault",
                   highest, kLongest));
+  return {};
+}
+
+std::vector<Recognition> Fields::recognitions(std::string_view key) {
+  constexpr std::int64_t kHighestNumber = 4095;
+  constexpr std::int64_t kHighestValue = 0xFFFFFFFF;
+  if (!has(key)) return {};
+  const config::Node* node = content_.find(key);
+  std::vector<Recognition> found;
+  bool good = node->kind == config::Node::Kind::value && node->value.kind == config::Value::Kind::list &&
+              !node->value.items.empty();
+  for (std::size_t i = 0; good && i < node->value.items.size(); ++i) {
+    const auto* text = std::get_if<std::string>(&node->value.items[i]);
+    const auto equals = text == nullptr ? std::string::npos : text->find('=');
+    good = equals != std::string::npos;
+    if (!good) break;
+    const auto number = whole_number(std::string_view(*text).substr(0, equals), kHighestNumber);
+    const auto value = whole_number(std::string_view(*text).substr(equals + 1), kHighestValue);
+    good = number && value && std::none_of(found.begin(), found.end(), [&](const Recognition& known) {
+             return known.number == *number;
+           });
+    if (good) found.push_back({static_cast<std::uint16_t>(*number), static_cast<std::uint32_t>(*value)});
+  }
+  if (good) return found;
+  mismatch(key,
+           "a list of \"NUMBER=VALUE\", at least one, parameter numbers 0..4095 each once, raw values "
+           "0..4294967295");
   return {};
 }
 

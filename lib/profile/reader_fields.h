@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "config/document.h"
+#include "profile/profile.h"
 #include "profile/reader.h"
 
 /// One section of a profile while it is read; only for the reader.
@@ -42,6 +43,9 @@ class Fields {
 
   /// A list of "NUMBER WORDS", each number 0..`highest` at most once; words that end in '!' tell a fault.
   std::vector<Meaning> meanings(std::string_view key, std::int64_t highest);
+
+  /// A list of "NUMBER=VALUE", each parameter number at most once.
+  std::vector<Recognition> recognitions(std::string_view key);
 
   /// A problem at the value of `key`, or at the section when the key is not there.
   void problem(std::string_view key, std::string text);
