@@ -28,6 +28,7 @@ TABLES = {
     "watch": (["watch", "--count", "1"], ""),
     "events": (["events"], ""),
     "trace": (["trace", "LOG"], ""),
+    "scan": (["scan", "LOG"], ""),
     "learn": (["learn", "LOG"], ""),
     "poll": (["poll"], ""),
     "map": (["map"], ""),
@@ -35,7 +36,7 @@ TABLES = {
     "diff": (["diff", "BACKUP", "winder"], ""),
     "verify": (["verify", "winder", "BACKUP"], ""),
     "restore": (["restore", "winder", "BACKUP", "--dry-run"], ""),
-    **dict.fromkeys("status read write upload download control broadcast mode release set backup record plot wait batch".split()),
+    **dict.fromkeys("status read write upload download control broadcast mode release set backup record plot wait batch setup".split()),
 }
 
 

@@ -103,6 +103,11 @@ class Lists(Script):
         some = self.json("trace", log, "--slave", "1-2")
         self.assertEqual(some, [found for found in everything if found["slave"] in (1, 2)])
         self.assertEqual(len(self.json("trace", log, "--slave", "all")), len(everything))
+        found = self.json("scan", log)
+        self.assertEqual([one["slave"] for one in found if one["kind"] == "slave"], [0])
+        configuration = self.file("can7.toml", '[bus]\nname = "can7"\ninterface = "can7"\n[[slave]]\nnumber = 1\n')
+        planned = self.json("setup", configuration, "--dry-run", "--root", "/nowhere")
+        self.assertEqual([one["what"] for one in planned], ["/nowhere/etc/cansync/can7.toml", "systemctl enable --now cansyncd@can7"])
         heard = self.json("learn", log)
         self.assertEqual([found["slave"] for found in heard if found["kind"] == "slave"], [0])
 

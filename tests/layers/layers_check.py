@@ -119,6 +119,9 @@ tools/cli/doctor:           lib/config lib/can lib/rt lib/client tools/cli/text 
 tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/learn:            lib/system lib/profile lib/cansync daemon/cansync/config tools/cli/text
                             tools/cli/base tools/cli/cansync tools/cli/trace
+tools/cli/scan:             lib/system lib/profile lib/can lib/cansync tools/cli/text tools/cli/base
+                            tools/cli/cansync tools/cli/trace tools/cli/learn
+tools/cli/setup:            lib/config daemon/cansync/config tools/cli/base tools/cli/learn
 tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
@@ -126,6 +129,7 @@ tools/cli/layer2:           lib/text lib/can lib/dbc lib/layer2 lib/layer2/dds l
 tools/cli/j1939:            idl lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn
+                            tools/cli/scan tools/cli/setup
 tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus
 """

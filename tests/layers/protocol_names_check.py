@@ -35,6 +35,8 @@ EXCEPTIONS = {
     "tools/cli/app/completion.cpp": "offers names of slaves and of parameters of their profiles",
     "tools/cli/look/wait.cpp": "waits for states of slaves, whose words stand in cansync/",
     "tools/cli/learn/": "learns from a recording what a master of CANsync does; reads logs as trace does",
+    "tools/cli/scan/": "finds the participants of a line of CANsync; listens as learn does",
+    "tools/cli/setup/": "asks for the slaves of a configuration of a CANsync master",
     "tools/cli/trace/trace.cpp": "puts frames into words by the one protocol whose telegrams it knows",
     "tools/cli/trace/trace_interface.cpp": "as trace.cpp: receives the identifiers of CANsync",
     "tools/cli/doctor/doctor.cpp": "tells the faults of a line's slaves",

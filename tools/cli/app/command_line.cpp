@@ -13,6 +13,8 @@
 #include "cli/learn/verbs.h"
 #include "cli/look/verbs.h"
 #include "cli/record/verbs.h"
+#include "cli/scan/verbs.h"
+#include "cli/setup/verbs.h"
 #include "cli/text/words.h"
 #include "cli/trace/verbs.h"
 #include "cli/watch/verbs.h"
@@ -140,8 +142,9 @@ void finish_verbs(CLI::App& app) {
 void add_verbs(CLI::App& app, Verb& chosen) {
   add_status_verb(app, chosen, protocols());
   for (const ProtocolVerbs* protocol : protocols()) protocol->add(app, chosen);
-  for (const AddVerbs add : {add_doctor_verb, add_watch_verb, add_record_verb, add_plot_verb, add_event_verb,
-                             add_trace_verb, add_learn_verb, add_wait_verb, add_batch_verb}) {
+  for (const AddVerbs add :
+       {add_doctor_verb, add_watch_verb, add_record_verb, add_plot_verb, add_event_verb, add_trace_verb,
+        add_scan_verb, add_learn_verb, add_setup_verb, add_wait_verb, add_batch_verb}) {
     add(app, chosen);
   }
   finish_verbs(app);

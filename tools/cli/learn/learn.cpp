@@ -43,17 +43,17 @@ ExitCode learn_verb(Session& session, const LearnTexts& texts) {
   // What is wrong with the configuration is said before anything is listened to.
   std::optional<MasterSettings> configured;
   if (!texts.compare.empty()) configured = settings_of_file(texts.compare);
-  const RecordingEnd end = observe_recording(output, texts.recording);
-  const observe::Learned learned = observe::learn(end.observation);
-  if (end.observation.frames == 0)
+  const auto [end, observation] = observe_recording(output, texts.recording);
+  const observe::Learned learned = observe::learn(observation);
+  if (observation.frames == 0)
     throw std::runtime_error(fmt::format("{}: no frame at all was found", texts.recording.source));
-  if (!texts.write.empty()) write_all_files(session, texts, end, end.observation, learned);
+  if (!texts.write.empty()) write_all_files(session, texts, end, observation, learned);
   if (configured) {
     const auto differences = learned_differences(*configured, learned);
     write_differences(output, differences, texts.compare);
     if (!differences.empty()) return ExitCode::different;
   } else {
-    write_learn_report(output, end.observation, learned, {texts.steps});
+    write_learn_report(output, observation, learned, {texts.steps});
   }
   return end.problems == 0 ? ExitCode::done : ExitCode::failed;
 }
@@ -63,7 +63,7 @@ ExitCode learn_verb(Session& session, const LearnTexts& texts) {
 void add_learn_verb(CLI::App& app, Verb& chosen) {
   auto* learn = app.add_subcommand("learn", "what a recorded master does, as a report and a configuration");
   auto texts = std::make_shared<LearnTexts>();
-  add_recording_options(*learn, texts->recording);
+  add_recording_options(*learn, texts->recording, "until Ctrl-C");
   learn
       ->add_option(
           "--write", texts->write,

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "cli/learn/configuration_text.h"
 #include "cli/learn/learn_points.h"
 
 namespace cansync::cli {
@@ -13,46 +14,20 @@ using observe::Found;
 using observe::Learned;
 using observe::Observation;
 
-std::string toml_boolean(bool value) {
-  return value ? "true" : "false";
-}
-
-/// A text as TOML has it; what does not print is left out.
-std::string toml_quoted(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7F) continue;
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
-}
-
 /// A cursor as the configuration takes it.
 std::string cursor_value(const Cursor& cursor) {
   return cursor.kind == Cursor::Kind::fixed ? polled_text(cursor) : toml_quoted(polled_text(cursor));
 }
 
-class ConfigurationText {
- public:
-  void section(std::string_view name) { out_ += fmt::format("\n{}\n", name); }
-  void comment(std::string_view text) { out_ += fmt::format("# {}\n", text); }
-  /// An option that stands in any case.
-  void option(std::string_view key, std::string_view value, std::string_view how) {
-    out_ += fmt::format("{} = {}  # {}\n", key, value, how);
-  }
-  /// An option the recording may tell; as a comment when it does not.
-  template <class T>
-  void learned(std::string_view key, std::string_view value, const Found<T>& found) {
-    out_ +=
-        fmt::format("{}{} = {}  # {}\n", found.known() ? "" : "# ", key, value,
-                    found.known() ? certainty_text(found.certainty, found.count) : "not seen; the default");
-  }
-  std::string take() { return std::move(out_); }
-
- private:
-  std::string out_;
-};
+/// An option the recording may tell; as a comment when it does not.
+template <class T>
+void write_learned(ConfigurationText& text, std::string_view key, std::string_view value,
+                   const Found<T>& found) {
+  if (found.known())
+    text.option(key, value, certainty_text(found.certainty, found.count));
+  else
+    text.left_out(key, value, "not seen; the default");
+}
 
 void write_bus(ConfigurationText& text, const Learned& learned, const MasterSettings& settings,
                const LearnedPlace& place) {
@@ -61,8 +36,8 @@ void write_bus(ConfigurationText& text, const Learned& learned, const MasterSett
   text.option("interface", toml_quoted(place.interface), "the interface of this computer");
   text.option("bit_rate", fmt::format("{}", slot_times(settings.bit_rate).bits_per_second),
               learned.bit_rate.known() ? "inferred from the interval" : "not seen; the default");
-  text.learned("send_margin_us", fmt::format("{}", microseconds_of(settings.send_margin)),
-               learned.send_margin);
+  write_learned(text, "send_margin_us", fmt::format("{}", microseconds_of(settings.send_margin)),
+                learned.send_margin);
 }
 
 void write_startup(ConfigurationText& text, const Learned& learned, const MasterSettings& settings) {
@@ -70,11 +45,11 @@ void write_startup(ConfigurationText& text, const Learned& learned, const Master
   text.section("[startup]");
   text.comment("Look at the configuration first, then set \"active\" or leave this out.");
   text.option("target", "\"setup\"", "no reference values until you say so");
-  text.learned("enable", toml_quoted(enable_text(startup.enable)), learned.enable);
-  text.learned("activate_command", fmt::format("{}", startup.activate_command), learned.activation);
-  text.learned("activate_data", fmt::format("{}", startup.activate_data), learned.activation);
-  text.learned("status_period_ms", fmt::format("{}", microseconds_of(startup.status_period) / 1000),
-               learned.status_period);
+  write_learned(text, "enable", toml_quoted(enable_text(startup.enable)), learned.enable);
+  write_learned(text, "activate_command", fmt::format("{}", startup.activate_command), learned.activation);
+  write_learned(text, "activate_data", fmt::format("{}", startup.activate_data), learned.activation);
+  write_learned(text, "status_period_ms", fmt::format("{}", microseconds_of(startup.status_period) / 1000),
+                learned.status_period);
   text.comment("Which control words enable a drive is in its manual; no recording tells it.");
   text.comment(fmt::format("enabling_control_bits = {}", startup.enabling_control_bits));
 }
@@ -92,13 +67,15 @@ void write_process(ConfigurationText& text, const Learned& learned, const Master
   const ProcessSettings& process = settings.process;
   text.section("[process]");
   for (unsigned c = 0; c < kChannels; ++c)
-    text.learned(fmt::format("polling_{}", c + 1), cursor_value(process.polling[c]), learned.polling[c]);
-  text.learned("maximum_slave", fmt::format("{}", process.maximum_slave.value()), learned.maximum_slave);
-  text.learned("polling_apart", toml_boolean(process.polling_apart), learned.polling_apart);
-  text.learned("poll_nobody", fmt::format("{}", process.poll_nobody), learned.poll_nobody);
-  text.learned("full_length", toml_boolean(process.full_length), learned.full_length);
-  text.learned("poll_without_reference", toml_boolean(process.poll_without_reference),
-               learned.poll_without_reference);
+    write_learned(text, fmt::format("polling_{}", c + 1), cursor_value(process.polling[c]),
+                  learned.polling[c]);
+  write_learned(text, "maximum_slave", fmt::format("{}", process.maximum_slave.value()),
+                learned.maximum_slave);
+  write_learned(text, "polling_apart", toml_boolean(process.polling_apart), learned.polling_apart);
+  write_learned(text, "poll_nobody", fmt::format("{}", process.poll_nobody), learned.poll_nobody);
+  write_learned(text, "full_length", toml_boolean(process.full_length), learned.full_length);
+  write_learned(text, "poll_without_reference", toml_boolean(process.poll_without_reference),
+                learned.poll_without_reference);
   for (unsigned c = 0; c < kChannels; ++c)
     write_learned_mapping(text, "reference", c, learned.reference_mapping[c]);
 }
@@ -106,14 +83,14 @@ void write_process(ConfigurationText& text, const Learned& learned, const Master
 void write_channel(ConfigurationText& text, const Learned& learned, const MasterSettings& settings) {
   const CommandChannelSettings& channel = settings.command_channel;
   text.section("[command_channel]");
-  text.learned("serving", channel.serving == Serving::scan ? "\"scan\"" : "\"work_conserving\"",
-               learned.serving);
-  text.learned("address_step", fmt::format("{}", channel.address_step), learned.address_step);
-  text.learned("cancel_at_start", toml_boolean(channel.cancel_at_start), learned.cancel_at_start);
-  text.learned("repeat_unanswered_writes", toml_boolean(channel.repeat_unanswered_writes),
-               learned.repeat_unanswered_writes);
-  text.learned("allow_reserved_addresses", toml_boolean(channel.allow_reserved_addresses),
-               learned.allow_reserved_addresses);
+  write_learned(text, "serving", channel.serving == Serving::scan ? "\"scan\"" : "\"work_conserving\"",
+                learned.serving);
+  write_learned(text, "address_step", fmt::format("{}", channel.address_step), learned.address_step);
+  write_learned(text, "cancel_at_start", toml_boolean(channel.cancel_at_start), learned.cancel_at_start);
+  write_learned(text, "repeat_unanswered_writes", toml_boolean(channel.repeat_unanswered_writes),
+                learned.repeat_unanswered_writes);
+  write_learned(text, "allow_reserved_addresses", toml_boolean(channel.allow_reserved_addresses),
+                learned.allow_reserved_addresses);
 }
 
 void write_slave(ConfigurationText& text, const Observation& observation, const Learned& learned,
@@ -128,8 +105,8 @@ void write_slave(ConfigurationText& text, const Observation& observation, const 
       "number", fmt::format("{}", number),
       fmt::format("{} commands, {} answers, {} actual value telegrams", use.commands, use.answers, actual));
   text.comment(fmt::format("name = \"slave{}\"", number));
-  text.learned("status_parameter", fmt::format("{}", slave.status_parameter), of.status_parameter);
-  text.learned("block_limit", fmt::format("{}", slave.block_limit), of.block_limit);
+  write_learned(text, "status_parameter", fmt::format("{}", slave.status_parameter), of.status_parameter);
+  write_learned(text, "block_limit", fmt::format("{}", slave.block_limit), of.block_limit);
   for (unsigned c = 0; c < kChannels; ++c) write_learned_mapping(text, "actual", c, of.actual_mapping[c]);
   if (profile)
     text.option("profile", toml_quoted(learned_profile_name(number)),

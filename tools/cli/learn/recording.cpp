@@ -26,23 +26,30 @@ constexpr std::chrono::microseconds kLatestStamp = std::chrono::hours(24) * 365 
 /// The simulated line writes SYNC edges as frames of an interface of this name, and the start of frames.
 constexpr std::string_view kSyncInterface = "sync";
 
-/// Puts the lines of a recording into an observer.
+/// What `learn` makes of a recording.
+class ObserverSink final : public RecordingSink {
+ public:
+  void begin(observe::Stamps stamps, std::optional<BitRate> bit_rate) override {
+    observer_.emplace(observe::ObserverSettings{stamps, bit_rate});
+  }
+  void edge(Duration at, const can::Frame* /*frame*/) override { observer_->sync(at); }
+  void frame(Duration at, const can::Frame& frame) override { observer_->frame(at, frame); }
+  observe::Observation finish() { return observer_->finish(); }
+
+ private:
+  std::optional<observe::Observer> observer_;
+};
+
+/// Puts the lines of a recording into a sink.
 class RecordingReader {
  public:
-  RecordingReader(Output& output, const RecordingTexts& texts)
+  RecordingReader(Output& output, const RecordingTexts& texts, RecordingSink& sink)
       : output_(output),
         texts_(texts),
-        sync_(texts.sync.empty()
-                  ? kSyncIdentifier
-                  : static_cast<std::uint32_t>(parse_integer(texts.sync, "--sync", 0, 0x7FF))) {
-    if (!texts.bit_rate.empty()) {
-      const auto rate = parse_integer(texts.bit_rate, "--bit-rate", 0, 1'000'000);
-      const auto times = slot_times_for(static_cast<std::uint32_t>(rate));
-      if (!times)
-        throw UsageError(fmt::format("--bit-rate: found '{}'; allowed: 125000, 250000, 500000 or 1000000",
-                                     texts.bit_rate));
-      settings_.bit_rate = times->bit_rate;
-    }
+        sink_(sink),
+        sync_(texts.sync.empty() ? kSyncIdentifier
+                                 : static_cast<std::uint32_t>(parse_integer(texts.sync, "--sync", 0, 0x7FF))),
+        bit_rate_(given_bit_rate(texts.bit_rate)) {
     if (!texts.stamps.empty() && texts.stamps != "start" && texts.stamps != "end")
       throw UsageError(fmt::format("--stamps: found '{}'; allowed: start or end", texts.stamps));
   }
@@ -50,7 +57,7 @@ class RecordingReader {
   std::uint32_t sync() const noexcept { return sync_; }
 
   void take(const can::CandumpLine& line) {
-    if (observer_) return observe(line);
+    if (begun_) return hand_over(line);
     first_.push_back(line);
     if (first_.size() >= kLinesLookedAt) begin();
   }
@@ -62,8 +69,7 @@ class RecordingReader {
   }
 
   RecordingEnd end(std::uint64_t dropped) {
-    if (!observer_) begin();
-    end_.observation = observer_->finish();
+    if (!begun_) begin();
     end_.dropped = dropped;
     if (dropped > 0)
       output_.remark(fmt::format("{} frames were dropped by the kernel and are missing here", dropped));
@@ -75,18 +81,18 @@ class RecordingReader {
     bool starts = texts_.stamps == "start";
     if (texts_.stamps.empty())
       for (const can::CandumpLine& line : first_) starts = starts || line.interface == kSyncInterface;
-    settings_.stamps = starts ? observe::Stamps::start : observe::Stamps::end;
-    observer_.emplace(settings_);
-    for (const can::CandumpLine& line : first_) observe(line);
+    begun_ = true;
+    sink_.begin(starts ? observe::Stamps::start : observe::Stamps::end, bit_rate_);
+    for (const can::CandumpLine& line : first_) hand_over(line);
     first_ = {};
   }
 
-  void observe(const can::CandumpLine& line) {
+  void hand_over(const can::CandumpLine& line) {
     if (line.time < std::chrono::microseconds(0) || line.time > kLatestStamp)
       return problem({fmt::format("a time stamp of {} s is no time", line.time.count() / 1'000'000)});
     const bool edge = line.frame.is_standard_data() && line.frame.id == sync_;
     if (line.interface == kSyncInterface || edge) {
-      if (edge) observer_->sync(line.time);
+      if (edge) sink_.edge(line.time, line.interface == kSyncInterface ? nullptr : &line.frame);
       return;
     }
     if (!texts_.from.empty() && line.interface != texts_.from) return;
@@ -94,28 +100,38 @@ class RecordingReader {
     if (line.interface != end_.interface)
       throw UsageError(fmt::format("{}: found frames of the interfaces {} and {}; name one with --from",
                                    texts_.source, end_.interface, line.interface));
-    observer_->frame(line.time, line.frame);
+    sink_.frame(line.time, line.frame);
   }
 
   Output& output_;
   const RecordingTexts& texts_;
+  RecordingSink& sink_;
   std::uint32_t sync_;
-  observe::ObserverSettings settings_;
+  std::optional<BitRate> bit_rate_;
   std::vector<can::CandumpLine> first_;
-  std::optional<observe::Observer> observer_;
+  bool begun_ = false;
   RecordingEnd end_;
 };
 
 }  // namespace
 
-void add_recording_options(CLI::App& verb, RecordingTexts& texts) {
+std::optional<BitRate> given_bit_rate(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const auto rate = parse_integer(text, "--bit-rate", 0, 1'000'000);
+  const auto times = slot_times_for(static_cast<std::uint32_t>(rate));
+  if (!times)
+    throw UsageError(fmt::format("--bit-rate: found '{}'; allowed: 125000, 250000, 500000 or 1000000", text));
+  return times->bit_rate;
+}
+
+void add_recording_options(CLI::App& verb, RecordingTexts& texts, std::string_view seconds_default) {
   verb.add_option(
           "SOURCE", texts.source,
           "a candump text log (candump -L, or the trace of the simulated line) or a pcapng capture, - for "
           "standard input, or a SocketCAN interface, which is only listened to")
       ->required();
   verb.add_option("--seconds", texts.seconds,
-                  "of an interface: listen for so long, 1..86400 (default: until Ctrl-C)")
+                  fmt::format("of an interface: listen for so long, 1..86400 (default: {})", seconds_default))
       ->type_name("N");
   verb.add_option("--from", texts.from, "of a log of several interfaces: the one to look at")
       ->type_name("NAME");
@@ -130,16 +146,18 @@ void add_recording_options(CLI::App& verb, RecordingTexts& texts) {
       ->type_name("start|end");
 }
 
-RecordingEnd observe_recording(Output& output, const RecordingTexts& texts) {
-  RecordingReader reader(output, texts);
-  std::optional<ListeningClock::time_point> until;
+RecordingEnd read_recording(Output& output, const RecordingTexts& texts, RecordingSink& sink,
+                            const Listening& listening) {
+  RecordingReader reader(output, texts, sink);
+  const auto source = open_trace_source(texts.source, reader.sync(), listening.frames);
+  std::chrono::seconds seconds = source->endless() ? listening.seconds : kWithoutEnd;
   if (!texts.seconds.empty())
-    until = ListeningClock::now() + std::chrono::seconds(parse_integer(texts.seconds, "--seconds", 1, 86400));
-  const auto source = open_trace_source(texts.source, reader.sync());
-  if (source->endless() && !until)
+    seconds = std::chrono::seconds(parse_integer(texts.seconds, "--seconds", 1, 86400));
+  const auto begin = ListeningClock::now();
+  if (source->endless() && seconds == kWithoutEnd)
     output.remark(fmt::format("listening to {}; Ctrl-C ends it", texts.source));
   while (!interrupt_flag().load()) {
-    if (until && ListeningClock::now() >= *until) break;
+    if (seconds != kWithoutEnd && ListeningClock::now() - begin >= seconds) break;
     const TraceItem item = source->next();
     if (std::holds_alternative<TraceEnd>(item)) break;
     if (const auto* line = std::get_if<can::CandumpLine>(&item)) reader.take(*line);
@@ -147,6 +165,12 @@ RecordingEnd observe_recording(Output& output, const RecordingTexts& texts) {
     if (const auto* remark = std::get_if<TraceRemark>(&item)) output.remark(remark->text);
   }
   return reader.end(source->dropped());
+}
+
+ObservedRecording observe_recording(Output& output, const RecordingTexts& texts) {
+  ObserverSink sink;
+  RecordingEnd end = read_recording(output, texts, sink, {});
+  return {std::move(end), sink.finish()};
 }
 
 }  // namespace cansync::cli

@@ -32,7 +32,7 @@ std::string system_text(int error) {
 
 class InterfaceSource final : public TraceSource {
  public:
-  InterfaceSource(const std::string& name, std::uint32_t sync)
+  InterfaceSource(const std::string& name, std::uint32_t sync, HeardFrames frames)
       : name_(name), socket_(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW)) {
     if (socket_.number() < 0)
       throw std::runtime_error(
@@ -44,7 +44,7 @@ class InterfaceSource final : public TraceSource {
           fmt::format("{}: neither a file nor a network interface; `ip -br link show type can` lists the CAN "
                       "interfaces, `ip link add dev {} type vcan` makes a virtual one to try",
                       name, name));
-    set_filters(sync);
+    set_filters(sync, frames);
     const int on = 1;
     set(SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on);
     set(SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
@@ -87,7 +87,7 @@ class InterfaceSource final : public TraceSource {
       throw std::system_error(errno, std::generic_category(), name_);
   }
 
-  void set_filters(std::uint32_t sync) {
+  void set_filters(std::uint32_t sync, HeardFrames frames) {
     const auto exact = [](std::uint32_t id) { return can::to_kernel(can::FrameFilter{.identifier = id}); };
     const auto channel = [](std::uint32_t id) {
       return can::to_kernel(can::FrameFilter{.identifier = id, .mask = ~0x7Fu});
@@ -96,7 +96,8 @@ class InterfaceSource final : public TraceSource {
                              channel(identifier::reference_one), channel(identifier::reference_two),
                              channel(identifier::actual_one),    channel(identifier::actual_two),
                              channel(identifier::command),       channel(identifier::response)};
-    set(SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), sizeof filters);
+    // A new socket takes every frame.
+    if (frames == HeardFrames::telegrams) set(SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), sizeof filters);
     const can_err_mask_t errors = CAN_ERR_MASK;
     set(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);
   }
@@ -131,8 +132,8 @@ class InterfaceSource final : public TraceSource {
 
 }  // namespace
 
-std::unique_ptr<TraceSource> open_interface(const std::string& name, std::uint32_t sync) {
-  return std::make_unique<InterfaceSource>(name, sync);
+std::unique_ptr<TraceSource> open_interface(const std::string& name, std::uint32_t sync, HeardFrames frames) {
+  return std::make_unique<InterfaceSource>(name, sync, frames);
 }
 
 }  // namespace cansync::cli

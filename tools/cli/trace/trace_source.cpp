@@ -183,17 +183,22 @@ std::unique_ptr<TraceSource> open_log(const std::string& path) {
   return std::make_unique<FileSource>(path);
 }
 
-std::unique_ptr<TraceSource> open_trace_source(const std::string& source, std::uint32_t sync) {
+bool is_trace_file(const std::string& source) {
   std::error_code ignored;
-  const bool file =
-      source == "-" || source.find('/') != std::string::npos || std::filesystem::exists(source, ignored);
+  return source == "-" || source.find('/') != std::string::npos || std::filesystem::exists(source, ignored);
+}
+
+std::unique_ptr<TraceSource> open_trace_source(const std::string& source, std::uint32_t sync,
+                                               HeardFrames frames) {
+  std::error_code ignored;
+  const bool file = is_trace_file(source);
   if (!file && !std::filesystem::exists("/sys/class/net/" + source, ignored)) {
     throw std::runtime_error(
         source +
         ": there is no such file here, and no such interface; `ip -br link show type can` "
         "lists those there are");
   }
-  return file ? open_log(source) : open_interface(source, sync);
+  return file ? open_log(source) : open_interface(source, sync, frames);
 }
 
 }  // namespace cansync::cli

@@ -48,12 +48,23 @@ inline constexpr std::size_t kLongestTraceLine = 4096;
 /// name when it cannot be opened.
 std::unique_ptr<TraceSource> open_log(const std::string& path);
 
-/// Listens to a SocketCAN interface, for CANsync telegrams, the software SYNC frame and error frames alone.
-/// It sends nothing. Throws std::runtime_error, with the remedy, when there is no such interface.
-std::unique_ptr<TraceSource> open_interface(const std::string& name, std::uint32_t sync);
+/// Which frames of an interface are taken.
+enum class HeardFrames : std::uint8_t {
+  telegrams,  ///< CANsync telegrams, the software SYNC frame and error frames alone
+  all,        ///< and what is none of CANsync
+};
 
-/// The file, standard input for "-", or the interface of this name. Throws as those above; std::runtime_error
-/// when there is neither.
-std::unique_ptr<TraceSource> open_trace_source(const std::string& source, std::uint32_t sync);
+/// Listens to a SocketCAN interface. It sends nothing. Throws std::runtime_error, with the remedy, when there
+/// is no such interface.
+std::unique_ptr<TraceSource> open_interface(const std::string& name, std::uint32_t sync,
+                                            HeardFrames frames = HeardFrames::telegrams);
+
+/// The file, standard input for "-", or the interface of this name; of a file all frames come. Throws as
+/// those above; std::runtime_error when there is neither.
+std::unique_ptr<TraceSource> open_trace_source(const std::string& source, std::uint32_t sync,
+                                               HeardFrames frames = HeardFrames::telegrams);
+
+/// Is this a file or standard input, and not the name of an interface?
+bool is_trace_file(const std::string& source);
 
 }  // namespace cansync::cli

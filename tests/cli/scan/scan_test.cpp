@@ -1,0 +1,108 @@
+// `scan` of a recording: points, slaves, foreign identifiers, as text and as objects; what it refuses.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "cli/app/application.h"
+
+namespace cansync::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Two intervals at 500 kbit/s and more: WRC1 asks slave 3, which answers; a frame of somebody else.
+std::string small_log() {
+  std::string log;
+  for (int i = 0; i < 50; ++i) {
+    const int us = 2000 * i;
+    const auto line = [&](int after, const char* frame) {
+      char text[96];
+      std::snprintf(text, sizeof text, "(1.%06d) can7 %s\n", us + after, frame);
+      log += text;
+    };
+    line(0, "080#");
+    line(700, "103#0000000000000000");
+    line(900, "303#0100020003000400");
+    line(1800, "503#712D0000");
+    line(1900, "18FF1234#01");
+  }
+  return log;
+}
+
+class ScanVerb : public ::testing::Test {
+ protected:
+  ScanVerb() {
+    std::string name = (fs::temp_directory_path() / "cansync_scan.XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    log_ = (folder_ / "line.log").string();
+    std::ofstream(log_) << small_log();
+  }
+  ~ScanVerb() override { fs::remove_all(folder_); }
+
+  ExitCode run_scan(std::vector<std::string> words) {
+    words.insert(words.begin(), {"cansync", "scan"});
+    std::vector<const char*> arguments;
+    for (const std::string& word : words) arguments.push_back(word.c_str());
+    ExitCode code{};
+    {
+      using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+      const File out(std::fopen((folder_ / "data").c_str(), "w"), &std::fclose);
+      const File told(std::fopen((folder_ / "remarks").c_str(), "w"), &std::fclose);
+      code = run(static_cast<int>(arguments.size()), arguments.data(), out.get(), told.get());
+    }
+    data_ = content_of(folder_ / "data");
+    remarks_ = content_of(folder_ / "remarks");
+    return code;
+  }
+  bool says(const std::string& text) const { return data_.find(text) != std::string::npos; }
+
+  fs::path folder_;
+  std::string log_;
+  std::string data_;
+  std::string remarks_;
+};
+
+TEST_F(ScanVerb, TellsWhatIsOnALine) {
+  EXPECT_EQ(run_scan({log_}), ExitCode::done) << remarks_;
+  EXPECT_TRUE(says("500000 bit/s  told by the interval")) << data_;
+  EXPECT_TRUE(says("2.000 ms")) << data_;
+  EXPECT_TRUE(says("WRC1 50 x 8")) << data_;
+  EXPECT_TRUE(says("0x18FF1234      50      1")) << data_;
+}
+
+TEST_F(ScanVerb, TellsTheSameAsObjects) {
+  EXPECT_EQ(run_scan({log_, "--json"}), ExitCode::done) << remarks_;
+  EXPECT_TRUE(says(R"("point":"master","found":"yes")")) << data_;
+  EXPECT_TRUE(
+      says(R"({"kind":"slave","slave":3,"asked":50,"answers":0,"answer_lengths":[],"polled_1":50,)"
+           R"("actual_1":50,"actual_1_lengths":[8],"polled_2":0,"actual_2":0,"actual_2_lengths":[]})"))
+      << data_;
+  EXPECT_TRUE(says(R"({"kind":"foreign","identifier":419369524,"extended":true,"remote":false,"count":50,)"
+                   R"("lengths":[1]})"))
+      << data_;
+}
+
+TEST_F(ScanVerb, SaysThatTheTypedRateIsAnother) {
+  EXPECT_EQ(run_scan({log_, "--bit-rate", "125000"}), ExitCode::done);
+  EXPECT_TRUE(says("--bit-rate; its interval belongs to 500000 bit/s")) << data_;
+}
+
+TEST_F(ScanVerb, AsksNoRecordingAndNothingWithoutAsk) {
+  EXPECT_EQ(run_scan({log_, "--ask", "--yes"}), ExitCode::usage);
+  EXPECT_NE(remarks_.find("--ask: found a recording"), std::string::npos) << remarks_;
+  EXPECT_EQ(run_scan({log_, "--parameters"}), ExitCode::usage);
+  EXPECT_EQ(run_scan({(folder_ / "none.log").string()}), ExitCode::failed);
+  EXPECT_EQ(run_scan({log_, "--bit-rate", "300000"}), ExitCode::usage);
+}
+
+}  // namespace
+}  // namespace cansync::cli

@@ -1,0 +1,57 @@
+#include "cli/scan/network_files.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+namespace cansync::cli {
+namespace {
+
+bool is_virtual_link(const can::LinkFacts& link) {
+  return std::strcmp(link.driver_kind.data(), "vcan") == 0;
+}
+
+std::vector<LearnedFile> virtual_files(const std::string& interface) {
+  return {
+      {fmt::format("25-{}.netdev", interface),
+       fmt::format(
+           "# A virtual CAN interface, to try things out without hardware.\n[NetDev]\nName={}\nKind=vcan\n",
+           interface)},
+      {fmt::format("25-{}.network", interface),
+       fmt::format("# Brings the virtual interface up. It has no bit rate.\n[Match]\nName={}\n\n[Network]\n"
+                   "LinkLocalAddressing=no\n",
+                   interface)}};
+}
+
+std::string link_text(const std::string& interface) {
+  return fmt::format(
+      "# Settings of the interface itself, applied when it appears.\n[Match]\nOriginalName={}\n\n[Link]\n"
+      "# What stands in this queue is still sent when the daemon dies; it sends at most three frames in an interval.\n"
+      "TransmitQueueLength=10\n",
+      interface);
+}
+
+std::string network_text(const std::string& interface, const can::LinkFacts& link, BitRate rate) {
+  const bool known = link.timing && link.timing->sample_point != 0;
+  const double sample_point = known ? link.timing->sample_point / 10.0 : 60.0;
+  return fmt::format(
+      "# Sets the CAN interface up, so that nobody else needs the right to.\n[Match]\nName={}\n\n[CAN]\n"
+      "BitRate={}K\n# That of the other nodes: b maXX PLC 60 %, Omega Drive-Line II 87.5 %.{}\n"
+      "SamplePoint={:g}%\n# After this time in bus-off the kernel lets the controller take part again.\n"
+      "RestartSec=100ms\n"
+      "# Take the # away when the driver has this mode (docs/operations.md, \"When nobody acknowledges\"):\n"
+      "#OneShot=yes\n",
+      interface, slot_times(rate).bits_per_second / 1000,
+      known ? " The interface had this one." : " Not known here: look it up.", sample_point);
+}
+
+}  // namespace
+
+std::vector<LearnedFile> network_files(const std::string& interface, const can::LinkFacts& link,
+                                       BitRate rate) {
+  if (is_virtual_link(link)) return virtual_files(interface);
+  return {{fmt::format("80-{}.link", interface), link_text(interface)},
+          {fmt::format("80-{}.network", interface), network_text(interface, link, rate)}};
+}
+
+}  // namespace cansync::cli
