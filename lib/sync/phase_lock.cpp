@@ -138,8 +138,15 @@ void PhaseLock::search(Time at, double error) noexcept {
   const Tuning& tune = tuning(settings_.spacing);
   if (settings_.spacing > 1) learn_period(at);
   // At half an interval both directions are as near; noise must not turn the movement round.
-  if (slewing_) error += std::round((slew_target_ - error) / interval_) * interval_;
+  const bool turned = slewing_ && error * slew_target_ < 0 && std::abs(error) > interval_ / 4;
+  if (turned) error += std::copysign(interval_, slew_target_);
   if (std::abs(error) > interval_ * kNear) {
+    // One among near ones is a disturbance; when most are far off, the search begins again.
+    if (good_ > 0) {
+      --good_;
+      ++counters_.rejected;
+      return;
+    }
     slew(error);
     accept(at);
     return;

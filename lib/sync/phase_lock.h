@@ -37,10 +37,10 @@ struct PhaseLockCounters {
 ///
 /// Each input edge is compared with the nearest edge of the timeline. While searching, a phase far off is
 /// approached at `greatest_step` per interval, always in one direction; near by, phase and frequency are
-/// filtered. Locked, an edge more than a tenth of an interval off is not used; 16 of them in a row that agree
-/// (3 when `spacing` > 1) mean that the input has jumped, and the search begins again. Without edges the
-/// timeline goes on with the learned period. Whatever the input does, no interval deviates from the nominal
-/// one by more than `greatest_step`.
+/// filtered, and edges far off are not used as long as most are near. Locked, an edge more than a tenth of an
+/// interval off is not used; 16 of them in a row that agree (3 when `spacing` > 1) mean that the input has
+/// jumped, and the search begins again. Without edges the timeline goes on with the learned period. Whatever
+/// the input does, no interval deviates from the nominal one by more than `greatest_step`.
 ///
 /// Pure: no clock, no system call, no allocation; nothing throws. One thread; realtime safe.
 class PhaseLock {

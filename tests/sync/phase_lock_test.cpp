@@ -126,6 +126,31 @@ TEST(PhaseLock, NoiseAtHalfAnIntervalDoesNotTurnTheSearchRound) {
   EXPECT_LE(rig.until(LockState::locked, 2000), 800U);
 }
 
+/// As a software SYNC frame of a master whose thread wakes up late, again and again.
+TEST(PhaseLock, ASearchSurvivesEdgesThatAreLateByUpToHalfAnInterval) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Rig rig(settings(), microseconds(350));
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> late(100'000, 490'000);
+    rig.jitter = [&] { return nanoseconds(random() % 4 == 0 ? late(random) : 0); };
+    unsigned needed = 0;
+    for (; needed < 3000 && rig.lock.state() != LockState::locked; ++needed) {
+      rig.step();
+      ASSERT_LE(std::chrono::abs(rig.lock.phase_error()), kInterval) << seed;
+    }
+    EXPECT_LT(needed, 2500U) << seed;
+    EXPECT_LT(std::abs(rig.error.back()), 20'000.0) << seed;
+  }
+}
+
+TEST(PhaseLock, DoesNotLockToEdgesThatStandAnywhere) {
+  Rig rig(settings());
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> anywhere(-250'000, 250'000);
+  rig.jitter = [&] { return nanoseconds(anywhere(random)); };
+  EXPECT_EQ(rig.until(LockState::locked, 5000), 5000U);
+}
+
 TEST(PhaseLock, FiltersTheInputsJitter) {
   Rig rig(settings(), microseconds(3));
   std::mt19937 random(2);
