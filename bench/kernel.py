@@ -27,16 +27,14 @@ def processor_kept_awake():
         loop.wait()
 
 
-def measure(build, rounds, seconds, script="inside_kernel.py"):
-    """What the script inside found; None when this machine cannot boot that kernel."""
+def run_inside(build, script, arguments, limit):
+    """What the script left in its output, the argument behind `arguments`, as an object; None when this machine cannot boot
+    that kernel. `limit`: seconds for all of it."""
     with tempfile.TemporaryDirectory(prefix="cansync_bench_") as folder, processor_kept_awake():
         found = os.path.join(folder, "found.json")
-        limit = int(60 + rounds * 3 * (seconds + 15))
         command = ["chrt", "-f", "20", "taskset", "-c", str(CPU), sys.executable, "-B",
-                   os.path.join(ROOT, "tests", "kernel", "run_uml.py"), build, "vcan0", str(INTERVAL // 1000),
-                   str(rounds), str(seconds)]
-        environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found,
-                           CANSYNC_UML_SCRIPT=os.path.join(ROOT, "bench", script),
+                   os.path.join(ROOT, "tests", "kernel", "run_uml.py"), *arguments]
+        environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found, CANSYNC_UML_SCRIPT=script,
                            CANSYNC=f"{build}/tools/cli/cansync", CANSYNCD=f"{build}/daemon/cansyncd",
                            CANSYNC_SIM=f"{build}/tools/simulator/cansync-sim",
                            CANSYNC_UML_REGISTERS=f"{build}/tests/kernel/libuml_registers.so")
@@ -47,6 +45,12 @@ def measure(build, rounds, seconds, script="inside_kernel.py"):
             raise RuntimeError(f"the measurement inside the kernel ended with {done.returncode}")
         with open(found, encoding="utf-8") as file:
             return json.load(file)
+
+
+def measure(build, rounds, seconds, script="inside_kernel.py"):
+    """What the script inside found; None when this machine cannot boot that kernel."""
+    return run_inside(build, os.path.join(ROOT, "bench", script),
+                      [build, "vcan0", str(INTERVAL // 1000), str(rounds), str(seconds)], int(60 + rounds * 3 * (seconds + 15)))
 
 
 def figures_on_vcan(figures, build, rounds, seconds):
