@@ -24,6 +24,9 @@ domain = {domain}
 [slave]
 number = 5
 lock_time_ms = 50
+[metrics]
+file = "line.prom"
+period_s = 1
 """
 
 
@@ -34,6 +37,7 @@ class SlaveRole(unittest.TestCase):
         folder = cls.enterClassContext(tempfile.TemporaryDirectory())
         cls.config = os.path.join(folder, "bus.toml")
         cls.log = os.path.join(folder, "log")
+        cls.metrics = os.path.join(folder, "line.prom")
         with open(cls.config, "w", encoding="utf-8") as file:
             file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
         with open(cls.log, "wb") as log:
@@ -93,6 +97,24 @@ class SlaveRole(unittest.TestCase):
         self.assertIn("actual_writer_began", codes)
         self.assertIn("actual_writer_lost", codes)
         self.assertEqual(self.place.run("actual", "8=1").returncode, 2)
+
+    def test_the_metrics_are_those_of_the_status(self):
+        def numbers():
+            with open(self.metrics, encoding="utf-8") as file:
+                return {name: float(value) for name, value in re.findall(r"(?m)^(cansync_\S+) (\S+)$", file.read())}
+
+        bus = f'bus="{self.place.bus}"'
+        synchronized = f"cansync_slave_side_synchronized{{{bus}}}"
+        wait_for("the file tells of the lock", lambda: os.path.exists(self.metrics) and numbers().get(synchronized) == 1)
+        before = self.one("status")
+        interval = f"cansync_interval{{{bus}}}"
+        told = wait_for("the file is newer", lambda: (now := numbers())[interval] > before["interval"] and now)
+        after = wait_for("the status is not older", lambda: (s := self.one("status"))["interval"] >= told[interval] and s)
+        self.assertEqual(told[f"cansync_slave_side_number{{{bus}}}"], 5)
+        self.assertEqual(told[f"cansync_slave_side_status_word{{{bus}}}"], 0x8000)
+        self.assertEqual(told[f'cansync_slave_side_fault{{{bus},state="none"}}'], 1)
+        asked = told[f'cansync_slave_side_actual_asked_total{{{bus},telegram="1"}}']
+        self.assertTrue(before["asked"][0] <= asked <= after["asked"][0], (before["asked"], asked, after["asked"]))
 
     def test_the_table_is_explained(self):
         lines = self.place.run("references", "--count", 2).stdout.decode().splitlines()

@@ -55,7 +55,7 @@ daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
 daemon/segment:             lib/config lib/can lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
                             daemon/bus daemon/recorder
-daemon/status:              idl lib/can lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/bus daemon/desk
+daemon/status:              idl lib/text lib/can lib/sync lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/bus daemon/desk
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config

@@ -10,6 +10,7 @@
 #include "daemon/cansync/config/options.h"
 #include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/gateway_requests.h"
+#include "daemon/cansync/status/master_metrics.h"
 #include "daemon/service/service.h"
 
 namespace cansyncd {
@@ -55,7 +56,11 @@ Gateway::~Gateway() {
 }
 
 void Gateway::start() {
-  metrics_.emplace(config_.metrics, [this](const EventText& event) { post(event); });
+  metrics_.emplace(
+      config_.metrics, [this](const EventText& event) { post(event); },
+      [this](std::uint64_t failures) {
+        return master_metrics_text(common_.told(), state_.told(), failures);
+      });
   thread_.start();
 }
 
@@ -114,9 +119,8 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   }
   const auto failsafe_due = failsafe_.push(exchange_, now);
   due = std::min(due, tell_common(now));
-  for (const auto next :
-       {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
-        status_line_.step(state_.master(), config_, now), metrics_->step(state_, common_, now)}) {
+  for (const auto next : {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
+                          status_line_.step(state_.master(), config_, now), metrics_->step(now)}) {
     if (next) due = std::min(due, *next);
   }
   return due;

@@ -9,7 +9,7 @@
 #include "daemon/cansync/requests/protocol.h"
 #include "daemon/cansync/requests/request_audit.h"
 #include "daemon/cansync/status/gateway_state.h"
-#include "daemon/cansync/status/metrics_desk.h"
+#include "daemon/status/metrics_desk.h"
 #include "daemon/cansync/status/status_line.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"

@@ -236,6 +236,7 @@ constexpr auto kSlaveSections = std::to_array<config::Section>({
     {"recorder", "", ""},
     {"dds", "", ""},
     {"access", "", ""},
+    {"metrics", "", ""},
     {"sim", "", ""},
     {"sim.job", "job numbers",
      "On the simulated bus: what the simulated master asks of the slave, again and again: a parameter or a "
@@ -273,6 +274,7 @@ const config::Rows<SlaveRoleDraft>& slave_option_rows() {
       {{std::span<const DaemonRow>(kSlaveProtocolRow), &SlaveRoleDraft::config},
        {std::span<const DaemonRow>(for_slaves(rows::daemon_options())), &SlaveRoleDraft::config},
        {std::span<const DaemonRow>(for_slaves(rows::access_options())), &SlaveRoleDraft::config},
+       {rows::metrics_options(), &SlaveRoleDraft::config},
        {std::span<const DaemonRow>(for_slaves(rows::sync_options())), &SlaveRoleDraft::config},
        std::span<const SlaveRow>(kSlaveRoleRows),
        std::span<const SlaveRow>(kSimulatedJobRows),

@@ -40,7 +40,7 @@ struct SlaveRoleDraft {
   std::uint16_t unknown_parameter_error = 0xFFFA;
 };
 
-/// Every row: the daemon's, with the SYNC input and without metrics, and those of a slave.
+/// Every row: the daemon's, with the SYNC input, and those of a slave.
 const config::Rows<SlaveRoleDraft>& slave_option_rows();
 
 /// The table of the rows.

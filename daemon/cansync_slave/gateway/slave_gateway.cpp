@@ -9,6 +9,7 @@
 #include "daemon/cansync_slave/config/options.h"
 #include "daemon/cansync_slave/gateway/job_samples.h"
 #include "daemon/cansync_slave/gateway/slave_events.h"
+#include "daemon/cansync_slave/gateway/slave_metrics.h"
 #include "daemon/cansync_slave/gateway/slave_status.h"
 #include "daemon/status/bus_events.h"
 
@@ -78,11 +79,15 @@ void SlaveGateway::start() {
   // Who listens to whom, and how, is known before the first telegram.
   for (std::uint8_t slave = 0; slave < cansync::kSlaves; ++slave)
     publish_monitored(*cansync::SlaveNumber::from(slave), {});
+  metrics_.emplace(
+      config_.metrics, [this](const EventText& event) { post(event); },
+      [this](std::uint64_t failures) { return slave_metrics_text(common_.told(), told_status_, failures); });
   thread_.start();
 }
 
 void SlaveGateway::stop() noexcept {
   thread_.stop();
+  metrics_.reset();
 }
 
 void SlaveGateway::post(const EventText& event) {
@@ -107,7 +112,8 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
     if (application_.take_samples(now)) signal_.raise();
   }
   SteadyTime due = publish_status(now);
-  for (const auto next : {events_.tick(now), releases_.tick(now), application_.tick(now)}) {
+  for (const auto next :
+       {events_.tick(now), releases_.tick(now), application_.tick(now), metrics_->step(now)}) {
     if (next) due = std::min(due, *next);
   }
   return more ? now : due;
@@ -182,9 +188,9 @@ SteadyTime SlaveGateway::publish_status(SteadyTime now) {
     return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
   told_application_ = application_.name();
-  cansync_slave_SlaveSideStatus sample = slave_side_status(snapshot_, config_);
-  put_application(application_.name(), application_.taken(), sample);
-  (void)status_.write(sample);
+  told_status_ = slave_side_status(snapshot_, config_);
+  put_application(application_.name(), application_.taken(), told_status_);
+  (void)status_.write(told_status_);
   return std::min(common_due, next_status_);
 }
 

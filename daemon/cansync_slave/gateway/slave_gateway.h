@@ -17,6 +17,7 @@
 #include "daemon/service/journal.h"
 #include "daemon/service/new_configuration.h"
 #include "daemon/status/common_status.h"
+#include "daemon/status/metrics_desk.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -97,6 +98,8 @@ class SlaveGateway {
   std::uint64_t action_number_ = 0;
   std::string told_application_;  ///< of the newest status
   SteadyTime next_status_;
+  cansync_slave_SlaveSideStatus told_status_ = {};  ///< newest
+  std::optional<MetricsDesk> metrics_;              ///< from `start` to `stop`
 
   NewConfiguration<SlaveRoleConfig> new_configuration_;
   PostedEvents posted_;

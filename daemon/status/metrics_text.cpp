@@ -1,10 +1,8 @@
-#include "daemon/cansync/status/metrics_text.h"
+#include "daemon/status/metrics_text.h"
 
 #include <fmt/format.h>
 
 #include <utility>
-
-#include "cansync/dds/convert.h"
 
 namespace cansyncd {
 
@@ -62,24 +60,33 @@ std::string_view MetricFamily::unit() const noexcept {
   return {};
 }
 
-std::string metrics_text(const MetricsSource& from) {
-  MetricSamples samples(gateway::dds::text(from.common.gateway.bus));
+namespace {
+
+void add_family(const MetricFamily& family, const MetricsSource& from, MetricSamples& samples,
+                std::string& out) {
+  const std::string full =
+      fmt::format("{}{}", family.name, family.type == MetricType::counter ? "_total" : "");
+  samples.begin(full);
+  if (family.fill != nullptr)
+    family.fill(from, samples);
+  else
+    fill_from_member(family, from, samples);
+  const std::string lines = samples.take();
+  // A family without samples is left out, as for the time before the first sample of Timing.
+  if (lines.empty()) return;
+  out +=
+      fmt::format("# HELP {} {}\n# TYPE {} {}\n", family.name, family.help, family.name, name(family.type));
+  if (!family.unit().empty()) out += fmt::format("# UNIT {} {}\n", family.name, family.unit());
+  out += lines;
+}
+
+}  // namespace
+
+std::string metrics_text(const MetricsSource& from, std::initializer_list<MetricFamilies> families) {
+  MetricSamples samples(from.bus);
   std::string out;
-  for (const MetricFamily& family : metric_families()) {
-    const std::string full =
-        fmt::format("{}{}", family.name, family.type == MetricType::counter ? "_total" : "");
-    samples.begin(full);
-    if (family.fill != nullptr)
-      family.fill(from, samples);
-    else
-      fill_from_member(family, from, samples);
-    const std::string lines = samples.take();
-    // A family without samples is left out, as for the time before the first sample of Timing.
-    if (lines.empty()) continue;
-    out +=
-        fmt::format("# HELP {} {}\n# TYPE {} {}\n", family.name, family.help, family.name, name(family.type));
-    if (!family.unit().empty()) out += fmt::format("# UNIT {} {}\n", family.name, family.unit());
-    out += lines;
+  for (const MetricFamilies& some : families) {
+    for (const MetricFamily& family : some) add_family(family, from, samples, out);
   }
   return out + "# EOF\n";
 }
