@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <variant>
 
 #include "can/bus.h"
@@ -20,9 +21,9 @@
 #include "rt/spsc_ring.h"
 #include "rt/wake_signal.h"
 
-/// Everything that the realtime thread of a slave and its gateway thread share. The gateway writes `releases`
-/// and `orders`, and reads the rest; the realtime thread the other way round. All of it is bounded, allocated
-/// at the start and wait-free on both sides.
+/// Everything that the realtime thread of a slave and its gateway thread share. The gateway writes
+/// `releases`, `orders` and `commands`, and reads the rest; the realtime thread the other way round. All of
+/// it is bounded, allocated at the start and wait-free on both sides.
 namespace cansyncd {
 
 using cansync_slave::ReceivedValues;
@@ -152,6 +153,47 @@ struct BlockReply {
   std::array<std::uint8_t, cansync::kBlockAreaBytes> data = {};
 };
 
+/// What the slave is to do; SlaveMode of the data model.
+enum class SlaveMode : std::uint8_t { setup, run, stop, restart, reset_can };
+
+/// A program sets the slave's mode.
+struct SlaveModeOrder {
+  std::uint64_t id = 0;
+  SlaveMode mode = SlaveMode::setup;
+};
+
+/// A program sets this slave's own mapping.
+struct SlaveMappingOrder {
+  std::uint64_t id = 0;
+  cansync::ProcessMapping reference = {};
+  cansync::ProcessMapping actual = {};
+};
+
+/// A program says how the actual values of another slave are listened to.
+struct SlaveListenOrder {
+  std::uint64_t id = 0;
+  cansync::SlaveNumber other;
+  std::optional<cansync::ProcessMapping> mapping;  ///< nothing: not any more
+};
+
+using SlaveOrder = std::variant<SlaveModeOrder, SlaveMappingOrder, SlaveListenOrder>;
+
+/// Why the slave did not do it.
+enum class SlaveRefusal : std::uint8_t {
+  none,
+  wrong_state,      ///< the mode does not follow from the state
+  of_cluster,       ///< its file says how it is
+  not_permitted,    ///< the daemon may not reset the controller
+  no_controller,    ///< it cannot be reset
+  reset_under_way,  ///< already
+};
+
+/// The one answer to an order, with the order.
+struct SlaveOrderDone {
+  SlaveOrder order;
+  SlaveRefusal refusal = SlaveRefusal::none;
+};
+
 using ApplicationOrder = std::variant<TakeOver, JobAnswer, BlockReply>;
 
 /// What is counted of the jobs and blocks that an application is asked for.
@@ -209,14 +251,23 @@ struct SlaveSnapshot {
 struct SlaveExchange {
   /// `report_queue`: entries of `reports`.
   explicit SlaveExchange(std::size_t report_queue)
-      : releases(kReleases), orders(kOrders), reports(report_queue), jobs(kJobs) {}
+      : releases(kReleases),
+        orders(kOrders),
+        commands(kCommands),
+        done(kCommands),
+        reports(report_queue),
+        jobs(kJobs) {}
 
   static constexpr std::size_t kReleases = 64;
   static constexpr std::size_t kOrders = 16;
+  /// Of `commands`, and so many answers at most: the desk hands on no more before it has those.
+  static constexpr std::size_t kCommands = 16;
   static constexpr std::size_t kJobs = 64;  ///< one parameter job and one block are open at a time
 
   rt::SpscRing<ReleaseOrder> releases;    ///< gateway -> realtime
   rt::SpscRing<ApplicationOrder> orders;  ///< gateway -> realtime
+  rt::SpscRing<SlaveOrder> commands;      ///< gateway -> realtime
+  rt::SpscRing<SlaveOrderDone> done;      ///< realtime -> gateway
   rt::SpscRing<SlaveSideReport> reports;  ///< realtime -> gateway, lossy
   rt::SpscRing<ServiceReport> jobs;       ///< realtime -> gateway, lossy: what is lost ends by its time
   rt::LatestValue<SlaveSnapshot> status;

@@ -58,6 +58,9 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       identity_(identity),
       releases_(participant, signal_, events_, identity, exchange),
       application_(participant, signal_, events_, identity, config.status_parameter, exchange),
+      trail_(journal, events_, config.bus.name, 0),
+      commands_(participant, signal_, events_, trail_, SlaveRequests(), identity,
+                !config.dds.security.empty()),
       references_(participant, 0, &signal_),
       monitored_(participant, 0, &signal_),
       actions_(participant, 0, &signal_),
@@ -105,15 +108,17 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   take_configuration(now);
   const bool more = take_reports(now);
   take_jobs();
+  take_done(now);
   posted_.publish(events_, now);
   if (samples_may_wait) {
     second_daemon_.look(now);
     if (releases_.take_samples(now)) signal_.raise();
     if (application_.take_samples(now)) signal_.raise();
+    if (commands_.take_requests(context(now))) signal_.raise();
   }
   SteadyTime due = publish_status(now);
-  for (const auto next :
-       {events_.tick(now), releases_.tick(now), application_.tick(now), metrics_->step(now)}) {
+  for (const auto next : {events_.tick(now), releases_.tick(now), application_.tick(now), metrics_->step(now),
+                          commands_.retry(context(now))}) {
     if (next) due = std::min(due, *next);
   }
   return more ? now : due;
@@ -123,6 +128,7 @@ void SlaveGateway::take_configuration(SteadyTime now) {
   const auto taken = new_configuration_.take();
   if (!taken) return;
   config_.access = taken->access;
+  config_.dds.request_max_age = taken->dds.request_max_age;
   common_.set_access(config_.access);
   releases_.set_read_only(config_.access.read_only);
   application_.set_read_only(config_.access.read_only);
@@ -147,6 +153,33 @@ void SlaveGateway::take_jobs() {
     } else if (auto* block = std::get_if<BlockReport>(&report)) {
       (void)block_jobs_.write(block_job(*block, identity_));
     }
+  }
+}
+
+SlaveContext SlaveGateway::context(SteadyTime now) const {
+  return {exchange_, config_, now, {config_.dds.request_max_age, config_.access.read_only}};
+}
+
+void SlaveGateway::take_done(SteadyTime now) {
+  SlaveOrderDone done;
+  while (exchange_.done.try_pop(done)) {
+    if (done.refusal == SlaveRefusal::none) {
+      take_over(done.order);
+      next_status_ = now;
+      (void)publish_status(now);
+    }
+    commands_.finish(done, context(now));
+  }
+}
+
+void SlaveGateway::take_over(const SlaveOrder& order) {
+  if (const auto* mapping = std::get_if<SlaveMappingOrder>(&order)) {
+    config_.slave.reference_mapping = mapping->reference;
+    config_.slave.actual_mapping = mapping->actual;
+  } else if (const auto* listen = std::get_if<SlaveListenOrder>(&order)) {
+    config_.slave.monitored[listen->other.value()] = listen->mapping;
+    (void)monitored_.write(cansync_slave::dds::monitored_values(
+        listen->other, {}, listen->mapping.value_or(cansync::ProcessMapping{})));
   }
 }
 
@@ -177,6 +210,7 @@ SteadyTime SlaveGateway::publish_status(SteadyTime now) {
       events_.publish(event, now);
   }
   if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
+  common_.set_clients(commands_.clients(), commands_.rejections());
   common_.set_snapshot({.controller = snapshot_.controller,
                         .timestamps = snapshot_.timestamps,
                         .sync = snapshot_.sync,
@@ -199,8 +233,10 @@ void SlaveGateway::end() {
   while (take_reports(now)) {
   }  // the realtime thread has ended: the ring grows no more
   take_jobs();
+  take_done(now);
   posted_.publish(events_, now);
   (void)publish_status(now);
+  commands_.stop_and_deliver(signal_, [this] { return context(steady_clock::now()); });
 }
 
 }  // namespace cansyncd

@@ -10,8 +10,11 @@
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/cansync_slave/gateway/application_gate.h"
 #include "daemon/cansync_slave/gateway/release_gate.h"
+#include "daemon/cansync_slave/gateway/slave_requests.h"
+#include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_thread.h"
+#include "daemon/desk/job_desk.h"
 #include "daemon/desk/second_daemon.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
@@ -74,6 +77,10 @@ class SlaveGateway {
   void publish(const SlaveSideReport& report, SteadyTime now);
   void publish_monitored(cansync::SlaveNumber slave, const cansync_slave::ReceivedValues& values);
   void take_jobs();
+  SlaveContext context(SteadyTime now) const;
+  /// Tells first what a command has changed, then its reply.
+  void take_done(SteadyTime now);
+  void take_over(const SlaveOrder& order);
   /// Returns when to call again.
   SteadyTime publish_status(SteadyTime now);
   void end();
@@ -87,6 +94,8 @@ class SlaveGateway {
   const DaemonIdentity identity_;
   ReleaseGate releases_;
   ApplicationGate application_;
+  AuditTrail trail_;
+  JobDesk<SlaveRequests> commands_;
   gateway::dds::Writer<cansync_slave_ReferencesReceived> references_;
   gateway::dds::Writer<cansync_slave_MonitoredValues> monitored_;
   gateway::dds::Writer<cansync_slave_ActionReceived> actions_;

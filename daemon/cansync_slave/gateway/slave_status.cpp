@@ -119,6 +119,10 @@ cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
   sample.parameters = static_cast<std::uint32_t>(config.service.parameters.size() - 1);
   put_service(snapshot.service, sample);
   sample.status_parameter = config.status_parameter;
+  if (config.parameters) {
+    gateway::dds::copy_text(config.parameters->name, sample.profile);
+    gateway::dds::copy_text(config.parameters->hash, sample.profile_hash);
+  }
   cansync_slave::dds::put_registers(config.slave.reference_mapping, sample.reference_mapping);
   cansync_slave::dds::put_registers(config.slave.actual_mapping, sample.actual_mapping);
   return sample;

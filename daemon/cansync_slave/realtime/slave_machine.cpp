@@ -37,13 +37,13 @@ SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, 
     : bus_(bus),
       exchange_(exchange),
       slots_(cansync::slot_times(settings.slave.bit_rate)),
-      target_(settings.target),
       tap_(settings.tap),
       cluster_(settings.cluster),
       edges_(settings.edges),
       desk_(settings.service, settings.status_parameter, settings.status_bits, exchange),
       slave_(cluster_ != nullptr ? cluster_->upper()
                                  : own_slave_.emplace(settings.slave, desk_.application())),
+      commands_(slave_, bus, exchange, settings.target, cluster_ != nullptr),
       supervision_(settings.supervision),
       releases_(cluster_ != nullptr ? &cluster_->lead() : nullptr),
       sync_(settings.lock, settings.edge_every_interval, settings.inputs),
@@ -64,7 +64,7 @@ void SlaveMachine::begin(can::Time now) noexcept {
   snapshot_.controller = bus_.status();
   sync_.begin(bus_);
   if (edges_ != nullptr) edges_->next = sync_.next();
-  pursue_target();
+  set_up();
   changed_ = true;  // nobody has been told how the bus is
 }
 
@@ -75,6 +75,7 @@ void SlaveMachine::advance(can::Time now) noexcept {
   // An answer has microseconds, all else has time.
   if (answers_.due(now)) return;
   take_releases();
+  take_command(now);
   desk_.at(moment(now));
   desk_.take_orders(now);
   sync_.look(now);
@@ -89,14 +90,32 @@ void SlaveMachine::advance(can::Time now) noexcept {
 }
 
 /// The slave's own application enables it (M 3.2.3.3).
-void SlaveMachine::pursue_target() noexcept {
+void SlaveMachine::set_up() noexcept {
   const State before = slave_.state();
-  (void)slave_.control(ControlCommand::handshake);
-  (void)slave_.control(ControlCommand::take_over_initialisation);
-  if (target_ != SlaveTarget::none) (void)slave_.control(ControlCommand::start_synchronous);
-  if (target_ == SlaveTarget::active) (void)slave_.control(ControlCommand::enable_active);
+  commands_.set_up();
   report(SlaveStateReport{moment(bus_.now()), before, slave_.state()});
   changed_ = true;
+}
+
+/// At most one at a time. Its answer is told after the state that it made.
+void SlaveMachine::take_command(can::Time now) noexcept {
+  const State before = slave_.state();
+  const auto done = commands_.take();
+  if (!done) return;
+  changed_ = true;
+  if (done->refusal == SlaveRefusal::none) {
+    const cansync::SlaveSideSettings& settings = slave_.settings();
+    references_.words = word_mask(settings.reference_mapping);
+    if (const auto* listen = std::get_if<SlaveListenOrder>(&done->order))
+      monitored_[listen->other.value()].words = listen->mapping ? word_mask(*listen->mapping) : 0;
+    if (!cansync::is_active(slave_.state())) releases_.drop();
+    tell_synchronized();
+  }
+  if (slave_.state() != before) report(SlaveStateReport{moment(now), before, slave_.state()});
+  fill_snapshot(now);
+  exchange_.status.write(snapshot_);
+  // There is room: no more orders are open than it has.
+  (void)exchange_.done.try_push(*done);
 }
 
 // --- edges

@@ -14,6 +14,7 @@
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/cansync_slave/realtime/answer_queue.h"
 #include "daemon/cansync_slave/realtime/release_store.h"
+#include "daemon/cansync_slave/realtime/slave_commands.h"
 #include "daemon/cansync_slave/realtime/slave_desk.h"
 #include "daemon/cansync_slave/realtime/sync_follower.h"
 #include "daemon/loop/flight_tap.h"
@@ -75,7 +76,8 @@ class SlaveMachine {
   void take_releases() noexcept;
   void watch_sync() noexcept;
   void tell_synchronized() noexcept;
-  void pursue_target() noexcept;
+  void set_up() noexcept;
+  void take_command(can::Time now) noexcept;
   void take(const cansync::Telegram& telegram, const can::ReceivedFrame& received) noexcept;
   void take_reference(const cansync::ReferenceTelegram& telegram, can::Time end) noexcept;
   void take_actual(const cansync::ActualTelegram& telegram, std::uint32_t before, can::Time end) noexcept;
@@ -89,13 +91,13 @@ class SlaveMachine {
   can::Bus& bus_;
   SlaveExchange& exchange_;
   const cansync::SlotTimes slots_;
-  const SlaveTarget target_;
   FlightTap* const tap_;
   cansync::Cluster* const cluster_;
   LeadingEdges* const edges_;
   SlaveDesk desk_;
   std::optional<cansync::Slave> own_slave_;  ///< without a cluster
   cansync::Slave& slave_;
+  SlaveCommands commands_;
   cansync::SlaveSupervision supervision_;
   ReleaseStore releases_;
   SyncFollower sync_;

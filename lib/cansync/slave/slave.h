@@ -169,9 +169,9 @@ class Slave {
   /// An answer of this slave was on the bus whole; another frame is ignored.
   void sent(const can::Frame& answer) noexcept;
 
-  /// Releases actual values for the telegram of `channel` in this interval (control register 0x05, M 4.17):
-  /// `values` 0..3 for channel one, 4..7 for channel two. One release is good for one telegram. A reference
-  /// telegram that asks for actual values that are not released gets no answer.
+  /// Releases actual values for the telegram of `channel` in this interval (control register 0x05,
+  /// M 3.2.3.5): `values` 0..3 for channel one, 4..7 for channel two. One release is good for one telegram. A
+  /// reference telegram that asks for actual values that are not released gets no answer.
   void release_actual(Channel channel, const Values& values) noexcept;
   /// What has become of the release of this interval.
   ActualRelease release(Channel channel) const noexcept { return release_[index(channel)]; }
@@ -200,13 +200,17 @@ class Slave {
   /// Counters as of this call; they go on changing.
   const ResponseCounters& response_counters() const noexcept { return responses_; }
 
-  /// Other mappings, from the next telegram on (M 4.8: also during active operation).
+  /// Other mappings, from the next telegram on (M 3.2.3.4: also during active operation).
   void set_reference_mapping(const ProcessMapping& mapping) noexcept {
     settings_.reference_mapping = mapping;
     references_of_ = {Unpacking(mapping[0]), Unpacking(mapping[1])};
   }
-  /// How this slave's own values are sent, from the next telegram on (M 4.8).
+  /// How this slave's own values are sent, from the next telegram on (M 3.2.3.4).
   void set_actual_mapping(const ProcessMapping& mapping) noexcept { settings_.actual_mapping = mapping; }
+  /// How another slave's actual values are listened to; nothing: not any more.
+  void set_monitored(SlaveNumber other, const std::optional<ProcessMapping>& mapping) noexcept {
+    settings_.monitored[other.value()] = mapping;
+  }
 
   /// The data byte of the newest action "SYNC mode", whatever it says (b_SYNC_MODUS); nothing before the
   /// first since synchronous operation began.

@@ -1,6 +1,13 @@
 #include "cansync_slave/client/slave_client.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
+
+#include "dds/bounded_text.h"
+#include "dds/daemon_identity.h"
+#include "dds/reply_partition.h"
 
 namespace cansync_slave::client {
 namespace {
@@ -20,6 +27,7 @@ gateway::dds::TopicInfo reader_topic(bool only_new) noexcept {
 
 SlaveClient::SlaveClient(const Options& options, bool only_new)
     : options_(options),
+      identity_(gateway::dds::random_client_identity()),
       participant_(options.participant()),
       references_(participant_, reader_topic<cansync_slave_ReferencesReceived>(only_new), &signal_),
       monitored_(participant_, &signal_),
@@ -27,6 +35,10 @@ SlaveClient::SlaveClient(const Options& options, bool only_new)
       parameter_jobs_(participant_, &signal_),
       block_jobs_(participant_, &signal_),
       status_(participant_, &signal_),
+      command_replies_(participant_,
+                       gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
+                       &signal_),
+      commands_(participant_, 0, &signal_),
       sight_(participant_, signal_, options.bus) {
   sight_.find(
       options, signal_, "cansync-slave", [this] { return matched(); },
@@ -53,7 +65,29 @@ int SlaveClient::take(const Listener& listener) {
       [&](const cansync_slave_ReferencesReceived& sample) { hand_on(listener.references, sample); });
   monitored_.take([&](const cansync_slave_MonitoredValues& sample) { hand_on(listener.monitored, sample); });
   status_.take([&](const cansync_slave_SlaveSideStatus& sample) { newest_ = sample; });
+  command_replies_.take([&](const cansync_slave_SlaveCommandReply& reply) {
+    if (std::equal(identity_.begin(), identity_.end(), reply.client)) hand_on(listener.command_reply, reply);
+  });
   return count;
+}
+
+SlaveClient::Commanded SlaveClient::command(cansync_slave_SlaveCommand wanted) {
+  sight_.look();
+  if (const auto found = sight_.obstacle()) return {0, found->reason, gateway_CAUSE_OTHER_DAEMON};
+  if (!commands_.permitted())
+    return {0, "no right to write topic SlaveCommand; it needs the role engineer: cansync-security add",
+            gateway_CAUSE_RIGHT};
+  if (commands_.matched() == 0 || command_replies_.matched() == 0)
+    return {0, "the daemon takes no commands; it may have just come, or is older than this program",
+            gateway_CAUSE_OTHER_DAEMON};
+  std::copy(identity_.begin(), identity_.end(), std::begin(wanted.client));
+  wanted.request = ++request_;
+  gateway::dds::copy_text(options_.client_name, wanted.client_name);
+  gateway::dds::set_daemon(sight_.choice().daemon(), wanted);
+  const auto code = commands_.write(wanted);
+  if (code == DDS_RETCODE_OK) return {wanted.request, {}, gateway_CAUSE_NONE};
+  return {0, fmt::format("the command could not be written: {}", dds_strretcode(code)),
+          code == DDS_RETCODE_TIMEOUT ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN};
 }
 
 bool SlaveClient::receive(milliseconds time, const Listener& listener) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -29,6 +31,8 @@ class SlaveClient {
     std::function<void(const cansync_slave_ActionReceived&)> action;
     std::function<void(const cansync_slave_ParameterJob&)> parameter_job;
     std::function<void(const cansync_slave_BlockJob&)> block_job;
+    std::function<void(const cansync_slave_SlaveCommandReply&)>
+        command_reply;  ///< to commands of this client
   };
 
   /// Waits until a daemon serves the bus and everything is matched with it. Throws NoDaemon when
@@ -43,6 +47,18 @@ class SlaveClient {
 
   /// What the daemon told last of the slave, waiting at most `time` for the first; nothing: none came.
   std::optional<cansync_slave_SlaveSideStatus> status(std::chrono::milliseconds time);
+
+  /// A command that was handed to DDS.
+  struct Commanded {
+    std::uint64_t request = 0;                        ///< its reply names it; 0: it was not written
+    std::string problem;                              ///< why not
+    gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< likewise
+  };
+
+  /// Has the slave do what `wanted` says: mode, own mapping, listening. Who asks, and which start of the
+  /// daemon is asked, need not stand in it. Never waits: the one reply comes with `receive`, and none when
+  /// the daemon goes before.
+  Commanded command(cansync_slave_SlaveCommand wanted);
 
   /// Which daemon serves the bus, as it told last.
   const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
@@ -62,6 +78,7 @@ class SlaveClient {
   int take(const Listener& listener);
 
   Options options_;
+  std::array<std::uint8_t, 16> identity_;
   gateway::dds::Participant participant_;
   gateway::dds::DataSignal signal_;
   gateway::dds::Reader<cansync_slave_ReferencesReceived> references_;
@@ -70,7 +87,10 @@ class SlaveClient {
   gateway::dds::Reader<cansync_slave_ParameterJob> parameter_jobs_;
   gateway::dds::Reader<cansync_slave_BlockJob> block_jobs_;
   gateway::dds::Reader<cansync_slave_SlaveSideStatus> status_;
+  gateway::dds::Reader<cansync_slave_SlaveCommandReply> command_replies_;
+  gateway::dds::Writer<cansync_slave_SlaveCommand> commands_;
   gateway::dds::DaemonSight sight_;
+  std::uint64_t request_ = 0;  ///< of the last command
   std::optional<cansync_slave_SlaveSideStatus> newest_;
 };
 

@@ -5,18 +5,23 @@
 namespace cansync_slave::dds {
 
 std::span<const TopicInfo* const> all_topics() noexcept {
-  static constexpr std::array<const TopicInfo*, 12> kAll = {&topic_info<cansync_slave_ReferencesReceived>,
-                                                            &topic_info<cansync_slave_MonitoredValues>,
-                                                            &topic_info<cansync_slave_ActualRelease>,
-                                                            &topic_info<cansync_slave_ActionReceived>,
-                                                            &topic_info<cansync_slave_ParameterJob>,
-                                                            &topic_info<cansync_slave_BlockJob>,
-                                                            &topic_info<cansync_slave_ApplicationAnswer>,
-                                                            &topic_info<cansync_slave_SlaveSideStatus>,
-                                                            &topic_info<gateway_GatewayStatus>,
-                                                            &topic_info<gateway_BusStatus>,
-                                                            &topic_info<gateway_RealtimeStatus>,
-                                                            &topic_info<gateway_Event>};
+  static constexpr auto kAll = std::to_array<const TopicInfo*>({
+      &topic_info<cansync_slave_ReferencesReceived>,
+      &topic_info<cansync_slave_MonitoredValues>,
+      &topic_info<cansync_slave_ActualRelease>,
+      &topic_info<cansync_slave_ActionReceived>,
+      &topic_info<cansync_slave_ParameterJob>,
+      &topic_info<cansync_slave_BlockJob>,
+      &topic_info<cansync_slave_ApplicationAnswer>,
+      &topic_info<cansync_slave_SlaveCommand>,
+      &topic_info<cansync_slave_SlaveCommandReply>,
+      &topic_info<cansync_slave_SlaveSideStatus>,
+      &topic_info<gateway_JobCancel>,
+      &topic_info<gateway_GatewayStatus>,
+      &topic_info<gateway_BusStatus>,
+      &topic_info<gateway_RealtimeStatus>,
+      &topic_info<gateway_Event>,
+  });
   return kAll;
 }
 

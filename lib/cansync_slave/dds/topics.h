@@ -42,6 +42,14 @@ inline constexpr TopicInfo topic_info<cansync_slave_ApplicationAnswer> = {
     "ApplicationAnswer", &cansync_slave_ApplicationAnswer_desc, kFromClients, kind::exclusive(),
     &cansync_slave_ApplicationAnswer_final_desc};
 template <>
+inline constexpr TopicInfo topic_info<cansync_slave_SlaveCommand> = {
+    "SlaveCommand", &cansync_slave_SlaveCommand_desc, kFromClients, kind::request(),
+    &cansync_slave_SlaveCommand_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<cansync_slave_SlaveCommandReply> = {
+    "SlaveCommandReply", &cansync_slave_SlaveCommandReply_desc, kFromDaemon, kind::reply(256, 128),
+    &cansync_slave_SlaveCommandReply_final_desc};
+template <>
 inline constexpr TopicInfo topic_info<cansync_slave_SlaveSideStatus> = {
     "SlaveSideStatus", &cansync_slave_SlaveSideStatus_desc, kFromDaemon, kind::state(),
     &cansync_slave_SlaveSideStatus_final_desc};

@@ -15,6 +15,9 @@ inline constexpr std::uint32_t kMostWaitIntervals = 1000;
 /// Nothing, or why the release is refused. A sample that gives the telegram up is not to be checked.
 gateway::dds::Problem check(const cansync_slave_ActualRelease& release);
 
+/// Nothing, or why the command is refused: kind, mode, slave or mapping.
+gateway::dds::Problem check(const cansync_slave_SlaveCommand& command);
+
 /// Nothing, or why what an application says is refused.
 gateway::dds::Problem check(const cansync_slave_ApplicationAnswer& answer);
 

@@ -7,8 +7,11 @@
 #include <iterator>
 #include <utility>
 
+#include "client/src/causes.h"
 #include "client/src/connect_options.h"
 #include "client/src/set_up.h"
+#include "client/src/slave_link.h"
+#include "dds/bounded_text.h"
 
 namespace cansync::client {
 namespace detail {
@@ -37,8 +40,11 @@ unsigned fresh_telegrams(SlaveSide::Telegrams& known, const Sample& sample, unsi
 
 }  // namespace
 
-SlaveSide::SlaveSide(const Options& options)
-    : client_(connect_to<cansync_slave::client::SlaveClient>(options, true)) {
+cansync_slave::client::SlaveClient connect_to_slave(const Options& options) {
+  return connect_to<cansync_slave::client::SlaveClient>(options, true);
+}
+
+SlaveSide::SlaveSide(const Options& options) : client_(connect_to_slave(options)) {
   listener_.references = [this](const cansync_slave_ReferencesReceived& sample) {
     (void)fresh_telegrams(references_, sample, sample.arrived);
   };
@@ -46,6 +52,7 @@ SlaveSide::SlaveSide(const Options& options)
   listener_.action = [this](const cansync_slave_ActionReceived& sample) { note(sample); };
   listener_.parameter_job = [this](const cansync_slave_ParameterJob& sample) { note(sample); };
   listener_.block_job = [this](const cansync_slave_BlockJob& sample) { note(sample); };
+  listener_.command_reply = [this](const cansync_slave_SlaveCommandReply& reply) { note(reply); };
   const auto first = client_.status(first_status_wait(options));
   if (!first) throw NoDaemon("the daemon tells nothing of its slave (" + client_.place() + ")");
   status_ = *first;
@@ -66,7 +73,10 @@ void SlaveSide::watch_daemon() {
   if (daemon == daemon_) return;
   daemon_ = daemon;
   references_.known = false;
-  for (Telegrams& one : monitored_) one.known = false;
+  for (Telegrams& one : monitored_) {
+    one.known = false;
+    one.mapping = {};
+  }
 }
 
 /// The first sample of a slave may be what the daemon kept from long ago: nothing of it is new.
@@ -103,6 +113,19 @@ void SlaveSide::note(const cansync_slave_BlockJob& sample) {
   BlockStep step{sample, {sample.data._buffer, sample.data._buffer + sample.data._length}};
   step.job.data = {};
   block_steps_.push_back(std::move(step));
+}
+
+void SlaveSide::note(const cansync_slave_SlaveCommandReply& reply) {
+  // What nobody waits for any more is old.
+  if (command_replies_.size() == kSteps) command_replies_.erase(command_replies_.begin());
+  command_replies_[reply.request] = {static_cast<ReplyCode>(reply.code), to_cause(reply.cause),
+                                     std::string(gateway::dds::text(reply.reason))};
+}
+
+std::optional<SlaveSide::CommandReply> SlaveSide::take_command_reply(std::uint64_t request) {
+  const auto found = command_replies_.extract(request);
+  if (found.empty()) return std::nullopt;
+  return found.mapped();
 }
 
 void SlaveSide::attach_parameters() {

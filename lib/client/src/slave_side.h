@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,12 @@ class SlaveSide {
     std::uint8_t slave = 0;
   };
   using Status = cansync_slave_SlaveSideStatus;
+  /// What became of a command.
+  struct CommandReply {
+    ReplyCode code = ReplyCode::done;
+    RefusalCause cause = RefusalCause::none;
+    std::string reason;
+  };
 
   /// Waits for the daemon and its first status. Throws as SlaveConnection::connect.
   explicit SlaveSide(const Options& options);
@@ -82,6 +89,9 @@ class SlaveSide {
   /// Why the application could not say what it takes over; empty: it could.
   const std::string& problem() const noexcept { return problem_; }
 
+  /// The reply to a command of this connection, once; nothing: it is not there yet.
+  std::optional<CommandReply> take_command_reply(std::uint64_t request);
+
   /// Steps that nobody has looked at yet, oldest first.
   std::deque<cansync_slave_ParameterJob>& parameter_steps() noexcept { return parameter_steps_; }
   std::deque<BlockStep>& block_steps() noexcept { return block_steps_; }
@@ -92,6 +102,7 @@ class SlaveSide {
   void note(const cansync_slave_ActionReceived& sample);
   void note(const cansync_slave_ParameterJob& sample);
   void note(const cansync_slave_BlockJob& sample);
+  void note(const cansync_slave_SlaveCommandReply& reply);
   void watch_daemon();
 
   cansync_slave::client::SlaveClient client_;
@@ -110,6 +121,7 @@ class SlaveSide {
   std::string problem_;
   std::deque<cansync_slave_ParameterJob> parameter_steps_;
   std::deque<BlockStep> block_steps_;
+  std::map<std::uint64_t, CommandReply> command_replies_;  ///< nobody has taken yet
 };
 
 }  // namespace cansync::client::detail

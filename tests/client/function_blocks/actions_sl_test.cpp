@@ -90,21 +90,44 @@ TEST_F(ModeSl, ShowsEachState) {
   EXPECT_FALSE(block.x_MA || block.x_ASYNC_MODE_ACTIV || block.x_PREPARE_ACTIV || block.x_WAIT);
 }
 
-// "The inputs correspond to commands." The daemon carries them out by itself, or says why not.
-TEST_F(ModeSl, CommandsAreFulfilledOrRefusedInWords) {
+// "The inputs correspond to commands."
+TEST_F(ModeSl, InputsThatRiseAreCommandsOneAfterTheOther) {
+  ASSERT_TRUE(shows(0x0003, block.x_WAIT));
   block.x_SYNC_MODE = block.x_CANsync_RUN = block.x_SET_INIT_DATA = true;
-  ASSERT_TRUE(call_until(block, [&] { return block.x_CANsync_ACTIV; }));
-  EXPECT_EQ(block.error(), "");
-  EXPECT_TRUE(shows(0x0013, block.x_PREPARE_ACTIV));
-  EXPECT_NE(block.error().find("slave.target"), std::string::npos);
-  block.x_SYNC_MODE = block.x_CANsync_RUN = false;
+  ASSERT_TRUE(call_until(block, [&] { return block.x_CANsync_ACTIV; })) << block.error();
+  ASSERT_EQ(daemon->commands.size(), 2u);
+  EXPECT_EQ(daemon->commands[0].mode, cansync_slave_SLAVE_MODE_SETUP);
+  EXPECT_EQ(daemon->commands[1].mode, cansync_slave_SLAVE_MODE_RUN);
   block.x_RESET_SOFTWARE = true;
+  ASSERT_TRUE(call_until(block, [&] { return block.x_WAIT; })) << block.error();
+  call_often(block);
+  ASSERT_EQ(daemon->commands.size(), 3u) << "each input once: x_SYNC_MODE stays TRUE";
+  EXPECT_EQ(daemon->commands[2].mode, cansync_slave_SLAVE_MODE_RESTART);
+  block.x_SYNC_MODE = block.x_CANsync_RUN = false;
   block.call();
-  EXPECT_NE(block.error().find("x_RESET_SOFTWARE"), std::string::npos);
-  block.x_RESET_SOFTWARE = false;
+  block.x_SYNC_MODE = block.x_CANsync_RUN = true;
+  ASSERT_TRUE(call_until(block, [&] { return block.x_CANsync_ACTIV; })) << block.error();
   block.x_RESET_CANsync_CONTROLLER = true;
-  block.call();
-  EXPECT_NE(block.error().find("restart-ms"), std::string::npos);
+  ASSERT_TRUE(call_until(block, [&] { return daemon->commands.size() == 6; }));
+  EXPECT_EQ(daemon->commands[5].mode, cansync_slave_SLAVE_MODE_RESET_CAN);
+}
+
+TEST_F(ModeSl, WhatTheSlaveIsAlreadyIsNoCommand) {
+  block.x_SYNC_MODE = block.x_CANsync_RUN = true;
+  ASSERT_TRUE(call_until(block, [&] { return block.x_CANsync_ACTIV; }));
+  call_often(block);
+  EXPECT_TRUE(daemon->commands.empty());
+  EXPECT_EQ(block.error(), "");
+}
+
+TEST_F(ModeSl, ARefusalDropsWhatWaitsBehindItAndReservedInputsAreRefused) {
+  ASSERT_TRUE(shows(0x0003, block.x_WAIT));
+  daemon->refuses = "it stands in a file";
+  block.x_SYNC_MODE = block.x_CANsync_RUN = true;
+  ASSERT_TRUE(call_until(block, [&] { return !block.error().empty(); }));
+  EXPECT_EQ(block.error(), "daemon: it stands in a file");
+  call_often(block);
+  EXPECT_EQ(daemon->commands.size(), 1u);
   block.x_ASYNC_MODE0 = true;
   block.call();
   EXPECT_NE(block.error().find("reserved"), std::string::npos);

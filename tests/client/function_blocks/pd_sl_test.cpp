@@ -7,7 +7,8 @@ namespace {
 
 class PdCfgSl : public SlaveBlockTest {};
 
-TEST_F(PdCfgSl, TheMappingIsComparedWithTheDaemons) {
+// "Once": a mapping that is in force already is not given again.
+TEST_F(PdCfgSl, AMappingThatDiffersIsGivenOnceAndThenInForce) {
   PD_CFG_SL block(connection);
   block.a_WRC1 = {0, 0, 1, 1};
   block.a_HL_WRC1 = {false, true, false, true};
@@ -18,41 +19,70 @@ TEST_F(PdCfgSl, TheMappingIsComparedWithTheDaemons) {
   block.a_RDC2 = {7, -1, -1, -1};
   block.call();
   EXPECT_TRUE(block.in_effect()) << block.error();
+  call_often(block);
+  EXPECT_TRUE(daemon->commands.empty()) << "the daemon has it";
   block.a_RDC2 = {6, -1, -1, -1};
   block.call();
   EXPECT_FALSE(block.in_effect());
-  EXPECT_NE(block.error().find("slave.actual_registers_2 = [25, 0, 0, 0]"), std::string::npos)
-      << block.error();
-  block.a_WRC1[0] = 4;
+  ASSERT_TRUE(call_until(block, [&] { return block.in_effect(); })) << block.error();
+  call_often(block);
+  ASSERT_EQ(daemon->commands.size(), 1u);
+  EXPECT_EQ(daemon->commands[0].kind, cansync_slave_SLAVE_COMMAND_MAPPING);
+  EXPECT_EQ(daemon->commands[0].actual_mapping[4], 0x19);
+  EXPECT_EQ(daemon->commands[0].reference_mapping[1], 0x03);
+}
+
+TEST_F(PdCfgSl, NumbersOfTheOtherTelegramAreNotGiven) {
+  PD_CFG_SL block(connection);
+  block.a_WRC1 = {4, -1, -1, -1};
   block.call();
   EXPECT_EQ(block.error(), "client: telegram 1 has a value number other than 0..3 and -1");
   block.a_WRC1[0] = 0;
   block.a_RDC2[0] = 3;
   block.call();
   EXPECT_EQ(block.error(), "client: telegram 2 has a value number other than 4..7 and -1");
+  call_often(block);
+  EXPECT_TRUE(daemon->commands.empty());
+}
+
+TEST_F(PdCfgSl, ARefusalIsToldAndNotAskedForAgainAndAnewAfterAStartOfTheDaemon) {
+  daemon->refuses = "not now";
+  PD_CFG_SL block(connection);
+  block.a_WRC1 = {3, -1, -1, -1};
+  ASSERT_TRUE(call_until(block, [&] {
+    return !daemon->commands.empty() && !block.error().empty() && block.error().starts_with("daemon: ");
+  })) << block.error();
+  EXPECT_EQ(block.error(), "daemon: not now");
+  EXPECT_EQ(block.cause(), RefusalCause::wrong_state);
+  daemon.reset();
+  daemon.emplace(places.here);
+  ASSERT_TRUE(call_until(block, [&] { return block.in_effect(); })) << block.error();
+  EXPECT_EQ(block.error(), "");
+  EXPECT_EQ(daemon->commands.size(), 1u);
 }
 
 class PdCfgReadSl : public SlaveBlockTest {};
 
-TEST_F(PdCfgReadSl, TheMappingOfAnotherSlaveIsComparedWithTheDaemons) {
+TEST_F(PdCfgReadSl, ListensToAnotherSlaveAndNotAnyMoreWithoutNumbers) {
   PD_CFG_READ_SL block(connection);
   block.si_SL_NR = 7;
   block.a_RDC1 = {0, 0, 1, 1};
   block.a_HL_RDC1 = {false, true, false, true};
   ASSERT_TRUE(call_until(block, [&] { return block.in_effect(); })) << block.error();
+  EXPECT_TRUE(daemon->commands.empty()) << "the daemon has it";
   block.a_RDC2[3] = 5;
-  block.call();
-  EXPECT_NE(block.error().find("actual_registers_2 = [0, 0, 0, 21]"), std::string::npos) << block.error();
-  block.si_SL_NR = 5;
-  block.call();
-  EXPECT_NE(block.error().find("this slave itself"), std::string::npos);
-  block.si_SL_NR = 6;
-  block.call();
-  EXPECT_NE(block.error().find("[[monitored]]"), std::string::npos);
-  EXPECT_FALSE(block.in_effect());
+  ASSERT_TRUE(call_until(block, [&] { return block.in_effect(); })) << block.error();
+  ASSERT_EQ(daemon->commands.size(), 1u);
+  EXPECT_EQ(daemon->commands[0].kind, cansync_slave_SLAVE_COMMAND_LISTEN);
+  EXPECT_EQ(daemon->commands[0].other, 7);
+  EXPECT_EQ(daemon->commands[0].actual_mapping[7], 0x15);
+  block.a_RDC1 = block.a_RDC2 = {-1, -1, -1, -1};
+  ASSERT_TRUE(call_until(block, [&] { return block.in_effect(); })) << block.error();
+  EXPECT_EQ(daemon->commands[1].actual_mapping[7], 0);
   block.si_SL_NR = 32;
   block.call();
   EXPECT_EQ(block.error(), "client: slave 32: out of range; allowed 0..31");
+  EXPECT_FALSE(block.in_effect());
 }
 
 class PdCommSl : public SlaveBlockTest {

@@ -19,6 +19,7 @@
 #include "dds/bounded_text.h"
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
+#include "dds/reply_partition.h"
 #include "support/dds_places.h"
 
 /// The function blocks of a slave against a daemon without a bus.
@@ -117,14 +118,50 @@ class FakeSlaveDaemon {
         answer.data.assign(sample.data._buffer, sample.data._buffer + sample.data._length);
       }
     });
+    (void)command_reader_.take([this](const cansync_slave_SlaveCommand& sample) {
+      EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+      commands.push_back(sample);
+      obey(sample);
+    });
     (void)release_reader_.take([this](const cansync_slave_ActualRelease& sample) {
       if (!sample.given_up && gateway::dds::daemon_of(sample) == identity_) releases.push_back(sample);
     });
   }
 
   cansync_slave_SlaveSideStatus status = {};
+  std::vector<cansync_slave_SlaveCommand> commands;
+  std::string refuses;  ///< why it refuses commands; empty: it does what they say
 
  private:
+  /// Does it, tells of it, and replies.
+  void obey(const cansync_slave_SlaveCommand& sample) {
+    cansync_slave_SlaveCommandReply reply = {};
+    std::copy(std::begin(sample.client), std::end(sample.client), std::begin(reply.client));
+    reply.request = sample.request;
+    if (!refuses.empty()) {
+      reply.code = gateway_REPLY_REFUSED;
+      reply.cause = gateway_CAUSE_WRONG_STATE;
+      gateway::dds::copy_text(refuses, reply.reason);
+    } else if (sample.kind == cansync_slave_SLAVE_COMMAND_MODE) {
+      if (sample.mode == cansync_slave_SLAVE_MODE_SETUP) status.option_status = 0x0013;
+      if (sample.mode == cansync_slave_SLAVE_MODE_RUN) status.option_status = 0x0020;
+      if (sample.mode == cansync_slave_SLAVE_MODE_RESTART) status.option_status = 0x0003;
+    } else if (sample.kind == cansync_slave_SLAVE_COMMAND_MAPPING) {
+      std::copy(std::begin(sample.reference_mapping), std::end(sample.reference_mapping),
+                std::begin(status.reference_mapping));
+      std::copy(std::begin(sample.actual_mapping), std::end(sample.actual_mapping),
+                std::begin(status.actual_mapping));
+    } else {
+      cansync_slave_MonitoredValues other = {};
+      other.slave = sample.other;
+      std::copy(std::begin(sample.actual_mapping), std::end(sample.actual_mapping),
+                std::begin(other.mapping));
+      (void)monitored_writer_.write(other);
+    }
+    tell();
+    (void)reply_writer_.write(reply);
+  }
+
   static void set(const std::array<std::uint8_t, 8>& from, std::uint8_t (&to)[8]) {
     std::copy(from.begin(), from.end(), std::begin(to));
   }
@@ -149,6 +186,11 @@ class FakeSlaveDaemon {
   gateway::dds::Writer<cansync_slave_BlockJob> block_writer_{participant_};
   gateway::dds::Reader<cansync_slave_ApplicationAnswer> answer_reader_{participant_};
   gateway::dds::Reader<cansync_slave_ActualRelease> release_reader_{participant_};
+  gateway::dds::Reader<cansync_slave_SlaveCommand> command_reader_{participant_};
+  gateway::dds::Writer<cansync_slave_SlaveCommandReply> reply_writer_{
+      participant_,
+      gateway::dds::Partitions{gateway::dds::every_reply_partition(participant_.options().partition)},
+      nullptr};
   cansync_slave_ReferencesReceived references_ = {};
   std::array<cansync_slave_MonitoredValues, 32> monitored_ = {};
   std::uint64_t actions_ = 0;

@@ -1,10 +1,10 @@
 #include <cansync/function_blocks/pd_cfg_read_sl.h>
 #include <cansync/function_blocks/pd_cfg_sl.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <span>
+#include <iterator>
+#include <utility>
 
 #include "client/src/function_blocks/slaves.h"
 #include "client/src/slave_side.h"
@@ -24,17 +24,21 @@ std::string misplaced(const SINT_4_BMARRAY& one, const SINT_4_BMARRAY& two) {
   return {};
 }
 
-/// How the wanted mapping differs from that of the daemon; empty: not at all. `first` and `second`: the
-/// options of the daemon's file.
-std::string difference(const Mapping& wanted, std::span<const std::uint8_t, 8> found, const char* first,
-                       const char* second) {
-  if (!wanted.problem.empty()) return wanted.problem;
-  if (std::equal(wanted.bytes.begin(), wanted.bytes.end(), found.begin())) return {};
-  const std::span<const std::uint8_t> bytes(wanted.bytes);
-  return fmt::format(
-      "client: the daemon has another mapping, 0x{:02X}; write {} = [{}] and {} = [{}] in its configuration",
-      fmt::join(found, " 0x"), first, fmt::join(bytes.first(4), ", "), second,
-      fmt::join(bytes.last(4), ", "));
+/// What is wrong with the numbers of a pair of telegrams; empty: nothing.
+std::string problem_of(const Mapping& mapping, const SINT_4_BMARRAY& one, const SINT_4_BMARRAY& two) {
+  std::string problem = misplaced(one, two);
+  return problem.empty() ? mapping.problem : problem;
+}
+
+bool same(const MappingBytes& wanted, const std::uint8_t (&found)[8]) {
+  return std::equal(wanted.begin(), wanted.end(), std::begin(found));
+}
+
+/// Has it to be entered (again)?
+template <class Wanted>
+bool is_new(const Wanted& wanted, const std::optional<Wanted>& entered, const SlaveCommandSlot& slot) {
+  if (slot.open()) return false;
+  return !entered || !(*entered == wanted) || slot.other_daemon() || slot.passes();
 }
 
 }  // namespace
@@ -42,43 +46,47 @@ std::string difference(const Mapping& wanted, std::span<const std::uint8_t, 8> f
 void PD_CFG_SL::call() {
   detail::SlaveSide& side = connection_->side();
   side.look();
-  error_ = misplaced(a_WRC1, a_WRC2);
-  if (error_.empty()) error_ = misplaced(a_RDC1, a_RDC2);
-  if (error_.empty())
-    error_ = difference(mapping_of(a_WRC1, a_HL_WRC1, a_WRC2, a_HL_WRC2), side.status().reference_mapping,
-                        "slave.reference_registers_1", "slave.reference_registers_2");
-  if (error_.empty())
-    error_ = difference(mapping_of(a_RDC1, a_HL_RDC1, a_RDC2, a_HL_RDC2), side.status().actual_mapping,
-                        "slave.actual_registers_1", "slave.actual_registers_2");
-  in_effect_ = error_.empty();
+  slot_.poll();
+  in_effect_ = false;
+  const Mapping references = mapping_of(a_WRC1, a_HL_WRC1, a_WRC2, a_HL_WRC2);
+  const Mapping actuals = mapping_of(a_RDC1, a_HL_RDC1, a_RDC2, a_HL_RDC2);
+  std::string problem = problem_of(references, a_WRC1, a_WRC2);
+  if (problem.empty()) problem = problem_of(actuals, a_RDC1, a_RDC2);
+  if (!problem.empty()) {
+    entered_.reset();
+    return slot_.refuse(RefusalCause::field, std::move(problem));
+  }
+  const Wanted wanted{references.bytes, actuals.bytes};
+  const detail::SlaveSide::Status& status = side.status();
+  in_effect_ = side.daemon_present() && same(wanted.references, status.reference_mapping) &&
+               same(wanted.actual_values, status.actual_mapping);
+  if (in_effect_) slot_.clear();
+  if (in_effect_ || !is_new(wanted, entered_, slot_)) return;
+  entered_ = wanted;
+  slot_.mapping(wanted.references, wanted.actual_values);
 }
 
 void PD_CFG_READ_SL::call() {
   detail::SlaveSide& side = connection_->side();
   side.look();
+  slot_.poll();
   in_effect_ = false;
+  const Mapping actuals = mapping_of(a_RDC1, a_HL_RDC1, a_RDC2, a_HL_RDC2);
   const int slave = number(si_SL_NR);
-  if (slave < 0 || slave > 31) {
-    error_ = fmt::format("client: slave {}: out of range; allowed 0..31", slave);
-    return;
+  std::string problem = slave < 0 || slave > 31
+                            ? fmt::format("client: slave {}: out of range; allowed 0..31", slave)
+                            : problem_of(actuals, a_RDC1, a_RDC2);
+  if (!problem.empty()) {
+    entered_.reset();
+    return slot_.refuse(RefusalCause::field, std::move(problem));
   }
-  if (slave == side.status().slave_number) {
-    error_ = fmt::format("client: slave {}: is this slave itself; allowed: the others", slave);
-    return;
-  }
-  const detail::SlaveSide::Telegrams& other = side.monitored(static_cast<std::size_t>(slave));
-  if (!other.known) {
-    error_ = fmt::format(
-        "client: slave {}: the daemon does not listen to it; write a section [[monitored]] with number = {} in "
-        "its configuration",
-        slave, slave);
-    return;
-  }
-  error_ = misplaced(a_RDC1, a_RDC2);
-  if (error_.empty())
-    error_ = difference(mapping_of(a_RDC1, a_HL_RDC1, a_RDC2, a_HL_RDC2), other.mapping, "actual_registers_1",
-                        "actual_registers_2");
-  in_effect_ = error_.empty();
+  const Wanted wanted{slave, actuals.bytes};
+  in_effect_ = side.daemon_present() &&
+               wanted.actual_values == side.monitored(static_cast<std::size_t>(slave)).mapping;
+  if (in_effect_) slot_.clear();
+  if (in_effect_ || !is_new(wanted, entered_, slot_)) return;
+  entered_ = wanted;
+  slot_.listen(static_cast<std::uint8_t>(slave), wanted.actual_values);
 }
 
 }  // namespace cansync::client::function_blocks

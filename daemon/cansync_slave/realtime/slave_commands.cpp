@@ -1,0 +1,88 @@
+#include "daemon/cansync_slave/realtime/slave_commands.h"
+
+#include <utility>
+#include <variant>
+
+namespace cansyncd {
+
+using cansync::ControlCommand;
+using cansync::State;
+
+void SlaveCommands::wait_for_start() noexcept {
+  (void)slave_.control(ControlCommand::handshake);
+  (void)slave_.control(ControlCommand::take_over_initialisation);
+}
+
+void SlaveCommands::set_up() noexcept {
+  wait_for_start();
+  if (target_ != SlaveTarget::none) (void)slave_.control(ControlCommand::start_synchronous);
+  if (target_ == SlaveTarget::active) (void)slave_.control(ControlCommand::enable_active);
+}
+
+std::optional<SlaveOrderDone> SlaveCommands::take() noexcept {
+  if (reset_) {
+    const SlaveRefusal refusal = end_reset(bus_.reset_result());
+    if (refusal == SlaveRefusal::reset_under_way) return std::nullopt;
+    return SlaveOrderDone{*std::exchange(reset_, std::nullopt), refusal};
+  }
+  SlaveOrder order;
+  if (!exchange_.commands.try_pop(order)) return std::nullopt;
+  if (of_cluster_) return SlaveOrderDone{order, SlaveRefusal::of_cluster};
+  const SlaveRefusal refusal = std::visit([this](const auto& typed) { return give(typed); }, order);
+  if (refusal != SlaveRefusal::reset_under_way) return SlaveOrderDone{order, refusal};
+  reset_ = std::get<SlaveModeOrder>(order);
+  return std::nullopt;
+}
+
+SlaveRefusal SlaveCommands::command(ControlCommand command) noexcept {
+  return slave_.control(command) ? SlaveRefusal::none : SlaveRefusal::wrong_state;
+}
+
+SlaveRefusal SlaveCommands::give(const SlaveModeOrder& order) noexcept {
+  switch (order.mode) {
+    case SlaveMode::setup:
+      if (slave_.state() == State::setting_up_slave) return SlaveRefusal::none;
+      return command(ControlCommand::start_synchronous);
+    case SlaveMode::run:
+      if (slave_.state() == State::active_slave) return SlaveRefusal::none;
+      return command(ControlCommand::enable_active);
+    case SlaveMode::stop:
+      (void)slave_.control(ControlCommand::cold_restart);
+      wait_for_start();
+      return SlaveRefusal::none;
+    case SlaveMode::restart:
+      (void)slave_.control(ControlCommand::cold_restart);
+      set_up();
+      return SlaveRefusal::none;
+    case SlaveMode::reset_can:
+      return end_reset(bus_.reset());
+  }
+  return SlaveRefusal::wrong_state;
+}
+
+SlaveRefusal SlaveCommands::give(const SlaveMappingOrder& order) noexcept {
+  slave_.set_reference_mapping(order.reference);
+  slave_.set_actual_mapping(order.actual);
+  return SlaveRefusal::none;
+}
+
+SlaveRefusal SlaveCommands::give(const SlaveListenOrder& order) noexcept {
+  slave_.set_monitored(order.other, order.mapping);
+  return SlaveRefusal::none;
+}
+
+SlaveRefusal SlaveCommands::end_reset(can::ResetResult result) noexcept {
+  switch (result) {
+    case can::ResetResult::done:
+      return command(ControlCommand::reset_can);
+    case can::ResetResult::not_permitted:
+      return SlaveRefusal::not_permitted;
+    case can::ResetResult::unavailable:
+      return SlaveRefusal::no_controller;
+    case can::ResetResult::pending:
+      break;
+  }
+  return SlaveRefusal::reset_under_way;
+}
+
+}  // namespace cansyncd

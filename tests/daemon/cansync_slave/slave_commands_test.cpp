@@ -1,0 +1,151 @@
+// What programs ask of the slave itself, on a simulated line, in virtual time.
+#include "daemon/cansync_slave/realtime/slave_commands.h"
+
+#include <gtest/gtest.h>
+
+#include <variant>
+#include <vector>
+
+#include "slave_rig.h"
+
+namespace cansyncd {
+namespace {
+
+using namespace test;
+using cansync::State;
+
+/// A rig whose answers are taken.
+struct CommandRig : SlaveRig {
+  void order(can::Time when, SlaveOrder order) {
+    at(when, [this, order] { EXPECT_TRUE(exchange.commands.try_push(order)); });
+  }
+  void run(can::Time end) {
+    run_until(end);
+    SlaveOrderDone done;
+    while (exchange.done.try_pop(done)) answers.push_back(done);
+  }
+  std::vector<SlaveOrderDone> answers;
+};
+
+const cansync::ProcessMapping kBothTelegrams = {cansync::default_mapping(cansync::Channel::one),
+                                                cansync::default_mapping(cansync::Channel::two)};
+
+/// The commands of a slave that is active, without a loop.
+struct CoreRig {
+  CoreRig(SlaveRig& rig, bool of_cluster)
+      : desk({}, 301, 0, rig.exchange),
+        slave({}, desk.application()),
+        commands(slave, *rig.bus, rig.exchange, SlaveTarget::active, of_cluster) {
+    commands.set_up();
+  }
+  SlaveDesk desk;
+  cansync::Slave slave;
+  SlaveCommands commands;
+};
+
+std::uint64_t id_of(const SlaveOrderDone& done) {
+  return std::visit([](const auto& order) { return order.id; }, done.order);
+}
+
+TEST(SlaveCommandsTest, S3TheModeIsSetWhileItRunsAndEachOrderIsAnsweredOnce) {
+  CommandRig rig;
+  const can::Time interval = rig.times.interval;
+  rig.order(1500 * interval, SlaveModeOrder{1, SlaveMode::stop});
+  State stopped = State::start_up;
+  rig.at(1505 * interval, [&] {
+    EXPECT_TRUE(rig.exchange.status.read(rig.snapshot));
+    stopped = rig.snapshot.state;
+    EXPECT_FALSE(rig.snapshot.activated);
+    EXPECT_EQ(rig.snapshot.status_word, 0) << "bit 15 is clear";
+  });
+  rig.order(1510 * interval, SlaveModeOrder{2, SlaveMode::run});
+  rig.order(1520 * interval, SlaveModeOrder{3, SlaveMode::setup});
+  rig.order(1530 * interval, SlaveModeOrder{4, SlaveMode::run});
+  rig.run(1540 * interval);
+  EXPECT_EQ(stopped, State::waiting_for_start);
+  EXPECT_EQ(rig.snapshot.state, State::active_slave);
+  ASSERT_EQ(rig.answers.size(), 4u);
+  for (std::size_t i = 0; i < rig.answers.size(); ++i) EXPECT_EQ(id_of(rig.answers[i]), i + 1);
+  EXPECT_EQ(rig.answers[1].refusal, SlaveRefusal::wrong_state)
+      << "active operation follows from set-up alone";
+  EXPECT_EQ(rig.answers[3].refusal, SlaveRefusal::none);
+  const auto states = rig.told<SlaveStateReport>();
+  // The start, what each order made, and the end of the loop.
+  ASSERT_EQ(states.size(), 5u);
+  EXPECT_EQ(states[1].to, State::waiting_for_start);
+  EXPECT_EQ(states[2].to, State::setting_up_slave);
+  EXPECT_EQ(states[3].to, State::active_slave);
+}
+
+TEST(SlaveCommandsTest, S4ARestartGoesAsFarAsTheConfigurationSaysAndSetUpIsReachedFromActive) {
+  CommandRig rig;
+  const can::Time interval = rig.times.interval;
+  rig.order(1500 * interval, SlaveModeOrder{1, SlaveMode::setup});
+  rig.order(1505 * interval, SlaveModeOrder{2, SlaveMode::restart});
+  rig.order(1506 * interval, SlaveModeOrder{3, SlaveMode::reset_can});
+  rig.run(1510 * interval);
+  ASSERT_EQ(rig.answers.size(), 3u);
+  for (const SlaveOrderDone& done : rig.answers) EXPECT_EQ(done.refusal, SlaveRefusal::none);
+  EXPECT_EQ(rig.snapshot.state, State::active_slave);
+}
+
+// S18: any time; in force with the next interval at the latest.
+TEST(SlaveCommandsTest, S18AMappingIsInForceWithTheNextInterval) {
+  CommandRig rig;
+  const can::Time interval = rig.times.interval;
+  // The low word of value 3 stands where that of value 0 stood; the master's mapping stays.
+  SlaveMappingOrder order{1, kBothTelegrams, kBothTelegrams};
+  order.reference[0].word = {};
+  order.reference[0].word[0] = {true, false, 3};
+  rig.order(1500 * interval + interval / 2, order);
+  rig.run(1510 * interval);
+  ASSERT_EQ(rig.answers.size(), 1u);
+  EXPECT_EQ(rig.answers[0].refusal, SlaveRefusal::none);
+  std::uint32_t frozen = 0;
+  unsigned after = 0;
+  for (const ReferencesReport& report : rig.told<ReferencesReport>()) {
+    if (report.values.arrived != 1) continue;
+    if ((report.values.words & 0x08) == 0) {
+      frozen = report.values.values[0];
+      EXPECT_EQ(report.values.values[3], 0u);
+      continue;
+    }
+    ++after;
+    EXPECT_EQ(report.values.values[0], frozen) << "a word that is not mapped leaves the value as it was";
+    EXPECT_EQ(report.values.values[3], frozen + after);
+  }
+  EXPECT_GE(after, 8u) << "from the next interval on";
+}
+
+TEST(SlaveCommandsTest, S17ListeningBeginsAndEndsWhileItRuns) {
+  SlaveRig rig;
+  CoreRig core(rig, false);
+  const auto other = *cansync::SlaveNumber::from(9);
+  ASSERT_TRUE(rig.exchange.commands.try_push(SlaveListenOrder{1, other, kBothTelegrams}));
+  ASSERT_TRUE(core.commands.take());
+  cansync::ActualTelegram telegram;
+  telegram.slave = other;
+  telegram.words = 4;
+  telegram.word[0] = 77;
+  (void)core.slave.receive(telegram, {});
+  EXPECT_EQ(core.slave.monitored(other)[0], 77u);
+  ASSERT_TRUE(rig.exchange.commands.try_push(SlaveListenOrder{2, other, std::nullopt}));
+  ASSERT_TRUE(core.commands.take());
+  telegram.word[0] = 78;
+  (void)core.slave.receive(telegram, {});
+  EXPECT_EQ(core.slave.monitored(other)[0], 77u);
+}
+
+TEST(SlaveCommandsTest, TheSlaveOfAClusterTakesNone) {
+  SlaveRig rig;
+  CoreRig core(rig, true);
+  ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{7, SlaveMode::stop}));
+  const auto done = core.commands.take();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->refusal, SlaveRefusal::of_cluster);
+  EXPECT_EQ(core.slave.state(), State::active_slave);
+  EXPECT_FALSE(core.commands.take());
+}
+
+}  // namespace
+}  // namespace cansyncd
