@@ -18,6 +18,15 @@ std::shared_ptr<const Profile> load(const std::string& path) {
   throw std::runtime_error(problems);
 }
 
+std::shared_ptr<const Profile> load_typed(const std::string& name_or_path, const std::string& folder) {
+  if (is_path(name_or_path)) return load(name_or_path);
+  std::vector<std::string> folders = standard_folders();
+  if (!folder.empty()) folders.insert(folders.begin(), folder);
+  const FoundFile file = find_file(name_or_path, folders);
+  if (file.path.empty()) throw std::runtime_error("--profile: " + file.problem);
+  return load(file.path);
+}
+
 NamedProfile find_named(std::string_view name, std::string_view hash, const std::vector<std::string>& folders,
                         const Remedies& remedies) {
   const FoundFile file = find_file(name, folders);

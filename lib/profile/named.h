@@ -25,6 +25,10 @@ struct Remedies {
 /// Reads the file. Throws std::runtime_error that names everything wrong with it.
 std::shared_ptr<const Profile> load(const std::string& path);
 
+/// The profile of a name, in `folder` (empty: none) or a standard one, or of a file. Throws
+/// std::runtime_error that names everything wrong with it, or where it was looked for.
+std::shared_ptr<const Profile> load_typed(const std::string& name_or_path, const std::string& folder);
+
 /// The profile `name` in the first of `folders` that has it; a problem when its file is not the one whose
 /// SHA-256 is `hash`.
 NamedProfile find_named(std::string_view name, std::string_view hash, const std::vector<std::string>& folders,

@@ -35,7 +35,7 @@ lib/dds:                    idl lib/system
 lib/cansync/dds:            idl lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim lib/sync
 lib/cansync_slave:          lib/cansync
-lib/cansync_slave/config:   lib/config lib/cansync
+lib/cansync_slave/config:   lib/config lib/profile lib/cansync
 lib/cansync_slave/dds:      idl lib/cansync lib/cansync_slave lib/dds
 lib/cansync_slave/client:   idl lib/dds lib/cansync_slave/dds
 lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
@@ -74,7 +74,7 @@ daemon/cansync/segment:     lib/cansync lib/dds lib/cansync/sim daemon/service d
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
 daemon/cansync_slave:       lib/can lib/cansync lib/cansync_slave lib/rt daemon/loop
-daemon/cansync_slave/config: lib/config lib/cansync lib/cansync_slave/config daemon/config daemon/options
+daemon/cansync_slave/config: lib/config lib/profile lib/cansync lib/cansync_slave/config daemon/config daemon/options
 daemon/cansync_slave/realtime: lib/can lib/cansync lib/sync daemon/loop daemon/bus daemon/cansync_slave
                             daemon/cansync_slave/config
 daemon/cansync_slave/gateway: idl lib/cansync lib/sync lib/dds lib/cansync_slave/dds daemon/service daemon/desk daemon/status
@@ -123,7 +123,7 @@ tools/cli/scan:             lib/system lib/profile lib/can lib/cansync tools/cli
                             tools/cli/cansync tools/cli/trace tools/cli/learn
 tools/cli/setup:            lib/config daemon/cansync/config tools/cli/base tools/cli/learn
 tools/cli/connect:          lib/dds tools/cli/base
-tools/cli/cansync_slave:    lib/config lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/cansync_slave:    lib/config lib/profile lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
 tools/cli/layer2:           lib/text lib/can lib/dbc lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/trace tools/cli/connect
 tools/cli/j1939:            idl lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <utility>
 
 #include "cansync/telegram/mapping.h"
 #include "config/document.h"
 #include "daemon/cansync_slave/config/options.h"
 #include "daemon/options/check_daemon.h"
+#include "daemon/options/check_profiles.h"
 
 namespace cansyncd {
 namespace {
@@ -62,13 +64,30 @@ void finish_slave(SlaveRoleDraft& draft, Findings& findings) {
   }
 }
 
+void find_profile(SlaveRoleConfig& config, Findings& findings) {
+  if (config.profile.empty()) return;
+  const std::string key = "slave.profile";
+  const config::Setting* setting = findings.place(key);
+  const bool typed = setting != nullptr && setting->overridden;
+  ProfileFiles files(std::filesystem::path(findings.path()).parent_path().string());
+  LoadedProfile loaded = files.load(config.profile, typed);
+  config.parameters = std::move(loaded.profile);
+  if (!loaded.problem.empty()) findings.problem(key, std::move(loaded.problem));
+  for (config::Problem& wrong : loaded.problems) findings.problems().push_back(std::move(wrong));
+}
+
 /// The table with what the daemon itself answers.
 void finish_service(SlaveRoleDraft& draft, Findings& findings) {
   cansync::SlaveServiceSettings& service = draft.config.service;
   service.jobs.unknown = static_cast<cansync::ParameterError>(draft.unknown_parameter_error);
-  service.parameters = parameter_definitions(
-      draft.parameters,
-      [&findings](const std::string& key, const std::string& text) { findings.problem(key, text); });
+  find_profile(draft.config, findings);
+  service.parameters = cansync_slave::definitions_of(cansync_slave::named_parameters(
+      draft.parameters, draft.config.parameters.get(),
+      [&findings](const std::string& key, const std::string& text) { findings.problem(key, text); }));
+  // What the profile says of the status word is for people: the daemon answers.
+  std::erase_if(service.parameters, [&draft](const cansync::ParameterDefinition& one) {
+    return one.number == draft.config.status_parameter;
+  });
   if (draft.parameters.parameters.contains(draft.config.status_parameter)) {
     findings.problem(
         fmt::format("parameter.{}.number", draft.config.status_parameter),
@@ -86,8 +105,13 @@ void finish_service(SlaveRoleDraft& draft, Findings& findings) {
 void finish_jobs(SlaveRoleDraft& draft, Findings& findings) {
   for (auto& [number, job] : draft.jobs) {
     const std::string key = fmt::format("sim.job.{}.number", number);
-    if (job.parameter.has_value() == (job.bytes != 0)) {
-      findings.problem(key, "found neither or both of parameter and bytes; allowed: one of them");
+    const int kinds = int{job.parameter.has_value()} + int{job.bytes != 0} +
+                      int{job.control_word.has_value()} + int{job.action.has_value()};
+    if (kinds != 1) {
+      findings.problem(key,
+                       fmt::format("found {} of parameter, bytes, control_word and action; allowed: one of "
+                                   "them",
+                                   kinds == 0 ? "none" : "several"));
     } else if (draft.config.bus.kind != BusKind::simulated) {
       findings.problem(key,
                        "found a job of the simulated master; allowed: with bus.interface = \"sim\" alone");

@@ -62,6 +62,8 @@ constexpr auto kSlaveProtocolRow = std::to_array<DaemonRow>({
     {rows::protocol_option(kSlaveProtocol, "\"cansync-slave\""), [](DaemonConfig&, const Value&) {}},
 });
 
+constexpr std::int64_t kLongestPath = 4096;
+
 constexpr auto kSlaveTarget = std::to_array<Word<SlaveTarget>>(
     {{"none", SlaveTarget::none}, {"setup", SlaveTarget::setup}, {"active", SlaveTarget::active}});
 
@@ -132,6 +134,13 @@ constexpr auto kSlaveRoleRows = std::to_array<SlaveRow>({
         whole_number("slave.unknown_parameter_error", 1, 0xFFFF, "",
                      "Error number for parameters that stand in no [[parameter]] and that no application has "
                      "taken over: 0xFFFA = not available now, 0xFFFB = there is none.")),
+    field(
+        [](auto& d) -> auto& { return d.config.profile; },
+        string("slave.profile", OptionType::text, 0, kLongestPath,
+               "Drive profile of this slave, whose parameters the daemon answers for: a name, looked up as "
+               "NAME.toml in the folder profiles beside this file, /etc/cansync/profiles, "
+               "/usr/local/share/cansync/profiles and /usr/share/cansync/profiles; or a file, with '/' or "
+               ".toml. Empty = none.")),
     duration<std::chrono::milliseconds>(
         [](auto& d) -> auto& { return d.config.service.jobs.answer_time; },
         whole_number("slave.answer_time_ms", 0, 600'000, "ms",
@@ -197,6 +206,14 @@ constexpr auto kSimulatedJobRows = std::to_array<SlaveRow>({
      [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).address = whole<std::uint32_t>(v); }},
     {boolean("sim.job.download", "false", "It goes to the slave, byte n is n modulo 256; false: from it."),
      [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).download = flag(v); }},
+    {whole_number("sim.job.control_word", "(none)", 0, 65535, "", "Control word that is given instead."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).control_word = whole<std::uint16_t>(v); }},
+    {whole_number("sim.job.action", "(none)", 128, 255, "", "Command of the action that is given instead."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).action = whole<std::uint8_t>(v); }},
+    {whole_number("sim.job.data_byte", "0", 0, 255, "", "Its data byte."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).data_byte = whole<std::uint8_t>(v); }},
+    {whole_number("sim.job.data_word", "0", 0, 65535, "", "Its data word."),
+     [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).data_word = whole<std::uint16_t>(v); }},
     {whole_number("sim.job.every", "1000", 1, 1'000'000, "intervals", "It is asked again after so many."),
      [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).every = whole<std::uint32_t>(v); }},
 });

@@ -28,7 +28,21 @@ void add_routine(const SimulatedJob& job, const SlaveRoleConfig& config, sim::Ma
   sim::MasterRoutine out;
   out.from = job.number;  // not all of them in one interval
   out.every = job.every;
-  if (job.parameter) {
+  if (job.control_word) {
+    cansync::ControlWordRequest request;
+    request.id = job.number;
+    request.slave = config.slave.number;
+    request.control_word = *job.control_word;
+    out.request = request;
+  } else if (job.action) {
+    cansync::BroadcastRequest request;
+    request.id = job.number;
+    request.action.slaves = cansync::SlaveMask::of(config.slave.number);
+    request.action.command = *job.action;
+    request.action.data_byte = job.data_byte;
+    request.action.data_word = job.data_word;
+    out.request = request;
+  } else if (job.parameter) {
     cansync::ParameterRequest request;
     request.id = job.number;
     request.slave = config.slave.number;

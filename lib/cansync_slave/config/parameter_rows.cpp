@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "config/fields.h"
+#include "profile/reader.h"
+#include "profile/scaling.h"
 
 namespace cansync_slave {
 namespace {
@@ -18,10 +21,10 @@ using Draft = ParameterSections;
 using ParameterRow = config::Row<Draft>;
 using Access = cansync::ParameterDefinition::Access;
 
+constexpr std::int64_t kLongestName = 64;
 constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min();
 constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
 
-constexpr auto kFormats = std::to_array<Word<bool>>({{"word", false}, {"doubleword", true}});
 constexpr auto kAccesses = std::to_array<Word<Access>>({{"read_write", Access::read_write},
                                                         {"read_only", Access::read_only},
                                                         {"not_available", Access::not_available}});
@@ -29,22 +32,30 @@ constexpr auto kAccesses = std::to_array<Word<Access>>({{"read_write", Access::r
 constexpr auto kParameterRows = std::to_array<ParameterRow>({
     {label("parameter.number", cansync::ParameterNumber::max, "Number of the parameter."),
      [](Draft& d, const Value&) { (void)d.current(); }},
-    field(
-        [](auto& d) -> auto& { return d.current().value; },
-        whole_number("parameter.value", kLeast, kMost, "",
-                     "Raw value at the start; below 0 the parameter is signed.")),
-    chosen<kFormats>(
-        [](auto& d) -> auto& { return d.current().doubleword; }, word("parameter.format", "16 or 32 bits.")),
-    {whole_number("parameter.minimum", "(none)", kLeast, kMost, "",
-                  "Smallest raw value that the master may write; below 0 the parameter is signed."),
+    {string("parameter.name", config::OptionType::text, "(of the profile, or none)", 0, kLongestName,
+            "What it is called: lower-case letters, digits and '-', beginning with a letter. One that the "
+            "profile has keeps its name."),
+     [](Draft& d, const Value& v) { d.current().name = words(v); }},
+    {whole_number("parameter.value", "(0, or the nearest limit)", kLeast, kMost, "",
+                  "Raw value at the start; below 0 the parameter is signed."),
+     [](Draft& d, const Value& v) { d.current().value = whole<std::int64_t>(v); }},
+    {choice("parameter.format", "(of the profile, or word)", "word|doubleword",
+            "16 or 32 bits; that of the profile where it has the number."),
+     [](Draft& d, const Value& v) { d.current().doubleword = words(v) == "doubleword"; }},
+    {whole_number("parameter.minimum", "(of the profile, or none)", kLeast, kMost, "",
+                  "Smallest raw value that the master may write, within the profile's limits; below 0 the "
+                  "parameter is signed."),
      [](Draft& d, const Value& v) { d.current().minimum = whole<std::int64_t>(v); }},
-    {whole_number("parameter.maximum", "(none)", kLeast, kMost, "",
-                  "Greatest raw value that the master may write."),
+    {whole_number("parameter.maximum", "(of the profile, or none)", kLeast, kMost, "",
+                  "Greatest raw value that the master may write, within the profile's limits."),
      [](Draft& d, const Value& v) { d.current().maximum = whole<std::int64_t>(v); }},
-    chosen<kAccesses>(
-        [](auto& d) -> auto& { return d.current().access; },
-        word("parameter.access",
-             "What the master may do; not_available: every access is answered with 0xFFFA.")),
+    {choice("parameter.access", "(of the profile, or read_write)", "read_write|read_only|not_available",
+            "What the master may do; not_available: every access is answered with 0xFFFA."),
+     [](Draft& d, const Value& v) {
+       for (const auto& word : kAccesses) {
+         if (word.text == words(v)) d.current().access = word.value;
+       }
+     }},
     field(
         [](auto& d) -> auto& { return d.current().error_without_application; },
         whole_number("parameter.error_without_application", 0, 0xFFFF, "",
@@ -72,34 +83,133 @@ bool inside(unsigned number, const char* name, std::int64_t value, const FormatR
   return false;
 }
 
+Access access_of(profile::Access access) noexcept {
+  switch (access) {
+    case profile::Access::read_write:
+      return Access::read_write;
+    case profile::Access::read_only:
+      return Access::read_only;
+    case profile::Access::none:
+      break;
+  }
+  return Access::not_available;
+}
+
+/// As the profile has it.
+NamedParameter of_profile(const profile::Parameter& known) {
+  cansync::ParameterDefinition definition;
+  definition.number = known.number;
+  definition.doubleword = known.format == profile::Format::doubleword;
+  definition.access = access_of(known.access);
+  const FormatRange whole = range_of(definition.doubleword, known.is_signed);
+  definition.minimum = known.limited ? known.minimum : whole.least;
+  definition.maximum = known.limited ? known.maximum : whole.most;
+  definition.limited = known.limited;
+  definition.initial =
+      static_cast<std::uint32_t>(std::clamp<std::int64_t>(0, definition.minimum, definition.maximum));
+  return {definition, known};
+}
+
+/// One that no profile has.
+NamedParameter of_section(unsigned number, const ParameterSections::One& one) {
+  NamedParameter made;
+  made.definition.number = static_cast<std::uint16_t>(number);
+  made.definition.doubleword = one.doubleword.value_or(false);
+  made.description.is_signed =
+      one.value.value_or(0) < 0 || one.minimum.value_or(0) < 0 || one.maximum.value_or(0) < 0;
+  const FormatRange whole = range_of(made.definition.doubleword, made.description.is_signed);
+  made.definition.minimum = whole.least;
+  made.definition.maximum = whole.most;
+  made.description.number = made.definition.number;
+  made.description.name = one.name;
+  made.description.format = made.definition.doubleword ? profile::Format::doubleword : profile::Format::word;
+  return made;
+}
+
+/// What the section says against the profile; true: nothing.
+bool agrees(unsigned number, const ParameterSections::One& one, const NamedParameter& known,
+            const ParameterProblem& problem) {
+  const std::string& name = known.description.name;
+  if (!one.name.empty() && one.name != name) {
+    problem(fmt::format("parameter.{}.name", number),
+            fmt::format("found \"{}\"; allowed: \"{}\", as the profile calls it, or none", one.name, name));
+    return false;
+  }
+  if (one.doubleword && *one.doubleword != known.definition.doubleword) {
+    problem(fmt::format("parameter.{}.format", number),
+            fmt::format("found another format than that of {} in the profile; allowed: \"{}\"", name,
+                        profile::name(known.description.format)));
+    return false;
+  }
+  return true;
+}
+
+/// Puts values, limits and access of the section into the definition; false: they do not fit.
+bool narrow(const ParameterSections::One& one, NamedParameter& to, const ParameterProblem& problem) {
+  cansync::ParameterDefinition& definition = to.definition;
+  const unsigned number = definition.number;
+  const FormatRange before{definition.minimum, definition.maximum};
+  const FormatRange limits{one.minimum.value_or(before.least), one.maximum.value_or(before.most)};
+  if (!inside(number, "minimum", limits.least, before, problem) ||
+      !inside(number, "maximum", limits.most, {limits.least, before.most}, problem))
+    return false;
+  const std::int64_t value = one.value.value_or(std::clamp<std::int64_t>(0, limits.least, limits.most));
+  if (!inside(number, "value", value, limits, problem)) return false;
+  definition.initial = static_cast<std::uint32_t>(value);
+  definition.minimum = limits.least;
+  definition.maximum = limits.most;
+  definition.limited = definition.limited || one.minimum || one.maximum;
+  definition.access = one.access.value_or(definition.access);
+  definition.without_application = static_cast<cansync::ParameterError>(one.error_without_application);
+  return true;
+}
+
+/// Names are names, and each stands once.
+void check_names(const std::map<unsigned, NamedParameter>& parameters, const ParameterProblem& problem) {
+  std::map<std::string, unsigned> numbers;
+  for (const auto& [number, one] : parameters) {
+    const std::string& name = one.description.name;
+    if (name.empty()) continue;
+    const std::string key = fmt::format("parameter.{}.name", number);
+    if (!profile::is_name(name))
+      problem(key, fmt::format("found \"{}\"; allowed: 1..64 lower-case letters, digits and '-', beginning "
+                               "with a letter",
+                               name));
+    const auto [place, fresh] = numbers.emplace(name, number);
+    if (!fresh)
+      problem(key, fmt::format("found \"{}\", which is parameter {}; allowed: a name of its own", name,
+                               place->second));
+  }
+}
+
 }  // namespace
 
 std::span<const config::Row<ParameterSections>> parameter_rows() {
   return kParameterRows;
 }
 
-std::vector<cansync::ParameterDefinition> parameter_definitions(const ParameterSections& sections,
-                                                                const ParameterProblem& problem) {
-  std::vector<cansync::ParameterDefinition> definitions;
-  for (const auto& [number, one] : sections.parameters) {
-    const bool is_signed = one.value < 0 || one.minimum.value_or(0) < 0 || one.maximum.value_or(0) < 0;
-    const FormatRange whole = range_of(one.doubleword, is_signed);
-    FormatRange limits{one.minimum.value_or(whole.least), one.maximum.value_or(whole.most)};
-    if (!inside(number, "minimum", limits.least, whole, problem) ||
-        !inside(number, "maximum", limits.most, {limits.least, whole.most}, problem) ||
-        !inside(number, "value", one.value, limits, problem))
-      continue;
-    cansync::ParameterDefinition definition;
-    definition.number = static_cast<std::uint16_t>(number);
-    definition.doubleword = one.doubleword;
-    definition.access = one.access;
-    definition.initial = static_cast<std::uint32_t>(one.value);
-    definition.minimum = limits.least;
-    definition.maximum = limits.most;
-    definition.limited = one.minimum || one.maximum;
-    definition.without_application = static_cast<cansync::ParameterError>(one.error_without_application);
-    definitions.push_back(definition);
+std::vector<NamedParameter> named_parameters(const ParameterSections& sections,
+                                             const profile::Profile* profile,
+                                             const ParameterProblem& problem) {
+  std::map<unsigned, NamedParameter> made;
+  if (profile != nullptr) {
+    for (const profile::Parameter& known : profile->parameters) made.emplace(known.number, of_profile(known));
   }
+  for (const auto& [number, one] : sections.parameters) {
+    const auto [place, fresh] = made.try_emplace(number);
+    if (fresh) place->second = of_section(number, one);
+    if (!fresh && !agrees(number, one, place->second, problem)) continue;
+    (void)narrow(one, place->second, problem);
+  }
+  check_names(made, problem);
+  std::vector<NamedParameter> parameters;
+  for (auto& [number, one] : made) parameters.push_back(std::move(one));
+  return parameters;
+}
+
+std::vector<cansync::ParameterDefinition> definitions_of(const std::vector<NamedParameter>& parameters) {
+  std::vector<cansync::ParameterDefinition> definitions;
+  for (const NamedParameter& one : parameters) definitions.push_back(one.definition);
   return definitions;
 }
 

@@ -148,5 +148,61 @@ TEST_F(SlaveConfiguration, AJobOfTheSimulatedMasterIsAParameterOrABlock) {
             std::string::npos);
 }
 
+constexpr std::string_view kProfile =
+    "[profile]\nname = \"drive\"\n"
+    "[[parameter]]\nnumber = 301\nname = \"status-word\"\nformat = \"word\"\naccess = \"read-only\"\n"
+    "[[parameter]]\nnumber = 401\nname = \"speed-limit\"\nformat = \"doubleword\"\naccess = \"read-write\"\n"
+    "signed = true\nunit = \"rpm\"\nfactor = 0.5\nminimum = -100\nmaximum = 100\n"
+    "[[parameter]]\nnumber = 402\nname = \"type\"\nformat = \"word\"\naccess = \"read-only\"\nminimum = 3\n"
+    "[[parameter]]\nnumber = 403\nname = \"old\"\nformat = \"word\"\naccess = \"none\"\n";
+
+TEST_F(SlaveConfiguration, AProfileGivesTheTableAndASectionNarrowsIt) {
+  std::ofstream(folder_ / "drive.toml") << kProfile;
+  const std::string slave = "[slave]\nnumber = 5\nprofile = \"./drive.toml\"\n";
+  using Access = cansync::ParameterDefinition::Access;
+  const SlaveRoleConfig plain = good(slave);
+  ASSERT_EQ(plain.service.parameters.size(), 4u) << "the status word is the daemon's";
+  const cansync::ParameterDefinition limit = plain.service.parameters[0];
+  EXPECT_EQ(limit.number, 401);
+  EXPECT_TRUE(limit.doubleword && limit.limited);
+  EXPECT_EQ(limit.minimum, -200);
+  EXPECT_EQ(limit.maximum, 200);
+  EXPECT_EQ(plain.service.parameters[1].initial, 3u) << "the limit nearest to 0";
+  EXPECT_EQ(plain.service.parameters[1].access, Access::read_only);
+  EXPECT_EQ(plain.service.parameters[2].access, Access::not_available);
+  EXPECT_EQ(plain.parameters->name, "drive");
+
+  const SlaveRoleConfig narrowed =
+      good(slave +
+           "[[parameter]]\nnumber = 401\nvalue = -50\nmaximum = 20\naccess = \"read_only\"\n"
+           "[[parameter]]\nnumber = 500\nname = \"own\"\nvalue = 9\n");
+  ASSERT_EQ(narrowed.service.parameters.size(), 5u);
+  EXPECT_EQ(narrowed.service.parameters[0].initial, static_cast<std::uint32_t>(-50));
+  EXPECT_EQ(narrowed.service.parameters[0].minimum, -200);
+  EXPECT_EQ(narrowed.service.parameters[0].maximum, 20);
+  EXPECT_EQ(narrowed.service.parameters[0].access, Access::read_only);
+  EXPECT_EQ(narrowed.service.parameters[3].number, 500);
+}
+
+TEST_F(SlaveConfiguration, WhatContradictsTheProfileIsTold) {
+  std::ofstream(folder_ / "drive.toml") << kProfile;
+  const std::string slave = "[slave]\nnumber = 5\nprofile = \"./drive.toml\"\n";
+  const auto says = [&](const std::string& more, const char* words) {
+    const std::string found = problems(slave + more);
+    EXPECT_NE(found.find(words), std::string::npos) << more << found;
+  };
+  says("[[parameter]]\nnumber = 401\nformat = \"word\"\n",
+       "parameter.401.format: found another format than that of speed-limit in the profile; allowed: "
+       "\"doubleword\"");
+  says("[[parameter]]\nnumber = 401\nmaximum = 201\n",
+       "parameter.401.maximum: found 201; allowed: -200..200");
+  says("[[parameter]]\nnumber = 401\nname = \"limit\"\n",
+       "allowed: \"speed-limit\", as the profile calls it");
+  says("[[parameter]]\nnumber = 500\nname = \"type\"\n", "found \"type\", which is parameter 402");
+  says("[[parameter]]\nnumber = 500\nname = \"Type\"\n", "allowed: 1..64 lower-case letters");
+  EXPECT_NE(problems("[slave]\nnumber = 5\nprofile = \"nowhere\"\n").find("slave.profile"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace cansyncd

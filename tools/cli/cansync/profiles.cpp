@@ -35,10 +35,7 @@ SlaveProfile named_profile(const client::SlaveStatus& slave, const std::string& 
 }
 
 ProfilePointer load_profile(const std::string& name_or_path, const std::string& folder) {
-  if (profile::is_path(name_or_path)) return profile::load(name_or_path);
-  const profile::FoundFile file = profile::find_file(name_or_path, folders_of(folder));
-  if (file.path.empty()) throw std::runtime_error("--profile: " + file.problem);
-  return profile::load(file.path);
+  return profile::load_typed(name_or_path, folder);
 }
 
 SlaveProfile find_profile(Session& session, unsigned slave, const std::string& given) {

@@ -24,10 +24,13 @@
 #include "config/problem.h"
 #include "config/rows.h"
 #include "config/settings.h"
+#include "profile/named.h"
+#include "profile/scaling.h"
 
 namespace cansync::cli {
 namespace {
 
+using cansync_slave::NamedParameter;
 using cansync_slave::ParameterSections;
 using cansync_slave::client::Application;
 using cansync_slave::client::Duties;
@@ -38,6 +41,7 @@ constexpr std::size_t kServedBlocks = 16;
 
 struct ServeTexts {
   std::string file;
+  std::string profile;
   bool blocks = false;
   std::string strength = "1";
   std::string count;
@@ -50,9 +54,11 @@ const config::Rows<ParameterSections>& serve_rows() {
   return rows;
 }
 
-/// The parameters of a file, as [[parameter]] of the daemon's configuration. Throws UsageError.
-std::vector<ParameterDefinition> parameters_of_file(const std::string& path) {
-  config::Settings settings = config::resolve(config::read_document(path), serve_rows().table());
+/// The parameters of a profile (null: none) and of a file (empty: none), as [[parameter]] of the daemon's
+/// configuration. Throws UsageError.
+std::vector<NamedParameter> parameters_of(const profile::Profile* profile, const std::string& path) {
+  config::Settings settings;
+  if (!path.empty()) settings = config::resolve(config::read_document(path), serve_rows().table());
   std::vector<config::Problem> problems = std::move(settings.problems);
   ParameterSections sections;
   std::map<std::string, config::Position> places;
@@ -63,16 +69,16 @@ std::vector<ParameterDefinition> parameters_of_file(const std::string& path) {
     if (auto text = serve_rows().apply(*setting.option, setting.value, sections))
       problems.push_back({setting.where, setting.key, std::move(*text)});
   }
-  std::vector<ParameterDefinition> definitions =
-      cansync_slave::parameter_definitions(sections, [&](const std::string& key, const std::string& text) {
+  std::vector<NamedParameter> parameters = cansync_slave::named_parameters(
+      sections, profile, [&](const std::string& key, const std::string& text) {
         const auto place = places.find(key);
         problems.push_back({place == places.end() ? config::Position{path, 0, 0} : place->second, key, text});
       });
-  if (problems.empty() && definitions.empty())
+  if (problems.empty() && parameters.empty())
     problems.push_back({{path, 0, 0}, "", "found no [[parameter]]; allowed: one and more"});
   config::sort_by_place(problems);
   if (!problems.empty()) throw UsageError(config::problems_text(problems));
-  return definitions;
+  return parameters;
 }
 
 std::vector<Table::Column> serve_columns() {
@@ -82,7 +88,8 @@ std::vector<Table::Column> serve_columns() {
           {"JOB", right, "its number, given by the daemon", 8},
           {"KIND", left, "read, write, upload or download", 8},
           {"NUMBER", right, "parameter, or start address", 10},
-          {"VALUE", right, "raw value that was read or written; of a block its bytes", 11},
+          {"NAME", left, "of the parameter; - without one", 16},
+          {"VALUE", right, "value that was read or written, of a name in its unit; of a block its bytes", 11},
           {"RESULT", left, "ok, or the error number that the master was answered with", 9}};
 }
 
@@ -92,6 +99,7 @@ struct Served {
   std::uint64_t job = 0;
   const char* kind = "";
   std::uint32_t number = 0;
+  std::string name;
   std::string value;
   std::int64_t raw = 0;
   unsigned error = 0;
@@ -100,8 +108,15 @@ struct Served {
 /// Answers from a table of its own, and writes a line for each answer.
 class Server {
  public:
-  Server(Output& output, const std::vector<ParameterDefinition>& definitions, std::uint64_t count)
-      : output_(output), lines_(serve_columns()), table_(definitions), count_(count) {}
+  Server(Output& output, const std::vector<NamedParameter>& parameters, std::uint64_t count)
+      : output_(output),
+        lines_(serve_columns()),
+        table_(cansync_slave::definitions_of(parameters)),
+        count_(count) {
+    for (const NamedParameter& one : parameters) {
+      if (!one.description.name.empty()) names_[one.definition.number] = one.description;
+    }
+  }
 
   void serve(Application& application, const cansync_slave_ParameterJob& job);
   void serve(Application& application, const cansync_slave_BlockJob& job);
@@ -115,12 +130,14 @@ class Server {
   void begin_block(Application& application, const cansync_slave_BlockJob& job);
   bool possible(const cansync_slave_BlockJob& job) const;
   void move_telegram(Application& application, const cansync_slave_BlockJob& job);
+  static std::string in_unit(const profile::Parameter& named, std::uint32_t raw);
   void show(const Served& served);
   void show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error);
 
   Output& output_;
   Table lines_;
   ParameterTable table_;
+  std::map<std::uint16_t, profile::Parameter> names_;
   std::uint64_t count_;
   std::uint64_t served_ = 0;
   std::map<std::uint32_t, std::vector<std::uint8_t>> blocks_;  ///< by start address
@@ -137,14 +154,15 @@ void Server::show(const Served& served) {
                        .add("job", served.job)
                        .add("kind", served.kind)
                        .add("number", served.number)
+                       .add("name", served.name)
                        .add("raw", served.raw)
                        .add("error_code", served.error));
     return;
   }
   if (served_ == 1) output_.line(lines_.heading());
   output_.line(lines_.line({time_text(served.time, true), fmt::format("{}", served.job), served.kind,
-                            fmt::format("{}", served.number), served.value,
-                            served.error == 0 ? "ok" : fmt::format("0x{:04X}", served.error)}));
+                            fmt::format("{}", served.number), served.name.empty() ? "-" : served.name,
+                            served.value, served.error == 0 ? "ok" : fmt::format("0x{:04X}", served.error)}));
 }
 
 void Server::serve(Application& application, const cansync_slave_ParameterJob& job) {
@@ -162,14 +180,23 @@ void Server::serve(Application& application, const cansync_slave_ParameterJob& j
   const std::uint32_t raw = job.write ? job.value : answer.value;
   const std::int64_t value =
       as_signed(raw, answer.doubleword || job.doubleword ? Width::doubleword : Width::word);
+  const bool known = error == 0 || job.write;
+  const auto named = job.sub_slave == 0 ? names_.find(job.parameter) : names_.end();
   show({job.time, job.job, job.write ? "write" : "read", job.parameter,
-        error == 0 || job.write ? fmt::format("{}", value) : "-", error == 0 || job.write ? value : 0,
-        error});
+        named == names_.end() ? "" : named->second.name,
+        !known ? "-" : (named == names_.end() ? fmt::format("{}", value) : in_unit(named->second, raw)),
+        known ? value : 0, error});
+}
+
+/// "12.5 rpm".
+std::string Server::in_unit(const profile::Parameter& named, std::uint32_t raw) {
+  const std::string number = profile::scaled_text(named, profile::raw_number(named, raw));
+  return named.unit.empty() ? number : number + " " + named.unit;
 }
 
 void Server::show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error) {
-  show({job.time, job.job, job.download ? "download" : "upload", job.address, fmt::format("{} bytes", bytes),
-        static_cast<std::int64_t>(bytes), error});
+  show({job.time, job.job, job.download ? "download" : "upload", job.address, "",
+        fmt::format("{} bytes", bytes), static_cast<std::int64_t>(bytes), error});
 }
 
 /// There is room for a download; of an upload something lies there, and goes as a whole if that is asked.
@@ -264,18 +291,35 @@ class Hearing {
   bool told_ = false;
 };
 
+/// Of a profile's parameters the status word stays the daemon's; one that a file alone names is refused by
+/// it.
+void leave_to_daemon(SlaveClient& client, const profile::Profile* profile,
+                     std::vector<NamedParameter>& parameters) {
+  if (profile == nullptr) return;
+  const auto status = client.status(std::chrono::seconds(2));
+  if (!status || profile->find(std::uint32_t{status->status_parameter}) == nullptr) return;
+  std::erase_if(parameters, [&status](const NamedParameter& one) {
+    return one.definition.number == status->status_parameter;
+  });
+}
+
 ExitCode serve_verb(Session& session, const ServeTexts& texts) {
   constexpr std::int64_t kStrongest = 2'147'483'647;
   const auto strength = static_cast<std::int32_t>(parse_integer(texts.strength, "--strength", 0, kStrongest));
   const std::uint64_t count =
       texts.count.empty() ? 0
                           : static_cast<std::uint64_t>(parse_integer(texts.count, "--count", 1, INT32_MAX));
-  const std::vector<ParameterDefinition> definitions = parameters_of_file(texts.file);
+  if (texts.file.empty() && texts.profile.empty())
+    throw UsageError("FILE: is missing; allowed: a file with [[parameter]], --profile PROFILE, or both");
+  std::shared_ptr<const profile::Profile> profile;
+  if (!texts.profile.empty()) profile = profile::load_typed(texts.profile, session.profiles());
+  std::vector<NamedParameter> parameters = parameters_of(profile.get(), texts.file);
   Duties duties;
   duties.blocks = texts.blocks;
-  for (const ParameterDefinition& one : definitions) duties.parameters.push_back(one.number);
   auto client = connect_bus<SlaveClient>(session);
-  Server server(session.output(), definitions, count);
+  leave_to_daemon(client, profile.get(), parameters);
+  for (const NamedParameter& one : parameters) duties.parameters.push_back(one.definition.number);
+  Server server(session.output(), parameters, count);
   Application application(client, duties, strength);
   SlaveClient::Listener listener;
   listener.parameter_job = [&](const cansync_slave_ParameterJob& job) { server.serve(application, job); };
@@ -296,7 +340,7 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
     }
   }
   session.output().remark(fmt::format("{} answered; {} parameters{} are given back", server.served(),
-                                      definitions.size(), texts.blocks ? " and blocks" : ""));
+                                      duties.parameters.size(), texts.blocks ? " and blocks" : ""));
   return ExitCode::done;
 }
 
@@ -305,8 +349,13 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
 void add_serve_verb(CLI::App& app, Verb& chosen) {
   auto* serve = app.add_subcommand("serve", "as a slave: answer the master's parameter jobs until Ctrl-C");
   auto texts = std::make_shared<ServeTexts>();
-  serve->add_option("FILE", texts->file, "TOML file with a [[parameter]] for each number that is taken over")
-      ->required();
+  serve->add_option(
+      "FILE", texts->file,
+      "TOML file with a [[parameter]] for each number that is taken over, beside those of --profile");
+  serve
+      ->add_option("--profile", texts->profile,
+                   "drive profile whose parameters are taken over: a name or a file")
+      ->type_name("PROFILE");
   serve->add_flag(
       "--blocks", texts->blocks,
       "uploads and downloads, too: a download is kept under its start address, one of up to 16, until the "
