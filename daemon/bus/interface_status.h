@@ -14,7 +14,7 @@ struct InterfaceFacts {
   can::SendResult last_send = can::SendResult::queued;
 };
 
-/// Interface status register w_CANsync_STATUS (M 3.2.2.3, 3.2.3.2): bit 1 overrun, 2 send buffer free, 3 last
+/// Interface status register w_CANsync_STATUS (M 3.2.2.2, 3.2.3.2): bit 1 overrun, 2 send buffer free, 3 last
 /// telegram was sent, 4 receiving, 5 sending, 6 warning limit, 7 bus-off. Realtime safe.
 constexpr std::uint16_t interface_status(const InterfaceFacts& facts, can::ControllerState state) noexcept {
   using can::ControllerState;

@@ -69,6 +69,20 @@ TEST(CommandChannel, ScanWithAFixedCursorServesThatSlaveInEveryInterval) {
   EXPECT_FALSE(rig->told.parameters.contains(101));
 }
 
+// M 4.6: "polls up to this number". A job above it waits for ever with the manuals' service alone.
+TEST(CommandChannel, TheMaximumSlaveNumberBoundsTheScanAndNotTheWorkConservingService) {
+  for (const bool scan : {false, true}) {
+    MasterSettings settings = settings_for(32);
+    settings.process.maximum_slave = slave(3);
+    if (scan) settings.command_channel.serving = Serving::scan;
+    auto rig = active_line(settings);
+    ASSERT_EQ(rig->master.submit(ParameterRequest{.id = 1, .slave = slave(7), .number = parameter(5)}),
+              Refusal::none);
+    rig->run(200);
+    EXPECT_EQ(rig->told.parameters.contains(1), !scan);
+  }
+}
+
 TEST(CommandChannel, WorkConservingIsRoundRobinAmongSlaves) {
   auto rig = active_line(settings_for(32));
   JobId id = 0;

@@ -181,6 +181,14 @@ TEST_F(ParameterJobs, AReplyWithoutSubSlaveAddressIsAccepted) {
   EXPECT_EQ(run({.number = parameter(10)}).value, 0x1234u);
 }
 
+// Its high word stands where the address of the sub-slave is.
+TEST_F(ParameterJobs, ADoublewordReplyWithoutSubSlaveAddressIsNotTaken) {
+  script = [](const ParameterCommand& c) {
+    return ParameterReply{c.slave, c.number, false, false, 4, {0x45, 0x23, 0x01, 0x00}};
+  };
+  EXPECT_EQ(run({.number = parameter(10)}).outcome, Outcome::timeout);
+}
+
 TEST_F(ParameterJobs, ALateConfirmationOfAWriteIsNotTheValueOfARead) {
   script = [](const ParameterCommand& c) { return MasterRig::written_reply(c); };
   ASSERT_EQ(

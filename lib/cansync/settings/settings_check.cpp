@@ -49,7 +49,7 @@ void check_mapping(Problems& problems, const std::string& field, const ProcessMa
     for (std::size_t i = 0; i < kWords; ++i) {
       const WordMapping& word = mapping[telegram].word[i];
       const bool right = word.assigned ? word.value >= first && word.value < first + 4
-                                       : word == WordMapping{};  // M 3.1.1.1: unused means all bits 0
+                                       : word == WordMapping{};  // M 3.2.2.4: unused means all bits 0
       expect(problems, right, at(field, telegram) + "." + at("word", i), describe(word),
              "unused, or value " + std::to_string(first) + ".." + std::to_string(first + 3));
     }
