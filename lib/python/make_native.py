@@ -13,13 +13,15 @@ import sys
 
 import cffi
 
-SOURCE = "#include <cansync/cansync_c.h>\n#include \"gateway.h\"\n#include \"cansync.h\"\n"
+SOURCE = "#include <cansync/cansync_c.h>\n#include <cansync/cansync_c_slave.h>\n#include \"gateway.h\"\n#include \"cansync.h\"\n"
 FACE = "cansync_c*.h"  # the headers of the C face
 OURS = (FACE, "cansync.h", "gateway.h")
 # C's types of callbacks that Python implements: `on_sample` becomes a function of the module.
 CALLBACKS = ("cansync_on_sample", "cansync_go_on")
 ENUMS = {"cansync_result": ("Code", "CANSYNC_"), "cansync_cause": ("Cause", "CANSYNC_CAUSE_"),
-         "cansync_retry": ("Retry", "CANSYNC_RETRY_"), "cansync_mode_command": ("Mode", "CANSYNC_MODE_")}
+         "cansync_retry": ("Retry", "CANSYNC_RETRY_"), "cansync_mode_command": ("Mode", "CANSYNC_MODE_"),
+         "cansync_slave_event_kind": ("SlaveEventKind", "CANSYNC_SLAVE_"),
+         "cansync_slave_fault": ("SlaveFault", "CANSYNC_SLAVE_FAULT_")}
 HEAD = '"""Numbers of the C face, made of cansync_c.h."""\n\nimport enum\n'
 
 

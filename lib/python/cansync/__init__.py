@@ -16,20 +16,21 @@
 from ._link import text as _text
 from ._native import lib as _lib
 from .client import AUTOMATIC, NOBODY, UNCHANGED, Client, connect
-from .codes import Cause, Code, Mode, Retry
+from .codes import Cause, Code, Mode, Retry, SlaveEventKind, SlaveFault
 from .errors import (Cancelled, Error, Invalid, NoData, NotConnected, OutcomeUnknown, Refused, SlaveError, TakeUp,
                      Timeout)
 from .jobs import Job
 from .parameters import Access, Parameter, Value
 from .references import References
+from .slave import Application, SlaveEvent, SlaveState, connect_slave
 from .streams import Stream, Subscription
 from .topics import *  # noqa: F403
 from .topics import __all__ as _topics
 
 __version__ = _text(_lib.cansync_version())
 __all__ = [
-    "AUTOMATIC", "Access", "Cancelled", "Cause", "Client", "Code", "Error", "Invalid", "Job", "Mode", "NOBODY", "NoData",
-    "NotConnected", "OutcomeUnknown", "Parameter", "Refused", "References", "Retry", "SlaveError", "Stream", "Subscription",
-    "TakeUp", "Timeout", "UNCHANGED", "Value", "connect",
+    "AUTOMATIC", "Access", "Application", "Cancelled", "Cause", "Client", "Code", "Error", "Invalid", "Job", "Mode", "NOBODY", "NoData",
+    "NotConnected", "OutcomeUnknown", "Parameter", "Refused", "References", "Retry", "SlaveError", "SlaveEvent", "SlaveEventKind",
+    "SlaveFault", "SlaveState", "Stream", "Subscription", "TakeUp", "Timeout", "UNCHANGED", "Value", "connect", "connect_slave",
 ]
 __all__ += _topics

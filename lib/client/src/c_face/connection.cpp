@@ -20,8 +20,13 @@ std::string text_or(const char* text, const std::string& otherwise) {
   return text == nullptr ? otherwise : text;
 }
 
-client::Options options_of(const cansync_options& from) {
-  client::Options options;
+}  // namespace
+
+namespace cansync::client::c_face {
+
+Options options_of(const cansync_options* given) {
+  const cansync_options from = given == nullptr ? cansync_options{} : *given;
+  Options options;
   options.domain = from.domain;
   options.bus = text_or(from.bus, options.bus);
   options.interface = text_or(from.interface, options.interface);
@@ -34,7 +39,7 @@ client::Options options_of(const cansync_options& from) {
   return options;
 }
 
-}  // namespace
+}  // namespace cansync::client::c_face
 
 const char* cansync_version() noexcept {
   return CANSYNC_VERSION;
@@ -118,7 +123,7 @@ int cansync_connect(cansync_client* handle, const cansync_options* options) noex
     open.profile_folders = profile::standard_folders();
     if (given.profiles != nullptr && *given.profiles != '\0')
       open.profile_folders.insert(open.profile_folders.begin(), given.profiles);
-    open.client.emplace(client::Client::connect(options_of(given)));
+    open.client.emplace(client::Client::connect(client::c_face::options_of(options)));
     return static_cast<int>(CANSYNC_DONE);
   });
 }

@@ -29,11 +29,15 @@ struct cansync_client {
 
 namespace cansync::client::c_face {
 
-/// Keeps the reason and gives the result back.
-inline int fail(cansync_client& handle, int result, std::string reason) {
+/// Keeps the reason and gives the result back. `Handle`: cansync_client or cansync_application.
+template <class Handle>
+int fail(Handle& handle, int result, std::string reason) {
   handle.error = std::move(reason);
   return result;
 }
+
+/// What the options say; NULL: the defaults.
+Options options_of(const cansync_options* given);
 
 /// The result that stands for a code.
 int number_of(ReplyCode code) noexcept;
@@ -42,8 +46,8 @@ int number_of(ReplyCode code) noexcept;
 int result_of(cansync_client& handle, const Reply& reply);
 
 /// Runs `call(handle)` and turns what it throws into a result.
-template <class Call>
-int guarded(cansync_client* handle, Call&& call) noexcept {
+template <class Handle, class Call>
+int guarded(Handle* handle, Call&& call) noexcept {
   if (handle == nullptr) return CANSYNC_INVALID;
   try {
     handle->error.clear();
