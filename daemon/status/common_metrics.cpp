@@ -54,7 +54,7 @@ void controller_state(const MetricsSource& from, MetricSamples& to) {
              text(bus_of(from).controller_state));
 }
 
-void link_state(const MetricsSource& from, MetricSamples& to) {
+void state_of_link(const MetricsSource& from, MetricSamples& to) {
   using can::LinkState;
   add_states(to, "",
              std::array{name(LinkState::up), name(LinkState::down), name(LinkState::missing),
@@ -91,7 +91,7 @@ constexpr MetricFamily kCommonFamilies[] = {
     {"cansync_controller_receive_errors", MetricType::gauge, "", "BusStatus.receive_errors",
      "Error counter of the CAN controller for receiving; it falls again."},
     {"cansync_link_state", MetricType::gauge, "state", "BusStatus.link_state",
-     "1 for the state of the CAN interface, 0 for the others.", link_state},
+     "1 for the state of the CAN interface, 0 for the others.", state_of_link},
     {"cansync_error_frames", MetricType::counter, "", "BusStatus.error_frames", "Error frames on the bus."},
     {"cansync_acknowledge_errors", MetricType::counter, "", "BusStatus.acknowledge_errors",
      "Telegrams that nobody acknowledged."},

@@ -65,7 +65,7 @@ daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds lib/cans
                             daemon/desk daemon/cansync daemon/cansync/config
 daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
                             daemon/cansync/texts
-daemon/cansync/status:      idl lib/can lib/cansync lib/sync lib/dds lib/cansync/dds daemon/cansync
+daemon/cansync/status:      idl lib/can lib/cansync lib/dds lib/cansync/dds daemon/cansync
                             daemon/service daemon/cansync/config daemon/desk daemon/status
 daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/bus daemon/cansync daemon/service
                             daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk

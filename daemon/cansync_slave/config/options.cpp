@@ -62,7 +62,7 @@ constexpr auto kSlaveProtocolRow = std::to_array<DaemonRow>({
     {rows::protocol_option(kSlaveProtocol, "\"cansync-slave\""), [](DaemonConfig&, const Value&) {}},
 });
 
-constexpr std::int64_t kLongestPath = 4096;
+constexpr std::int64_t kLongestProfilePath = 4096;
 
 constexpr auto kSlaveTarget = std::to_array<Word<SlaveTarget>>(
     {{"none", SlaveTarget::none}, {"setup", SlaveTarget::setup}, {"active", SlaveTarget::active}});
@@ -136,7 +136,7 @@ constexpr auto kSlaveRoleRows = std::to_array<SlaveRow>({
                      "taken over: 0xFFFA = not available now, 0xFFFB = there is none.")),
     field(
         [](auto& d) -> auto& { return d.config.profile; },
-        string("slave.profile", OptionType::text, 0, kLongestPath,
+        string("slave.profile", OptionType::text, 0, kLongestProfilePath,
                "Drive profile of this slave, whose parameters the daemon answers for: a name, looked up as "
                "NAME.toml in the folder profiles beside this file, /etc/cansync/profiles, "
                "/usr/local/share/cansync/profiles and /usr/share/cansync/profiles; or a file, with '/' or "

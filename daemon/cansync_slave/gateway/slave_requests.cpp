@@ -114,7 +114,10 @@ gateway::dds::Problem SlaveRequests::objection(const Request& request, const Sla
 }
 
 JobId SlaveRequests::id_of(const SlaveOrderDone& done) noexcept {
-  return std::visit([](const auto& order) { return order.id; }, done.order);
+  if (const auto* mode = std::get_if<SlaveModeOrder>(&done.order)) return mode->id;
+  if (const auto* mapping = std::get_if<SlaveMappingOrder>(&done.order)) return mapping->id;
+  const auto* listen = std::get_if<SlaveListenOrder>(&done.order);
+  return listen != nullptr ? listen->id : JobId{0};
 }
 
 gateway::dds::Problem SlaveRequests::refusal(const SlaveOrderDone& done, const Request& /*request*/,

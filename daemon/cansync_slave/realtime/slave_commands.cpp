@@ -28,10 +28,25 @@ std::optional<SlaveOrderDone> SlaveCommands::take() noexcept {
   SlaveOrder order;
   if (!exchange_.commands.try_pop(order)) return std::nullopt;
   if (of_cluster_) return SlaveOrderDone{order, SlaveRefusal::of_cluster};
-  const SlaveRefusal refusal = std::visit([this](const auto& typed) { return give(typed); }, order);
+  const auto* mode = std::get_if<SlaveModeOrder>(&order);
+  if (mode == nullptr) {
+    set(order);
+    return SlaveOrderDone{order, SlaveRefusal::none};
+  }
+  const SlaveRefusal refusal = give(*mode);
   if (refusal != SlaveRefusal::reset_under_way) return SlaveOrderDone{order, refusal};
-  reset_ = std::get<SlaveModeOrder>(order);
+  reset_ = *mode;
   return std::nullopt;
+}
+
+/// A mapping is taken as it is: the gateway has looked at it.
+void SlaveCommands::set(const SlaveOrder& order) noexcept {
+  if (const auto* mapping = std::get_if<SlaveMappingOrder>(&order)) {
+    slave_.set_reference_mapping(mapping->reference);
+    slave_.set_actual_mapping(mapping->actual);
+  } else if (const auto* listen = std::get_if<SlaveListenOrder>(&order)) {
+    slave_.set_monitored(listen->other, listen->mapping);
+  }
 }
 
 SlaveRefusal SlaveCommands::command(ControlCommand command) noexcept {
@@ -58,17 +73,6 @@ SlaveRefusal SlaveCommands::give(const SlaveModeOrder& order) noexcept {
       return end_reset(bus_.reset());
   }
   return SlaveRefusal::wrong_state;
-}
-
-SlaveRefusal SlaveCommands::give(const SlaveMappingOrder& order) noexcept {
-  slave_.set_reference_mapping(order.reference);
-  slave_.set_actual_mapping(order.actual);
-  return SlaveRefusal::none;
-}
-
-SlaveRefusal SlaveCommands::give(const SlaveListenOrder& order) noexcept {
-  slave_.set_monitored(order.other, order.mapping);
-  return SlaveRefusal::none;
 }
 
 SlaveRefusal SlaveCommands::end_reset(can::ResetResult result) noexcept {

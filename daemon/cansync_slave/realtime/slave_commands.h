@@ -28,8 +28,7 @@ class SlaveCommands {
 
  private:
   SlaveRefusal give(const SlaveModeOrder& order) noexcept;
-  SlaveRefusal give(const SlaveMappingOrder& order) noexcept;
-  SlaveRefusal give(const SlaveListenOrder& order) noexcept;
+  void set(const SlaveOrder& order) noexcept;
   SlaveRefusal command(cansync::ControlCommand command) noexcept;
   void wait_for_start() noexcept;
   SlaveRefusal end_reset(can::ResetResult result) noexcept;

@@ -98,9 +98,10 @@ typedef struct cansync_slave_state {
 CANSYNC_C_API cansync_application* cansync_application_new(void) CANSYNC_C_NOEXCEPT;
 /* Gives back what was taken over and released, disconnects and frees. NULL is allowed. */
 CANSYNC_C_API void cansync_application_free(cansync_application* application) CANSYNC_C_NOEXCEPT;
-/* As cansync_last_error() and cansync_last_cause(). */
+/* What went wrong in the last call, in words; empty when it was done. Lives until the next call. */
 CANSYNC_C_API const char* cansync_application_last_error(const cansync_application* application)
     CANSYNC_C_NOEXCEPT;
+/* Why the last call was refused: one of CANSYNC_CAUSE_.... */
 CANSYNC_C_API int cansync_application_last_cause(const cansync_application* application) CANSYNC_C_NOEXCEPT;
 
 /* Waits until a daemon serves the bus as a slave; once a handle. `options` NULL: the defaults. Of them
@@ -114,8 +115,8 @@ CANSYNC_C_API int cansync_application_get_state(cansync_application* application
 
 /* Waits at most `wait_ms` for what came, and gives the oldest that was not given yet. CANSYNC_NO_DATA:
  * nothing came; CANSYNC_NO_DAEMON: the daemon has gone (it may come back: call again). Of more than 1000 that
- * nobody takes the oldest are dropped; each step of a job that is dropped so ends by its time in the daemon.
- */
+ * nobody takes the oldest are dropped; a job of which the program so never heard ends by its time in the
+ * daemon. */
 CANSYNC_C_API int cansync_application_receive(cansync_application* application, uint32_t wait_ms,
                                               cansync_slave_event* out) CANSYNC_C_NOEXCEPT;
 
@@ -127,10 +128,10 @@ CANSYNC_C_API int cansync_application_take_over(cansync_application* application
                                                 int32_t strength) CANSYNC_C_NOEXCEPT;
 
 /* Answers of the application. One to what the master does not want any more is dropped; a job that never was
- * is CANSYNC_INVALID. Parameters: a write is done, or a read has this raw value in this format; or an error
- * number (M 3.2.3.7). */
+ * is CANSYNC_INVALID. This one: a write is done, or a read has this raw value in this format. */
 CANSYNC_C_API int cansync_application_answer(cansync_application* application, uint64_t job, uint32_t value,
                                              int doubleword) CANSYNC_C_NOEXCEPT;
+/* A parameter job fails with an error number (M 3.2.3.7). */
 CANSYNC_C_API int cansync_application_refuse(cansync_application* application, uint64_t job,
                                              uint16_t error) CANSYNC_C_NOEXCEPT;
 /* CANSYNC_SLAVE_BLOCK: the block may be moved; a whole upload brings all its data, another one may fix its
