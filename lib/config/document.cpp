@@ -54,6 +54,19 @@ Problem too_deep(const Position& where, const Wording& wording) {
               " parts; allowed: " + std::string(wording.allowed)};
 }
 
+/// Files of editors that save in two bytes a character: a byte order mark, or a zero beside the first one.
+bool is_utf16(std::string_view content) {
+  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) return true;
+  return content.size() >= 2 && (content[0] == '\0') != (content[1] == '\0');
+}
+
+/// What the parser says, with the remedy where it speaks of bytes.
+std::string parser_text(const toml::parse_error& error) {
+  std::string text(error.description());
+  if (text.find("utf-8") != std::string::npos) text += " (save the file as UTF-8)";
+  return text;
+}
+
 /// Turns toml++'s tree into the flat list.
 class Flattener {
  public:
@@ -114,6 +127,14 @@ class Flattener {
 
 Document parse_document(std::string_view toml, const std::string& file, const Wording& wording) {
   Document document;
+  if (is_utf16(toml)) {
+    document.problems.push_back(
+        {{file, 1, 1},
+         "",
+         std::string(wording.no_toml) +
+             "the file is UTF-16; save it as UTF-8; allowed: " + std::string(wording.allowed)});
+    return document;
+  }
   if (const auto place = too_deep_key(toml)) {
     const Position where{file, static_cast<std::uint32_t>(place->line),
                          static_cast<std::uint32_t>(place->column)};
@@ -126,9 +147,9 @@ Document parse_document(std::string_view toml, const std::string& file, const Wo
     if (!document.problems.empty()) document.nodes.clear();
   } catch (const toml::parse_error& error) {
     document.nodes.clear();
-    document.problems.push_back({position(error.source(), file), "",
-                                 std::string(wording.no_toml) + std::string(error.description()) +
-                                     "; allowed: " + std::string(wording.allowed)});
+    document.problems.push_back(
+        {position(error.source(), file), "",
+         std::string(wording.no_toml) + parser_text(error) + "; allowed: " + std::string(wording.allowed)});
   }
   return document;
 }

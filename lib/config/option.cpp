@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "config/shown.h"
+
 namespace config {
 namespace {
 
@@ -146,8 +148,8 @@ std::string allowed(const Option& option) {
     case OptionType::name: {
       const std::string reserved =
           option.choices.empty() ? "" : fmt::format("none of {}, ", choices_text(option, ", "));
-      return fmt::format("a string of {}..{} bytes, no number, {}no blank at its ends", option.minimum,
-                         option.maximum, reserved);
+      return fmt::format("a string of {}..{} bytes, no number, no control character, {}no blank at its ends",
+                         option.minimum, option.maximum, reserved);
     }
     case OptionType::integer:
       return (option.choices.empty() ? fmt::format("{}..{}", option.minimum, option.maximum)
@@ -188,7 +190,7 @@ bool takes(const Option& option, const Value& value) {
 }
 
 std::string mismatch_text(const Option& option, const Value& value) {
-  return fmt::format("found {}; allowed: {}", value.text, allowed(option));
+  return fmt::format("found {}; allowed: {}", shown(value.text), allowed(option));
 }
 
 }  // namespace config

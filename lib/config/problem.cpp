@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 namespace config {
@@ -18,9 +19,16 @@ std::string to_string(const Problem& problem) {
 }
 
 std::string problems_text(const std::vector<Problem>& problems) {
+  constexpr std::size_t kLongList = 100;  // characters of what is allowed that are told once
+  std::set<std::string> told;
   std::string out;
   for (std::size_t i = 0; i < std::min(problems.size(), kProblemsShown); ++i) {
-    out += to_string(problems[i]) + "\n";
+    std::string text = to_string(problems[i]);
+    const std::size_t allowed = text.find("; allowed");
+    if (allowed != std::string::npos && text.size() - allowed > kLongList &&
+        !told.insert(text.substr(allowed)).second)
+      text = text.substr(0, allowed) + "; allowed: as above";
+    out += text + "\n";
   }
   if (problems.size() > kProblemsShown) {
     out += "and " + std::to_string(problems.size() - kProblemsShown) + " more problems\n";

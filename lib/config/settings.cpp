@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "config/shown.h"
+
 namespace config {
 namespace {
 
@@ -155,7 +157,7 @@ class Resolver {
                section_id(other.path, other.path.size() - 1) == id;
       });
       problem(where, key + ".number",
-              fmt::format("found {}; allowed: {}", value->value.text, allowed(option)));
+              fmt::format("found {}; allowed: {}", shown(value->value.text), allowed(option)));
       skip(node);
       return;
     }
@@ -175,7 +177,7 @@ class Resolver {
       const Section* section = table_.find_section(key);
       problem(node.key, key,
               section != nullptr
-                  ? fmt::format("found {}; allowed: {}", node.value.text, section_form(*section))
+                  ? fmt::format("found {}; allowed: {}", shown(node.value.text), section_form(*section))
                   : unknown_option_text(table_, key));
       return;
     }

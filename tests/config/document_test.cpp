@@ -57,6 +57,34 @@ TEST(ConfigDocument, EachKindOfFileHasItsWords) {
             "/: not readable: it is a folder\n");
 }
 
+TEST(ConfigDocument, AFileOfAnotherEncodingIsToBeSavedAsUtf8) {
+  const auto first = [](const std::string& toml) {
+    return config::problems_text(config::parse_document(toml, "f").problems);
+  };
+  for (const std::string& start :
+       {std::string("\xFF\xFE") + std::string("[\0", 2), std::string("\xFE\xFF\0[", 4),
+        std::string("[\0b\0", 4), std::string("\0[\0b", 4)}) {
+    EXPECT_NE(first(start).find("the file is UTF-16; save it as UTF-8"), std::string::npos) << first(start);
+    EXPECT_TRUE(first(start).starts_with("f:1:1: ")) << first(start);
+  }
+  const std::string latin = first("a = \"\xE4\"\n");
+  EXPECT_NE(latin.find("save the file as UTF-8"), std::string::npos) << latin;
+  EXPECT_EQ(first("a = \"\xC3\xA4\"\n"), "");
+}
+
+TEST(ConfigProblems, LongListsOfWhatIsAllowedAreToldOnce) {
+  const std::string list(120, 'x');
+  const std::vector<config::Problem> problems = {{{"f", 1, 1}, "a", "no such option; allowed: " + list},
+                                                 {{"f", 2, 1}, "b", "no such option; allowed: " + list},
+                                                 {{"f", 3, 1}, "c", "no such option; allowed: y" + list},
+                                                 {{"f", 4, 1}, "d", "found 5; allowed: 1..4"},
+                                                 {{"f", 5, 1}, "e", "found 6; allowed: 1..4"}};
+  EXPECT_EQ(config::problems_text(problems),
+            "f:1:1: a: no such option; allowed: " + list +
+                "\nf:2:1: b: no such option; allowed: as above\nf:3:1: c: no such option; allowed: y" + list +
+                "\nf:4:1: d: found 5; allowed: 1..4\nf:5:1: e: found 6; allowed: 1..4\n");
+}
+
 TEST(ConfigProblems, AreToldInTheOrderOfTheFile) {
   std::vector<config::Problem> problems = {
       {{"f", 2, 1}, "b", "two"}, {{"f", 1, 9}, "", "one"}, {{"f"}, "", "zero"}};

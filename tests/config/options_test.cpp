@@ -6,6 +6,7 @@
 
 #include "bakery.h"
 #include "config/option.h"
+#include "config/shown.h"
 
 namespace {
 
@@ -109,6 +110,23 @@ TEST(ConfigSettings, ProblemsNamePlaceFindAndRange) {
   EXPECT_EQ(problems("[[oven]]\nnumber = 5\n"), "f:2:10: oven.number: found 5; allowed: 1..4\n");
   EXPECT_EQ(problems("[[oven]]\nnumber = 1\n[[oven]]\nnumber = 1\n"),
             "f:4:10: oven.number: found 1, which line 2 has already; allowed: each number once\n");
+}
+
+TEST(ConfigSettings, LongValuesAreCutInProblems) {
+  EXPECT_EQ(config::shown(std::string(80, 'x')), std::string(80, 'x'));
+  EXPECT_EQ(config::shown(std::string(1000, 'x')), std::string(60, 'x') + "... (1000 bytes)");
+  std::string accents;
+  for (int i = 0; i < 50; ++i) accents += "\xC3\xA4";
+  EXPECT_EQ(config::shown("y" + accents), "y" + accents.substr(0, 58) + "... (101 bytes)")
+      << "no half characters";
+  const config::Option* option = bakery::rows().table().find("oven.tray.bread");
+  ASSERT_NE(option, nullptr);
+  EXPECT_EQ(config::mismatch_text(*option, config::scalar_value(std::string(1000, 'x'))).find("found \"xxx"),
+            0u);
+  EXPECT_LT(config::mismatch_text(*option, config::scalar_value(std::string(1000, 'x'))).size(), 200u);
+  const std::string control = config::mismatch_text(*option, config::scalar_value(std::string("a\tb")));
+  EXPECT_EQ(control.find("found \"a\\tb\"; allowed: "), 0u) << control;
+  EXPECT_NE(control.find("no control character"), std::string::npos) << control;
 }
 
 TEST(ConfigSettings, ProblemsOfOverridesSayTheForm) {
