@@ -22,7 +22,7 @@ class Unready(Gateway):
 
     def wait_active(self):
         return self.wait_status(
-            "set-up with two of three slaves",
+            "setup with two of three slaves",
             lambda s: s["option_status"] == SETTING_UP and bin(s["slaves_synchronized"]).count("1") == 2,
         )
 
