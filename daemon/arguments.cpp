@@ -1,13 +1,16 @@
 #include "daemon/arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <string>
 #include <utility>
+
+#include "text/build_info.h"
 
 namespace cansyncd {
 namespace {
 
 void describe(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", std::string("cansyncd " CANSYNC_VERSION));
+  app.set_version_flag("--version", "cansyncd " + std::string(text::build_text()));
   auto* config = app.add_option("CONFIG", arguments.config,
                                 "Configuration files (TOML); runs the bus that each describes");
   auto* check =

@@ -28,7 +28,11 @@ class Help:
                 self.short.update(names[:-1])
                 if found[3]:
                     self.environment[found[3]] = names[-1]
-        self.verbs = [line.split()[0] for line in self._section("Verbs") if re.match(r"  [a-z]", line)]
+        # heading -> the verbs below it; those of two words have one heading.
+        titles = re.findall(r"(?m)^([A-Z][A-Za-z0-9 ]+):$", self.text.split("Exit codes:")[0])
+        self.groups = {title: [line.split()[0] for line in self._section(title) if re.match(r"  [a-z]", line)]
+                       for title in titles if (title == "Verbs" if verb else title not in ("Options", "Positionals"))}
+        self.verbs = [name for names in self.groups.values() for name in names]
         usage = re.search(r"(?m)^Usage: (.*)$", self.text)[1]
         self.arguments = re.findall(r"[A-Z]+(?:=[A-Z]+)?", usage.split("[OPTIONS]")[1])
         if "VERB" in self.arguments:

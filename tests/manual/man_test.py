@@ -191,6 +191,14 @@ class CommandLine(unittest.TestCase):
             self.assertEqual({name for name in shared if used.count(name) < 2}, set(), group)
         self.assertEqual(sorted(found), sorted(set(told) - {""}))
 
+    def test_every_verb_stands_in_its_group(self):
+        """The groups of `--help` are the headings of the document; a verb without one would be below "Subcommands"."""
+        groups = {group: {verb.split()[0] for verb in parts(text, 3) if verb} for group, text in parts(document("command-line-verbs.md"), 2).items()
+                  if group}
+        told = {group: set(verbs) for group, verbs in helps(CANSYNC)[""].groups.items()}
+        self.assertEqual(told, groups, "give the verb a group (tools/cli/base/verb_groups.h) and its section there")
+        self.assertEqual(list(told), list(groups), "the order of the groups")
+
     def test_columns_are_those_of_the_help(self):
         printed = subprocess.run([sys.executable, "-B", os.path.join(SOURCE, "docs/man/make_columns"), CANSYNC], check=True,
                                  capture_output=True, text=True).stdout

@@ -1,13 +1,16 @@
 #include "simulator/arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <string>
 #include <utility>
+
+#include "text/build_info.h"
 
 namespace cansync_sim {
 namespace {
 
 void describe(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", std::string("cansync-sim " CANSYNC_VERSION));
+  app.set_version_flag("--version", "cansync-sim " + std::string(text::build_text()));
   app.add_option("INTERFACE", arguments.interface, "CAN interface of the kernel, such as vcan0 or can0");
   app.add_option("--slaves", arguments.slaves,
                  "Slave numbers, such as 0-31 or 0,3,5-7 (default 0; with --config its simulated drives)")

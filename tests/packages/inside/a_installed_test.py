@@ -37,3 +37,7 @@ class Installed(unittest.TestCase):
                   "COMP_LINE='cansync stat'; COMP_POINT=12; $(complete -p cansync | sed 's/.*-F \\([^ ]*\\).*/\\1/') cansync stat cansync; "
                   "echo ${COMPREPLY[@]}")
         self.assertIn("status", run("bash", "-c", script))
+        for path in ("fish/vendor_completions.d/cansync.fish", "fish/vendor_completions.d/cansyncd.fish",
+                     "fish/vendor_completions.d/cansync-sim.fish", "zsh/vendor-completions/_cansync",
+                     "zsh/vendor-completions/_cansyncd"):
+            self.assertTrue(pathlib.Path("/usr/share", path).exists(), path)

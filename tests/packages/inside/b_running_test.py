@@ -68,8 +68,8 @@ class Running(unittest.TestCase):
         self.assertEqual(properties("ActiveState", unit=SIMULATOR)["ActiveState"], "active")
         text = properties("StatusText")["StatusText"]
         wait_for("the status text", lambda: properties("StatusText")["StatusText"] ==
-                 "active operation: 2 of 2 slaves respond; bus vcan0 (vcan0) at 125000 bit/s")
-        self.assertIn("Status: \"active operation", run("systemctl", "status", SERVICE), text)
+                 "run: 2 of 2 slaves respond; bus vcan0 (vcan0) at 125000 bit/s")
+        self.assertIn("Status: \"run: ", run("systemctl", "status", SERVICE), text)
 
     def test_03_reads_a_parameter_and_transfers_a_block(self):
         reply = cansync("read", "axis-1", "301")[0]

@@ -17,6 +17,7 @@ ExitCode run(int argc, const char* const* argv, std::FILE* data, std::FILE* rema
     const Command command = parse_command({argv + (argc > 0 ? 1 : 0), argv + argc});
     Output typed(data, remarks, command.globals.json);
     typed.set_colours(command.globals.colours);
+    typed.set_wide(command.globals.wide);
     Connection connection;
     Session session(command.globals, typed, connection);
     return command.verb(session);

@@ -10,7 +10,9 @@
 #include "cli/app/command_line.h"
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/verb_groups.h"
 #include "cli/text/words.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -88,7 +90,7 @@ class Batch {
     if (interrupt_flag().load()) throw Interrupted();
     if (wrong > 0)
       throw UsageError(fmt::format("{}: {} wrong; nothing was sent", name_,
-                                   wrong == 1 ? "a line is" : fmt::format("{} lines are", wrong)));
+                                   wrong == 1 ? "a line is" : text::counted(wrong, "line is", "lines are")));
     for (const Line& line : lines)
       if (!go(line)) break;
     return end();
@@ -199,6 +201,7 @@ ExitCode batch_verb(Session& session, const BatchTexts& texts) {
 
 void add_batch_verb(CLI::App& app, Verb& chosen) {
   auto* batch = app.add_subcommand("batch", "run commands from a file, one a line, over one connection");
+  batch->group(kManyVerbs);
   auto texts = std::make_shared<BatchTexts>();
   batch->add_option("FILE", texts->file, "file with commands; - = standard input, each line runs as it comes")
       ->required();

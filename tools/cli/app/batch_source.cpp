@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -30,8 +31,8 @@ std::optional<std::string> BatchSource::next() {
   errno = 0;
   while ((c = std::fgetc(file_)) != EOF && c != '\n') {
     if (line.size() == kLongestLine)
-      throw UsageError(
-          fmt::format("{}:{}: the line is too long; allowed: {} bytes", path_, number_ + 1, kLongestLine));
+      throw UsageError(fmt::format("{}:{}: the line is too long; allowed: {}", path_, number_ + 1,
+                                   text::counted(kLongestLine, "byte")));
     line += static_cast<char>(c);
   }
   if (std::ferror(file_) != 0) {

@@ -18,6 +18,7 @@
 #include "cli/text/words.h"
 #include "cli/trace/verbs.h"
 #include "cli/watch/verbs.h"
+#include "text/build_info.h"
 #include "text/completion.h"
 
 namespace cansync::cli {
@@ -85,6 +86,8 @@ void add_global_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
          "colours in data for people: on a terminal unless NO_COLOR is set (auto, the default), always, or "
          "never")
       ->type_name("auto|always|never");
+  app.add_flag("--wide", globals.wide,
+               "all columns and figures, however wide, on a terminal too; elsewhere it is always so");
   app.add_flag("--json", globals.json,
                "data as JSON, one object a line; docs/command-line-json.md lists the keys");
 }
@@ -129,13 +132,13 @@ void take_global_texts(const GlobalTexts& texts, Globals& globals) {
   if (!texts.retry.empty()) globals.retry = parse_seconds(texts.retry, "--retry", kLongestRetry);
 }
 
-/// What every verb has in its help, also those of two words.
-void finish_verbs(CLI::App& app) {
+/// What every verb has in its help, also those of two words (`second`), which stand in no group.
+void finish_verbs(CLI::App& app, bool second) {
   for (CLI::App* verb : app.get_subcommands({})) {
-    verb->group("Verbs");
+    if (second) verb->group("Verbs");
     verb->footer(verb->get_footer() +
                  "\n\n`cansync --help` shows the options of every verb and the exit codes.");
-    finish_verbs(*verb);
+    finish_verbs(*verb, true);
   }
 }
 
@@ -147,7 +150,17 @@ void add_verbs(CLI::App& app, Verb& chosen) {
         add_scan_verb, add_learn_verb, add_setup_verb, add_wait_verb, add_batch_verb}) {
     add(app, chosen);
   }
-  finish_verbs(app);
+  finish_verbs(app, false);
+}
+
+/// The build, and what it understands.
+std::string version_text() {
+  std::string names;
+  for (const ProtocolVerbs* protocol : protocols())
+    if (protocol->status != nullptr)
+      names += (names.empty() ? "" : ", ") + std::string(protocol->status->protocol);
+  return fmt::format("cansync {}\ndata model {}; protocols: {}", text::build_text(), gateway_DATA_MODEL,
+                     names);
 }
 
 /// CLI11's help in the words of this program.
@@ -216,7 +229,7 @@ class CommandLine {
       : app_("Speaks to a running cansyncd: looks at a CANsync line and works with its slaves.", "cansync"),
         place_(place) {
     command_.globals = globals;
-    app_.set_version_flag("--version", "cansync " CANSYNC_VERSION);
+    app_.set_version_flag("--version", version_text());
     app_.footer(exit_code_help());
     // One at most: the word after a verb may be a slave that is named like a verb. None is told below.
     app_.require_subcommand(0, 1);

@@ -1,0 +1,17 @@
+# Writes FILE when what it says has changed: the version of the package that is being built (PACKAGE), else the commit.
+if(PACKAGE)
+  set(commit ${PACKAGE})
+else()
+  execute_process(COMMAND git -C ${SOURCE} describe --always --tags --dirty OUTPUT_VARIABLE commit ERROR_QUIET
+    OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE failed)
+  if(failed)
+    set(commit "no commit known")
+  endif()
+endif()
+set(text "#define CANSYNC_BUILD_COMMIT \"${commit}\"\n")
+if(EXISTS ${FILE})
+  file(READ ${FILE} known)
+endif()
+if(NOT "${known}" STREQUAL "${text}")
+  file(WRITE ${FILE} "${text}")
+endif()
