@@ -3,16 +3,20 @@
 The paths of both programs come from the environment: CANSYNC and CANSYNCD.
 """
 
+import fcntl
 import json
 import os
 import pty
 import random
 import select
+import struct
 import subprocess
 import tempfile
+import termios
 import time
 
 from json_schemas import expect, expect_lines
+from wording import expect_wording
 
 CANSYNC = os.environ["CANSYNC"]
 CANSYNCD = os.environ["CANSYNCD"]
@@ -63,6 +67,7 @@ class Verb(subprocess.Popen):
         if isinstance(out, bytes):
             # The last line of a program that was killed may be cut.
             expect_lines(self.arguments, out[: out.rfind(b"\n") + 1] if (self.returncode or 0) < 0 else out)
+        expect_wording(self.arguments, *([] if "--json" in self.arguments else [out]), err)
         return out, err
 
     def next_object(self):
@@ -100,9 +105,10 @@ class Place:
                 raise
         return subprocess.CompletedProcess(arguments, process.returncode, out, err.decode())
 
-    def run_on_terminal(self, *arguments):
+    def run_on_terminal(self, *arguments, columns=80, rows=24):
         """Like `run`, with standard output and error on one terminal; all that it showed, and the exit code."""
         terminal, other = pty.openpty()
+        fcntl.ioctl(other, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         process = self.start(*arguments, stdout=other, stderr=other)
         os.close(other)
         shown = b""
@@ -116,6 +122,7 @@ class Place:
                 break
             shown += part
         os.close(terminal)
+        expect_wording(arguments, shown)
         return shown.decode(), process.wait(LONG)
 
 
@@ -172,6 +179,7 @@ factor = 0.001
 
     def __exit__(self, kind=None, *_):
         code = self.stop()
+        expect_wording("the daemon", self.log_text())
         self.folder.cleanup()
         if code != 0 and kind is None:
             raise AssertionError(f"the daemon ended with {code}")

@@ -200,6 +200,22 @@ class Pictures(unittest.TestCase):
             trends = [box for box in root.iter(SVG + "rect") if box.get("fill") == "#56c8d8"]
             self.assertGreater(len({box.get("height") for box in trends}), 5, "trends that go up")
 
+    def test_screens_of_two_sizes(self):
+        for text, _ in self.shown("watch-80x24.svg"):
+            for part in ("press-", "run", "unwinder", "released", "missed", "late", "left out", "wake-up", "position rev", "speed rpm",
+                         "Bus load", "values further away", "LAST EVENTS", "raw"):
+                self.assertIn(part, text)
+        for text, _ in self.shown("watch-120x40.svg"):
+            for part in ("synchronized", "unwinder", "position rev", "speed rpm", "p99.9", "AGE ms", "ANSWERS", "LAST EVENTS"):
+                self.assertIn(part, text)
+        for name, columns in (("slaves-80x24.svg", 80), ("slaves-120x40.svg", 120)):
+            for text, root in self.shown(name):
+                for part in ("$ cansync slaves", "SLAVE NAME STATE RESPONDS SYNCHRONIZED STATUS", "dancer-1", "fault", "--wide shows"):
+                    self.assertIn(part, text)
+                self.assertEqual(float(root.get("width")), round(columns * 8.4 + 24), name)
+                red = [word for word in root.iter(SVG + "text") if word.get("fill") == "#ff6b6b"]
+                self.assertIn("dancer-1", [word.text for word in red])
+
 
 if __name__ == "__main__":
     unittest.main()

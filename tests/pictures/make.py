@@ -23,10 +23,12 @@ from gateway import CANSYNC, LONG, Gateway, wait_for
 from screen_svg import screen_svg
 from terminal import KIND, Terminal
 
+PROFILES = os.path.abspath(os.path.join(SOURCE, "config", "profiles"))
 RPM = 300
 RUNS, STANDS, RESET = 0x0007, 0x0003, 0x0087  # control words of a simulated drive
 # What makes the curves differ: a lag of 0.3 s; a slower stop, and no faster than 660 rpm after it.
 SOFTER = (("dancer-1", 400, 3000), ("registration-1", 402, 500000), ("registration-1", 401, 720000))
+FAULTY, PROVOKE, MISSING_REFERENCES = "dancer-1", 128, 26  # a user command of the simulated drive provokes a fault
 PATIENCE = 3  # seconds until faults are acknowledged once more
 LOOKS = 24  # so many points of the trends before the picture is taken
 
@@ -42,8 +44,10 @@ class DemoLine(Gateway):
     def _toml(self, _):
         self.bus = f"press-{random.SystemRandom().randrange(1000, 10000)}"
         self.environment["CANSYNC_BUS"] = self.bus
+        self.environment["CANSYNC_PROFILES"] = PROFILES
         with open(os.path.join(SOURCE, "config", "demo.toml"), encoding="utf-8") as file:
             text = file.read()
+        text = re.sub(r"(?m)^(\[\[slave\]\]\nnumber = \d+)$", rf'\1\nprofile = "{PROFILES}/simulated-drive.toml"', text)
         return text.replace('name = "demo"', f'name = "{self.bus}"', 1) + f"\n[dds]\ndomain = {self.domain}\n"
 
     def lead(self, seconds):
@@ -115,23 +119,40 @@ def make_plot(line, folder):
     os.remove(recording)
 
 
-def make_watch(line, folder):
+def keep(picture, folder, name):
+    with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+        file.write(picture)
+
+
+def make_watch(line, folder, name="watch", columns=132, rows=34):
     """The full-screen view while the line starts."""
     environment = dict(line.environment, TERM=KIND, LC_ALL="C.UTF-8")
-    with Terminal([CANSYNC, "watch", "--interval", "250"], environment, 132, 34) as terminal:
+    with Terminal([CANSYNC, "watch", "--interval", "250"], environment, columns, rows) as terminal:
         terminal.wait("timing figures", lambda text: "Bus load [" in text)
         with Leading(line):
             terminal.press("right", "down", "down", "down")
-            run = re.compile(r" (?:29\d|30\d)(?:\.\d+)? +[▁-█]")
-            terminal.wait("the drives run", line.acknowledging(lambda text: len(run.findall(text)) > 10))
+            run = re.compile(r" (?:29\d|30\d)(?:\.\d+)?(?: |$)", re.MULTILINE)
+            terminal.wait("the drives run", line.acknowledging(lambda text: len(run.findall(text)) > min(10, rows // 3)))
             seen = set()
             terminal.wait("the trends are full", lambda text: seen.add(text) or len(seen) > LOOKS)
             picture = screen_svg(terminal.screen, "cansync watch")
         terminal.press("q")
         if terminal.end() != 0:
             raise AssertionError("watch has failed")
-    with open(os.path.join(folder, "watch.svg"), "w", encoding="utf-8") as file:
-        file.write(picture)
+    keep(picture, folder, f"{name}.svg")
+
+
+def make_slaves(line, folder, name, columns, rows, *wanted):
+    """The table of slaves, one of which is in fault, as a shell shows it on a terminal of this size."""
+    line.done("broadcast", "--slaves", "all", "--command", 1, "--word", RESET)
+    line.done("broadcast", "--slaves", FAULTY, "--command", PROVOKE, "--word", MISSING_REFERENCES)
+    wait_for("its fault is told", lambda: " fault" in line.done("slaves", FAULTY).stdout.decode())
+    typed = " ".join(["cansync slaves", *wanted])
+    environment = dict(line.environment, TERM=KIND, LC_ALL="C.UTF-8")
+    with Terminal(["sh", "-c", f'echo "$ {typed}"; exec "$0" slaves "$@"', CANSYNC, *wanted], environment, columns, rows) as terminal:
+        if terminal.end() != 0:
+            raise AssertionError("slaves has failed")
+        keep(screen_svg(terminal.screen, "cansync slaves"), folder, f"{name}.svg")
 
 
 def main():
@@ -139,6 +160,10 @@ def main():
         sys.exit("usage: make.py FOLDER")
     with DemoLine() as line:
         make_watch(line, sys.argv[1])
+        make_watch(line, sys.argv[1], "watch-80x24", 80, 24)
+        make_watch(line, sys.argv[1], "watch-120x40", 120, 40)
+        make_slaves(line, sys.argv[1], "slaves-80x24", 80, 24, "0-15")
+        make_slaves(line, sys.argv[1], "slaves-120x40", 120, 40)
         make_timing(line, sys.argv[1])
     with DemoLine() as line:  # begins at position 0
         make_plot(line, sys.argv[1])

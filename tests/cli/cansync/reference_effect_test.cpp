@@ -53,8 +53,7 @@ TEST(ReferenceEffect, TheOwnWriterHasAnEffectInActiveOperationAlone) {
   const Telegrams telegrams = first_telegram();
   ReferenceEffect effect(telegrams, 1, kOwnProcess);
   EXPECT_EQ(effect.look(given_by(kOwnWriter, 1, 0x0003)), "");
-  EXPECT_NE(effect.without_effect().find("not in active operation"), std::string::npos)
-      << effect.without_effect();
+  EXPECT_NE(effect.without_effect().find("not in run"), std::string::npos) << effect.without_effect();
   EXPECT_EQ(effect.look(given_by(kOwnWriter, 1)), "");
   EXPECT_TRUE(effect.heard());
   EXPECT_EQ(effect.without_effect(), "");

@@ -54,8 +54,7 @@ TEST_F(LiveLayout, ShowsTheLine) {
       (Lines{
           " cansync  bus press: active   slaves 3: 3 synchronized, 3 released                         "
           "12:00:02",
-          " SYNC 1 ms  late p50 <32 us  p99.9 <64 us  max 41.3 us  missed 0  late telegrams 0  left out 3  "
-          "(las",
+          " SYNC 1 ms  missed 0  late 0  left out 3  wake-up max 41.3 us  p99.9 <64 us  (last 1 s)",
           " Bus load [██████████████████████████████░░░░░░░░░░░░░░░░░░░░░░░░░░░░░░] 50.0 % of 1000 kbit/s",
           " sorted by number",
           "NO^  NAME      STATE      STATUS   AGE ms   position mm                     torque %",
@@ -74,6 +73,43 @@ TEST_F(LiveLayout, ShowsTheLine) {
           "",
           " q quit  ? help  s sort  o order  / filter  p pause  r raw  <--> value  up/down slave",
       }));
+}
+
+TEST_F(LiveLayout, OnASmallScreenWholeWordsAreLeftOutAndTheCountsStandFirst) {
+  rig.facts.bus = "a-bus-with-a-name-of-quite-some-length";
+  for (int i = 0; i < 4; ++i) rig.look(i);
+  rig.model.take(timing(1));
+  rig.model.take(timing(2));
+  const Lines lines = rig.screen({}, {80, 24});
+  EXPECT_EQ(lines[0], " a-bus-with-a-name-of-quite-some-length: active   3 of 3 slaves released 12:00:02");
+  EXPECT_EQ(lines[1], " SYNC 1 ms  missed 0  late 0  left out 3  wake-up max 41.3 us  (last 1 s)");
+  EXPECT_EQ(lines[23], " q quit  ? help  s sort  o order  / filter  p pause  r raw  <--> value");
+  EXPECT_EQ(rig.screen({}, {60, 24})[1], " SYNC 1 ms  missed 0  late 0  left out 3");
+}
+
+TEST_F(LiveLayout, ValuesGoBeforeTrendsAndAgesUnlessOneIsOld) {
+  for (WatchRow& row : rig.rows) {
+    for (unsigned i : {2u, 3u}) {
+      row.status.actual_mapping[2 * i] = static_cast<std::uint8_t>(4 * i + 1);
+      row.status.actual_mapping[2 * i + 1] = static_cast<std::uint8_t>(4 * i + 3);
+      put(row.status.actual_value[i].name, i == 2 ? "speed" : "current");
+    }
+    row.shown = 0x0F;
+    row.values->receive_time = kNoon + 2'000'000'000;
+  }
+  for (int i = 0; i < 4; ++i) rig.look(i);
+  EXPECT_EQ(rig.screen({}, {80, 24})[4].substr(0, 34), "NO^  NAME      STATE      STATUS  ");
+  EXPECT_NE(rig.screen({}, {80, 24})[4].find("torque %         speed"), std::string::npos)
+      << rig.screen({}, {80, 24})[4];
+  EXPECT_EQ(rig.screen({}, {80, 24})[4].find("AGE"), std::string::npos);
+  EXPECT_EQ(rig.screen({}, {80, 24})[5].find("▁"), std::string::npos) << "no room for trends";
+  EXPECT_NE(rig.screen({}, {140, 24})[5].find("▁"), std::string::npos) << "three values and their trends fit";
+  ViewState by_age;
+  by_age.sort = SortBy::age;
+  EXPECT_NE(rig.screen(by_age, {80, 24})[4].find("AGE ms"), std::string::npos);
+  rig.rows[1].values->receive_time = kNoon;
+  rig.look(4);
+  EXPECT_NE(rig.screen({}, {80, 24})[4].find("AGE ms"), std::string::npos) << "one is over a second old";
 }
 
 TEST_F(LiveLayout, ShowsAsciiAloneWhereTheTerminalHasNothingElse) {

@@ -7,6 +7,7 @@
 
 #include "cli/base/files.h"
 #include "cli/text/progress.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -70,11 +71,19 @@ void Output::line(std::string_view text) {
   bytes(fmt::format("{}{}{}\n", slave_, slave_.empty() ? "" : " ", text));
 }
 
-void Output::table(const Table& table) {
+void Output::table(const Table& table, const std::vector<Style>& rows) {
+  const std::size_t width = fitting_width();
+  const Table shown = table.fitted_to(width);
   std::string text = slave_.empty() ? "" : slave_ + '\n';
-  text += table.heading() + '\n';
-  for (const std::string& row : table.lines()) text += row + '\n';
+  text += shown.heading() + '\n';
+  const std::vector<std::string> lines = shown.lines(width);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    text += (i < rows.size() ? painted(lines[i], rows[i]) : lines[i]) + '\n';
   bytes(text);
+  if (const std::size_t left_out = table.columns() - shown.columns(); left_out != 0)
+    remark(text::counted(left_out, "column does not fit or has only zeros",
+                         "columns do not fit or have only zeros") +
+           ": --wide shows all");
 }
 
 std::size_t Output::data_width() const noexcept {

@@ -36,6 +36,7 @@ class Output {
     Output line(data_, remarks_, json);
     line.set_place(std::move(place));
     line.colours_ = colours_;
+    line.wide_ = wide_;
     return line;
   }
 
@@ -61,10 +62,16 @@ class Output {
   /// One line of data. Throws std::system_error when it cannot be written.
   void line(std::string_view text);
   void object(const JsonObject& object) { bytes(object.text() + '\n'); }
-  /// Heading and rows.
-  void table(const Table& table);
+  /// Heading and rows, row n in the style `rows[n]`. On a terminal, unless everything is wanted (set_wide),
+  /// in those columns that fit, with a remark when some do not.
+  void table(const Table& table, const std::vector<Style>& rows = {});
   /// Characters of a line: the terminal's width less one (some wrap when the last column is written), or 79.
   std::size_t data_width() const noexcept;
+  /// Default: false. True: lines and tables have all there is, however wide it is.
+  void set_wide(bool wide) noexcept { wide_ = wide; }
+  /// Characters that lines are to fit into: those of the terminal; 0: as many as they have, which is so where
+  /// data go elsewhere, so that scripts find the same lines everywhere.
+  std::size_t fitting_width() const noexcept { return wide_ || !data_on_terminal() ? 0 : data_width(); }
   /// Draws these lines over the screen's former content; only for a terminal.
   void redraw(const std::vector<std::string>& lines);
   /// Draws `table` over the screen's former content; only for a terminal.
@@ -80,6 +87,7 @@ class Output {
   std::FILE* remarks_;
   bool json_;
   bool cleared_ = false;
+  bool wide_ = false;
   ColourUse colours_ = ColourUse::automatic;
   std::string slave_;  ///< "slave 3:"; empty: none of several
   std::string place_;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "text/counts.h"
+
 namespace cansync::cli {
 namespace {
 
@@ -26,8 +28,7 @@ bool worth_repeating(Effect effect, const client::Reply& reply) {
 }
 
 Retry::~Retry() {
-  if (repeated_ > 0)
-    world_.say(fmt::format("tried again {} {}", repeated_, repeated_ == 1 ? "time" : "times"));
+  if (repeated_ > 0) world_.say("tried again " + text::counted(repeated_, "time"));
 }
 
 Retry::Verdict Retry::failed(std::string_view reason) {

@@ -30,6 +30,7 @@ struct Globals {
   double retry = 0.0;             ///< seconds for which what did nothing is tried again; 0: not at all
   bool json = false;
   ColourUse colours = ColourUse::automatic;
+  bool wide = false;            ///< lines and tables as wide as they are, also on a terminal
   bool input_is_taken = false;  ///< standard input is read already
   std::string profiles;         ///< folder of drive profiles, before the standard ones; empty: none
   std::string security;         ///< DDS Security: folder of the identity; empty: without

@@ -3,6 +3,7 @@
 #include "cli/base/endings.h"
 #include "cli/base/session.h"
 #include "cli/text/slave_list.h"
+#include "text/counts.h"
 
 /// The slaves a command line names.
 namespace cansync::cli {
@@ -61,10 +62,10 @@ std::string Session::slave_name(unsigned slave) {
 
 std::vector<std::string> Session::files(std::string_view pattern, const std::vector<unsigned>& slaves) {
   if (slaves.size() > 1 && !is_file_pattern(pattern)) {
-    throw UsageError(
-        fmt::format("FILE: found '{}' for {} slaves; allowed: a name with {{slave}} (the number) or {{name}} "
-                    "in it, so that each slave has a file of its own, such as {{name}}.toml",
-                    pattern, slaves.size()));
+    throw UsageError(fmt::format(
+        "FILE: found '{}' for {}; allowed: a name with {{slave}} (the number) or {{name}} in it, so that "
+        "each slave has a file of its own, such as {{name}}.toml",
+        pattern, text::counted(slaves.size(), "slave")));
   }
   std::vector<std::string> files;
   for (const unsigned slave : slaves) {

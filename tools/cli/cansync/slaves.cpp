@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/base/status_refusal.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/fault_words.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
@@ -90,29 +91,21 @@ std::vector<Table::Column> slave_columns() {
        "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
        "(its return parameters), and held (they are not right; see `events`, then `release`); - = the line is "
        "stopped"},
-      {"RESPONDS", left, "whether it answers"},
-      {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word"},
+      {"RESPONDS", left, "whether it answers", 0, 1},
+      {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word", 0, 1},
       {"STATUS", left,
        "its last status word, and the faults in it by the slave's profile; - = never read since it responds; "
        "error = it refuses to give it"},
-      {"LAST SEEN", right, "interval of its last telegram"},
-      {"ANSWERS", right, "answers on the command channel"},
-      {"UNANSWERED", right, "commands without an answer"},
-      {"MISSED", right, "times it was asked for actual values and sent none"},
-      {"SLOW", right, "answers later than tRSPTO"},
-      {"LAST us", right, "time from the end of its last command to the end of the answer"},
-      {"LONGEST us", right, "the longest such time"},
-      {"LOST", right, "times it stopped answering"},
-      {"RETURNED", right, "times it answered again"},
-      {"JOBS ENDED", right, "jobs that ended because it stopped answering"}};
-}
-
-/// Slaves in fault in red where there are colours.
-void show_slaves(Output& output, const Table& table, const std::vector<bool>& faulty) {
-  output.line(table.heading());
-  const std::vector<std::string> lines = table.lines();
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    output.line(output.painted(lines[i], faulty[i] ? Style::bad : Style::plain));
+      {"LAST SEEN", right, "interval of its last telegram", 0, 6},
+      {"ANSWERS", right, "answers on the command channel", 0, 5},
+      {"UNANSWERED", right, "commands without an answer", 0, 2, true},
+      {"MISSED", right, "times it was asked for actual values and sent none", 0, 2, true},
+      {"SLOW", right, "answers later than tRSPTO", 0, 2, true},
+      {"LAST us", right, "time from the end of its last command to the end of the answer", 0, 4},
+      {"LONGEST us", right, "the longest such time", 0, 3},
+      {"LOST", right, "times it stopped answering", 0, 2, true},
+      {"RETURNED", right, "times it answered again", 0, 3, true},
+      {"JOBS ENDED", right, "jobs that ended because it stopped answering", 0, 3, true}};
 }
 
 ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
@@ -124,10 +117,10 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   std::vector<std::string> refusals;
   if (!asked)
     refusals.push_back(
-        fmt::format("the line is '{}': no slave is asked, and what stands here is of before; "
+        fmt::format("the line is in {}: no slave is asked, and what stands here is of before; "
                     "`cansync mode setup`, then `cansync mode run`",
                     client::text(master.state)));
-  std::vector<bool> faulty;
+  std::vector<Style> styles;  // slaves in fault are red where there are colours
   FaultWords faults(session.profiles());
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
@@ -138,10 +131,10 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
       session.output().object(slave_object(slave, fault, asked));
       continue;
     }
-    faulty.push_back(!fault.empty() || slave.status_error != 0);
+    styles.push_back(!fault.empty() || slave.status_error != 0 ? Style::bad : Style::plain);
     add_slave_row(table, slave, fault, asked);
   }
-  if (!session.json()) show_slaves(session.output(), table, faulty);
+  if (!session.json()) session.output().table(table, styles);
   for (const std::string& refused : refusals) session.output().remark(refused);
   return ExitCode::done;
 }
@@ -150,6 +143,7 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
 
 void add_slaves_verb(CLI::App& app, Verb& chosen) {
   auto* slaves = app.add_subcommand("slaves", "one line for each slave: does it answer, and how fast");
+  slaves->group(kLookingVerbs);
   auto slaves_options = std::make_shared<SlavesOptions>();
   slaves->add_option("SLAVE", slaves_options->slaves,
                      "numbers, names, or lists such as 1,3,5-9 (default: every configured slave)");

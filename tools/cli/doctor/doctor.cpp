@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "can/link_kernel.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/fault_words.h"
 #include "cli/doctor/doctor_findings.h"
 #include "cli/doctor/doctor_link.h"
@@ -83,9 +84,11 @@ Style style_of(Level level) {
 
 void show(Output& output, const Table& table, const Finding& finding) {
   if (!output.json()) {
-    output.line(output.painted(table.line({std::string(name(finding.level)), finding.topic, finding.found}),
-                               style_of(finding.level)));
-    if (!finding.remedy.empty()) output.line(table.line({"", "", "mend: " + finding.remedy}));
+    const std::size_t width = output.fitting_width();
+    output.line(
+        output.painted(table.line({std::string(name(finding.level)), finding.topic, finding.found}, width),
+                       style_of(finding.level)));
+    if (!finding.remedy.empty()) output.line(table.line({"", "", "mend: " + finding.remedy}, width));
     return;
   }
   JsonObject object;
@@ -120,6 +123,7 @@ ExitCode doctor_verb(Session& session) {
 
 void add_doctor_verb(CLI::App& app, Verb& chosen) {
   auto* doctor = app.add_subcommand("doctor", "what is well and what is not, and how to mend it");
+  doctor->group(kLookingVerbs);
   doctor->footer(
       "Looks at the daemon, the bus's interface, the realtime thread's rights, processors, kernel and DDS. "
       "Nothing is\n"

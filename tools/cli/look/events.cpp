@@ -9,9 +9,11 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
+#include "cli/base/verb_groups.h"
 #include "cli/look/event_filter.h"
 #include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -157,8 +159,8 @@ void tell_none_passes(Output& output, const std::vector<client::Event>& events) 
   for (const client::Event& event : events) codes.emplace(event.code);
   std::string list;
   for (const std::string& code : codes) list += (list.empty() ? "" : ", ") + code;
-  output.remark(fmt::format("none of the {} events the daemon keeps is one of these; their codes: {}",
-                            events.size(), list));
+  output.remark(fmt::format("none of the {} the daemon keeps is one of these; their codes: {}",
+                            text::counted(events.size(), "event"), list));
 }
 
 ExitCode events_verb(Session& session, const EventTexts& texts) {
@@ -181,6 +183,7 @@ ExitCode events_verb(Session& session, const EventTexts& texts) {
 
 void add_event_verb(CLI::App& app, Verb& chosen) {
   auto* events = app.add_subcommand("events", "what happened: the last 100 events, oldest first");
+  events->group(kLookingVerbs);
   auto texts = std::make_shared<EventTexts>();
   events->add_flag("--follow", texts->following, "then also those to come, until Ctrl-C");
   events

@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "cli/base/verb_groups.h"
 #include "cli/look/verbs.h"
 #include "gateway_members.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -16,7 +19,25 @@ struct CommonStatus {
   client::GatewayStatus gateway;
   client::BusStatus bus;
   client::RealtimeStatus realtime;
+  bool brief = false;  ///< counts of 0 are left out
 };
+
+/// A count with its words, such as "in the kernel".
+struct CountedWords {
+  std::uint64_t count;
+  std::string_view words;
+};
+
+/// "3 in the kernel, 0 in the controller"; `brief`: those that are not 0 alone.
+std::string list_counts(std::initializer_list<CountedWords> counts, bool brief, bool words_first = false) {
+  std::string list;
+  for (const auto& [count, words] : counts) {
+    if (brief && count == 0) continue;
+    if (!list.empty()) list += ", ";
+    list += words_first ? fmt::format("{} {}", words, count) : fmt::format("{} {}", count, words);
+  }
+  return list;
+}
 
 std::string daemon_text(const CommonStatus& status) {
   const client::GatewayStatus& gateway = status.gateway;
@@ -44,15 +65,16 @@ std::string sync_text(const CommonStatus& status) {
   std::string text;
   if (std::string_view(line.sync_output) != "none" && !std::string_view(line.sync_output).empty()) {
     text = fmt::format("output {}", line.sync_output);
-    if (line.sync_output_failures > 0) text += fmt::format(", {} edges failed", line.sync_output_failures);
+    if (line.sync_output_failures > 0)
+      text += fmt::format(", {} failed", text::counted(line.sync_output_failures, "edge"));
   }
   if (std::string_view(line.sync_state).empty()) return text;
   constexpr double kMicrosecond = 1e3;
   constexpr double kMillisecond = 1e6;
   text +=
-      fmt::format("{}follows {}: {}, {:.1f} us off, {} edges used, {} rejected", text.empty() ? "" : "; ",
+      fmt::format("{}follows {}: {}, {:.1f} us off, {} used, {} rejected", text.empty() ? "" : "; ",
                   line.sync_input, line.sync_state, static_cast<double>(line.sync_phase_error) / kMicrosecond,
-                  line.sync_edges, line.sync_rejected_edges);
+                  text::counted(line.sync_edges, "edge"), line.sync_rejected_edges);
   if (line.sync_holdover > 0)
     text += fmt::format(", none for {:.0f} ms", static_cast<double>(line.sync_holdover) / kMillisecond);
   return text;
@@ -71,25 +93,38 @@ std::string interface_text(const CommonStatus& status) {
 
 std::string bus_faults_text(const CommonStatus& status) {
   const client::BusStatus& bus = status.bus;
-  return fmt::format(
-      "{} error frames, {} not acknowledged, {} restarts; lost: {} for a full send queue, {} in the "
-      "controller, {} in the kernel",
-      bus.error_frames, bus.acknowledge_errors, bus.restarts, bus.queue_full, bus.overruns,
-      bus.dropped_frames);
+  std::string seen =
+      list_counts({{bus.error_frames, bus.error_frames == 1 ? "error frame" : "error frames"},
+                   {bus.acknowledge_errors, "not acknowledged"},
+                   {bus.restarts, bus.restarts == 1 ? "restart" : "restarts"}},
+                  status.brief);
+  const std::string lost = list_counts({{bus.queue_full, "for a full send queue"},
+                                        {bus.overruns, "in the controller"},
+                                        {bus.dropped_frames, "in the kernel"}},
+                                       status.brief);
+  if (seen.empty() && lost.empty()) return "none";
+  if (lost.empty()) return seen;
+  return fmt::format("{}{}lost: {}", seen, seen.empty() ? "" : "; ", lost);
 }
 
 std::string clients_text(const CommonStatus& status) {
   const client::GatewayStatus& gateway = status.gateway;
-  return fmt::format(
-      "{}; requests rejected: {} values, {} limits, {} stale, {} numbers, {} identities, {} malformed, {} for "
-      "another daemon, {} by state or right",
-      gateway.clients, gateway.rejected_values, gateway.rejected_full, gateway.rejected_stale,
-      gateway.rejected_numbers, gateway.rejected_identities, gateway.rejected_malformed,
-      gateway.rejected_other_daemon, gateway.rejected_state);
+  const std::string rejected = list_counts({{gateway.rejected_values, "value"},
+                                            {gateway.rejected_full, "limit"},
+                                            {gateway.rejected_stale, "age"},
+                                            {gateway.rejected_numbers, "number"},
+                                            {gateway.rejected_identities, "identity"},
+                                            {gateway.rejected_malformed, "form"},
+                                            {gateway.rejected_other_daemon, "daemon"},
+                                            {gateway.rejected_state, "state or right"}},
+                                           status.brief, true);
+  return fmt::format("{}; requests rejected{}{}", gateway.clients, rejected.empty() ? ": none" : " by ",
+                     rejected);
 }
 
 std::string missed_text(const CommonStatus& status) {
-  return fmt::format("{} SYNC edges, {} reports", status.realtime.missed_syncs, status.realtime.lost_reports);
+  return fmt::format("{}, {}", text::counted(status.realtime.missed_syncs, "SYNC edge"),
+                     text::counted(status.realtime.lost_reports, "report"));
 }
 
 struct CommonLine {
@@ -111,19 +146,25 @@ constexpr CommonLine kCommonLines[] = {
     {"interface", "state and settings of the CAN interface, and where the times of frames come from",
      interface_text},
     {"bus faults", "since the start; a full send queue and what is lost cost frames", bus_faults_text},
-    {"clients", "programs that use the daemon, and how many of their requests were rejected, by reason",
+    {"clients",
+     "programs that have asked for something (a mere look, such as this one, is not counted), and how many "
+     "of their requests were rejected, by reason",
      clients_text},
     {"missed", "SYNC edges skipped, and reports of the realtime thread without room", missed_text},
 };
 
 void write_line(Output& output, std::string_view label, std::string_view text) {
-  if (!text.empty()) output.line(fmt::format("{:<22}{}", label, text));
+  constexpr std::size_t kLabelWidth = 22;
+  if (!text.empty())
+    output.line(
+        fmt::format("{:<{}}{}", label, kLabelWidth, folded(text, kLabelWidth, output.fitting_width())));
 }
 
 ExitCode status_verb(Session& session, std::span<const ProtocolVerbs* const> protocols) {
   session.look_only();
   client::Client& client = session.client();
-  const CommonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status()};
+  const CommonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status(),
+                            session.output().fitting_width() != 0};
   const auto part = std::find_if(protocols.begin(), protocols.end(), [&status](const ProtocolVerbs* one) {
     return one->status != nullptr && one->status->protocol == client::text(status.gateway.protocol);
   });
@@ -160,6 +201,7 @@ std::string lines_help(std::span<const ProtocolVerbs* const> protocols) {
 
 void add_status_verb(CLI::App& app, Verb& chosen, std::span<const ProtocolVerbs* const> protocols) {
   auto* status = app.add_subcommand("status", "the daemon and its bus: operating state, interface, counters");
+  status->group(kLookingVerbs);
   status->footer(lines_help(protocols));
   status->callback([protocols, &chosen] {
     chosen = [protocols](Session& session) { return status_verb(session, protocols); };

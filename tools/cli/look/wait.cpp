@@ -7,6 +7,7 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/wait_states.h"
 #include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
@@ -161,6 +162,7 @@ ExitCode wait_verb(Session& session, const WaitTexts& texts) {
 
 void add_wait_verb(CLI::App& app, Verb& chosen) {
   auto* wait = app.add_subcommand("wait", "wait until the daemon, the master or slaves are in a state");
+  wait->group(kLookingVerbs);
   auto texts = std::make_shared<WaitTexts>();
   wait->add_option("STATE", texts->state, "what to wait for")->type_name(wait_state_words())->required();
   wait->add_option(

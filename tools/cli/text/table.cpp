@@ -1,14 +1,42 @@
 #include "cli/text/table.h"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 namespace cansync::cli {
+namespace {
+
+constexpr std::size_t kColumnGap = 2;
+
+}  // namespace
 
 std::size_t display_width(std::string_view text) noexcept {
   // Every byte that does not continue a UTF-8 sequence begins a character.
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
+}
+
+std::string folded(std::string_view text, std::size_t indent, std::size_t width) {
+  if (width == 0) return std::string(text);
+  std::string out;
+  std::size_t column = indent;
+  bool first = true;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+    if (!first && column + 1 + display_width(word) > width) {
+      out += '\n' + std::string(indent, ' ');
+      column = indent;
+    } else if (!first) {
+      out += ' ';
+      ++column;
+    }
+    first = false;
+    out += word;
+    column += display_width(word);
+  }
+  return out;
 }
 
 Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
@@ -23,13 +51,51 @@ void Table::add(std::vector<std::string> cells) {
   rows_.push_back(std::move(cells));
 }
 
-std::string Table::line(const std::vector<std::string>& cells) const {
+Table Table::fitted_to(std::size_t width) const {
+  if (width == 0) return *this;
+  const auto only_zeros = [this](std::size_t column) {
+    return std::all_of(rows_.begin(), rows_.end(), [column](const auto& row) { return row[column] == "0"; });
+  };
+  std::vector<std::size_t> by_place(columns_.size());
+  std::iota(by_place.begin(), by_place.end(), 0u);
+  std::stable_sort(by_place.begin(), by_place.end(), [this](std::size_t one, std::size_t other) {
+    return columns_[one].place < columns_[other].place;
+  });
+  std::vector<std::size_t> chosen;
+  std::size_t used = 0;
+  for (const std::size_t i : by_place) {
+    const Column& column = columns_[i];
+    const std::size_t wanted = widths_[i] + (chosen.empty() ? 0 : kColumnGap);
+    if (column.place != 0 && (used + wanted > width || (column.counts && only_zeros(i)))) continue;
+    used += wanted;
+    chosen.push_back(i);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<Column> columns;
+  columns.reserve(chosen.size());
+  for (const std::size_t i : chosen) columns.push_back(columns_[i]);
+  Table out(std::move(columns));
+  for (const auto& row : rows_) {
+    std::vector<std::string> cells;
+    cells.reserve(chosen.size());
+    for (const std::size_t i : chosen) cells.push_back(row[i]);
+    out.add(std::move(cells));
+  }
+  return out;
+}
+
+std::string Table::line(const std::vector<std::string>& cells, std::size_t width) const {
   std::string out;
+  std::size_t column = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::size_t width = display_width(cells[i]);
-    const std::string space(widths_[i] - std::min(width, widths_[i]), ' ');
-    if (i != 0) out += "  ";
-    out += columns_[i].align == Align::right ? space + cells[i] : cells[i] + space;
+    const std::size_t taken = display_width(cells[i]);
+    const std::string space(widths_[i] - std::min(taken, widths_[i]), ' ');
+    if (i != 0) out += std::string(kColumnGap, ' ');
+    if (i + 1 == cells.size() && columns_[i].align == Align::left)
+      out += folded(cells[i], column, width);
+    else
+      out += columns_[i].align == Align::right ? space + cells[i] : cells[i] + space;
+    column += std::max(taken, widths_[i]) + kColumnGap;
   }
   out.erase(out.find_last_not_of(' ') + 1);
   return out;
@@ -41,9 +107,9 @@ std::string Table::heading() const {
   return line(cells);
 }
 
-std::vector<std::string> Table::lines() const {
+std::vector<std::string> Table::lines(std::size_t width) const {
   std::vector<std::string> out;
-  for (const auto& row : rows_) out.push_back(line(row));
+  for (const auto& row : rows_) out.push_back(line(row, width));
   return out;
 }
 

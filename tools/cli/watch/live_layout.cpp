@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cli/base/session.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -28,12 +29,16 @@ std::size_t table_rows(std::size_t rows) {
 StyledLine title_line(const LiveModel& model, const ViewState& state, std::size_t columns) {
   const LiveMaster& master = model.master();
   const std::string now = time_text(model.now(), false).substr(0, 8);
-  const std::string left =
+  const std::string right = (state.paused ? "PAUSED at " : "") + now + " ";
+  const std::size_t room = columns - std::min(columns, display_width(right) + 1);
+  std::string left =
       fmt::format(" cansync  bus {}: {}   slaves {}: {} synchronized, {} released", master.line.bus,
                   master.state, master.configured, master.synchronized, master.released);
-  const std::string right = (state.paused ? "PAUSED at " : "") + now + " ";
+  if (display_width(left) > room)
+    left = fmt::format(" {}: {}   {} released", master.line.bus, master.state,
+                       text::counted_of(master.released, master.configured, "slave"));
   StyledLine line;
-  line.add(shortened(left, columns - std::min(columns, display_width(right) + 1)), Style::bar);
+  line.add(shortened(left, room), Style::bar);
   return line.pad_to(columns - std::min(columns, display_width(right)), Style::bar)
       .add(right, state.paused ? Style::chosen : Style::bar);
 }
@@ -55,18 +60,34 @@ StyledLine timing_line(const LiveModel& model, std::size_t columns) {
     late += slot.late;
     left_out += slot.left_out.value_or(0);
   }
+  // The counts first; of the rest as much as fits, whole words each.
   const auto count = [&line](std::string_view name, std::uint64_t number) {
     line.add(fmt::format("  {} ", name), Style::dim);
     line.add(fmt::format("{}", number), number > 0 ? Style::warning : Style::good);
   };
-  line.add("  late", Style::dim)
-      .add(fmt::format(" p50 {}  p99.9 {}  max {:.1f} us", bound_text(report, 50), bound_text(report, 99.9),
-                       static_cast<double>(report.lateness_maximum) / 1000.0));
   count("missed", report.missed_syncs);
-  count("late telegrams", late);
+  count("late", late);
   count("left out", left_out);
-  line.add(report.seconds ? fmt::format("  (last {} s)", *report.seconds) : "  (since the start)",
-           Style::dim);
+  const std::string since =
+      report.seconds ? fmt::format("  (last {} s)", *report.seconds) : "  (since the start)";
+  const std::string most =
+      fmt::format("  wake-up max {:.1f} us", static_cast<double>(report.lateness_maximum) / 1000.0);
+  const std::string high = "  p99.9 " + bound_text(report, 99.9);
+  const std::string middle = "  p50 " + bound_text(report, 50);
+  std::size_t room = columns - std::min(columns, line.width());
+  const auto fits = [&room](const std::string& text) {
+    const bool enough = room >= text.size();
+    room = enough ? room - text.size() : 0;
+    return enough;
+  };
+  if (!fits(most)) return line.cut(columns);
+  line.add(most);
+  const bool says_since = fits(since);
+  if (says_since && fits(high)) {
+    line.add(high);
+    if (fits(middle)) line.add(middle);
+  }
+  if (says_since) line.add(since, Style::dim);
   return line.cut(columns);
 }
 
@@ -96,7 +117,7 @@ StyledLine remark_line(const LiveModel& model, const ViewState& state, std::size
         Style::dim);
     if (!state.filter.empty())
       line.add(fmt::format("   only {} ", state.filter), Style::chosen)
-          .add(fmt::format(" {} of {} slaves", shown_slaves(model, state).size(), model.slaves().size()),
+          .add(" " + text::counted_of(shown_slaves(model, state).size(), model.slaves().size(), "slave"),
                Style::dim);
     if (state.raw) line.add("   numbers as on the bus", Style::dim);
   }
@@ -127,7 +148,8 @@ std::vector<StyledLine> event_lines(const LiveModel& model, std::size_t columns,
 
 StyledLine key_line(std::size_t columns) {
   StyledLine line;
-  const auto key = [&line](std::string_view name, std::string_view what) {
+  const auto key = [&line, columns](std::string_view name, std::string_view what) {
+    if (line.width() + name.size() + what.size() + 3 > columns) return;
     line.add(fmt::format(" {}", name), Style::chosen).add(fmt::format(" {} ", what), Style::bar);
   };
   key("q", "quit");
@@ -220,7 +242,8 @@ std::vector<StyledLine> help_lines() {
       key("Ctrl-L", "draw the screen anew"),
       StyledLine{},
       StyledLine{}.add(" Trends go from the least to the greatest value they show, one point a look."),
-      StyledLine{}.add(" late: how late the realtime thread woke up for SYNC. An age over 1 s is marked."),
+      StyledLine{}.add(
+          " wake-up: how late the realtime thread woke up; late: telegrams. An age over 1 s is marked."),
   };
 }
 

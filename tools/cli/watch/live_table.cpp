@@ -23,16 +23,18 @@ constexpr std::size_t kGap = 2;
 constexpr std::size_t kValueWidth = 12;  // "-2147483648", "position rev"
 constexpr std::size_t kLeastTrend = 6;
 constexpr std::size_t kMostTrend = 20;
-constexpr std::size_t kRoomy = 110;  // columns from which the number of answers is shown
+constexpr std::size_t kRoomy = 110;    // columns from which the number of answers is shown
+constexpr std::size_t kFewValues = 3;  // where fewer fit with their trends, values go before trends
 
 /// Where everything stands in a line of this width.
 struct Plan {
   std::size_t name = 4;
   std::size_t status = kStatusWidth;
+  bool age = true;
   bool answers = false;
-  std::size_t trend = kLeastTrend;
-  std::vector<unsigned> values;  ///< those that fit, the chosen one among them
-  std::size_t left_of = 0;       ///< values further left
+  std::size_t trend = kLeastTrend;  ///< 0: no trends
+  std::vector<unsigned> values;     ///< those that fit, the chosen one among them
+  std::size_t left_of = 0;          ///< values further left
   std::size_t right_of = 0;
 };
 
@@ -42,9 +44,23 @@ std::string status_cell(const LiveSlave& slave) {
   return fmt::format("0x{:04X}{}{}", *slave.status_word, slave.fault.empty() ? "" : " ", slave.fault);
 }
 
+bool is_old(const LiveSlave& slave) {
+  return !slave.age_ms || *slave.age_ms > kOld;
+}
+
+/// Ages are to be seen when the table is sorted by them, or when one is marked.
+bool age_matters(const LiveModel& model, const ViewState& state) {
+  return state.sort == SortBy::age || std::any_of(model.slaves().begin(), model.slaves().end(), is_old);
+}
+
+/// Characters of a value with its trend.
+std::size_t value_width(const Plan& plan) {
+  return kValueWidth + (plan.trend == 0 ? 0 : 1 + plan.trend);
+}
+
 std::size_t fixed_width(const Plan& plan) {
-  return kNumberWidth + kGap + plan.name + kGap + kStateWidth + kGap + plan.status + kGap + kAgeWidth +
-         (plan.answers ? kGap + kAnswersWidth : 0);
+  return kNumberWidth + kGap + plan.name + kGap + kStateWidth + kGap + plan.status +
+         (plan.age ? kGap + kAgeWidth : 0) + (plan.answers ? kGap + kAnswersWidth : 0);
 }
 
 Plan make_plan(const LiveModel& model, const ViewState& state, std::size_t columns) {
@@ -57,8 +73,14 @@ Plan make_plan(const LiveModel& model, const ViewState& state, std::size_t colum
     plan.status = std::clamp(display_width(status_cell(slave)), plan.status, widest_status);
   }
   const std::vector<unsigned> values = shown_values(model);
-  const std::size_t room = columns - std::min(columns, fixed_width(plan));
-  const std::size_t least = kGap + kValueWidth + 1 + kLeastTrend;
+  const auto room_now = [&] { return columns - std::min(columns, fixed_width(plan)); };
+  std::size_t room = room_now();
+  std::size_t least = kGap + kValueWidth + 1 + kLeastTrend;
+  if (room / least < std::min(kFewValues, values.size())) {
+    least = kGap + kValueWidth;
+    plan.age = columns >= kRoomy || room / least >= values.size() || age_matters(model, state);
+    room = room_now();
+  }
   const std::size_t fitting = std::min(room / least, values.size());
   if (fitting == 0) return plan;
   const auto found = std::find(values.begin(), values.end(), state.value);
@@ -67,7 +89,8 @@ Plan make_plan(const LiveModel& model, const ViewState& state, std::size_t colum
   plan.right_of = values.size() - fitting - plan.left_of;
   const auto first = values.begin() + static_cast<std::ptrdiff_t>(plan.left_of);
   plan.values.assign(first, first + static_cast<std::ptrdiff_t>(fitting));
-  plan.trend = std::min(room / fitting - kGap - kValueWidth - 1, kMostTrend);
+  const std::size_t spare = room / fitting - kGap - kValueWidth;
+  plan.trend = spare > kLeastTrend ? std::min(spare - 1, kMostTrend) : 0;
   return plan;
 }
 
@@ -100,8 +123,10 @@ StyledLine heading_line(const LiveModel& model, const ViewState& state, const Pl
   add_heading(line, state, SortBy::state, "STATE", kStateWidth, false);
   line.add(gap, Style::heading);
   add_heading(line, state, std::nullopt, "STATUS", plan.status, false);
-  line.add(gap, Style::heading);
-  add_heading(line, state, SortBy::age, "AGE ms", kAgeWidth, true);
+  if (plan.age) {
+    line.add(gap, Style::heading);
+    add_heading(line, state, SortBy::age, "AGE ms", kAgeWidth, true);
+  }
   if (plan.answers) {
     line.add(gap, Style::heading);
     add_heading(line, state, std::nullopt, "ANSWERS", kAnswersWidth, true);
@@ -111,10 +136,10 @@ StyledLine heading_line(const LiveModel& model, const ViewState& state, const Pl
     const std::size_t marked =
         display_width(text) + (state.sort == SortBy::value && value == state.value ? 2 : 0);
     // Over the numbers where it fits there, else over the trend too.
-    const std::size_t width = marked <= kValueWidth ? kValueWidth : kValueWidth + 1 + plan.trend;
+    const std::size_t width = marked <= kValueWidth ? kValueWidth : value_width(plan);
     line.add(gap, Style::heading);
     add_heading(line, state, SortBy::value, text, width, marked <= kValueWidth, value == state.value);
-    line.add(std::string(kValueWidth + 1 + plan.trend - width, ' '), Style::heading);
+    line.add(std::string(value_width(plan) - width, ' '), Style::heading);
   }
   return line;
 }
@@ -141,16 +166,18 @@ StyledLine slave_line(const LiveModel& model, const LiveSlave& slave, const View
   line.add(fitted(fmt::format("{}", slave.number), kNumberWidth, true)).add(gap);
   line.add(fitted(slave.name, plan.name), Style::strong).add(gap);
   line.add(fitted(slave.state, kStateWidth), state_style(slave)).add(gap);
-  line.add(fitted(status_cell(slave), plan.status), slave.fault.empty() ? Style::plain : Style::bad).add(gap);
-  const bool old = !slave.age_ms || *slave.age_ms > kOld;
-  line.add(fitted(slave.age_ms ? fmt::format("{}", *slave.age_ms) : "-", kAgeWidth, true),
-           old ? Style::warning : Style::plain);
+  line.add(fitted(status_cell(slave), plan.status), slave.fault.empty() ? Style::plain : Style::bad);
+  if (plan.age)
+    line.add(gap).add(fitted(slave.age_ms ? fmt::format("{}", *slave.age_ms) : "-", kAgeWidth, true),
+                      is_old(slave) ? Style::warning : Style::plain);
   if (plan.answers) line.add(gap).add(fitted(fmt::format("{}", slave.answers), kAnswersWidth, true));
   for (const unsigned i : plan.values) {
     const LiveValue& value = slave.values[i];
     const bool own_unit = !value_heading(model, i).agreed;
-    line.add(gap).add(fitted(value_text(value, state, own_unit), kValueWidth, true)).add(" ");
-    line.add(fitted(trend_line(value.trend.last(plan.trend), plan.trend, symbols), plan.trend), Style::trend);
+    line.add(gap).add(fitted(value_text(value, state, own_unit), kValueWidth, true));
+    if (plan.trend == 0) continue;
+    line.add(" ").add(fitted(trend_line(value.trend.last(plan.trend), plan.trend, symbols), plan.trend),
+                      Style::trend);
   }
   return line;
 }
@@ -234,7 +261,9 @@ std::string live_help() {
       {{"NO, NAME", "the slave's number and configured name"},
        {"STATE", "what the master makes of it, as in `slaves`"},
        {"STATUS", "status word of its last answer, and the faults in it by its profile; - = none yet"},
-       {"AGE ms", "time since its newest actual value telegram; - = none yet, marked when over 1 s"},
+       {"AGE ms",
+        "time since its newest actual value telegram; - = none yet, marked when over 1 s; a narrow "
+        "screen has it only then"},
        {"ANSWERS", "its answers on the command channel since the daemon started; on wide screens"},
        {"values",
         "each mapped value in the unit of its heading, and how it went at the last looks, from the least to "

@@ -5,6 +5,7 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
+#include "cli/base/verb_groups.h"
 #include "cli/text/column_help.h"
 #include "cli/watch/verbs.h"
 #include "cli/watch/watch_live.h"
@@ -225,6 +226,7 @@ ExitCode watch_verb(Session& session, const WatchTexts& texts) {
 
 void add_watch_verb(CLI::App& app, Verb& chosen) {
   auto* watch = app.add_subcommand("watch", "the actual values of the slaves, again and again");
+  watch->group(kLookingVerbs);
   auto texts = std::make_shared<WatchTexts>();
   watch->add_option("SLAVE", texts->slaves,
                     "numbers, names, or lists such as 1,3,5-9 (default: every configured slave)");
