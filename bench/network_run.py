@@ -12,7 +12,7 @@ from figures import quantile
 SLAVES = 4
 BIT_RATE = 125000  # an interval takes 8 ms
 LONG = 120  # seconds after which something has certainly gone wrong
-ACTIVE = b"on 'enable active operation'"
+ACTIVE = b"on 'run'"
 
 
 class Build:

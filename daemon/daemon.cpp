@@ -83,8 +83,8 @@ void replace(Bus& bus, ReloadPlan& plan) {
 void tell_active(const ReloadPlan& plan, const ServiceLog& log) {
   for (const std::string& key : plan.needs_set_up) {
     log.say(LogPriority::warning, "setting_needs_restart",
-            fmt::format("not changed: {} takes effect when the line is set up anew, and it is in active "
-                        "operation: cansync mode stop, then reload once more; or restart",
+            fmt::format("not changed: {} takes effect when the line is set up anew, and it is in run: "
+                        "cansync mode stop, then reload once more; or restart",
                         key),
             {{"CANSYNC_OPTION", key}});
   }

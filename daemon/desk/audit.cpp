@@ -5,6 +5,8 @@
 
 #include <array>
 
+#include "text/counts.h"
+
 namespace cansyncd {
 namespace {
 
@@ -24,9 +26,9 @@ std::string data_text(const std::uint8_t* data, std::size_t size) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest = {};
   unsigned length = 0;
   if (EVP_Digest(data, size, digest.data(), &length, EVP_sha256(), nullptr) != 1) {
-    return fmt::format("{} bytes", size);
+    return text::counted(size, "byte");
   }
-  std::string text = fmt::format("{} bytes, SHA-256 ", size);
+  std::string text = fmt::format("{}, SHA-256 ", text::counted(size, "byte"));
   for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
   return text;
 }
@@ -61,10 +63,10 @@ bool AuditTrail::may_record_refusal(SteadyTime now) {
 std::optional<SteadyTime> AuditTrail::tick(SteadyTime now) {
   if (not_recorded_ == 0) return std::nullopt;
   if (now - window_ < kWindow) return window_ + kWindow;
-  journal_.write(
-      LogPriority::notice, "requests_not_recorded",
-      fmt::format("{} more requests were refused within a second and not recorded one by one", not_recorded_),
-      {{"BUS", bus_}, {"CANSYNC_REFUSED", std::to_string(not_recorded_)}});
+  journal_.write(LogPriority::notice, "requests_not_recorded",
+                 fmt::format("{} refused within a second and not recorded one by one",
+                             text::counted(not_recorded_, "more request was", "more requests were")),
+                 {{"BUS", bus_}, {"CANSYNC_REFUSED", std::to_string(not_recorded_)}});
   not_recorded_ = 0;
   return std::nullopt;
 }

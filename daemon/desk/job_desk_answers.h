@@ -8,6 +8,7 @@
 
 #include "daemon/desk/job_desk.h"
 #include "daemon/desk/job_desk_requests.h"
+#include "text/counts.h"
 
 /// Answers on their way out; requests are in job_desk_requests.h.
 namespace cansyncd {
@@ -131,7 +132,8 @@ void JobDesk<P>::tell_gone(const ClientIdentity& identity, const ClientEntry& cl
   const auto any = std::find_if(jobs_.begin(), jobs_.end(), is_its);
   const std::string name = any == jobs_.end() ? client.who : any->second.who.name;
   events_.publish({gateway_SEVERITY_WARNING, "client_gone", -1,
-                   fmt::format("{} is gone; its {} open requests are cancelled", client.who, client.open),
+                   fmt::format("{} is gone; its {} cancelled", client.who,
+                               text::counted(client.open, "open request is", "open requests are")),
                    std::nullopt, std::nullopt, name},
                   context.now);
   for (auto job = jobs_.begin(); job != jobs_.end();) {
@@ -192,9 +194,9 @@ void JobDesk<P>::tell_dropped(SteadyTime now) {
   events_.publish(
       {gateway_SEVERITY_ERROR, "replies_dropped", -1,
        fmt::format(
-           "{} replies could not be delivered; a client does not read its replies, or not in the partition "
-           "for them (the bus, a slash and its identity)",
-           dropped),
+           "{} could not be delivered; a client does not read its replies, or not in the partition for them "
+           "(the bus, a slash and its identity)",
+           text::counted(dropped, "reply")),
        std::nullopt},
       now);
 }

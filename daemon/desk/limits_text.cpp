@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "text/counts.h"
+
 namespace cansyncd {
 
 using gateway::dds::Denial;
@@ -14,24 +16,22 @@ Denial too_many_clients(std::size_t clients, std::size_t most) {
 
 Denial too_many_requests(std::size_t open, std::size_t most) {
   return {gateway_CAUSE_CLIENT_LIMIT,
-          fmt::format(
-              "queue full: this client has {} requests open, at most {} are allowed; wait for a reply first",
-              open, most)};
+          fmt::format("queue full: this client has {} open, at most {} are allowed; wait for a reply first",
+                      text::counted(open, "request"), most)};
 }
 
 Denial too_many_bytes_of_client(std::size_t bytes, std::size_t open_bytes, std::size_t most) {
-  return {gateway_CAUSE_CLIENT_LIMIT,
-          fmt::format(
-              "length {}: open transfers of this client have {} bytes, at most {} are allowed; wait for a "
-              "reply first",
-              bytes, open_bytes, most)};
+  return {
+      gateway_CAUSE_CLIENT_LIMIT,
+      fmt::format(
+          "length {}: open transfers of this client have {}, at most {} are allowed; wait for a reply first",
+          bytes, text::counted(open_bytes, "byte"), most)};
 }
 
 Denial too_many_bytes(std::size_t bytes, std::size_t open_bytes, std::size_t most) {
-  return {
-      gateway_CAUSE_SHARED_LIMIT,
-      fmt::format("length {}: open transfers have {} bytes, at most {} are allowed together; try again later",
-                  bytes, open_bytes, most)};
+  return {gateway_CAUSE_SHARED_LIMIT,
+          fmt::format("length {}: open transfers have {}, at most {} are allowed together; try again later",
+                      bytes, text::counted(open_bytes, "byte"), most)};
 }
 
 }  // namespace cansyncd

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "daemon/service/replace_file.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 MetricsFile::MetricsFile(std::string path, Tell tell) : path_(std::move(path)), tell_(std::move(tell)) {
@@ -59,7 +60,8 @@ void MetricsFile::replace(const std::string& text) {
   }
   if (in_a_row_ == 0) return;
   tell_({gateway_SEVERITY_INFO, "metrics_written_again", -1,
-         fmt::format("the metrics file {} is written again; {} times it was not", path_, in_a_row_),
+         fmt::format("the metrics file {} is written again; {} it was not", path_,
+                     text::counted(in_a_row_, "time")),
          std::nullopt});
   in_a_row_ = 0;
 }

@@ -6,6 +6,7 @@
 
 #include "daemon/desk/job_book.h"
 #include "dds/malformed.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 
@@ -22,9 +23,10 @@ void RequestReaders::count_dropped(Rejections& rejections, EventPublisher& event
   if (elsewhere != 0) {
     rejections.add(
         Rejection::other_daemon, "",
-        fmt::format("{} requests or cancels were not taken and not answered: they are meant for another "
-                    "start of a daemon, which answers them if it runs",
-                    elsewhere),
+        fmt::format(
+            "{} not taken and not answered: meant for another start of a daemon, which answers them if it "
+            "runs",
+            text::counted(elsewhere, "request or cancel was", "requests or cancels were")),
         now, elsewhere);
   }
   std::uint64_t keys = 0;
@@ -32,9 +34,9 @@ void RequestReaders::count_dropped(Rejections& rejections, EventPublisher& event
   if (keys != 0) {
     rejections.add(
         Rejection::identity, "",
-        fmt::format("{} samples were dropped unread: one program may use {} client identities at a time, all "
-                    "together {}",
-                    keys, gateway::dds::KeyGuard::kKeysPerWriter, gateway::dds::KeyGuard::kKeys),
+        fmt::format("{} dropped unread: one program may use {} client identities at a time, all together {}",
+                    text::counted(keys, "sample was", "samples were"), gateway::dds::KeyGuard::kKeysPerWriter,
+                    gateway::dds::KeyGuard::kKeys),
         now, keys);
   }
   std::uint64_t forgotten = 0;
@@ -42,9 +44,11 @@ void RequestReaders::count_dropped(Rejections& rejections, EventPublisher& event
   if (forgotten != 0) {
     rejections.add(
         Rejection::full, "",
-        fmt::format("{} requests were dropped without a reply: their program writes on while {} of its "
-                    "requests wait and {} are being refused",
-                    forgotten, JobBook::kPerClient, gateway::dds::KeyGuard::kTurnedAwayPerKey),
+        fmt::format(
+            "{} dropped without a reply: their program writes on while {} of its requests wait and {} are "
+            "being refused",
+            text::counted(forgotten, "request was", "requests were"), JobBook::kPerClient,
+            gateway::dds::KeyGuard::kTurnedAwayPerKey),
         now, forgotten);
   }
   const gateway::dds::Malformed malformed = gateway::dds::take_malformed();
@@ -53,10 +57,10 @@ void RequestReaders::count_dropped(Rejections& rejections, EventPublisher& event
   if (malformed.count != 0) {
     rejections.add(
         Rejection::malformed, "",
-        fmt::format(
-            "{} samples or packets were dropped because DDS could not read them (an unknown enumerator, a "
-            "sequence over its bound, another data model?); the newest: {}",
-            malformed.count, malformed.newest),
+        fmt::format("{} dropped because DDS could not read them (an unknown enumerator, a sequence "
+                    "over its bound, another data model?); the newest: {}",
+                    text::counted(malformed.count, "sample or packet was", "samples or packets were"),
+                    malformed.newest),
         now, malformed.count);
   }
 }

@@ -98,10 +98,9 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
                      "Recordings of this bus that are kept; the oldest are removed.")),
     field(
         [](auto& c) -> auto& { return c.recorder.entries; },
-        whole_number(
-            "recorder.entries", 256, 1'048'576, "entries",
-            "Things kept in memory: wake-ups, frames, states; about 15 an interval in active operation, 80 "
-            "bytes each.")),
+        whole_number("recorder.entries", 256, 1'048'576, "entries",
+                     "Things kept in memory: wake-ups, frames, states; about 15 an interval in run, 80 "
+                     "bytes each.")),
     field(
         [](auto& c) -> auto& { return c.recorder.intervals_after; },
         whole_number("recorder.intervals_after", 0, 10'000, "intervals",

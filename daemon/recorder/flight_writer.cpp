@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "daemon/loop/flight_tap.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 
@@ -70,8 +71,10 @@ void FlightWriter::save() {
     return;
   }
   tell_({gateway_SEVERITY_INFO, "flight_recording", -1,
-         fmt::format("{} ({}, interval {}, {} frames; {} faults before have no recording of their own)",
-                     result.log, reason, recording.trigger.interval, result.frames, recording.further_faults),
+         fmt::format("{} ({}, interval {}, {}; {})", result.log, reason, recording.trigger.interval,
+                     text::counted(result.frames, "frame"),
+                     text::counted(recording.further_faults, "fault before has no recording of its own",
+                                   "faults before have no recording of their own")),
          std::nullopt});
 }
 

@@ -14,6 +14,7 @@
 #include "dds/security.h"
 #include "rt/kernel_type.h"
 #include "sync/system.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -104,7 +105,8 @@ void tell_trace(const ServiceLog& log, const std::string& path,
             fmt::format("trace {}: {}", path, std::generic_category().message(summary->error)));
   }
   log.say(LogPriority::info, "trace_ended",
-          fmt::format("trace {}: {} lines written, {} lost", path, summary->lines, summary->lost));
+          fmt::format("trace {}: {} written, {} lost", path, text::counted(summary->lines, "line"),
+                      summary->lost));
 }
 
 }  // namespace cansyncd

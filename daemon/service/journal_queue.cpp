@@ -10,6 +10,8 @@
 #include <thread>
 #include <utility>
 
+#include "text/counts.h"
+
 namespace cansyncd {
 namespace {
 
@@ -74,9 +76,9 @@ struct JournalQueue::Waiting {
     entries.push_back(
         {LogPriority::warning,
          "journal_entries_lost",
-         fmt::format("{} entries of the journal were lost: the journal, or whoever reads standard error, did "
-                     "not take them in time",
-                     std::exchange(lost, 0)),
+         fmt::format("{} lost: the journal, or whoever reads standard error, did not take them in time",
+                     text::counted(std::exchange(lost, 0), "entry of the journal was",
+                                   "entries of the journal were")),
          {{"BUS", bus}}});
   }
 

@@ -193,15 +193,13 @@ std::string_view name(State state) noexcept {
     case State::waiting_for_initialisation:
       return "waiting for initialisation data";
     case State::waiting_for_start:
-      return "waiting for start";
+      return "stop";
     case State::setting_up_master:
-      return "setting up synchronous operation as master";
     case State::setting_up_slave:
-      return "setting up synchronous operation as slave";
+      return "setup";
     case State::active_master:
-      return "synchronous operation active as master";
     case State::active_slave:
-      return "synchronous operation active as slave";
+      return "run";
   }
   return "unknown state";
 }
@@ -209,17 +207,17 @@ std::string_view name(State state) noexcept {
 std::string_view name(ControlCommand command) noexcept {
   switch (command) {
     case ControlCommand::cold_restart:
-      return "cold restart";
+      return "restart";
     case ControlCommand::handshake:
       return "handshake";
     case ControlCommand::take_over_initialisation:
       return "take over initialisation data";
     case ControlCommand::start_synchronous:
-      return "start synchronous operation";
+      return "setup";
     case ControlCommand::enable_active:
-      return "enable active operation";
+      return "run";
     case ControlCommand::reset_can:
-      return "reset the CAN controller";
+      return "reset-can";
   }
   return "unknown command";
 }

@@ -1,6 +1,5 @@
 #include "dds/daemon_sight.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/random.h>
 
@@ -11,6 +10,7 @@
 
 #include "dds/daemon_identity.h"
 #include "dds/writer_identity.h"
+#include "text/counts.h"
 
 namespace gateway::dds {
 
@@ -68,7 +68,7 @@ std::string DaemonSight::absent(const ClientOptions& options, std::string_view p
   return fmt::format(
       "no daemon found that speaks {}: looked for {} on {}; is cansyncd running for bus {} with bus.protocol = "
       "\"{}\", and with the same domain and interface in its [dds] section?",
-      protocol, options.wait, participant_.place(), bus_, protocol);
+      protocol, text::duration_text(options.wait), participant_.place(), bus_, protocol);
 }
 
 std::optional<DaemonSight::Obstacle> DaemonSight::obstacle() {

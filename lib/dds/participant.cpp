@@ -130,7 +130,7 @@ class DomainShare {
       fail_at(options, "creating the DDS domain", handle,
               options.xml.empty()
                   ? fmt::format("is the interface up, is the domain in no use by other code of this process, "
-                                "and has it less than {0} daemons and {0} clients on this computer?",
+                                "and has it room (up to {0} daemons and up to {0} clients on this computer)?",
                                 kPlaces)
                   : "check the given Cyclone DDS configuration");
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <set>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "cansync/supervision/slave_state.h"
 #include "cansync/telegram/errors.h"
 #include "cansync/telegram/telegram.h"
+#include "documented_table.h"
 
 namespace cansync {
 namespace {
@@ -54,6 +56,26 @@ TEST(Names, SlaveStates) {
   EXPECT_EQ(static_cast<unsigned>(SlaveState::held) + 1, kSlaveStates);
   expect_names(SlaveEvent::check_failed);
   EXPECT_EQ(static_cast<unsigned>(SlaveEvent::check_failed) + 1, kSlaveEvents);
+}
+
+// One word for one state: of the code, and of the table in the document.
+TEST(Names, OperatingStatesAsTheDocumentHasThem) {
+  const std::string table = test::documented_table("<!-- words for the operating states -->");
+  for (const State state :
+       {State::start_up, State::waiting_for_initialisation, State::waiting_for_start, State::setting_up_slave,
+        State::active_slave, State::setting_up_master, State::active_master}) {
+    char row[80] = {};
+    static_cast<void>(std::snprintf(row, sizeof row, "\n| %s | `0x%04X` | ", std::string(name(state)).c_str(),
+                                    static_cast<unsigned>(state)));
+    EXPECT_NE(table.find(row), std::string::npos) << row << " is not in\n" << table;
+  }
+  EXPECT_EQ(name(static_cast<State>(0xFFFF)), "unknown state");
+}
+TEST(Names, CommandsAreCalledAsTheVerbHasThem) {
+  EXPECT_EQ(name(ControlCommand::start_synchronous), "setup");
+  EXPECT_EQ(name(ControlCommand::enable_active), "run");
+  EXPECT_EQ(name(ControlCommand::cold_restart), "restart");
+  EXPECT_EQ(name(ControlCommand::reset_can), "reset-can");
 }
 
 TEST(Names, TransferPhases) {

@@ -34,7 +34,7 @@ TEST(Connect, WithoutADaemonTellsWhereItLookedAndWhatToDo) {
     FAIL() << "connected to nothing";
   } catch (const NoDaemon& error) {
     const std::string text = error.what();
-    EXPECT_NE(text.find("no daemon found: looked for 100ms"), std::string::npos) << text;
+    EXPECT_NE(text.find("no daemon found: looked for 100 ms"), std::string::npos) << text;
     EXPECT_NE(text.find("DDS domain " + std::to_string(places.here.domain)), std::string::npos) << text;
     EXPECT_NE(text.find("partition testbus, interface lo"), std::string::npos) << text;
     EXPECT_NE(text.find("systemctl status cansyncd@testbus"), std::string::npos) << text;

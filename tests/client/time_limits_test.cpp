@@ -83,7 +83,7 @@ TEST_F(ImpatientClient, EveryKindOfRequestEndsWhenTheDaemonAnswersNothing) {
                                             client_.control_word(1, 7, 50)};  // 5 s at least
   const CommandJob longer = client_.control_word(2, 7, 5500);
 
-  const auto expect_lost = [&](const auto& job, milliseconds monitoring) {
+  const auto expect_lost = [&](const auto& job, milliseconds monitoring, const std::string& told) {
     constexpr milliseconds kGiven(600);
     constexpr seconds kSlack(5);  // of a machine that has much to do
     const auto reply =
@@ -92,17 +92,17 @@ TEST_F(ImpatientClient, EveryKindOfRequestEndsWhenTheDaemonAnswersNothing) {
     ASSERT_TRUE(reply.has_value()) << "is open still";
     EXPECT_EQ(reply->code, ReplyCode::no_reply);
     EXPECT_EQ(reply->speaker, Speaker::nobody);
-    EXPECT_EQ(reply->reason, "the daemon gave no reply within " +
-                                 std::to_string((monitoring + kGiven).count()) + " ms (monitoring time " +
-                                 std::to_string(monitoring.count()) +
-                                 " ms and 600 ms of grace); whether the request was done is not known");
+    EXPECT_EQ(reply->reason, "the daemon gave no reply within " + told +
+                                 " and 600 ms of grace); whether the request was done is not known");
     EXPECT_GE(after, monitoring + kGiven);
     EXPECT_LT(after, monitoring + kGiven + kSlack);
   };
-  for (const ParameterJob& job : parameters) expect_lost(job, milliseconds(50));
-  for (const TransferJob& job : transfers) expect_lost(job, milliseconds(50));
-  for (const CommandJob& job : commands) expect_lost(job, milliseconds(5000));
-  expect_lost(longer, milliseconds(5500));
+  for (const ParameterJob& job : parameters)
+    expect_lost(job, milliseconds(50), "650 ms (monitoring time 50 ms");
+  for (const TransferJob& job : transfers)
+    expect_lost(job, milliseconds(50), "650 ms (monitoring time 50 ms");
+  for (const CommandJob& job : commands) expect_lost(job, milliseconds(5000), "5.6 s (monitoring time 5 s");
+  expect_lost(longer, milliseconds(5500), "6.1 s (monitoring time 5.5 s");
   // Each was to be cancelled before.
   while (daemon_.cancels_in_vain() < daemon_.requests()) std::this_thread::yield();
 }
@@ -133,7 +133,7 @@ TEST_F(ImpatientClient, ACommandThatIsNotSentIsCancelledAndSaysSo) {
   EXPECT_EQ(reply->code, ReplyCode::timeout);
   EXPECT_EQ(reply->speaker, Speaker::client);
   EXPECT_EQ(reply->reason,
-            "no reply within 5300 ms (monitoring time 5000 ms): the line has too much to do; the request was "
+            "no reply within 5.3 s (monitoring time 5 s): the line has too much to do; the request was "
             "cancelled");
 }
 

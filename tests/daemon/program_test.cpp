@@ -109,7 +109,7 @@ TEST_F(CansyncdTest, RunsUntilSigtermOrSigint) {
   for (const int number : {SIGTERM, SIGINT}) {
     Program program = run({file});
     ASSERT_TRUE(program.says("<5>running: bus two (sim) at 1000000 bit/s, 2 slaves")) << program.text();
-    ASSERT_TRUE(program.says("active as master")) << program.text();
+    ASSERT_TRUE(program.says("to 'run'")) << program.text();
     EXPECT_NE(program.text().find("<5>realtime thread: SCHED_"), std::string::npos) << program.text();
     program.signal(number);
     EXPECT_EQ(program.exit_code(), 0) << program.text();
@@ -121,7 +121,7 @@ TEST_F(CansyncdTest, SigusrSavesAFlightRecordingThatCandumpToolsRead) {
   const std::string folder = (folder_ / "flights").string();
   Program program =
       run({write("good.toml", std::string(kTwoSlaves) + "[recorder]\nfolder = \"" + folder + "\"\n")});
-  ASSERT_TRUE(program.says("active as master")) << program.text();
+  ASSERT_TRUE(program.says("to 'run'")) << program.text();
   program.signal(SIGUSR1);
   ASSERT_TRUE(program.says("flight_recording: " + folder + "/flight-two-")) << program.text();
   program.signal(SIGTERM);
@@ -154,7 +154,7 @@ TEST_F(CansyncdTest, WithoutAFolderThatCanBeWrittenTheRecorderIsOffAndSaysSo) {
 TEST_F(CansyncdTest, SighupAppliesWhatItCanAndSaysWhatNeedsARestart) {
   const std::string file = write("line.toml", kTwoSlaves);
   Program program = run({file});
-  ASSERT_TRUE(program.says("active as master")) << program.text();
+  ASSERT_TRUE(program.says("to 'run'")) << program.text();
 
   write("line.toml",
         "[bus]\nname = \"other\"\n[process]\npolling_1 = 5\n[sim]\nlock_time_ms = 20\n"
@@ -177,7 +177,7 @@ TEST_F(CansyncdTest, SighupAppliesWhatItCanAndSaysWhatNeedsARestart) {
 TEST_F(CansyncdTest, TraceIsACandumpLogOfTheBus) {
   const std::string trace = (folder_ / "trace.log").string();
   Program program = run({write("line.toml", kTwoSlaves), "--trace", trace});
-  ASSERT_TRUE(program.says("active as master")) << program.text();
+  ASSERT_TRUE(program.says("to 'run'")) << program.text();
   program.signal(SIGTERM);
   EXPECT_EQ(program.exit_code(), 0);
   EXPECT_NE(program.text().find("trace " + trace), std::string::npos);

@@ -74,8 +74,7 @@ TEST_F(ServiceTest, TellsItsState) {
 TEST_F(ServiceTest, TellsTheStateOfTheLineInOneSentence) {
   const NotifySocket manager(folder_ / "notify");
   Program program = run({write("line.toml", kTwoSlaves)}, {notify_socket()});
-  EXPECT_TRUE(
-      manager.comes("STATUS=active operation: 2 of 2 slaves respond; bus two (sim) at 1000000 bit/s"));
+  EXPECT_TRUE(manager.comes("STATUS=run: 2 of 2 slaves respond; bus two (sim) at 1000000 bit/s"));
 }
 
 TEST_F(ServiceTest, NamesWhoDoesNotAnswer) {
@@ -83,7 +82,7 @@ TEST_F(ServiceTest, NamesWhoDoesNotAnswer) {
   const std::string file = write("line.toml", std::string("[startup]\nenable = \"any\"\n") + kTwoSlaves);
   Program program = run({file, "--set=sim.drives=[5]"}, {notify_socket()});
   EXPECT_TRUE(
-      manager.comes("STATUS=active operation: 1 of 2 slaves respond; no answer from winder; bus two (sim) at "
+      manager.comes("STATUS=run: 1 of 2 slaves respond; no answer from winder; bus two (sim) at "
                     "1000000 bit/s"));
 }
 
@@ -99,7 +98,7 @@ TEST_F(ServiceTest, FeedsTheWatchdogThatIsAskedFor) {
 TEST_F(ServiceTest, FeedsNoWatchdogThatNobodyAskedFor) {
   const NotifySocket manager(folder_ / "notify");
   Program program = run({write("line.toml", kTwoSlaves)}, {notify_socket()});
-  ASSERT_TRUE(program.says("active as master")) << program.text();
+  ASSERT_TRUE(program.says("to 'run'")) << program.text();
   program.signal(SIGTERM);
   for (std::string message; message != "STOPPING=1";) {
     message = manager.next();
@@ -136,8 +135,7 @@ TEST_F(ServiceTest, WhoDoesNotReadStandardErrorHoldsNothingUp) {
                    "--domain=" + std::to_string(domain_.get())},
                   {notify_socket(), "WATCHDOG_USEC=2000000"});
   ASSERT_EQ(manager.next_state(), "READY=1");
-  EXPECT_TRUE(
-      manager.comes("STATUS=active operation: 2 of 2 slaves respond; bus two (sim) at 1000000 bit/s"));
+  EXPECT_TRUE(manager.comes("STATUS=run: 2 of 2 slaves respond; bus two (sim) at 1000000 bit/s"));
   EXPECT_TRUE(manager.comes("WATCHDOG=1"));
   program.signal(SIGTERM);
   EXPECT_TRUE(manager.comes("STOPPING=1"));

@@ -238,7 +238,7 @@ class AdversarysHour(unittest.TestCase):
         self.line.wait_status("a transfer is open", lambda status: status["open_transfers"] > 0)
         for process in processes:
             process.kill()
-            process.communicate()
+            process.communicate(timeout=LONG)
         self.line.wait_status("nothing is left of them", lambda status: status["open_transfers"] == 0)
         self.line.run("control", "all", 0x87)
 

@@ -106,8 +106,8 @@ class Cluster(unittest.TestCase):
     def test_the_lower_bus_stops_with_the_sync_above_and_begins_again(self):
         def course():
             texts = [text for code, text in self.codes("lower") if code == "state_changed"]
-            stopped = next((n for n, text in enumerate(texts) if "active as master' to 'start-up'" in text), len(texts))
-            return any("to 'synchronous operation active as master'" in text for text in texts[stopped:])
+            stopped = next((n for n, text in enumerate(texts) if "'run' to 'start-up'" in text), len(texts))
+            return any("to 'run'" in text for text in texts[stopped:])
         wait_for("the lower bus was stopped and is active again", course)
         self.assertIn("sync_lost", {code for code, _ in self.codes("upper")})
 

@@ -31,7 +31,7 @@ class Killed(unittest.TestCase):
         self.gateway.wait_status("its transfer has ended", lambda status: status["open_transfers"] == 0)
         found = self.events("client_gone")
         self.assertEqual(len(found), before + 1, found)
-        self.assertIn("is gone; its 1 open requests are cancelled", found[-1])
+        self.assertIn("is gone; its 1 open request is cancelled", found[-1])
 
     def test_a_killed_upload_is_cancelled_and_the_slave_is_free(self):
         self.kill_in_the_middle("upload", 1, DATA, 1000000, os.path.join(self.folder, "cut"))

@@ -125,7 +125,7 @@ class EngineersHour(unittest.TestCase):
                                   and f"process {writer.pid} " in s["reference_release"][0]["writer"])
             self.types("set", "0=7", "--seconds", 0.5, code=10, says=(f"process {writer.pid} on host", "--strength 2 takes over"))
             writer.send_signal(signal.SIGINT)
-            out, told = writer.communicate()
+            out, told = writer.communicate(timeout=LONG)
         self.assertEqual((writer.returncode, out), (0, b""), told)
         self.assertRegex(told.decode(), r"values were given \d+ times and are given up")
 
@@ -206,7 +206,7 @@ class EngineersHour(unittest.TestCase):
         with self.line.start("events", "--follow") as follower:
             wait_for("the follower has begun", lambda: follower.stdout.readline())
             self.assertEqual(self.line.stop(), 0)
-            _, told = follower.communicate()
+            _, told = follower.communicate(timeout=LONG)
         self.assertEqual(follower.returncode, 6, told)
         self.assertIn(b"the daemon has gone", told)
         self.types("wait", "gone", "--timeout", LONG)

@@ -113,7 +113,7 @@ class Refused(Passports):
         other = self.backup("other", 0)
         self.assertIn("slave: 0 in the file, 1 here", self.refused(SLAVE, other))
         self.assertEqual(self.json("restore", SLAVE, other, "--force")[-1]["result"], "done")
-        self.assertIn("1 marks of identity", self.run_verb("verify", SLAVE, other, code=DIFFERENT).stderr)
+        self.assertIn("1 mark of identity", self.run_verb("verify", SLAVE, other, code=DIFFERENT).stderr)
 
     def test_a_changed_file(self):
         line = next(line for line in self.content(os.path.basename(self.backup("whole"))).splitlines() if " word-1 " in line)

@@ -111,7 +111,7 @@ class Restart(unittest.TestCase):
         events = self.follow("events", "--follow")
         wait_for("it has begun", events.wrote)
         self.reload(("bit_rate = 1000000", "bit_rate = 500000"), ("number = 2\n", "number = 9\n"))
-        refused = "not changed: slave.9.number takes effect when the line is set up anew, and it is in active operation"
+        refused = "not changed: slave.9.number takes effect when the line is set up anew, and it is in run"
         wait_for("it is not changed while it is active", lambda: refused in self.gateway.log_text())
         wait_for("who follows hears why", lambda: "not changed before the line is set up anew" in events.wrote())
         self.assertEqual(self.gateway.status()["bit_rate"], 1000000)
@@ -121,7 +121,7 @@ class Restart(unittest.TestCase):
         self.gateway.process.send_signal(signal.SIGHUP)
         self.gateway.wait_status("the line is another", lambda s: s["bit_rate"] == 500000)
         # Who stopped it may have hands in the machine.
-        self.assertEqual(self.gateway.status()["state"], "waiting for start")
+        self.assertEqual(self.gateway.status()["state"], "stop")
         self.assertEqual(self.gateway.run("mode", "setup").returncode, 0)
         self.gateway.wait_status("all are synchronized", lambda s: s["slaves_synchronized"] == 0b1000001011)
         self.assertEqual(self.gateway.run("mode", "run").returncode, 0)

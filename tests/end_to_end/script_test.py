@@ -166,7 +166,7 @@ class Wait(Script):
         self.assertEqual((waiting.returncode, json.loads(out)["reached"]), (0, True))
         missed = self.one("wait", "run", "--timeout", 1, code=5)
         self.assertEqual((missed["reached"], missed["result"]), (False, "timeout"))
-        self.assertIn("seen last: the master is '", missed["reason"])
+        self.assertIn("seen last: the master is in ", missed["reason"])
         self.assertGreaterEqual(missed["seconds"], 1)
         self.run_verb("mode", "setup")
         self.run_verb("wait", "setup")

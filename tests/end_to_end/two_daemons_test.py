@@ -132,7 +132,7 @@ class OneDaemonOfTwoBuses(unittest.TestCase):
             self.gateway.process = subprocess.Popen([CANSYNCD, *self.gateway.options, self.gateway.config, self.path], stdout=log,
                                                     stderr=log)
         for bus in self.buses():
-            self.told(f"<6>{bus}: event .*on 'enable active operation'")
+            self.told(f"<6>{bus}: event .*on 'run'")
 
     def buses(self):
         return self.gateway.bus, self.other
@@ -153,8 +153,8 @@ class OneDaemonOfTwoBuses(unittest.TestCase):
             status = json.loads(self.on(bus, "status", "--json"))
             self.assertEqual(status["process"], self.gateway.process.pid)
         self.on(self.other, "mode", "setup")
-        self.assertIn("setting up", self.on(self.other, "status"))
-        self.assertIn("active as master", self.on(self.gateway.bus, "status"))
+        self.assertRegex(self.on(self.other, "status"), r"state +setup")
+        self.assertRegex(self.on(self.gateway.bus, "status"), r"state +run")
 
     def test_a_second_daemon_of_one_of_them_does_not_start(self):
         second = subprocess.run([CANSYNCD, *self.gateway.options, self.path], capture_output=True, text=True, timeout=LONG)

@@ -25,7 +25,7 @@ class Looking(VerbTest):
         self.assertEqual(status["process"], self.gateway.process.pid)
         text = self.text("status")
         self.assertIn(f"(process {self.gateway.process.pid} on {status['host']})", text)
-        self.assertRegex(text, r"(?m)^state +.*active.*\(0x0080\)")
+        self.assertRegex(text, r"(?m)^state +run \(0x0080\)")
         self.assertRegex(text, r"(?m)^slaves synchronized +0-3 \(4 of 4\)$")
 
     def test_slaves(self):
@@ -75,7 +75,7 @@ class Looking(VerbTest):
             event = follower.next_object()
             self.assertGreater(event["number"], known)
             known = event["number"]
-            if event["code"] == "state_changed" and "'enable active operation'" in event["text"]:
+            if event["code"] == "state_changed" and "to 'run'" in event["text"]:
                 break
         self.interrupt(follower, code=0)
         self.gateway.wait_active()

@@ -38,7 +38,7 @@ class Keys(WatchTest):
             text = terminal.wait("slaves, load and events", lambda text: "LAST EVENTS" in text and "% of 1000" in text
                                  and len(self.slaves(text)) == self.SLAVES and "all_synchronized" in text
                                  and re.search("winder .* mm ", text) and text)
-            self.assertIn(f"bus {self.gateway.bus}: synchronous operation active", text)
+            self.assertIn(f"bus {self.gateway.bus}: run", text)
             for part in ("SYNC 1 ms", "p99.9", "missed", "value 0", "AGE ms"):
                 self.assertIn(part, text)
             self.assertRegex(text, r"1  winder +released +0x[0-9A-F]{4}")

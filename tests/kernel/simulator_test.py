@@ -37,11 +37,11 @@ class SimulatorOnVcan(unittest.TestCase):
         with Simulator(), Candump() as log, Simulator("--master", "--reference", "0=74565") as master:
             for slave in range(4):
                 master.wait_text(f"slave {slave}: released")
-            master.wait_text("state: synchronous operation active as master")
+            master.wait_text("state: run")
             log.wait_for_frame("010#FFFFFFFF02010000")
             log.wait_for_frame("101#4523010000000000")
             self.assertEqual(master.stop(), 0)
-        self.assertRegex(master.text(), "master in state 'synchronous operation active as master', [1-9][0-9]* SYNC")
+        self.assertRegex(master.text(), "master in state 'run', [1-9][0-9]* SYNC")
 
     def test_a_device_of_a_script(self):
         with open("/dev/shm/device.toml", "w", encoding="utf-8") as file:

@@ -31,60 +31,60 @@ lib/j1939:                  lib/can
 lib/rt:                     lib/system lib/can
 lib/sync:                   lib/system lib/can lib/rt
 lib/sim:                    lib/system lib/config lib/can lib/sync
-lib/dds:                    idl lib/system
-lib/cansync/dds:            idl lib/cansync lib/dds
+lib/dds:                    idl lib/system lib/text
+lib/cansync/dds:            idl lib/text lib/cansync lib/dds
 lib/cansync/sim:            lib/can lib/cansync lib/sim lib/sync
 lib/cansync_slave:          lib/cansync
 lib/cansync_slave/config:   lib/config lib/profile lib/cansync
 lib/cansync_slave/dds:      idl lib/cansync lib/cansync_slave lib/dds
 lib/cansync_slave/client:   idl lib/dds lib/cansync_slave/dds
-lib/layer2/dds:             idl lib/can lib/layer2 lib/dds
+lib/layer2/dds:             idl lib/text lib/can lib/layer2 lib/dds
 lib/layer2/sim:             lib/can lib/sim
 lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
-lib/j1939/dds:              idl lib/j1939 lib/dds
+lib/j1939/dds:              idl lib/text lib/j1939 lib/dds
 lib/j1939/sim:              lib/can lib/j1939 lib/sim
 lib/j1939/client:           idl lib/dds lib/j1939/dds
-lib/client:                 idl lib/profile lib/can lib/layer2 lib/j1939 lib/dds lib/cansync/dds lib/cansync_slave/client lib/layer2/dds lib/layer2/client lib/j1939/client
+lib/client:                 idl lib/text lib/profile lib/can lib/layer2 lib/j1939 lib/dds lib/cansync/dds lib/cansync_slave/client lib/layer2/dds lib/layer2/client lib/j1939/client
 
 daemon/config:              lib/can lib/sync
-daemon/service:             lib/config
+daemon/service:             lib/text lib/config
 daemon/loop:                lib/can lib/rt lib/sync daemon/config
-daemon/desk:                idl lib/rt lib/dds daemon/service daemon/loop
+daemon/desk:                idl lib/text lib/rt lib/dds daemon/service daemon/loop
 daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
-daemon/segment:             lib/config lib/can lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
+daemon/segment:             lib/text lib/config lib/can lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
                             daemon/bus daemon/recorder
 daemon/status:              idl lib/text lib/can lib/sync lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/bus daemon/desk
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
-daemon/cansync/config:      lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
+daemon/cansync/config:      lib/text lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
 daemon/cansync/realtime:    lib/system lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
                             daemon/cansync/config
-daemon/cansync/texts:       idl lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/bus daemon/loop
+daemon/cansync/texts:       idl lib/text lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/bus daemon/loop
                             daemon/desk daemon/cansync daemon/cansync/config
-daemon/cansync/requests:    idl lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
+daemon/cansync/requests:    idl lib/text lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
                             daemon/cansync/texts
-daemon/cansync/status:      idl lib/can lib/cansync lib/dds lib/cansync/dds daemon/cansync
+daemon/cansync/status:      idl lib/text lib/can lib/cansync lib/dds lib/cansync/dds daemon/cansync
                             daemon/service daemon/cansync/config daemon/desk daemon/status
-daemon/cansync/gateway:     idl lib/cansync lib/dds lib/cansync/dds daemon/bus daemon/cansync daemon/service
+daemon/cansync/gateway:     idl lib/text lib/cansync lib/dds lib/cansync/dds daemon/bus daemon/cansync daemon/service
                             daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
                             daemon/status daemon/cansync/status
-daemon/cansync/segment:     lib/cansync lib/dds lib/cansync/sim daemon/service daemon/bus
+daemon/cansync/segment:     lib/text lib/cansync lib/dds lib/cansync/sim daemon/service daemon/bus
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
 daemon/cansync_slave:       lib/can lib/cansync lib/cansync_slave lib/rt daemon/loop
 daemon/cansync_slave/config: lib/config lib/profile lib/cansync lib/cansync_slave/config daemon/config daemon/options
 daemon/cansync_slave/realtime: lib/can lib/cansync lib/sync daemon/loop daemon/bus daemon/cansync_slave
                             daemon/cansync_slave/config
-daemon/cansync_slave/gateway: idl lib/cansync lib/sync lib/dds lib/cansync_slave/dds daemon/service daemon/desk daemon/status
+daemon/cansync_slave/gateway: idl lib/text lib/cansync lib/sync lib/dds lib/cansync_slave/dds daemon/service daemon/desk daemon/status
                             daemon/cansync_slave daemon/cansync_slave/config
 daemon/cansync_slave/segment: lib/config lib/can lib/cansync lib/dds lib/cansync/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/cansync_slave daemon/cansync_slave/config
                             daemon/cansync_slave/realtime daemon/cansync_slave/gateway
 daemon/cansync_cluster/config: lib/config lib/cansync daemon/config daemon/options daemon/cansync/config
                             daemon/cansync_slave/config
-daemon/cansync_cluster/segment: lib/config lib/cansync lib/dds lib/cansync/sim daemon/service daemon/loop daemon/bus
+daemon/cansync_cluster/segment: lib/text lib/config lib/cansync lib/dds lib/cansync/sim daemon/service daemon/loop daemon/bus
                             daemon/segment daemon/recorder daemon/cansync daemon/cansync/config daemon/cansync/bus
                             daemon/cansync/realtime daemon/cansync/gateway daemon/cansync_slave
                             daemon/cansync_slave/gateway daemon/cansync_slave/realtime daemon/cansync_slave/segment
@@ -92,19 +92,19 @@ daemon/cansync_cluster/segment: lib/config lib/cansync lib/dds lib/cansync/sim d
 daemon/layer2:              lib/can lib/layer2 lib/rt
 daemon/layer2/config:       lib/config lib/can lib/layer2 daemon/config daemon/options
 daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/layer2
-daemon/layer2/gateway:      idl lib/can lib/dds lib/layer2/dds daemon/service daemon/desk
+daemon/layer2/gateway:      idl lib/text lib/can lib/dds lib/layer2/dds daemon/service daemon/desk
                             daemon/status
                             daemon/layer2 daemon/layer2/config
-daemon/layer2/segment:      lib/config lib/can lib/sim lib/dds lib/layer2/sim daemon/service daemon/loop
+daemon/layer2/segment:      lib/text lib/config lib/can lib/sim lib/dds lib/layer2/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
 daemon/j1939:               lib/can lib/j1939 lib/rt
 daemon/j1939/config:        lib/config lib/j1939 daemon/config daemon/options
 daemon/j1939/realtime:      lib/can lib/j1939 daemon/loop daemon/bus daemon/j1939
-daemon/j1939/gateway:       idl lib/can lib/j1939 lib/dds lib/j1939/dds daemon/service daemon/desk
+daemon/j1939/gateway:       idl lib/text lib/can lib/j1939 lib/dds lib/j1939/dds daemon/service daemon/desk
                             daemon/status
                             daemon/j1939 daemon/j1939/config
-daemon/j1939/segment:       lib/config lib/can lib/dds lib/j1939/sim daemon/service daemon/loop
+daemon/j1939/segment:       lib/text lib/config lib/can lib/dds lib/j1939/sim daemon/service daemon/loop
                             daemon/bus daemon/segment daemon/recorder daemon/j1939 daemon/j1939/config
                             daemon/j1939/realtime daemon/j1939/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
@@ -112,21 +112,21 @@ daemon:                     lib/text lib/config lib/rt daemon/service daemon/opt
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client tools/cli/text tools/cli/base
-tools/cli/look:             lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/watch:            lib/system lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/record:           lib/system lib/client tools/cli/text tools/cli/base tools/cli/watch
-tools/cli/doctor:           lib/config lib/can lib/rt lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/trace:            lib/system lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/learn:            lib/system lib/profile lib/cansync daemon/cansync/config tools/cli/text
+tools/cli/look:             lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/watch:            lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/record:           lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/watch
+tools/cli/doctor:           lib/text lib/config lib/can lib/rt lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/trace:            lib/system lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/learn:            lib/system lib/text lib/profile lib/cansync daemon/cansync/config tools/cli/text
                             tools/cli/base tools/cli/cansync tools/cli/trace
 tools/cli/scan:             lib/system lib/profile lib/can lib/cansync tools/cli/text tools/cli/base
                             tools/cli/cansync tools/cli/trace tools/cli/learn
 tools/cli/setup:            lib/config daemon/cansync/config tools/cli/base tools/cli/learn
 tools/cli/connect:          lib/dds tools/cli/base
-tools/cli/cansync_slave:    lib/config lib/profile lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/cansync_slave:    lib/text lib/config lib/profile lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
 tools/cli/layer2:           lib/text lib/can lib/dbc lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/trace tools/cli/connect
-tools/cli/j1939:            idl lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/j1939:            idl lib/text lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn
                             tools/cli/scan tools/cli/setup

@@ -45,7 +45,7 @@ class State(OnALine):
     def test_status_is_that_of_the_line(self):
         status = self.line.status()
         self.assertEqual((status.option_status, status.slaves_synchronized), (0x80, 0b1111))
-        self.assertEqual(dataclasses.asdict(status)["state"], "synchronous operation active as master")
+        self.assertEqual(dataclasses.asdict(status)["state"], "run")
         self.assertEqual(len(status.reference_value), 8)
         self.assertEqual(status.reference_value[0].name, "target")
         gateway = self.line.status(cansync.GatewayStatus)

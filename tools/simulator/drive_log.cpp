@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "text/counts.h"
+
 namespace cansync_sim {
 
 void DriveLog::look() {
@@ -36,10 +38,12 @@ void DriveLog::look(const sim::Drive& drive, State& before) {
 std::string summary(const Bench& bench, std::uint64_t dropped) {
   const BenchCounters& counters = bench.counters();
   return fmt::format(
-      "{} drives, {} SYNC, {} frames received, {} sent, {} not sent, {} answers too late, {} error frames, "
-      "{} frames lost by the kernel, {} foreign frames without room",
-      bench.drives().size(), counters.syncs, counters.received, counters.sent, counters.not_sent,
-      counters.too_late, counters.error_frames, dropped, counters.faults_missed);
+      "{}, {} SYNC, {} received, {} sent, {} not sent, {} too late, {}, {} lost by the kernel, {} without "
+      "room",
+      text::counted(bench.drives().size(), "drive"), counters.syncs,
+      text::counted(counters.received, "frame"), counters.sent, counters.not_sent,
+      text::counted(counters.too_late, "answer"), text::counted(counters.error_frames, "error frame"),
+      text::counted(dropped, "frame"), text::counted(counters.faults_missed, "foreign frame"));
 }
 
 }  // namespace cansync_sim

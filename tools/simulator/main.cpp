@@ -17,6 +17,7 @@
 #include "simulator/run.h"
 #include "simulator/setup.h"
 #include "simulator/socket_port.h"
+#include "text/counts.h"
 
 namespace {
 
@@ -41,8 +42,8 @@ int run_drives(const Setup& setup, SocketPort& port, bool verbose) {
   for (const sim::DriveSettings& drive : setup.drives) drives.push_back(std::make_unique<sim::Drive>(drive));
   Bench bench(setup.bench, std::move(drives));
   DriveLog log(bench, remark);
-  remark(fmt::format("{} drives on {}, SYNC frame 0x{:03X}", setup.drives.size(), setup.interface,
-                     setup.bench.sync_identifier));
+  remark(fmt::format("{} on {}, SYNC frame 0x{:03X}", text::counted(setup.drives.size(), "drive"),
+                     setup.interface, setup.bench.sync_identifier));
   run(bench, port, {setup.interface, remark, verbose ? [&] { log.look(); } : std::function<void()>()});
   return end(summary(bench, port.dropped()));
 }

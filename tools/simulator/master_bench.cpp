@@ -7,6 +7,7 @@
 
 #include "cansync/settings/mode.h"
 #include "sync/software_sync.h"
+#include "text/counts.h"
 
 namespace cansync_sim {
 
@@ -89,10 +90,11 @@ void MasterBench::sent(can::SendResult result) noexcept {
 std::string summary(const MasterBench& bench, std::uint64_t dropped) {
   const MasterBenchCounters& counters = bench.counters();
   return fmt::format(
-      "master in state '{}', {} SYNC, {} frames received, {} sent, {} not sent, {} left out as too late, {} "
-      "error frames, {} frames lost by the kernel",
-      name(bench.master().state()), counters.syncs, counters.received, counters.sent, counters.not_sent,
-      bench.master().counters().left_out, counters.error_frames, dropped);
+      "master in state '{}', {} SYNC, {} received, {} sent, {} not sent, {} left out as too late, {}, {} "
+      "lost by the kernel",
+      name(bench.master().state()), counters.syncs, text::counted(counters.received, "frame"), counters.sent,
+      counters.not_sent, bench.master().counters().left_out,
+      text::counted(counters.error_frames, "error frame"), text::counted(dropped, "frame"));
 }
 
 }  // namespace cansync_sim

@@ -9,6 +9,7 @@
 
 #include "can/frame_length.h"
 #include "cansync/settings/timing.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -180,9 +181,8 @@ void check_jobs(std::vector<cansync::SettingProblem>& problems, const MasterSett
   if (round > 1 && channel.parameter_monitoring < read) {
     problems.push_back(
         {"command_channel.parameter_monitoring",
-         fmt::format("{}, while the parameter cursor needs {} intervals of {} to come round and one for the "
-                     "answer",
-                     ms(channel.parameter_monitoring), round, us(times.interval)),
+         fmt::format("{}, while the parameter cursor needs {} of {} to come round and one for the answer",
+                     ms(channel.parameter_monitoring), text::counted(round, "interval"), us(times.interval)),
          fmt::format("at least {}, or serving \"work_conserving\"", ms(read))});
   }
   unsigned block = 0;
@@ -195,8 +195,9 @@ void check_jobs(std::vector<cansync::SettingProblem>& problems, const MasterSett
   if (channel.transfer_monitoring < needed) {
     problems.push_back(
         {"command_channel.transfer_monitoring",
-         fmt::format("{}, while a block of {} bytes takes {} telegrams, one in {} intervals of {}",
-                     ms(channel.transfer_monitoring), block, telegrams, transfer_round, us(times.interval)),
+         fmt::format("{}, while a block of {} takes {}, one in {} of {}", ms(channel.transfer_monitoring),
+                     text::counted(block, "byte"), text::counted(telegrams, "telegram"),
+                     text::counted(transfer_round, "interval"), us(times.interval)),
          fmt::format("at least {}, or smaller blocks", ms(needed))});
   }
 }
@@ -208,8 +209,9 @@ void check_status_period(std::vector<cansync::SettingProblem>& problems, const M
   const Duration needed = slaves * times.interval;
   if (period == Duration{0} || period >= needed) return;
   problems.push_back({"startup.status_period",
-                      fmt::format("{}, while {} status words take {} intervals of {}, one command in each",
-                                  ms(period), slaves, slaves, us(times.interval)),
+                      fmt::format("{}, while {} take {} of {}, one command in each", ms(period),
+                                  text::counted(slaves, "status word"), text::counted(slaves, "interval"),
+                                  us(times.interval)),
                       fmt::format("0 (never), or at least {}", ms(needed))});
 }
 
@@ -222,11 +224,11 @@ void check_sync_frame(std::vector<cansync::SettingProblem>& problems, const Budg
   problems.push_back(
       {"sync",
        fmt::format(
-           "a SYNC frame of {} bytes, up to {} bits: behind the longest command of the interval before it "
-           "ends {} after SYNC, while RC must start by {}",
-           *input.sync_frame_bytes, bits, us(end), us(times.response)),
-       fmt::format("a SYNC frame of at most {} bits",
-                   (times.response - command_tail(times)) / times.bit_time())});
+           "a SYNC frame of {}, up to {} bits: behind the longest command of the interval before it ends {} "
+           "after SYNC, while RC must start by {}",
+           text::counted(*input.sync_frame_bytes, "byte"), bits, us(end), us(times.response)),
+       fmt::format("a SYNC frame of at most {}",
+                   text::counted((times.response - command_tail(times)) / times.bit_time(), "bit"))});
 }
 
 }  // namespace

@@ -38,13 +38,12 @@ constexpr auto kBusRows = std::to_array<Row>({
         [](auto& d) -> auto& { return d.config.startup.target; },
         word("startup.target",
              "How far the daemon goes by itself: none = waits for mode commands; setup = SYNC and command "
-             "channel; active = set-up, then active operation as soon as `enable` allows.")),
+             "channel; active = setup, then run as soon as `enable` allows.")),
     chosen<kEnable>(
         [](auto& d) -> auto& { return d.config.master.startup.enable; },
-        word(
-            "startup.enable",
-            "When active operation may begin: every configured slave responds and is synchronized, every one "
-            "responds, or at once.")),
+        word("startup.enable",
+             "When run may begin: every configured slave responds and is synchronized, every one "
+             "responds, or at once.")),
     field(
         [](auto& d) -> auto& { return d.config.master.startup.activate_command; },
         whole_number("startup.activate_command", 2, 255, "",
@@ -61,7 +60,7 @@ constexpr auto kBusRows = std::to_array<Row>({
     duration<std::chrono::milliseconds>(
         [](auto& d) -> auto& { return d.config.master.startup.status_period; },
         whole_number("startup.status_period_ms", 0, 3'600'000, "ms",
-                     "How often each slave's status word is read in active operation; 0 = never.")),
+                     "How often each slave's status word is read in run; 0 = never.")),
     field(
         [](auto& d) -> auto& { return d.config.master.startup.lost_after; },
         whole_number(

@@ -28,7 +28,7 @@ An empty file is a simulated line with all 32.
 
 After SIGHUP (`systemctl reload`) the file is read again. Options marked "running" take effect at once. The set of slaves, and the
 others of [process], [startup], [command_channel], [[slave]], [[reference]], [[actual]], `bus.bit_rate`, `bus.send_margin_us` and `sync.can_identifier`,
-take effect then too when the line is not in active operation: it is set up anew with them. While it is active the daemon says in its log
+take effect then too when the line is not in run: it is set up anew with them. While it runs the daemon says in its log
 what waits for that. The rest needs a restart, which it says too. A wrong file changes nothing.
 
 "Unconfirmed" and "open" mark what the manuals do not tell; see [cansync-protocol.md](cansync-protocol.md).

@@ -29,9 +29,9 @@ constexpr auto kSlaveRows = std::to_array<Row>({
      [](Draft& d, const Value& v) { slave_settings(d).status_parameter = whole<std::uint16_t>(v); }},
     {example("5",
              whole_number("slave.status_value", "(none: read by its parameter)", 0, 7, "",
-                          "Actual value in which this slave sends its status word: in active operation "
+                          "Actual value in which this slave sends its status word: in run "
                           "loss of synchronism is then seen with the next such telegram, and the parameter "
-                          "is read only when none comes. Set-up reads the parameter.")),
+                          "is read only when none comes. In setup the parameter is read.")),
      [](Draft& d, const Value& v) {
        slave_settings(d).status_value = cansync::ActualWord{whole<std::uint8_t>(v), false};
      }},

@@ -8,6 +8,7 @@
 
 #include "cansync/dds/convert.h"
 #include "daemon/cansync/requests/access.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 
@@ -65,8 +66,9 @@ void ReferenceInput::look_for_owners(SteadyTime now) {
 
 std::string ReferenceInput::hand_on(const Request& request) {
   if (exchange_.requests.try_push(request)) return {};
-  return fmt::format("request queue full: {} requests wait for the realtime thread, at most {} are allowed",
-                     exchange_.requests.size(), exchange_.requests.capacity());
+  return fmt::format("request queue full: {} for the realtime thread, at most {} are allowed",
+                     text::counted(exchange_.requests.size(), "request waits", "requests wait"),
+                     exchange_.requests.capacity());
 }
 
 ReferenceSurroundings::Writer ReferenceInput::identify(WriterHandle writer) {

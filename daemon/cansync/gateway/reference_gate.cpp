@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cansync/settings/timing.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -224,7 +225,8 @@ bool ReferenceGate::take_return(unsigned channel) noexcept {
 
 std::string ReferenceGate::reaction_text() const {
   if (hold_ == 0) return "their release is stopped until new ones come";
-  return fmt::format("their release is stopped after at most {} intervals until new ones come", hold_);
+  return fmt::format("their release is stopped after at most {} until new ones come",
+                     text::counted(hold_, "interval"));
 }
 
 std::optional<SteadyTime> ReferenceGate::look_at_deadline(unsigned channel, SteadyTime now) {

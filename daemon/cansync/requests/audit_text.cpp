@@ -4,6 +4,7 @@
 
 #include "cansync/dds/convert.h"
 #include "daemon/cansync/requests/gateway_requests.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -57,7 +58,7 @@ std::optional<Change> change_of(const cansync_TransferRequest& sample) {
   const std::string what =
       sample.sub_slave == 0 ? fmt::format("address 0x{:X}", sample.address)
                             : fmt::format("address 0x{:X} of sub-slave {}", sample.address, sample.sub_slave);
-  return Change{"download", bounded(sample.slave), what, fmt::format("{} bytes", sample.data._length)};
+  return Change{"download", bounded(sample.slave), what, text::counted(sample.data._length, "byte")};
 }
 
 std::optional<Change> change_of(const cansync_Command& sample) {

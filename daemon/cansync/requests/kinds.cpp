@@ -8,6 +8,7 @@
 #include "daemon/cansync/requests/gateway_requests.h"
 #include "daemon/cansync/texts/profile_rules.h"
 #include "daemon/cansync/texts/refusal_text.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -54,7 +55,7 @@ std::string KindRow<cansync::ParameterRequest>::before(const cansync::ParameterR
 
 Text KindRow<cansync::TransferRequest>::text(const cansync::TransferRequest& r, const Config& config) {
   if (r.direction == cansync::TransferRequest::Direction::upload) return std::nullopt;
-  return fmt::format("download {} bytes to {} sub-slave {} address 0x{:X}", r.data.size(),
+  return fmt::format("download {} to {} sub-slave {} address 0x{:X}", text::counted(r.data.size(), "byte"),
                      slave_label(config, r.slave.value()), r.sub_slave.value, r.address);
 }
 

@@ -10,6 +10,7 @@
 #include "daemon/cansync/realtime/flight_reports.h"
 #include "daemon/cansync/segment/load_checked.h"
 #include "daemon/segment/segment_start.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -71,9 +72,10 @@ void MasterSegment::start() {
                                fmt::join(before_.changed, ", ")),
                    std::nullopt});
   log_.say(LogPriority::notice, "daemon_running",
-           fmt::format("running: bus {} ({}) at {} bit/s, {} slaves, {}", file_.config.bus.name,
+           fmt::format("running: bus {} ({}) at {} bit/s, {}, {}", file_.config.bus.name,
                        file_.config.bus.interface, file_.config.bus.bits_per_second,
-                       __builtin_popcount(file_.config.master.configured().bits), participant_.place()));
+                       text::counted(__builtin_popcount(file_.config.master.configured().bits), "slave"),
+                       participant_.place()));
 }
 
 bool MasterSegment::stop_unless_active() noexcept {

@@ -7,6 +7,7 @@
 #include "can/bus_names.h"
 #include "cansync/settings/mode.h"
 #include "cansync/settings/timing.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -25,12 +26,6 @@ std::string missing_slaves(const MasterSnapshot& master, const Config& config) {
   if (missing == 0) return {};
   if (missing > kNamesShown) names += fmt::format(" and {} more", missing - kNamesShown);
   return "; no answer from " + names;
-}
-
-std::string_view state_text(cansync::State state) {
-  if (state == cansync::State::active_master) return "active operation";
-  if (state == cansync::State::setting_up_master) return "set-up";
-  return name(state);
 }
 
 std::string link_problem(const MasterSnapshot& master, const Config& config) {
@@ -64,11 +59,12 @@ std::string link_problem(const MasterSnapshot& master, const Config& config) {
 std::string status_text(const MasterSnapshot& master, const Config& config) {
   if (std::string problem = link_problem(master, config); !problem.empty()) return problem;
   const auto& times = cansync::slot_times(config.master.bit_rate);
-  return fmt::format("{}: {} of {} slaves respond{}; bus {} ({}) at {} bit/s{}", state_text(master.state),
-                     __builtin_popcount(master.responding.bits),
-                     __builtin_popcount(config.master.configured().bits), missing_slaves(master, config),
-                     config.bus.name, config.bus.interface, times.bits_per_second,
-                     master.second_master ? "; another master sends" : "");
+  return fmt::format("{}: {}{}; bus {} ({}) at {} bit/s{}", name(master.state),
+                     text::counted_of(__builtin_popcount(master.responding.bits),
+                                      __builtin_popcount(config.master.configured().bits), "slave responds",
+                                      "slaves respond"),
+                     missing_slaves(master, config), config.bus.name, config.bus.interface,
+                     times.bits_per_second, master.second_master ? "; another master sends" : "");
 }
 
 std::optional<StatusLine::Time> StatusLine::step(const MasterSnapshot& master, const Config& config,

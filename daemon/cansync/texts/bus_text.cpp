@@ -5,6 +5,7 @@
 #include "cansync/dds/convert.h"
 #include "cansync/settings/timing.h"
 #include "daemon/bus/bit_timing_check.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -44,7 +45,8 @@ EventText describe_link(const LinkChanged& report, const Config& config) {
   switch (report.to) {
     case can::LinkState::up:
       return event(gateway_SEVERITY_INFO, "interface_up",
-                   fmt::format("{} is up again; {} telegrams were left out", interface, report.left_out));
+                   fmt::format("{} is up again; {} left out", interface,
+                               text::counted(report.left_out, "telegram was", "telegrams were")));
     case can::LinkState::down:
       return event(gateway_SEVERITY_ERROR, "interface_down",
                    fmt::format("{0} is down, nothing is sent; set it up with: {1}", interface,
@@ -75,7 +77,8 @@ EventText describe_fault(const BusFault& report) {
   const FaultWords words = words_of(report.kind);
   if (report.over) {
     return {gateway_SEVERITY_INFO, words.over, -1,
-            fmt::format("no longer: {}; it happened {} times", words.what, report.count), report.when};
+            fmt::format("no longer: {}; it happened {}", words.what, text::counted(report.count, "time")),
+            report.when};
   }
   return {gateway_SEVERITY_WARNING, words.begun, -1, fmt::format("{}; {}", words.what, words.remedy),
           report.when};

@@ -8,6 +8,7 @@
 #include "daemon/cansync/texts/profile_rules.h"
 #include "daemon/cansync/texts/refusal_text.h"
 #include "daemon/cansync/texts/sync_text.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -92,13 +93,12 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
             event.detail, config.failsafe.reference_max_age.count());
       }
       return fmt::format(
-          "reference values of telegram {} are too old: no newer ones came within {} intervals "
+          "reference values of telegram {} are too old: no newer ones came within {} "
           "(failsafe.reference_max_intervals)",
-          event.detail, event.expected);
+          event.detail, text::counted(event.expected, "interval"));
     case Code::references_held:
-      return fmt::format(
-          "the last reference values of telegram {} are still released, for {} intervals at most",
-          event.detail, config.failsafe.hold_intervals);
+      return fmt::format("the last reference values of telegram {} are still released, for {} at most",
+                         event.detail, text::counted(config.failsafe.hold_intervals, "interval"));
     case Code::second_master:
       return fmt::format("another master sends on this bus (identifier 0x{:03X}); switch one of them off",
                          event.detail);
@@ -142,11 +142,13 @@ struct ReportDescriber {
     return event;
   }
   std::optional<EventText> operator()(const SyncsMissed& report) const {
-    return EventText{gateway_SEVERITY_WARNING, "syncs_missed", -1,
-                     fmt::format("{} SYNC edges were skipped: the realtime thread came too late; give it a "
-                                 "realtime priority and a processor of its own",
-                                 report.count),
-                     report.when};
+    return EventText{
+        gateway_SEVERITY_WARNING, "syncs_missed", -1,
+        fmt::format(
+            "{} skipped: the realtime thread came too late; give it a realtime priority and a processor of "
+            "its own",
+            text::counted(report.count, "SYNC edge was", "SYNC edges were")),
+        report.when};
   }
   std::optional<EventText> operator()(const ControllerChanged& report) const {
     auto severity = gateway_SEVERITY_WARNING;

@@ -24,18 +24,19 @@ std::optional<unsigned> slave_of(const Request& request) {
 }
 
 std::string wrong_state(const Request& request, const RefusalContext& context) {
-  const auto now = fmt::format("state: the master is '{}' (0x{:04X})", cansync::name(context.state),
+  const auto now = fmt::format("state: the master is in {} (0x{:04X})", cansync::name(context.state),
                                static_cast<unsigned>(context.state));
   if (const auto* mode = std::get_if<ModeRequest>(&request)) {
     if (mode->mode == Mode::run) {
-      return now + "; active operation can be enabled in set-up alone: give mode setup first";
+      return now + "; run is entered from setup alone: give mode setup, then mode run";
     }
     return now + "; this mode cannot be entered from there: give mode restart";
   }
   if (std::holds_alternative<cansync::ReferenceUpdate>(request)) {
-    return now + "; reference values are taken in active operation (0x0080) alone: give mode run first";
+    return now + "; reference values are taken in run (0x0080) alone: give " +
+           (context.state == cansync::State::setting_up_master ? "mode run" : "mode setup, then mode run");
   }
-  return now + "; jobs are taken in set-up (0x0043) and active operation (0x0080): give mode setup first";
+  return now + "; jobs are taken in setup (0x0043) and run (0x0080): give mode setup";
 }
 
 std::string slaves_missing(const Config& config, const RefusalContext& context) {

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "daemon/loop/sync_line.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -61,8 +62,8 @@ EventText sync_event(const SyncDeviceChanged& report, const Config& config) {
   if (report.error == 0) {
     return {gateway_SEVERITY_INFO,
             report.output ? EventCode("sync_output_restored") : EventCode("sync_input_restored"), -1,
-            report.output ? fmt::format("the {} works again; {} edges could not be made since the start",
-                                        what, report.failures)
+            report.output ? fmt::format("the {} works again; {} could not be made since the start", what,
+                                        text::counted(report.failures, "edge"))
                           : fmt::format("the {} works again", what),
             report.when};
   }

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "config/shown.h"
+
 namespace cansyncd {
 namespace {
 
@@ -27,7 +29,8 @@ std::string refusal(const LevelOptions& level, const Setting& setting) {
                        key);
   const auto excluded = std::ranges::find(level.excluded, key, &LevelOptions::Excluded::key);
   if (excluded == level.excluded.end()) return {};
-  return fmt::format("found {}; allowed: nothing, because {}", setting.value.text, excluded->why);
+  return fmt::format("found {}; allowed: nothing, because {}", config::shown(setting.value.text),
+                     excluded->why);
 }
 
 void add_common(const Setting& common, const LevelOptions& level, Settings& settings) {

@@ -12,6 +12,7 @@
 #include "daemon/cansync/realtime/flight_reports.h"
 #include "daemon/cansync_cluster/config/options.h"
 #include "daemon/cansync_slave/segment/slave_segment.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -129,9 +130,10 @@ void ClusterSegment::start() {
       fmt::format("running: bus {} ({}) at {} bit/s, slave {}, {}", upper.bus.name, upper.bus.interface,
                   upper.bus.bits_per_second, upper.slave.number.value(), upper_participant_.place()));
   lower_log_.say(LogPriority::notice, "daemon_running",
-                 fmt::format("running: bus {} ({}) at {} bit/s, {} slaves, {}", lower.bus.name,
-                             lower.bus.interface, lower.bus.bits_per_second,
-                             __builtin_popcount(lower.master.configured().bits), lower_participant_.place()));
+                 fmt::format("running: bus {} ({}) at {} bit/s, {}, {}", lower.bus.name, lower.bus.interface,
+                             lower.bus.bits_per_second,
+                             text::counted(__builtin_popcount(lower.master.configured().bits), "slave"),
+                             lower_participant_.place()));
 }
 
 void ClusterSegment::stop() noexcept {

@@ -9,6 +9,7 @@
 #include "cansync_slave/dds/topics.h"
 #include "cansync_slave/dds/validate.h"
 #include "dds/daemon_identity.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -140,9 +141,9 @@ void ApplicationGate::take_over(const Sample& sample, Writer writer, SteadyTime 
     const gateway::dds::WriterIdentity& who = writers_.identify(writer);
     const bool first = owner_ == 0;
     EventText event{first ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, "application_began", -1,
-                    fmt::format("{} (strength {}) answers for {} parameters{}{}", who.who, who.strength,
-                                order.taken.numbers.count(), order.blocks ? " and for blocks" : "",
-                                first ? "" : ", in place of " + name_),
+                    fmt::format("{} (strength {}) answers for {}{}{}", who.who, who.strength,
+                                text::counted(order.taken.numbers.count(), "parameter"),
+                                order.blocks ? " and for blocks" : "", first ? "" : ", in place of " + name_),
                     std::nullopt};
     event.client = who.who;
     events_.publish(event, now);

@@ -8,6 +8,7 @@
 
 #include "daemon/cansync_slave/gateway/slave_status.h"
 #include "sync/system.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -89,11 +90,12 @@ struct SlaveWords {
     if (report.over)
       return EventText{gateway_SEVERITY_INFO, "references_back", -1, "reference values come again",
                        report.when};
-    return EventText{gateway_SEVERITY_ERROR, "references_missing", -1,
-                     fmt::format("no reference values for {} intervals in a row; the application must not go "
-                                 "on with the last ones: {}",
-                                 config.supervision.misses_until_fault, word_of(report.reaction)),
-                     report.when};
+    return EventText{
+        gateway_SEVERITY_ERROR, "references_missing", -1,
+        fmt::format(
+            "no reference values for {} in a row; the application must not go on with the last ones: {}",
+            text::counted(config.supervision.misses_until_fault, "interval"), word_of(report.reaction)),
+        report.when};
   }
 
   std::optional<EventText> operator()(const OwnNumberReport& report) const {

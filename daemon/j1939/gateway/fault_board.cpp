@@ -8,6 +8,7 @@
 #include "j1939/dds/convert.h"
 #include "j1939/dds/texts.h"
 #include "j1939/diagnostics.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -24,9 +25,10 @@ bool has_fault(Bytes message, const j1939::TroubleCode& code) noexcept {
 }
 
 std::string fault_text(const char* what, std::uint8_t source, const j1939::TroubleCode& code) {
-  return fmt::format("address {}: fault {}: SPN {}, FMI {} ({}), {} times", source, what, code.spn, code.fmi,
-                     j1939::dds::failure_mode(code.fmi),
-                     code.occurrences == 127 ? "an unknown number of" : std::to_string(code.occurrences));
+  return fmt::format(
+      "address {}: fault {}: SPN {}, FMI {} ({}), {}", source, what, code.spn, code.fmi,
+      j1939::dds::failure_mode(code.fmi),
+      code.occurrences == 127 ? "an unknown number of times" : text::counted(code.occurrences, "time"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "daemon/desk/job_desk_answers.h"
 #include "daemon/desk/job_desk_requests.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 
@@ -15,8 +16,8 @@ std::optional<Change> MessageRequests::change_of(const j1939_MessageRequest& sam
   constexpr unsigned kShown = 8;
   Change change;
   change.action = "send_message";
-  change.new_value = fmt::format("PGN 0x{:05X} to {}, {} bytes", sample.pgn, sample.destination,
-                                 j1939::dds::bytes_of(sample));
+  change.new_value = fmt::format("PGN 0x{:05X} to {}, {}", sample.pgn, sample.destination,
+                                 text::counted(j1939::dds::bytes_of(sample), "byte"));
   for (unsigned i = 0; i < sample.data._length && i < kShown; ++i)
     change.new_value += fmt::format("{}{:02X}", i == 0 ? ": " : " ", sample.data._buffer[i]);
   return change;

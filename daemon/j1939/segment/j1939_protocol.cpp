@@ -9,6 +9,7 @@
 #include "daemon/j1939/config/file.h"
 #include "daemon/j1939/config/options.h"
 #include "daemon/j1939/segment/j1939_segment.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -20,8 +21,8 @@ LoadedConfig load_j1939(const std::string& path, std::span<const std::string> ov
   loaded.daemon = file->config;
   if (!loaded.problems.empty()) return loaded;
   loaded.check_text =
-      fmt::format("J1939 at {} bit/s, {}, {} ranges received\n", file->config.bus.bits_per_second,
-                  address_text(file->config), file->config.receive.size());
+      fmt::format("J1939 at {} bit/s, {}, {} received\n", file->config.bus.bits_per_second,
+                  address_text(file->config), text::counted(file->config.receive.size(), "range"));
   loaded.make_segment = [file](JournalSink& journal, std::span<gateway::dds::Participant> participants) {
     return std::make_unique<J1939Segment>(std::move(*file), journal, std::move(participants.front()));
   };

@@ -11,6 +11,7 @@
 #include "daemon/segment/segment_start.h"
 #include "j1939/sim/ecu_faults.h"
 #include "j1939/sim/ecu_node.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -103,10 +104,11 @@ J1939Segment::~J1939Segment() {
 
 void J1939Segment::start() {
   threads_.start(file_.config.realtime);
-  log_.say(LogPriority::notice, "daemon_running",
-           fmt::format("running: bus {} ({}) at {} bit/s, J1939, {}, {} ranges, {}", file_.config.bus.name,
-                       file_.config.bus.interface, file_.config.bus.bits_per_second,
-                       address_text(file_.config), file_.config.receive.size(), participant_.place()));
+  log_.say(
+      LogPriority::notice, "daemon_running",
+      fmt::format("running: bus {} ({}) at {} bit/s, J1939, {}, {}, {}", file_.config.bus.name,
+                  file_.config.bus.interface, file_.config.bus.bits_per_second, address_text(file_.config),
+                  text::counted(file_.config.receive.size(), "range"), participant_.place()));
 }
 
 void J1939Segment::stop() noexcept {

@@ -8,6 +8,7 @@
 #include "can/candump.h"
 #include "daemon/desk/job_desk_answers.h"
 #include "daemon/desk/job_desk_requests.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 
@@ -23,8 +24,8 @@ std::string frame_text(const can::Frame& frame) {
 std::optional<Change> SendRequests::change_of(const layer2_SendRequest& sample, const SendContext&) {
   Change change;
   change.action = "send_frame";
-  change.new_value = check(sample) ? fmt::format("identifier 0x{:X}, {} bytes", sample.content.identifier,
-                                                 sample.content.length)
+  change.new_value = check(sample) ? fmt::format("identifier 0x{:X}, {}", sample.content.identifier,
+                                                 text::counted(sample.content.length, "byte"))
                                    : frame_text(layer2::dds::to_core(sample.content));
   return change;
 }
@@ -44,7 +45,7 @@ std::optional<Change> SendRequests::change_of(const layer2_ControlRequest& sampl
                                    sample.phase, sample.cyclic ? "" : ", once");
   }
   if (sample.kind == layer2_CONTROL_WRITE_IMAGE)
-    change.new_value = fmt::format("{} bytes from byte {} on", sample.size, sample.address);
+    change.new_value = fmt::format("{} from byte {} on", text::counted(sample.size, "byte"), sample.address);
   return change;
 }
 

@@ -9,6 +9,7 @@
 #include "daemon/layer2/config/file.h"
 #include "daemon/layer2/config/options.h"
 #include "daemon/layer2/segment/layer2_segment.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -19,8 +20,9 @@ LoadedConfig load(const std::string& path, std::span<const std::string> override
   loaded.problems = file->problems;
   loaded.daemon = file->config;
   if (!loaded.problems.empty()) return loaded;
-  loaded.check_text = fmt::format("general frames at {} bit/s, {} ranges received\n",
-                                  file->config.bus.bits_per_second, file->config.receive.size());
+  loaded.check_text =
+      fmt::format("general frames at {} bit/s, {} received\n", file->config.bus.bits_per_second,
+                  text::counted(file->config.receive.size(), "range"));
   loaded.make_segment = [file](JournalSink& journal, std::span<gateway::dds::Participant> participants) {
     return std::make_unique<Layer2Segment>(std::move(*file), journal, std::move(participants.front()));
   };

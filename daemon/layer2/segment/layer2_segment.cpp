@@ -12,6 +12,7 @@
 #include "layer2/sim/frame_faults.h"
 #include "layer2/sim/frame_node.h"
 #include "sim/metronome.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -108,9 +109,9 @@ Layer2Segment::~Layer2Segment() {
 void Layer2Segment::start() {
   threads_.start(file_.config.realtime);
   log_.say(LogPriority::notice, "daemon_running",
-           fmt::format("running: bus {} ({}) at {} bit/s, general frames, {} ranges, {}",
-                       file_.config.bus.name, file_.config.bus.interface, file_.config.bus.bits_per_second,
-                       file_.config.receive.size(), participant_.place()));
+           fmt::format("running: bus {} ({}) at {} bit/s, general frames, {}, {}", file_.config.bus.name,
+                       file_.config.bus.interface, file_.config.bus.bits_per_second,
+                       text::counted(file_.config.receive.size(), "range"), participant_.place()));
 }
 
 void Layer2Segment::stop() noexcept {

@@ -6,6 +6,7 @@
 
 #include "cansync/dds/ranges.h"
 #include "dds/enumerator.h"
+#include "text/counts.h"
 
 namespace cansync::dds {
 namespace {
@@ -43,8 +44,8 @@ Problem check_length(const cansync_TransferRequest& request) {
                               request.length, request.data._length)};
   }
   if (!download && request.data._length != 0) {
-    return Denial{gateway_CAUSE_LENGTH,
-                  fmt::format("data of {} bytes: not with an upload; allowed 0 bytes", request.data._length)};
+    return Denial{gateway_CAUSE_LENGTH, fmt::format("data of {}: not with an upload; allowed 0 bytes",
+                                                    text::counted(request.data._length, "byte"))};
   }
   return std::nullopt;
 }
@@ -196,11 +197,11 @@ gateway_RefusalCause to_cause(Refusal refusal) noexcept {
 std::string explain(Refusal refusal, const Limits& limits) {
   switch (refusal) {
     case Refusal::queue_full:
-      return fmt::format(
-          "queue full: at most {} parameter jobs and {} transfers may be open; try again when one has ended",
-          limits.parameter_queue, limits.transfer_queue);
+      return fmt::format("queue full: at most {} and {} may be open; try again when one has ended",
+                         text::counted(limits.parameter_queue, "parameter job"),
+                         text::counted(limits.transfer_queue, "transfer"));
     case Refusal::wrong_state:
-      return "state: not allowed in the master's state; allowed in set-up and active operation, see mode";
+      return "state: not allowed in the master's state; allowed in setup and run, see mode";
     case Refusal::slaves_missing:
       return "slaves: not every configured slave is ready; wait for them, or use force";
     case Refusal::unknown_job:

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "dds/daemon_choice.h"
+#include "text/counts.h"
 
 /// Internal to lib/client.
 namespace cansync::client::detail {
@@ -60,10 +61,10 @@ struct JobState {
   /// Ends it as one of which nothing is known.
   void end_unheard() {
     end(ReplyCode::no_reply,
-        fmt::format(
-            "the daemon gave no reply within {} ms (monitoring time {} ms and {} ms of grace); whether the "
-            "request was done is not known",
-            (monitoring + grace).count(), monitoring.count(), grace.count()));
+        fmt::format("the daemon gave no reply within {} (monitoring time {} and {} of grace); whether the "
+                    "request was done is not known",
+                    text::duration_text(monitoring + grace), text::duration_text(monitoring),
+                    text::duration_text(grace)));
   }
 
   /// Ends the job; a second reply is ignored.
@@ -76,9 +77,9 @@ struct JobState {
         terminal.code = ReplyCode::timeout;
         terminal.speaker = Speaker::client;
         terminal.reason = fmt::format(
-            "no reply within {} ms (monitoring time {} ms): the line has too much to do; the request was "
+            "no reply within {} (monitoring time {}): the line has too much to do; the request was "
             "cancelled",
-            (monitoring + grace / 2).count(), monitoring.count());
+            text::duration_text(monitoring + grace / 2), text::duration_text(monitoring));
       }
       reply = std::move(terminal);
       waiting.swap(callbacks);

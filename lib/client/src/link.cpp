@@ -1,6 +1,5 @@
 #include "client/src/link.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/random.h>
 
@@ -10,6 +9,7 @@
 #include "dds/reply_partition.h"
 #include "dds/security.h"
 #include "dds/writer_identity.h"
+#include "text/counts.h"
 
 namespace cansync::client::detail {
 namespace {
@@ -187,7 +187,8 @@ Validity Link::validity(MappingBytes* mapping) const {
 }
 
 std::string Link::not_found(std::chrono::milliseconds waited) const {
-  const std::string place = fmt::format("looked for {} on {}", waited, participant_.place());
+  const std::string place =
+      fmt::format("looked for {} on {}", text::duration_text(waited), participant_.place());
   const auto wrong = dds::find_incompatible(participant_, participant_.type_mismatches() != 0, 1);
   const bool nobody = gateway_.matched().empty();
   const bool older_types =

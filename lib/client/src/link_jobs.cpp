@@ -4,6 +4,7 @@
 
 #include "client/src/causes.h"
 #include "client/src/link.h"
+#include "text/counts.h"
 
 /// Requests out, replies in.
 namespace cansync::client::detail {
@@ -142,9 +143,8 @@ std::shared_ptr<JobState<R>> Link::begin(OpenJobs<R>& jobs, std::chrono::millise
     // The daemon would refuse it too, in these words.
     state->refuse(
         RefusalCause::client_limit,
-        fmt::format("queue full: this client has {} requests open, at most {} are allowed; wait for a reply "
-                    "first",
-                    open, kOpenRequests));
+        fmt::format("queue full: this client has {} open, at most {} are allowed; wait for a reply first",
+                    text::counted(open, "request"), kOpenRequests));
     return state;
   }
   if (const auto problem = obstacle()) {

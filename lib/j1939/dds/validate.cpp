@@ -8,6 +8,7 @@
 #include "j1939/dds/convert.h"
 #include "j1939/identifier.h"
 #include "j1939/transport.h"
+#include "text/counts.h"
 
 namespace j1939::dds {
 
@@ -53,15 +54,15 @@ Problem check(const j1939_MessageRequest& request) {
     return Denial{gateway_CAUSE_FIELD,
                   fmt::format("priority {}: out of range; allowed 0..7", request.priority)};
   if (request.data._length > kMostBytes)
-    return Denial{gateway_CAUSE_LENGTH, fmt::format("data: {} bytes; allowed 0..{}, more in `long_data`",
-                                                    request.data._length, kMostBytes)};
+    return Denial{gateway_CAUSE_LENGTH, fmt::format("data: {}; allowed 0..{}, more in `long_data`",
+                                                    text::counted(request.data._length, "byte"), kMostBytes)};
   if (request.long_data._length != 0 &&
       (request.data._length != 0 || request.long_data._length <= kMostBytes ||
        request.long_data._length > j1939_LONG_MESSAGE_BYTES))
     return Denial{gateway_CAUSE_LENGTH,
-                  fmt::format("long_data: {} bytes beside {} of data; allowed {}..{}, and none of data",
-                              request.long_data._length, request.data._length, kMostBytes + 1,
-                              j1939_LONG_MESSAGE_BYTES)};
+                  fmt::format("long_data: {} beside {} of data; allowed {}..{}, and none of data",
+                              text::counted(request.long_data._length, "byte"), request.data._length,
+                              kMostBytes + 1, j1939_LONG_MESSAGE_BYTES)};
   if (request.kind == j1939_MESSAGE_ASK && bytes_of(request) != 0)
     return Denial{gateway_CAUSE_LENGTH, "data: MESSAGE_ASK has none; allowed 0 bytes"};
   if (auto problem = check_destination(request)) return problem;
@@ -77,10 +78,12 @@ Problem explain(Refusal refusal, std::uint16_t queue, std::size_t most) {
     case Refusal::none:
       return std::nullopt;
     case Refusal::queue_full:
-      return Denial{gateway_CAUSE_QUEUE_FULL,
-                    fmt::format("queue full: at most {} messages may wait to be sent, and 32 requests to be "
-                                "answered; try again when one has been",
-                                queue)};
+      return Denial{
+          gateway_CAUSE_QUEUE_FULL,
+          fmt::format(
+              "queue full: at most {} may wait to be sent, and 32 requests to be answered; try again when "
+              "one has been",
+              text::counted(queue, "message"))};
     case Refusal::bad_order:
       return Denial{gateway_CAUSE_FIELD,
                     "pgn: carried by the transport protocol or the address claim themselves (0xC700, 0xC800, "

@@ -7,6 +7,7 @@
 
 #include "can/frame.h"
 #include "dds/enumerator.h"
+#include "text/counts.h"
 
 namespace layer2::dds {
 
@@ -98,10 +99,9 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
     case Refusal::none:
       return std::nullopt;
     case Refusal::queue_full:
-      return Denial{
-          gateway_CAUSE_QUEUE_FULL,
-          fmt::format("queue full: at most {} frames may wait to be sent; try again when one has been",
-                      queue)};
+      return Denial{gateway_CAUSE_QUEUE_FULL,
+                    fmt::format("queue full: at most {} may wait to be sent; try again when one has been",
+                                text::counted(queue, "frame"))};
     case Refusal::bad_frame:
       return Denial{gateway_CAUSE_FIELD,
                     "content: no frame that can be sent; allowed are data and remote frames with 0..8 bytes"};

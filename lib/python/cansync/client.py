@@ -103,7 +103,7 @@ class Client:
         return typing.cast(ActualValues, self._sample(ActualValues, self.slave(slave), timeout))
 
     def wait_active(self, timeout: float = 30.0) -> None:
-        """Waits until the line is in active operation and every configured slave synchronized. Timeout."""
+        """Waits until the line is in run and every configured slave synchronized. Timeout."""
         reason: list[Exception] = []
 
         def active() -> bool:
@@ -293,7 +293,7 @@ class Client:
 
         if not self._link.poll(timeout, look):
             raise error_of(Code.TIMEOUT, f"client: no {topic.__name__} of slave {slave} within {timeout} s; is it "
-                                         "configured, and the line in active operation?")
+                                         "configured, and the line in run?")
         return topic._of(out)
 
     def _hear_slaves(self) -> None:

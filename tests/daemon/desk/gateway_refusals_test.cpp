@@ -158,7 +158,7 @@ TEST(GatewayRefusals, OfTheMasterAreExplained) {
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::wrong_state});
   const auto state = rig.client.reply<cansync_ParameterReply>(1);
   ASSERT_TRUE(state);
-  expect_refused(*state, gateway_CAUSE_WRONG_STATE, {"waiting for start", "0x0003", "0x0043", "mode setup"});
+  expect_refused(*state, gateway_CAUSE_WRONG_STATE, {"in stop", "0x0003", "0x0043", "mode setup"});
 
   rig.client.write(good_read(2));
   rig.answer(Refused{rig.expect_request<cansync::ParameterRequest>().id, Refusal::queue_full});

@@ -1,7 +1,7 @@
 #pragma once
 
-/// Headings of the verbs in `cansync --help`, those of docs/command-line-verbs.md. A protocol's own stand in its
-/// folder. Each verb names its group (`CLI::App::group`); a test finds one that does not.
+/// Headings of the verbs in `cansync --help`, those of docs/command-line-verbs.md. A protocol's own stand in
+/// its folder. Each verb names its group (`CLI::App::group`); a test finds one that does not.
 namespace cansync::cli {
 
 inline constexpr const char* kLookingVerbs = "Looking at the line";

@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/verbs.h"
 
 namespace cansync::cli {
@@ -109,6 +110,7 @@ ExitCode mode_verb(Session& session, const ModeTexts& texts) {
 
 void add_control(CLI::App& app, Verb& chosen) {
   auto* control = app.add_subcommand("control", "send a control word to a slave");
+  control->group(kCommandVerbs);
   auto texts = std::make_shared<ControlTexts>();
   control->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
   control->add_option("WORD", texts->word, "control word, 0..65535, also 0x.. or negative")->required();
@@ -121,6 +123,7 @@ void add_control(CLI::App& app, Verb& chosen) {
 
 void add_release(CLI::App& app, Verb& chosen) {
   auto* release = app.add_subcommand("release", "let a slave that was away and is held out be used again");
+  release->group(kCommandVerbs);
   auto texts = std::make_shared<ReleaseTexts>();
   release->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
   release->add_flag("--force", texts->force, "without its return parameters");
@@ -134,6 +137,7 @@ void add_release(CLI::App& app, Verb& chosen) {
 
 void add_broadcast(CLI::App& app, Verb& chosen) {
   auto* broadcast = app.add_subcommand("broadcast", "send an action command to a group of slaves");
+  broadcast->group(kCommandVerbs);
   auto texts = std::make_shared<BroadcastTexts>();
   broadcast
       ->add_option("--slaves", texts->slaves,
@@ -155,6 +159,7 @@ void add_broadcast(CLI::App& app, Verb& chosen) {
 
 void add_mode(CLI::App& app, Verb& chosen) {
   auto* mode = app.add_subcommand("mode", "change the master's operating state");
+  mode->group(kCommandVerbs);
   auto texts = std::make_shared<ModeTexts>();
   mode->add_option("MODE", texts->mode, "the operating state, or what is to be done")
       ->type_name("setup|run|stop|reset-can|restart")
@@ -163,7 +168,7 @@ void add_mode(CLI::App& app, Verb& chosen) {
   mode->footer(
       "Modes:\n"
       "  setup      SYNC runs, slaves are activated and their status is read; no reference values\n"
-      "  run        active operation: reference and actual values are exchanged\n"
+      "  run        reference and actual values are exchanged\n"
       "  stop       no SYNC, no telegrams; open jobs end\n"
       "  reset-can  reset the CAN controller (leaves bus-off)\n"
       "  restart    cold restart of the master");

@@ -2,8 +2,10 @@
 
 #include <memory>
 
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -104,8 +106,8 @@ ExitCode map_verb(Session& session, const MapTexts& texts) {
   if (texts.telegram.empty()) return show(session, texts.target);
   const auto telegram = static_cast<std::size_t>(parse_integer(texts.telegram, "TELEGRAM", 1, 2)) - 1;
   if (texts.words.empty() || texts.words.size() > kWords)
-    throw UsageError(
-        fmt::format("WORD: found {} words; allowed: 1..4 (- for an unused one)", texts.words.size()));
+    throw UsageError(fmt::format("WORD: found {}; allowed: 1..4 (- for an unused one)",
+                                 text::counted(texts.words.size(), "word")));
   std::vector<Mapped> all = find(session, texts.target);
   std::vector<unsigned> slaves;
   for (Mapped& mapped : all) {
@@ -131,6 +133,7 @@ ExitCode map_verb(Session& session, const MapTexts& texts) {
 
 void add_mapping_verb(CLI::App& app, Verb& chosen) {
   auto* map = app.add_subcommand("map", "which value stands in which word of a telegram");
+  map->group(kValueVerbs);
   auto texts = std::make_shared<MapTexts>();
   map->add_option(
       "TARGET", texts->target,

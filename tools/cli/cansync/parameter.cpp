@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "cli/base/interrupt.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
 #include "profile/meaning.h"
@@ -364,6 +365,7 @@ constexpr const char* kParameterHelp = "parameter number 0..4095, or its name in
 
 void add_parameter_verbs(CLI::App& app, Verb& chosen) {
   auto* read = app.add_subcommand("read", "read parameters of slaves");
+  read->group(kParameterVerbs);
   auto read_options = std::make_shared<ReadOptions>();
   read->add_option("SLAVE", read_options->each.slave, kSlavesHelp)->required();
   read->add_option("PARAMETER", read_options->parameters, kParameterHelp)->required();
@@ -390,6 +392,7 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
   });
 
   auto* write = app.add_subcommand("write", "write a parameter of a slave");
+  write->group(kParameterVerbs);
   auto write_options = std::make_shared<ParameterOptions>();
   write->add_option("SLAVE", write_options->slave, kSlavesHelp)->required();
   write->add_option("PARAMETER", write_options->parameter, kParameterHelp)->required();

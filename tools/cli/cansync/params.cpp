@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/parameter_reader.h"
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
@@ -176,6 +177,7 @@ ExitCode params_verb(Session& session, const ParamsOptions& options) {
 
 void add_params_verb(CLI::App& app, Verb& chosen) {
   auto* params = app.add_subcommand("params", "every parameter of a slave's drive profile, with its value");
+  params->group(kSetVerbs);
   auto options = std::make_shared<ParamsOptions>();
   params->add_option("SLAVE", options->slave, kSlavesHelp)->required();
   params->add_option("--group", options->group, "only the parameters of this group")->type_name("GROUP");

@@ -9,11 +9,13 @@
 #include <optional>
 
 #include "cli/base/files.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/passport_compare.h"
 #include "cli/cansync/passport_source.h"
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -57,8 +59,9 @@ ExitCode backup_one(Session& session, const PassportOptions& options, unsigned s
     }
     if (!taken.unread.empty()) {
       ended.code = client::ReplyCode::slave_error;
-      ended.reason =
-          fmt::format("{} parameters could not be read and have no value in the file", taken.unread.size());
+      ended.reason = fmt::format("{} no value in the file",
+                                 text::counted(taken.unread.size(), "parameter could not be read and has",
+                                               "parameters could not be read and have"));
     }
   }
   JsonObject object;
@@ -67,9 +70,10 @@ ExitCode backup_one(Session& session, const PassportOptions& options, unsigned s
       .add("file", file)
       .add("parameters", taken.passport.entries.size())
       .add("unread", taken.unread.size());
-  return session.finish(ended, object, fmt::format("slave {}", slave),
-                        fmt::format("slave {}: {} parameters in {}", slave, taken.passport.entries.size(),
-                                    to_output ? "standard output" : file));
+  return session.finish(
+      ended, object, fmt::format("slave {}", slave),
+      fmt::format("slave {}: {} in {}", slave, text::counted(taken.passport.entries.size(), "parameter"),
+                  to_output ? "standard output" : file));
 }
 
 ExitCode backup_verb(Session& session, const PassportOptions& options) {
@@ -193,11 +197,12 @@ ExitCode verify_one(Session& session, const std::string& profile, unsigned slave
       .add("different", found.size())
       .add("identity", problems);
   const bool same = identity.empty() && found.empty();
-  const ExitCode code =
-      session.finish({client::ReplyCode::done, ""}, object, "",
-                     same ? fmt::format("slave {} holds all {} values of {}", slave, compared, path)
-                          : fmt::format("slave {} differs from {}: {} of {} values, {} marks of identity",
-                                        slave, path, found.size(), compared, identity.size()));
+  const ExitCode code = session.finish(
+      {client::ReplyCode::done, ""}, object, "",
+      same ? fmt::format("slave {} holds all {} of {}", slave, text::counted(compared, "value"), path)
+           : fmt::format("slave {} differs from {}: {}, {}", slave, path,
+                         text::counted_of(found.size(), compared, "value"),
+                         text::counted(identity.size(), "mark of identity", "marks of identity")));
   return same ? code : ExitCode::different;
 }
 
@@ -212,6 +217,7 @@ CLI::App* add_verb(CLI::App& app, Verb& chosen, const char* name, const char* te
                    ExitCode (*run)(Session&, const PassportOptions&),
                    const std::shared_ptr<PassportOptions>& options) {
   auto* verb = app.add_subcommand(name, text);
+  verb->group(kSetVerbs);
   add_profile_option(*verb, options->profile);
   verb->callback([run, options, &chosen] {
     chosen = [run, options](Session& session) { return run(session, *options); };

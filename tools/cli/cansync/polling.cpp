@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 
@@ -105,6 +106,7 @@ ExitCode poll_verb(Session& session, const PollTexts& texts) {
 void add_polling_verb(CLI::App& app, Verb& chosen) {
   auto* poll =
       app.add_subcommand("poll", "which slave is asked for actual values, and whose jobs are served");
+  poll->group(kValueVerbs);
   auto texts = std::make_shared<PollTexts>();
   poll->add_option(
       "CHANNEL WHO", texts->pairs,

@@ -56,7 +56,7 @@ bool ReferenceEffect::heard() const noexcept {
 }
 
 std::string ReferenceEffect::without_effect() const {
-  if (!active_) return "the line was not in active operation; `cansync doctor` says how it gets there";
+  if (!active_) return "the line was not in run; `cansync doctor` says how it gets there";
   const std::lock_guard lock(mutex_);
   for (unsigned telegram = 0; telegram < telegrams_.size(); ++telegram) {
     const Known& known = known_[telegram];

@@ -11,9 +11,11 @@
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/own_process.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/reference_effect.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/words.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -122,10 +124,10 @@ Pace parse_pace(const SetTexts& texts, const client::MasterStatus& status) {
 /// Says what will keep the values from having an effect.
 void warn(Output& output, const Telegrams& telegrams, const client::MasterStatus& status) {
   if (status.option_status != kActiveMaster)
-    output.remark(
-        fmt::format("the master is not in active operation but {}: nothing is sent until {}", status.state,
-                    status.option_status == kSettingUp ? "`cansync mode run`"
-                                                       : "`cansync mode setup`, then `cansync mode run`"));
+    output.remark(fmt::format("the master is not in run but in {}: nothing is sent until {}", status.state,
+                              status.option_status == kSettingUp
+                                  ? "`cansync mode run`"
+                                  : "`cansync mode setup`, then `cansync mode run`"));
   const unsigned mapped = mapped_values(status.reference_mapping);
   for (unsigned value = 0; value < 8; ++value) {
     const bool given = ((telegrams[value / 4].valid >> (value % 4)) & 1u) != 0;
@@ -270,7 +272,8 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
     throw Ended(ExitCode::no_effect, fmt::format("set: the values had no effect: {}", reason));
   }
   return session.finish(reply, JsonObject().add("samples", samples).add("release_intervals", pace.release),
-                        "set", fmt::format("values were given {} times and are given up", samples));
+                        "set",
+                        fmt::format("values were given {} and are given up", text::counted(samples, "time")));
 }
 
 ExitCode set_verb(Session& session, const SetTexts& texts) {
@@ -289,6 +292,7 @@ ExitCode set_verb(Session& session, const SetTexts& texts) {
 
 void add_reference_verb(CLI::App& app, Verb& chosen) {
   auto* set = app.add_subcommand("set", "give reference values until Ctrl-C, or for --seconds");
+  set->group(kValueVerbs);
   auto texts = std::make_shared<SetTexts>();
   set->add_option(
          "VALUE=NUMBER", texts->assignments,

@@ -2,12 +2,14 @@
 
 #include <memory>
 
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/passport_compare.h"
 #include "cli/cansync/passport_source.h"
 #include "cli/cansync/profiles.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 #include "profile/scaling.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -59,12 +61,12 @@ class Restore {
         .add("to_write", plan_.count(Action::write))
         .add("right", plan_.count(Action::right))
         .add("skipped", plan_.count(Action::skip));
-    return session_.finish(
-        ended, object,
-        fmt::format("slave {}: stopped after {} of {} values", slave_, written_, plan_.count(Action::write)),
-        fmt::format("slave {}: {} {}, {} right already, {} skipped", slave_, plan_.count(Action::write),
-                    dry_run_ ? "to write" : "written", plan_.count(Action::right),
-                    plan_.count(Action::skip)));
+    return session_.finish(ended, object,
+                           fmt::format("slave {}: stopped after {}", slave_,
+                                       text::counted_of(written_, plan_.count(Action::write), "value")),
+                           fmt::format("slave {}: {} {}, {} right already, {} skipped", slave_,
+                                       plan_.count(Action::write), dry_run_ ? "to write" : "written",
+                                       plan_.count(Action::right), plan_.count(Action::skip)));
   }
 
  private:
@@ -187,6 +189,7 @@ ExitCode restore_verb(Session& session, const RestoreOptions& options) {
 void add_restore_verb(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<RestoreOptions>();
   auto* restore = app.add_subcommand("restore", "write the values of a backup into a slave");
+  restore->group(kSetVerbs);
   restore->add_option("SLAVE", options->slave, kSlavesHelp)->required();
   restore->add_option("FILE", options->file, kBackupFileHelp)->required();
   restore->add_flag("--dry-run", options->dry_run, "show what would be written, and write nothing");

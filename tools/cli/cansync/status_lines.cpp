@@ -9,6 +9,7 @@
 
 #include "cansync_members.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -68,8 +69,10 @@ std::string second_master_text(const Status& status, unsigned) {
 }
 
 std::string open_jobs_text(const Status& status, unsigned) {
-  return fmt::format("{} of {} parameter jobs, {} of {} transfers; served: {}", status.open_parameter_jobs,
-                     status.parameter_queue, status.open_transfers, status.transfer_queue, status.serving);
+  return fmt::format("{}, {}; served: {}",
+                     text::counted_of(status.open_parameter_jobs, status.parameter_queue, "parameter job"),
+                     text::counted_of(status.open_transfers, status.transfer_queue, "transfer"),
+                     status.serving);
 }
 
 std::string reference_value_text(const Status& status, unsigned number) {
@@ -92,7 +95,8 @@ constexpr Line kLines[] = {
     {"state", "operating state, with w_OPTION_STATUS and w_CANsync_STATUS", state_text},
     {"interval", "number of the present interval, and how long each is",
      [](const Status& status, unsigned) {
-       return fmt::format("{}; each takes {} us", status.interval, status.interval_length / 1000);
+       return fmt::format("{}; each takes {}", status.interval,
+                          text::duration_text(std::chrono::nanoseconds(status.interval_length)));
      }},
     {"second master", "somebody else sends what only a master may send; only when one was seen",
      second_master_text},
@@ -118,7 +122,7 @@ constexpr Line kLines[] = {
      "1, 2", 1, 2},
     {"no reference values", "active intervals in which a reference value telegram had nothing to send",
      [](const Status& status, unsigned) {
-       return fmt::format("{} telegrams", status.references_not_released);
+       return text::counted(status.references_not_released, "telegram");
      }},
     {"frames", "received ones that were no valid telegram, and ones nobody asked for, by kind",
      [](const Status& status, unsigned) { return frames_text(status); }},

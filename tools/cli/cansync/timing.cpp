@@ -5,6 +5,7 @@
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/timing_report.h"
 #include "cli/cansync/timing_samples.h"
 #include "cli/cansync/timing_svg.h"
@@ -85,6 +86,7 @@ ExitCode timing_verb(Session& session, const TimingTexts& texts) {
 
 void add_timing_verb(CLI::App& app, Verb& chosen) {
   auto* timing = app.add_subcommand("timing", "how punctual SYNC and the telegrams are");
+  timing->group(kLookingVerbs);
   auto texts = std::make_shared<TimingTexts>();
   timing
       ->add_option("--seconds", texts->seconds,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "text/counts.h"
+
 namespace cansync::cli {
 namespace {
 
@@ -148,7 +150,7 @@ std::vector<Table::Column> slot_columns() {
   return {
       {"SLOT", left, "the telegram: RC, WRC1, RDC1, WRC2, RDC2, CC, in the order of the interval"},
       {"BY", left, "who sends it: master or slave"},
-      {"SEEN", right, "telegrams of that slot on the bus in active operation"},
+      {"SEEN", right, "telegrams of that slot on the bus in run"},
       {"PLANNED", right, "when the master means to start it; - = a slave does"},
       {"EARLIEST", right,
        "earliest start: the end of the frame less its length; a negative one is an answer that began before "
@@ -174,8 +176,9 @@ Table slot_table(const TimingReport& report) {
 
 std::vector<std::string> report_lines(const TimingReport& report, std::size_t width) {
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("bus {} at {} bit/s, an interval takes {} us; counts {}", report.bus,
-                              report.bit_rate, report.interval_length / 1000, span_text(report)));
+  lines.push_back(
+      fmt::format("bus {} at {} bit/s, an interval takes {}; counts {}", report.bus, report.bit_rate,
+                  text::duration_text(std::chrono::nanoseconds(report.interval_length)), span_text(report)));
   lines.push_back(fmt::format("SYNC wake-up: {} us least, {} us mean, {} us most late in the last {}",
                               microseconds(report.lateness_minimum), microseconds(report.lateness_mean),
                               microseconds(report.lateness_maximum),
@@ -192,8 +195,8 @@ std::vector<std::string> report_lines(const TimingReport& report, std::size_t wi
   lines.push_back(table.heading());
   for (std::string& line : table.lines()) lines.push_back(std::move(line));
   lines.emplace_back();
-  lines.push_back(fmt::format("bus load {:.1f} %; SYNC edges missed: {}; {} intervals",
-                              report.bus_load / 10.0, report.missed_syncs, report.intervals));
+  lines.push_back(fmt::format("bus load {:.1f} %; SYNC edges missed: {}; {}", report.bus_load / 10.0,
+                              report.missed_syncs, text::counted(report.intervals, "interval")));
   return lines;
 }
 

@@ -9,6 +9,7 @@
 #include "cansync/telegram/errors.h"
 #include "cansync/telegram/reply_payload.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -79,8 +80,8 @@ std::string text_of(const TransferInitialise& start) {
   const bool upload = start.direction == TransferInitialise::Direction::upload;
   if (upload && start.length.value() == 0 && start.address == 0)
     return fmt::format("cancel transfer{}", sub_slave_text(start.sub_slave));
-  return fmt::format("{} of {} bytes {} 0x{:08X}{}", upload ? "begin upload" : "begin download",
-                     start.length.value(), upload ? "from" : "to", start.address,
+  return fmt::format("{} of {} {} 0x{:08X}{}", upload ? "begin upload" : "begin download",
+                     text::counted(start.length.value(), "byte"), upload ? "from" : "to", start.address,
                      sub_slave_text(start.sub_slave));
 }
 

@@ -3,8 +3,10 @@
 #include <memory>
 
 #include "cli/base/files.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/progress.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -56,8 +58,8 @@ Transferred run_job(Session& session, const client::TransferRequest& request) {
 std::string transferred_text(const Transferred& ended) {
   const std::string pace =
       ended.seconds > 0.0 ? fmt::format(", {:.0f} bytes/s", ended.reply.done / ended.seconds) : "";
-  return fmt::format("{} bytes in {} intervals, {:.3f} s{}", ended.reply.done, ended.reply.intervals,
-                     ended.seconds, pace);
+  return fmt::format("{} in {}, {:.3f} s{}", text::counted(ended.reply.done, "byte"),
+                     text::counted(ended.reply.intervals, "interval"), ended.seconds, pace);
 }
 
 ExitCode finish(Session& session, const client::TransferRequest& request, const Transferred& ended) {
@@ -74,8 +76,8 @@ ExitCode finish(Session& session, const client::TransferRequest& request, const 
       .add("repeated_telegrams", reply.repeated_telegrams)
       .add("repeated_blocks", reply.repeated_blocks);
   const std::string where =
-      fmt::format("slave {}, {} at 0x{:X}, after {} bytes", request.slave,
-                  request.download ? "download" : "upload", request.address, reply.done);
+      fmt::format("slave {}, {} at 0x{:X}, after {}", request.slave, request.download ? "download" : "upload",
+                  request.address, text::counted(reply.done, "byte"));
   return session.finish(
       reply, object, where,
       (session.several() ? fmt::format("slave {}: ", request.slave) : "") + transferred_text(ended));
@@ -138,6 +140,7 @@ void add_common(CLI::App& verb, TransferOptions& options) {
 
 void add_transfer_verbs(CLI::App& app, Verb& chosen) {
   auto* upload = app.add_subcommand("upload", "bring data from a slave into a file");
+  upload->group(kParameterVerbs);
   auto upload_options = std::make_shared<TransferOptions>();
   upload->add_option("SLAVE", upload_options->slave, kSlavesHelp)->required();
   upload->add_option("ADDRESS", upload_options->address, "start address; 0x00..0xFF are the slave's own")
@@ -157,6 +160,7 @@ void add_transfer_verbs(CLI::App& app, Verb& chosen) {
   });
 
   auto* download = app.add_subcommand("download", "bring a file into a slave");
+  download->group(kParameterVerbs);
   auto download_options = std::make_shared<TransferOptions>();
   download->add_option("SLAVE", download_options->slave, kSlavesHelp)->required();
   download->add_option("ADDRESS", download_options->address, "start address; 0x00..0xFF are the slave's own")

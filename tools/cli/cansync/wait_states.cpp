@@ -18,8 +18,8 @@ using Of = WaitState::Of;
 constexpr std::array<WaitState, 18> kStates = {{
     {"present", Of::daemon, "the daemon: it is there"},
     {"gone", Of::nobody, "the daemon: it is not there, or goes"},
-    {"setup", Of::master, "the master: set-up, w_OPTION_STATUS 0x0043"},
-    {"run", Of::master, "the master: active operation, 0x0080"},
+    {"setup", Of::master, "the master: w_OPTION_STATUS 0x0043"},
+    {"run", Of::master, "the master: w_OPTION_STATUS 0x0080"},
     {"stop", Of::master, "the master: no SYNC, 0x0001 to 0x0003"},
     {"error-active", Of::controller, "the CAN controller, as `status` shows it: no or few errors"},
     {"error-warning", Of::controller, "the CAN controller: many errors"},
@@ -119,7 +119,7 @@ std::string seen(const WaitState& state, const WaitLook& now) {
     case Of::nobody:
       return "the daemon is there";
     case Of::master:
-      return fmt::format("the master is '{}' (0x{:04X})", client::text(now.master.state),
+      return fmt::format("the master is in {} (0x{:04X})", client::text(now.master.state),
                          now.master.option_status);
     case Of::controller:
       return fmt::format("the controller is {}", now.controller);

@@ -15,6 +15,7 @@
 #include "cli/cansync_slave/verbs.h"
 #include "cli/connect/bus_connection.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -124,8 +125,9 @@ ExitCode actual_verb(Session& session, const ActualTexts& texts) {
   std::uint64_t samples = 0;
   ReleaseWriter writer(client, strength);
   const client::Reply reply = stream_actual(client, writer, telegrams, pace, samples);
-  return session.finish(reply, JsonObject().add("samples", samples).add("wait_intervals", pace.wait),
-                        "actual", fmt::format("values were released {} times and are given up", samples));
+  return session.finish(
+      reply, JsonObject().add("samples", samples).add("wait_intervals", pace.wait), "actual",
+      fmt::format("values were released {} and are given up", text::counted(samples, "time")));
 }
 
 }  // namespace
@@ -133,6 +135,7 @@ ExitCode actual_verb(Session& session, const ActualTexts& texts) {
 void add_actual_verb(CLI::App& app, Verb& chosen) {
   auto* actual =
       app.add_subcommand("actual", "as a slave: release actual values until Ctrl-C, or for --seconds");
+  actual->group("The daemon as a slave");
   auto texts = std::make_shared<ActualTexts>();
   actual
       ->add_option(

@@ -26,6 +26,7 @@
 #include "config/settings.h"
 #include "profile/named.h"
 #include "profile/scaling.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -196,7 +197,7 @@ std::string Server::in_unit(const profile::Parameter& named, std::uint32_t raw) 
 
 void Server::show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error) {
   show({job.time, job.job, job.download ? "download" : "upload", job.address, "",
-        fmt::format("{} bytes", bytes), static_cast<std::int64_t>(bytes), error});
+        text::counted(bytes, "byte"), static_cast<std::int64_t>(bytes), error});
 }
 
 /// There is room for a download; of an upload something lies there, and goes as a whole if that is asked.
@@ -339,8 +340,9 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
         session.output().remark(told);
     }
   }
-  session.output().remark(fmt::format("{} answered; {} parameters{} are given back", server.served(),
-                                      duties.parameters.size(), texts.blocks ? " and blocks" : ""));
+  session.output().remark(fmt::format("{} answered; {}{} are given back", server.served(),
+                                      text::counted(duties.parameters.size(), "parameter"),
+                                      texts.blocks ? " and blocks" : ""));
   return ExitCode::done;
 }
 
@@ -348,6 +350,7 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
 
 void add_serve_verb(CLI::App& app, Verb& chosen) {
   auto* serve = app.add_subcommand("serve", "as a slave: answer the master's parameter jobs until Ctrl-C");
+  serve->group("The daemon as a slave");
   auto texts = std::make_shared<ServeTexts>();
   serve->add_option(
       "FILE", texts->file,

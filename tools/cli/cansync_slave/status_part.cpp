@@ -8,6 +8,7 @@
 #include "cansync_slave_members.h"
 #include "cli/connect/bus_connection.h"
 #include "dds/bounded_text.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -55,9 +56,10 @@ std::string parameters_text(const SideStatus& status) {
   std::string text = fmt::format("{} in the daemon's table; ", status.parameters);
   const std::string_view application = gateway::dds::text(status.application);
   if (application.empty()) return text + "no application";
-  return text + fmt::format("{}{} taken over by {}; {} of {} jobs answered, {} of {} blocks moved",
-                            status.taken_over, status.takes_blocks ? " and blocks" : "", application,
-                            status.jobs_answered, status.jobs, status.blocks_done, status.blocks);
+  return text + fmt::format("{}{} taken over by {}; {} answered, {} moved", status.taken_over,
+                            status.takes_blocks ? " and blocks" : "", application,
+                            text::counted_of(status.jobs_answered, status.jobs, "job"),
+                            text::counted_of(status.blocks_done, status.blocks, "block"));
 }
 
 std::vector<Explained> lines_of_slave(Session& session) {
@@ -65,18 +67,21 @@ std::vector<Explained> lines_of_slave(Session& session) {
   return {
       {"slave", fmt::format("{}, {}; {}; status word 0x{:04X}", status.slave_number, status.state,
                             synchronized_text(status), status.status_word)},
-      {"intervals", fmt::format("{} of {} us; {} SYNC edges missing", status.interval,
-                                status.interval_length / 1000, status.missing_edges)},
+      {"intervals", fmt::format("{} of {}; {} missing", status.interval,
+                                text::duration_text(std::chrono::nanoseconds(status.interval_length)),
+                                text::counted(status.missing_edges, "SYNC edge"))},
       {"reference values",
-       fmt::format("{} WRC1, {} WRC2; {} intervals without, {} of them now", status.reference_telegrams[0],
-                   status.reference_telegrams[1], status.missing_references, status.missing_in_row)},
-      {"actual values",
-       fmt::format("{} RDC1, {} RDC2 sent; {} and {} times nothing was released; {} and {} late",
-                   status.actual_sent[0], status.actual_sent[1], status.not_released[0],
-                   status.not_released[1], status.actual_late[0], status.actual_late[1])},
+       fmt::format("{} WRC1, {} WRC2; {} without, {} of them now", status.reference_telegrams[0],
+                   status.reference_telegrams[1], text::counted(status.missing_references, "interval"),
+                   status.missing_in_row)},
+      {"actual values", fmt::format("{} RDC1, {} RDC2 sent; {} and {} nothing was released; {} and {} late",
+                                    status.actual_sent[0], status.actual_sent[1], status.not_released[0],
+                                    text::counted(status.not_released[1], "time"), status.actual_late[0],
+                                    status.actual_late[1])},
       {"fault", fault_text(status)},
-      {"answers", fmt::format("{} sent, {} late, {} not taken by the bus; {} actions", status.answers_sent,
-                              status.answers_late, status.answers_failed, status.actions)},
+      {"answers",
+       fmt::format("{} sent, {} late, {} not taken by the bus; {}", status.answers_sent, status.answers_late,
+                   status.answers_failed, text::counted(status.actions, "action"))},
       {"parameters", parameters_text(status)},
       {"response", fmt::format("last {}, longest {}; {}", slave_microseconds(status.response_last),
                                slave_microseconds(status.response_longest), margin_text(status))},

@@ -116,6 +116,7 @@ ExitCode references_verb(Session& session, bool follow, const std::string& count
 void add_references(CLI::App& app, Verb& chosen) {
   auto* references =
       app.add_subcommand("references", "as a slave: the reference values that the master sent last");
+  references->group("The daemon as a slave");
   auto count = std::make_shared<std::string>();
   auto follow = std::make_shared<bool>(false);
   references->add_flag("--follow", *follow, "every telegram, until Ctrl-C");

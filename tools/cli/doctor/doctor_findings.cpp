@@ -7,6 +7,7 @@
 #include "cli/doctor/doctor_line.h"
 #include "cli/doctor/doctor_link.h"
 #include "cli/doctor/finding_list.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -159,8 +160,8 @@ void look_at_incompatible(const DoctorInput& in, FindingList& out) {
   if (in.incompatible == 0) return;
   out.error(
       "dds_incompatible",
-      fmt::format("{} programs on this bus's topics can neither hear the daemon nor be heard{}",
-                  in.incompatible,
+      fmt::format("{} on this bus's topics can neither hear the daemon nor be heard{}",
+                  text::counted(in.incompatible, "program"),
                   in.newest_incompatible.empty() ? "" : "; the newest: " + in.newest_incompatible),
       "give the program the QoS, the types and the data model of the daemon (docs/dds-api.md, \"Other DDS "
       "implementations\"); `cansync events` names them");
@@ -171,11 +172,14 @@ void look_at_second_master(const client::MasterStatus& status, FindingList& out)
       "switch the other master off; `cansync events` says when, `cansync trace` shows its telegrams";
   const std::uint64_t frames = status.second_master_frames;
   if (status.second_master)
-    out.error("second master", fmt::format("another master sends on this bus: {} frames so far", frames),
+    out.error("second master",
+              fmt::format("another master sends on this bus: {} so far", text::counted(frames, "frame")),
               remedy);
   else if (frames != 0)
-    out.warning("second master",
-                fmt::format("another master has sent {} frames; none in the last 3 s", frames), remedy);
+    out.warning(
+        "second master",
+        fmt::format("another master has sent {}; none in the last 3 s", text::counted(frames, "frame")),
+        remedy);
   else
     out.ok("second master", "none was heard");
 }

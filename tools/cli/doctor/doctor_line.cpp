@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "cli/base/status_refusal.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -134,7 +135,8 @@ void look_at_misses(const DoctorInput& in, FindingList& out) {
   }
   out.warning(
       "missed",
-      fmt::format("{} SYNC edges, {} telegrams left out since the start{}", syncs, telegrams,
+      fmt::format("{}, {} left out since the start{}", text::counted(syncs, "SYNC edge"),
+                  text::counted(telegrams, "telegram"),
                   in.newest_missed.empty() ? "" : "; the newest at " + in.newest_missed),
       "see priority, processor, idle states and kernel below; cansync timing --follow shows whether it "
       "goes on");

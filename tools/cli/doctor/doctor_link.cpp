@@ -11,6 +11,7 @@
 
 #include "can/bit_timing.h"
 #include "can/bus_names.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -178,7 +179,7 @@ void look_at_echo(const DoctorInput& in, FindingList& out) {
 
 void look_at_queue(const DoctorInput& in, FindingList& out) {
   const std::uint32_t length = in.link.queue_length;
-  const std::string found = fmt::format("{} frames", length);
+  const std::string found = text::counted(length, "frame");
   const std::string remedy = fmt::format("ip link set {} txqueuelen 10", in.interface_name);
   if (length < kShortestQueue)
     out.warning("txqueuelen", found + ": an interval's telegrams do not fit", remedy);

@@ -6,6 +6,7 @@
 #include "cli/text/values.h"
 #include "j1939/identifier.h"
 #include "j1939/transport.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -111,9 +112,11 @@ void MessageLines::tell_missed(const j1939_MessageBatch& batch) {
     number_ = 0;
   }
   if (number_ != 0 && batch.number != number_ + 1)
-    output_.remark(fmt::format("{} batches of messages were missed", batch.number - number_ - 1));
+    output_.remark(text::counted(batch.number - number_ - 1, "batch of messages was missed",
+                                 "batches of messages were missed"));
   if (number_ != 0 && batch.lost != lost_)
-    output_.remark(fmt::format("{} messages came faster than the daemon could publish", batch.lost - lost_));
+    output_.remark(fmt::format("{} came faster than the daemon could publish",
+                               text::counted(batch.lost - lost_, "message")));
   number_ = batch.number;
   lost_ = batch.lost;
 }

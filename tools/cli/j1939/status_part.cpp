@@ -6,6 +6,7 @@
 #include "dds/bounded_text.h"
 #include "j1939/client/message_client.h"
 #include "j1939_members.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -23,8 +24,10 @@ std::string address_line(const j1939_NodeStatus& status) {
   text += fmt::format(", {}", gateway::dds::text(status.claim_state));
   text += fmt::format("; NAME {:016X}", status.node_name);
   if (status.name_twice) text += ", which another node has, too";
-  if (status.addresses_lost != 0) text += fmt::format("; lost {} times", status.addresses_lost);
-  if (status.intruders != 0) text += fmt::format("; {} messages of others with it", status.intruders);
+  if (status.addresses_lost != 0)
+    text += fmt::format("; lost {}", text::counted(status.addresses_lost, "time"));
+  if (status.intruders != 0)
+    text += fmt::format("; {} of others with it", text::counted(status.intruders, "message"));
   return text;
 }
 
@@ -37,8 +40,9 @@ std::vector<Explained> lines_of_node(Session& session) {
                    status.taken, status.lost)},
       {"in packets", fmt::format("{} whole, {} broken, {} refused, {} under way", status.packets_completed,
                                  status.packets_broken, status.packets_refused, status.transports)},
-      {"messages sent", fmt::format("{} frames; {} requests not answered, {} not sent, {} waiting",
-                                    status.sent, status.unanswered, status.not_sent, status.waiting)},
+      {"messages sent",
+       fmt::format("{}; {} not answered, {} not sent, {} waiting", text::counted(status.sent, "frame"),
+                   text::counted(status.unanswered, "request"), status.not_sent, status.waiting)},
       {"load of the bus", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
 }
 

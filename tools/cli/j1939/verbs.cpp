@@ -218,6 +218,7 @@ constexpr std::string_view kOfJ1939 = "Of a bus with bus.protocol = \"j1939\"";
 
 void add_messages(CLI::App& app, Verb& chosen) {
   auto* messages = app.add_subcommand("messages", "J1939: what other nodes send, until Ctrl-C");
+  messages->group("J1939");
   auto count = std::make_shared<std::string>();
   messages->add_option("--count", *count, "end after so many messages")->type_name("N");
   messages->footer(fmt::format("{}: whole messages that its ranges take.\n", kOfJ1939) +
@@ -228,6 +229,7 @@ void add_messages(CLI::App& app, Verb& chosen) {
 
 void add_transmit(CLI::App& app, Verb& chosen) {
   auto* transmit = app.add_subcommand("transmit", "J1939: send a message");
+  transmit->group("J1939");
   auto texts = std::make_shared<MessageTexts>();
   transmit->add_option("PGN", texts->pgn, "group in five hexadecimal digits, or 0x..")->required();
   transmit->add_option("DATA", texts->data,
@@ -249,6 +251,7 @@ void add_transmit(CLI::App& app, Verb& chosen) {
 
 void add_request(CLI::App& app, Verb& chosen) {
   auto* request = app.add_subcommand("request", "J1939: ask a node for a message");
+  request->group("J1939");
   auto texts = std::make_shared<MessageTexts>();
   request->add_option("PGN", texts->pgn, "group in five hexadecimal digits, or 0x..")->required();
   request->add_option("--to", texts->to, "address of the node that is asked, 0..253, or all (the default)")
@@ -265,6 +268,7 @@ void add_request(CLI::App& app, Verb& chosen) {
 
 void add_addresses(CLI::App& app, Verb& chosen) {
   auto* addresses = app.add_subcommand("addresses", "J1939: which node has which address");
+  addresses->group("J1939");
   addresses->footer(fmt::format("{}: the claims that were heard, and the daemon's own.\n", kOfJ1939) +
                     columns_help(address_columns()));
   addresses->callback([&chosen] { chosen = addresses_verb; });
@@ -272,6 +276,7 @@ void add_addresses(CLI::App& app, Verb& chosen) {
 
 void add_faults(CLI::App& app, Verb& chosen) {
   auto* faults = app.add_subcommand("faults", "J1939: the faults that other nodes tell");
+  faults->group("J1939");
   faults->footer(fmt::format("{}: what DM1 and DM2 said last.\n", kOfJ1939) + columns_help(fault_columns()));
   faults->callback([&chosen] { chosen = faults_verb; });
 }

@@ -66,6 +66,7 @@ ExitCode can_verb(Session& session, const std::string& word, const std::string& 
 
 CLI::App& add_can_verb(CLI::App& app, Verb& chosen) {
   auto* can = app.add_subcommand("can", "general frames: watch, send, timers, queues, controller");
+  can->group("General frames");
   auto action = std::make_shared<std::string>();
   auto number = std::make_shared<std::string>();
   can->add_option("ACTION", *action, "what is to be done: " + can_words())->type_name(can_words("|"));

@@ -17,6 +17,7 @@
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
 #include "layer2/dds/convert.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -61,9 +62,10 @@ void Dump::tell_missed(const layer2_FrameBatch& batch) {
     number_ = 0;
   }
   if (number_ != 0 && batch.first > next_)
-    output_.remark(fmt::format("{} frames were missed: they were read too slowly", batch.first - next_));
+    output_.remark(text::counted(batch.first - next_, "frame was missed", "frames were missed") +
+                   ": they were read too slowly");
   if (number_ != 0 && batch.lost != lost_)
-    output_.remark(fmt::format("{} frames came faster than the daemon could publish", batch.lost - lost_));
+    output_.remark(text::counted(batch.lost - lost_, "frame") + " came faster than the daemon could publish");
   number_ = batch.number;
   next_ = batch.first + batch.frames._length;
   lost_ = batch.lost;
@@ -109,7 +111,7 @@ ExitCode dump_verb(Session& session, const DumpTexts& texts) {
     break;
   }
   if (!texts.write.empty() && texts.write != "-")
-    session.output().remark(fmt::format("{} frames written to {}", dump.shown(), texts.write));
+    session.output().remark(text::counted(dump.shown(), "frame") + " written to " + texts.write);
   return code;
 }
 

@@ -15,6 +15,7 @@
 #include "cli/layer2/frame_lines.h"
 #include "layer2/client/frame_client.h"
 #include "layer2/script.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -73,7 +74,7 @@ ExitCode check_script(Session& session, const ScriptTexts& texts, const layer2::
                                 .add("problems", problems));
   } else if (good) {
     session.output().remark(
-        fmt::format("{}: {} commands, no errors", place_of(texts), script.commands.size()));
+        fmt::format("{}: {}, no errors", place_of(texts), text::counted(script.commands.size(), "command")));
   }
   return good ? ExitCode::done : ExitCode::failed;
 }
@@ -126,7 +127,7 @@ ExitCode run_script(Session& session, const layer2::Script& script) {
       return code;
     }
   }
-  if (!session.json()) session.output().remark(fmt::format("{} commands done", number));
+  if (!session.json()) session.output().remark(text::counted(number, "command") + " done");
   return ExitCode::done;
 }
 

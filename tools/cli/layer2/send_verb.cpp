@@ -17,6 +17,7 @@
 #include "cli/layer2/send_frames.h"
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -104,10 +105,10 @@ class Sender {
   }
 
   ExitCode end(ExitCode code, bool alone) {
-    if (!alone && !session_.json()) session_.output().remark(fmt::format("{} frames sent", sent_));
+    if (!alone && !session_.json()) session_.output().remark(text::counted(sent_, "frame") + " sent");
     if (left_out_ != 0)
-      session_.output().remark(
-          fmt::format("{} times left out: the turn before was not over in time", left_out_));
+      session_.output().remark("left out " + text::counted(left_out_, "time") +
+                               ": the turn before was not over in time");
     return code;
   }
 

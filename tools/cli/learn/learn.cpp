@@ -6,6 +6,7 @@
 
 #include "cansync/observe/observer.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/trace_text.h"
 #include "cli/learn/learn_compare.h"
 #include "cli/learn/learn_files.h"
@@ -14,6 +15,7 @@
 #include "cli/learn/recording.h"
 #include "cli/learn/verbs.h"
 #include "cli/text/column_help.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -33,8 +35,9 @@ void write_all_files(Session& session, const LearnTexts& texts, const RecordingE
   place.bus = place.interface;
   const auto files = learned_files(observation, learned, place);
   write_learned_files(texts.write, files);
-  session.output().remark(fmt::format("{} files written below {}; next: cansyncd --check {}/{}", files.size(),
-                                      texts.write, texts.write, files.front().path));
+  session.output().remark(fmt::format("{} written below {}; next: cansyncd --check {}/{}",
+                                      text::counted(files.size(), "file"), texts.write, texts.write,
+                                      files.front().path));
 }
 
 ExitCode learn_verb(Session& session, const LearnTexts& texts) {
@@ -62,6 +65,7 @@ ExitCode learn_verb(Session& session, const LearnTexts& texts) {
 
 void add_learn_verb(CLI::App& app, Verb& chosen) {
   auto* learn = app.add_subcommand("learn", "what a recorded master does, as a report and a configuration");
+  learn->group(kLookingVerbs);
   auto texts = std::make_shared<LearnTexts>();
   add_recording_options(*learn, texts->recording, "until Ctrl-C");
   learn

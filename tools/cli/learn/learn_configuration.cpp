@@ -6,6 +6,7 @@
 
 #include "cli/learn/configuration_text.h"
 #include "cli/learn/learn_points.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -101,9 +102,9 @@ void write_slave(ConfigurationText& text, const Observation& observation, const 
   const std::uint64_t actual = use.actual[0].count + use.actual[1].count;
   text.section("[[slave]]");
   if (use.answers + actual == 0) text.comment("It was asked and never answered.");
-  text.option(
-      "number", fmt::format("{}", number),
-      fmt::format("{} commands, {} answers, {} actual value telegrams", use.commands, use.answers, actual));
+  text.option("number", fmt::format("{}", number),
+              fmt::format("{}, {}, {} actual value telegrams", text::counted(use.commands, "command"),
+                          text::counted(use.answers, "answer"), actual));
   text.comment(fmt::format("name = \"slave{}\"", number));
   write_learned(text, "status_parameter", fmt::format("{}", slave.status_parameter), of.status_parameter);
   write_learned(text, "block_limit", fmt::format("{}", slave.block_limit), of.block_limit);
@@ -123,8 +124,8 @@ std::string learned_configuration(const Observation& observation, const Learned&
                                   const LearnedPlace& place) {
   const MasterSettings settings = observe::settings_of(learned);
   ConfigurationText text;
-  text.comment(fmt::format("Learned by `cansync learn` from {}: {} frames.", toml_quoted(place.source),
-                           observation.frames));
+  text.comment(fmt::format("Learned by `cansync learn` from {}: {}.", toml_quoted(place.source),
+                           text::counted(observation.frames, "frame")));
   text.comment("seen: it stood on the bus; inferred: it fits what was seen, and another reading might, too.");
   text.comment("Check it with `cansyncd --check`; docs/configuration.md has every option.");
   write_bus(text, learned, settings, place);

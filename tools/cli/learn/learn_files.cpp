@@ -15,6 +15,7 @@
 #include "profile/hash.h"
 #include "profile/reader.h"
 #include "system/descriptor.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -108,9 +109,10 @@ std::string learned_profile(const Observation& observation, unsigned slave) {
     if (!is_own(use, slave)) continue;
     const bool moves = use.reads > 1 && use.least != use.most && use.writes == 0;
     out += fmt::format(
-        "\n# read {} times, written {} times, refused {} times; read: {}..{}\n[[parameter]]\nnumber = {}\n"
-        "name = \"parameter-{}\"\nformat = \"{}\"\naccess = \"{}\"{}\n",
-        use.reads, use.writes, use.refused, use.least, use.most, use.number.value(), use.number.value(),
+        "\n# read {}, written {}, refused {}; read: {}..{}\n[[parameter]]\nnumber = {}\nname = "
+        "\"parameter-{}\"\nformat = \"{}\"\naccess = \"{}\"{}\n",
+        text::counted(use.reads, "time"), text::counted(use.writes, "time"),
+        text::counted(use.refused, "time"), use.least, use.most, use.number.value(), use.number.value(),
         use.doubleword ? "doubleword" : "word", use.writes > 0 ? "read-write" : "read-only",
         moves ? "\nvolatile = true" : "");
   }
@@ -137,7 +139,7 @@ std::string learned_batch(const Observation& observation, const LearnedPlace& pl
       out += fmt::format("# {}{}\n", line.empty() ? "" : line + "  : ", step_text(step));
   }
   if (observation.steps_over > 0)
-    out += fmt::format("# {} further steps found no room.\n", observation.steps_over);
+    out += fmt::format("# {} found no room.\n", text::counted(observation.steps_over, "further step"));
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -184,7 +185,7 @@ std::vector<LearnedPoint> learned_points(const Observation& observation, const L
 std::string certainty_text(Certainty certainty, std::uint64_t count) {
   if (certainty == Certainty::not_seen) return "not seen";
   if (certainty == Certainty::inferred) return "inferred";
-  return count == 1 ? "seen once" : fmt::format("seen {} times", count);
+  return count == 1 ? "seen once" : fmt::format("seen {}", text::counted(count, "time"));
 }
 
 std::string_view certainty_word(Certainty certainty) noexcept {

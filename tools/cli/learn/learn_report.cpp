@@ -8,6 +8,7 @@
 #include "cli/learn/learn_points.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -33,12 +34,12 @@ constexpr std::array<PlaceName, observe::kPlaces> kPlaceNames = {{
     {"WRC2", &SlotTimes::reference_two},
     {"RDC2", &SlotTimes::actual_two},
     {"CC", &SlotTimes::command},
-    {"CC set-up", &SlotTimes::command},
-    {"RC set-up", nullptr},
+    {"CC setup", &SlotTimes::command},
+    {"RC setup", nullptr},
 }};
 
 std::vector<Table::Column> heard_slot_columns() {
-  return {{"TELEGRAM", kToTheLeft, "its channel; set-up = before the first reference values"},
+  return {{"TELEGRAM", kToTheLeft, "its channel; setup = before the first reference values"},
           {"COUNT", kToTheRight, "telegrams with an edge before them"},
           {"USUAL", kToTheRight, "start after the SYNC edge in us, most frequent"},
           {"EARLIEST", kToTheRight, "the earliest start in us"},
@@ -121,10 +122,9 @@ std::string step_words(const observe::TransferStep& step) {
   const bool upload = step.direction == TransferInitialise::Direction::upload;
   const std::string error =
       step.end == StepEnd::refused ? fmt::format(" (0x{:04X})", static_cast<std::uint16_t>(step.error)) : "";
-  return fmt::format("{} {} 0x{:X} {} bytes in {} {}{}, {}{}", upload ? "upload" : "download",
-                     step.slave.value(), step.address, step.bytes, step.blocks,
-                     step.blocks == 1 ? "block" : "blocks", sub_slave_words(step.sub_slave),
-                     step_end_words(step.end), error);
+  return fmt::format("{} {} 0x{:X} {} in {}{}, {}{}", upload ? "upload" : "download", step.slave.value(),
+                     step.address, text::counted(step.bytes, "byte"), text::counted(step.blocks, "block"),
+                     sub_slave_words(step.sub_slave), step_end_words(step.end), error);
 }
 
 void write_heard_slots(Output& output, const Observation& observation) {
@@ -252,12 +252,13 @@ void write_steps(Output& output, const Observation& observation, const ReportOpt
     ++shown;
     const std::int64_t time = microseconds_of(step.at);
     output.line(fmt::format("{:>5}.{:06}  {}{}", time / 1'000'000, time % 1'000'000, step_text(step),
-                            step.count > 1 ? fmt::format(", {} times", step.count) : ""));
+                            step.count > 1 ? fmt::format(", {}", text::counted(step.count, "time")) : ""));
   }
   const std::size_t more = observation.steps.size() - shown;
   if (!output.json() && more > 0) output.line(fmt::format("       and {} more; --steps shows them", more));
   if (observation.steps_over > 0)
-    output.remark(fmt::format("{} further steps found no room and are left out", observation.steps_over));
+    output.remark(fmt::format("{} left out for lack of room",
+                              text::counted(observation.steps_over, "further step is", "further steps are")));
 }
 
 void write_head(Output& output, const Observation& observation) {
@@ -281,9 +282,10 @@ void write_head(Output& output, const Observation& observation) {
                       .add("intervals_without_references", observation.references_missing));
     return;
   }
-  output.line(fmt::format("{} frames in {:.3f} s, {} SYNC edges, bus load {} %, {} error frames, {} others",
-                          observation.frames, seconds, observation.edges, load, observation.error_frames,
-                          none));
+  output.line(
+      fmt::format("{} in {:.3f} s, {}, bus load {} %, {}, {}", text::counted(observation.frames, "frame"),
+                  seconds, text::counted(observation.edges, "SYNC edge"), load,
+                  text::counted(observation.error_frames, "error frame"), text::counted(none, "other")));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "cli/cansync/trace_text.h"
 #include "cli/text/values.h"
 #include "cli/trace/trace_source.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -72,7 +73,8 @@ class RecordingReader {
     if (!begun_) begin();
     end_.dropped = dropped;
     if (dropped > 0)
-      output_.remark(fmt::format("{} frames were dropped by the kernel and are missing here", dropped));
+      output_.remark(fmt::format("{} dropped by the kernel and are missing here",
+                                 text::counted(dropped, "frame was", "frames were")));
     return std::move(end_);
   }
 

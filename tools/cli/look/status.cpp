@@ -93,11 +93,10 @@ std::string interface_text(const CommonStatus& status) {
 
 std::string bus_faults_text(const CommonStatus& status) {
   const client::BusStatus& bus = status.bus;
-  std::string seen =
-      list_counts({{bus.error_frames, bus.error_frames == 1 ? "error frame" : "error frames"},
-                   {bus.acknowledge_errors, "not acknowledged"},
-                   {bus.restarts, bus.restarts == 1 ? "restart" : "restarts"}},
-                  status.brief);
+  std::string seen = list_counts({{bus.error_frames, bus.error_frames == 1 ? "error frame" : "error frames"},
+                                  {bus.acknowledge_errors, "not acknowledged"},
+                                  {bus.restarts, bus.restarts == 1 ? "restart" : "restarts"}},
+                                 status.brief);
   const std::string lost = list_counts({{bus.queue_full, "for a full send queue"},
                                         {bus.overruns, "in the controller"},
                                         {bus.dropped_frames, "in the kernel"}},

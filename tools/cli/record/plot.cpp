@@ -9,6 +9,7 @@
 
 #include "cli/base/child_process.h"
 #include "cli/base/files.h"
+#include "cli/base/verb_groups.h"
 #include "cli/record/plot_data.h"
 #include "cli/record/plot_script.h"
 #include "cli/record/verbs.h"
@@ -80,6 +81,7 @@ ExitCode plot_verb(Session& session, const PlotTexts& texts) {
 
 void add_plot_verb(CLI::App& app, Verb& chosen) {
   auto* plot = app.add_subcommand("plot", "draws a recording (record) as SVG or PNG, with gnuplot");
+  plot->group(kLookingVerbs);
   auto texts = std::make_shared<PlotTexts>();
   plot->add_option("FILE", texts->file, "a recording; - = standard input")->required();
   plot->add_option("-o,--output", texts->output,

@@ -12,6 +12,7 @@
 #include "cli/text/csv.h"
 #include "cli/text/slave_list.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -97,8 +98,9 @@ class Reading {
 
   void take_row() {
     if (fields_.size() != headings_.size())
-      throw reader_.error(fields_.back().column, fmt::format("found {} fields; expected {} as in line 1",
-                                                             fields_.size(), headings_.size()));
+      throw reader_.error(fields_.back().column,
+                          fmt::format("found {}; expected {} as in line 1",
+                                      text::counted(fields_.size(), "field"), headings_.size()));
     const auto slave = number<unsigned>(fields_[kSlave].text);
     if (!slave || *slave >= kSlaves)
       throw reader_.error(fields_[kSlave].column,

@@ -10,11 +10,13 @@
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
+#include "cli/base/verb_groups.h"
 #include "cli/record/recording.h"
 #include "cli/record/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/progress.h"
 #include "system/descriptor.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -101,8 +103,8 @@ class RecordProgress {
   void update(double seconds, const RecordCounts& counts) {
     if (!terminal_) return;
     drawn_ = true;
-    const std::string text =
-        fmt::format("{:.1f} s  {} rows  {} missing  Ctrl-C ends", seconds, counts.rows, counts.missing);
+    const std::string text = fmt::format("{:.1f} s  {}  {} missing  Ctrl-C ends", seconds,
+                                         text::counted(counts.rows, "row"), counts.missing);
     static_cast<void>(std::fputs(("\r\x1b[K" + text.substr(0, terminal_width(stderr) - 1)).c_str(), stderr));
     static_cast<void>(std::fflush(stderr));
   }
@@ -176,10 +178,10 @@ ExitCode tell(Session& session, const RecordTexts& texts, const RecordPlan& plan
                                 .add("dropped", recorded.dropped)
                                 .add("ended", recorded.ended));
   } else {
-    session.output().remark(
-        fmt::format("{} rows in {:.1f} s, {} turns missing{}", recorded.counts.rows, recorded.seconds,
-                    recorded.counts.missing,
-                    recorded.dropped > 0 ? fmt::format(", {} samples dropped", recorded.dropped) : ""));
+    session.output().remark(fmt::format(
+        "{} in {:.1f} s, {} missing{}", text::counted(recorded.counts.rows, "row"), recorded.seconds,
+        text::counted(recorded.counts.missing, "turn"),
+        recorded.dropped > 0 ? fmt::format(", {} dropped", text::counted(recorded.dropped, "sample")) : ""));
   }
   if (recorded.ended != "daemon_gone") return ExitCode::done;
   const std::string several = session.client().several_daemons();
@@ -214,6 +216,7 @@ ExitCode record_verb(Session& session, const RecordTexts& texts) {
 
 void add_record_verb(CLI::App& app, Verb& chosen) {
   auto* verb = app.add_subcommand("record", "the actual values of the slaves as a CSV file");
+  verb->group(kLookingVerbs);
   auto texts = std::make_shared<RecordTexts>();
   verb->add_option("FILE", texts->file, "is overwritten; - = standard output")->required();
   verb->add_option("SLAVE", texts->slaves, "numbers or names (default: every configured slave)");

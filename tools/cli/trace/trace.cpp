@@ -3,11 +3,13 @@
 #include <memory>
 
 #include "cli/base/interrupt.h"
+#include "cli/base/verb_groups.h"
 #include "cli/cansync/trace_text.h"
 #include "cli/text/column_help.h"
 #include "cli/trace/trace_source.h"
 #include "cli/trace/trace_writer.h"
 #include "cli/trace/verbs.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -75,7 +77,8 @@ class Tracer {
 
   ExitCode end(std::uint64_t dropped) {
     if (dropped > 0)
-      output_.remark(fmt::format("{} frames were dropped by the kernel: this program was too slow", dropped));
+      output_.remark(fmt::format("{} dropped by the kernel: this program was too slow",
+                                 text::counted(dropped, "frame was", "frames were")));
     if (problems_ == 0) return ExitCode::done;
     output_.remark(
         fmt::format("{} {} not understood", problems_, problems_ == 1 ? "line was" : "lines were"));
@@ -124,6 +127,7 @@ ExitCode trace_verb(Session& session, const TraceTexts& texts) {
 
 void add_trace_verb(CLI::App& app, Verb& chosen) {
   auto* trace = app.add_subcommand("trace", "the frames of a line in words, from a log or live");
+  trace->group(kLookingVerbs);
   auto texts = std::make_shared<TraceTexts>();
   trace
       ->add_option(

@@ -8,6 +8,7 @@
 #include "client/src/c_face/handle.h"
 #include "profile/named.h"
 #include "profile/scaling.h"
+#include "text/counts.h"
 
 /// Parameters by name and in their unit, of the C face.
 namespace {
@@ -144,9 +145,9 @@ int cansync_list_parameter(cansync_client* handle, uint32_t slave, uint32_t inde
     if (found.profile == nullptr) return fail(open, CANSYNC_INVALID, "client: " + found.problem);
     const std::vector<profile::Parameter>& parameters = found.profile->parameters;
     if (index >= parameters.size()) {
-      return fail(
-          open, CANSYNC_NO_DATA,
-          fmt::format("client: profile '{}' has {} parameters", found.profile->name, parameters.size()));
+      return fail(open, CANSYNC_NO_DATA,
+                  fmt::format("client: profile '{}' has {}", found.profile->name,
+                              text::counted(parameters.size(), "parameter")));
     }
     *out = to_c(parameters[index]);
     return static_cast<int>(CANSYNC_DONE);

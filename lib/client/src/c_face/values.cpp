@@ -42,7 +42,7 @@ int cansync_get_actual_values(cansync_client* handle, uint32_t slave, uint32_t t
     if (!values) {
       return fail(open, CANSYNC_NO_DATA,
                   "client: no actual values of slave " + std::to_string(slave) + " within " +
-                      std::to_string(timeout_ms) + " ms; is the line in active operation?");
+                      std::to_string(timeout_ms) + " ms; is the line in run?");
     }
     *out = to_c(*values);
     return static_cast<int>(CANSYNC_DONE);

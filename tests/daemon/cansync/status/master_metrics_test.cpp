@@ -28,7 +28,7 @@ struct Samples {
     copy_text("can0", bus.bus_interface);
     copy_text("lo", gateway.dds_interface);
     copy_text("kernel", bus.timestamp_source);
-    copy_text("waiting for start", master.state);
+    copy_text("stop", master.state);
     copy_text("bus-off", bus.controller_state);
     copy_text("missing", bus.link_state);
     copy_text("held", master.reference_release[1].state);
@@ -92,8 +92,8 @@ TEST(MasterMetrics, HasTheNumbersOfTheTopicsInBaseUnits) {
       const std::string& expected : {
           std::string(
               R"(cansync_info{bus="can0",version="1.2.3",interface="can0",dds_interface="lo",timestamp_source="kernel"} 1)"),
-          std::string(R"(cansync_state{bus="can0",state="waiting for start"} 1)"),
-          std::string(R"(cansync_state{bus="can0",state="synchronous operation active as master"} 0)"),
+          std::string(R"(cansync_state{bus="can0",state="stop"} 1)"),
+          std::string(R"(cansync_state{bus="can0",state="run"} 0)"),
           std::string(R"(cansync_controller_state{bus="can0",state="bus-off"} 1)"),
           std::string(R"(cansync_link_state{bus="can0",state="missing"} 1)"),
           std::string(R"(cansync_sync_state{bus="can0",state="locked"} 0)"),

@@ -35,17 +35,15 @@ MasterSnapshot active_with(std::uint32_t responding) {
 
 TEST(StatusText, TellsStateSlavesAndBus) {
   EXPECT_EQ(status_text(active_with(0b11), line_of(2)),
-            "active operation: 2 of 2 slaves respond; bus line (can0) at 500000 bit/s");
+            "run: 2 of 2 slaves respond; bus line (can0) at 500000 bit/s");
 }
 
 TEST(StatusText, NamesFourOfThoseThatDoNotAnswer) {
-  EXPECT_EQ(
-      status_text(active_with(0b10), line_of(2)),
-      "active operation: 1 of 2 slaves respond; no answer from slave0; bus line (can0) at 500000 bit/s");
-  EXPECT_EQ(
-      status_text(active_with(0b1), line_of(7)),
-      "active operation: 1 of 7 slaves respond; no answer from slave1, slave2, slave3, slave4 and 2 more; "
-      "bus line (can0) at 500000 bit/s");
+  EXPECT_EQ(status_text(active_with(0b10), line_of(2)),
+            "run: 1 of 2 slaves respond; no answer from slave0; bus line (can0) at 500000 bit/s");
+  EXPECT_EQ(status_text(active_with(0b1), line_of(7)),
+            "run: 1 of 7 slaves respond; no answer from slave1, slave2, slave3, slave4 and 2 more; "
+            "bus line (can0) at 500000 bit/s");
 }
 
 TEST(StatusText, TellsFirstWhatKeepsTheLineFromRunning) {
@@ -66,7 +64,7 @@ TEST(StatusText, TellsOfAnotherMaster) {
   MasterSnapshot master = active_with(1);
   master.second_master = true;
   EXPECT_EQ(status_text(master, line_of(1)),
-            "active operation: 1 of 1 slaves respond; bus line (can0) at 500000 bit/s; another master sends");
+            "run: 1 of 1 slave responds; bus line (can0) at 500000 bit/s; another master sends");
 }
 
 TEST(StatusLine, IsToldOnTheEdgeAndAtMostOnceASecond) {

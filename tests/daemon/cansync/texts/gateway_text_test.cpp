@@ -36,13 +36,23 @@ TEST(RefusalText, EachRefusalOfTheMasterSaysWhatIsAllowed) {
   const auto text = [&](Refusal refusal, const Request& request) {
     return refusal_text(refusal, request, config, context);
   };
-  EXPECT_EQ(text(Refusal::wrong_state, ModeRequest{1, Mode::run, false}),
-            "state: the master is 'setting up synchronous operation as master' (0x0043); active operation "
-            "can be enabled in set-up alone: give mode setup first");
+  EXPECT_EQ(
+      text(Refusal::wrong_state, ModeRequest{1, Mode::run, false}),
+      "state: the master is in setup (0x0043); run is entered from setup alone: give mode setup, then mode "
+      "run");
   EXPECT_EQ(text(Refusal::slaves_missing, ModeRequest{1, Mode::run, false}),
             "slaves: not yet synchronized and released: slave 0, slave 1 'feeder'; wait for them, or give "
             "mode run with force");
   cansync::ReferenceUpdate update;
+  EXPECT_EQ(
+      text(Refusal::wrong_state, update),
+      "state: the master is in setup (0x0043); reference values are taken in run (0x0080) alone: give mode "
+      "run");
+  const RefusalContext stopped{cansync::State::waiting_for_start, 5000, {0}, {0}};
+  EXPECT_EQ(
+      refusal_text(Refusal::wrong_state, update, config, stopped),
+      "state: the master is in stop (0x0003); reference values are taken in run (0x0080) alone: give mode "
+      "setup, then mode run");
   update.from_interval = 99;
   EXPECT_EQ(
       text(Refusal::interval_passed, update),
