@@ -95,7 +95,7 @@ void EventPublisher::write(const EventText& event) {
     gateway::dds::copy_text(event.request->result, sample.result);
   }
   // Keep last: a reader that does not follow loses the oldest, the write itself cannot fail for want of room.
-  const dds_return_t written = writer_.write(sample);
+  const dds_return_t written = writers_.at(sample.severity).write(sample);
   // A request of a client has its entry in the journal already.
   if (!event.request) {
     std::vector<JournalField> fields = fields_of(event);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -88,7 +89,9 @@ class EventPublisher {
  public:
   /// `journal` must outlive the publisher; `bus` is the field BUS. Throws gateway::dds::SetupError.
   EventPublisher(const gateway::dds::Participant& participant, JournalSink& journal, std::string bus)
-      : writer_(participant), journal_(journal), bus_(std::move(bus)) {}
+      : writers_{Writer(participant), Writer(participant), Writer(participant)},
+        journal_(journal),
+        bus_(std::move(bus)) {}
 
   /// Number of the running interval, for events that carry no moment of their own.
   void set_interval(std::uint64_t interval) noexcept { interval_ = interval; }
@@ -106,7 +109,10 @@ class EventPublisher {
   void write(const EventText& event);
   std::vector<JournalField> fields_of(const EventText& event) const;
 
-  gateway::dds::Writer<gateway_Event> writer_;
+  using Writer = gateway::dds::Writer<gateway_Event>;
+
+  /// By severity: what is frequent and harmless does not push faults out of what late readers get.
+  std::array<Writer, 3> writers_;
   JournalSink& journal_;
   const std::string bus_;
   FloodGuard guard_;

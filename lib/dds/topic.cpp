@@ -17,7 +17,11 @@ Qos common(const TopicQos& qos) {
 }  // namespace
 
 Qos reader_qos(const TopicInfo& topic) {
+  // Events have a writer for each level, and each of them gives a late reader its last ones.
+  constexpr std::int32_t kWriters = 3;
   Qos qos = common(topic.qos);
+  if (topic.qos.transient_local && topic.qos.depth > 1)
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kWriters * topic.qos.depth);
   if (topic.qos.exclusive) dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, topic.qos.lease);
   if (topic.qos.max_samples > 0) {
     dds_qset_resource_limits(qos.get(), topic.qos.max_samples, topic.qos.max_instances,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <deque>
+#include <tuple>
 
 #include "client/src/link.h"
 #include "client/src/set_up.h"
@@ -212,7 +213,12 @@ SlaveLookup Client::find_slave(std::string_view number_or_name) const {
 std::vector<Event> Client::recent_events(std::chrono::milliseconds quiet) const {
   auto& feed = link_->open<Event>();
   feed.wait_quiet(quiet);
-  return feed.known();
+  std::vector<Event> events = feed.known();
+  // Each level has a writer of its own.
+  std::sort(events.begin(), events.end(), [](const Event& one, const Event& other) {
+    return std::tie(one.time, one.number) < std::tie(other.time, other.number);
+  });
+  return events;
 }
 
 Subscription Client::on_actual_values(std::function<void(const ActualValues&)> callback) {

@@ -53,7 +53,7 @@ struct Kept<SlaveStatus> {
 };
 template <>
 struct Kept<Event> {
-  static constexpr std::size_t kKept = 100;
+  static constexpr std::size_t kKept = 300;  // the last 100 of each level
   static bool same_key(const Event&, const Event&) { return false; }
 };
 

@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <string>
+#include <tuple>
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
@@ -130,7 +132,12 @@ ExitCode follow(Session& session, const EventFilter& filter) {
     const bool stop = wait_until(std::chrono::steady_clock::now() + kLook);
     if (restarts.take()) session.output().remark(kStartedAnew);
     restarts.expect_one();
-    for (const client::Event& event : queue.take_all())
+    auto events = queue.take_all();
+    // Those of before come level by level.
+    std::sort(events.begin(), events.end(), [](const client::Event& one, const client::Event& other) {
+      return std::tie(one.time, one.number) < std::tie(other.time, other.number);
+    });
+    for (const client::Event& event : events)
       if (passes(filter, event)) lines.show(event);
     if (stop) return ExitCode::done;
     if (restarts.gone()) {
@@ -182,7 +189,8 @@ ExitCode events_verb(Session& session, const EventTexts& texts) {
 }  // namespace
 
 void add_event_verb(CLI::App& app, Verb& chosen) {
-  auto* events = app.add_subcommand("events", "what happened: the last 100 events, oldest first");
+  auto* events =
+      app.add_subcommand("events", "what happened: the last 100 events of each level, oldest first");
   events->group(kLookingVerbs);
   auto texts = std::make_shared<EventTexts>();
   events->add_flag("--follow", texts->following, "then also those to come, until Ctrl-C");
