@@ -25,7 +25,7 @@ class Line:
 
     def test_every_slave_follows_its_reference_value(self):
         def look():
-            self.run_verb("broadcast", "--slaves", "all", "--command", 1, "--word", "0x87")  # acknowledges faults
+            self.run_verb("broadcast", "--yes", "--slaves", "all", "--command", 1, "--word", "0x87")  # acknowledges faults
             rows = self.json("watch", "--count", 1)
             # On a loaded machine telegrams are left out, so a slave's turn may come only with the next round.
             every = all(row["values"] and None not in row["intervals"] for row in rows)

@@ -112,7 +112,7 @@ class Refused(Passports):
     def test_the_passport_of_another_drive(self):
         other = self.backup("other", 0)
         self.assertIn("slave: 0 in the file, 1 here", self.refused(SLAVE, other))
-        self.assertEqual(self.json("restore", SLAVE, other, "--force")[-1]["result"], "done")
+        self.assertEqual(self.json("restore", SLAVE, other, "--force", "--yes")[-1]["result"], "done")
         self.assertIn("1 mark of identity", self.run_verb("verify", SLAVE, other, code=DIFFERENT).stderr)
 
     def test_a_changed_file(self):

@@ -101,7 +101,7 @@ class Security(unittest.TestCase):
         self.assertIn(b"winder", self.expect(0, "slaves").stdout)
         self.assertIn("number", json.loads(self.expect(0, "events", "--json").stdout.splitlines()[0]))
         self.expect_no_right("Command", "control", 1, 0x000F)
-        self.expect_no_right("Command", "broadcast", "--slaves", "all", "--command", 128)
+        self.expect_no_right("Command", "broadcast", "--yes", "--slaves", "all", "--command", 128)
         self.expect_no_right("ReferenceValues", "set", "0=1", "--seconds", 1)
         self.expect_no_right("ParameterRequest", "write", 1, 100, 5)
         self.expect_no_right("ParameterRequest", "read", 1, 100)
@@ -111,7 +111,7 @@ class Security(unittest.TestCase):
     def test_operator_gives_control_words_and_reference_values_and_no_more(self):
         self.gateway.become("operator")
         self.expect(0, "control", 1, 0x000F)
-        self.expect(0, "broadcast", "--slaves", "all", "--command", 128)
+        self.expect(0, "broadcast", "--yes", "--slaves", "all", "--command", 128)
         self.expect(0, "set", "0=1", "--seconds", 0.2)
         self.expect_no_right("ParameterRequest", "write", 1, 100, 5)
         self.expect_no_right("TransferRequest", "upload", 1, 0x100, 4, os.path.join(self.folder, "up"))

@@ -167,7 +167,7 @@ class Frames(unittest.TestCase):
         self.daemon.verb("control", 2, "0x1203")
         self.log.wait_for_frame("010#0400000001000312")
         self.daemon.verb("control", 2, 7)
-        self.daemon.verb("broadcast", "--slaves", "0,3", "--command", 200, "--byte", "0x5A", "--word", "0x1234")
+        self.daemon.verb("broadcast", "--yes", "--slaves", "0,3", "--command", 200, "--byte", "0x5A", "--word", "0x1234")
         self.log.wait_for_frame("010#09000000C85A3412")
 
     def test_nobody_else_is_on_the_bus(self):

@@ -97,7 +97,7 @@ class Verbs(unittest.TestCase):
 
     def test_control_and_broadcast(self):
         self.assertEqual(self.one("control", 1, 7)["result"], "done")
-        self.assertEqual(self.one("broadcast", "--slaves", "all", "--command", 210)["slave_mask"], 0xFFFFFFFF)
+        self.assertEqual(self.one("broadcast", "--yes", "--slaves", "all", "--command", 210)["slave_mask"], 0xFFFFFFFF)
 
     def test_mode(self):
         self.assertEqual(self.one("mode", "setup")["result"], "done")

@@ -69,7 +69,7 @@ class DemoLine(Gateway):
         def look(*arguments):
             if time.monotonic() - last[0] > PATIENCE:
                 last[0] = time.monotonic()
-                self.done("broadcast", "--slaves", "all", "--command", 1, "--word", RESET)
+                self.done("broadcast", "--yes", "--slaves", "all", "--command", 1, "--word", RESET)
             return condition(*arguments)
 
         return look
@@ -99,7 +99,7 @@ def make_plot(line, folder):
     """A start of the line in which one drive is stopped for a while; the recording is removed afterwards."""
     recording, picture = os.path.join(folder, "line.csv"), os.path.join(folder, "plot.svg")
     line.done("poll", 1, "auto", 2, "auto", "--maximum", 3)  # their values come more often then
-    line.done("broadcast", "--slaves", "all", "--command", 1, "--word", RESET)
+    line.done("broadcast", "--yes", "--slaves", "all", "--command", 1, "--word", RESET)
     for drive, number, value in SOFTER:
         line.done("write", drive, number, value)
     with line.start("record", recording, "unwinder", "dancer-1", "registration-1", "--values", "position,speed,torque",

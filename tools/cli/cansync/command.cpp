@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <bit>
 #include <limits>
 #include <memory>
 
+#include "cli/base/consent.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/verbs.h"
 
@@ -22,12 +24,14 @@ struct BroadcastTexts {
   std::string command;
   std::string byte = "0";
   std::string word = "0";
+  Consent consent;
 };
 
 /// The arguments of `mode` as they were typed.
 struct ModeTexts {
   std::string mode;
   bool force = false;
+  Consent consent;
 };
 
 /// The arguments of `release` as they were typed.
@@ -62,6 +66,12 @@ ExitCode control_verb(Session& session, const ControlTexts& texts) {
   });
 }
 
+/// What `--dry-run` says of `what`, and of the line it would reach.
+ExitCode say_only(Session& session, std::string_view what) {
+  session.output().remark(fmt::format("{} would be sent; {}; nothing was sent", what, reached_line(session)));
+  return ExitCode::done;
+}
+
 /// "all" are all that are on the bus, also those nobody has configured: every bit of the mask (M 4.2).
 std::uint32_t parse_slaves(Session& session, const std::string& text) {
   if (text == "all") return std::numeric_limits<std::uint32_t>::max();
@@ -77,6 +87,10 @@ ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
   broadcast.data_word = parse_raw(texts.word, "--word", Width::word);
   broadcast.slave_mask = parse_slaves(session, texts.slaves);
   broadcast.timeout_ms = session.monitoring_ms();
+  const std::string where = fmt::format("broadcast of command {} to slaves {}", broadcast.action,
+                                        format_slave_set(broadcast.slave_mask));
+  if (texts.consent.dry_run) return say_only(session, where);
+  if (std::popcount(broadcast.slave_mask) > 1) ask_consent(session, texts.consent, where);
   const client::CommandReply reply =
       session.ask(Effect::changes, [&] { return session.client().broadcast(broadcast); });
   JsonObject object;
@@ -85,8 +99,6 @@ ExitCode broadcast_verb(Session& session, const BroadcastTexts& texts) {
       .add("command", broadcast.action)
       .add("byte", broadcast.data_byte)
       .add("word", broadcast.data_word);
-  const std::string where = fmt::format("broadcast of command {} to slaves {}", broadcast.action,
-                                        format_slave_set(broadcast.slave_mask));
   return session.finish(reply, object, where, where + " sent");
 }
 
@@ -102,10 +114,18 @@ client::Mode parse_mode(std::string_view text) {
 ExitCode mode_verb(Session& session, const ModeTexts& texts) {
   const client::Mode mode = parse_mode(texts.mode);
   if (texts.force && mode != client::Mode::run) throw UsageError("--force: only `mode run` takes it");
+  const std::string where = "mode " + texts.mode;
+  if (texts.consent.dry_run) return say_only(session, where);
+  // A script that stops the line must not fail to because nobody was there to be asked.
+  if (mode == client::Mode::stop)
+    ask_consent(session, texts.consent, "mode stop: SYNC and all telegrams end, and open jobs",
+                Unasked::done);
+  if (mode == client::Mode::restart)
+    ask_consent(session, texts.consent, "mode restart: the line stops, and is set up anew");
   const client::CommandReply reply =
       session.ask(Effect::changes, [&] { return session.client().mode(mode, texts.force); });
-  return session.finish(reply, JsonObject().add("mode", texts.mode).add("force", texts.force),
-                        "mode " + texts.mode, "mode " + texts.mode + " is in effect");
+  return session.finish(reply, JsonObject().add("mode", texts.mode).add("force", texts.force), where,
+                        where + " is in effect");
 }
 
 void add_control(CLI::App& app, Verb& chosen) {
@@ -152,7 +172,10 @@ void add_broadcast(CLI::App& app, Verb& chosen) {
       ->type_name("N");
   broadcast->add_option("--priority", texts->priority, "0 = before everything else, 1, or 2 (default)")
       ->type_name("0|1|2");
-  broadcast->footer("Done means that it was on the bus: slaves do not answer an action command.");
+  add_consent_options(*broadcast, texts->consent);
+  broadcast->footer(
+      "Done means that it was on the bus: slaves do not answer an action command.\n"
+      "One to several slaves is asked for on a terminal.");
   broadcast->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return broadcast_verb(session, *texts); }; });
 }
@@ -165,7 +188,10 @@ void add_mode(CLI::App& app, Verb& chosen) {
       ->type_name("setup|run|stop|reset-can|restart")
       ->required();
   mode->add_flag("--force", texts->force, "run: also when slaves are missing");
+  add_consent_options(*mode, texts->consent);
   mode->footer(
+      "On a terminal stop and restart are asked for; in a script stop is done without, and restart needs "
+      "--yes.\n"
       "Modes:\n"
       "  setup      SYNC runs, slaves are activated and their status is read; no reference values\n"
       "  run        reference and actual values are exchanged\n"

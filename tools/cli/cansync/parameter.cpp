@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "cli/base/consent.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/profiles.h"
@@ -28,6 +29,7 @@ struct ParameterOptions {
   std::string profile;
   bool raw = false;
   bool scaled = false;
+  Consent consent;  ///< write
 };
 
 /// Those of `read`: several parameters, and again and again.
@@ -330,6 +332,10 @@ ExitCode write_one(Session& session, Request request, const std::string& value) 
 }
 
 ExitCode write_verb(Session& session, const ParameterOptions& options) {
+  const std::string what =
+      fmt::format("write {}: {} into parameter {} of ", options.slave, options.value, options.parameter);
+  if (options.slave == "all" && !options.consent.dry_run)
+    ask_consent(session, options.consent, what + "every configured slave");
   const client::ParameterFormat typed = parse_format(options.format);
   // Told before anything is sent; with `auto` a doubleword is the widest the slave can have.
   if ((looks_like_number(options.parameter) && !options.scaled) || options.raw) {
@@ -339,6 +345,11 @@ ExitCode write_verb(Session& session, const ParameterOptions& options) {
     request.job.write = true;
     if (takes_known_value(request)) take_known_value(request, options.value, typed);
   });
+  if (options.consent.dry_run) {
+    session.output().remark(
+        fmt::format("{}{} slaves would be sent; nothing was sent", what, requests.size()));
+    return ExitCode::done;
+  }
   return session.for_each(slaves_of(requests), [&](std::size_t index) {
     return write_one(session, requests[index], options.value);
   });
@@ -403,12 +414,14 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
           "or\nnegative")
       ->required();
   add_common(*write, *write_options);
+  add_consent_options(*write, write_options->consent);
   write->footer(
       "Prints what was written, as `read` does. What the slave's profile does not allow (limits, format, "
       "access) is an\n"
       "error of the command line, and nothing is sent. Without a profile and with --format auto the "
       "parameter is read\n"
-      "first, so that it is written in the slave's own format. Exit code 5 after `no_answer`: whether the "
+      "first, so that it is written in the slave's own format. `write all` is asked for on a terminal, and "
+      "needs --yes elsewhere. Exit code 5 after `no_answer`: whether the "
       "slave took the\nvalue is not known.");
   write->callback([write_options, &chosen] {
     chosen = [write_options](Session& session) { return write_verb(session, *write_options); };

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "cli/base/consent.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/passport_compare.h"
 #include "cli/cansync/passport_source.h"
@@ -21,6 +22,7 @@ struct RestoreOptions {
   std::string profile;
   bool dry_run = false;
   bool force = false;
+  bool yes = false;
 };
 
 using Action = PlanStep::Action;
@@ -174,6 +176,11 @@ ExitCode restore_one(Session& session, const RestoreOptions& options, unsigned s
   if (!plan.problems.empty()) {
     return refuse(session, path, plan.problems, "every value has to be right before the first is written");
   }
+  if (options.force && !options.dry_run) {
+    ask_consent(
+        session, {options.yes},
+        fmt::format("restore --force: {} goes into slave {} whatever drive it was made of", path, slave));
+  }
   return Restore(session, slave, path, plan, options.dry_run).run();
 }
 
@@ -193,8 +200,11 @@ void add_restore_verb(CLI::App& app, Verb& chosen) {
   restore->add_option("SLAVE", options->slave, kSlavesHelp)->required();
   restore->add_option("FILE", options->file, kBackupFileHelp)->required();
   restore->add_flag("--dry-run", options->dry_run, "show what would be written, and write nothing");
-  restore->add_flag("--force", options->force,
-                    "also a file that was changed after it was written, or of another drive");
+  restore->add_flag(
+      "--force", options->force,
+      "also a file that was changed after it was written, or of another drive; is asked for on a "
+      "terminal, needs --yes elsewhere");
+  add_yes_option(*restore, options->yes);
   add_profile_option(*restore, options->profile);
   restore->footer(
       "Reads the slave first, writes only what differs, one parameter after the other by rising number, and "
