@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -51,8 +52,16 @@ std::string drawn(const std::string& script) {
   }
 }
 
+/// "run.svg" for "run.csv" unless a name was given.
+std::string output_of(const PlotTexts& texts) {
+  if (!texts.output.empty()) return texts.output;
+  if (texts.file == "-") throw UsageError("--output: found nothing with FILE '-'; allowed: a picture's name");
+  return std::filesystem::path(texts.file).replace_extension(".svg").string();
+}
+
 ExitCode plot_verb(Session& session, const PlotTexts& texts) {
-  const PlotFormat format = format_of(texts.output);
+  const std::string output = output_of(texts);
+  const PlotFormat format = format_of(output);
   session.expect_input(texts.file);
   const PlotData data = read_file_to_plot(texts);
   if (data.broken_off)
@@ -61,16 +70,19 @@ ExitCode plot_verb(Session& session, const PlotTexts& texts) {
     throw std::runtime_error(fmt::format("{}: nothing to plot, there are no values in it", texts.file));
   const std::string picture =
       drawn(plot_script(data, texts.title.empty() ? texts.file : texts.title, format));
-  ReplacementFile file(texts.output);
+  ReplacementFile file(output);
   file.commit(std::span(reinterpret_cast<const std::uint8_t*>(picture.data()), picture.size()));
-  if (!session.json()) return ExitCode::done;
+  if (!session.json()) {
+    if (texts.output.empty()) session.output().remark(output + " is written");
+    return ExitCode::done;
+  }
   JsonArray values;
   for (const Panel& panel : data.panels) values.add(panel.heading);
   JsonArray slaves;
   for (const unsigned slave : data.slaves) slaves.add(slave);
   session.output().object(JsonObject()
                               .add("file", texts.file)
-                              .add("output", texts.output)
+                              .add("output", output)
                               .add("slaves", slaves)
                               .add("values", values)
                               .add("rows", data.rows));
@@ -85,8 +97,8 @@ void add_plot_verb(CLI::App& app, Verb& chosen) {
   auto texts = std::make_shared<PlotTexts>();
   plot->add_option("FILE", texts->file, "a recording; - = standard input")->required();
   plot->add_option("-o,--output", texts->output,
-                   "the picture, whose name ends with .svg or .png; is replaced")
-      ->required()
+                   "the picture, whose name ends with .svg or .png; is replaced (default: that of FILE with "
+                   ".svg)")
       ->type_name("PICTURE");
   plot->add_option("--values", texts->values, "these alone, by name, with commas (default: all)")
       ->delimiter(',')

@@ -1,21 +1,17 @@
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <memory>
 #include <mutex>
-#include <system_error>
 
-#include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
 #include "cli/base/verb_groups.h"
+#include "cli/record/record_file.h"
 #include "cli/record/recording.h"
 #include "cli/record/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/progress.h"
-#include "system/descriptor.h"
 #include "text/counts.h"
 
 namespace cansync::cli {
@@ -32,6 +28,8 @@ struct RecordTexts {
   std::vector<std::string> values;
   std::string every = "1";
   std::string duration;
+  std::string size;   ///< of a file; empty: no bound
+  std::string older;  ///< how many full files are kept; empty: none
   bool raw = false;
 };
 
@@ -61,28 +59,6 @@ class Samples {
   std::vector<client::ActualValues> waiting_;
   std::uint64_t dropped_ = 0;
   client::Subscription subscription_;  // ends before what its callback needs
-};
-
-/// The file, written as rows come, so that what is there survives whatever ends this program.
-class RecordFile {
- public:
-  explicit RecordFile(std::string path) : path_(std::move(path)) {
-    if (path_ == "-") return;
-    file_.reset(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-    if (!file_.is_open()) throw std::system_error(errno, std::generic_category(), path_);
-  }
-
-  /// Whole lines.
-  void write(std::string_view text) {
-    if (file_.is_open())
-      write_all(file_.number(), text, path_);
-    else
-      write_all(STDOUT_FILENO, text, "standard output");
-  }
-
- private:
-  std::string path_;
-  sys::Descriptor file_;  ///< none: standard output
 };
 
 /// How the recording goes, in one line of a terminal that is redrawn; says nothing elsewhere.
@@ -119,7 +95,7 @@ struct Recorded {
   RecordCounts counts;
   std::uint64_t dropped = 0;
   double seconds = 0;
-  std::string_view ended;  ///< duration, signal or daemon_gone
+  std::string_view ended;  ///< duration, full, signal or daemon_gone
 };
 
 double seconds_since(Clock::time_point start) {
@@ -131,7 +107,6 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
   client::Client& client = session.client();
   Recorded recorded;
   RecordRows rows(plan, every);
-  file.write(plan.header());
   RecordProgress progress;
   const auto start = Clock::now();
   Samples samples(client);
@@ -149,11 +124,11 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
     if (restarts.take()) {
       progress.clear();
       session.output().remark(kStartedAnew);
-      file.write(rows.restarted(wall_clock()));
+      (void)file.write(rows.restarted(wall_clock()));
     }
     rows.set_polling(client.master_status());
     for (const client::ActualValues& sample : samples.take_all()) rows.take(sample);
-    file.write(rows.lines(!recorded.ended.empty()));
+    if (!file.write(rows.lines(!recorded.ended.empty()))) recorded.ended = "full";
     progress.update(seconds_since(start), rows.counts());
   }
   recorded.counts = rows.counts();
@@ -178,10 +153,12 @@ ExitCode tell(Session& session, const RecordTexts& texts, const RecordPlan& plan
                                 .add("dropped", recorded.dropped)
                                 .add("ended", recorded.ended));
   } else {
-    session.output().remark(fmt::format(
-        "{} in {:.1f} s, {} missing{}", text::counted(recorded.counts.rows, "row"), recorded.seconds,
-        text::counted(recorded.counts.missing, "turn"),
-        recorded.dropped > 0 ? fmt::format(", {} dropped", text::counted(recorded.dropped, "sample")) : ""));
+    session.output().remark(
+        fmt::format("{} in {:.1f} s, {} missing{}", text::counted(recorded.counts.rows, "row"),
+                    recorded.seconds, text::counted(recorded.counts.missing, "turn"),
+                    recorded.dropped > 0 ? fmt::format(", {} dropped", text::counted(recorded.dropped, "sample"))
+                                         : "") +
+        (recorded.ended == "full" ? "; the file has the size of --max-size" : ""));
   }
   if (recorded.ended != "daemon_gone") return ExitCode::done;
   const std::string several = session.client().several_daemons();
@@ -189,6 +166,17 @@ ExitCode tell(Session& session, const RecordTexts& texts, const RecordPlan& plan
                                                 "); the recording ends here"
                                           : several + "; the recording ends here");
   return ExitCode::not_reachable;
+}
+
+RecordBounds parse_bounds(const RecordTexts& texts) {
+  constexpr std::int64_t kMostFiles = 999;
+  RecordBounds bounds;
+  if (!texts.size.empty()) bounds.bytes = parse_size(texts.size, "--max-size");
+  if (!texts.older.empty())
+    bounds.older = static_cast<unsigned>(parse_integer(texts.older, "--rotate", 1, kMostFiles));
+  if (bounds.older != 0 && texts.file == "-")
+    throw UsageError("--rotate: found with FILE '-'; allowed: with a file, whose older ones get a number");
+  return bounds;
 }
 
 ExitCode record_verb(Session& session, const RecordTexts& texts) {
@@ -202,13 +190,14 @@ ExitCode record_verb(Session& session, const RecordTexts& texts) {
   if (session.json() && texts.file == "-")
     throw UsageError(
         "--json: found with FILE '-'; allowed: one of them, because both write to standard output");
+  const RecordBounds bounds = parse_bounds(texts);
   const std::uint32_t wanted = session.configured_slaves(texts.slaves);
   client::Client& client = session.client();
   std::vector<client::SlaveStatus> slaves = client.slaves();
   std::erase_if(slaves,
                 [wanted](const client::SlaveStatus& slave) { return ((wanted >> slave.slave) & 1u) == 0; });
   const RecordPlan plan(slaves, texts.values, texts.raw);
-  RecordFile file(texts.file);
+  RecordFile file(texts.file, plan.header(), bounds);
   return tell(session, texts, plan, record(session, plan, file, every, duration));
 }
 
@@ -228,6 +217,13 @@ void add_record_verb(CLI::App& app, Verb& chosen) {
   verb->add_option("--every", texts->every, "each Nth row of a slave, 1..1000000 (default 1)")
       ->type_name("N");
   verb->add_option("--duration", texts->duration, "how long (default: until Ctrl-C)")->type_name("SECONDS");
+  auto* size = verb->add_option("--max-size", texts->size,
+                                "end when the file has so many bytes, such as 64K, 100M or 2G, from 4096 on")
+                   ->type_name("SIZE");
+  verb->add_option("--rotate", texts->older,
+                   "go on in a new file instead, and keep N older ones as FILE.1 to FILE.N, 1..999")
+      ->type_name("N")
+      ->needs(size);
   verb->add_flag("--raw", texts->raw, "numbers as on the bus instead of scaled ones");
   verb->footer(
       "A row holds what came from one slave in one interval. Rows are written as they come: a line with its\n"
