@@ -72,7 +72,7 @@ class Lists(Script):
         self.assertEqual(self.text("read", "3,3", DEVICE_TYPE), self.text("read", 3, DEVICE_TYPE), "one slave is one slave")
 
     def test_the_list_is_looked_at_as_a_whole_before_anything_is_sent(self):
-        self.run_verb("write", "all", WORD, 1)
+        self.run_verb("write", "all", WORD, 1, "--yes")
         for wrong in ("0-4", "0,9", "0,nobody", "0,,1", "2-1", "0,32"):
             self.assertIn("SLAVE: ", self.fails("write", wrong, WORD, 2, code=2), wrong)
         self.assertIn("4-9 not configured; configured are 0-3", self.fails("control", "0-9", 0, code=2))
@@ -91,8 +91,8 @@ class Lists(Script):
     def test_commands(self):
         self.assertEqual(self.slaves("control", "0-1,3", 0), [0, 1, 3])
         self.assertEqual(self.slaves("release", "2,winder", code=3), [1, 2])
-        self.assertEqual(self.one("broadcast", "--slaves", "winder,2-3", "--command", 128)["slave_mask"], 0b1110)
-        self.assertEqual(self.one("broadcast", "--slaves", "all", "--command", 128)["slave_mask"], 0xFFFFFFFF)
+        self.assertEqual(self.one("broadcast", "--yes", "--slaves", "winder,2-3", "--command", 128)["slave_mask"], 0b1110)
+        self.assertEqual(self.one("broadcast", "--yes", "--slaves", "all", "--command", 128)["slave_mask"], 0xFFFFFFFF)
 
     def test_looking(self):
         self.assertEqual(self.slaves("slaves", "0,2-3"), [0, 2, 3])
@@ -179,6 +179,20 @@ class Wait(Script):
         missed = self.one("wait", "held", "0,1", "--timeout", 1, code=5)
         self.assertIn("slave 0 is released, responds, synchronized; slave 1 is", missed["reason"])
         self.assertIn("SLAVE: 7 not configured", self.fails("wait", "released", "7", code=2))
+
+    def test_an_actual_value(self):
+        with self.gateway.start("set", "0=5000", "--strength", 3) as writer:
+            self.addCleanup(writer.kill)
+            reached = self.one("wait", "value", "winder", "position", ">", "0.5", "--timeout", LONG)
+            self.assertEqual((reached["state"], reached["reached"]), ("value", True))
+            said = self.run_verb("wait", "value", 1, 0, ">=", 500, "--timeout", LONG).stderr
+            self.assertRegex(said, r"^cansync: 0 is \d+ after")
+            missed = self.one("wait", "value", "winder", "position", "<", -1e6, "--timeout", 1, code=5)
+            self.assertRegex(missed["reason"], r"seen last: position is \S+ mm")
+            writer.send_signal(signal.SIGINT)
+        for words, text in ((("winder", "position", "10"), "found 3 words"), (("winder", "position", "=>", "1"), "COMPARISON: found '=>'"),
+                            (("winder", "nosuch", ">", "1"), "position"), (("winder", 7, ">", 1), "is not mapped")):
+            self.assertIn(text, self.fails("wait", "value", *words, "--timeout", 1, code=2))
 
     def test_ctrl_c(self):
         waiting = self.gateway.start("wait", "bus-off", "--json")
@@ -278,6 +292,16 @@ class Batch(Script):
         lines = result.stdout.decode().splitlines()
         self.assertEqual(lines[:2], ["7 (0x0007, word)"] * 2)
         self.assertEqual([json.loads(line)["slave"] for line in lines[2:]], [0, 1])
+
+    def test_variables_sleep_and_expect(self):
+        text = f"PLACE={WORD}\nwrite $WHO $PLACE 31\nsleep 0.05\nexpect 0 read ${{WHO}} ${{PLACE}}\nexpect 3 read 9 1\n"
+        self.assertEqual(self.batch(text, "WHO=winder").stdout.decode().splitlines(), ["31 (0x001F, word)"] * 2)
+        wrong = self.batch(f"expect 0 read 9 1\nwrite 0 {WORD} 32\n", code=1).stderr
+        self.assertIn("expected exit status 0, found 3", wrong)
+        for line, text in (("read $WHO 1", "found '$WHO', which was not set"), ("sleep x", "SECONDS"), ("expect x status", "STATUS"),
+                           ("expect 0 batch y", "every other verb"), ("write all 1 2", "add --yes")):
+            self.assertIn(text, self.batch(f"write 0 {WORD} 33\n{line}\n", code=2).stderr)
+        self.assertNotIn(self.one("read", 0, WORD)["value"], (32, 33))
 
     def test_all_lines_share_one_connection(self):
         def participants():

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "cli/app/batch_source.h"
+#include "cli/app/batch_words.h"
 #include "cli/app/command_line.h"
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
@@ -20,6 +21,7 @@ namespace {
 /// The arguments as they were typed.
 struct BatchTexts {
   std::string file;
+  std::vector<std::string> variables;
   bool go_on = false;
 };
 
@@ -72,7 +74,12 @@ class Batch {
       : session_(session),
         name_(texts.file == "-" ? "standard input" : texts.file),
         go_on_(texts.go_on),
-        globals_(session.globals()) {}
+        globals_(session.globals()) {
+    for (const std::string& word : texts.variables)
+      if (!variables_.take(word))
+        throw UsageError(
+            fmt::format("NAME=VALUE: found '{}'; allowed: letters, digits and '_', '=', a value", word));
+  }
 
   /// Reads all lines, then runs them.
   ExitCode run_file(const std::string& path) {
@@ -116,17 +123,16 @@ class Batch {
 
  private:
   /// The command of a line; nothing when it has none. Throws UsageError with the place.
-  std::optional<Line> parse(std::string_view text, std::size_t number) const {
+  std::optional<Line> parse(std::string_view text, std::size_t number) {
     std::vector<Word> words;
     try {
       words = split_words(text);
       if (words.empty()) return std::nullopt;
+      if (words.size() == 1 && variables_.take(words.front().text)) return std::nullopt;
       std::vector<std::string> texts;
       texts.reserve(words.size());
-      for (const Word& word : words) texts.push_back(word.text);
-      Line line{number, parse_batch_command(texts, globals_)};
-      if (line.command.name == "batch")
-        throw UsageError("found 'batch'; allowed in a batch: every other verb");
+      for (Word& word : words) texts.push_back(word.text = variables_.expand(word.text));
+      Line line{number, command_of(texts)};
       check(line.command);
       return line;
     } catch (const WordError& error) {
@@ -136,6 +142,26 @@ class Batch {
       const std::string_view first = all.substr(0, all.find('\n'));
       throw UsageError(fmt::format("{}:{}:{}: {}", name_, number, column_of(words, first), first));
     }
+  }
+
+  /// What these words stand for: a verb, or what a batch alone knows. Throws UsageError.
+  Command command_of(std::vector<std::string> words) const {
+    if (words.front() == "sleep") {
+      words.erase(words.begin());
+      return {globals_, "sleep", sleep_verb(words)};
+    }
+    if (words.front() == "expect" && words.size() > 2) {
+      const std::string status = words[1];
+      words.erase(words.begin(), words.begin() + 2);
+      Command command = command_of(std::move(words));
+      check(command);
+      command.verb = expect_verb(status, std::move(command.verb));
+      command.name = "expect";
+      return command;
+    }
+    Command command = parse_batch_command(words, globals_);
+    if (command.name == "batch") throw UsageError("found 'batch'; allowed in a batch: every other verb");
+    return command;
   }
 
   /// Looks at the arguments that can be understood without a daemon. Throws UsageError.
@@ -189,6 +215,7 @@ class Batch {
   std::string name_;
   bool go_on_;
   Globals globals_;
+  BatchVariables variables_;
   ExitCode first_ = ExitCode::done;
 };
 
@@ -205,6 +232,8 @@ void add_batch_verb(CLI::App& app, Verb& chosen) {
   auto texts = std::make_shared<BatchTexts>();
   batch->add_option("FILE", texts->file, "file with commands; - = standard input, each line runs as it comes")
       ->required();
+  batch->add_option("NAME=VALUE", texts->variables,
+                    "variables of the lines, as if they were set at their beginning");
   batch->add_flag("--continue", texts->go_on, "go on with the next line when one fails (default: stop)");
   batch->footer(
       "A line is what stands behind `cansync`: \"read winder 100\". Words may be quoted with '...' and "
@@ -212,7 +241,9 @@ void add_batch_verb(CLI::App& app, Verb& chosen) {
       "comment; empty lines are left out. Lines may have --json, --timeout and --retry of their own; what "
       "they do not have is\nas given to batch. All lines of a file are looked at before the first one runs: "
       "when one is wrong, its line and\ncolumn are told and nothing is sent. Exit code: that of the first "
-      "line that failed.");
+      "line that failed.\n"
+      "A line NAME=VALUE sets a variable, $NAME or ${NAME} stands for it from there on, and $$ for $. `sleep SECONDS` "
+      "waits.\n`expect STATUS COMMAND...` is done when the command ends with this exit status.");
   batch->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return batch_verb(session, *texts); }; });
 }

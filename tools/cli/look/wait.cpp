@@ -9,6 +9,7 @@
 #include "cli/base/restarts.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/wait_states.h"
+#include "cli/cansync/wait_value.h"
 #include "cli/look/verbs.h"
 #include "cli/text/column_help.h"
 #include "cli/text/slave_list.h"
@@ -149,6 +150,7 @@ class Wait {
 
 ExitCode wait_verb(Session& session, const WaitTexts& texts) {
   session.look_only();
+  if (texts.state == "value") return wait_value(session, texts.slaves);
   const WaitState& state = find_wait_state(texts.state);
   if (!texts.slaves.empty() && state.of != WaitState::Of::slaves)
     throw UsageError(fmt::format("SLAVE: found '{}'; {} is no state of a slave; allowed: nothing",
@@ -164,15 +166,19 @@ void add_wait_verb(CLI::App& app, Verb& chosen) {
   auto* wait = app.add_subcommand("wait", "wait until the daemon, the master or slaves are in a state");
   wait->group(kLookingVerbs);
   auto texts = std::make_shared<WaitTexts>();
-  wait->add_option("STATE", texts->state, "what to wait for")->type_name(wait_state_words())->required();
+  wait->add_option("STATE", texts->state, "what to wait for")
+      ->type_name(wait_state_words() + "|value")
+      ->required();
   wait->add_option(
       "SLAVE", texts->slaves,
       "for states of slaves: numbers, names, or lists such as 1,3,5-9; all of them must be in the state "
-      "(default: every configured slave)");
+      "(default: every configured slave); for value: SLAVE VALUE COMPARISON NUMBER");
   wait->footer(
       "--timeout is how long to wait in all, also for the daemon (default: until Ctrl-C). Exit code 0: "
       "reached, 5: not within\nthe time, 7: Ctrl-C. What was seen last is said.\n" +
-      wait_states_help());
+      wait_states_help() +
+      "\n  value           an actual value: SLAVE VALUE '>' 10, also < <= = != >=; in its unit when VALUE is a "
+      "name, raw when it\n                  is a number; of what comes from now on");
   wait->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return wait_verb(session, *texts); }; });
 }
