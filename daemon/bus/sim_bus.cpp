@@ -1,5 +1,6 @@
 #include "daemon/bus/sim_bus.h"
 
+#include <chrono>
 #include <utility>
 
 #include "sim/fault_script.h"
@@ -12,6 +13,10 @@ std::unique_ptr<sim::TraceFile> open_trace(const BusPlan& plan) {
   sim::TraceFileSettings settings;
   settings.path = plan.line.trace;
   settings.bus = plan.bus.name;
+  // Stamps that can be laid beside those of recordings, events and flight records.
+  settings.offset = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::system_clock::now().time_since_epoch() -
+      std::chrono::steady_clock::now().time_since_epoch());
   settings.background = true;  // the realtime thread must never wait for a file
   return std::make_unique<sim::TraceFile>(settings);
 }

@@ -18,7 +18,8 @@ MAX_AGE_MS = 200
 INTERVAL_MS = 8  # at 125 kbit/s
 # A value that is young enough when its interval begins is on the bus by the end of it.
 ALLOWED_MS = MAX_AGE_MS + INTERVAL_MS
-TRACE_OFFSET_MS = 1000  # what a trace adds to the time of the bus
+# Stamps of a trace are of the wall clock; what is compared here, of the monotonic one.
+TRACE_OFFSET_MS = round((time.time() - time.monotonic()) * 1000)
 FRAME = re.compile(r"\((\d+)\.(\d{6})\) \S+ 1[0-7][0-9A-F]#([0-9A-F]{8})")
 
 

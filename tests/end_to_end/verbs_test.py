@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import tempfile
+import time
 import unittest
 from xml.etree import ElementTree
 
@@ -162,7 +163,7 @@ class Commands(VerbTest):
 
     def test_broadcast_reaches_the_group_alone(self):
         before = self.last_actions()
-        sent = self.one("broadcast", "--slaves", "0,winder", "--command", 200, "--byte", 0x5A, "--word", "0x1234")
+        sent = self.one("broadcast", "--yes", "--slaves", "0,winder", "--command", 200, "--byte", 0x5A, "--word", "0x1234")
         self.assertEqual(
             sent, {"slave_mask": 3, "priority": 2, "command": 200, "byte": 0x5A, "word": 0x1234, "result": "done", "reason": "", "cause": None}
         )
@@ -174,13 +175,13 @@ class Commands(VerbTest):
     def test_broadcast_in_every_priority(self):
         for priority in range(3):
             before = self.last_actions()
-            self.run_verb("broadcast", "--slaves", "all", "--command", 201 + priority, "--priority", priority)
+            self.run_verb("broadcast", "--yes", "--slaves", "all", "--command", 201 + priority, "--priority", priority)
             wait_for("all have it", lambda: all(a != b for a, b in zip(self.last_actions(), before)))
             self.assertEqual(len(set(self.last_actions())), 1)
 
     def test_broadcast_refused(self):
-        self.assertIn("command", self.fails("broadcast", "--slaves", "all", "--command", 5, code=3).lower())
-        self.fails("broadcast", "--slaves", "0x100", "--command", 200, code=3)
+        self.assertIn("command", self.fails("broadcast", "--yes", "--slaves", "all", "--command", 5, code=3).lower())
+        self.fails("broadcast", "--yes", "--slaves", "0x100", "--command", 200, code=3)
 
     def test_modes(self):
         self.addCleanup(self.gateway.wait_active)
@@ -194,7 +195,7 @@ class Commands(VerbTest):
         self.assertEqual(self.run_verb("mode", "run").stderr, "cansync: mode run is in effect\n")
         self.assertEqual(self.gateway.status()["option_status"], ACTIVE)
         self.run_verb("mode", "reset-can")
-        self.run_verb("mode", "restart")
+        self.run_verb("mode", "restart", "--yes")
         status = self.gateway.wait_status("it has started again", lambda s: s["option_status"] in (0x03, 0x43, ACTIVE))
         if status["option_status"] == 0x03:
             self.run_verb("mode", "setup")
@@ -310,6 +311,18 @@ class ReferenceValues(VerbTest):
 
 class Trace(unittest.TestCase):
     """`trace` on what the simulated line has written."""
+
+    def test_stamps_and_names_are_those_of_recordings(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "line.log")
+            began = time.time_ns()
+            with Gateway(options=("--trace", path)) as gateway:
+                gateway.run("record", os.path.join(folder, "run.csv"), "--duration", 0.1)
+                frames = gateway.json("trace", path, "--slave", "winder", "--config", gateway.config, "--count", 20)
+            self.assertEqual({frame["slave"] for frame in frames} - {1, None}, set())
+            self.assertTrue(began <= frames[0]["time_us"] * 1000 <= time.time_ns(), frames[0])
+            wrong = gateway.run("trace", path, "--slave", "nobody", "--config", __file__)
+            self.assertEqual(wrong.returncode, 1, wrong.stderr)
 
     def test_a_read_is_found_in_the_trace_of_the_line(self):
         with tempfile.TemporaryDirectory() as folder:

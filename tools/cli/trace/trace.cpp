@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <stdexcept>
 
 #include "cli/base/interrupt.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/trace_text.h"
 #include "cli/text/column_help.h"
+#include "cli/text/slave_list.h"
 #include "cli/trace/trace_source.h"
 #include "cli/trace/trace_writer.h"
 #include "cli/trace/verbs.h"
+#include "daemon/cansync/config/file.h"
 #include "text/counts.h"
 
 namespace cansync::cli {
@@ -23,6 +26,7 @@ struct TraceTexts {
   std::string count = "0";
   std::string sync;
   std::string pcapng;
+  std::string config;  ///< of a daemon; empty: a running one is asked for names
   bool candump = false;
 };
 
@@ -98,6 +102,33 @@ class Tracer {
   std::uint64_t remarks_ = 0;
 };
 
+/// Mask of a list of slaves; names are those of `texts.config`, or of a running daemon.
+std::uint32_t wanted_slaves(Session& session, const TraceTexts& texts) {
+  if (texts.slave.empty()) return 0;
+  if (texts.config.empty()) return session.slave_mask(texts.slave);
+  const cansyncd::ConfigFile file = cansyncd::load_config(texts.config, {});
+  if (!file.problems.empty())
+    throw std::runtime_error(fmt::format("{}; `cansyncd --check {}` tells everything that is wrong",
+                                         config::to_string(file.problems.front()), texts.config));
+  const cansyncd::Config& line = file.config;
+  const auto name_of = [&line](unsigned slave) { return std::string_view(line.slaves[slave].name); };
+  const auto find = [&](std::string_view name) {
+    for (unsigned slave = 0; slave < kSlaves; ++slave)
+      if (line.master.slaves[slave].configured && name_of(slave) == name) return static_cast<int>(slave);
+    return -1;
+  };
+  const auto configured = [&line] { return line.master.configured().bits; };
+  const auto problem = [&](std::string_view name) {
+    std::string names;
+    for (unsigned slave = 0; slave < kSlaves; ++slave)
+      if (line.master.slaves[slave].configured && !name_of(slave).empty())
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", name_of(slave));
+    return fmt::format("'{}': no slave of {} has this name; allowed: 0..31 or {}", name, texts.config,
+                       names.empty() ? "a name, but none has one" : names);
+  };
+  return parse_slave_list(texts.slave, {find, configured, problem});
+}
+
 ExitCode trace_verb(Session& session, const TraceTexts& texts) {
   const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
   const std::uint32_t sync = texts.sync.empty()
@@ -107,7 +138,7 @@ ExitCode trace_verb(Session& session, const TraceTexts& texts) {
     throw UsageError("--candump: found together with --json; allowed: one of the two");
   if (!texts.pcapng.empty() && (texts.candump || session.json()))
     throw UsageError("--pcapng: found together with --candump or --json; allowed: one of the three");
-  const std::uint32_t slaves = texts.slave.empty() ? 0 : session.slave_mask(texts.slave);
+  const std::uint32_t slaves = wanted_slaves(session, texts);
   session.expect_input(texts.source);
   const auto source = open_trace_source(texts.source, sync);
   Tracer tracer(session.output(), texts, slaves, sync);
@@ -139,6 +170,10 @@ void add_trace_verb(CLI::App& app, Verb& chosen) {
       ->add_option("--slave", texts->slave,
                    "only what concerns these slaves: number, name, or a list such as 1,3,5-9")
       ->type_name("SLAVE");
+  trace
+      ->add_option("--config", texts->config,
+                   "configuration of cansyncd that names the slaves, instead of a running daemon")
+      ->type_name("FILE");
   trace->add_option("--count", texts->count, "end after N frames; 0 = all (default)")->type_name("N");
   trace
       ->add_option("--sync", texts->sync, "identifier of the frame that marks SYNC, 0..0x7FF (default 0x080)")
