@@ -2,8 +2,10 @@
 
 import json
 import os
+import pty
 import resource
 import signal
+import socket
 import subprocess
 import tempfile
 import time
@@ -168,6 +170,86 @@ class Interrupt(unittest.TestCase):
 
 def threads(process):
     return len(os.listdir(f"/proc/{process}/task"))
+
+
+class Consent(VerbTest):
+    """What reaches the whole line is not done by a slip of the hand."""
+
+    def answered(self, answer, *arguments):
+        """`cansync` on a terminal where somebody types an answer; what it showed, and its exit code."""
+        terminal, other = pty.openpty()
+        os.write(terminal, answer)
+        process = self.gateway.start(*arguments, stdin=other, stdout=other, stderr=other)
+        code = process.wait(LONG)
+        shown = os.read(terminal, 65536).decode()
+        os.close(other)
+        os.close(terminal)
+        return shown, code
+
+    def test_on_a_terminal_it_asks(self):
+        for arguments in (("mode", "restart"), ("mode", "stop"), ("broadcast", "--slaves", "all", "--command", 128),
+                          ("write", "all", 1000, 1)):
+            shown, code = self.answered(b"n\n", *arguments)
+            self.assertIn("Go on? [y/N]", shown)
+            self.assertIn("not done; nothing was sent", shown)
+            self.assertEqual(code, 7)
+        self.gateway.wait_active()
+        shown, code = self.answered(b"y\n", "write", "all", 1000, 1)
+        self.assertEqual((code, shown.count("slave ")), (0, 4), shown)
+
+    def test_without_a_terminal_it_says_what_to_add(self):
+        for arguments in (("mode", "restart"), ("broadcast", "--slaves", "0-1", "--command", 128), ("write", "all", 1000, 2)):
+            self.assertIn("add --yes", self.fails(*arguments, code=2))
+        self.assertNotIn(2, [one["value"] for one in self.json("read", "all", 1000)])
+        self.run_verb("broadcast", "--slaves", 0, "--command", 128)
+
+    def test_dry_run_says_what_would_come(self):
+        said = self.run_verb("mode", "stop", "--dry-run").stderr
+        self.assertRegex(said, r"mode stop would be sent; bus \S+ \(process \d+ on host .+\) is '.+' with 4 of 4 slaves; nothing was sent")
+        self.run_verb("write", "all", 1000, 3, "--dry-run")
+        self.run_verb("broadcast", "--slaves", "all", "--command", 128, "--dry-run")
+        self.assertNotIn(3, [one["value"] for one in self.json("read", "all", 1000)])
+        self.gateway.wait_active()
+
+
+class Places(unittest.TestCase):
+    """Daemons and clients of a domain have 120 places each on a computer."""
+
+    def fill(self, domain, offset, count):
+        for index in range(count):
+            place = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self.addCleanup(place.close)
+            place.bind(("127.0.0.1", 7400 + 250 * domain + offset + 2 * index))
+
+    def test_clients_that_fill_theirs_leave_the_daemon_its_own(self):
+        with Gateway(slaves=2) as gateway:
+            found = findings(gateway)["DDS places"]
+            self.assertEqual(found["level"], "ok")
+            self.fill(gateway.domain, 11, 100)
+            found = findings(gateway)["DDS places"]
+            self.assertEqual(found["level"], "warning")
+            self.assertRegex(found["found"], r"1 of 120 places of daemons and 10\d of 120 of clients are taken \(python3\S* 100")
+            for index in range(100, 120):
+                self.fill(gateway.domain, 11 + 2 * index, 1)
+            refused = gateway.run("status")
+            self.assertEqual(refused.returncode, 6)
+            self.assertRegex(refused.stderr, r"120 of 120 of clients are taken \(.*python3\S* 1[12]\d.*; end some of them, or use another domain")
+            # The daemon starts anew all the same.
+            self.assertEqual(gateway.stop(), 0)
+            with open(gateway.log, "ab") as log:
+                gateway.process = subprocess.Popen([CANSYNCD, *gateway.options, gateway.config], stdout=log, stderr=log)
+            self.doCleanups()
+            gateway.wait_active()
+
+    def test_daemons_that_fill_theirs_are_named(self):
+        place = Place()
+        self.fill(place.domain, 10, 120)
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write(f"[bus]\nname = \"full\"\ninterface = \"sim\"\n[dds]\ndomain = {place.domain}\n[[slave]]\nnumber = 0\n")
+            file.flush()
+            result = subprocess.run([CANSYNCD, file.name], timeout=LONG, capture_output=True, check=False)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertRegex(result.stderr, rb"In it 120 of 120 places of daemons and \d+ of 120 of clients are taken \(python3\S* 120")
 
 
 class Limits(unittest.TestCase):

@@ -28,7 +28,7 @@ void ask_daemon(Session& session, DoctorInput& in) {
     if (client::text(status.gateway.protocol) == "cansync-master") {
       status.master = client.master_status();
       status.slaves = client.slaves();
-      FaultWords faults(session.profiles());
+      FaultWords faults(session);
       for (const client::SlaveStatus& slave : status.slaves)
         if (std::string fault = faults.of(slave); !fault.empty())
           status.faults.emplace(slave.slave, std::move(fault));
@@ -112,6 +112,7 @@ ExitCode doctor_verb(Session& session) {
                                 : configured_interface("/", in.bus).value_or(in.bus);
   in.machine = read_machine("/", in.status ? in.status->realtime.realtime_cpu : -1);
   ask_kernel(in);
+  in.places = gateway::dds::places_taken(session.globals().domain);
   const std::vector<Finding> findings = diagnose(in);
   const Table table(doctor_columns());
   if (!session.json()) session.output().line(table.heading());

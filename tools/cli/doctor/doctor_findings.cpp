@@ -140,6 +140,18 @@ void look_at_kernel(const DoctorInput& in, FindingList& out) {
     out.warning("kernel", found + ": not a realtime kernel", "apt install linux-image-rt-amd64; reboot");
 }
 
+/// Programs of a domain on this computer: with none left the next one cannot start.
+void look_at_places(const DoctorInput& in, FindingList& out) {
+  constexpr std::uint32_t kMany = 80;  // of 120
+  const std::string found = text_of(in.places);
+  if (std::max(in.places.serving, in.places.asking) < kMany)
+    out.ok("DDS places", found);
+  else
+    out.warning("DDS places", found + ": the next programs may find none",
+                "end programs that are not needed (`cansync clients`, `ss -ulpn`), or give groups of buses a "
+                "dds.domain of their own");
+}
+
 void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string peers = fmt::format("other participants in the domain: {}", in.participants);
   const std::string_view interface = status.gateway.dds_interface;
@@ -246,6 +258,7 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   look_at_idle_states(in, out);
   look_at_kernel(in, out);
   if (in.status) look_at_dds(in, *in.status, out);
+  look_at_places(in, out);
   look_at_incompatible(in, out);
   return std::move(out).take();
 }

@@ -13,6 +13,7 @@
 #include "can/link_facts.h"
 #include "cli/base/exit_codes.h"
 #include "cli/doctor/doctor_facts.h"
+#include "dds/loopback_holders.h"
 
 /// What is well and what is not with a bus, its daemon and this computer. Pure functions.
 namespace cansync::cli {
@@ -49,6 +50,7 @@ struct DoctorInput {
   std::string no_daemon;               ///< why not
   std::string several_daemons;         ///< who they are, when more than one serves the bus; empty: not so
   std::uint32_t participants = 0;      ///< other DDS participants in the domain
+  gateway::dds::PlacesTaken places;    ///< of the domain on this computer
   std::uint32_t incompatible = 0;      ///< programs that do not match the daemon
   std::string newest_incompatible;     ///< the event that told of the newest; empty: none is known
   std::string newest_missed;           ///< when SYNC edges were missed last; empty: not known
