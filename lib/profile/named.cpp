@@ -52,4 +52,16 @@ NamedProfile find_named(std::string_view name, std::string_view hash, const std:
                   file.path, name, profile->hash.substr(0, kShown), hash.substr(0, kShown), instead)};
 }
 
+NamedProfile from_daemon(std::string_view name, std::string_view hash, std::string_view text) {
+  Reading reading = parse(text, fmt::format("profile '{}' of the daemon", name));
+  if (!reading.profile) {
+    return {nullptr, fmt::format("what the daemon passes on as profile '{}' is none here: {}", name,
+                                 config::problems_text(reading.problems))};
+  }
+  if (reading.profile->hash != hash)
+    return {nullptr,
+            fmt::format("what the daemon passes on as profile '{}' has another SHA-256 than it says", name)};
+  return {std::make_shared<const Profile>(std::move(*reading.profile)), ""};
+}
+
 }  // namespace profile

@@ -34,4 +34,8 @@ std::shared_ptr<const Profile> load_typed(const std::string& name_or_path, const
 NamedProfile find_named(std::string_view name, std::string_view hash, const std::vector<std::string>& folders,
                         const Remedies& remedies);
 
+/// The profile that a daemon passes on: `text` is its file. A problem when that is not what `hash` says, or
+/// is no profile.
+NamedProfile from_daemon(std::string_view name, std::string_view hash, std::string_view text);
+
 }  // namespace profile

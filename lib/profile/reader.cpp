@@ -11,6 +11,7 @@
 #include "profile/hash.h"
 #include "profile/reader_fields.h"
 #include "profile/scaling.h"
+#include "profile/source.h"
 #include "text/text_file.h"
 
 namespace profile {
@@ -240,7 +241,10 @@ Reading parse(std::string_view toml, const std::string& file) {
   config::Document document = config::parse_document(toml, file, kWording);
   if (!document.problems.empty()) return {std::nullopt, std::move(document.problems)};
   Reading reading = Reader(file).read(document);
-  if (reading.profile) reading.profile->hash = sha256(toml);
+  if (reading.profile) {
+    reading.profile->hash = sha256(toml);
+    keep_source(reading.profile->hash, toml);
+  }
   return reading;
 }
 

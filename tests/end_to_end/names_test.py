@@ -158,15 +158,11 @@ class Refusals(Named):
         listed = [json.loads(line) for line in result.stdout.splitlines()]
         self.assertEqual({found["slave"] for found in listed if found["number"] == DEVICE_TYPE}, {1})
 
-    def test_a_profile_that_is_missing_or_another_version(self):
-        empty = self.enterContext(tempfile.TemporaryDirectory())
-        self.assertIn("copy its file", self.fails("read", 1, "speed-limit", "--profiles", empty, code=1))
-        self.assertEqual(self.text("read", 1, DEVICE_TYPE, "--profiles", empty), "4400 (0x1130, word)\n")
-        other = self.in_folder(self.profile_text() + "# changed\n")
-        self.assertIn("another version", self.fails("read", 1, "speed-limit", "--profiles", other, code=1))
+    def test_a_profile_that_is_wrong(self):
         wrong = self.in_folder(self.profile_text() + "colour = 3\n")
         lines = self.profile_text().count("\n") + 1
-        self.assertIn(f"simulated-drive.toml:{lines}:1: parameter.colour", self.fails("params", 1, "--profiles", wrong, code=1))
+        path = os.path.join(wrong, "simulated-drive.toml")
+        self.assertIn(f"simulated-drive.toml:{lines}:1: parameter.colour", self.fails("params", 1, "--profile", path, code=1))
 
     def test_a_wrong_profile_keeps_the_daemon_from_starting(self):
         folder = self.in_folder(self.profile_text().replace("number = 401\n", "number = 400\n"))
@@ -178,6 +174,37 @@ class Refusals(Named):
             ended = subprocess.run([CANSYNCD, *arguments], capture_output=True, timeout=LONG, check=False)
             self.assertNotEqual(ended.returncode, 0)
             self.assertIn(f"simulated-drive.toml:{place}:10: parameter.number: found 400 again", ended.stderr.decode())
+
+
+class PassedOn(VerbTest):
+    """Slave 0 has a profile that is too long to be passed on, slave 1 that of the simulated drive."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.LONG_ONE = os.path.join(folder, "long-one.toml")
+        with open(PROFILE, encoding="utf-8") as file:
+            text = file.read().replace('name = "simulated-drive"', 'name = "long-one"')
+        with open(cls.LONG_ONE, "w", encoding="utf-8") as file:
+            file.write(text + "#" * 65536 + "\n")
+        cls.OPTIONS = ("--set", f"slave.0.profile={cls.LONG_ONE}", "--set", f"slave.1.profile={PROFILE}")
+        super().setUpClass()
+
+    def test_a_profile_comes_from_the_daemon(self):
+        self.assertRegex(self.text("read", "winder", "speed-limit"), r"^\S+ inc/s")
+        self.assertIn("speed-limit", self.text("params", "winder"))
+        # One that is here, but another, is not used.
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        with open(PROFILE, encoding="utf-8") as ours, open(
+                os.path.join(folder, "simulated-drive.toml"), "w", encoding="utf-8") as other:
+            other.write(ours.read().replace('name = "speed-limit"', 'name = "limit-of-speed"'))
+        self.assertEqual(self.one("read", "winder", "speed-limit", "--profiles", folder)["name"], "speed-limit")
+
+    def test_one_that_is_too_long_is_named(self):
+        said = self.fails("read", 0, "speed-limit", code=1)
+        self.assertIn("copy its file from the daemon's computer", said)
+        self.assertIn(f"passes on no file of more than 65536 bytes, this one has {os.path.getsize(self.LONG_ONE)}", said)
+        self.assertEqual(self.text("read", 0, DEVICE_TYPE), "4400 (0x1130, word)\n")
 
 
 if __name__ == "__main__":

@@ -93,6 +93,7 @@ StatePublisher::StatePublisher(const dds::Participant& participant, const Config
       master_writer_(participant),
       timing_writer_(participant),
       interval_writer_(participant),
+      profiles_(participant),
       settings_{cansync::in_force(config.master)} {
   master_.configured = config.master.configured();
   set_names(config);
@@ -106,6 +107,7 @@ void StatePublisher::set_names(const Config& config) {
     slaves_[i].dirty = config_.master.slaves[i].configured;
   }
   master_dirty_ = true;
+  profiles_.tell(config);
 }
 
 SteadyTime StatePublisher::step(Exchange& exchange, SteadyTime now) {

@@ -9,6 +9,7 @@
 #include "cansync/dds/topics.h"
 #include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
+#include "daemon/cansync/status/profile_topic.h"
 #include "daemon/cansync/status/reference_status.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/service/daemon_identity.h"
@@ -85,6 +86,7 @@ class StatePublisher {
   gateway::dds::Writer<cansync_MasterStatus> master_writer_;
   gateway::dds::Writer<cansync_Timing> timing_writer_;
   gateway::dds::Writer<cansync_Interval> interval_writer_;
+  ProfileTopic profiles_;
 
   std::array<Slave, cansync::kSlaves> slaves_;
   MasterSnapshot master_;

@@ -8,9 +8,10 @@ namespace cansync::cli {
 namespace {
 
 /// Null when there is none that can be read: those that need it say why.
-ProfilePointer readable_profile(const client::SlaveStatus& slave, const std::string& folder) {
+ProfilePointer readable_profile(Session& session, const client::SlaveStatus& slave,
+                                const std::string& folder) {
   try {
-    return named_profile(slave, folder).profile;
+    return named_profile(session, slave, folder).profile;
   } catch (const std::exception&) {
     return nullptr;
   }
@@ -23,7 +24,7 @@ std::string FaultWords::of(const client::SlaveStatus& slave) {
   if (!slave.status_known || slave.status_error != 0 || hash.empty() || slave.slave >= known_.size())
     return "";
   Known& known = known_.at(slave.slave);
-  if (known.hash != hash) known = {std::string(hash), readable_profile(slave, folder_)};
+  if (known.hash != hash) known = {std::string(hash), readable_profile(session_, slave, session_.profiles())};
   if (known.profile == nullptr) return "";
   const profile::Parameter* parameter = known.profile->find(std::uint32_t{slave.status_parameter});
   return parameter == nullptr ? "" : profile::fault_words(*parameter, slave.status_word);

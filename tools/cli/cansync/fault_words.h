@@ -14,10 +14,10 @@ namespace cansync::cli {
 /// What the profiles of slaves call the faults in their status words. Main thread only.
 class FaultWords {
  public:
-  /// `folder`: of --profiles, before the standard ones; may be empty.
-  explicit FaultWords(std::string folder) : folder_(std::move(folder)) {}
+  /// `session`: whose daemon passes on profiles that are not on this computer; must outlive the object.
+  explicit FaultWords(Session& session) : session_(session) {}
 
-  /// Such as "fault, reference value missing"; empty: no fault, or no profile on this computer tells. A
+  /// Such as "fault, reference value missing"; empty: no fault, or no profile tells. A
   /// profile is read when it is first needed and when the daemon names another one.
   std::string of(const client::SlaveStatus& slave);
 
@@ -26,7 +26,7 @@ class FaultWords {
     std::string hash;  ///< of the profile that was looked for; empty: none yet
     ProfilePointer profile;
   };
-  std::string folder_;
+  Session& session_;
   std::array<Known, kSlaves> known_ = {};
 };
 

@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
+#include "cli/connect/bus_connection.h"
+#include "dds/overview/desk_client.h"
 #include "profile/folders.h"
 #include "profile/named.h"
+#include "profile/source.h"
 
 namespace cansync::cli {
 namespace {
@@ -25,13 +30,39 @@ std::string slave_text(const client::SlaveStatus& slave) {
                                               : fmt::format("slave {} '{}'", slave.slave, slave.name);
 }
 
+/// What the daemon passes on, each profile asked for once.
+profile::NamedProfile profile_of_daemon(Session& session, const client::SlaveStatus& slave) {
+  static std::map<std::string, profile::NamedProfile> known;  // by SHA-256
+  constexpr std::chrono::milliseconds kPatience{1000};
+  const std::string hash(client::text(slave.profile_hash));
+  if (const auto found = known.find(hash); found != known.end()) return found->second;
+  std::optional<gateway::dds::DeskClient::ProfileFile> file;
+  try {
+    file = connect_bus<gateway::dds::DeskClient>(session).profile(hash, kPatience);
+  } catch (const client::NoDaemon&) {
+    return {nullptr, "and no daemon is there that could pass it on"};
+  }
+  profile::NamedProfile passed_on;
+  if (!file) {
+    passed_on.problem = "and the daemon passes none on";
+  } else if (file->text.empty()) {
+    passed_on.problem = fmt::format("and the daemon passes on no file of more than {} bytes, this one has {}",
+                                    profile::kLongestSource, file->size);
+  } else {
+    passed_on = profile::from_daemon(client::text(slave.profile), hash, file->text);
+  }
+  return known[hash] = std::move(passed_on);
+}
+
 }  // namespace
 
-SlaveProfile named_profile(const client::SlaveStatus& slave, const std::string& folder) {
+SlaveProfile named_profile(Session& session, const client::SlaveStatus& slave, const std::string& folder) {
   profile::NamedProfile found = profile::find_named(slave.profile, slave.profile_hash, folders_of(folder),
                                                     {"--profiles or CANSYNC_PROFILES", "--profile"});
-  if (found.profile == nullptr) return {nullptr, fmt::format("{}: {}", slave_text(slave), found.problem)};
-  return {std::move(found.profile), ""};
+  if (found.profile != nullptr) return {std::move(found.profile), ""};
+  profile::NamedProfile passed_on = profile_of_daemon(session, slave);
+  if (passed_on.profile != nullptr) return {std::move(passed_on.profile), ""};
+  return {nullptr, fmt::format("{}: {}; {}", slave_text(slave), found.problem, passed_on.problem)};
 }
 
 ProfilePointer load_profile(const std::string& name_or_path, const std::string& folder) {
@@ -42,7 +73,7 @@ SlaveProfile find_profile(Session& session, unsigned slave, const std::string& g
   if (!given.empty()) return {load_profile(given, session.profiles()), ""};
   for (const client::SlaveStatus& status : session.client().slaves()) {
     if (status.slave != slave) continue;
-    if (!std::string_view(status.profile).empty()) return named_profile(status, session.profiles());
+    if (!std::string_view(status.profile).empty()) return named_profile(session, status, session.profiles());
     return {nullptr, fmt::format("{} has no profile, so that its parameters have no names; set profile = "
                                  "\"NAME\" in its [[slave]] section of the daemon's configuration, or give "
                                  "--profile",

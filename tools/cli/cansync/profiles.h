@@ -24,12 +24,12 @@ struct SlaveProfile {
 /// std::runtime_error that names everything wrong with it.
 ProfilePointer load_profile(const std::string& name_or_path, const std::string& folder);
 
-/// The profile that the daemon names for a slave, which must be in `folder`, that of --profiles, or a
-/// standard one. Throws as `load_profile`.
-SlaveProfile named_profile(const client::SlaveStatus& slave, const std::string& folder);
+/// The profile that the daemon names for a slave: the same file in `folder`, that of --profiles, or in a
+/// standard one; else the daemon passes it on. Throws as `load_profile`.
+SlaveProfile named_profile(Session& session, const client::SlaveStatus& slave, const std::string& folder);
 
 /// The profile of --profile when `given` is not empty (throws as `load_profile`), else that which the daemon
-/// names for the slave: it must be in a profile folder of this computer, and be the same file.
+/// names for the slave, as `named_profile`.
 SlaveProfile find_profile(Session& session, unsigned slave, const std::string& given);
 
 /// The same for verbs that need one. Throws std::runtime_error with the problem.

@@ -121,7 +121,7 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
                     "`cansync mode setup`, then `cansync mode run`",
                     client::text(master.state)));
   std::vector<Style> styles;  // slaves in fault are red where there are colours
-  FaultWords faults(session.profiles());
+  FaultWords faults(session);
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
     if (slave.status_error != 0)

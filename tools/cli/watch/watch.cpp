@@ -174,7 +174,7 @@ class Display {
 ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_t count, bool in_place) {
   client::Client& client = session.client();
   Display display(session.output(), client.gateway_status().bus, settings.raw, in_place);
-  FaultWords faults(session.profiles());
+  FaultWords faults(session);
   Restarts restarts(client);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {

@@ -48,11 +48,11 @@ class Arrivals {
 /// The view while it runs.
 class LiveView {
  public:
-  LiveView(client::Client& client, LiveScreen& screen, const LiveSettings& settings, std::string profiles)
+  LiveView(Session& session, client::Client& client, LiveScreen& screen, const LiveSettings& settings)
       : client_(client),
         screen_(screen),
         settings_(settings),
-        faults_(std::move(profiles)),
+        faults_(session),
         arrivals_(client),
         restarts_(client) {
     state_.raw = settings.raw;
@@ -112,7 +112,7 @@ class LiveView {
 }  // namespace
 
 ExitCode watch_live(Session& session, LiveScreen& screen, const LiveSettings& settings) {
-  LiveView view(session.client(), screen, settings, session.profiles());
+  LiveView view(session, session.client(), screen, settings);
   auto next = Clock::now();
   bool changed = true;
   while (!view.quit() && !interrupt_flag().load()) {
