@@ -13,6 +13,7 @@ bool LivingPlaces::look(std::span<const dds_entity_t> readers, PlaceFinder& find
   }
   if (now == seen_) return false;
   seen_ = now;
+  ++looks_;
   places_.clear();
   writers_.clear();
   for (std::size_t i = 0; i < readers.size(); ++i) {

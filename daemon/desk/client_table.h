@@ -22,6 +22,7 @@ namespace cansyncd {
 /// What is known of a client while it lives, and until its last request is answered.
 struct ClientEntry {
   Place place = {};                ///< participant its requests come from
+  std::string name;                ///< that it gave itself; empty: none yet
   std::string who;                 ///< for messages
   unsigned open = 0;               ///< requests that are not answered
   std::size_t transfer_bytes = 0;  ///< data of its open transfers
@@ -37,6 +38,9 @@ class LivingPlaces {
   /// always). Returns whether it looked.
   bool look(std::span<const dds_entity_t> readers, PlaceFinder& finder);
   bool has(const Place& place) const { return places_.contains(place); }
+  const std::set<Place>& all() const noexcept { return places_; }
+  /// How often it looked.
+  std::uint64_t looks() const noexcept { return looks_; }
   /// The writers matched with reader `index` when it looked.
   std::span<const dds_instance_handle_t> writers(std::size_t index) const { return writers_.at(index); }
 
@@ -49,6 +53,7 @@ class LivingPlaces {
   std::vector<Seen> seen_;
   std::vector<std::vector<dds_instance_handle_t>> writers_;  ///< by reader
   std::set<Place> places_;
+  std::uint64_t looks_ = 0;
 };
 
 /// The clients, by identity. An identity belongs to the participant that used it first, for as long as that
@@ -71,6 +76,11 @@ class ClientTable {
   ClientEntry* find(const ClientIdentity& identity);
   void erase(const ClientIdentity& identity) { clients_.erase(identity); }
   std::size_t size() const noexcept { return clients_.size(); }
+  /// Calls `use(client)` for each.
+  template <class Use>
+  void each(Use&& use) const {
+    for (const auto& entry : clients_) use(entry.second);
+  }
 
   /// Marks the clients whose participant no longer lives, and returns those that were not marked before.
   std::vector<ClientIdentity> mark_gone(const LivingPlaces& living);

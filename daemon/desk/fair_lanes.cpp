@@ -31,6 +31,22 @@ bool FairLanes::waits(JobId id) const {
   return found != jobs_.end() && !found->second.given;
 }
 
+std::vector<LaneTurn> FairLanes::turns(std::span<const JobId> ids) const {
+  std::map<Lane, JobId> given;
+  // By rising number: the first of a lane is its oldest.
+  for (const auto& [id, where] : jobs_) {
+    if (where.given) given.emplace(where.lane, id);
+  }
+  std::vector<LaneTurn> turns(ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto found = jobs_.find(ids[i]);
+    if (found == jobs_.end() || found->second.given) continue;
+    const auto before = given.find(found->second.lane);
+    turns[i] = {true, before == given.end() ? 0 : before->second};
+  }
+  return turns;
+}
+
 std::optional<Lane> FairLanes::next_lane() const {
   const auto may_give = [this](const auto& entry) {
     const std::uint8_t kind = entry.first.kind;

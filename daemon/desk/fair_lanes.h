@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -42,6 +43,12 @@ struct LaneLimit {
   unsigned together = std::numeric_limits<unsigned>::max();  ///< of all lanes of the kind
 };
 
+/// Whether a request has its turn.
+struct LaneTurn {
+  bool waits = false;  ///< it has not been given
+  JobId behind = 0;    ///< it waits for this one, the oldest that was given in its lane; 0: none was
+};
+
 /// The limits of a protocol's kinds of lanes; index: kind.
 using LaneLimits = std::vector<LaneLimit>;
 
@@ -64,6 +71,9 @@ class FairLanes {
 
   /// True while the request has not been given.
   bool waits(JobId id) const;
+
+  /// The turn of each of these requests, in their order; of an unknown one that it does not wait.
+  std::vector<LaneTurn> turns(std::span<const JobId> ids) const;
 
   /// Calls `give(id)` for every request whose turn it is, until limits are reached or `give` returns false
   /// (there is no room): that request keeps its turn. Returns false only then.

@@ -19,7 +19,9 @@
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_replies.h"
 #include "daemon/desk/job_book.h"
+#include "daemon/desk/job_end_topic.h"
 #include "daemon/desk/job_protocol.h"
+#include "daemon/desk/open_requests.h"
 #include "daemon/desk/rejections.h"
 #include "daemon/desk/request_readers.h"
 #include "daemon/desk/request_topic.h"
@@ -41,10 +43,13 @@ namespace cansyncd {
 /// What is meant for another start of a daemon is neither taken nor answered: that one answers, and its
 /// client would repeat what was refused here. What names no start is refused.
 ///
+/// Everybody is told who is connected and what is open (topic OpenRequests), and engineers may end what is
+/// (topic JobEnd).
+///
 /// No reply is given to who uses another program's identity: that program would take it for its own.
 ///
-/// Only who uses a desk of a protocol for the first time includes job_desk_requests.h and job_desk_answers.h,
-/// which have the definitions, and instantiates it there.
+/// Only who uses a desk of a protocol for the first time includes job_desk_requests.h, job_desk_answers.h
+/// and job_desk_oversight.h, which have the definitions, and instantiates it there.
 template <RequestProtocol Protocol>
 class JobDesk {
  public:
@@ -64,6 +69,11 @@ class JobDesk {
   JobDesk(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
           EventPublisher& events, AuditTrail& audit, Protocol protocol,
           const gateway::dds::DaemonIdentity& daemon, bool secured);
+
+  /// Programs that read what this writer writes are told of as connected, though they may ask for nothing.
+  void set_read_by_all(const gateway::dds::WriterBase& writer) noexcept {
+    open_requests_.set_read_by_all(writer);
+  }
 
   /// Takes new requests and cancels, a bounded number, and looks which clients are gone. True: there may be
   /// more.
@@ -106,6 +116,8 @@ class JobDesk {
   static constexpr std::size_t kTopics = std::tuple_size_v<decltype(Protocol::Topics::all)>;
   /// In the place of a topic: a request of the daemon itself.
   static constexpr std::size_t kOwn = kTopics;
+  /// Likewise: a request to end another one, which is answered at once.
+  static constexpr std::size_t kEnd = kTopics + 1;
 
   struct Job {
     std::size_t topic = kOwn;  ///< index into the protocol's topics
@@ -118,6 +130,7 @@ class JobDesk {
     bool understood = false;  ///< `request` is what was asked for
     std::vector<std::uint8_t> data;
     bool cancel_wanted = false;
+    std::int64_t time = 0;   ///< when it was taken, CLOCK_REALTIME in ns
     std::uint32_t done = 0;  ///< bytes of a transfer
     SteadyTime next_progress;
   };
@@ -126,6 +139,9 @@ class JobDesk {
   /// Calls `use(topic, index)` for each topic.
   template <class Use>
   void each_topic(Use&& use);
+  /// The same, and for that of requests to end others.
+  template <class Use>
+  void each_outbox(Use&& use);
   /// Calls `use(topic)` for one of them, if there is such a one.
   template <class Use>
   void with_topic(std::size_t index, Use&& use);
@@ -144,6 +160,12 @@ class JobDesk {
   void refuse(const Job& job, const gateway::dds::Denial& denial, const Context& context);
   bool take_cancels(const Context& context);
   void take_cancel(const gateway_JobCancel& sample, const Place& place, const Context& context);
+  bool take_ends(const Context& context);
+  void take_end(const gateway_JobEnd& sample, Job asked, std::int64_t written, const Context& context);
+  /// What was asked for, in words.
+  std::string open_text(const Job& job, const Context& context) const;
+  /// Publishes who is connected and what is open, when that is news and due. When to call again.
+  std::optional<SteadyTime> tell_open(const Context& context);
   /// Clients take turns in a lane: without this, what was given earlier could go out later.
   void make_way_for(const Request& newer, const Context& context);
   /// Ends a job that waits; one that was handed on ends by itself, soon.
@@ -169,6 +191,8 @@ class JobDesk {
   RequestReaders readers_;
   typename Protocol::Topics topics_;
   GuardedReader<gateway_JobCancel> cancels_;
+  RequestTopic<JobEndTopic> ends_;
+  OpenRequestsTopic open_requests_;
   EventPublisher& events_;
   AuditTrail& audit_;
   PlaceFinder places_;
@@ -181,6 +205,7 @@ class JobDesk {
   std::vector<std::vector<std::uint8_t>> abandoned_;  ///< data the realtime thread may still have
   DroppedReplies dropped_;
   SteadyTime next_sign_;
+  std::uint64_t looks_told_ = 0;  ///< of who is connected, when that was told last
   bool cancels_waiting_ = false;
   bool lanes_blocked_ = false;  ///< a request has its turn, but there is no room on the way
   bool stopping_ = false;

@@ -55,6 +55,7 @@ void JobDesk<P>::progress(JobId id, std::uint32_t bytes, SteadyTime now) {
   if (found == jobs_.end()) return;
   Job& job = found->second;
   job.done = bytes;
+  open_requests_.touch();
   if (now < job.next_progress) return;
   job.next_progress = now + kProgressPeriod;
   with_topic(job.topic, [&](auto& topic) { topic.tell_progress(job.key, job.done, job.data.size()); });
@@ -74,6 +75,7 @@ std::optional<SteadyTime> JobDesk<P>::show_open_transfers(SteadyTime now) {
 
 template <RequestProtocol P>
 void JobDesk<P>::erase(typename Jobs::iterator job, SteadyTime now) {
+  open_requests_.touch();
   lanes_.remove(job->first);
   const auto key = job->second.key;
   const bool own = job->second.topic == kOwn;
@@ -159,7 +161,7 @@ void JobDesk<P>::stop_and_deliver(gateway::dds::DataSignal& signal, const std::f
 template <RequestProtocol P>
 void JobDesk<P>::forget(const ClientIdentity& identity, SteadyTime now) {
   book_.clients().erase(identity);
-  each_topic([&](auto& topic, std::size_t) { topic.forget(identity, now); });
+  each_outbox([&](auto& topic) { topic.forget(identity, now); });
 }
 
 template <RequestProtocol P>
@@ -188,7 +190,7 @@ void JobDesk<P>::record_end(const Job& job, Outcome outcome, const Context& cont
 
 template <RequestProtocol P>
 void JobDesk<P>::tell_dropped(SteadyTime now) {
-  each_topic([&](auto& topic, std::size_t) { dropped_.add(topic.replies().take_dropped()); });
+  each_outbox([&](auto& topic) { dropped_.add(topic.replies().take_dropped()); });
   const std::uint64_t dropped = dropped_.take(now);
   if (dropped == 0) return;
   events_.publish(
@@ -219,12 +221,14 @@ void JobDesk<P>::stop(const Context& context) {
 
 template <RequestProtocol P>
 bool JobDesk<P>::replies_waiting() const noexcept {
-  return std::apply([](const auto&... topic) { return (!topic.replies().empty() || ...); }, topics_.all);
+  return !ends_.replies().empty() ||
+         std::apply([](const auto&... topic) { return (!topic.replies().empty() || ...); }, topics_.all);
 }
 
 template <RequestProtocol P>
 void JobDesk<P>::wait_for_readers(dds_duration_t time) const noexcept {
   std::apply([&](const auto&... topic) { (topic.replies().wait_for_readers(time), ...); }, topics_.all);
+  ends_.replies().wait_for_readers(time);
 }
 
 }  // namespace cansyncd

@@ -10,7 +10,8 @@
 #include "daemon/desk/limits_text.h"
 #include "dds/bounded_text.h"
 
-/// Requests on their way in; their answers are in job_desk_answers.h.
+/// Requests on their way in; their answers are in job_desk_answers.h, what others see and end of them in
+/// job_desk_oversight.h.
 namespace cansyncd {
 
 template <RequestProtocol P>
@@ -22,6 +23,8 @@ JobDesk<P>::JobDesk(const gateway::dds::Participant& participant, gateway::dds::
       topics_(TopicSetup{participant, signal, readers_, daemon, secured}),
       cancels_({participant, signal, readers_, daemon, secured}, gateway::dds::topic_info<gateway_JobCancel>,
                Right::operate),
+      ends_({participant, signal, readers_, daemon, secured}),
+      open_requests_(participant, daemon),
       events_(events),
       audit_(audit),
       rejections_(events),
@@ -34,6 +37,13 @@ void JobDesk<P>::each_topic(Use&& use) {
     (use(std::get<kIndex>(topics_.all), kIndex), ...);
   }
   (std::make_index_sequence<kTopics>{});
+}
+
+template <RequestProtocol P>
+template <class Use>
+void JobDesk<P>::each_outbox(Use&& use) {
+  each_topic([&](auto& topic, std::size_t) { use(topic); });
+  use(ends_);
 }
 
 template <RequestProtocol P>
@@ -58,6 +68,7 @@ bool JobDesk<P>::take_requests(const Context& context) {
   // The urgent first, and few of the others before they are looked at again.
   take(true);
   more = take_cancels(context) || more;
+  more = take_ends(context) || more;
   take(false);
   more = refuse_turned_away(context) || more;
   // After the samples: what a client left behind is cancelled before it is handed on.
@@ -107,6 +118,9 @@ bool JobDesk<P>::refuse_turned_away(const Context& context) {
     const auto refuse_one = [&](const auto& key, const Place& place) { refuse_of(index, key, place); };
     more = topic.take_turned_away(places_, refuse_one) || more;
   });
+  more = ends_.take_turned_away(places_, [&](const auto& key, const Place& place) {
+    refuse_of(kEnd, key, place);
+  }) || more;
   return more;
 }
 
@@ -141,6 +155,9 @@ void JobDesk<P>::accept(const typename Row::Sample& sample, Job job, Right right
   if (JobBook::take_early_cancel(*client, job.key.request, context.now)) {
     return end(job, P::kCancelled, context);
   }
+  if (client->name.empty()) client->name = job.who.name;
+  job.time = wall_clock_now();
+  open_requests_.touch();
   make_way_for(job.request, context);
   book_.open(job.key, id, job.data.size());
   lanes_.add(id, job.key.client, protocol_.lane_of(job.request));
@@ -202,9 +219,11 @@ void JobDesk<P>::refuse(const Job& job, const gateway::dds::Denial& denial, cons
       rejection_of(denial.cause), job.who.name,
       fmt::format("request {} of {} refused: {}", job.key.request, job.who.label, text_of(denial)),
       context.now);
-  with_topic(job.topic, [&]<class Row>(RequestTopic<Row>& topic) {
+  const auto answer = [&]<class Row>(RequestTopic<Row>& topic) {
     topic.replies().send(Row::refused(job.key, denial), job.place, context.now);
-  });
+  };
+  if (job.topic == kEnd) return answer(ends_);
+  with_topic(job.topic, answer);
 }
 
 template <RequestProtocol P>
@@ -270,9 +289,11 @@ std::optional<SteadyTime> JobDesk<P>::retry(const Context& context) {
     }
   }
   hand_on_own(context);
-  lanes_blocked_ =
-      !lanes_.hand_over([&](JobId id) { return protocol_.hand_on(jobs_.at(id).request, context); });
-  each_topic([&](auto& topic, std::size_t) { topic.replies().retry(context.now); });
+  lanes_blocked_ = !lanes_.hand_over([&](JobId id) {
+    open_requests_.touch();
+    return protocol_.hand_on(jobs_.at(id).request, context);
+  });
+  each_outbox([&](auto& topic) { topic.replies().retry(context.now); });
   tell_dropped(context.now);
 
   std::optional<SteadyTime> next = audit_.tick(context.now);
@@ -281,7 +302,8 @@ std::optional<SteadyTime> JobDesk<P>::retry(const Context& context) {
   };
   earlier(show_open_transfers(context.now));
   earlier(dropped_.next());
-  each_topic([&](auto& topic, std::size_t) { earlier(topic.replies().next(context.now)); });
+  each_outbox([&](auto& topic) { earlier(topic.replies().next(context.now)); });
+  earlier(tell_open(context));
   readers_.count_dropped(rejections_, events_, context.now);
   earlier(rejections_.tick(context.now));
   // The realtime thread wakes nobody when it has made room.

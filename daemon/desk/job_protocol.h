@@ -71,6 +71,8 @@
 ///     using Newer; static constexpr Outcome kReplaced;   // requests that others take the place of:
 ///     std::optional<Newer> newer_of(request, context);   //   what this one does to those that wait
 ///     bool loses_to(request, newer, context);            //   whether this one, waiting, loses its turn
+///     std::string open_text(request, context);           // what is asked for, while it is open; else what
+///                                                        // `change_of` says
 ///     std::string text(request, context); void set_id(request, id);   // needed by `JobDesk::give`
 namespace cansyncd {
 

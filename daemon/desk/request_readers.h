@@ -29,6 +29,9 @@ class RequestReaders {
   /// Looks which participants have a writer of requests; guards forget the others.
   const LivingPlaces& look(PlaceFinder& places);
 
+  /// As they were when it looked.
+  const LivingPlaces& living() const noexcept { return living_; }
+
   /// Counts and tells what was dropped: keys too many, requests without room for a refusal, samples DDS could
   /// not read.
   void count_dropped(Rejections& rejections, EventPublisher& events, SteadyTime now);

@@ -72,6 +72,9 @@ class CommonStatus {
   /// Publishes what is due. Returns when to call again at the latest.
   SteadyTime step(SteadyTime now);
 
+  /// What every program of the bus reads.
+  const gateway::dds::WriterBase& gateway_writer() const noexcept { return gateway_.writer; }
+
   /// Valid while this object lives.
   ToldCommon told() const noexcept { return {gateway_.sample, bus_.sample, realtime_.sample}; }
 

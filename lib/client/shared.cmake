@@ -23,7 +23,7 @@ install(TARGETS cansync_shared EXPORT cansyncTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
 install(DIRECTORY include/cansync DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN *.h)
 install(FILES ${CMAKE_BINARY_DIR}/idl/cansync.h ${CMAKE_BINARY_DIR}/idl/gateway.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cansync COMPONENT development)
-install(FILES ${CMAKE_SOURCE_DIR}/idl/cansync.idl ${CMAKE_SOURCE_DIR}/idl/cansync_slave.idl ${CMAKE_SOURCE_DIR}/idl/gateway.idl ${CMAKE_SOURCE_DIR}/idl/layer2.idl ${CMAKE_SOURCE_DIR}/idl/j1939.idl DESTINATION ${CMAKE_INSTALL_DATADIR}/cansync/idl COMPONENT development)
+install(FILES ${CMAKE_SOURCE_DIR}/idl/cansync.idl ${CMAKE_SOURCE_DIR}/idl/cansync_slave.idl ${CMAKE_SOURCE_DIR}/idl/gateway.idl ${CMAKE_SOURCE_DIR}/idl/overview.idl ${CMAKE_SOURCE_DIR}/idl/layer2.idl ${CMAKE_SOURCE_DIR}/idl/j1939.idl DESTINATION ${CMAKE_INSTALL_DATADIR}/cansync/idl COMPONENT development)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cansync)
 configure_package_config_file(cansyncConfig.cmake.in cansyncConfig.cmake INSTALL_DESTINATION ${package_folder})

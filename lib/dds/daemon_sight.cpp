@@ -65,6 +65,12 @@ std::string DaemonSight::absent(const ClientOptions& options, std::string_view p
         "({}); update cansyncd, or use a program of its version",
         bus_, gateway_DATA_MODEL, participant_.place());
   }
+  if (protocol.empty()) {
+    return fmt::format(
+        "no daemon found: looked for {} on {}; is cansyncd running for bus {}, with the same domain and "
+        "interface in its [dds] section?",
+        options.wait, participant_.place(), bus_);
+  }
   return fmt::format(
       "no daemon found that speaks {}: looked for {} on {}; is cansyncd running for bus {} with bus.protocol = "
       "\"{}\", and with the same domain and interface in its [dds] section?",

@@ -62,8 +62,8 @@ class DaemonSight {
 
   /// Waits until exactly one daemon is seen and `matched()` is true, looking again whenever `signal` rises.
   /// Throws NoDaemon when `options.wait` is over, `options.stop` is set or several daemons serve the bus.
-  /// `protocol`: what the daemon's file must say of bus.protocol; `other_topics`: endpoints are matched that
-  /// a daemon of another data model has, too.
+  /// `protocol`: what the daemon's file must say of bus.protocol, empty: any; `other_topics`: endpoints are
+  /// matched that a daemon of another data model has, too.
   template <class Matched, class OtherTopics>
   void find(const ClientOptions& options, DataSignal& signal, std::string_view protocol, Matched&& matched,
             OtherTopics&& other_topics) {

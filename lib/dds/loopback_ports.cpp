@@ -93,6 +93,12 @@ std::string serving_discovery(std::uint32_t domain, std::span<const std::string>
                      easily_found ? "" : kTellOften, peers.text());
 }
 
+std::string asking_all_discovery(std::uint32_t domain) {
+  Peers peers;
+  for (std::uint32_t index = 0; index < kPlaces; ++index) peers.add(serving_port(domain, index));
+  return fmt::format("{}{}{}", ports("auto", kServingOffset + 1), kTellOften, peers.text());
+}
+
 std::string asking_discovery(std::uint32_t domain, std::string_view bus) {
   Peers peers;
   peers.add_places(domain, bus, kPlacesAsked);

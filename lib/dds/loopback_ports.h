@@ -47,5 +47,7 @@ std::string serving_discovery(std::uint32_t domain, std::span<const std::string>
 std::string_view place_owner(std::span<const std::string> buses) noexcept;
 /// The same for a client.
 std::string asking_discovery(std::uint32_t domain, std::string_view bus);
+/// The same for a client that looks for the daemons of every bus.
+std::string asking_all_discovery(std::uint32_t domain);
 
 }  // namespace gateway::dds

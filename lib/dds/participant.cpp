@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "dds/loopback.h"
+#include "dds/loopback_holders.h"
 #include "dds/loopback_ports.h"
 #include "dds/security.h"
 #include "dds/topic.h"
@@ -127,12 +128,13 @@ class DomainShare {
     expect_descriptors(options);
     const dds_entity_t handle = open_domain(options, id_);
     if (handle < 0) {
-      fail_at(options, "creating the DDS domain", handle,
-              options.xml.empty()
-                  ? fmt::format("is the interface up, is the domain in no use by other code of this process, "
-                                "and has it room (up to {0} daemons and up to {0} clients on this computer)?",
-                                kPlaces)
-                  : "check the given Cyclone DDS configuration");
+      fail_at(
+          options, "creating the DDS domain", handle,
+          options.xml.empty()
+              ? fmt::format("is the interface up, and is the domain in no use by other code of this process? "
+                            "In it {}; end some of them, or use another domain",
+                            text_of(places_taken(options.domain)))
+              : "check the given Cyclone DDS configuration");
     }
     open.domain[key_] = {Entity(handle), id_, 1};
   }
@@ -221,8 +223,9 @@ std::string configuration(const ParticipantOptions& options, std::uint32_t place
       "MiB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
   const bool loopback = options.interface == "lo";
   const auto discovery = [&] {
-    return options.serves ? serving_discovery(options.domain, buses_of(options), place)
-                          : asking_discovery(options.domain, options.partition);
+    if (options.serves) return serving_discovery(options.domain, buses_of(options), place);
+    return options.all_partitions.empty() ? asking_discovery(options.domain, options.partition)
+                                          : asking_all_discovery(options.domain);
   };
   return fmt::format(kFrame, options.interface, loopback ? "false" : "default", loopback ? discovery() : "",
                      options.serves ? kServes : "");

@@ -28,7 +28,7 @@ struct ParticipantOptions {
   /// participants of a bus must have the same: those of the other kind do not match. False: appendable types,
   /// XCDR2.
   bool final_types = false;
-  /// With `serves`: all buses of the participant, this one's among them; empty: this one alone.
+  /// With `serves`: all its buses, this one among them; else not empty: it looks for all. Empty: this one.
   std::vector<std::string> all_partitions;
 };
 

@@ -23,6 +23,9 @@ LOG = "(1.000000) can0 080#\n(1.000100) can0 300#\n"
 # A run of each verb that prints a table, and the lines above its heading. Verbs without a table say so with None.
 TABLES = {
     "slaves": (["slaves"], ""),
+    "jobs": (["jobs"], ""),
+    "clients": (["clients"], ""),
+    "buses": (["buses"], ""),
     "timing": (["timing"], r"^Starts in us"),
     "doctor": (["doctor"], ""),
     "watch": (["watch", "--count", "1"], ""),
@@ -36,7 +39,7 @@ TABLES = {
     "diff": (["diff", "BACKUP", "winder"], ""),
     "verify": (["verify", "winder", "BACKUP"], ""),
     "restore": (["restore", "winder", "BACKUP", "--dry-run"], ""),
-    **dict.fromkeys("status read write upload download control broadcast mode release set backup record plot wait batch setup".split()),
+    **dict.fromkeys("status cancel read write upload download control broadcast mode release set backup record plot wait batch setup".split()),
 }
 
 

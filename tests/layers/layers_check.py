@@ -65,7 +65,7 @@ daemon/cansync/texts:       idl lib/text lib/profile lib/can lib/cansync lib/dds
                             daemon/desk daemon/cansync daemon/cansync/config
 daemon/cansync/requests:    idl lib/text lib/cansync lib/cansync/dds daemon/desk daemon/cansync daemon/cansync/config
                             daemon/cansync/texts
-daemon/cansync/status:      idl lib/text lib/can lib/cansync lib/dds lib/cansync/dds daemon/cansync
+daemon/cansync/status:      idl lib/text lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/cansync
                             daemon/service daemon/cansync/config daemon/desk daemon/status
 daemon/cansync/gateway:     idl lib/text lib/cansync lib/dds lib/cansync/dds daemon/bus daemon/cansync daemon/service
                             daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
@@ -111,25 +111,26 @@ daemon:                     lib/text lib/config lib/rt daemon/service daemon/opt
 
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
-tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/client tools/cli/text tools/cli/base
+tools/cli/connect:          lib/dds tools/cli/base
+tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/look:             lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/record:           lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/watch
-tools/cli/doctor:           lib/text lib/config lib/can lib/rt lib/client tools/cli/text tools/cli/base tools/cli/cansync
-tools/cli/trace:            lib/system lib/text lib/can lib/cansync tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/doctor:           lib/text lib/config lib/can lib/rt lib/dds lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/trace:            lib/system lib/text lib/can lib/cansync daemon/cansync/config tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/learn:            lib/system lib/text lib/profile lib/cansync daemon/cansync/config tools/cli/text
                             tools/cli/base tools/cli/cansync tools/cli/trace
 tools/cli/scan:             lib/system lib/profile lib/can lib/cansync tools/cli/text tools/cli/base
                             tools/cli/cansync tools/cli/trace tools/cli/learn
 tools/cli/setup:            lib/config daemon/cansync/config tools/cli/base tools/cli/learn
-tools/cli/connect:          lib/dds tools/cli/base
+tools/cli/jobs:             lib/dds tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_slave:    lib/text lib/config lib/profile lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
 tools/cli/layer2:           lib/text lib/can lib/dbc lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/trace tools/cli/connect
 tools/cli/j1939:            idl lib/text lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn
-                            tools/cli/scan tools/cli/setup
+                            tools/cli/scan tools/cli/setup tools/cli/jobs
 tools/simulator:            lib/system lib/text lib/config lib/can lib/cansync lib/sync lib/sim lib/cansync/sim daemon/cansync/config
                             daemon/cansync/bus
 """

@@ -49,6 +49,7 @@ Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::P
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
           [this] { end_jobs(); }) {
   state_.set_givers(references_.givers());
+  jobs_.set_read_by_all(common_.gateway_writer());
 }
 
 Gateway::~Gateway() {

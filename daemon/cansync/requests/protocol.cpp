@@ -1,5 +1,7 @@
 #include "daemon/cansync/requests/protocol.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <variant>
 
@@ -11,6 +13,7 @@
 #include "daemon/cansync/texts/profile_rules.h"
 #include "daemon/cansync/texts/refusal_text.h"
 #include "daemon/desk/job_desk_answers.h"
+#include "daemon/desk/job_desk_oversight.h"
 #include "daemon/desk/job_desk_requests.h"
 
 namespace cansyncd {
@@ -104,6 +107,19 @@ bool CansyncRequests::loses_to(const Request& request, const Superseded& newer, 
 
 std::string CansyncRequests::text(const Request& request, const JobContext& context) {
   return describe(request, context.config).value_or("");
+}
+
+std::string CansyncRequests::open_text(const Request& request, const JobContext& context) {
+  if (auto known = describe(request, context.config)) return *std::move(known);
+  if (const auto* read = std::get_if<cansync::ParameterRequest>(&request)) {
+    const std::string parameter = parameter_label(context.config, read->slave.value(), read->number.value());
+    return fmt::format("read {} {}", slave_label(context.config, read->slave.value()), parameter);
+  }
+  if (const auto* upload = std::get_if<cansync::TransferRequest>(&request)) {
+    return fmt::format("upload {} bytes from {} address 0x{:X}", upload->data.size(),
+                       slave_label(context.config, upload->slave.value()), upload->address);
+  }
+  return "a request";
 }
 
 void CansyncRequests::set_id(Request& request, JobId id) {

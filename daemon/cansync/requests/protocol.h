@@ -73,6 +73,7 @@ class CansyncRequests {
   static std::optional<Superseded> newer_of(const Request& request, const JobContext& context);
   static bool loses_to(const Request& request, const Superseded& newer, const JobContext& context);
   static std::string text(const Request& request, const JobContext& context);
+  static std::string open_text(const Request& request, const JobContext& context);
   static void set_id(Request& request, JobId id);
   static bool hand_on(const Request& request, const JobContext& context) {
     return context.exchange.requests.try_push(request);

@@ -44,6 +44,7 @@ MessageGateway::MessageGateway(const J1939Config& config, J1939Exchange& exchang
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
           [this] { end_jobs(); }) {
   long_data_.resize(j1939_MESSAGE_BATCH);
+  jobs_.set_read_by_all(common_.gateway_writer());
 }
 
 MessageGateway::~MessageGateway() {

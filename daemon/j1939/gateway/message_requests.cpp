@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "daemon/desk/job_desk_answers.h"
+#include "daemon/desk/job_desk_oversight.h"
 #include "daemon/desk/job_desk_requests.h"
 #include "text/counts.h"
 

@@ -63,6 +63,7 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
           [this] { end_jobs(); }) {
   batch_.reserve(layer2_BATCH);
+  jobs_.set_read_by_all(common_.gateway_writer());
 }
 
 FrameGateway::~FrameGateway() {

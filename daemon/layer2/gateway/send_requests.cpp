@@ -7,6 +7,7 @@
 
 #include "can/candump.h"
 #include "daemon/desk/job_desk_answers.h"
+#include "daemon/desk/job_desk_oversight.h"
 #include "daemon/desk/job_desk_requests.h"
 #include "text/counts.h"
 

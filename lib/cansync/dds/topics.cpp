@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "dds/overview/overview_topics.h"
+
 namespace cansync::dds {
 
 bool for_engineers(cansync_CommandKind kind) noexcept {
@@ -21,7 +23,7 @@ bool for_engineers(cansync_CommandKind kind) noexcept {
 }
 
 std::span<const TopicInfo* const> all_topics() noexcept {
-  static constexpr std::array<const TopicInfo*, 19> kAll = {&topic_info<cansync_ActualValues>,
+  static constexpr std::array<const TopicInfo*, 23> kAll = {&topic_info<cansync_ActualValues>,
                                                             &topic_info<cansync_ReferenceValues>,
                                                             &topic_info<cansync_Interval>,
                                                             &topic_info<cansync_ParameterRequest>,
@@ -30,12 +32,16 @@ std::span<const TopicInfo* const> all_topics() noexcept {
                                                             &topic_info<cansync_TransferProgress>,
                                                             &topic_info<cansync_TransferReply>,
                                                             &topic_info<gateway_JobCancel>,
+                                                            &topic_info<gateway_JobEnd>,
+                                                            &topic_info<gateway_JobEndReply>,
                                                             &topic_info<cansync_Command>,
                                                             &kEngineerCommandTopic,
                                                             &topic_info<cansync_CommandReply>,
                                                             &topic_info<cansync_MasterStatus>,
                                                             &topic_info<cansync_SlaveStatus>,
+                                                            &topic_info<gateway_DriveProfile>,
                                                             &topic_info<cansync_Timing>,
+                                                            &topic_info<gateway_OpenRequests>,
                                                             &topic_info<gateway_GatewayStatus>,
                                                             &topic_info<gateway_BusStatus>,
                                                             &topic_info<gateway_RealtimeStatus>,

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
 #include "daemon/cansync/requests/lanes.h"
@@ -45,6 +46,24 @@ TEST(FairLanes, OneClientsRequestsKeepTheirOrder) {
   line.hand_over();
   EXPECT_EQ(line.given, (std::vector<JobId>{1, 2, 3, 4}));
   for (JobId id = 1; id <= 10; ++id) EXPECT_EQ(line.end_first(), id);
+}
+
+TEST(FairLanes, WhoWaitsIsToldBehindWhomAndForLaneAlone) {
+  Line line;
+  const Lane transfer{LaneKind::transfer, 1};
+  line.lanes.add(1, client(1), transfer);
+  line.lanes.add(2, client(2), transfer);
+  line.lanes.add(3, client(2), {LaneKind::transfer, 2});
+  line.hand_over();
+  const std::vector<JobId> ids = {1, 2, 3, 99};
+  const auto turns = line.lanes.turns(ids);
+  ASSERT_EQ(turns.size(), ids.size());
+  EXPECT_EQ(std::pair(turns[0].waits, turns[0].behind), std::pair(false, JobId{0}));
+  EXPECT_EQ(std::pair(turns[1].waits, turns[1].behind), std::pair(true, JobId{1}));
+  EXPECT_FALSE(turns[2].waits) << "another slave's lane is free";
+  EXPECT_FALSE(turns[3].waits) << "unknown";
+  (void)line.end_first();
+  EXPECT_FALSE(line.lanes.turns(ids)[1].waits);
 }
 
 /// One client keeps 64 of its 10,000 requests waiting all the time; the other's one is never further back

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "dds/overview/open_requests.h"
+#include "dds/overview/overview_topics.h"
 #include "made_up_protocol.h"
 #include "support/dds_places.h"
 #include "support/kept_journal.h"
@@ -209,6 +211,51 @@ TEST_F(MadeUpDesk, ACancelForAnotherDaemonOrNoneCancelsNothing) {
   grant(first);
   write_replies();
   EXPECT_EQ(client.answer(1).code, gateway_REPLY_DONE);
+}
+
+TEST_F(MadeUpDesk, WhatIsOpenIsToldAndAnybodyMayEndIt) {
+  const gateway::dds::Participant third(places_.there);
+  gateway::dds::DataSignal signal;
+  gateway::dds::OpenRequestsReader open(third, &signal);
+  gateway::dds::Writer<gateway_JobEnd> ends(third, 0, &signal);
+  gateway::dds::Reader<gateway_JobEndReply> replies(third, replies_to_all(places_.there), &signal);
+  client.wish(1, 42);
+  const Wish wish = next_wish();
+  const auto told = [&](std::size_t requests) {
+    const auto& now = open.look();
+    return now && now->requests.size() == requests;
+  };
+  pass_until([&] { return told(1) && ends.matched() != 0 && replies.matched() != 0; });
+  const gateway_OpenRequest row = open.look()->requests.front();
+  EXPECT_EQ(row.job, wish.id);
+  EXPECT_STREQ(row.name, "tester");
+  EXPECT_STREQ(row.text, "wish 42");
+  EXPECT_FALSE(row.waits);
+  EXPECT_EQ(open.look()->open, 1u);
+
+  std::vector<gateway_JobEndReply> came;
+  const auto end_job = [&](std::uint64_t request, std::uint64_t job) {
+    gateway_JobEnd sample = {};
+    sample.client[0] = 7;
+    sample.request = request;
+    sample.job = job;
+    gateway::dds::set_daemon(kThis, sample);
+    ASSERT_EQ(ends.write(sample), DDS_RETCODE_OK);
+    pass_until([&] {
+      replies.take([&](const gateway_JobEndReply& reply) { came.push_back(reply); });
+      return came.size() == request;
+    });
+  };
+  end_job(1, 999);
+  end_job(2, wish.id);
+  ASSERT_EQ(came.size(), 2u);
+  EXPECT_EQ(came[0].cause, gateway_CAUSE_UNKNOWN_JOB);
+  EXPECT_EQ(came[1].code, gateway_REPLY_DONE);
+  EXPECT_STREQ(came[1].ended, "wish 42 of 'tester' (01000000)");
+  pass_until([&] { return !executor.cancelled.empty(); });
+  EXPECT_EQ(executor.cancelled.front(), wish.id) << "what executes it ends it";
+  grant(wish);
+  pass_until([&] { return told(0); });
 }
 
 TEST_F(MadeUpDesk, EveryEndStandsInTheAuditTrailWithoutAnOldValue) {

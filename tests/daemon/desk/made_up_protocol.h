@@ -13,6 +13,7 @@
 
 #include "daemon/desk/job_desk.h"
 #include "daemon/desk/job_desk_answers.h"
+#include "daemon/desk/job_desk_oversight.h"
 #include "daemon/desk/job_desk_requests.h"
 #include "dds/bounded_text.h"
 #include "dds/topic.h"

@@ -148,7 +148,7 @@ TEST(MessageTopics, EachHasItsOwnNameAndTheTypeOfThatName) {
     EXPECT_EQ(topic->type->m_typename,
               fmt::format("{}::{}", of_every_protocol ? "gateway" : "j1939", topic->name));
   }
-  EXPECT_EQ(names.size(), 12u);
+  EXPECT_EQ(names.size(), 15u);
 }
 
 }  // namespace

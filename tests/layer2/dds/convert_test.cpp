@@ -139,7 +139,7 @@ TEST(Topics, EachHasItsOwnNameAndTheTypeOfThatName) {
               fmt::format("{}::{}", of_every_protocol ? "gateway" : "layer2", topic->name));
     EXPECT_EQ(topic->qos.keep_all, topic->qos.max_samples > 0) << topic->name;
   }
-  EXPECT_EQ(names.size(), 13u);
+  EXPECT_EQ(names.size(), 16u);
 }
 
 }  // namespace

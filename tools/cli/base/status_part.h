@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -8,12 +10,23 @@
 
 namespace cansync::cli {
 
+/// One bus in a few words; what its protocol does not have is empty.
+struct BusSummary {
+  struct Slaves {
+    unsigned configured = 0;
+    unsigned responding = 0;
+  };
+  std::string state;
+  std::optional<Slaves> slaves;
+};
+
 /// What `status` shows of one protocol, beside what every bus has.
 struct StatusPart {
   std::string_view protocol;                  ///< as GatewayStatus.protocol
   std::vector<Explained> (*lines)(Session&);  ///< label and text, in their order
   void (*members)(Session&, JsonObject&);     ///< of its status topic
   std::vector<Explained> (*help)();           ///< label and what its line says
+  BusSummary (*summary)(Session&) = nullptr;  ///< for `buses`; null: nothing to say
 };
 
 }  // namespace cansync::cli

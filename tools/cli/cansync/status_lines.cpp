@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cstdint>
 #include <initializer_list>
 #include <string_view>
@@ -141,6 +142,13 @@ void add_master_members(Session& session, JsonObject& object) {
   text::add_members(object, session.client().master_status(), "daemon");  // that of GatewayStatus is there
 }
 
+BusSummary master_summary(Session& session) {
+  const client::MasterStatus status = session.client().master_status();
+  const auto count = [](std::uint32_t mask) { return static_cast<unsigned>(std::popcount(mask)); };
+  return {std::string(client::text(status.state)),
+          BusSummary::Slaves{count(status.slaves_configured), count(status.slaves_responding)}};
+}
+
 std::vector<Explained> master_lines_help() {
   std::vector<Explained> entries;
   for (const Line& line : kLines) {
@@ -161,6 +169,7 @@ std::vector<Explained> master_lines(const client::MasterStatus& status) {
   return out;
 }
 
-const StatusPart kMasterStatusPart = {"cansync-master", lines_of, add_master_members, master_lines_help};
+const StatusPart kMasterStatusPart = {"cansync-master", lines_of, add_master_members, master_lines_help,
+                                      master_summary};
 
 }  // namespace cansync::cli

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/base/files.h"
+#include "cli/cansync/transfer_turn.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/progress.h"
@@ -46,10 +47,16 @@ Transferred run_job(Session& session, const client::TransferRequest& request) {
   // Asked before: a transfer that is done must not fail for want of a status.
   const auto interval = static_cast<double>(session.client().master_status().interval_length);
   ProgressBar bar(stderr);
+  TransferTurn turn(session);
   Transferred ended;
   ended.reply = session.ask(
-      request.download ? Effect::changes : Effect::reads, [&] { return session.client().submit(request); },
-      [&bar](std::uint32_t done, std::uint32_t total) { bar.update(done, total); });
+      request.download ? Effect::changes : Effect::reads,
+      [&] { return turn.begin(session.client().submit(request)); },
+      [&](std::uint32_t done, std::uint32_t total) {
+        bar.update(done, total);
+        turn.look(done);
+      });
+  turn.settle(ended.reply);
   ended.seconds = static_cast<double>(ended.reply.intervals) * interval / 1e9;
   return ended;
 }
