@@ -179,7 +179,7 @@ the protocol's own under the names of the column JSON, `cansync slaves --json` a
 Members that are metrics stand in [metrics.md](metrics.md). Unit `1`: a plain number or raw code.
 """
 DOCUMENTED = (("gateway.idl", COMMON), ("cansync.idl", ("MasterStatus", "ReferenceRelease", "ValueName", "SlaveStatus", "Timing", "SlotTiming")),
-              ("cansync_slave.idl", ("SlaveSideStatus",)), ("layer2.idl", ("CanFrame", "FrameStatus", "TimerStatus")), ("j1939.idl", ("NodeStatus",)))
+              ("cansync_slave.idl", ("SlaveSideStatus",)), ("layer2.idl", ("CanFrame", "FrameStatus", "TimerStatus", "ObjectStatus")), ("j1939.idl", ("NodeStatus",)))
 
 
 def document():

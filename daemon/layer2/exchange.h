@@ -25,16 +25,30 @@ struct CancelOrder {
 };
 
 /// What a client asks for.
-using Layer2Job = std::variant<layer2::SendOrder, layer2::ControlOrder>;
+using Layer2Job = std::variant<layer2::SendOrder, layer2::ControlOrder, layer2::ObjectOrder>;
 
 /// A request of the gateway. Each job has exactly one `SendDone`.
-using Layer2Request = std::variant<layer2::SendOrder, layer2::ControlOrder, CancelOrder>;
+using Layer2Request = std::variant<layer2::SendOrder, layer2::ControlOrder, layer2::ObjectOrder, CancelOrder>;
 
 /// The one answer to a job; of a ControlOrder, its refusal alone.
 struct SendDone {
   layer2::Answer answer;
   layer2::Refusal refusal = layer2::Refusal::none;  ///< not none: nothing was sent, `answer` has the id alone
   can::Time sent_time{0};                           ///< done: CLOCK_REALTIME of the frame's last bit
+  layer2::ObjectAnswer object = {};  ///< of an ObjectOrder; refusal, outcome and id stand above
+};
+
+/// An event of the module.
+struct ModuleReport {
+  layer2::ModuleEvent event;
+  can::Time time{0};         ///< CLOCK_REALTIME
+  std::uint64_t number = 0;  ///< rises by one, also by those that had no room
+};
+
+/// The message objects as they are.
+struct ObjectsSnapshot {
+  std::array<layer2::ObjectState, layer2::MessageObjects::kMost> objects = {};
+  std::array<can::Time, layer2::MessageObjects::kMost> times = {};  ///< CLOCK_REALTIME of `ObjectState::time`
 };
 
 /// A frame that a range takes.
@@ -88,6 +102,8 @@ struct BusSnapshot {
 /// so that no answer can be lost. What still waits in `requests` when it stops is answered as stopped, as far
 /// as there is room; once it has ended, whatever is left was never begun.
 struct Layer2Exchange {
+  static constexpr std::size_t kEvents = 1024;  ///< room for events
+
   /// `request_queue` and `report_queue`: entries of `requests` and of `frames`.
   Layer2Exchange(std::size_t request_queue, std::size_t report_queue)
       : requests(request_queue),
@@ -98,7 +114,9 @@ struct Layer2Exchange {
   rt::SpscRing<SendDone> done;           ///< realtime -> gateway
   rt::SpscRing<ReceivedReport> frames;   ///< realtime -> gateway, lossy
   rt::LatestValue<BusSnapshot> status;
+  rt::SpscRing<ModuleReport> events{kEvents};  ///< realtime -> gateway, lossy
   rt::LatestValue<ImageSnapshot> image;
+  rt::LatestValue<ObjectsSnapshot> objects;
   rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
   rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway
 };

@@ -16,31 +16,55 @@ bool takes(const MaskRule& rule, const can::Frame& frame) noexcept {
   return ((frame.identifier() ^ rule.identifier) & rule.mask & largest(rule.extended)) == 0;
 }
 
-ObjectProblem MessageObjects::configure(unsigned number, const ObjectSettings& settings) noexcept {
+ObjectProblem MessageObjects::check(unsigned number, const ObjectSettings& settings) const noexcept {
   if (number >= kMost) return ObjectProblem::number;
-  Object& object = objects_[number];
-  if (object.reserved) return ObjectProblem::reserved;
+  if (objects_[number].reserved) return ObjectProblem::reserved;
   if (settings.rule.identifier > largest(settings.rule.extended)) return ObjectProblem::frame;
-  const bool had_job = object.phase != Phase::idle;
-  object = {};
-  object.settings = settings;
-  object.configured = true;
-  if (had_job && settings.transmit) object.told = JobState::aborted;
   return ObjectProblem::none;
 }
 
+ObjectProblem MessageObjects::configure(unsigned number, const ObjectSettings& settings) noexcept {
+  if (const auto problem = check(number, settings); problem != ObjectProblem::none) return problem;
+  Object& object = objects_[number];
+  renew(object);
+  object.settings = settings;
+  object.configured = true;
+  if (!settings.transmit) object.told = JobState::none;
+  return ObjectProblem::none;
+}
+
+/// As if it had never been configured, but for its counters; the end of a job is to be told.
+void MessageObjects::renew(Object& object) noexcept {
+  ++changes_;
+  const bool had_job = object.phase != Phase::none && !object.request;
+  const bool reserved = object.reserved;
+  const std::uint32_t handings = object.handings;
+  ObjectState count = object.count;
+  if (had_job) count.ended_as = JobState::aborted;
+  object = {};
+  object.reserved = reserved;
+  object.handings = handings;
+  object.count = count;
+  if (had_job) object.told = JobState::aborted;
+}
+
+bool MessageObjects::forget(unsigned number) noexcept {
+  if (number >= kMost) return false;
+  renew(objects_[number]);
+  return true;
+}
+
 void MessageObjects::reserve(unsigned number) noexcept {
-  if (number >= kMost) return;
-  objects_[number] = {};
+  if (!forget(number)) return;
   objects_[number].reserved = true;
 }
 
+void MessageObjects::unreserve(unsigned number) noexcept {
+  if (number < kMost) objects_[number].reserved = false;
+}
+
 void MessageObjects::reset() noexcept {
-  for (Object& object : objects_) {
-    const bool reserved = object.reserved;
-    object = {};
-    object.reserved = reserved;
-  }
+  for (Object& object : objects_) renew(object);
 }
 
 ObjectProblem MessageObjects::access(unsigned number, bool transmit) const noexcept {
@@ -58,8 +82,9 @@ ObjectProblem MessageObjects::start(unsigned number, const ObjectJob& job, Time 
   if (frame.error || frame.remote || frame.dlc > frame.data.size() ||
       frame.extended != object.settings.rule.extended || frame.id > largest(frame.extended))
     return ObjectProblem::frame;
-  const bool replaceable = object.phase == Phase::idle || object.phase == Phase::waits_for_remote;
+  const bool replaceable = object.phase == Phase::none || object.phase == Phase::waits_for_remote;
   if (!replaceable) return ObjectProblem::pending;
+  ++changes_;
   object.job = job;
   object.phase = job.on_remote ? Phase::waits_for_remote : Phase::ready;
   object.told = JobState::none;
@@ -71,11 +96,18 @@ ObjectProblem MessageObjects::start(unsigned number, const ObjectJob& job, Time 
 bool MessageObjects::abort(unsigned number) noexcept {
   if (number >= kMost) return false;
   Object& object = objects_[number];
-  if (object.phase == Phase::idle || object.phase == Phase::in_controller) return false;
-  object.phase = Phase::idle;
-  object.told = JobState::aborted;
-  object.until = Time::max();
+  if (object.phase == Phase::none || object.phase == Phase::in_controller) return false;
+  end_job(object, JobState::aborted);
   return true;
+}
+
+/// Of an object that receives, only the frame that asks is not sent.
+void MessageObjects::end_job(Object& object, JobState as) noexcept {
+  ++changes_;
+  object.phase = Phase::none;
+  object.until = Time::max();
+  if (!object.request) object.told = object.count.ended_as = as;
+  object.request = false;
 }
 
 JobState MessageObjects::take_state(unsigned number) noexcept {
@@ -84,7 +116,7 @@ JobState MessageObjects::take_state(unsigned number) noexcept {
   const JobState told = object.told;
   object.told = JobState::none;
   if (told != JobState::none) return told;
-  return object.phase == Phase::idle ? JobState::none : JobState::under_way;
+  return object.phase == Phase::none ? JobState::none : JobState::under_way;
 }
 
 std::optional<unsigned> MessageObjects::next() const noexcept {
@@ -94,42 +126,48 @@ std::optional<unsigned> MessageObjects::next() const noexcept {
   return std::nullopt;
 }
 
-void MessageObjects::handed_over(unsigned number) noexcept {
-  if (number < kMost && objects_[number].phase == Phase::ready) objects_[number].phase = Phase::in_controller;
+std::uint32_t MessageObjects::handed_over(unsigned number) noexcept {
+  if (number >= kMost || objects_[number].phase != Phase::ready) return 0;
+  ++changes_;
+  objects_[number].phase = Phase::in_controller;
+  return ++objects_[number].handings;
 }
 
-void MessageObjects::sent(unsigned number) noexcept {
-  if (number >= kMost || objects_[number].phase != Phase::in_controller) return;
+bool MessageObjects::sent(unsigned number, std::uint32_t handing, Time end) noexcept {
+  if (number >= kMost) return false;
   Object& object = objects_[number];
+  if (object.phase != Phase::in_controller || object.handings != handing) return false;
   if (object.request) {  // the remote frame of an object that receives
+    ++changes_;
     object.request = false;
-    object.phase = Phase::idle;
-    return;
+    object.phase = Phase::none;
+    return true;
   }
-  object.told = JobState::done;
-  object.until = Time::max();
-  object.phase = Phase::idle;
-  if (!object.job.on_remote || !object.job.every_time) return;
+  object.count.time = end;
+  ++object.count.sent;
+  end_job(object, JobState::done);
+  if (!object.job.on_remote || !object.job.every_time) return true;
   object.phase = object.asked_again ? Phase::ready : Phase::waits_for_remote;
   object.asked_again = false;
+  return true;
 }
 
 void MessageObjects::controller_emptied() noexcept {
   for (Object& object : objects_) {
     if (object.phase != Phase::in_controller) continue;
-    object.phase = object.job.every_time && !object.request ? Phase::waits_for_remote : Phase::idle;
-    object.until = Time::max();
-    if (!object.request) object.told = JobState::timed_out;
-    object.request = false;
+    const bool goes_on = object.job.every_time && !object.request;
+    end_job(object, JobState::timed_out);
+    if (goes_on) object.phase = Phase::waits_for_remote;
   }
 }
 
 ObjectProblem MessageObjects::release(unsigned number, bool request) noexcept {
   if (const ObjectProblem problem = access(number, false); problem != ObjectProblem::none) return problem;
   Object& object = objects_[number];
+  if (request && object.phase != Phase::none) return ObjectProblem::pending;
+  ++changes_;
   object.open = true;
   if (!request) return ObjectProblem::none;
-  if (object.phase != Phase::idle) return ObjectProblem::pending;
   object.job = {};
   object.job.frame.id = object.settings.rule.identifier;
   object.job.frame.extended = object.settings.rule.extended;
@@ -144,6 +182,7 @@ void MessageObjects::answer_remote(const can::Frame& frame) noexcept {
     const can::Frame& held = object.job.frame;
     if (!object.job.on_remote || held.extended != frame.extended || held.id != frame.identifier()) continue;
     if (object.phase == Phase::waits_for_remote) {
+      ++changes_;
       object.phase = Phase::ready;
       return;
     }
@@ -154,20 +193,25 @@ void MessageObjects::answer_remote(const can::Frame& frame) noexcept {
   }
 }
 
-std::optional<unsigned> MessageObjects::receive(const can::Frame& frame) noexcept {
+std::optional<unsigned> MessageObjects::receive(const can::Frame& frame, Time end) noexcept {
   if (frame.remote && !frame.error) answer_remote(frame);
   if (frame.remote) return std::nullopt;
   for (unsigned number = 0; number < kMost; ++number) {
     Object& object = objects_[number];
     if (!object.configured || object.settings.transmit || !takes(object.settings.rule, frame)) continue;
     if (object.full) {
+      ++changes_;
+      ++object.count.overruns;
       object.overrun = true;
       continue;
     }
     if (!object.open) continue;
     object.open = false;
     object.full = true;
-    object.received = frame;
+    ++changes_;
+    ++object.count.received;
+    object.count.time = end;
+    object.received = {frame, end};
     return number;
   }
   return std::nullopt;
@@ -176,7 +220,8 @@ std::optional<unsigned> MessageObjects::receive(const can::Frame& frame) noexcep
 std::optional<ObjectReading> MessageObjects::read(unsigned number, bool release_anew) noexcept {
   if (number >= kMost || !objects_[number].full) return std::nullopt;
   Object& object = objects_[number];
-  const ObjectReading reading{object.received, object.overrun};
+  ++changes_;
+  const ObjectReading reading{object.received.frame, object.received.end, object.overrun};
   object.full = false;
   object.overrun = false;
   object.open = release_anew;
@@ -185,11 +230,23 @@ std::optional<ObjectReading> MessageObjects::read(unsigned number, bool release_
 
 void MessageObjects::advance(Time now) noexcept {
   for (Object& object : objects_) {
-    if (object.until > now || object.phase == Phase::idle || object.phase == Phase::in_controller) continue;
-    object.phase = Phase::idle;
-    object.told = JobState::timed_out;
-    object.until = Time::max();
+    if (object.until > now || object.phase == Phase::none || object.phase == Phase::in_controller) continue;
+    end_job(object, JobState::timed_out);
   }
+}
+
+ObjectState MessageObjects::state(unsigned number) const noexcept {
+  const Object& object = objects_[number];
+  ObjectState state = object.count;
+  state.configured = object.configured;
+  state.settings = object.settings;
+  state.place = object.phase;
+  state.every_time = object.job.every_time;
+  state.open = object.open;
+  state.full = object.full;
+  state.overrun = object.overrun;
+  state.frame = object.settings.transmit ? object.job.frame : object.received.frame;
+  return state;
 }
 
 Time MessageObjects::next_deadline() const noexcept {

@@ -18,6 +18,8 @@ struct MaskRule {
   std::uint32_t identifier = 0;     ///< 0..0x7FF; extended 0..0x1FFFFFFF
   std::uint32_t mask = 0xFFFFFFFF;  ///< bits above those of the width do not count
   bool extended = false;            ///< 29-bit identifiers; false: 11-bit ones
+
+  friend bool operator==(const MaskRule&, const MaskRule&) = default;
 };
 
 /// Data and remote frames, never error frames. Pure and realtime safe.
@@ -28,6 +30,9 @@ struct ObjectSettings {
   MaskRule rule;          ///< of an object that sends, its identifier and width
   bool transmit = false;  ///< it sends; false: it receives
   Time timeout{0};        ///< of a job to send, until it is aborted; 0: never
+  bool tell = false;      ///< each frame that it sent or received is an event
+
+  friend bool operator==(const ObjectSettings&, const ObjectSettings&) = default;
 };
 
 /// What an object is to send.
@@ -57,10 +62,33 @@ enum class ObjectProblem : std::uint8_t {
   frame,      ///< identifier or length too large, or of another width
 };
 
+/// Where the job of an object is.
+enum class JobPlace : std::uint8_t { none, waits_for_remote, ready, in_controller };
+
 /// What an object had received.
 struct ObjectReading {
   can::Frame frame;
+  Time end{};            ///< of its last bit
   bool overrun = false;  ///< a frame came while it was full, and went on to the next that takes it
+};
+
+/// An object as it is.
+struct ObjectState {
+  bool configured = false;
+  ObjectSettings settings;
+  JobPlace place = JobPlace::none;     ///< of its job; of an object that receives, of the frame that asks
+  bool every_time = false;             ///< its job answers each remote frame
+  JobState ended_as = JobState::none;  ///< how its last job ended
+  bool open = false;                   ///< takes the next frame that fits
+  bool full = false;                   ///< holds a frame that was not read
+  bool overrun = false;                ///< another one came while it was full
+  can::Frame frame;                    ///< what its job sends, or what it received last
+  Time time{};                         ///< end of the frame that it sent or received last; 0: none yet
+  std::uint64_t sent = 0;              ///< frames, since the start
+  std::uint64_t received = 0;          ///< likewise
+  std::uint64_t overruns = 0;          ///< likewise: frames that came while it was full
+
+  friend bool operator==(const ObjectState&, const ObjectState&) = default;
 };
 
 /// The 32 message objects of direct access (Saia 3.2, 4.2.2, 4.3): each holds one frame, which it sends or
@@ -76,9 +104,15 @@ class MessageObjects {
 
   /// Gives an object (0..kMost-1) its settings, anew: whatever it held is gone, and a job ends as aborted.
   ObjectProblem configure(unsigned number, const ObjectSettings& settings) noexcept;
+  /// What would be wrong with such settings of an object; nothing changes.
+  ObjectProblem check(unsigned number, const ObjectSettings& settings) const noexcept;
+  /// Takes an object's settings away; a job ends as aborted. False: there is no such object.
+  bool forget(unsigned number) noexcept;
   /// From now on the object belongs to another service.
   void reserve(unsigned number) noexcept;
-  /// Forgets every object's settings; what is reserved stays.
+  /// The object is free for settings again.
+  void unreserve(unsigned number) noexcept;
+  /// Forgets every object's settings; what is reserved stays, and so do the counters.
   void reset() noexcept;
 
   // --- sending
@@ -95,10 +129,11 @@ class MessageObjects {
   std::optional<unsigned> next() const noexcept;
   /// What the object that `next` said sends.
   const can::Frame& frame(unsigned number) const noexcept { return objects_[number].job.frame; }
-  /// The bus took the frame of an object.
-  void handed_over(unsigned number) noexcept;
-  /// The frame of an object stood on the bus.
-  void sent(unsigned number) noexcept;
+  /// The bus took the frame of an object. The number of this handing over, by which `sent` knows it again.
+  std::uint32_t handed_over(unsigned number) noexcept;
+  /// The frame of an object stood on the bus until `end`; `handing` is what `handed_over` said. One that was
+  /// handed over before the object was configured anew is nobody's. True: it was the object's.
+  bool sent(unsigned number, std::uint32_t handing, Time end = {}) noexcept;
   /// What was handed over is gone from the controller, and may have been sent: such jobs end as timed out.
   void controller_emptied() noexcept;
 
@@ -108,8 +143,8 @@ class MessageObjects {
   /// answer comes to it.
   ObjectProblem release(unsigned number, bool request = false) noexcept;
   /// A frame of another node came. The object that has taken it; nothing: none, and the next service is
-  /// asked. A remote frame makes objects ready that wait for it, and goes on, too.
-  std::optional<unsigned> receive(const can::Frame& frame) noexcept;
+  /// asked. A remote frame makes objects ready that wait for it, and goes on, too. `end`: of its last bit.
+  std::optional<unsigned> receive(const can::Frame& frame, Time end = {}) noexcept;
   /// What an object has received, once; `release` opens it anew at once.
   std::optional<ObjectReading> read(unsigned number, bool release) noexcept;
 
@@ -120,15 +155,28 @@ class MessageObjects {
   /// When `advance` must be called at the latest; Time::max(): nothing waits for time.
   Time next_deadline() const noexcept;
 
+  // --- state
+
+  /// An object (0..kMost-1) as it is.
+  ObjectState state(unsigned number) const noexcept;
+  /// Where the job of an object (0..kMost-1) is.
+  JobPlace place(unsigned number) const noexcept { return objects_[number].phase; }
+  /// Frames of an object are events; any number.
+  bool tells(unsigned number) const noexcept { return number < kMost && objects_[number].settings.tell; }
+  /// Rises with everything that happens to an object.
+  std::uint64_t changes() const noexcept { return changes_; }
+
  private:
-  enum class Phase : std::uint8_t { idle, waits_for_remote, ready, in_controller };
+  using Phase = JobPlace;
   struct Object {
     ObjectSettings settings;
     bool configured = false;
     bool reserved = false;
+    std::uint32_t handings = 0;
+    ObjectState count;  ///< of it only `ended_as`, `time` and the counters
     // sending
     ObjectJob job;
-    Phase phase = Phase::idle;
+    Phase phase = Phase::none;
     JobState told = JobState::none;  ///< what is to be told next; none: as `phase`
     Time until = Time::max();
     bool asked_again = false;  ///< every_time: a remote frame came while an answer was on its way
@@ -137,13 +185,16 @@ class MessageObjects {
     bool full = false;
     bool overrun = false;
     bool request = false;  ///< a remote frame is to be sent, or is in the controller
-    can::Frame received;
+    ObjectReading received;
   };
 
   ObjectProblem access(unsigned number, bool transmit) const noexcept;
   void answer_remote(const can::Frame& frame) noexcept;
+  void renew(Object& object) noexcept;
+  void end_job(Object& object, JobState as) noexcept;
 
   std::array<Object, kMost> objects_ = {};
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace layer2

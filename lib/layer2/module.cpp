@@ -7,6 +7,8 @@ namespace {
 
 /// Commands of a script done in one step: they cost time.
 constexpr unsigned kCommandsAtOnce = 32;
+/// Events that may wait to be taken.
+constexpr std::size_t kMostEvents = 64;
 
 std::size_t depth_of(std::uint16_t depth) noexcept {
   return std::min<std::size_t>(depth, Station::kMostQueue);
@@ -28,15 +30,21 @@ Module::Module(const ModuleSettings& settings)
     : settings_(settings),
       station_(settings.station),
       window_(settings.window),
+      orders_(objects_, settings.object_patience),
       received_(depth_of(settings.receive_queue), settings.receive_overflow),
-      received_high_(depth_of(settings.receive_high_queue), settings.receive_overflow) {
+      received_high_(depth_of(settings.receive_high_queue), settings.receive_overflow),
+      events_(kMostEvents) {
   for (unsigned number = 1; number <= Timers::kMost; ++number) {
     if (const auto& timer = settings_.timers[number - 1]) (void)timers_.configure(number, *timer);
   }
-  if (settings_.mapped.empty()) return;
-  mapping_.configure(settings_.mapping, settings_.mapped);
-  // Saia 3.5: the mapping has two of the objects.
-  for (const unsigned number : {28u, 29u}) objects_.reserve(number);
+  if (!settings_.mapped.empty()) {
+    mapping_.configure(settings_.mapping, settings_.mapped);
+    // Saia 3.5: the mapping has two of the objects.
+    for (const unsigned number : {28u, 29u}) objects_.reserve(number);
+  }
+  for (unsigned number = 0; number < MessageObjects::kMost; ++number) {
+    if (const auto& object = settings_.objects[number]) (void)objects_.configure(number, *object);
+  }
 }
 
 void Module::begin(Time now) noexcept {
@@ -175,7 +183,9 @@ void Module::receive(const can::Frame& frame, Time end) noexcept {
     station_.count_received(false);
     return;
   }
-  if (objects_.receive(frame) || mapping_.receive(frame)) {
+  const auto object = objects_.receive(frame, end);
+  if (object) tell(ModuleEvent::Kind::object_received, *object, frame, end);
+  if (object || mapping_.receive(frame)) {
     station_.count_received(true);
     return;
   }
@@ -233,6 +243,10 @@ void Module::handed_over() noexcept {
     station_.handed_over();
     return;
   }
+  if (offered_own_.sender == Sender::object) {
+    offered_own_.handing = objects_.handed_over(offered_own_.number);
+    orders_.handed_over(offered_own_.number, now_);
+  }
   station_.own_handed_over(offered_, offered_own_);
   switch (offered_own_.sender) {
     case Sender::timer:
@@ -245,7 +259,6 @@ void Module::handed_over() noexcept {
       timers_.advance(now_);  // what it has started is due now
       break;
     case Sender::object:
-      objects_.handed_over(offered_own_.number);
       break;
     case Sender::mapping:
       mapping_.handed_over(offered_own_.number, offered_);
@@ -257,7 +270,20 @@ void Module::handed_over() noexcept {
 
 void Module::echo(const can::Frame& frame, Time end) noexcept {
   const auto own = station_.echo(frame, end);
-  if (own && own->sender == Sender::object) objects_.sent(own->number);
+  if (!own || own->sender != Sender::object) return;
+  if (objects_.sent(own->number, own->handing, end) && !frame.remote)
+    tell(ModuleEvent::Kind::object_sent, own->number, frame, end);
+}
+
+void Module::tell(ModuleEvent::Kind kind, unsigned number, const can::Frame& frame, Time time) noexcept {
+  if (objects_.tells(number)) (void)events_.push({kind, static_cast<std::uint8_t>(number), frame, time});
+}
+
+std::optional<ModuleEvent> Module::take_event() noexcept {
+  if (!events_.empty()) return events_.pop();
+  if (station_.submitted() == emptied_for_ || station_.waiting() != 0) return std::nullopt;
+  emptied_for_ = station_.submitted();
+  return ModuleEvent{.time = now_};
 }
 
 void Module::controller_emptied() noexcept {
@@ -271,13 +297,14 @@ void Module::advance(Time now) noexcept {
   step_script();  // before the timers it starts
   timers_.advance(now);
   objects_.advance(now);
+  orders_.advance(now);
   mapping_.advance(now);
   station_.advance(now);
 }
 
 Time Module::next_deadline() const noexcept {
   Time next = std::min({station_.next_deadline(), timers_.next_deadline(), runner_.next_deadline(),
-                        objects_.next_deadline(), mapping_.next_deadline()});
+                        objects_.next_deadline(), orders_.next_deadline(), mapping_.next_deadline()});
   if (station_.waiting() != 0) next = std::min(next, window_.next_opening(now_));
   return next;
 }

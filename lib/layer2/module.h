@@ -10,6 +10,7 @@
 #include "layer2/bounded_queue.h"
 #include "layer2/data_mapping.h"
 #include "layer2/message_objects.h"
+#include "layer2/object_orders.h"
 #include "layer2/script.h"
 #include "layer2/station.h"
 #include "layer2/status_image.h"
@@ -29,7 +30,10 @@ struct ModuleSettings {
   Script power_on;                                      ///< without problems, as the other two
   Script run;
   Script stop;
-  bool starts_in_run = true;  ///< false: it stays in stop until it is told to run
+  std::array<std::optional<ObjectSettings>, MessageObjects::kMost> objects = {};
+  Time object_patience =
+      std::chrono::seconds(1);  ///< a job whose frame was handed over, until it is answered as `no_answer`
+  bool starts_in_run = true;    ///< false: it stays in stop until it is told to run
   MappingSettings mapping;
   std::vector<MappedBytes>
       mapped;  ///< in which `DataMapping::check` finds nothing; none: there is no mapping
@@ -67,6 +71,19 @@ struct WaitingFrame {
   Time end{};              ///< of its last bit
   std::uint8_t range = 0;  ///< position of the range that takes it
   Priority priority = Priority::normal;
+};
+
+/// What happened to a message object that tells, or to the send queues.
+struct ModuleEvent {
+  enum class Kind : std::uint8_t {
+    object_received,
+    object_sent,
+    send_queue_empty,  ///< the last order that waited was handed over or ended
+  };
+  Kind kind = Kind::send_queue_empty;
+  std::uint8_t number = 0;  ///< of an object
+  can::Frame frame;         ///< likewise
+  Time time{};              ///< end of the frame
 };
 
 /// All services of a module together: filters and queues (`Station`), timers, synchronous window, scripts,
@@ -123,6 +140,19 @@ class Module {
   /// As `Station::take_answer`.
   std::optional<Answer> take_answer() noexcept { return station_.take_answer(); }
 
+  // --- message objects
+
+  /// As `ObjectOrders::perform`; a job is refused in stop.
+  std::optional<ObjectAnswer> perform(const ObjectOrder& order, Time now) noexcept {
+    return orders_.perform(order, running_, now);
+  }
+  /// As `ObjectOrders::cancel`.
+  bool cancel_object(OrderId id) noexcept { return orders_.cancel(id); }
+  /// As `ObjectOrders::take_answer`.
+  std::optional<ObjectAnswer> take_object_answer() noexcept { return orders_.take_answer(); }
+  /// The next event; those that nobody takes are lost when there are more than a few.
+  std::optional<ModuleEvent> take_event() noexcept;
+
   // --- control
 
   /// Does what an order says; Refusal::none when it is done.
@@ -147,7 +177,10 @@ class Module {
   /// When `advance` must be called at the latest.
   Time next_deadline() const noexcept;
   /// Takes no more orders, and ends those that are open.
-  void end() noexcept { station_.stop(); }
+  void end() noexcept {
+    station_.stop();
+    orders_.stop();
+  }
 
   /// Filters, orders and counters.
   const Station& station() const noexcept { return station_; }
@@ -157,6 +190,7 @@ class Module {
   const SyncWindow& window() const noexcept { return window_; }
   /// The message objects.
   MessageObjects& objects() noexcept { return objects_; }
+  const MessageObjects& objects() const noexcept { return objects_; }
   /// It was set up with telegrams to map.
   bool has_mapping() const noexcept { return !settings_.mapped.empty(); }
   /// The data mapping.
@@ -169,6 +203,7 @@ class Module {
   void step_script() noexcept;
   void start_script(const Script& script) noexcept;
   bool orders_may_go() const noexcept;
+  void tell(ModuleEvent::Kind kind, unsigned number, const can::Frame& frame, Time time) noexcept;
 
   ModuleSettings settings_;
   Station station_;
@@ -176,9 +211,12 @@ class Module {
   SyncWindow window_;
   ScriptRunner runner_;
   MessageObjects objects_;
+  ObjectOrders orders_;
   DataMapping mapping_;
   BoundedQueue<WaitingFrame> received_;
   BoundedQueue<WaitingFrame> received_high_;
+  BoundedQueue<ModuleEvent> events_;
+  std::uint64_t emptied_for_ = 0;        ///< orders submitted when the send queues were last told to be empty
   const Script* next_script_ = nullptr;  ///< begins when the one under way has ended
   std::optional<ScriptCommand> script_frame_;
   OwnFrame offered_own_;

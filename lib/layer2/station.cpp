@@ -69,6 +69,7 @@ Refusal Station::submit(const SendOrder& order, Time now) noexcept {
   }
   const auto pushed = queue.insert(at, taken);
   if (pushed.deleted) end(*pushed.deleted, Outcome::displaced);
+  if (pushed.taken) ++submitted_;
   return pushed.taken ? Refusal::none : Refusal::queue_full;
 }
 

@@ -55,21 +55,26 @@ enum class Sender : std::uint8_t { order, timer, script, object, mapping };
 /// An own frame that stood on the bus.
 struct OwnFrame {
   Sender sender = Sender::order;
-  std::uint8_t number = 0;  ///< of the timer, object or telegram; else 0
+  std::uint8_t number = 0;    ///< of the timer, object or telegram; else 0
+  std::uint32_t handing = 0;  ///< of an object: what `MessageObjects::handed_over` said
 };
 
 /// Why an order is not taken; nothing was sent.
 enum class Refusal : std::uint8_t {
   none,
-  queue_full,       ///< as many orders are open as there is room for: try again when one has been answered
-  bad_frame,        ///< no frame that can be sent: identifier or length too large, or an error frame
-  stopped,          ///< the station has been stopped
-  not_running,      ///< the module is in stop
-  no_timer,         ///< there is no such timer, or it was not given what it sends
-  no_image,         ///< there is no process image, or not at that address
-  not_permitted,    ///< the controller cannot be reset: a right of the system is missing
-  no_controller,    ///< likewise: the interface is missing or down, or its driver cannot
-  reset_under_way,  ///< likewise: it is being reset
+  queue_full,        ///< as many orders are open as there is room for: try again when one has been answered
+  bad_frame,         ///< no frame that can be sent: identifier or length too large, or an error frame
+  stopped,           ///< the station has been stopped
+  not_running,       ///< the module is in stop
+  no_timer,          ///< there is no such timer, or it was not given what it sends
+  no_image,          ///< there is no process image, or not at that address
+  not_permitted,     ///< the controller cannot be reset: a right of the system is missing
+  no_controller,     ///< likewise: the interface is missing or down, or its driver cannot
+  reset_under_way,   ///< likewise: it is being reset
+  object_reserved,   ///< the message object belongs to another service
+  object_direction,  ///< it receives, or sends, or is not configured
+  object_pending,    ///< it has a job that has not ended, or a frame that asks
+  object_frame,      ///< the frame is of another width than the object, or no data frame
 };
 
 using can::Obstacle;
@@ -176,6 +181,8 @@ class Station {
 
   /// As of now.
   const StationCounters& counters() const noexcept { return counters_; }
+  /// Orders that were taken since the start.
+  std::uint64_t submitted() const noexcept { return submitted_; }
   /// Orders that wait to be handed over, of every priority.
   std::size_t waiting() const noexcept { return normal_.size() + high_.size(); }
   /// The state of a queue: its size, whether it is half full, whether it overflowed.
@@ -237,6 +244,7 @@ class Station {
   BoundedQueue<Answer> answers_;
   Obstacle obstacle_ = Obstacle::none;  ///< of the first waiting order
   StationCounters counters_;
+  std::uint64_t submitted_ = 0;
   bool stopped_ = false;
 };
 

@@ -51,6 +51,34 @@ std::array<std::uint8_t, 16> status_image(const StatusFacts& facts) noexcept {
   return image;
 }
 
+BusFault bus_fault(const StatusFacts& facts) noexcept {
+  const std::uint16_t worst = std::max(facts.transmit_errors, facts.receive_errors);
+  if (facts.bus_off) return BusFault::bus_off;
+  if (facts.stopped) return BusFault::stopped;
+  if (worst >= kPassive) return BusFault::passive;
+  if (worst != 0) return BusFault::errors;
+  const bool lost = facts.receive_overrun || facts.send.overflowed || facts.receive.overflowed;
+  return lost ? BusFault::overflow : BusFault::off;
+}
+
+std::string_view name_of(BusFault fault) noexcept {
+  switch (fault) {
+    case BusFault::off:
+      return "off";
+    case BusFault::bus_off:
+      return "bus-off";
+    case BusFault::stopped:
+      return "stopped";
+    case BusFault::passive:
+      return "passive";
+    case BusFault::errors:
+      return "errors";
+    case BusFault::overflow:
+      break;
+  }
+  return "overflow";
+}
+
 std::uint16_t status_word(const StatusFacts& facts) noexcept {
   return static_cast<std::uint16_t>(state_byte(facts) << 8 | queue_byte(facts));
 }

@@ -218,6 +218,9 @@ class Frames(unittest.TestCase):
         finally:
             self.assertEqual(self.one("can", "run")["result"], "done")
         self.assertEqual(self.one("can", "send", "100#", "--high")["result"], "done")
+        status = wait_for("it runs, and no fault lights the LED", lambda: (s := self.one("status"))["running"] and s)
+        self.assertEqual((status["bus_fault"], status["receiving"]), ("off", True))
+        self.assertRegex(self.place.run("status").stdout.decode(), r"(?m)^module +in run; LED BF off$")
         self.assertEqual(self.one("can", "send", "100#", "--by-id")["result"], "done")
         for action in ("clear-queues", "reset-overflow", "reset-controller"):
             self.assertEqual(self.one("can", action)["result"], "done")

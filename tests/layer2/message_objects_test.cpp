@@ -63,10 +63,11 @@ TEST(MessageObjects, L35AJobIsDoneOnce) {
   EXPECT_EQ(objects.start(0, job(data_frame(0x124, {})), Time{0}), ObjectProblem::pending);
   ASSERT_EQ(objects.next(), 0u);
   EXPECT_EQ(objects.frame(0), data_frame(0x123, {1, 2}));  // its identifier overrides that of the object
-  objects.handed_over(0);
+  const std::uint32_t handing = objects.handed_over(0);
   EXPECT_FALSE(objects.next());
   EXPECT_EQ(objects.take_state(0), JobState::under_way);
-  objects.sent(0);
+  EXPECT_FALSE(objects.sent(0, handing + 1));  // another frame
+  EXPECT_TRUE(objects.sent(0, handing));
   EXPECT_EQ(objects.take_state(0), JobState::done);
   EXPECT_EQ(objects.take_state(0), JobState::none);
   EXPECT_EQ(objects.start(0, job(extended(data_frame(0x123, {}))), Time{0}), ObjectProblem::frame);
@@ -111,8 +112,7 @@ TEST(MessageObjects, L38ARemoteFrameIsAnsweredOnce) {
   EXPECT_FALSE(objects.receive(remote(data_frame(0x100, {}))));
   ASSERT_EQ(objects.next(), 2u);
   EXPECT_EQ(objects.frame(2), data_frame(0x100, {8}));
-  objects.handed_over(2);
-  objects.sent(2);
+  EXPECT_TRUE(objects.sent(2, objects.handed_over(2)));
   EXPECT_EQ(objects.take_state(2), JobState::done);
   (void)objects.receive(remote(data_frame(0x100, {})));
   EXPECT_FALSE(objects.next());
@@ -125,16 +125,15 @@ TEST(MessageObjects, L38ARemoteFrameIsAnsweredEachTime) {
   for (int i = 0; i < 3; ++i) {
     (void)objects.receive(remote(data_frame(0x100, {})));
     ASSERT_EQ(objects.next(), 2u);
-    objects.handed_over(2);
-    objects.sent(2);
+    EXPECT_TRUE(objects.sent(2, objects.handed_over(2)));
     EXPECT_EQ(objects.take_state(2), JobState::done);
     EXPECT_EQ(objects.take_state(2), JobState::under_way);
   }
   // Asked again while the answer is on its way.
   (void)objects.receive(remote(data_frame(0x100, {})));
-  objects.handed_over(2);
+  const std::uint32_t handing = objects.handed_over(2);
   (void)objects.receive(remote(data_frame(0x100, {})));
-  objects.sent(2);
+  EXPECT_TRUE(objects.sent(2, handing));
   EXPECT_EQ(objects.next(), 2u);
 }
 
@@ -195,8 +194,7 @@ TEST(MessageObjects, L42AReleaseCanAskForTheFrame) {
   ASSERT_EQ(objects.next(), 6u);
   EXPECT_EQ(objects.frame(6), remote(data_frame(0x210, {})));
   EXPECT_EQ(objects.release(6, true), ObjectProblem::pending);
-  objects.handed_over(6);
-  objects.sent(6);
+  EXPECT_TRUE(objects.sent(6, objects.handed_over(6)));
   ASSERT_EQ(objects.receive(data_frame(0x210, {7})), 6u);
   EXPECT_EQ(objects.read(6, false)->frame, data_frame(0x210, {7}));
   ASSERT_EQ(objects.release(6, true), ObjectProblem::none);

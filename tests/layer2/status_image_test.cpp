@@ -28,6 +28,26 @@ TEST(StatusImage, L26TheQueueByteHasSendingAboveReceiving) {
   EXPECT_EQ(queue_byte(facts), 0xEE);
 }
 
+TEST(StatusImage, L28TheLedBusFaultSaysTheGravestReason) {
+  StatusFacts facts;
+  EXPECT_EQ(name_of(bus_fault(facts)), "off");
+  facts.receive.overflowed = true;
+  EXPECT_EQ(name_of(bus_fault(facts)), "overflow");
+  facts.receive.overflowed = false;
+  facts.send.overflowed = true;
+  EXPECT_EQ(name_of(bus_fault(facts)), "overflow");
+  facts.receive_errors = 1;
+  EXPECT_EQ(name_of(bus_fault(facts)), "errors");
+  facts.transmit_errors = 127;
+  EXPECT_EQ(name_of(bus_fault(facts)), "errors");
+  facts.transmit_errors = 128;
+  EXPECT_EQ(name_of(bus_fault(facts)), "passive");
+  facts.stopped = true;
+  EXPECT_EQ(name_of(bus_fault(facts)), "stopped");
+  facts.bus_off = true;
+  EXPECT_EQ(name_of(bus_fault(facts)), "bus-off");
+}
+
 TEST(StatusImage, L25TheErrorRegisterFollowsTheCounters) {
   StatusFacts facts;
   EXPECT_EQ(error_register(facts), 0x00);

@@ -35,6 +35,12 @@ struct TimerConfig {
   layer2::TimerSettings timer;
 };
 
+/// One message object.
+struct ObjectConfig {
+  std::uint8_t number = 0;  ///< 0..31
+  layer2::ObjectSettings settings;
+};
+
 /// The scripts, as they stand in the file: a line each.
 struct ScriptConfig {
   layer2::ScriptRules rules;
@@ -66,7 +72,8 @@ struct Layer2Config : DaemonConfig {
   bool starts_in_run = true;
   SendConfig send;
   QueueConfig queues;
-  std::vector<TimerConfig> timers;  ///< by number, each once
+  std::vector<TimerConfig> timers;    ///< by number, each once
+  std::vector<ObjectConfig> objects;  ///< by number, each once
   layer2::WindowSettings window;
   ScriptConfig script;
   layer2::MappingSettings mapping;

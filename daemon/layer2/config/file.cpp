@@ -126,6 +126,21 @@ void finish_mapping(Layer2Draft& draft, Findings& findings) {
                      std::string(text_of(fault.problem)));
 }
 
+void finish_objects(Layer2Draft& draft, Findings& findings) {
+  for (unsigned n = 0; n < draft.objects.size(); ++n) {
+    const Layer2Draft::Object& found = draft.objects[n];
+    if (!found.given) continue;
+    draft.config.objects.push_back({static_cast<std::uint8_t>(n), found.settings});
+    const layer2::MaskRule& rule = found.settings.rule;
+    if (rule.identifier > largest(rule.extended))
+      findings.problem(fmt::format("object.{}.identifier", n), too_large(rule.identifier, rule.extended));
+    if (!draft.config.mapped.empty() && (n == 28 || n == 29)) {
+      findings.problem(fmt::format("object.{}.number", n),
+                       fmt::format("found {}; allowed: 0..27, 30, 31, because the mapping has 28 and 29", n));
+    }
+  }
+}
+
 void finish_nodes(Layer2Draft& draft, Findings& findings) {
   for (unsigned n = 0; n < draft.nodes.size(); ++n) {
     Layer2Draft::Node& found = draft.nodes[n];
@@ -172,6 +187,7 @@ Layer2File build_layer2_config(config::Settings settings, const std::string& pat
     finish_window(draft.config, findings);
     finish_scripts(draft.config.script, findings);
     finish_mapping(draft, findings);
+    finish_objects(draft, findings);
     finish_nodes(draft, findings);
     file.problems = std::move(findings.problems());
   }

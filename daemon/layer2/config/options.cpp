@@ -56,6 +56,10 @@ layer2::MappedBytes& mapped(Layer2Draft& draft) {
   return draft.mapped[draft.number].bytes;
 }
 
+layer2::ObjectSettings& object(Layer2Draft& draft) {
+  return draft.objects[draft.number].settings;
+}
+
 /// A script's lines.
 bool takes_lines(const Layer2Draft& /*draft*/, const Value& value) {
   return value.kind == Value::Kind::list &&
@@ -268,6 +272,29 @@ constexpr auto kRows = std::to_array<Layer2Row>({
     field(
         [](auto& d) -> auto& { return timer(d).timer.cyclic; },
         boolean("timer.cyclic", "It goes on; false = it sends one frame and stops.")),
+    // --- [[object]]
+    {config::rows::label("object.number", layer2::MessageObjects::kMost - 1,
+                         "Number of the message object: the lowest sends first, and receives first."),
+     [](Layer2Draft& d, const Value&) { d.objects[d.number].given = true; }},
+    field(
+        [](auto& d) -> auto& { return object(d).transmit; },
+        boolean("object.transmit", "It sends; false = it receives.")),
+    {example("0x201", whole_number("object.identifier", "0", 0, kLargestIdentifier, "",
+                                   "Identifier that it sends, or receives where the mask has ones.")),
+     [](Layer2Draft& d, const Value& v) { object(d).rule.identifier = whole<std::uint32_t>(v); }},
+    {example("0x7FF", whole_number("object.mask", "(all bits)", 0, kLargestIdentifier, "",
+                                   "Of an object that receives: bits of the identifier that count.")),
+     [](Layer2Draft& d, const Value& v) { object(d).rule.mask = whole<std::uint32_t>(v); }},
+    field(
+        [](auto& d) -> auto& { return object(d).rule.extended; },
+        boolean("object.extended", "29-bit identifiers; false = 11-bit ones.")),
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return object(d).timeout; },
+        whole_number("object.timeout_ms", 0, kLongestTime, "ms",
+                     "Of an object that sends: a job that was not sent by then is aborted; 0 = never.")),
+    field(
+        [](auto& d) -> auto& { return object(d).tell; },
+        boolean("object.tell", "Each frame that it sent or received is an event.")),
     // --- [[node]]
     {config::rows::label("node.number", 31, "Number of the simulated node."),
      [](Layer2Draft& d, const Value&) { d.nodes[d.number].given = true; }},
@@ -316,6 +343,8 @@ constexpr auto kSections = std::to_array<config::Section>({
     {"script", "",
      "Scripts for power-on, run and stop: `Send ID LENGTH BYTE...`, `Fetch ID [LENGTH]`, `Start TIMER`, `Stop TIMER`, `Wait MS`, `// ...`."},
     {"timer", "numbers", "Once for each timer, 1 to 16. A script or a command starts it."},
+    {"object", "numbers",
+     "Once for each message object, 0 to 31. One that receives is closed until a client opens it."},
     {"window", "", ""},
     {"mapping", "", ""},
     {"mapped", "numbers",

@@ -30,6 +30,11 @@ struct Layer2Draft {
     bool given = false;
     TimerConfig timer;
   };
+  /// One [[object]].
+  struct Object {
+    bool given = false;
+    layer2::ObjectSettings settings;
+  };
   /// One [[mapped]].
   struct Mapped {
     bool given = false;
@@ -46,6 +51,7 @@ struct Layer2Draft {
   std::array<Range, layer2::RangeFilter::kMostRanges> ranges = {};
   std::array<Node, 32> nodes = {};
   std::array<Timer, layer2::Timers::kMost + 1> timers = {};
+  std::array<Object, layer2::MessageObjects::kMost> objects = {};
   std::array<Mapped, kMostMapped> mapped = {};
   unsigned number = 0;  ///< of the section an option belongs to
 };

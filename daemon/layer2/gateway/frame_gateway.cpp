@@ -40,6 +40,7 @@ void fill_module(const BusSnapshot& bus, layer2_FrameStatus& sample) {
   sample.receive_overflowed = bus.facts.receive.overflowed;
   sample.send_overflows = bus.send.lost + bus.send_high.lost;
   sample.receive_overflows = bus.receive.lost + bus.receive_high.lost;
+  gateway::dds::copy_text(layer2::name_of(layer2::bus_fault(bus.facts)), sample.bus_fault);
 }
 
 }  // namespace
@@ -59,6 +60,8 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
       status_(participant, 0, &signal_),
       timers_(participant, 0, &signal_),
       image_(participant, 0, &signal_),
+      objects_(participant, 0, &signal_),
+      module_events_(participant, 0, &signal_),
       thread_(
           exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
           [this] { end_jobs(); }) {
@@ -99,6 +102,7 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
   // A frame that was sent is told before what came after it.
   take_answers(jobs);
   const bool more_frames = publish_frames();
+  publish_events();
   posted_.publish(events_, now);
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
@@ -178,6 +182,7 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   tell_losses(now);
   publish_timers(now >= next_status_);
   publish_image(now);
+  publish_objects();
   const SteadyTime common_due = common_.step(now);
   if (now < next_status_) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
@@ -192,6 +197,10 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   sample.not_sent = bus_.counters.not_sent;
   sample.waiting = bus_.waiting;
   sample.send_timeout = static_cast<std::uint32_t>(config_.send.timeout.count());
+  sample.sending = bus_.counters.sent != told_sent_;
+  sample.receiving = bus_.counters.received != told_received_;
+  told_sent_ = bus_.counters.sent;
+  told_received_ = bus_.counters.received;
   fill_module(bus_, sample);
   (void)status_.write(sample);
   return std::min(common_due, next_status_);
@@ -237,6 +246,7 @@ void FrameGateway::publish_image(SteadyTime now) {
   layer2_ProcessImage sample = {};
   sample.time = wall_clock_now();
   sample.exchanging = newest_image_.exchanging;
+  sample.sending = newest_image_.exchanging;
   sample.received = newest_image_.received;
   sample.dropped = newest_image_.dropped;
   sample.sent = newest_image_.sent;
@@ -245,10 +255,33 @@ void FrameGateway::publish_image(SteadyTime now) {
   (void)image_.write(sample);
 }
 
+void FrameGateway::publish_objects() {
+  ObjectsSnapshot read;
+  if (!exchange_.objects.read(read)) return;
+  for (unsigned number = 0; number < read.objects.size(); ++number) {
+    if (read.objects[number] == told_objects_.objects[number]) continue;
+    (void)objects_.write(
+        layer2::dds::object_status(number, read.objects[number], read.times[number].count()));
+  }
+  told_objects_ = read;
+}
+
+void FrameGateway::publish_events() {
+  ModuleReport report;
+  for (std::size_t i = 0; i < Layer2Exchange::kEvents && exchange_.events.try_pop(report); ++i) {
+    if (module_events_.matched() == 0) continue;
+    layer2_ModuleEvent sample = layer2::dds::module_event(report.event, report.time.count());
+    sample.number = report.number;
+    (void)module_events_.write(sample);
+  }
+}
+
 void FrameGateway::end_jobs() {
   take_answers(context(steady_clock::now()));
   while (publish_frames()) {
   }  // the realtime thread has ended: the ring grows no more
+  publish_events();
+  publish_objects();
   posted_.publish(events_, steady_clock::now());
   jobs_.stop_and_deliver(signal_, [this] { return context(steady_clock::now()); });
 }

@@ -87,6 +87,8 @@ class FrameGateway {
   SteadyTime publish_status(SteadyTime now);
   void publish_timers(bool all);
   void publish_image(SteadyTime now);
+  void publish_objects();
+  void publish_events();
   void end_jobs();
   SendContext context(SteadyTime now) const;
 
@@ -102,6 +104,8 @@ class FrameGateway {
   gateway::dds::Writer<layer2_FrameStatus> status_;
   gateway::dds::Writer<layer2_TimerStatus> timers_;
   gateway::dds::Writer<layer2_ProcessImage> image_;
+  gateway::dds::Writer<layer2_ObjectStatus> objects_;
+  gateway::dds::Writer<layer2_ModuleEvent> module_events_;
 
   std::vector<layer2_ReceivedFrame> batch_;  ///< memory of one batch
   std::uint64_t batch_number_ = 0;
@@ -110,8 +114,11 @@ class FrameGateway {
   BusSnapshot bus_;              ///< newest
   std::array<TimerState, layer2::Timers::kMost> told_timers_ = {};
   ImageSnapshot newest_image_;
+  ObjectsSnapshot told_objects_;
   SteadyTime next_image_;
   std::uint64_t told_lost_ = 0;
+  std::uint64_t told_sent_ = 0;      ///< by the last FrameStatus
+  std::uint64_t told_received_ = 0;  ///< likewise
   FaultRow losses_{kLossQuiet};
   SteadyTime next_status_;
 

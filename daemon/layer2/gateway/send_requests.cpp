@@ -9,6 +9,7 @@
 #include "daemon/desk/job_desk_answers.h"
 #include "daemon/desk/job_desk_oversight.h"
 #include "daemon/desk/job_desk_requests.h"
+#include "dds/enumerator.h"
 #include "text/counts.h"
 
 namespace cansyncd {
@@ -50,27 +51,76 @@ std::optional<Change> SendRequests::change_of(const layer2_ControlRequest& sampl
   return change;
 }
 
+std::optional<Change> SendRequests::change_of(const layer2_ObjectRequest& sample, const SendContext&) {
+  Change change;
+  const std::string object = fmt::format("object {}", sample.number);
+  switch (gateway::dds::raw_number_of(sample.action)) {
+    case layer2_OBJECT_CONFIGURE:
+      change.action = "configure_objects";
+      change.new_value =
+          fmt::format("{} objects{}", sample.settings._length, sample.anew ? ", and no other" : "");
+      break;
+    case layer2_OBJECT_SEND:
+      change.action = "object_send";
+      change.new_value = object;
+      if (!check(sample)) change.new_value += " " + frame_text(layer2::dds::to_core(sample.content));
+      if (sample.on_remote)
+        change.new_value += sample.every_time ? ", for remote frames" : ", for a remote frame";
+      break;
+    case layer2_OBJECT_ABORT:
+      change.action = "object_abort";
+      change.new_value = object;
+      break;
+    case layer2_OBJECT_READ:
+      if (!sample.ask) return std::nullopt;  // nothing is sent
+      change.action = "object_ask";
+      change.new_value = object;
+      break;
+    default:
+      change.action = "object";
+      break;
+  }
+  return change;
+}
+
+std::optional<FrameRequest> SendRequests::request_of(const layer2_ObjectRequest& sample, JobId id,
+                                                     std::vector<std::uint8_t>& /*data*/) {
+  const auto entries =
+      std::make_shared<const std::vector<layer2::ObjectEntry>>(layer2::dds::entries_of(sample));
+  return FrameRequest{layer2::dds::to_core(sample, id, *entries), entries};
+}
+
 LaneLimits SendRequests::lane_limits() const {
   // A queue that refuses is never asked for more than it has room for.
   constexpr unsigned kRoom = layer2::Station::kMostQueue;
   const bool deletes = config_.overflow == layer2::Overflow::delete_oldest;
   const unsigned normal = deletes ? kRoom : config_.queue;
   const unsigned high = deletes ? kRoom : config_.high_queue;
-  return {{normal, normal}, {high, high}, {16, 16}};
+  // An object that has a job refuses another, so none waits here.
+  return {{normal, normal}, {high, high}, {16, 16}, {kRoom, kRoom}};
 }
 
 Lane SendRequests::lane_of(const Request& request) noexcept {
-  const auto* order = std::get_if<layer2::SendOrder>(&request);
+  const auto* object = std::get_if<layer2::ObjectOrder>(&request.job);
+  if (object != nullptr && object->kind == layer2::ObjectOrder::Kind::send)
+    return {FrameLane::object, object->number};
+  const auto* order = std::get_if<layer2::SendOrder>(&request.job);
   if (order == nullptr) return {FrameLane::control, 0};
   return {order->priority == layer2::Priority::high ? FrameLane::high : FrameLane::normal, 0};
 }
 
 bool SendRequests::hand_on(const Request& request, const SendContext& context) {
-  return std::visit([&](const auto& order) { return context.exchange.requests.try_push(order); }, request);
+  return std::visit([&](const auto& order) { return context.exchange.requests.try_push(order); },
+                    request.job);
 }
 
-gateway::dds::Problem SendRequests::refusal(const SendDone& done, const Request&, const SendContext&) const {
-  return layer2::dds::explain(done.refusal, config_.queue);
+gateway::dds::Problem SendRequests::refusal(const SendDone& done, const Request& request,
+                                            const SendContext&) const {
+  auto problem = layer2::dds::explain(done.refusal, config_.queue);
+  const auto* object = std::get_if<layer2::ObjectOrder>(&request.job);
+  if (problem && object != nullptr && object->kind == layer2::ObjectOrder::Kind::configure)
+    problem->reason = fmt::format("settings[{}].{}", done.object.place, problem->reason);
+  return problem;
 }
 
 std::string_view SendRequests::name(Outcome outcome) noexcept {

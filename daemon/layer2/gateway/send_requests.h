@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,6 +31,12 @@ struct SendContext {
 /// "123#0102", as candump writes a frame.
 std::string frame_text(const can::Frame& frame);
 
+/// A request, with the memory that its order points to.
+struct FrameRequest {
+  Layer2Job job;
+  std::shared_ptr<const void> memory;
+};
+
 /// Topic SendRequest.
 struct SendTopic {
   using Sample = layer2_SendRequest;
@@ -42,8 +49,9 @@ struct SendTopic {
   static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
     return layer2::dds::send_reply(key, {.outcome = outcome}, 0);
   }
-  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done, const Layer2Job& /*request*/,
-                      std::span<std::uint8_t> /*data*/, const SendContext& /*context*/) {
+  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done,
+                      const FrameRequest& /*request*/, std::span<std::uint8_t> /*data*/,
+                      const SendContext& /*context*/) {
     return layer2::dds::send_reply(key, done.answer, done.sent_time.count());
   }
 };
@@ -60,20 +68,42 @@ struct ControlTopic {
   static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
     return layer2::dds::control_reply(key, outcome);
   }
-  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done, const Layer2Job& /*request*/,
-                      std::span<std::uint8_t> /*data*/, const SendContext& /*context*/) {
+  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done,
+                      const FrameRequest& /*request*/, std::span<std::uint8_t> /*data*/,
+                      const SendContext& /*context*/) {
     return layer2::dds::control_reply(key, done.answer.outcome);
   }
 };
 
-/// What requests wait for: a queue of the station, or the module itself.
-enum class FrameLane : std::uint8_t { normal, high, control };
+/// Topic ObjectRequest.
+struct ObjectTopic {
+  using Sample = layer2_ObjectRequest;
+  using Reply = layer2_ObjectReply;
+  static constexpr Right kRight = Right::operate;
+
+  static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
+    return layer2::dds::object_refused(key, denial);
+  }
+  static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
+    return layer2::dds::object_reply(key, {.outcome = outcome}, 0);
+  }
+  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done,
+                      const FrameRequest& /*request*/, std::span<std::uint8_t> /*data*/,
+                      const SendContext& /*context*/) {
+    layer2::ObjectAnswer answer = done.object;
+    answer.outcome = done.answer.outcome;
+    return layer2::dds::object_reply(key, answer, done.sent_time.count());
+  }
+};
+
+/// What requests wait for: a queue of the station, the module itself, or a message object.
+enum class FrameLane : std::uint8_t { normal, high, control, object };
 
 /// The protocol of the desk.
 class SendRequests {
  public:
-  using Topics = RequestTopics<SendTopic, ControlTopic>;
-  using Request = Layer2Job;
+  using Topics = RequestTopics<SendTopic, ControlTopic, ObjectTopic>;
+  using Request = FrameRequest;
   using Terminal = SendDone;
   using Outcome = layer2::Outcome;
   using Context = SendContext;
@@ -88,18 +118,24 @@ class SendRequests {
 
   static std::optional<Change> change_of(const layer2_SendRequest& sample, const SendContext& context);
   static std::optional<Change> change_of(const layer2_ControlRequest& sample, const SendContext& context);
+  static std::optional<Change> change_of(const layer2_ObjectRequest& sample, const SendContext& context);
+  static gateway::dds::Problem check(const layer2_ObjectRequest& sample) {
+    return layer2::dds::check(sample);
+  }
   static gateway::dds::Problem check(const layer2_ControlRequest& sample) {
     return layer2::dds::check(sample);
   }
   static gateway::dds::Problem check(const layer2_SendRequest& sample) { return layer2::dds::check(sample); }
   std::optional<Request> request_of(const layer2_SendRequest& sample, JobId id,
                                     std::vector<std::uint8_t>& /*data*/) const {
-    return layer2::dds::to_core(sample, id, config_.timeout);
+    return Request{layer2::dds::to_core(sample, id, config_.timeout), {}};
   }
   std::optional<Request> request_of(const layer2_ControlRequest& sample, JobId id,
                                     std::vector<std::uint8_t>& /*data*/) const {
-    return layer2::dds::to_core(sample, id);
+    return Request{layer2::dds::to_core(sample, id), {}};
   }
+  static std::optional<Request> request_of(const layer2_ObjectRequest& sample, JobId id,
+                                           std::vector<std::uint8_t>& data);
   static Lane lane_of(const Request& request) noexcept;
   static Effect effect_of(const Request& /*request*/) noexcept { return {Right::operate, true}; }
   static std::string wrong_topic() { return "topic: this one gives no right to send"; }

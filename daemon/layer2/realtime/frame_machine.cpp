@@ -16,8 +16,12 @@ constexpr can::Time kStatusPeriod = std::chrono::milliseconds(100);
 /// Received frames alone wake the gateway no more often: at full load it takes several at once, which costs
 /// less processor time. Those that wait go with the next turn of the loop, a look later at most.
 constexpr can::Time kFramesRest = std::chrono::microseconds(500);
-/// The image is passed on no more often.
+/// Image and objects are passed on no more often.
 constexpr can::Time kImagePeriod = std::chrono::milliseconds(10);
+
+layer2::OrderId id_of(const Layer2Request& request) noexcept {
+  return std::visit([](const auto& order) { return order.id; }, request);
+}
 
 }  // namespace
 
@@ -84,18 +88,23 @@ void FrameMachine::take_requests(can::Time now) noexcept {
   Layer2Request request;
   for (unsigned i = 0; i < kRequestsAtOnce && exchange_.done.room() > unanswered_; ++i) {
     if (!exchange_.requests.try_pop(request)) return;
-    if (const auto* cancel = std::get_if<CancelOrder>(&request)) {
-      module_.cancel(cancel->id);
-      continue;
-    }
-    ++unanswered_;
-    if (const auto* order = std::get_if<layer2::ControlOrder>(&request)) {
-      control(*order, now);
-      continue;
-    }
-    const auto& order = *std::get_if<layer2::SendOrder>(&request);
-    const layer2::Refusal refusal = module_.submit(order, now);
-    if (refusal != layer2::Refusal::none) answer({{.id = order.id}, refusal, {}});
+    take_request(request, now);
+  }
+}
+
+void FrameMachine::take_request(const Layer2Request& request, can::Time now) noexcept {
+  if (const auto* cancel = std::get_if<CancelOrder>(&request)) {
+    if (!module_.cancel(cancel->id)) (void)module_.cancel_object(cancel->id);
+    return;
+  }
+  ++unanswered_;
+  if (const auto* order = std::get_if<layer2::ControlOrder>(&request)) {
+    control(*order, now);
+  } else if (const auto* object = std::get_if<layer2::ObjectOrder>(&request)) {
+    if (const auto done = module_.perform(*object, now)) answer_object(*done);
+  } else if (const auto* frame = std::get_if<layer2::SendOrder>(&request)) {
+    const layer2::Refusal refusal = module_.submit(*frame, now);
+    if (refusal != layer2::Refusal::none) answer({{.id = frame->id}, refusal, {}});
   }
 }
 
@@ -160,7 +169,23 @@ void FrameMachine::answer(const SendDone& done) noexcept {
   pending_ = true;
 }
 
+void FrameMachine::answer_object(const layer2::ObjectAnswer& done) noexcept {
+  const bool timed = done.time != can::Time{0};
+  answer({{.id = done.id, .outcome = done.outcome},
+          done.refusal,
+          timed ? clock_.at(done.time) : can::Time{0},
+          done});
+}
+
+void FrameMachine::pass_events() noexcept {
+  while (const auto event = module_.take_event()) {
+    (void)exchange_.events.try_push({*event, clock_.at(event->time), ++event_number_});
+    pending_ = true;
+  }
+}
+
 void FrameMachine::pass_answers() noexcept {
+  while (const auto ended = module_.take_object_answer()) answer_object(*ended);
   while (const auto ended = module_.take_answer()) {
     const bool done = ended->outcome == layer2::Outcome::done;
     answer({*ended, layer2::Refusal::none, done ? clock_.at(ended->sent) : can::Time{0}});
@@ -183,6 +208,8 @@ void FrameMachine::take_snapshot() noexcept {
   snapshot_.facts = module_.status();
   const can::ControllerStatus& controller = snapshot_.controller;
   snapshot_.facts.bus_off = controller.state == can::ControllerState::bus_off;
+  snapshot_.facts.stopped =
+      controller.state == can::ControllerState::stopped || controller.link != can::LinkState::up;
   snapshot_.facts.receive_overrun = controller.overruns + controller.dropped != 0;
   snapshot_.facts.transmit_errors = controller.transmit_errors;
   snapshot_.facts.receive_errors = controller.receive_errors;
@@ -207,10 +234,27 @@ void FrameMachine::publish_image(can::Time now) noexcept {
   if (changed) pending_ = true;
 }
 
+void FrameMachine::publish_objects(can::Time now) noexcept {
+  const layer2::MessageObjects& objects = module_.objects();
+  if (objects.changes() == told_objects_ || now < next_objects_) return;
+  told_objects_ = objects.changes();
+  next_objects_ = now + kImagePeriod;
+  for (unsigned number = 0; number < objects_.objects.size(); ++number) {
+    const layer2::ObjectState state = objects.state(number);
+    if (state == objects_.objects[number]) continue;
+    objects_.objects[number] = state;
+    objects_.times[number] = state.time == can::Time{0} ? can::Time{0} : clock_.at(state.time);
+  }
+  exchange_.objects.write(objects_);
+  pending_ = true;
+}
+
 void FrameMachine::publish(can::Time now) noexcept {
   pass_answers();
   pass_received();
+  pass_events();
   publish_image(now);
+  publish_objects(now);
   if (changed_ || now >= next_status_) {
     next_status_ = now + kStatusPeriod;
     take_snapshot();
@@ -233,11 +277,8 @@ void FrameMachine::end(can::Time now) noexcept {
   Layer2Request request;
   while (exchange_.done.room() > 0 && exchange_.requests.try_pop(request)) {
     if (std::get_if<CancelOrder>(&request) != nullptr) continue;
-    const auto* control = std::get_if<layer2::ControlOrder>(&request);
-    const layer2::OrderId id =
-        control != nullptr ? control->id : std::get_if<layer2::SendOrder>(&request)->id;
     ++unanswered_;
-    answer({{.id = id, .outcome = layer2::Outcome::stopped}, layer2::Refusal::none, {}});
+    answer({{.id = id_of(request), .outcome = layer2::Outcome::stopped}, layer2::Refusal::none, {}});
   }
   changed_ = true;
   publish(now);

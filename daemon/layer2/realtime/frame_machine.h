@@ -46,14 +46,18 @@ class FrameMachine {
 
  private:
   void take_requests(can::Time now) noexcept;
+  void take_request(const Layer2Request& request, can::Time now) noexcept;
   void control(const layer2::ControlOrder& order, can::Time now) noexcept;
   void finish_reset(can::ResetResult result) noexcept;
   void pass_received() noexcept;
   void take_snapshot() noexcept;
   void publish_image(can::Time now) noexcept;
+  void publish_objects(can::Time now) noexcept;
+  void pass_events() noexcept;
   void watch_bus(can::Time now) noexcept;
   void record_faults(const can::ControllerStatus& before, can::Time when) noexcept;
   void answer(const SendDone& done) noexcept;
+  void answer_object(const layer2::ObjectAnswer& answer) noexcept;
   void pass_answers() noexcept;
 
   can::Bus& bus_;
@@ -70,6 +74,10 @@ class FrameMachine {
   std::optional<layer2::OrderId> reset_;  ///< that asked for the reset under way
   ImageSnapshot image_;
   can::Time next_image_{};
+  ObjectsSnapshot objects_;
+  std::uint64_t told_objects_ = 0;  ///< `MessageObjects::changes` of what was passed on
+  can::Time next_objects_{};
+  std::uint64_t event_number_ = 0;
   bool changed_ = false;         ///< the state of the bus, since it was published
   bool pending_ = false;         ///< something was written for the gateway
   bool frames_pending_ = false;  ///< received frames were

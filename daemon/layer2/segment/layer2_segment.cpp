@@ -77,6 +77,8 @@ FrameMachineSettings frame_machine_settings(const Layer2Config& config, FlightTa
   module.receive_high_queue = config.queues.receive_high;
   module.receive_overflow = config.queues.overflow;
   for (const TimerConfig& timer : config.timers) module.timers[timer.number - 1] = timer.timer;
+  for (const ObjectConfig& object : config.objects) module.objects[object.number] = object.settings;
+  module.object_patience = config.send.timeout;
   module.window = config.window;
   module.longest_frame = kLongestFrameBits * can::Time(std::chrono::seconds(1)) / config.bus.bits_per_second;
   module.power_on = read_script(config.script.power_on, config.script.rules);

@@ -39,13 +39,18 @@ FrameClient::FrameClient(const Options& options)
       control_replies_(participant_,
                        gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
                        &signal_),
+      object_replies_(participant_,
+                      gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
+                      &signal_),
       batches_(participant_, &signal_),
       status_(participant_, &signal_),
       timer_status_(participant_, &signal_),
+      object_status_(participant_, &signal_),
       bus_reader_(participant_, &signal_),
       sight_(participant_, signal_, options.bus),
       requests_(participant_, 0, &signal_),
       controls_(participant_, 0, &signal_),
+      object_requests_(participant_, 0, &signal_),
       cancels_(participant_, 0, &signal_) {
   sight_.find(
       options, signal_, "layer2", [this] { return matched(); }, [this] { return status_.matched() != 0; });
@@ -61,9 +66,8 @@ bool FrameClient::matched() const noexcept {
 std::optional<SendResult> FrameClient::obstacle() {
   auto found = sight_.obstacle();
   if (!found) return std::nullopt;
-  if (found->gone)
-    return SendResult{false, gateway_REPLY_DONE, gateway_CAUSE_NONE, std::move(found->reason), 0};
-  return SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_OTHER_DAEMON, std::move(found->reason), 0};
+  if (found->gone) return SendResult{.reason = std::move(found->reason)};
+  return SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_OTHER_DAEMON, std::move(found->reason)};
 }
 
 milliseconds FrameClient::monitoring_of(std::uint32_t timeout_ms) const {
@@ -109,8 +113,7 @@ Begun FrameClient::begin(gateway::dds::Writer<Request>& writer, Request request)
                 true, gateway_REPLY_REFUSED,
                 forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN),
                 forbidden ? "the identity has no right to write this topic, nothing was done"
-                          : fmt::format("the request could not be written: {}", dds_strretcode(code)),
-                0}};
+                          : fmt::format("the request could not be written: {}", dds_strretcode(code))}};
   }
   return {request.request, std::nullopt};
 }
@@ -128,7 +131,7 @@ SendResult FrameClient::await(const Begun& begun, milliseconds monitoring) {
   bool cancelled = false;
   while (!cancelled || steady_clock::now() < end) {
     if (auto result = take_reply(begun.request)) return *result;
-    if (!may_answer(daemon)) return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon has gone", 0};
+    if (!may_answer(daemon)) return {.reason = "the daemon has gone"};
     if (!cancelled && (options_.stopped() || steady_clock::now() >= end)) {
       cancelled = true;
       cancel(begun.request, daemon);
@@ -137,7 +140,7 @@ SendResult FrameClient::await(const Begun& begun, milliseconds monitoring) {
     (void)signal_.wait(static_cast<int>(kLook.count()));
     signal_.clear();
   }
-  return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon did not answer", 0};
+  return {.reason = "the daemon did not answer"};
 }
 
 std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
@@ -150,13 +153,22 @@ std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
 }
 
 void FrameClient::take_replies(const std::function<void(std::uint64_t, const SendResult&)>& ended) {
-  const auto tell = [&](const auto& reply, std::int64_t sent_time) {
+  const auto tell = [&](const auto& reply, SendResult result) {
     if (!std::equal(identity_.begin(), identity_.end(), reply.client)) return;
-    ended(reply.request,
-          {true, reply.code, reply.cause, std::string(gateway::dds::text(reply.reason)), sent_time});
+    result.replied = true;
+    result.code = reply.code;
+    result.cause = reply.cause;
+    result.reason = std::string(gateway::dds::text(reply.reason));
+    ended(reply.request, result);
   };
-  replies_.take([&](const layer2_SendReply& reply) { tell(reply, reply.sent_time); });
-  control_replies_.take([&](const layer2_ControlReply& reply) { tell(reply, 0); });
+  replies_.take([&](const layer2_SendReply& reply) { tell(reply, {.sent_time = reply.sent_time}); });
+  control_replies_.take([&](const layer2_ControlReply& reply) { tell(reply, {}); });
+  object_replies_.take([&](const layer2_ObjectReply& reply) {
+    tell(reply, {.sent_time = reply.time,
+                 .fresh = reply.fresh,
+                 .overrun = reply.overrun,
+                 .content = dds::to_core(reply.content)});
+  });
 }
 
 void FrameClient::look(const Listener& listener) {
@@ -183,18 +195,54 @@ void FrameClient::cancel(std::uint64_t request, const gateway::dds::DaemonIdenti
   (void)cancels_.write(sample);
 }
 
-std::vector<layer2_TimerStatus> FrameClient::timers(milliseconds time) {
+template <class Ready>
+void FrameClient::wait_until(milliseconds time, Ready&& ready) {
   const auto end = steady_clock::now() + time;
   while (true) {
     signal_.clear();
     (void)take_reply(kNobodysRequest);
-    timer_status_.take([this](const layer2_TimerStatus& sample) { timers_[sample.number] = sample; });
-    if (!timers_.empty() || options_.stopped() || !daemon_present() || steady_clock::now() >= end) break;
+    if (ready() || options_.stopped() || !daemon_present() || steady_clock::now() >= end) return;
     (void)signal_.wait(static_cast<int>(kLook.count()));
   }
+}
+
+template <class Status>
+void FrameClient::keep_newest(gateway::dds::Reader<Status>& reader, std::map<unsigned, Status>& newest,
+                              milliseconds time) {
+  wait_until(time, [&] {
+    reader.take([&](const Status& sample) { newest[sample.number] = sample; });
+    return !newest.empty();
+  });
+}
+
+std::vector<layer2_TimerStatus> FrameClient::timers(milliseconds time) {
+  keep_newest(timer_status_, timers_, time);
   std::vector<layer2_TimerStatus> found;
   for (const auto& [number, timer] : timers_) found.push_back(timer);
   return found;
+}
+
+SendResult FrameClient::object(const layer2_ObjectRequest& wanted) {
+  // An older daemon does not have the topic.
+  wait_until(kDefaultMonitoring,
+             [&] { return object_requests_.matched() != 0 && object_replies_.matched() != 0; });
+  sight_.look();
+  return await(begin(object_requests_, wanted), kDefaultMonitoring);
+}
+
+std::vector<layer2_ObjectStatus> FrameClient::objects(milliseconds time) {
+  keep_newest(object_status_, objects_, time);
+  std::vector<layer2_ObjectStatus> found;
+  for (const auto& [number, object] : objects_) {
+    if (object.configured) found.push_back(object);
+  }
+  return found;
+}
+
+bool FrameClient::events(milliseconds time, const std::function<void(const layer2_ModuleEvent&)>& on_event) {
+  if (!events_) events_ = std::make_unique<gateway::dds::Reader<layer2_ModuleEvent>>(participant_, &signal_);
+  wait_until(time, [&] { return events_->take(on_event) > 0; });
+  return daemon_present();
 }
 
 bool FrameClient::receive(milliseconds time, const std::function<void(const layer2_FrameBatch&)>& on_batch) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,10 @@ struct SendResult {
   gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< of REPLY_REFUSED
   std::string reason;                               ///< empty when done
   std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns) of the frame's last bit
+  // --- of OBJECT_READ
+  bool fresh = false;    ///< there was a frame, whose last bit `sent_time` is
+  bool overrun = false;  ///< another one came while the object was full
+  can::Frame content;    ///< what was fetched
 };
 
 /// A request that was begun; its result comes to a `Listener`.
@@ -83,6 +88,18 @@ class FrameClient {
   /// taken to know that the daemon has gone.
   bool may_answer(const gateway::dds::DaemonIdentity& daemon);
 
+  /// Has the daemon do what `wanted` says with message objects, and waits for the reply as `send` does. Who
+  /// asks need not stand in it.
+  SendResult object(const layer2_ObjectRequest& wanted);
+
+  /// What the daemon told last of its message objects that are configured, by number; none: it has told of
+  /// none within `time`, which is waited for the first.
+  std::vector<layer2_ObjectStatus> objects(std::chrono::milliseconds time);
+
+  /// Waits at most `time` for events of objects and queues, and calls `on_event` for each that came. False:
+  /// the daemon has gone.
+  bool events(std::chrono::milliseconds time, const std::function<void(const layer2_ModuleEvent&)>& on_event);
+
   /// What the daemon told last of its timers that are set up, by number; none: it has told of none within
   /// `time`, which is waited for the first.
   std::vector<layer2_TimerStatus> timers(std::chrono::milliseconds time);
@@ -122,6 +139,13 @@ class FrameClient {
   Begun begin(gateway::dds::Writer<Request>& writer, Request request);
   /// Waits for the result of what was begun.
   SendResult await(const Begun& begun, std::chrono::milliseconds monitoring);
+  /// Keeps what a topic told last of each number, waiting at most `time` for the first.
+  template <class Status>
+  void keep_newest(gateway::dds::Reader<Status>& reader, std::map<unsigned, Status>& newest,
+                   std::chrono::milliseconds time);
+  /// Waits until `ready()`, the time is over, or the daemon has gone.
+  template <class Ready>
+  void wait_until(std::chrono::milliseconds time, Ready&& ready);
   std::chrono::milliseconds monitoring_of(std::uint32_t timeout_ms) const;
 
   Options options_;
@@ -130,18 +154,23 @@ class FrameClient {
   gateway::dds::DataSignal signal_;
   gateway::dds::Reader<layer2_SendReply> replies_;
   gateway::dds::Reader<layer2_ControlReply> control_replies_;
+  gateway::dds::Reader<layer2_ObjectReply> object_replies_;
   gateway::dds::Reader<layer2_FrameBatch> batches_;
   gateway::dds::Reader<layer2_FrameStatus> status_;
   gateway::dds::Reader<layer2_TimerStatus> timer_status_;
+  gateway::dds::Reader<layer2_ObjectStatus> object_status_;
+  std::unique_ptr<gateway::dds::Reader<layer2_ModuleEvent>> events_;  ///< from the first `events` on
   gateway::dds::Reader<gateway_BusStatus> bus_reader_;
   gateway::dds::DaemonSight sight_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
   gateway::dds::Writer<layer2_ControlRequest> controls_;
+  gateway::dds::Writer<layer2_ObjectRequest> object_requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
   std::uint64_t number_ = 0;  ///< of the last request
   std::optional<layer2_FrameStatus> newest_;
   std::map<unsigned, layer2_TimerStatus> timers_;
   std::optional<gateway_BusStatus> bus_;
+  std::map<unsigned, layer2_ObjectStatus> objects_;
 };
 
 }  // namespace layer2::client

@@ -1,6 +1,7 @@
 #include "layer2/dds/convert.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <iterator>
 
@@ -40,6 +41,35 @@ Control control_of(layer2_ControlKind kind) noexcept {
   }
 }
 
+layer2_ObjectJob job_of(JobPlace place) noexcept {
+  switch (place) {
+    case JobPlace::none:
+      return layer2_OBJECT_JOB_NONE;
+    case JobPlace::waits_for_remote:
+      return layer2_OBJECT_JOB_HELD;
+    case JobPlace::ready:
+      return layer2_OBJECT_JOB_READY;
+    case JobPlace::in_controller:
+      break;
+  }
+  return layer2_OBJECT_JOB_IN_CONTROLLER;
+}
+
+layer2_ObjectJobEnd end_of(JobState state) noexcept {
+  switch (state) {
+    case JobState::done:
+      return layer2_OBJECT_END_DONE;
+    case JobState::aborted:
+      return layer2_OBJECT_END_ABORTED;
+    case JobState::timed_out:
+      return layer2_OBJECT_END_TIMED_OUT;
+    case JobState::none:
+    case JobState::under_way:
+      break;
+  }
+  return layer2_OBJECT_END_NONE;
+}
+
 }  // namespace
 
 can::Frame to_core(const layer2_CanFrame& frame) noexcept {
@@ -72,6 +102,34 @@ ControlOrder to_core(const layer2_ControlRequest& request, OrderId id) noexcept 
   order.size = std::min<std::uint8_t>(request.size, ControlOrder::kMostBytes);
   std::copy_n(std::begin(request.bytes), order.size, order.bytes.begin());
   return order;
+}
+
+ObjectOrder to_core(const layer2_ObjectRequest& request, OrderId id,
+                    std::span<const ObjectEntry> settings) noexcept {
+  static constexpr std::array kKinds = {ObjectOrder::Kind::configure, ObjectOrder::Kind::send,
+                                        ObjectOrder::Kind::abort, ObjectOrder::Kind::read};
+  ObjectOrder order;
+  order.id = id;
+  order.kind = kKinds[std::min<std::size_t>(static_cast<std::size_t>(request.action), kKinds.size() - 1)];
+  order.number = request.number;
+  order.job = {to_core(request.content), request.on_remote, request.every_time};
+  order.release = request.release;
+  order.ask = request.ask;
+  order.anew = request.anew;
+  order.settings = settings;
+  return order;
+}
+
+std::vector<ObjectEntry> entries_of(const layer2_ObjectRequest& request) {
+  std::vector<ObjectEntry> entries;
+  for (std::uint32_t i = 0; i < request.settings._length; ++i) {
+    const layer2_ObjectSettings& settings = request.settings._buffer[i];
+    const MaskRule rule{settings.identifier, settings.mask, settings.extended};
+    entries.push_back(
+        {settings.number,
+         {rule, settings.transmit, std::chrono::milliseconds(settings.timeout), settings.tell}});
+  }
+  return entries;
 }
 
 layer2_CanFrame to_idl(const can::Frame& frame) noexcept {
@@ -147,6 +205,68 @@ layer2_SendReply send_refused(const RequestKey& key, const gateway::dds::Denial&
   auto reply = reply_to<layer2_SendReply>(key);
   gateway::dds::refuse(reply, denial);
   return reply;
+}
+
+layer2_ObjectReply object_reply(const RequestKey& key, const ObjectAnswer& answer,
+                                std::int64_t time) noexcept {
+  auto reply = reply_to<layer2_ObjectReply>(key);
+  reply.code = to_reply_code(answer.outcome);
+  const bool timed_out = answer.outcome == Outcome::timeout;
+  copy_text(
+      timed_out ? "not sent within the time-out of the object" : reason_of(answer.outcome, Obstacle::none),
+      reply.reason);
+  if (answer.outcome == Outcome::done) reply.time = time;
+  reply.fresh = answer.fresh;
+  if (answer.fresh) {
+    reply.overrun = answer.reading.overrun;
+    reply.content = to_idl(answer.reading.frame);
+  }
+  return reply;
+}
+
+layer2_ObjectReply object_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept {
+  auto reply = reply_to<layer2_ObjectReply>(key);
+  gateway::dds::refuse(reply, denial);
+  return reply;
+}
+
+layer2_ObjectStatus object_status(unsigned number, const ObjectState& state, std::int64_t time) noexcept {
+  layer2_ObjectStatus out = {};
+  out.number = static_cast<std::uint8_t>(number);
+  out.configured = state.configured;
+  out.transmit = state.settings.transmit;
+  out.extended = state.settings.rule.extended;
+  out.identifier = state.settings.rule.identifier;
+  if (!out.transmit) out.mask = state.settings.rule.mask;
+  out.timeout = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(state.settings.timeout).count());
+  out.tell = state.settings.tell;
+  if (out.transmit) {
+    out.job = job_of(state.place);
+    out.every_time = state.every_time;
+    out.ended_as = end_of(state.ended_as);
+  }
+  out.open = state.open;
+  out.full = state.full;
+  out.overrun = state.overrun;
+  out.content = to_idl(state.frame);
+  out.time = time;
+  out.sent = state.sent;
+  out.received = state.received;
+  out.overruns = state.overruns;
+  return out;
+}
+
+layer2_ModuleEvent module_event(const ModuleEvent& event, std::int64_t time) noexcept {
+  layer2_ModuleEvent out = {};
+  out.time = time;
+  const bool of_object = event.kind != ModuleEvent::Kind::send_queue_empty;
+  out.object_number = of_object ? event.number : 0xFF;
+  out.kind = event.kind == ModuleEvent::Kind::object_received
+                 ? layer2_OBJECT_RECEIVED
+                 : (of_object ? layer2_OBJECT_SENT : layer2_SEND_QUEUE_EMPTY);
+  if (of_object) out.content = to_idl(event.frame);
+  return out;
 }
 
 layer2_ControlReply control_reply(const RequestKey& key, Outcome outcome) noexcept {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "can/frame.h"
 #include "dds/denial.h"
@@ -23,6 +25,12 @@ SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_ti
 /// The order of a request, its timer's frame included.
 ControlOrder to_core(const layer2_ControlRequest& request, OrderId id) noexcept;
 
+/// `settings` must have been converted by `entries_of`, and outlive the order.
+ObjectOrder to_core(const layer2_ObjectRequest& request, OrderId id,
+                    std::span<const ObjectEntry> settings) noexcept;
+/// Settings of message objects as the core has them. Allocates.
+std::vector<ObjectEntry> entries_of(const layer2_ObjectRequest& request);
+
 /// As the core has it; an error frame is no frame for clients and must not come here.
 layer2_CanFrame to_idl(const can::Frame& frame) noexcept;
 /// `receive_time` is CLOCK_REALTIME (ns) of the last bit; `range` the position of the range, 0..63.
@@ -38,6 +46,16 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept;
 layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept;
 /// Nothing was sent, for this cause and reason.
 layer2_SendReply send_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
+
+/// Likewise of a request to message objects; `time` as the members of the reply say.
+layer2_ObjectReply object_reply(const RequestKey& key, const ObjectAnswer& answer,
+                                std::int64_t time) noexcept;
+/// Nothing was done, for this cause and reason.
+layer2_ObjectReply object_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
+/// A message object as it is; `time` is CLOCK_REALTIME (ns) of its last frame.
+layer2_ObjectStatus object_status(unsigned number, const ObjectState& state, std::int64_t time) noexcept;
+/// An event, its number left out.
+layer2_ModuleEvent module_event(const ModuleEvent& event, std::int64_t time) noexcept;
 
 /// Likewise of a request to control; `outcome` of one that was taken.
 layer2_ControlReply control_reply(const RequestKey& key, Outcome outcome) noexcept;

@@ -16,6 +16,12 @@ namespace gateway::dds {
 /// what it missed.
 inline constexpr TopicQos kFrameStream = {.depth = 100};
 
+/// Who is the host stays so for a daemon that comes later.
+inline constexpr TopicQos kRunLead = {.transient_local = true,
+                                      .exclusive = true,
+                                      .lease = kind::exclusive().lease,
+                                      .offered_lease = kind::exclusive().offered_lease};
+
 template <>
 inline constexpr TopicInfo topic_info<layer2_FrameBatch> = {
     "FrameBatch", &layer2_FrameBatch_desc, kFromDaemon, kFrameStream, &layer2_FrameBatch_final_desc};
@@ -33,6 +39,27 @@ template <>
 inline constexpr TopicInfo topic_info<layer2_ControlReply> = {"ControlReply", &layer2_ControlReply_desc,
                                                               kFromDaemon, kind::reply(4096, 2048),
                                                               &layer2_ControlReply_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_ObjectRequest> = {"ObjectRequest", &layer2_ObjectRequest_desc,
+                                                               kFromClients, kind::request(),
+                                                               &layer2_ObjectRequest_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_ObjectReply> = {"ObjectReply", &layer2_ObjectReply_desc,
+                                                             kFromDaemon, kind::reply(4096, 2048),
+                                                             &layer2_ObjectReply_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_ObjectStatus> = {
+    "ObjectStatus", &layer2_ObjectStatus_desc, kFromDaemon, kind::state(), &layer2_ObjectStatus_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_ModuleEvent> = {
+    "ModuleEvent", &layer2_ModuleEvent_desc, kFromDaemon, kFrameStream, &layer2_ModuleEvent_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_ImageOutputs> = {"ImageOutputs", &layer2_ImageOutputs_desc,
+                                                              kFromClients, kind::exclusive(),
+                                                              &layer2_ImageOutputs_final_desc};
+template <>
+inline constexpr TopicInfo topic_info<layer2_RunLead> = {"RunLead", &layer2_RunLead_desc, kFromClients,
+                                                         kRunLead, &layer2_RunLead_final_desc};
 template <>
 inline constexpr TopicInfo topic_info<layer2_TimerStatus> = {
     "TimerStatus", &layer2_TimerStatus_desc, kFromDaemon, kind::state(), &layer2_TimerStatus_final_desc};

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "can/frame.h"
@@ -16,17 +18,19 @@ using gateway::dds::Problem;
 
 namespace {
 
+std::string identifier_problem(std::string_view field, std::uint32_t identifier, bool extended) {
+  const std::uint32_t largest = extended ? can::kExtendedIdentifierMask : can::kStandardIdentifierMask;
+  if (identifier <= largest) return {};
+  return fmt::format("{} 0x{:X}: out of range; allowed 0..0x{:X}{}", field, identifier, largest,
+                     extended ? "" : ", or with extended up to 0x1FFFFFFF");
+}
+
 constexpr std::uint32_t kShortestPeriodUs = 100;
 constexpr std::uint32_t kLongestPeriodUs = 3'600'000'000;
 
 Problem check(const layer2_CanFrame& frame) {
-  const std::uint32_t largest = frame.extended ? can::kExtendedIdentifierMask : can::kStandardIdentifierMask;
-  if (frame.identifier > largest) {
-    return Denial{
-        gateway_CAUSE_FIELD,
-        fmt::format("content.identifier 0x{:X}: out of range; allowed 0..0x{:X}{}", frame.identifier, largest,
-                    frame.extended ? "" : ", or with extended up to 0x1FFFFFFF")};
-  }
+  if (auto text = identifier_problem("content.identifier", frame.identifier, frame.extended); !text.empty())
+    return Denial{gateway_CAUSE_FIELD, std::move(text)};
   if (frame.length > 8)
     return Denial{gateway_CAUSE_LENGTH,
                   fmt::format("content.length {}: out of range; allowed 0..8", frame.length)};
@@ -63,6 +67,25 @@ Problem check_bytes(const layer2_ControlRequest& request) {
                             request.address, request.size, DataMapping::kBytes)};
 }
 
+Problem check_settings(const layer2_ObjectRequest& request) {
+  for (std::uint32_t i = 0; i < request.settings._length; ++i) {
+    const layer2_ObjectSettings& settings = request.settings._buffer[i];
+    if (settings.number >= MessageObjects::kMost) {
+      return Denial{gateway_CAUSE_FIELD, fmt::format("settings[{}].number {}: no such object; allowed 0..{}",
+                                                     i, settings.number, MessageObjects::kMost - 1)};
+    }
+    auto text =
+        identifier_problem(fmt::format("settings[{}].identifier", i), settings.identifier, settings.extended);
+    if (!text.empty()) return Denial{gateway_CAUSE_FIELD, std::move(text)};
+    if (settings.timeout > kMaximumTimeoutMs) {
+      return Denial{gateway_CAUSE_FIELD,
+                    fmt::format("settings[{}].timeout {} ms: out of range; allowed 0..{} ms, 0 = never", i,
+                                settings.timeout, kMaximumTimeoutMs)};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Problem check(const layer2_ControlRequest& request) {
@@ -86,12 +109,36 @@ Problem check(const layer2_ControlRequest& request) {
 
 Problem check(const layer2_SendRequest& request) {
   if (auto problem = check(request.content)) return problem;
+  if (request.following._length != 0 || request.deadline != 0)
+    return Denial{gateway_CAUSE_FIELD, "following, deadline: not taken by this daemon; allowed: none, 0"};
   if (request.timeout > kMaximumTimeoutMs) {
     return Denial{gateway_CAUSE_FIELD,
                   fmt::format("timeout {} ms: out of range; allowed 0..{} ms, 0 = the daemon's default",
                               request.timeout, kMaximumTimeoutMs)};
   }
   return std::nullopt;
+}
+
+Problem check(const layer2_ObjectRequest& request) {
+  const std::int64_t action = gateway::dds::raw_number_of(request.action);
+  if (action == layer2_OBJECT_CONFIGURE) return check_settings(request);
+  if (action < layer2_OBJECT_CONFIGURE || action > layer2_OBJECT_READ)
+    return Denial{gateway_CAUSE_KIND, fmt::format("action {}: unknown to this daemon", action)};
+  if (request.number >= MessageObjects::kMost) {
+    return Denial{gateway_CAUSE_FIELD, fmt::format("number {}: no such object; allowed 0..{}", request.number,
+                                                   MessageObjects::kMost - 1)};
+  }
+  if (action == layer2_OBJECT_READ && request.ask && !request.release)
+    return Denial{gateway_CAUSE_FIELD, "ask: only with release, for the answer needs an open object"};
+  if (action != layer2_OBJECT_SEND) return std::nullopt;
+  if (request.content.remote) {
+    return Denial{
+        gateway_CAUSE_FIELD,
+        "content.remote: an object sends data; to ask for some, read an object that receives with ask"};
+  }
+  if (request.every_time && !request.on_remote)
+    return Denial{gateway_CAUSE_FIELD, "every_time: only with on_remote"};
+  return check(request.content);
 }
 
 Problem explain(Refusal refusal, std::uint16_t queue) {
@@ -119,6 +166,21 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
           "the controller cannot be reset: its interface is missing or down, or its driver does not do it"};
     case Refusal::reset_under_way:
       return Denial{gateway_CAUSE_QUEUE_FULL, "the controller is being reset"};
+    case Refusal::object_reserved:
+      return Denial{gateway_CAUSE_WRONG_STATE,
+                    "number: this object belongs to the data mapping; take another one, 0..27 or 30..31"};
+    case Refusal::object_direction:
+      return Denial{
+          gateway_CAUSE_WRONG_STATE,
+          "number: this object is not configured for that; OBJECT_SEND and OBJECT_ABORT need one that "
+          "sends, OBJECT_READ one that receives: configure it first"};
+    case Refusal::object_pending:
+      return Denial{
+          gateway_CAUSE_QUEUE_FULL,
+          "number: this object has a job, or asks for a frame; try again when that has ended, or abort it"};
+    case Refusal::object_frame:
+      return Denial{gateway_CAUSE_FIELD,
+                    "content: no data frame of the object's width (extended) with 0..8 bytes"};
     case Refusal::not_running:
       return Denial{gateway_CAUSE_WRONG_STATE, "in stop nothing is sent; let it run first (cansync can run)"};
     case Refusal::stopped:

@@ -17,6 +17,7 @@ inline constexpr std::uint32_t kMaximumTimeoutMs = 3'600'000;
 /// Nothing, or why the request is refused. What passes can be converted (convert.h) without loss.
 gateway::dds::Problem check(const layer2_SendRequest& request);
 gateway::dds::Problem check(const layer2_ControlRequest& request);
+gateway::dds::Problem check(const layer2_ObjectRequest& request);
 
 /// A refusal of the station, with limits and remedy; nothing for Refusal::none. `queue` is the configured
 /// number of orders that may wait.

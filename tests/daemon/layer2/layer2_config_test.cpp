@@ -166,6 +166,34 @@ size = 8
       "f.toml:5:10: mapped.5.number: another entry fills the same byte of the image\n");
 }
 
+TEST_F(Layer2Configuration, L33MessageObjectsAreChecked) {
+  const Layer2Config config = good(R"([[object]]
+number = 31
+transmit = true
+identifier = 0x18DAF110
+extended = true
+timeout_ms = 50
+[[object]]
+number = 0
+identifier = 0x137
+mask = 0x7EC
+tell = true
+)");
+  ASSERT_EQ(config.objects.size(), 2u);
+  EXPECT_EQ(config.objects[0].settings.rule, (layer2::MaskRule{0x137, 0x7EC, false}));
+  EXPECT_TRUE(config.objects[0].settings.tell);
+  const auto settings = frame_machine_settings(config, nullptr);
+  ASSERT_TRUE(settings.module.objects[31]);
+  EXPECT_EQ(settings.module.objects[31]->timeout, std::chrono::milliseconds(50));
+  EXPECT_EQ(
+      problems("[[object]]\nnumber = 2\nidentifier = 0x800\n"),
+      "f.toml:3:14: object.2.identifier: found 0x800; allowed: 0..0x7FF, or extended = true beside it\n");
+  EXPECT_EQ(
+      problems("[[mapped]]\nnumber = 0\n[[object]]\nnumber = 29\n"),
+      "f.toml:4:10: object.29.number: found 29; allowed: 0..27, 30, 31, because the mapping has 28 and 29\n");
+  EXPECT_NE(problems("[[object]]\nnumber = 32\n").find("0..31"), std::string::npos);
+}
+
 TEST_F(Layer2Configuration, L8ANodeFilterTakesThePlaceOfRanges) {
   const Layer2Config config = good("[filter]\nnode = 5\n");
   const FrameMachineSettings settings = frame_machine_settings(config, nullptr);

@@ -15,12 +15,9 @@
 
 #include "can/flagged_frames.h"
 #include "daemon/layer2/gateway/frame_gateway.h"
+#include "daemon/layer2/layer2_bus.h"
 #include "daemon/layer2/segment/layer2_protocol.h"
 #include "dds/bounded_text.h"
-#include "layer2/client/frame_client.h"
-#include "layer2/dds/convert.h"
-#include "support/dds_places.h"
-#include "support/kept_journal.h"
 
 namespace cansyncd {
 namespace {
@@ -33,71 +30,7 @@ using layer2::client::SendResult;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// Two nodes: one answers remote frames, one sends by itself.
-Layer2File file_for(const TwoPlaces& places) {
-  Layer2File file;
-  Layer2Config& config = file.config;
-  config.bus.name = places.here.partition;
-  config.bus.bits_per_second = 500'000;
-  config.dds.domain = places.here.domain;
-  config.dds.partition = places.here.partition;
-  config.dds.request_max_age = milliseconds(0);  // the computer may be slow
-  config.realtime.priority = 0;
-  config.realtime.lock_memory = false;
-  config.recorder.folder = "";
-  // The monitoring time is the simulated bus's, which runs in real time, on a computer that may be slow.
-  config.send.timeout = seconds(20);
-  config.receive = {{0x100, 0x1FF, false, layer2::FrameKinds::data_and_remote},
-                    {0, 0x1FFFFFFF, true, layer2::FrameKinds::data}};
-  config.nodes = {{0, extended(data_frame(0x18DAF110, {1, 2, 3})), milliseconds(0)},
-                  {1, data_frame(0x150, {0, 9}), milliseconds(20)},
-                  {2, data_frame(0x250, {0}), milliseconds(5)}};  // no range takes it
-  return file;
-}
-
-layer2::client::Options options_for(const TwoPlaces& places) {
-  layer2::client::Options options;
-  options.domain = places.there.domain;
-  options.bus = places.there.partition;
-  options.xml = places.there.xml;
-  options.client_name = "tester";
-  options.wait = seconds(20);
-  return options;
-}
-
-class Layer2Bus : public testing::Test {
- protected:
-  void start(Layer2File file) {
-    segment_.emplace(std::move(file), journal_, gateway::dds::Participant(places_.here));
-    segment_->start();
-    client_.emplace(options_for(places_));
-  }
-  void start() { start(file_for(places_)); }
-  /// Takes frames until one fits, at most 20 s.
-  template <class Fits>
-  bool comes(const Fits& fits) {
-    bool found = false;
-    const auto end = std::chrono::steady_clock::now() + seconds(20);
-    while (!found && std::chrono::steady_clock::now() < end) {
-      client_->receive(milliseconds(100), [&](const layer2_FrameBatch& batch) {
-        EXPECT_GT(batch.number, number_);
-        number_ = batch.number;
-        for (std::uint32_t i = 0; i < batch.frames._length; ++i) {
-          seen_.push_back(batch.frames._buffer[i]);
-          found = found || fits(layer2::dds::to_core(seen_.back().received), seen_.back());
-        }
-      });
-    }
-    return found;
-  }
-
-  TwoPlaces places_{"layer2bus"};
-  KeptJournal journal_;
-  std::optional<Layer2Segment> segment_;
-  std::optional<FrameClient> client_;
-  std::uint64_t number_ = 0;
-  std::vector<layer2_ReceivedFrame> seen_;
-};
+using Layer2Bus = Layer2BusTest;
 
 TEST_F(Layer2Bus, SendsFramesOfEveryKindWithOneReplyEach) {
   start();

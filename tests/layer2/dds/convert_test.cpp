@@ -116,6 +116,10 @@ std::string in_words(const TopicQos& qos) {
                                       qos.max_instances, qos.max_samples_per_instance)
                         : fmt::format(", keep last {}", qos.depth);
   if (qos.transient_local) words += ", transient local";
+  if (qos.exclusive) {
+    words += fmt::format(", exclusive ownership, liveliness {} ms offered, {} ms asked for",
+                         qos.offered_lease / DDS_MSECS(1), qos.lease / DDS_MSECS(1));
+  }
   return words;
 }
 
@@ -139,7 +143,7 @@ TEST(Topics, EachHasItsOwnNameAndTheTypeOfThatName) {
               fmt::format("{}::{}", of_every_protocol ? "gateway" : "layer2", topic->name));
     EXPECT_EQ(topic->qos.keep_all, topic->qos.max_samples > 0) << topic->name;
   }
-  EXPECT_EQ(names.size(), 16u);
+  EXPECT_EQ(names.size(), 22u);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cli/connect/bus_connection.h"
+#include "dds/bounded_text.h"
 #include "layer2/client/frame_client.h"
 #include "layer2_members.h"
 
@@ -23,7 +24,9 @@ std::vector<Explained> lines_of_frames(Session& session) {
                                           status.received, status.taken, status.lost)},
           {"frames sent", fmt::format("{}; {} not seen on the bus, {} not sent, {} waiting", status.sent,
                                       status.unanswered, status.not_sent, status.waiting)},
-          {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
+          {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)},
+          {"module", fmt::format("{}; LED BF {}", status.running ? "in run" : "in stop",
+                                 gateway::dds::text(status.bus_fault))}};
 }
 
 void add_frame_members(Session& session, JsonObject& object) {
@@ -31,9 +34,13 @@ void add_frame_members(Session& session, JsonObject& object) {
 }
 
 std::vector<Explained> frame_lines_help() {
-  return {{"frames received", "frames of other nodes, since the start"},
-          {"frames sent", "what became of requests to send, since the start; and how many wait now"},
-          {"bus load", "share of the last second in which the bus was busy"}};
+  return {
+      {"frames received", "frames of other nodes, since the start"},
+      {"frames sent", "what became of requests to send, since the start; and how many wait now"},
+      {"bus load", "share of the last second in which the bus was busy"},
+      {"module",
+       "run or stop; why the LED BF of a CAN 300 PRO would be lit: bus-off, stopped, passive, errors, overflow; "
+       "off: it would not"}};
 }
 
 }  // namespace
