@@ -78,7 +78,7 @@ def table(module, known, name):
         elif kind.startswith("string<"):
             kind = "text"
         else:
-            kind = NUMBERS.get(kind, kind)
+            kind = NUMBERS.get(kind, "unsigned_long" if kind[0].isupper() else kind)  # an enumeration is its number
         of = f"{c_name}::{member.name}"
         count = member.count or 1
         if kind == "octet" and count == 16:

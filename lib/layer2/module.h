@@ -75,6 +75,7 @@ struct WaitingFrame {
 
 /// What happened to a message object that tells, or to the send queues.
 struct ModuleEvent {
+  /// What it was.
   enum class Kind : std::uint8_t {
     object_received,
     object_sent,

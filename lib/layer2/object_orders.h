@@ -20,6 +20,7 @@ struct ObjectEntry {
 
 /// What is to be done with message objects.
 struct ObjectOrder {
+  /// What, and the members that say more.
   enum class Kind : std::uint8_t {
     configure,  ///< `settings`, `anew`
     send,       ///< `number`, `job`
@@ -28,7 +29,7 @@ struct ObjectOrder {
   };
   OrderId id = 0;
   Kind kind = Kind::read;
-  std::uint8_t number = 0;
+  std::uint8_t number = 0;  ///< of the object, 0..MessageObjects::kMost-1
   ObjectJob job;
   bool release = false;  ///< opens the object for the next frame
   bool ask = false;      ///< with `release`: sends a remote frame of its identifier

@@ -46,6 +46,7 @@ enum class BusFault : std::uint8_t {
   errors,    ///< an error counter is not 0
   overflow,  ///< frames had no room in a queue or in the controller
 };
+/// Pure; realtime safe.
 BusFault bus_fault(const StatusFacts& facts) noexcept;
 
 /// As it stands in `FrameStatus`: "off", "bus-off", "stopped", "passive", "errors", "overflow".

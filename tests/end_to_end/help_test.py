@@ -92,7 +92,7 @@ class Columns(VerbTest):
         self.assertEqual(labels - general, set())
         self.assertEqual(general - labels, {"SYNC line", "second master",  # only when there is one
                                             # of other protocols
-                                            "frames received", "frames sent", "bus load",
+                                            "frames received", "frames sent", "bus load", "module",
                                             "address", "messages received", "in packets", "messages sent", "load of the bus",
                                             "slave", "intervals", "reference values", "actual values", "fault", "answers",
                                             "response", "indicators", "parameters"})

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 #include "cli/connect/bus_connection.h"
-#include "dds/bounded_text.h"
 #include "layer2/client/frame_client.h"
 #include "layer2_members.h"
 
@@ -26,7 +27,7 @@ std::vector<Explained> lines_of_frames(Session& session) {
                                       status.unanswered, status.not_sent, status.waiting)},
           {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)},
           {"module", fmt::format("{}; LED BF {}", status.running ? "in run" : "in stop",
-                                 gateway::dds::text(status.bus_fault))}};
+                                 std::string_view(status.bus_fault))}};
 }
 
 void add_frame_members(Session& session, JsonObject& object) {
