@@ -20,7 +20,10 @@ constexpr can::Time kFramesRest = std::chrono::microseconds(500);
 constexpr can::Time kImagePeriod = std::chrono::milliseconds(10);
 
 layer2::OrderId id_of(const Layer2Request& request) noexcept {
-  return std::visit([](const auto& order) { return order.id; }, request);
+  if (const auto* frame = std::get_if<layer2::SendOrder>(&request)) return frame->id;
+  if (const auto* control = std::get_if<layer2::ControlOrder>(&request)) return control->id;
+  if (const auto* object = std::get_if<layer2::ObjectOrder>(&request)) return object->id;
+  return 0;  // a cancel has no answer of its own
 }
 
 }  // namespace
