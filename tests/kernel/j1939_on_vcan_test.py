@@ -6,6 +6,7 @@ notification that it takes for truncated."""
 import json
 import os
 import select
+import signal
 import socket
 import subprocess
 import tempfile
@@ -145,6 +146,7 @@ class AgainstTheKernelsStack(unittest.TestCase):
             return messages.next_object() if select.select([messages.stdout], [], [], 10)[0] else None
 
         got = wait_for(f"{len(data)} bytes come", attempt)
+        messages.send_signal(signal.SIGINT)
         self.assertEqual(bytes(got["data"]), data)
         self.assertEqual(got["source"], OTHER)
         if transport:
