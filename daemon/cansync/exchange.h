@@ -274,7 +274,8 @@ struct MasterSnapshot {
   std::uint64_t lost_reports = 0;
   SyncSnapshot sync;
   std::array<cansync::ReleaseStatus, cansync::kChannels> release = {};  ///< of the reference values
-  bool second_master = false;  ///< another master has sent within the last seconds
+  std::array<bool, cansync::kChannels> lead_axis = {};  ///< the lead axis of a cluster gives them
+  bool second_master = false;                           ///< another master has sent within the last seconds
   can::TimestampSource timestamps = can::TimestampSource::thread;
 };
 

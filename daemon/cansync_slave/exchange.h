@@ -8,6 +8,7 @@
 
 #include "can/bus.h"
 #include "can/link_facts.h"
+#include "cansync/cluster/cluster.h"
 #include "cansync/settings/mode.h"
 #include "cansync/slave/block_area.h"
 #include "cansync/slave/parameter_jobs.h"
@@ -215,6 +216,15 @@ struct AnswerCounters {
   can::Time margin_least{0};      ///< least time that was left to an RDC; 0 before the first
 };
 
+/// What a cluster tells beside its slave and its master.
+struct ClusterSnapshot {
+  cansync::ClusterState state = cansync::ClusterState::stopped;
+  cansync::SubSlave own_number;
+  cansync::GatewayCounters jobs;
+  std::uint64_t sync_losses = 0;
+  std::array<cansync::LeadCounters, cansync::kChannels> lead = {};
+};
+
 /// State of the slave; written when it changes and ten times a second.
 struct SlaveSnapshot {
   can::ControllerStatus controller;
@@ -242,9 +252,10 @@ struct SlaveSnapshot {
   ServiceCounters service;
   std::uint64_t actions = 0;
   std::uint64_t own_number_frames = 0;
-  std::uint64_t lost_references = 0;  ///< reference value telegrams that had no room in `reports`
-  std::uint64_t lost_reports = 0;     ///< all reports that had none
-  std::uint32_t bus_load = 0;         ///< permille, of the last second
+  std::uint64_t lost_references = 0;       ///< reference value telegrams that had no room in `reports`
+  std::uint64_t lost_reports = 0;          ///< all reports that had none
+  std::uint32_t bus_load = 0;              ///< permille, of the last second
+  std::optional<ClusterSnapshot> cluster;  ///< the slave is that of a cluster
 };
 
 /// The shared structures. Constructed before both threads, destroyed after both.

@@ -102,6 +102,16 @@ class Cluster(unittest.TestCase):
             (code, int(text.split("telegram ")[1][0])) for code, text in self.codes("lower") if code == "references_released"])
         refused = self.on("lower", "set", "4=5", "--seconds", "0.3")
         self.assertIn("the lead axis gives this telegram", refused.stderr)
+        shown = self.on("lower", "status").stdout.decode()
+        self.assertRegex(shown, "reference telegram 2  .*given by the lead axis\n")
+        self.assertEqual([one["writer"] for one in self.one("lower", "status")["reference_release"]], ["", "the lead axis"])
+
+    def test_the_status_of_the_slave_says_what_the_cluster_does(self):
+        status = wait_for("jobs went down and values were given", lambda: (s := self.one("upper", "status"))["jobs_below"] > 1
+                          and s["lead_given"][1] > 10 and s)
+        self.assertEqual((status["cluster_number"], status["lead_given"][0], status["unknown_below"]), (0, 0, 0))
+        self.assertIn(status["cluster_state"], ("active", "setting_up", "waiting_for_sync"))
+        self.assertRegex(self.on("upper", "status").stdout.decode(), "cluster .* jobs and 0 blocks went down, .*lead axis: WRC2 given")
 
     def test_the_lower_bus_stops_with_the_sync_above_and_begins_again(self):
         def course():
@@ -110,6 +120,7 @@ class Cluster(unittest.TestCase):
             return any("to 'run'" in text for text in texts[stopped:])
         wait_for("the lower bus was stopped and is active again", course)
         self.assertIn("sync_lost", {code for code, _ in self.codes("upper")})
+        wait_for("it is counted", lambda: self.one("upper", "status")["sync_stops"] == 1)
 
 
 if __name__ == "__main__":

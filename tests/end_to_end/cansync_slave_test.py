@@ -116,6 +116,18 @@ class SlaveRole(unittest.TestCase):
         asked = told[f'cansync_slave_side_actual_asked_total{{{bus},telegram="1"}}']
         self.assertTrue(before["asked"][0] <= asked <= after["asked"][0], (before["asked"], asked, after["asked"]))
 
+    def test_the_doctor_says_how_near_the_answers_came_to_the_ends_of_their_slots(self):
+        with self.place.start("actual", "0=77", "--rate", 100) as releasing:
+            wait_for("actual values go out", lambda: self.one("status")["actual_sent"][0] > 10)
+            releasing.terminate()
+        lines = self.place.run("doctor", "--json").stdout.splitlines()
+        found = next(one for one in map(json.loads, lines) if one["topic"] == "answers in time")
+        self.assertRegex(found["found"], r"^least time left to an actual value telegram -?[0-9.]+ us; longest way from request to "
+                                         r"answer [0-9.]+ us; too late and left out: \d+ actual value telegrams, \d+ responses$")
+        late = re.findall(r"(\d+) (?:actual value telegrams|responses)", found["found"])
+        self.assertEqual(found["level"], "ok" if late == ["0", "0"] else "warning", found)
+        self.assertEqual(found["remedy"] is None, found["level"] == "ok")
+
     def test_the_table_is_explained(self):
         lines = self.place.run("references", "--count", 2).stdout.decode().splitlines()
         self.assertEqual(len(lines), 3)

@@ -36,6 +36,8 @@ void RealtimeLoop::publish() noexcept {
   snapshot.open_transfers = static_cast<std::uint32_t>(master_.open_transfers());
   for (const auto channel : {cansync::Channel::one, cansync::Channel::two}) {
     snapshot.release[cansync::index(channel)] = master_.release(channel);
+    snapshot.lead_axis[cansync::index(channel)] =
+        loop_.cluster != nullptr && loop_.cluster->lead().gives(channel);
   }
   snapshot.missed_syncs = missed_syncs_;
   snapshot.lost_reports = reporter_.lost_reports();

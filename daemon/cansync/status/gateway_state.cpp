@@ -208,7 +208,7 @@ void StatePublisher::publish_master(SteadyTime now) {
   sample.mapping_number = settings_.mapping_number;
   if (givers_ != nullptr) {
     told_givers_ = *givers_;
-    fill_references(master_.release, told_givers_, sample);
+    fill_references(master_.release, master_.lead_axis, told_givers_, sample);
   }
   const auto names = names_of(config_.references, settings_.reference_mapping);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));

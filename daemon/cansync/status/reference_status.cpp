@@ -1,6 +1,7 @@
 #include "daemon/cansync/status/reference_status.h"
 
 #include "cansync/dds/convert.h"
+#include "cansync/dds/lead_axis_writer.h"
 
 namespace cansyncd {
 namespace {
@@ -57,15 +58,19 @@ std::string_view release_cause(const ReleaseStatus& release, Loss loss) noexcept
 }
 
 void fill_references(const std::array<ReleaseStatus, cansync::kChannels>& release,
+                     const std::array<bool, cansync::kChannels>& lead_axis,
                      const std::array<ReferenceGiver, cansync::kChannels>& givers,
                      cansync_MasterStatus& sample) {
   namespace dds = cansync::dds;
   for (unsigned i = 0; i < cansync::kChannels; ++i) {
     cansync_ReferenceRelease& out = sample.reference_release[i];
-    dds::copy_text(givers[i].who, out.writer);
-    out.strength = givers[i].strength;
+    // Of a program that tried nothing is told: it has no part in such a telegram.
+    static const ReferenceGiver axis{std::string(dds::kLeadAxisWriter)};
+    const ReferenceGiver& giver = lead_axis[i] ? axis : givers[i];
+    dds::copy_text(giver.who, out.writer);
+    out.strength = giver.strength;
     dds::copy_text(name(release[i].state), out.state);
-    dds::copy_text(release_cause(release[i], givers[i].loss), out.cause);
+    dds::copy_text(release_cause(release[i], giver.loss), out.cause);
     out.interval = release[i].given;
     out.updates = release[i].updates;
     out.too_old = release[i].too_old;

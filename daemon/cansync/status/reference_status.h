@@ -34,8 +34,9 @@ struct ReferenceGiver {
 /// mapping_changed, used_up, withdrawn, none_given; empty when they are released.
 std::string_view release_cause(const cansync::ReleaseStatus& release, Loss loss) noexcept;
 
-/// Fills the members `reference_release`.
+/// Fills the members `reference_release`; `lead_axis`: the telegrams that the lead axis of a cluster gives.
 void fill_references(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release,
+                     const std::array<bool, cansync::kChannels>& lead_axis,
                      const std::array<ReferenceGiver, cansync::kChannels>& givers,
                      cansync_MasterStatus& sample);
 

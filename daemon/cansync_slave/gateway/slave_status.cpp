@@ -48,6 +48,20 @@ void put_service(const ServiceCounters& service, cansync_slave_SlaveSideStatus& 
   sample.jobs_lost = service.lost;
 }
 
+void put_cluster(const ClusterSnapshot& cluster, cansync_slave_SlaveSideStatus& sample) noexcept {
+  gateway::dds::copy_text(cansync::name(cluster.state), sample.cluster_state);
+  sample.cluster_number = cluster.own_number.value;
+  sample.jobs_below = cluster.jobs.parameters;
+  sample.blocks_below = cluster.jobs.transfers;
+  sample.unknown_below = cluster.jobs.unknown;
+  sample.sync_stops = cluster.sync_losses;
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    sample.lead_given[channel] = cluster.lead[channel].given;
+    sample.lead_missing[channel] = cluster.lead[channel].missing;
+    sample.lead_refused[channel] = cluster.lead[channel].refused;
+  }
+}
+
 /// H1 to H4 (M 3.1.4.2, 3.1.4.3).
 void put_indicators(const SlaveSnapshot& snapshot, can::Time interval,
                     cansync_slave_SlaveSideStatus& sample) noexcept {
@@ -118,6 +132,7 @@ cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
   put_indicators(snapshot, interval, sample);
   sample.parameters = static_cast<std::uint32_t>(config.service.parameters.size() - 1);
   put_service(snapshot.service, sample);
+  if (snapshot.cluster) put_cluster(*snapshot.cluster, sample);
   sample.status_parameter = config.status_parameter;
   if (config.parameters) {
     gateway::dds::copy_text(config.parameters->name, sample.profile);
@@ -138,7 +153,7 @@ void put_application(const std::string& name, const TakeOver& taken,
 bool differs(const SlaveSnapshot& from, const SlaveSnapshot& to) noexcept {
   const auto essence = [](const SlaveSnapshot& of) {
     return std::tuple(of.state, of.activated, of.synchronized, of.fault, of.status_word, of.sync.state,
-                      of.traffic);
+                      of.traffic, of.cluster ? of.cluster->state : cansync::ClusterState::stopped);
   };
   return essence(from) != essence(to);
 }

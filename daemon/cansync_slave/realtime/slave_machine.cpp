@@ -348,6 +348,13 @@ void SlaveMachine::fill_snapshot(can::Time now) noexcept {
     snapshot_.unused[index(channel)] = dropped_releases_[index(channel)] + releases_.unused(channel);
   snapshot_.answers = answers_.counters();
   snapshot_.service = desk_.counters();
+  if (cluster_ != nullptr) {
+    const cansync::ClusterGateway& gateway = cluster_->gateway();
+    snapshot_.cluster = {
+        cluster_->state(), gateway.own_number(), gateway.counters(), cluster_->sync_losses(), {}};
+    for (const auto channel : {cansync::Channel::one, cansync::Channel::two})
+      snapshot_.cluster->lead[index(channel)] = cluster_->lead().counters(channel);
+  }
   snapshot_.cansync_status =
       interface_status({.lost_frames = controller.overruns + controller.dropped != lost_frames_,
                         .heard_others = heard_others_,

@@ -79,7 +79,7 @@ void Cluster::decide_sync() noexcept {
 }
 
 ClusterState Cluster::state() const noexcept {
-  if (!started_) return ClusterState::stopped;
+  if (lower_.state() == State::start_up) return ClusterState::stopped;
   if (!sync_output()) return ClusterState::waiting_for_sync;
   return is_active(lower_.state()) ? ClusterState::active : ClusterState::setting_up;
 }

@@ -62,6 +62,8 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
 
   /// Counters as of this call; they go on changing.
   const GatewayCounters& counters() const noexcept { return counters_; }
+  /// The gateway's own CANsync number; 0: it has none.
+  SubSlave own_number() const noexcept { return own_number_; }
   /// Jobs of the gateway that run below now: a parameter and a transfer at most.
   unsigned running() const noexcept {
     return (parameter_.running() != 0 ? 1u : 0u) + (block_.running() != 0 ? 1u : 0u);

@@ -146,10 +146,11 @@ void finish_verbs(CLI::App& app, bool second) {
 void add_verbs(CLI::App& app, Verb& chosen) {
   add_status_verb(app, chosen, protocols());
   add_buses_verb(app, chosen, protocols());
+  add_doctor_verb(app, chosen, protocols());
   for (const ProtocolVerbs* protocol : protocols()) protocol->add(app, chosen);
   for (const AddVerbs add :
-       {add_job_verbs, add_doctor_verb, add_watch_verb, add_record_verb, add_plot_verb, add_event_verb,
-        add_trace_verb, add_scan_verb, add_learn_verb, add_setup_verb, add_wait_verb, add_batch_verb}) {
+       {add_job_verbs, add_watch_verb, add_record_verb, add_plot_verb, add_event_verb, add_trace_verb,
+        add_scan_verb, add_learn_verb, add_setup_verb, add_wait_verb, add_batch_verb}) {
     add(app, chosen);
   }
   finish_verbs(app, false);

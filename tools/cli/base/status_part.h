@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/base/finding_list.h"
 #include "cli/base/session.h"
 #include "cli/text/column_help.h"
 
@@ -22,11 +23,12 @@ struct BusSummary {
 
 /// What `status` shows of one protocol, beside what every bus has.
 struct StatusPart {
-  std::string_view protocol;                  ///< as GatewayStatus.protocol
-  std::vector<Explained> (*lines)(Session&);  ///< label and text, in their order
-  void (*members)(Session&, JsonObject&);     ///< of its status topic
-  std::vector<Explained> (*help)();           ///< label and what its line says
-  BusSummary (*summary)(Session&) = nullptr;  ///< for `buses`; null: nothing to say
+  std::string_view protocol;                             ///< as GatewayStatus.protocol
+  std::vector<Explained> (*lines)(Session&);             ///< label and text, in their order
+  void (*members)(Session&, JsonObject&);                ///< of its status topic
+  std::vector<Explained> (*help)();                      ///< label and what its line says
+  BusSummary (*summary)(Session&) = nullptr;             ///< for `buses`; null: nothing to say
+  std::vector<Finding> (*findings)(Session&) = nullptr;  ///< what `doctor` says of it; null: nothing
 };
 
 }  // namespace cansync::cli

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cansync/dds/lead_axis_writer.h"
 #include "cansync_members.h"
 #include "cli/text/values.h"
 #include "text/counts.h"
@@ -22,7 +23,9 @@ std::string release_text(const cansync_ReferenceRelease& release) {
   std::string text = release.state;
   if (release.cause[0] != '\0') text += fmt::format(" ({})", release.cause);
   if (release.writer[0] == '\0') return text + ", given by nobody";
-  return text + fmt::format(", given by {}, strength {}", release.writer, release.strength);
+  text += fmt::format(", given by {}", release.writer);
+  if (release.writer == cansync::dds::kLeadAxisWriter) return text;
+  return text + fmt::format(", strength {}", release.strength);
 }
 
 /// "0-3 (4 of 4)".

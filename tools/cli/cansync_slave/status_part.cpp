@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <iterator>
 #include <string>
+#include <utility>
 
 #include "cansync_slave/client/slave_client.h"
 #include "cansync_slave_members.h"
+#include "cli/base/finding_list.h"
 #include "cli/connect/bus_connection.h"
 #include "dds/bounded_text.h"
 #include "text/counts.h"
@@ -62,9 +66,24 @@ std::string parameters_text(const SideStatus& status) {
                             text::counted_of(status.blocks_done, status.blocks, "block"));
 }
 
+/// "active; 12 jobs and 3 blocks went down, 0 were for nobody; lead axis: WRC1 given 900 times, ..."
+std::string cluster_text(const SideStatus& status) {
+  std::string text = fmt::format(
+      "{}; {} jobs and {} blocks went down, {} were for nobody in the table; stopped {} times with the SYNC above",
+      gateway::dds::text(status.cluster_state), status.jobs_below, status.blocks_below, status.unknown_below,
+      status.sync_stops);
+  for (unsigned n = 0; n < std::size(status.lead_given); ++n) {
+    if (status.lead_given[n] + status.lead_missing[n] + status.lead_refused[n] == 0) continue;
+    text += fmt::format("; lead axis: WRC{} given {} times, left out {} times", n + 1, status.lead_given[n],
+                        status.lead_missing[n]);
+    if (status.lead_refused[n] != 0) text += fmt::format(", refused {} times", status.lead_refused[n]);
+  }
+  return text;
+}
+
 std::vector<Explained> lines_of_slave(Session& session) {
   const SideStatus status = side_status(session);
-  return {
+  std::vector<Explained> lines = {
       {"slave", fmt::format("{}, {}; {}; status word 0x{:04X}", status.slave_number, status.state,
                             synchronized_text(status), status.status_word)},
       {"intervals", fmt::format("{} of {}; {} missing", status.interval,
@@ -87,6 +106,8 @@ std::vector<Explained> lines_of_slave(Session& session) {
                                slave_microseconds(status.response_longest), margin_text(status))},
       {"indicators", indicators(status)},
       {"bus load", fmt::format("{:.1f} %", status.bus_load / 10.0)}};
+  if (!gateway::dds::text(status.cluster_state).empty()) lines.push_back({"cluster", cluster_text(status)});
+  return lines;
 }
 
 void add_slave_members(Session& session, JsonObject& object) {
@@ -106,11 +127,35 @@ std::vector<Explained> slave_lines_help() {
        "in the table of the configuration, and what an application has taken over and answered since the start"},
       {"response", "from the last bit of a request to its answer being handed over, since the start"},
       {"indicators", "what the four lamps of a module would show"},
-      {"bus load", "share of the last second in which the bus was busy"}};
+      {"bus load", "share of the last second in which the bus was busy"},
+      {"cluster", "of a gateway: the bus below, what went down for the master above, and the lead axis"}};
+}
+
+/// How near the answers came to the ends of their slots.
+std::vector<Finding> slave_findings(Session& session) {
+  const SideStatus status = side_status(session);
+  const std::uint64_t sent = status.actual_sent[0] + status.actual_sent[1];
+  const std::uint64_t late = status.actual_late[0] + status.actual_late[1];
+  const std::string found = fmt::format(
+      "{}; longest way from request to answer {}; too late and left out: {} actual value telegrams, "
+      "{} responses",
+      margin_text(status), slave_microseconds(status.response_longest), late, status.answers_late);
+  FindingList list;
+  if (late + status.answers_late == 0 && (sent == 0 || status.actual_margin_least > 0)) {
+    list.ok("answers in time", found);
+  } else {
+    list.warning(
+        "answers in time", found,
+        "give the realtime thread a priority and a processor of its own (realtime.priority, realtime.cpu), "
+        "have the master send WRC1 earlier (cansyncd as the master: a greater bus.send_margin_us), or lower "
+        "the bit rate");
+  }
+  return std::move(list).take();
 }
 
 }  // namespace
 
-const StatusPart kSlaveStatusPart = {"cansync-slave", lines_of_slave, add_slave_members, slave_lines_help};
+const StatusPart kSlaveStatusPart = {"cansync-slave", lines_of_slave, add_slave_members, slave_lines_help,
+                                     slave_findings};
 
 }  // namespace cansync::cli

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -100,13 +101,25 @@ void show(Output& output, const Table& table, const Finding& finding) {
   output.object(object);
 }
 
-ExitCode doctor_verb(Session& session) {
+/// What the bus's protocol says of itself.
+std::vector<Finding> ask_protocol(Session& session, const DaemonStatus& status,
+                                  std::span<const ProtocolVerbs* const> protocols) {
+  for (const ProtocolVerbs* one : protocols) {
+    const StatusPart* part = one->status;
+    if (part == nullptr || part->findings == nullptr) continue;
+    if (part->protocol == client::text(status.gateway.protocol)) return part->findings(session);
+  }
+  return {};
+}
+
+ExitCode doctor_verb(Session& session, std::span<const ProtocolVerbs* const> protocols) {
   session.look_only();
   DoctorInput in;
   in.bus = session.bus();
   in.cli_version = CANSYNC_VERSION;
   in.data_model = gateway_DATA_MODEL;
   ask_daemon(session, in);
+  if (in.status) in.of_protocol = ask_protocol(session, *in.status, protocols);
   // A bus without a name of its own is named like its interface.
   in.interface_name = in.status ? std::string(client::text(in.status->bus.bus_interface))
                                 : configured_interface("/", in.bus).value_or(in.bus);
@@ -122,7 +135,7 @@ ExitCode doctor_verb(Session& session) {
 
 }  // namespace
 
-void add_doctor_verb(CLI::App& app, Verb& chosen) {
+void add_doctor_verb(CLI::App& app, Verb& chosen, std::span<const ProtocolVerbs* const> protocols) {
   auto* doctor = app.add_subcommand("doctor", "what is well and what is not, and how to mend it");
   doctor->group(kLookingVerbs);
   doctor->footer(
@@ -131,7 +144,9 @@ void add_doctor_verb(CLI::App& app, Verb& chosen) {
       "changed. Works without a daemon as far as it can. Exit code: 0 all ok, 1 warnings, 8 errors, 6 no "
       "daemon was\nfound.\n" +
       columns_help(doctor_columns()));
-  doctor->callback([&chosen] { chosen = doctor_verb; });
+  doctor->callback([protocols, &chosen] {
+    chosen = [protocols](Session& session) { return doctor_verb(session, protocols); };
+  });
 }
 
 }  // namespace cansync::cli

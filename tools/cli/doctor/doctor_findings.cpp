@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "cli/base/finding_list.h"
 #include "cli/doctor/doctor_line.h"
 #include "cli/doctor/doctor_link.h"
-#include "cli/doctor/finding_list.h"
 #include "text/counts.h"
 
 namespace cansync::cli {
@@ -251,6 +251,7 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
       look_at_second_master(*in.status->master, out);
       look_at_line(in, out);
     }
+    out.add(in.of_protocol);
     look_at_configuration(in, out);
     look_at_rights(in, *in.status, out);
     look_at_processor(in, *in.status, out);

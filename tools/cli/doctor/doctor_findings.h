@@ -12,24 +12,15 @@
 
 #include "can/link_facts.h"
 #include "cli/base/exit_codes.h"
+#include "cli/base/finding_list.h"
 #include "cli/doctor/doctor_facts.h"
 #include "dds/loopback_holders.h"
 
 /// What is well and what is not with a bus, its daemon and this computer. Pure functions.
 namespace cansync::cli {
 
-enum class Level : std::uint8_t { ok, warning, error };
-
 /// "ok", "warning", "error".
 std::string_view name(Level level) noexcept;
-
-/// One thing that was looked at.
-struct Finding {
-  Level level = Level::ok;
-  std::string topic;   ///< a stable word or two, e.g. "bit rate"
-  std::string found;   ///< in words, with the figures
-  std::string remedy;  ///< the command or setting that mends it; empty: nothing to mend
-};
 
 /// What the daemon tells.
 struct DaemonStatus {
@@ -59,6 +50,7 @@ struct DoctorInput {
   std::string interface_name;  ///< the bus's CAN interface; "sim" for a simulated line
   can::LinkFacts link;         ///< what the kernel of this computer knows of it
   std::string kernel_silent;   ///< why it could not be asked; empty: it was, or there was nothing to ask
+  std::vector<Finding> of_protocol;  ///< what the bus's protocol has found itself
 };
 
 /// Findings in a fixed order. Without a daemon those that need it are missing, and one says so.

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "cli/base/finding_list.h"
 #include "cli/doctor/doctor_findings.h"
-#include "cli/doctor/finding_list.h"
 
 namespace cansync::cli {
 

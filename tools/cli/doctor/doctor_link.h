@@ -2,8 +2,8 @@
 
 #include <string_view>
 
+#include "cli/base/finding_list.h"
 #include "cli/doctor/doctor_findings.h"
-#include "cli/doctor/finding_list.h"
 
 /// What `doctor` says of the CAN interface and the controller behind it. Pure functions.
 namespace cansync::cli {

@@ -1,12 +1,21 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "cli/doctor/doctor_findings.h"
-
 namespace cansync::cli {
+
+enum class Level : std::uint8_t { ok, warning, error };
+
+/// One thing that was looked at.
+struct Finding {
+  Level level = Level::ok;
+  std::string topic;   ///< a stable word or two, e.g. "bit rate"
+  std::string found;   ///< in words, with the figures
+  std::string remedy;  ///< the command or setting that mends it; empty: nothing to mend
+};
 
 /// Findings in the order in which they are made.
 class FindingList {
@@ -22,6 +31,11 @@ class FindingList {
   /// Adds what does not work, with what mends it.
   void error(std::string topic, std::string found, std::string remedy) {
     add(Level::error, std::move(topic), std::move(found), std::move(remedy));
+  }
+
+  /// Adds what others have found.
+  void add(const std::vector<Finding>& found) {
+    findings_.insert(findings_.end(), found.begin(), found.end());
   }
 
   /// All of them; the list is used up.
