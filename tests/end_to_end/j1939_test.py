@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -99,6 +100,40 @@ class Messages(unittest.TestCase):
         self.assertEqual(self.one("transmit", "0FEF2", "5A" * 9)["result"], "done")
         nobody = self.one("transmit", "0EF00", "5A" * 9, "--to", "0x55", "--timeout", 30, code=5)
         self.assertEqual(nobody["result"], "no_answer")
+
+    def test_longer_ones_are_sent_from_a_file_to_one_node(self):
+        with tempfile.NamedTemporaryFile() as file:
+            file.write(bytes(range(250)) * 12)
+            file.flush()
+            sent = self.one("transmit", "0EF00", "--file", file.name, "--to", "0x23")
+            self.assertEqual((sent["result"], sent["length"]), ("done", 3000))
+            refused = self.one("transmit", "0EF00", "--file", file.name, code=3)
+            self.assertEqual((refused["result"], refused["cause"]), ("refused", "length"))
+            self.assertIn("to one node", refused["reason"])
+            file.write(bytes(65536))
+            file.flush()
+            refused = self.one("transmit", "0EF00", "--file", file.name, "--to", "0x23", code=3)
+            self.assertIn("transport.most_bytes", refused["reason"])
+
+    def test_signals_have_names(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".dbc") as file:
+            file.write('VERSION ""\nBO_ 2565800190 Counter: 10 X\n SG_ Count : 0|8@1+ (0.5,-3) [0|1] "rpm" X\n SG_ Last : 72|8@1+ (1,0) [0|1] "" X\n')
+            file.flush()
+            with self.place.start("messages", "--json", "--dbc", file.name) as messages:
+                one = messages.next_object()
+                while one["pgn"] != 0xEF00:
+                    self.assertEqual((one["message"], one["signals"]), (None, []))
+                    one = messages.next_object()
+                messages.send_signal(signal.SIGINT)
+            self.assertEqual(one["message"], "Counter")
+            count, last = one["signals"]
+            self.assertEqual((count["name"], count["value"], count["unit"]), ("Count", one["data"][0] / 2 - 3, "rpm"))
+            self.assertEqual((last["raw"], last["word"]), (10, ""))
+            sent = self.one("transmit", "Counter", "--dbc", file.name, "--set", "Count=-2.5", "--set", "Last=7", "--to", "0x23")
+            self.assertEqual((sent["result"], sent["pgn"], sent["length"], sent["priority"]), ("done", 0xEF00, 10, 6))
+            wrong = self.place.run("transmit", "Counter", "--dbc", file.name, "--set", "Count=200")
+            self.assertEqual(wrong.returncode, 2)
+            self.assertIn("-3..124.5 rpm", wrong.stderr)
 
     def test_a_node_is_asked(self):
         answer = self.one("request", "0FEEB", "--to", "0x23")

@@ -112,6 +112,7 @@ daemon:                     lib/text lib/config lib/rt daemon/service daemon/opt
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/connect:          lib/dds tools/cli/base
+tools/cli/dbc:              lib/text lib/dbc tools/cli/text tools/cli/base
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/look:             lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
@@ -126,8 +127,8 @@ tools/cli/setup:            lib/config daemon/cansync/config tools/cli/base tool
 tools/cli/jobs:             lib/dds tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_slave:    lib/text lib/config lib/profile lib/cansync lib/dds lib/cansync_slave/config lib/cansync_slave/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync_cluster:  tools/cli/base
-tools/cli/layer2:           lib/text lib/can lib/dbc lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/trace tools/cli/connect
-tools/cli/j1939:            idl lib/text lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/layer2:           lib/text lib/can lib/dbc lib/layer2 lib/layer2/dds lib/layer2/client tools/cli/text tools/cli/base tools/cli/dbc tools/cli/trace tools/cli/connect
+tools/cli/j1939:            idl lib/text lib/dbc lib/j1939 lib/dds lib/j1939/dds lib/j1939/client tools/cli/text tools/cli/base tools/cli/dbc tools/cli/connect
 tools/cli/app:              lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync tools/cli/look
                             tools/cli/watch tools/cli/record tools/cli/doctor tools/cli/trace tools/cli/learn
                             tools/cli/scan tools/cli/setup tools/cli/jobs

@@ -156,6 +156,6 @@ std::vector<Finding> slave_findings(Session& session) {
 }  // namespace
 
 const StatusPart kSlaveStatusPart = {"cansync-slave", lines_of_slave, add_slave_members, slave_lines_help,
-                                     slave_findings};
+                                     nullptr,         slave_findings};
 
 }  // namespace cansync::cli

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "cli/base/session.h"
+#include "cli/dbc/dbc_file.h"
+#include "cli/j1939/group_signals.h"
 #include "cli/text/values.h"
 #include "j1939/identifier.h"
 #include "j1939/transport.h"
@@ -103,7 +105,8 @@ std::vector<Table::Column> message_columns() {
            "frame, or in packets: broadcast to all, connection to one; extended: over 1785 bytes to one", 10},
           {"RANGE", right, "place in the configuration of the range that takes it", 5},
           {"LEN", right, "length in bytes, 0 to 1048576", 4},
-          {"DATA", left, "the bytes, hexadecimal", 23}};
+          {"DATA", left, "the bytes, hexadecimal", 23},
+          {"MEANING", left, "with --dbc: message and signals, with unit and name of the value", 7}};
 }
 
 void MessageLines::tell_missed(const j1939_MessageBatch& batch) {
@@ -122,6 +125,8 @@ void MessageLines::tell_missed(const j1939_MessageBatch& batch) {
 }
 
 void MessageLines::show(const j1939_ReceivedMessage& message, std::span<const std::uint8_t> data) {
+  const dbc::Message* const named = find_group(names_, message.pgn, message.source);
+  const auto readings = named == nullptr ? std::vector<dbc::Reading>() : read_group(*named, data);
   if (output_.json()) {
     JsonObject object;
     object.add("time_ns", message.receive_time)
@@ -132,6 +137,7 @@ void MessageLines::show(const j1939_ReceivedMessage& message, std::span<const st
         .add("transport", transport_text(message.transport))
         .add("range", message.range_index)
         .add("data", bytes_json(data));
+    add_meaning(named, readings, object);
     output_.object(object);
     return;
   }
@@ -140,7 +146,7 @@ void MessageLines::show(const j1939_ReceivedMessage& message, std::span<const st
                             fmt::format("{}", message.priority), fmt::format("{}", message.source),
                             fmt::format("{}", message.destination), transport_text(message.transport),
                             fmt::format("{}", message.range_index), fmt::format("{}", data.size()),
-                            bytes_text(data)}));
+                            bytes_text(data), named == nullptr ? "" : meaning_of(*named, readings)}));
 }
 
 void MessageLines::show(const j1939_MessageBatch& batch) {

@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cli/base/output.h"
 #include "cli/text/table.h"
+#include "dbc/database.h"
 #include "j1939.h"
 
 /// Messages of J1939 for people and programs.
@@ -27,11 +30,11 @@ JsonArray bytes_json(std::span<const std::uint8_t> bytes);
 /// Of the table of messages.
 std::vector<Table::Column> message_columns();
 
-/// Writes messages until `count` are there; 0: without end.
+/// Writes messages until `count` are there; 0: without end. `names`: what they mean; may be empty.
 class MessageLines {
  public:
-  MessageLines(Output& output, std::uint64_t count)
-      : output_(output), table_(message_columns()), count_(count) {}
+  MessageLines(Output& output, std::uint64_t count, dbc::Database names = {})
+      : output_(output), table_(message_columns()), count_(count), names_(std::move(names)) {}
 
   void show(const j1939_MessageBatch& batch);
   void show(const j1939_LongMessage& message);
@@ -47,6 +50,7 @@ class MessageLines {
   std::uint64_t shown_ = 0;
   std::uint64_t number_ = 0;  ///< of the last batch; 0: none yet
   std::uint64_t lost_ = 0;
+  dbc::Database names_;
 };
 
 }  // namespace cansync::cli

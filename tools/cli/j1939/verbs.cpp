@@ -7,12 +7,15 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
 #include "cli/connect/gateway_reply.h"
+#include "cli/dbc/dbc_file.h"
+#include "cli/j1939/group_signals.h"
 #include "cli/j1939/message_lines.h"
 #include "cli/j1939/status_part.h"
 #include "cli/text/column_help.h"
@@ -31,12 +34,29 @@ struct MessageTexts {
   std::string pgn;
   std::string data;
   std::string file;
+  std::string dbc;
+  std::vector<std::string> settings;
   std::string to;
   std::string priority;
 };
 
+/// To whom, and with which priority, when that was said.
+j1939::client::Message with_choice(j1939::client::Message message, const MessageTexts& texts) {
+  if (!texts.to.empty()) message.destination = parse_address(texts.to, "--to");
+  if (!texts.priority.empty())
+    message.priority = static_cast<std::uint8_t>(parse_integer(texts.priority, "--priority", 0, 7));
+  return message;
+}
+
 j1939::client::Message parse_message(const MessageTexts& texts) {
   j1939::client::Message message;
+  if (!texts.settings.empty()) {
+    if (texts.dbc.empty() || !texts.data.empty() || !texts.file.empty())
+      throw UsageError("--set: it needs --dbc and the name of a message, and neither DATA nor --file");
+    message = encode_group(load_dbc(texts.dbc), texts.pgn, texts.settings);
+    return with_choice(std::move(message), texts);
+  }
+  if (!texts.dbc.empty()) throw UsageError("--dbc: it needs --set NAME=VALUE");
   message.pgn = parse_pgn(texts.pgn);
   if (!texts.data.empty() && !texts.file.empty())
     throw UsageError("DATA and --file: the bytes are given twice; give one of them");
@@ -44,10 +64,7 @@ j1939::client::Message parse_message(const MessageTexts& texts) {
       texts.file.empty() ? parse_bytes(texts.data) : read_file(texts.file, j1939_LONG_MESSAGE_BYTES);
   // In packets, seven is what the standard says.
   message.priority = message.data.size() > 8 ? 7 : 6;
-  if (!texts.to.empty()) message.destination = parse_address(texts.to, "--to");
-  if (!texts.priority.empty())
-    message.priority = static_cast<std::uint8_t>(parse_integer(texts.priority, "--priority", 0, 7));
-  return message;
+  return with_choice(std::move(message), texts);
 }
 
 /// Whom a message is for, or is asked.
@@ -91,11 +108,13 @@ ExitCode request_verb(Session& session, const MessageTexts& texts) {
   return session.finish(reply, object, where, result.data.empty() ? where + " acknowledged" : "");
 }
 
-ExitCode messages_verb(Session& session, const std::string& count_text) {
+ExitCode messages_verb(Session& session, const std::string& count_text, const std::string& dbc_path) {
   const std::uint64_t count =
       count_text.empty() ? 0 : static_cast<std::uint64_t>(parse_integer(count_text, "--count", 1, INT32_MAX));
+  dbc::Database names;
+  if (!dbc_path.empty()) names = load_dbc(dbc_path);
   auto client = connect_bus<MessageClient>(session);
-  MessageLines lines(session.output(), count);
+  MessageLines lines(session.output(), count, std::move(names));
   constexpr auto kLook = std::chrono::milliseconds(200);
   while (!interrupt_flag().load() && !lines.enough()) {
     if (client.receive(
@@ -220,11 +239,14 @@ void add_messages(CLI::App& app, Verb& chosen) {
   auto* messages = app.add_subcommand("messages", "J1939: what other nodes send, until Ctrl-C");
   messages->group("J1939");
   auto count = std::make_shared<std::string>();
+  auto dbc = std::make_shared<std::string>();
   messages->add_option("--count", *count, "end after so many messages")->type_name("N");
+  messages->add_option("--dbc", *dbc, "name messages and signals by this DBC file")->type_name("FILE");
   messages->footer(fmt::format("{}: whole messages that its ranges take.\n", kOfJ1939) +
                    columns_help(message_columns()));
-  messages->callback(
-      [count, &chosen] { chosen = [count](Session& session) { return messages_verb(session, *count); }; });
+  messages->callback([count, dbc, &chosen] {
+    chosen = [count, dbc](Session& session) { return messages_verb(session, *count, *dbc); };
+  });
 }
 
 void add_transmit(CLI::App& app, Verb& chosen) {
@@ -236,6 +258,13 @@ void add_transmit(CLI::App& app, Verb& chosen) {
                        "up to 1785 bytes of two hexadecimal digits, e.g. 0102FF; none: no data");
   transmit->add_option("--file", texts->file, "take the bytes from a file, up to 1048576, instead of DATA")
       ->type_name("FILE");
+  transmit->add_option("--dbc", texts->dbc, "PGN is the name of a message in this DBC file")
+      ->type_name("FILE");
+  transmit
+      ->add_option("--set", texts->settings,
+                   "with --dbc: a signal, in its unit; all others are not available")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
   transmit->add_option("--to", texts->to, "address of the node it is for, 0..253, or all (the default)")
       ->type_name("ADDRESS");
   transmit->add_option("--priority", texts->priority, "0 (most urgent) to 7; default 6, in packets 7")

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "can/candump.h"
 #include "cli/base/session.h"
-#include "cli/layer2/dbc_file.h"
+#include "cli/dbc/dbc_file.h"
 #include "cli/layer2/frame_lines.h"
 
 namespace cansync::cli {
@@ -17,12 +20,26 @@ namespace {
 /// Width of eight bytes with blanks between.
 constexpr std::size_t kDataWidth = 23;
 
+/// The signals of a frame; a remote one has none.
+std::vector<dbc::Reading> readings_of(const dbc::Message& message, const can::Frame& frame) {
+  if (frame.remote) return {};
+  return dbc::read_signals(message,
+                           std::span(frame.data).first(std::min<std::size_t>(frame.dlc, frame.data.size())));
+}
+
+std::string meaning_of(const dbc::Database& names, const can::Frame& frame) {
+  const dbc::Message* message = names.find(frame);
+  return message == nullptr ? "" : cli::meaning_of(*message, readings_of(*message, frame));
+}
+
 JsonObject dumped_object(const DumpedFrame& dumped, const dbc::Database& names) {
   JsonObject object;
   object.add("time_ns", dumped.time);
   add_frame(dumped.frame, object);
   object.add("range", dumped.range).add("high_priority", dumped.high_priority);
-  add_meaning(names, dumped.frame, object);
+  const dbc::Message* message = names.find(dumped.frame);
+  add_meaning(message, message == nullptr ? std::vector<dbc::Reading>() : readings_of(*message, dumped.frame),
+              object);
   return object;
 }
 

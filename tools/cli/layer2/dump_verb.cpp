@@ -10,7 +10,7 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/connect/bus_connection.h"
-#include "cli/layer2/dbc_file.h"
+#include "cli/dbc/dbc_file.h"
 #include "cli/layer2/dump_filter.h"
 #include "cli/layer2/dump_form.h"
 #include "cli/text/column_help.h"

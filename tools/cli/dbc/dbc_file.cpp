@@ -1,4 +1,4 @@
-#include "cli/layer2/dbc_file.h"
+#include "cli/dbc/dbc_file.h"
 
 #include <fmt/format.h>
 
@@ -15,12 +15,6 @@ namespace {
 
 constexpr std::size_t kLargestFile = std::size_t{16} * 1024 * 1024;  // those of whole vehicles have some 5 MB
 
-/// The bytes of a frame; a remote one has none.
-std::span<const std::uint8_t> data_of(const can::Frame& frame) {
-  if (frame.remote) return {};
-  return std::span(frame.data).first(std::min<std::size_t>(frame.dlc, frame.data.size()));
-}
-
 }  // namespace
 
 dbc::Database load_dbc(const std::string& path) {
@@ -34,26 +28,20 @@ dbc::Database load_dbc(const std::string& path) {
   throw UsageError(text);
 }
 
-std::string meaning_of(const dbc::Database& database, const can::Frame& frame) {
-  const dbc::Message* message = database.find(frame);
-  if (message == nullptr) return "";
+std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings) {
   std::string text;
-  for (const dbc::Reading& reading : dbc::read_signals(*message, data_of(frame))) {
+  for (const dbc::Reading& reading : readings) {
     text += fmt::format("{} {} {:.10g}", text.empty() ? ":" : ",", reading.signal->name, reading.value);
     if (!reading.signal->unit.empty()) text += " " + reading.signal->unit;
     if (!reading.word.empty()) text += fmt::format(" ({})", reading.word);
   }
-  return message->name + text;
+  return message.name + text;
 }
 
-void add_meaning(const dbc::Database& database, const can::Frame& frame, text::JsonObject& object) {
-  const dbc::Message* message = database.find(frame);
+void add_meaning(const dbc::Message* message, std::span<const dbc::Reading> readings,
+                 text::JsonObject& object) {
   text::JsonArray signals;
-  if (message == nullptr) {
-    object.add_null("message").add("signals", signals);
-    return;
-  }
-  for (const dbc::Reading& reading : dbc::read_signals(*message, data_of(frame))) {
+  for (const dbc::Reading& reading : readings) {
     text::JsonObject signal;
     signal.add("name", reading.signal->name)
         .add("raw", reading.raw)
@@ -62,7 +50,12 @@ void add_meaning(const dbc::Database& database, const can::Frame& frame, text::J
         .add("word", reading.word);
     signals.add_json(signal.text());
   }
-  object.add("message", message->name).add("signals", signals);
+  if (message == nullptr) {
+    object.add_null("message");
+  } else {
+    object.add("message", message->name);
+  }
+  object.add("signals", signals);
 }
 
 }  // namespace cansync::cli

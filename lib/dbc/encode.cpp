@@ -1,0 +1,107 @@
+#include "dbc/encode.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace dbc {
+namespace {
+
+constexpr unsigned kByteBits = 8;
+constexpr unsigned kMostBits = 64;
+
+std::uint64_t ones(unsigned bits) noexcept {
+  return bits >= kMostBits ? std::numeric_limits<std::uint64_t>::max() : (std::uint64_t{1} << bits) - 1;
+}
+
+/// Calls `use(byte, bit, place)` for each bit of the signal, `place` counted from its lowest.
+template <class Use>
+void for_each_bit(const Signal& signal, Use&& use) {
+  std::size_t byte = signal.start / kByteBits;
+  unsigned bit = signal.start % kByteBits;
+  for (unsigned i = 0; i < signal.length; ++i) {
+    if (signal.little_endian) {
+      use(byte, bit, i);
+      if (++bit == kByteBits) {
+        bit = 0;
+        ++byte;
+      }
+    } else {
+      use(byte, bit, signal.length - 1 - i);
+      if (bit-- == 0) {
+        bit = kByteBits - 1;
+        ++byte;
+      }
+    }
+  }
+}
+
+/// Lowest and highest number of the bits, before factor and offset.
+std::pair<double, double> numbers_of(const Signal& signal) noexcept {
+  switch (signal.kind) {
+    case NumberKind::unsigned_integer:
+      return {0.0, static_cast<double>(ones(signal.length))};
+    case NumberKind::signed_integer:
+      return {-std::ldexp(1.0, static_cast<int>(signal.length) - 1),
+              std::ldexp(1.0, static_cast<int>(signal.length) - 1) - 1};
+    case NumberKind::float32:
+      return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};
+    case NumberKind::float64:
+      break;
+  }
+  return {std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max()};
+}
+
+/// The bits of a whole number that fits.
+std::uint64_t whole_bits(const Signal& signal, double number) noexcept {
+  // What a double cannot tell from the number behind the largest one is the largest one.
+  const double limit = std::ldexp(1.0, static_cast<int>(signal.length));
+  if (number >= limit) return ones(signal.length);
+  return number < 0 ? static_cast<std::uint64_t>(static_cast<std::int64_t>(number)) & ones(signal.length)
+                    : static_cast<std::uint64_t>(number) & ones(signal.length);
+}
+
+}  // namespace
+
+std::pair<double, double> range_of(const Signal& signal) noexcept {
+  const auto [lowest, highest] = numbers_of(signal);
+  const double one = lowest * signal.factor + signal.offset;
+  const double other = highest * signal.factor + signal.offset;
+  return std::minmax(one, other);
+}
+
+std::optional<std::uint64_t> raw_of(const Signal& signal, double value) noexcept {
+  const double number = (value - signal.offset) / signal.factor;
+  if (!std::isfinite(value) || !std::isfinite(number)) return std::nullopt;
+  const auto [lowest, highest] = numbers_of(signal);
+  if (signal.kind == NumberKind::float64) return std::bit_cast<std::uint64_t>(number);
+  if (signal.kind == NumberKind::float32) {
+    if (number < lowest || number > highest) return std::nullopt;
+    return std::bit_cast<std::uint32_t>(static_cast<float>(number));
+  }
+  const double rounded = std::round(number);
+  if (rounded < lowest || rounded > highest) return std::nullopt;
+  return whole_bits(signal, rounded);
+}
+
+std::optional<std::uint64_t> raw_of(const Signal& signal, std::string_view word) noexcept {
+  const auto found = std::find_if(signal.words.begin(), signal.words.end(),
+                                  [word](const auto& one) { return one.second == word; });
+  if (found == signal.words.end()) return std::nullopt;
+  return static_cast<std::uint64_t>(found->first) & ones(signal.length);
+}
+
+bool write_bits(const Signal& signal, std::uint64_t raw, std::span<std::uint8_t> data) noexcept {
+  bool inside = true;
+  for_each_bit(signal, [&](std::size_t byte, unsigned, unsigned) { inside = inside && byte < data.size(); });
+  if (!inside) return false;
+  for_each_bit(signal, [&](std::size_t byte, unsigned bit, unsigned place) {
+    const auto one = static_cast<std::uint8_t>(1u << bit);
+    const bool set = ((raw >> place) & 1) != 0;
+    data[byte] = static_cast<std::uint8_t>(set ? data[byte] | one : data[byte] & ~one);
+  });
+  return true;
+}
+
+}  // namespace dbc
