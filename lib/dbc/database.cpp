@@ -11,7 +11,7 @@ constexpr unsigned kByteBits = 8;
 
 /// `bits` lower bits of `raw` as two's complement.
 std::int64_t sign_extended(std::uint64_t raw, unsigned bits) noexcept {
-  const unsigned unused = 64 - bits;
+  const unsigned unused = (64 - bits) % 64;  // bits is 1..64
   return static_cast<std::int64_t>(raw << unused) >> unused;
 }
 

@@ -291,7 +291,7 @@ class FullLoad(unittest.TestCase):
         faults.write('[[fault]]\nkind = "inject"\nframe = "7AB#"\nfrom = 10\nprobability = 0.05\n')
         faults.flush()
         config.write(f'[sim]\nfault_script = "{faults.name}"\n')
-        config.write("".join(f"[[node]]\nnumber = {n}\nidentifier = {0x100 + n}\nperiod_ms = 1\n" for n in range(32)))
+        config.write("".join(f"[[node]]\nnumber = {n}\nidentifier = {0x100 + n}\nperiod_ms = 1\n" for n in range(31)))
         config.flush()
         cls.daemon = subprocess.Popen([CANSYNCD, config.name], stderr=subprocess.DEVNULL)
         cls.addClassCleanup(lambda: end(cls.daemon))
@@ -303,8 +303,8 @@ class FullLoad(unittest.TestCase):
 
     def test_every_frame_comes_in_order_and_who_stops_reading_holds_up_nobody(self):
         longest = self.LONGEST * 10**9 // self.BIT_RATE
-        with self.place.start("can", "dump", "--candump", "--id", "100") as stopped:
-            stopped.stdout.readline()
+        with tempfile.TemporaryFile() as shown, self.place.start("can", "dump", "--candump", "--id", "100", stdout=shown) as stopped:
+            wait_for("it listens", lambda: os.fstat(shown.fileno()).st_size)
             stopped.send_signal(signal.SIGSTOP)
             # The other one: nothing is missing on a bus that is never free.
             result = self.place.run("can", "dump", "--json", "--count", 12000)
@@ -315,7 +315,6 @@ class FullLoad(unittest.TestCase):
             self.assertGreater(min(steps), 0)
             self.assertLess(max(steps), longest)
             stopped.send_signal(signal.SIGCONT)
-            stopped.stdout.close()  # what it has still to write is of no interest
             missed = stopped.stderr.readline().decode()
             stopped.terminate()
         self.assertRegex(missed, r"cansync: [1-9]\d* frames were missed: they were read too slowly")

@@ -80,7 +80,7 @@ class Witnesses(unittest.TestCase):
         with Dump(self.place) as dump:
             self.run_foreign("cansequence", "--loop", str(FRAMES), "--poll")
             dump.wait_for_count(FRAMES)
-        self.assertEqual(dump.frames(), [f"002#{i % 256:02X}" for i in range(FRAMES)])
+            self.assertEqual(dump.frames(), [f"002#{i % 256:02X}" for i in range(FRAMES)])
 
     def test_frames_of_cangen_are_those_that_candump_sees(self):
         each = max(FRAMES // 10, 1)
@@ -89,8 +89,8 @@ class Witnesses(unittest.TestCase):
                 self.run_foreign("cangen", "-g", "0", "-p", "1000", "-n", str(each), *options)
             dump.wait_for_count(4 * each)
             wait_for("candump has them", lambda: len(log.frames()) >= 4 * each)
-        self.assertEqual(len(dump.frames()), 4 * each)
-        self.assertEqual(dump.frames(), log.frames())
+            self.assertEqual(len(dump.frames()), 4 * each)
+            self.assertEqual(dump.frames(), log.frames())
 
     def send_sequence(self):
         """Frames of one byte that counts, as cansequence expects them."""
@@ -100,7 +100,7 @@ class Witnesses(unittest.TestCase):
         self.assertIn(f"{SENT} frames sent", result.stderr)
 
     def test_cansequence_finds_what_we_send_in_order(self):
-        with Process("cansequence", "--receive", "--quit", "1", INTERFACE) as judge:
+        with Process("cansequence", "--receive", "--quit=1", INTERFACE) as judge:
             self.send_sequence()
             self.assertIsNone(judge.process.poll(), judge.text())
             with Wire() as wire:  # the judge did listen
@@ -115,8 +115,8 @@ class Witnesses(unittest.TestCase):
                 self.send_sequence()
                 received = other.stdout.readline().split()
             dump.wait_for_count(count)
-        self.assertEqual([int(byte) for byte in received], [i % 256 for i in range(SENT)])
-        self.assertEqual(dump.frames(), [f"18DAF155#{i:08X}" for i in range(count)])
+            self.assertEqual([int(byte) for byte in received], [i % 256 for i in range(SENT)])
+            self.assertEqual(dump.frames(), [f"18DAF155#{i:08X}" for i in range(count)])
 
     def tearDown(self):
         """Nothing was lost in a queue."""

@@ -151,6 +151,11 @@ void finish_nodes(Layer2Draft& draft, Findings& findings) {
     if (frame.id > largest(frame.extended))
       findings.problem(fmt::format("node.{}.identifier", n), too_large(frame.id, frame.extended));
   }
+  // The intervals of faults are made by a node of their own.
+  if (!draft.config.sim.fault_script.empty() && draft.config.nodes.size() == draft.nodes.size())
+    findings.problem("sim.fault_script",
+                     fmt::format("found with {} [[node]]; allowed: up to {} beside a fault script",
+                                 draft.nodes.size(), draft.nodes.size() - 1));
 }
 
 }  // namespace

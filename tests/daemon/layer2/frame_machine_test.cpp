@@ -187,11 +187,11 @@ TEST(FrameMachine, OnlyFramesThatARangeTakesAreHandedOn) {
 }
 
 TEST(FrameMachine, FramesThatFollowEachOtherWakeTheGatewayTogether) {
-  Rig rig(everything(), one({.periodic = data_frame(0x080, {0}), .period = us(200)}));
+  Rig rig(everything(), one({.periodic = data_frame(0x080, {0}), .period = microseconds(200)}));
   unsigned wakes = 0;
   unsigned frames = 0;
   ReceivedReport report;
-  for (can::Time at = milliseconds(5); at < milliseconds(15); at += us(50)) {
+  for (can::Time at = milliseconds(5); at < milliseconds(15); at += microseconds(50)) {
     rig.bus.script.emplace(at, [&] {
       if (!rig.exchange.gateway_wake.wait(milliseconds(0))) return;
       ++wakes;
