@@ -69,7 +69,7 @@ def of_daemon(build, seconds, domain):
         found["counted"] = after["received"] - before["received"]
         found["time"] = (after["time_ns"] - before["time_ns"]) / 1e9
         found["not_taken"] = after["received"] - after["taken"]
-        found["lost"] += after["lost"] + after["receive_overflows"]
+        found["lost"] = max(found["lost"], after["lost"] - before["lost"])
         found["load"] = after["bus_load"] / 10 if "bus_load" in after else after["bus_load_permille"] / 10
         return found
 

@@ -75,6 +75,7 @@ def write_environment(work, modules):
         "MODULE_FILES": ":".join(modules),
         "SCRIPT": os.environ.get("CANSYNC_UML_SCRIPT", ""),
         "LIMIT": str(LIMIT),
+        "CANSYNC_WITNESS_FRAMES": os.environ.get("CANSYNC_WITNESS_FRAMES", "4000"),  # layer2_witnesses_test.py
         "TMPDIR": os.path.join(work, "tmp"),
         "HOME": os.path.join(work, "tmp"),
     }
