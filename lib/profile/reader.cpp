@@ -104,6 +104,13 @@ void read_access(Fields& fields, Parameter& parameter) {
   }
 }
 
+/// As the file has it; not for `none`.
+std::string_view tells_word(Tells tells) {
+  constexpr std::string_view kWords[] = {"status-word",         "block-limit",      "reference-mapping-1",
+                                         "reference-mapping-2", "actual-mapping-1", "actual-mapping-2"};
+  return kWords[static_cast<std::size_t>(tells) - 1];
+}
+
 /// What a scan of a line takes from the parameter.
 void read_scanning(Fields& fields, Parameter& parameter) {
   constexpr Tells kTells[] = {Tells::status_word,         Tells::block_limit,      Tells::reference_mapping_1,
@@ -195,7 +202,7 @@ class Reader {
     if (fields.has("number")) unique(fields, "number", std::to_string(parameter.number), content, numbers_);
     if (!parameter.name.empty()) unique(fields, "name", "\"" + parameter.name + "\"", content, names_);
     if (parameter.tells != Tells::none)
-      unique(fields, "tells", std::to_string(static_cast<unsigned>(parameter.tells)), content, tells_);
+      unique(fields, "tells", fmt::format("\"{}\"", tells_word(parameter.tells)), content, tells_);
     if (parameter.actual_value)
       unique(fields, "actual_value", std::to_string(*parameter.actual_value), content, actual_values_);
     profile.parameters.push_back(std::move(parameter));

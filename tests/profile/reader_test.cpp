@@ -106,13 +106,50 @@ TEST(ProfileReader, WhatIsMissingIsNamed) {
 TEST(ProfileReader, UnknownKeysAndSections) {
   EXPECT_EQ(problems_of(one_parameter("units = \"rpm\"\n")),
             "f:7:1: parameter.units: no key of this section; allowed: number, name, format, signed, unit, "
-            "factor, offset, minimum, maximum, access, volatile, identity, group, text, bits, values\n");
+            "factor, offset, minimum, maximum, access, volatile, identity, tells, actual_value, group, text, "
+            "bits, values\n");
   EXPECT_EQ(problems_of(one_parameter("[other]\n")),
             "f:7:2: other: no section of a profile; allowed: [profile] once, [[parameter]] for each "
             "parameter\n");
   EXPECT_EQ(problems_of("parameter = 3\n[profile]\nname = \"p\"\n"),
             "f:1:1: parameter: no section of a profile; allowed: [profile] once, [[parameter]] for each "
             "parameter\n");
+}
+
+TEST(ProfileReader, SaysHowADriveIsRecognisedAndWhatItTells) {
+  const std::string text =
+      "[profile]\nname = \"p\"\nrecognised_by = [\"7=4400\", \"9=4294967295\"]\n"
+      "[[parameter]]\nnumber = 1\nname = \"a\"\nformat = \"doubleword\"\naccess = \"read-only\"\n"
+      "tells = \"actual-mapping-2\"\nactual_value = 7\n";
+  const Reading reading = parse(text, "f");
+  ASSERT_TRUE(reading.profile) << problems_of(text);
+  ASSERT_EQ(reading.profile->recognised_by.size(), 2u);
+  EXPECT_EQ(reading.profile->recognised_by[1].number, 9);
+  EXPECT_EQ(reading.profile->recognised_by[1].value, 4294967295u);
+  ASSERT_NE(reading.profile->telling(Tells::actual_mapping_2), nullptr);
+  EXPECT_EQ(reading.profile->telling(Tells::actual_mapping_1), nullptr);
+  EXPECT_EQ(reading.profile->parameters[0].actual_value, 7);
+}
+
+TEST(ProfileReader, RefusesWhatNoScanCanUse) {
+  const auto recognised_by = [](const std::string& list) {
+    return problems_of(
+        "[profile]\nname = \"p\"\nrecognised_by = " + list +
+        "\n[[parameter]]\nnumber = 1\nname = \"a\"\nformat = \"word\"\naccess = \"read-only\"\n");
+  };
+  EXPECT_EQ(recognised_by("[\"1=2\"]"), "");
+  for (const char* list :
+       {"[]", "[\"7\"]", "[\"4096=1\"]", "[\"1=4294967296\"]", "[\"1=2\", \"1=3\"]", "\"1=2\""})
+    EXPECT_NE(recognised_by(list), "") << list;
+  EXPECT_NE(problems_of(one_parameter("tells = \"speed\"\n")), "");
+  EXPECT_NE(problems_of(one_parameter("tells = \"actual-mapping-1\"\n")), "")
+      << "a word holds no four registers";
+  EXPECT_NE(problems_of(one_parameter("actual_value = 8\n")), "");
+  const std::string again =
+      "[[parameter]]\nnumber = 13\nname = \"b\"\nformat = \"word\"\naccess = \"read-only\"\n";
+  EXPECT_NE(problems_of(one_parameter("tells = \"status-word\"\n" + again + "tells = \"status-word\"\n"))
+                .find("found \"status-word\" again"),
+            std::string::npos);
 }
 
 TEST(ProfileReader, NumbersAndNamesAreThereOnce) {

@@ -1,5 +1,5 @@
-// `setup`: the answers stand in the configuration, the rest of it stays, files are whole or not there, and nothing
-// is written over without a word.
+// `setup`: the answers stand in the configuration, the rest of it stays, files are whole or not there, and
+// nothing is written over without a word.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
