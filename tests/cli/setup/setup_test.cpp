@@ -33,7 +33,7 @@ number = 5
 name = "old"  # a name
 )";
 
-std::string content_of(const fs::path& path) {
+std::string text_of_setup(const fs::path& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -84,7 +84,7 @@ class SetupVerb : public ::testing::Test {
     fs::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << text;
   }
-  std::string in_root(const std::string& name) const { return content_of(folder_ / "root" / name); }
+  std::string in_root(const std::string& name) const { return text_of_setup(folder_ / "root" / name); }
 
   ExitCode run_setup(std::vector<std::string> words) {
     words.insert(words.begin(),
@@ -98,8 +98,8 @@ class SetupVerb : public ::testing::Test {
       const File told(std::fopen((folder_ / "remarks").c_str(), "w"), &std::fclose);
       code = run(static_cast<int>(arguments.size()), arguments.data(), out.get(), told.get());
     }
-    data_ = content_of(folder_ / "data");
-    remarks_ = content_of(folder_ / "remarks");
+    data_ = text_of_setup(folder_ / "data");
+    remarks_ = text_of_setup(folder_ / "remarks");
     return code;
   }
 

@@ -12,8 +12,8 @@
 namespace cansync::cli {
 namespace {
 
-constexpr int kLookMs = 20;
-constexpr std::size_t kLongestLine = 4096;
+constexpr int kAnswerLookMs = 20;
+constexpr std::size_t kLongestAnswer = 4096;
 
 std::string trimmed_answer(const std::string& text) {
   const auto begin = text.find_first_not_of(" \t\r");
@@ -33,13 +33,13 @@ std::optional<std::string> ask_person(std::string_view question) {
   std::string line;
   while (!interrupt_flag().load()) {
     pollfd ready{STDIN_FILENO, POLLIN, 0};
-    if (::poll(&ready, 1, kLookMs) <= 0) continue;
+    if (::poll(&ready, 1, kAnswerLookMs) <= 0) continue;
     char next = '\0';
     const ssize_t got = ::read(STDIN_FILENO, &next, 1);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
     if (next == '\n') return trimmed_answer(line);
-    if (line.size() < kLongestLine) line += next;
+    if (line.size() < kLongestAnswer) line += next;
   }
   std::fputc('\n', stderr);
   return std::nullopt;

@@ -72,7 +72,7 @@ std::vector<std::string> profile_files(const std::string& folder) {
 }
 
 /// Null: it is wrong, which is said.
-ProfilePointer readable_profile(Output& output, const std::string& path) {
+ProfilePointer profile_or_remark(Output& output, const std::string& path) {
   try {
     return profile::load(path);
   } catch (const std::runtime_error& error) {
@@ -97,7 +97,7 @@ InstalledProfiles installed_profiles(Session& session) {
   if (!session.profiles().empty()) folders.insert(folders.begin(), session.profiles());
   for (const std::string& folder : folders) {
     for (const std::string& path : profile_files(folder)) {
-      const auto loaded = readable_profile(session.output(), path);
+      const auto loaded = profile_or_remark(session.output(), path);
       const bool known = loaded && std::any_of(out.profiles.begin(), out.profiles.end(),
                                                [&](const auto& one) { return one->name == loaded->name; });
       if (!loaded || known) continue;

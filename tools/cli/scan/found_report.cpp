@@ -8,16 +8,16 @@
 namespace cansync::cli {
 namespace {
 
-constexpr auto kToTheRight = Table::Align::right;
+constexpr auto kFoundToTheRight = Table::Align::right;
 
 std::vector<Table::Column> found_slave_columns() {
-  return {{"SLAVE", kToTheRight, "its number"},
+  return {{"SLAVE", kFoundToTheRight, "its number"},
           {"STATUS", Table::Align::left, "its status word; - = not under the number that is asked"},
-          {"PARAMETER", kToTheRight, "number of the status word"},
+          {"PARAMETER", kFoundToTheRight, "number of the status word"},
           {"PROFILE", Table::Align::left, "the drive profile that it is recognised by; - = none"},
-          {"BLOCK", kToTheRight, "longest block of an upload in bytes; - = not told"},
+          {"BLOCK", kFoundToTheRight, "longest block of an upload in bytes; - = not told"},
           {"MAPPING", Table::Align::left, "the drive tells which words of its telegrams are what"},
-          {"READ", kToTheRight, "parameters that were read"}};
+          {"READ", kFoundToTheRight, "parameters that were read"}};
 }
 
 /// The registers of a mapping that the drive told; nothing when it did not.

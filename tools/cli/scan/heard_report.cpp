@@ -13,7 +13,7 @@ using observe::Census;
 using observe::HeardSlave;
 using observe::HeardTelegrams;
 
-constexpr auto kToTheRight = Table::Align::right;
+constexpr auto kHeardToTheRight = Table::Align::right;
 
 /// "6", "4-8", "0 4 8" of a mask of lengths; "-" for none.
 std::string lengths_words(std::uint16_t lengths) {
@@ -95,19 +95,19 @@ LinePoint foreign_point(const Census& census) {
 }
 
 std::vector<Table::Column> slave_sound_columns() {
-  return {{"SLAVE", kToTheRight, "number"},
-          {"ASKED", kToTheRight, "commands to it"},
-          {"ANSWERS", kToTheRight, "answers, and how many data bytes they had"},
-          {"POLLED 1", kToTheRight, "reference telegrams of channel 1 that asked it for actual values"},
-          {"RDC1", kToTheRight, "actual value telegrams, and their data bytes"},
-          {"POLLED 2", kToTheRight, "likewise of channel 2"},
-          {"RDC2", kToTheRight, "likewise"}};
+  return {{"SLAVE", kHeardToTheRight, "number"},
+          {"ASKED", kHeardToTheRight, "commands to it"},
+          {"ANSWERS", kHeardToTheRight, "answers, and how many data bytes they had"},
+          {"POLLED 1", kHeardToTheRight, "reference telegrams of channel 1 that asked it for actual values"},
+          {"RDC1", kHeardToTheRight, "actual value telegrams, and their data bytes"},
+          {"POLLED 2", kHeardToTheRight, "likewise of channel 2"},
+          {"RDC2", kHeardToTheRight, "likewise"}};
 }
 
 std::vector<Table::Column> foreign_columns() {
-  return {{"IDENTIFIER", kToTheRight, "of frames that are none of CANsync; eight digits: 29 bits"},
-          {"FRAMES", kToTheRight, "how many"},
-          {"BYTES", kToTheRight, "data bytes they had"}};
+  return {{"IDENTIFIER", kHeardToTheRight, "of frames that are none of CANsync; eight digits: 29 bits"},
+          {"FRAMES", kHeardToTheRight, "how many"},
+          {"BYTES", kHeardToTheRight, "data bytes they had"}};
 }
 
 JsonArray lengths_array(std::uint16_t lengths) {

@@ -8,7 +8,7 @@ namespace {
 /// So many frames that the queue has no room for in a row: nobody acknowledges.
 constexpr unsigned kMostRefused = 50;
 /// So many error frames without one answer: wrong bit rate, or nobody acknowledges.
-constexpr std::uint64_t kMostErrors = 500;
+constexpr std::uint64_t kMostErrorFrames = 500;
 
 constexpr const char* kNobodyAcknowledges =
     "no frame gets onto the bus: nobody acknowledges, or the bit rate is another; look at cable, both terminating "
@@ -45,7 +45,7 @@ std::optional<ask::Answer> QuestionLine::ask(const ask::Question& question) {
 void QuestionLine::take_frames() {
   can::Frame frame;
   while (port_.receive(frame)) {
-    if (frame.error && ++error_frames_ > kMostErrors) throw std::runtime_error(kNobodyAcknowledges);
+    if (frame.error && ++error_frames_ > kMostErrorFrames) throw std::runtime_error(kNobodyAcknowledges);
     asker_.receive(frame, port_.now());
   }
 }

@@ -43,7 +43,7 @@ struct SetupTexts {
 /// The person has ended it; nothing was written.
 struct SetupCancelled {};
 
-std::string text_of(const fs::path& path) {
+std::string whole_text(const fs::path& path) {
   const auto bytes = read_file(path.string(), kLargestFile);
   return {bytes.begin(), bytes.end()};
 }
@@ -150,7 +150,7 @@ SetupPlan plan_of(const fs::path& configuration, std::string text, const std::st
     const bool profile = path.parent_path().filename() == "profiles";
     const fs::path to = root / (profile ? "etc/cansync/profiles" : "etc/systemd/network") / path.filename();
     network = network || !profile;
-    plan.files.push_back(planned_file(to, text_of(path)));
+    plan.files.push_back(planned_file(to, whole_text(path)));
   }
   if (network) {
     plan.commands.push_back({"systemctl", "enable", "--now", "systemd-networkd"});
@@ -228,7 +228,7 @@ ExitCode carry_out(Output& output, SetupPlan plan, const SetupTexts& texts, cons
 ExitCode set_up(Session& session, const SetupTexts& texts) {
   Output& output = session.output();
   const fs::path path = configuration_in(texts.source);
-  const std::string text = text_of(path);
+  const std::string text = whole_text(path);
   const cansyncd::Config config = checked(text, path);
   SetupAnswers answers;
   take_names(texts, config, answers);
