@@ -130,6 +130,33 @@ class ParameterTable(unittest.TestCase):
             self.assertEqual((status["parameters"], status["application"]), (2, ""))
 
 
+class Profile(unittest.TestCase):
+    """A profile gives numbers, formats, limits and names."""
+
+    FILE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "config", "profiles", "simulated-drive.toml")
+
+    def test_it_answers_without_an_application_and_names_what_one_answers(self):
+        # 401: a doubleword of at least 1; its own value at the start; below the profile's minimum; a number it does not have.
+        own = "[[parameter]]\nnumber = 401\nvalue = 9\n"
+        asked = jobs("parameter = 401", "parameter = 401\nvalue = 0", "parameter = 999", "parameter = 301")
+        with Slave(own + asked, extra=f'profile = "{self.FILE}"') as slave:
+            slave.wait_for_answers("the table answers", "019109000000" + "0000", "23E7FAFF0000")
+            status = slave.wait_for_status("it is synchronized", lambda status: status["synchronized"])
+            self.assertEqual(status["profile"], "simulated-drive")
+            self.assertRegex(status["profile_hash"], "^[0-9a-f]{64}$")
+            with slave.place.start("serve", "--profile", self.FILE, "--json", "--count", "2") as serving:
+                out, err = serving.communicate(timeout=LONG)
+            self.assertEqual(serving.returncode, 0, err)
+            self.assertEqual({json.loads(line)["name"] for line in out.splitlines()}, {"speed-limit"})
+
+    def test_what_contradicts_it_is_told_with_its_place(self):
+        slave = Slave("[[parameter]]\nnumber = 401\nformat = \"word\"\n", extra=f'profile = "{self.FILE}"')
+        with slave.folder:
+            result = subprocess.run([CANSYNCD, "--check", slave.config], capture_output=True, text=True, timeout=LONG)
+        self.assertEqual(result.returncode, 78, result.stderr)
+        self.assertIn("parameter.401.format: found another format than that of speed-limit in the profile", result.stderr)
+
+
 class Application(unittest.TestCase):
     def test_it_takes_numbers_over_and_gives_them_back(self):
         with Slave(TABLE + jobs("parameter = 400", "parameter = 500", "parameter = 401")) as slave:
