@@ -19,7 +19,7 @@ struct FreeProperty {
 };
 
 /// The value of the property that is called so by Cyclone DDS, or by another implementation.
-std::string property(const dds_qos_t* qos, const char* name, const char* other = nullptr) {
+std::string told_property(const dds_qos_t* qos, const char* name, const char* other = nullptr) {
   char* value = nullptr;
   if ((!dds_qget_prop(qos, name, &value) || value == nullptr) &&
       (other == nullptr || !dds_qget_prop(qos, other, &value) || value == nullptr)) {
@@ -31,10 +31,10 @@ std::string property(const dds_qos_t* qos, const char* name, const char* other =
 
 ProcessFacts facts_of(const dds_qos_t* qos) {
   ProcessFacts facts;
-  facts.program = property(qos, "__ProcessName");
-  const std::string process = property(qos, "__Pid", "fastdds.physical_data.process");
+  facts.program = told_property(qos, "__ProcessName");
+  const std::string process = told_property(qos, "__Pid", "fastdds.physical_data.process");
   (void)std::from_chars(process.data(), process.data() + process.size(), facts.process);
-  facts.host = property(qos, "__Hostname", "fastdds.physical_data.host");
+  facts.host = told_property(qos, "__Hostname", "fastdds.physical_data.host");
   return facts;
 }
 

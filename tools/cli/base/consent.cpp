@@ -14,7 +14,7 @@ namespace cansync::cli {
 namespace {
 
 /// The first character of a line from the terminal; 0: an empty one, or its end. Throws Interrupted.
-char read_answer() {
+char typed_answer() {
   constexpr int kLook = 20;  // ms, for Ctrl-C
   pollfd input{STDIN_FILENO, POLLIN, 0};
   while (!interrupt_flag().load()) {
@@ -48,7 +48,7 @@ void ask_consent(Session& session, const Consent& consent, std::string_view effe
   session.expect_input("");
   static_cast<void>(std::fputs(fmt::format("cansync: {}. Go on? [y/N] ", effect).c_str(), stderr));
   static_cast<void>(std::fflush(stderr));
-  const char answer = read_answer();
+  const char answer = typed_answer();
   if (answer == 'y' || answer == 'Y') return;
   throw Ended(ExitCode::cancelled, "not done; nothing was sent");
 }
