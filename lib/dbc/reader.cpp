@@ -9,6 +9,7 @@
 #include <map>
 
 #include "dbc/tokens.h"
+#include "text/counts.h"
 
 namespace dbc {
 namespace {
@@ -242,7 +243,8 @@ class Reader {
     if (signal == nullptr || kind == 0) return;
     constexpr std::array<unsigned, 3> kLengths = {0, 32, 64};
     if (signal->length != kLengths[kind])
-      throw Wrong{token, fmt::format("the kind of a number that has {} bits", signal->length)};
+      throw Wrong{token,
+                  fmt::format("the kind of a number that has {}", text::counted(signal->length, "bit"))};
     signal->kind = kind == 1 ? NumberKind::float32 : NumberKind::float64;
   }
 
@@ -255,8 +257,8 @@ class Reader {
       const auto beyond = std::find_if(message.signals.begin(), message.signals.end(),
                                        [&data](const Signal& one) { return !raw_bits(one, data); });
       if (beyond != message.signals.end())
-        tell(places_[i], fmt::format("signal {} does not fit into the {} bytes of message {}", beyond->name,
-                                     message.length, message.name));
+        tell(places_[i], fmt::format("signal {} does not fit into the {} of message {}", beyond->name,
+                                     text::counted(message.length, "byte"), message.name));
       const auto choosing = std::count_if(message.signals.begin(), message.signals.end(),
                                           [](const Signal& one) { return one.chooses; });
       if (choosing > 1)

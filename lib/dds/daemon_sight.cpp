@@ -69,7 +69,7 @@ std::string DaemonSight::absent(const ClientOptions& options, std::string_view p
     return fmt::format(
         "no daemon found: looked for {} on {}; is cansyncd running for bus {}, with the same domain and "
         "interface in its [dds] section?",
-        options.wait, participant_.place(), bus_);
+        text::duration_text(options.wait), participant_.place(), bus_);
   }
   return fmt::format(
       "no daemon found that speaks {}: looked for {} on {}; is cansyncd running for bus {} with bus.protocol = "

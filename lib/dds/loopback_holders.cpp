@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "dds/loopback_ports.h"
+#include "text/counts.h"
 
 namespace gateway::dds {
 namespace {
@@ -84,8 +85,9 @@ PlacesTaken places_taken(std::uint32_t domain) {
 }
 
 std::string text_of(const PlacesTaken& taken) {
-  return fmt::format("{} of {} places of daemons and {} of {} of clients are taken{}", taken.serving, kPlaces,
-                     taken.asking, kPlaces, taken.holders.empty() ? "" : " (" + taken.holders + ")");
+  return fmt::format("{} of daemons and {} of {} of clients are taken{}",
+                     text::counted_of(taken.serving, kPlaces, "place"), taken.asking, kPlaces,
+                     taken.holders.empty() ? "" : " (" + taken.holders + ")");
 }
 
 }  // namespace gateway::dds

@@ -120,10 +120,10 @@ class EngineersHour(unittest.TestCase):
 
     def gives_reference_values(self):
         self.types("set", "targt=2", code=2, says="did you mean 'target'?; configured: target")
-        with self.line.start("set", "target=2.5", "--seconds", LONG) as writer:
+        with self.line.start("set", "target=2.5", "--strength", 2, "--seconds", LONG) as writer:
             self.line.wait_status("values are released", lambda s: s["reference_release"][0]["state"] == "released"
                                   and f"process {writer.pid} " in s["reference_release"][0]["writer"])
-            self.types("set", "0=7", "--seconds", 0.5, code=10, says=(f"process {writer.pid} on host", "--strength 2 takes over"))
+            self.types("set", "0=7", "--seconds", 0.5, code=10, says=(f"process {writer.pid} on host", "--strength 3 takes over"))
             writer.send_signal(signal.SIGINT)
             out, told = writer.communicate(timeout=LONG)
         self.assertEqual((writer.returncode, out), (0, b""), told)

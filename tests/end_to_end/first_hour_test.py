@@ -205,7 +205,7 @@ class Consent(VerbTest):
 
     def test_dry_run_says_what_would_come(self):
         said = self.run_verb("mode", "stop", "--dry-run").stderr
-        self.assertRegex(said, r"mode stop would be sent; bus \S+ \(process \d+ on host .+\) is '.+' with 4 of 4 slaves; nothing was sent")
+        self.assertRegex(said, r"mode stop would be sent; bus \S+ \(process \d+ on host .+\) is in .+ with 4 of 4 slaves; nothing was sent")
         self.run_verb("write", "all", 1000, 3, "--dry-run")
         self.run_verb("broadcast", "--slaves", "all", "--command", 128, "--dry-run")
         self.assertNotIn(3, [one["value"] for one in self.json("read", "all", 1000)])

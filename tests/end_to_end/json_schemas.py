@@ -13,10 +13,11 @@ END = ".schema.json"
 def schemas():
     """The schema of each verb; that of a verb of two words, "can dump", is can-dump.schema.json."""
     found = {}
-    for name in sorted(os.listdir(FOLDER)):
-        if name.endswith(END):
-            with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
-                found[name.removesuffix(END).replace("-", " ")] = json.load(file)
+    for folder, _, names in sorted(os.walk(FOLDER)):
+        for name in sorted(names):
+            if name.endswith(END):
+                with open(os.path.join(folder, name), encoding="utf-8") as file:
+                    found[name.removesuffix(END).replace("-", " ")] = json.load(file)
     return found
 
 

@@ -191,7 +191,7 @@ class Wait(Script):
             self.assertRegex(missed["reason"], r"seen last: position is \S+ mm")
             writer.send_signal(signal.SIGINT)
         for words, text in ((("winder", "position", "10"), "found 3 words"), (("winder", "position", "=>", "1"), "COMPARISON: found '=>'"),
-                            (("winder", "nosuch", ">", "1"), "position"), (("winder", 7, ">", 1), "is not mapped")):
+                            (("winder", "nosuch", ">", "1"), "found 'nosuch'"), (("winder", 7, ">", 1), "is not mapped")):
             self.assertIn(text, self.fails("wait", "value", *words, "--timeout", 1, code=2))
 
     def test_ctrl_c(self):

@@ -24,7 +24,7 @@ lib/text:                   lib/system
 lib/config:                 lib/text
 lib/profile:                lib/text lib/config
 lib/can:                    lib/system
-lib/dbc:                    lib/can
+lib/dbc:                    lib/text lib/can
 lib/cansync:                lib/can
 lib/layer2:                 lib/can
 lib/j1939:                  lib/can
@@ -113,7 +113,7 @@ tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/connect:          lib/dds tools/cli/base
 tools/cli/dbc:              lib/text lib/dbc tools/cli/text tools/cli/base
-tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/cansync/dds lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/look:             lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/record:           lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/watch
@@ -121,7 +121,7 @@ tools/cli/doctor:           lib/text lib/config lib/can lib/rt lib/dds lib/clien
 tools/cli/trace:            lib/system lib/text lib/can lib/cansync daemon/cansync/config tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/learn:            lib/system lib/text lib/profile lib/cansync daemon/cansync/config tools/cli/text
                             tools/cli/base tools/cli/cansync tools/cli/trace
-tools/cli/scan:             lib/system lib/profile lib/can lib/cansync tools/cli/text tools/cli/base
+tools/cli/scan:             lib/text lib/system lib/profile lib/can lib/cansync tools/cli/text tools/cli/base
                             tools/cli/cansync tools/cli/trace tools/cli/learn
 tools/cli/setup:            lib/config daemon/cansync/config tools/cli/base tools/cli/learn
 tools/cli/jobs:             lib/dds tools/cli/text tools/cli/base tools/cli/connect

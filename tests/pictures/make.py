@@ -144,7 +144,7 @@ def make_watch(line, folder, name="watch", columns=132, rows=34):
 
 def make_slaves(line, folder, name, columns, rows, *wanted):
     """The table of slaves, one of which is in fault, as a shell shows it on a terminal of this size."""
-    line.done("broadcast", "--slaves", "all", "--command", 1, "--word", RESET)
+    line.done("broadcast", "--slaves", "all", "--command", 1, "--word", RESET, "--yes")
     line.done("broadcast", "--slaves", FAULTY, "--command", PROVOKE, "--word", MISSING_REFERENCES)
     wait_for("its fault is told", lambda: " fault" in line.done("slaves", FAULTY).stdout.decode())
     typed = " ".join(["cansync slaves", *wanted])

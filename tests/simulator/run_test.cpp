@@ -44,7 +44,7 @@ TEST_F(RunTest, AnswersAtOnceAndStopsWhenAsked) {
   EXPECT_EQ(said_, std::vector<std::string>{});
   EXPECT_EQ(
       cansync_sim::summary(bench, 4),
-      "1 drives, 1 SYNC, 1 frames received, 1 sent, 0 not sent, 0 answers too late, 0 error frames, 4 frames "
+      "1 drive, 1 SYNC, 1 frame received, 1 sent, 0 not sent, 0 answers too late, 0 error frames, 4 frames "
       "lost by the kernel, 0 foreign frames without room");
 }
 

@@ -59,8 +59,9 @@ int run_master(const Setup& setup, SocketPort& port, bool verbose) {
 int run_device(const Setup& setup, SocketPort& port) {
   const sim::DeviceSettings& device = *setup.device;
   NodeBench bench(std::make_unique<sim::ScriptedDevice>(device), port.now());
-  remark(fmt::format("a device on {}, {} answers, {} frames sent again and again", setup.interface,
-                     device.answers.size(), device.periods.size()));
+  remark(fmt::format("a device on {}, {}, {} sent again and again", setup.interface,
+                     text::counted(device.answers.size(), "answer"),
+                     text::counted(device.periods.size(), "frame")));
   run(bench, port, {setup.interface, remark});
   return end(summary(bench, port.dropped()));
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "text/counts.h"
+
 namespace cansync_sim {
 
 NodeBench::NodeBench(std::unique_ptr<sim::Node> node, can::Time now) : node_(std::move(node)) {
@@ -60,9 +62,9 @@ void NodeBench::link_lost() noexcept {
 
 std::string summary(const NodeBench& bench, std::uint64_t dropped) {
   const NodeCounters& counters = bench.counters();
-  return fmt::format(
-      "{} frames received, {} sent, {} not sent, {} error frames, {} frames lost by the kernel",
-      counters.received, counters.sent, counters.not_sent, counters.error_frames, dropped);
+  return fmt::format("{} received, {} sent, {} not sent, {}, {} lost by the kernel",
+                     text::counted(counters.received, "frame"), counters.sent, counters.not_sent,
+                     text::counted(counters.error_frames, "error frame"), text::counted(dropped, "frame"));
 }
 
 }  // namespace cansync_sim

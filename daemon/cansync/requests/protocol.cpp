@@ -15,6 +15,7 @@
 #include "daemon/desk/job_desk_answers.h"
 #include "daemon/desk/job_desk_oversight.h"
 #include "daemon/desk/job_desk_requests.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -116,7 +117,7 @@ std::string CansyncRequests::open_text(const Request& request, const JobContext&
     return fmt::format("read {} {}", slave_label(context.config, read->slave.value()), parameter);
   }
   if (const auto* upload = std::get_if<cansync::TransferRequest>(&request)) {
-    return fmt::format("upload {} bytes from {} address 0x{:X}", upload->data.size(),
+    return fmt::format("upload {} from {} address 0x{:X}", text::counted(upload->data.size(), "byte"),
                        slave_label(context.config, upload->slave.value()), upload->address);
   }
   return "a request";

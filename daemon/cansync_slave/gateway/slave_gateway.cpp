@@ -72,6 +72,7 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
           [this] { end(); }) {
   releases_.set_read_only(config.access.read_only);
   application_.set_read_only(config.access.read_only);
+  commands_.set_read_by_all(common_.gateway_writer());
 }
 
 SlaveGateway::~SlaveGateway() {

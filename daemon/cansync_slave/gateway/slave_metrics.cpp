@@ -122,6 +122,20 @@ constexpr MetricFamily kSlaveFamilies[] = {
      "Answers of applications to what was not open any more."},
     {"cansync_slave_side_jobs_lost", MetricType::counter, "", "SlaveSideStatus.jobs_lost",
      "Steps of jobs and blocks that could not be told: no room."},
+    {"cansync_cluster_jobs_below", MetricType::counter, "", "SlaveSideStatus.jobs_below",
+     "Of a cluster: parameter jobs that went down."},
+    {"cansync_cluster_blocks_below", MetricType::counter, "", "SlaveSideStatus.blocks_below",
+     "Of a cluster: uploads and downloads that went down."},
+    {"cansync_cluster_unknown_below", MetricType::counter, "", "SlaveSideStatus.unknown_below",
+     "Of a cluster: questions for a sub-slave that is not in its table."},
+    {"cansync_cluster_sync_stops", MetricType::counter, "", "SlaveSideStatus.sync_stops",
+     "Of a cluster: times the lower bus was stopped because the SYNC above was lost."},
+    {"cansync_cluster_lead_given", MetricType::counter, "telegram", "SlaveSideStatus.lead_given",
+     "Of a cluster: intervals in which the lead axis gave the telegram below."},
+    {"cansync_cluster_lead_missing", MetricType::counter, "telegram", "SlaveSideStatus.lead_missing",
+     "Of a cluster: intervals in which it was left out, for a value had not come."},
+    {"cansync_cluster_lead_refused", MetricType::counter, "telegram", "SlaveSideStatus.lead_refused",
+     "Of a cluster: intervals in which the master below did not take it."},
 };
 
 }  // namespace

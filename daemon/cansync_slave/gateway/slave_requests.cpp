@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "daemon/desk/job_desk_answers.h"
+#include "daemon/desk/job_desk_oversight.h"
 #include "daemon/desk/job_desk_requests.h"
 
 namespace cansyncd {
@@ -126,9 +127,8 @@ gateway::dds::Problem SlaveRequests::refusal(const SlaveOrderDone& done, const R
     case SlaveRefusal::none:
       return std::nullopt;
     case SlaveRefusal::wrong_state:
-      return Denial{
-          gateway_CAUSE_WRONG_STATE,
-          "the mode does not follow from the slave's state; from waiting for start: setup, then run"};
+      return Denial{gateway_CAUSE_WRONG_STATE,
+                    "the mode does not follow from the slave's state; from stop: setup, then run"};
     case SlaveRefusal::of_cluster:
       return Denial{
           gateway_CAUSE_WRONG_STATE,

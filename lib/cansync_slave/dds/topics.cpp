@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "dds/overview/overview_topics.h"
+
 namespace cansync_slave::dds {
 
 std::span<const TopicInfo* const> all_topics() noexcept {
@@ -17,6 +19,9 @@ std::span<const TopicInfo* const> all_topics() noexcept {
       &topic_info<cansync_slave_SlaveCommandReply>,
       &topic_info<cansync_slave_SlaveSideStatus>,
       &topic_info<gateway_JobCancel>,
+      &topic_info<gateway_JobEnd>,
+      &topic_info<gateway_JobEndReply>,
+      &topic_info<gateway_OpenRequests>,
       &topic_info<gateway_GatewayStatus>,
       &topic_info<gateway_BusStatus>,
       &topic_info<gateway_RealtimeStatus>,

@@ -275,7 +275,8 @@ void Link::take_progress() {
     {
       const std::lock_guard lock(job->mutex);
       job->since = std::chrono::steady_clock::now();
-      if (sample.done == job->done) return;  // only a sign that the daemon has it
+      // A sign that the daemon has it; of one whose turn has not come, programs hear it.
+      if (sample.done == job->done && sample.done != 0) return;
       job->done = sample.done;
       job->total = sample.total;
       ++job->progress;

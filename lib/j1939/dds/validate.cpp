@@ -90,7 +90,8 @@ Problem explain(Refusal refusal, std::uint16_t queue, std::size_t most) {
                     "0xEB00, 0xEC00, 0xEE00); allowed are all others"};
     case Refusal::too_long:
       return Denial{gateway_CAUSE_LENGTH,
-                    fmt::format("data: the daemon is set to at most {} bytes (transport.most_bytes)", most)};
+                    fmt::format("data: the daemon is set to at most {} (transport.most_bytes)",
+                                text::counted(most, "byte"))};
     case Refusal::too_long_for_all:
       return Denial{gateway_CAUSE_LENGTH,
                     fmt::format("data: over {} bytes go to one node, not to all; name a destination 0..253",

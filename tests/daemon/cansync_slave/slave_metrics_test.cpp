@@ -24,7 +24,7 @@ std::string text_of_slave() {
   gateway_RealtimeStatus realtime = {};
   cansync_slave_SlaveSideStatus told = {};
   copy_text("can0", gateway.bus);
-  copy_text("synchronous operation active as slave", told.state);
+  copy_text("run", told.state);
   copy_text("sync_lost", told.fault);
   told.slave_number = 5;
   told.synchronized = true;
@@ -44,7 +44,7 @@ TEST(SlaveMetrics, HasTheNumbersOfTheStatusInBaseUnits) {
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) lines.insert(line);
   for (const char* expected : {
-           R"(cansync_slave_side_state{bus="can0",state="synchronous operation active as slave"} 1)",
+           R"(cansync_slave_side_state{bus="can0",state="run"} 1)",
            R"(cansync_slave_side_state{bus="can0",state="start-up"} 0)",
            R"(cansync_slave_side_fault{bus="can0",state="sync_lost"} 1)",
            R"(cansync_slave_side_fault{bus="can0",state="none"} 0)",

@@ -31,7 +31,9 @@ TEST(GatewayEvents, WhatIsFrequentPushesNoFaultOutOfTheLastEvents) {
   gateway::dds::DataSignal signal;
   gateway::dds::Reader<gateway_Event> late(there, &signal);
   std::vector<gateway_Event> seen;
-  const auto is_fault = [](const gateway_Event& event) { return std::string_view(event.code) == "second_daemon"; };
+  const auto is_fault = [](const gateway_Event& event) {
+    return std::string_view(event.code) == "second_daemon";
+  };
   EXPECT_TRUE(eventually(signal, [&] {
     late.take([&](const gateway_Event& event) { seen.push_back(event); });
     return std::any_of(seen.begin(), seen.end(), is_fault) && seen.size() > 100;

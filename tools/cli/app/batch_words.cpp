@@ -10,6 +10,7 @@
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -66,7 +67,7 @@ std::string BatchVariables::expand(std::string_view word) const {
 Verb sleep_verb(const std::vector<std::string>& words) {
   constexpr double kLongest = 86400.0;  // seconds
   if (words.size() != 1)
-    throw UsageError(fmt::format("sleep: found {} words; allowed: SECONDS", words.size()));
+    throw UsageError(fmt::format("sleep: found {}; allowed: SECONDS", text::counted(words.size(), "word")));
   const double seconds = parse_real(words.front(), "SECONDS");
   if (seconds < 0.0 || seconds > kLongest)
     throw UsageError(fmt::format("SECONDS: found '{}'; allowed: 0..{:g}", words.front(), kLongest));

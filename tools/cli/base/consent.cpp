@@ -9,6 +9,7 @@
 
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -56,9 +57,10 @@ void ask_consent(Session& session, const Consent& consent, std::string_view effe
 std::string reached_line(Session& session) {
   const client::GatewayStatus gateway = session.client().gateway_status();
   const client::MasterStatus master = session.client().master_status();
-  return fmt::format("bus {} (process {} on host {}) is '{}' with {} of {} slaves", session.bus(),
-                     gateway.process, client::text(gateway.host), client::text(master.state),
-                     std::popcount(master.slaves_responding), std::popcount(master.slaves_configured));
+  return fmt::format("bus {} (process {} on host {}) is in {} with {}", session.bus(), gateway.process,
+                     client::text(gateway.host), client::text(master.state),
+                     text::counted_of(std::popcount(master.slaves_responding),
+                                      std::popcount(master.slaves_configured), "slave"));
 }
 
 }  // namespace cansync::cli

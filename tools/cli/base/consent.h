@@ -30,7 +30,7 @@ enum class Unasked : unsigned char {
 void ask_consent(Session& session, const Consent& consent, std::string_view effect,
                  Unasked unasked = Unasked::refused);
 
-/// "bus can0 (process 12 on host plc7), in active operation with 4 slaves": what a verb would reach. Throws
+/// "bus can0 (process 12 on host plc7), in run with 4 slaves": what a verb would reach. Throws
 /// as `Session::client`.
 std::string reached_line(Session& session);
 

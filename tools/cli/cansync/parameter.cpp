@@ -12,6 +12,7 @@
 #include "cli/cansync/verbs.h"
 #include "profile/meaning.h"
 #include "profile/scaling.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -347,7 +348,7 @@ ExitCode write_verb(Session& session, const ParameterOptions& options) {
   });
   if (options.consent.dry_run) {
     session.output().remark(
-        fmt::format("{}{} slaves would be sent; nothing was sent", what, requests.size()));
+        fmt::format("{}{} would be sent; nothing was sent", what, text::counted(requests.size(), "slave")));
     return ExitCode::done;
   }
   return session.for_each(slaves_of(requests), [&](std::size_t index) {

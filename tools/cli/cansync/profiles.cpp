@@ -13,6 +13,7 @@
 #include "profile/folders.h"
 #include "profile/named.h"
 #include "profile/source.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -46,8 +47,8 @@ profile::NamedProfile profile_of_daemon(Session& session, const client::SlaveSta
   if (!file) {
     passed_on.problem = "and the daemon passes none on";
   } else if (file->text.empty()) {
-    passed_on.problem = fmt::format("and the daemon passes on no file of more than {} bytes, this one has {}",
-                                    profile::kLongestSource, file->size);
+    passed_on.problem = fmt::format("and the daemon passes on no file of more than {}, this one has {}",
+                                    text::counted(profile::kLongestSource, "byte"), file->size);
   } else {
     passed_on = profile::from_daemon(client::text(slave.profile), hash, file->text);
   }

@@ -12,6 +12,7 @@
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -39,10 +40,9 @@ struct Wanted {
 Wanted parse_wanted(const std::vector<std::string>& words) {
   constexpr std::size_t kWords = 4;
   if (words.size() != kWords)
-    throw UsageError(
-        fmt::format("value: found {} words behind it; allowed: SLAVE VALUE COMPARISON NUMBER, such as "
-                    "winder position '>' 10",
-                    words.size()));
+    throw UsageError(fmt::format(
+        "value: found {} behind it; allowed: SLAVE VALUE COMPARISON NUMBER, such as winder position '>' 10",
+        text::counted(words.size(), "word")));
   return {words[0], words[1], parse_comparison(words[2]), parse_real(words[3], "NUMBER"),
           looks_like_number(words[1])};
 }

@@ -68,15 +68,18 @@ std::string parameters_text(const SideStatus& status) {
 
 /// "active; 12 jobs and 3 blocks went down, 0 were for nobody; lead axis: WRC1 given 900 times, ..."
 std::string cluster_text(const SideStatus& status) {
-  std::string text = fmt::format(
-      "{}; {} jobs and {} blocks went down, {} were for nobody in the table; stopped {} times with the SYNC above",
-      gateway::dds::text(status.cluster_state), status.jobs_below, status.blocks_below, status.unknown_below,
-      status.sync_stops);
+  std::string text =
+      fmt::format("{}; {} and {} went down, {} were for nobody in the table; stopped {} with the SYNC above",
+                  gateway::dds::text(status.cluster_state), text::counted(status.jobs_below, "job"),
+                  text::counted(status.blocks_below, "block"), status.unknown_below,
+                  text::counted(status.sync_stops, "time"));
   for (unsigned n = 0; n < std::size(status.lead_given); ++n) {
     if (status.lead_given[n] + status.lead_missing[n] + status.lead_refused[n] == 0) continue;
-    text += fmt::format("; lead axis: WRC{} given {} times, left out {} times", n + 1, status.lead_given[n],
-                        status.lead_missing[n]);
-    if (status.lead_refused[n] != 0) text += fmt::format(", refused {} times", status.lead_refused[n]);
+    text += fmt::format("; lead axis: WRC{} given {}, left out {}", n + 1,
+                        text::counted(status.lead_given[n], "time"),
+                        text::counted(status.lead_missing[n], "time"));
+    if (status.lead_refused[n] != 0)
+      text += fmt::format(", refused {}", text::counted(status.lead_refused[n], "time"));
   }
   return text;
 }
@@ -155,7 +158,7 @@ std::vector<Finding> slave_findings(Session& session) {
 
 }  // namespace
 
-const StatusPart kSlaveStatusPart = {"cansync-slave", lines_of_slave, add_slave_members, slave_lines_help,
-                                     nullptr,         slave_findings};
+const StatusPart kSlaveStatusPart = {"cansync-slave",  lines_of_slave, add_slave_members,
+                                     slave_lines_help, nullptr,        slave_findings};
 
 }  // namespace cansync::cli

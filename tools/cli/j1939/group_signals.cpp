@@ -11,6 +11,7 @@
 #include "cli/base/session.h"
 #include "dbc/encode.h"
 #include "j1939/identifier.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -108,8 +109,8 @@ j1939::client::Message encode_group(const dbc::Database& database, const std::st
     given.push_back(&signal);
     choose(message, signal, out.data);
     if (!dbc::write_bits(signal, raw_in(signal, std::string_view(setting).substr(at + 1)), out.data))
-      throw UsageError(fmt::format("--set {}: it ends behind the {} bytes that the DBC file gives '{}'",
-                                   signal.name, message.length, name));
+      throw UsageError(fmt::format("--set {}: it ends behind the {} that the DBC file gives '{}'",
+                                   signal.name, text::counted(message.length, "byte"), name));
   }
   // What a signal chose must still be so: two that are never there together would hide each other.
   const std::vector<dbc::Reading> readings = dbc::read_signals(message, out.data);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <span>
 
+#include "cli/base/verb_groups.h"
 #include "cli/connect/bus_connection.h"
 #include "cli/jobs/verbs.h"
 #include "cli/text/column_help.h"
@@ -105,6 +106,7 @@ ExitCode buses_verb(Session& session, std::span<const ProtocolVerbs* const> prot
 
 void add_buses_verb(CLI::App& app, Verb& chosen, std::span<const ProtocolVerbs* const> protocols) {
   auto* buses = app.add_subcommand("buses", "the daemons of all buses in the domain");
+  buses->group(kLookingVerbs);
   buses->footer(
       "Looks for 1.2 s, or for --timeout, in the domain and on the interface that are named, whatever --bus "
       "says.\n" +

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <memory>
 
+#include "cli/base/verb_groups.h"
 #include "cli/connect/bus_connection.h"
 #include "cli/connect/gateway_reply.h"
 #include "cli/jobs/verbs.h"
@@ -155,10 +156,12 @@ ExitCode cancel_verb(Session& session, const std::string& typed) {
 
 void add_job_verbs(CLI::App& app, Verb& chosen) {
   auto* jobs = app.add_subcommand("jobs", "requests of all programs that the daemon has not answered yet");
+  jobs->group(kLookingVerbs);
   jobs->footer(columns_help(job_columns()));
   jobs->callback([&chosen] { chosen = jobs_verb; });
 
   auto* cancel = app.add_subcommand("cancel", "end a job, whoever's it is");
+  cancel->group(kLookingVerbs);
   auto job = std::make_shared<std::string>();
   cancel->add_option("JOB", *job, "number of the job, as `jobs` shows it")->required();
   cancel->footer(
@@ -168,6 +171,7 @@ void add_job_verbs(CLI::App& app, Verb& chosen) {
       [job, &chosen] { chosen = [job](Session& session) { return cancel_verb(session, *job); }; });
 
   auto* clients = app.add_subcommand("clients", "programs that are connected to the daemon");
+  clients->group(kLookingVerbs);
   clients->footer(columns_help(client_columns()));
   clients->callback([&chosen] { chosen = clients_verb; });
 }

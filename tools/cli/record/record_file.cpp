@@ -13,6 +13,7 @@
 
 #include "cli/base/files.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 
@@ -34,7 +35,8 @@ RecordFile::RecordFile(std::string path, std::string header, const RecordBounds&
     : path_(std::move(path)), header_(std::move(header)), bounds_(bounds) {
   constexpr std::uint64_t kLeast = 4096;
   if (bounds_.bytes != 0 && bounds_.bytes < kLeast)
-    throw UsageError(fmt::format("--max-size: found {} bytes; allowed: {} and more", bounds_.bytes, kLeast));
+    throw UsageError(fmt::format("--max-size: found {}; allowed: {} and more",
+                                 text::counted(bounds_.bytes, "byte"), kLeast));
   open();
 }
 

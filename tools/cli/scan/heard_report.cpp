@@ -5,6 +5,7 @@
 #include "cli/scan/heard_line.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -78,7 +79,7 @@ LinePoint slaves_point(const Census& census) {
 LinePoint load_point(const HeardLine& line) {
   const Census& census = line.census;
   const double seconds = std::chrono::duration<double>(census.length).count();
-  const std::string how = fmt::format("{} frames in {:.3f} s", census.frames, seconds);
+  const std::string how = fmt::format("{} in {:.3f} s", text::counted(census.frames, "frame"), seconds);
   if (!line.bit_rate || seconds <= 0.0) return {"load", "-", how};
   const double bits = seconds * slot_times(*line.bit_rate).bits_per_second;
   return {"load", fmt::format("{:.1f} %", 100.0 * static_cast<double>(census.busy_bits) / bits), how};
@@ -91,7 +92,7 @@ LinePoint foreign_point(const Census& census) {
   return {"others",
           fmt::format("{} {}{}", census.foreign_over > 0 ? "over " : "", census.foreign.size(),
                       census.foreign.size() == 1 ? "identifier" : "identifiers"),
-          fmt::format("{} frames that are none of CANsync", frames)};
+          fmt::format("{} that are none of CANsync", text::counted(frames, "frame"))};
 }
 
 std::vector<Table::Column> slave_sound_columns() {
@@ -169,7 +170,7 @@ void write_foreign_frames(Output& output, const Census& census) {
   output.line("");
   output.table(table);
   if (census.foreign_over > 0)
-    output.line(fmt::format("and {} frames of further identifiers", census.foreign_over));
+    output.line(fmt::format("and {} of further identifiers", text::counted(census.foreign_over, "frame")));
 }
 
 std::string columns_part(const char* title, const std::vector<Table::Column>& columns) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "cli/base/interrupt.h"
+#include "cli/base/verb_groups.h"
 #include "cli/scan/ask_line.h"
 #include "cli/scan/found_report.h"
 #include "cli/scan/heard_line.h"
@@ -95,6 +96,7 @@ ExitCode scan_verb(Session& session, const ScanTexts& texts) {
 
 void add_scan_verb(CLI::App& app, Verb& chosen) {
   auto* scan = app.add_subcommand("scan", "what is on a line that nobody knows, without a daemon");
+  scan->group(kLookingVerbs);
   auto texts = std::make_shared<ScanTexts>();
   add_recording_options(*scan, texts->recording, "3");
   scan->add_flag(

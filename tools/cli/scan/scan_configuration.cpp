@@ -5,6 +5,7 @@
 
 #include "cli/learn/configuration_text.h"
 #include "cli/scan/scan_files.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -131,8 +132,8 @@ void write_found_slave(ConfigurationText& text, const FoundSlave& slave) {
 void write_heard_slave(ConfigurationText& text, unsigned number, const observe::HeardSlave& slave) {
   text.section("[[slave]]");
   text.option("number", fmt::format("{}", number),
-              fmt::format("heard: {} answers, RDC1 {}, RDC2 {}", slave.answers.count, slave.actual[0].count,
-                          slave.actual[1].count));
+              fmt::format("heard: {}, RDC1 {}, RDC2 {}", text::counted(slave.answers.count, "answer"),
+                          slave.actual[0].count, slave.actual[1].count));
   text.left_out("name", fmt::format("\"slave{}\"", number), "a name of your choice");
 }
 

@@ -11,6 +11,7 @@
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/person.h"
+#include "cli/base/verb_groups.h"
 #include "cli/setup/configuration_edit.h"
 #include "cli/setup/setup_plan.h"
 #include "cli/setup/verbs.h"
@@ -260,6 +261,7 @@ ExitCode setup_verb(Session& session, const SetupTexts& texts) {
 void add_setup_verb(CLI::App& app, Verb& chosen) {
   auto* setup =
       app.add_subcommand("setup", "put what `scan` or `learn` has written in place, and start the daemon");
+  setup->group(kLookingVerbs);
   auto texts = std::make_shared<SetupTexts>();
   setup->add_option("FOLDER", texts->source, "folder of --write, or a configuration")->required();
   setup->add_option("--name", texts->names, "name of a slave, such as 3=winder; repeatable")

@@ -42,7 +42,8 @@ class CANSYNC_PUBLIC Job {
   /// Waits at most `time`; nothing when the request is still open.
   std::optional<R> wait_for(std::chrono::milliseconds time) const;
 
-  /// Like `wait`, and calls `on_progress` (transfers; on this thread) on every change. When `stop` becomes
+  /// Like `wait`, and calls `on_progress` (transfers; on this thread) on every change, and once a
+  /// second before the first byte. When `stop` becomes
   /// true, for example from a signal handler, the job is cancelled on the bus and its terminal reply is
   /// awaited, at most 5 s (then `no_reply`). `stop` is looked at every 20 ms.
   R wait(const std::atomic<bool>& stop, const OnProgress& on_progress = {}) const;

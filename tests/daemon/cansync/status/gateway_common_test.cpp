@@ -137,14 +137,12 @@ TEST(GatewayCommonState, BusStatusTellsInterfaceControllerAndCounts) {
   EXPECT_EQ(known->queue_length, 10u);
 }
 
-TEST(GatewayCommonState, TheLast100EventsAreThereForOneWhoComesLate) {
+TEST(GatewayCommonState, TheLast100EventsOfALevelAreThereForOneWhoComesLate) {
   GatewayRig rig;
   using Code = cansync::MasterEvent::Code;
-  const Code codes[] = {Code::slave_responds, Code::slave_synchronized, Code::slave_not_synchronized,
-                        Code::slave_lost};
-  for (const Code code : codes) {
+  for (int round = 0; round < 4; ++round) {
     for (std::uint8_t i = 0; i < cansync::kSlaves; ++i)
-      rig.report(EventReport{moment(i), {code, slave(i), 0}});
+      rig.report(EventReport{moment(i), {Code::slave_lost, slave(i), 0}});
   }
   ASSERT_TRUE(rig.client.wait_for<gateway_Event>([](const auto& e) { return e.number == 128; }));
 

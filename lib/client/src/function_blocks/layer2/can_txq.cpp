@@ -7,6 +7,7 @@
 
 #include "client/src/frame_side.h"
 #include "client/src/function_blocks/layer2/saia_checks.h"
+#include "text/counts.h"
 
 namespace cansync::client::function_blocks {
 
@@ -25,8 +26,8 @@ WORD CAN_TXQ::enter() {
   if (!side.basic().configured()) return refuse(can_status::no_queue, "client: call CAN_CFGQ first");
   if (DLC < 0 || DLC > 8 || TxData.size() < static_cast<std::size_t>(DLC))
     return refuse(can_status::wrong_length,
-                  fmt::format("client: DLC {}: allowed 0..8, and TxData as long at least; it has {} bytes",
-                              DLC, TxData.size()));
+                  fmt::format("client: DLC {}: allowed 0..8, and TxData as long at least; it has {}", DLC,
+                              text::counted(TxData.size(), "byte")));
   can::Frame frame;
   frame.extended = side.basic().settings().extended;
   frame.id = MsgID;
