@@ -63,6 +63,9 @@ class FairLanes {
   /// A lane of a kind that has no limit must not be used.
   explicit FairLanes(LaneLimits limits) : limits_(std::move(limits)), together_(limits_.size()) {}
 
+  /// Other limits, of the same kinds; what was given stays given.
+  void set_limits(LaneLimits limits) { limits_ = std::move(limits); }
+
   /// Puts a request behind the others of its client in its lane. `id` must be new.
   void add(JobId id, const ClientIdentity& client, Lane lane);
 

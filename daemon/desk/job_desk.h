@@ -102,6 +102,9 @@ class JobDesk {
   /// them. `context()` makes a context of now; `signal`: of the constructor.
   void stop_and_deliver(gateway::dds::DataSignal& signal, const std::function<Context()>& context);
 
+  /// Asks the protocol for its limits anew.
+  void renew_limits() { lanes_.set_limits(protocol_.lane_limits()); }
+
   /// True while replies wait to be written (`retry` writes them).
   bool replies_waiting() const noexcept;
 

@@ -15,8 +15,8 @@
 #include "rt/wake_signal.h"
 
 /// Everything that the realtime thread of a bus of general frames and its gateway thread share. The gateway
-/// writes `requests` and reads the rest; the realtime thread the other way round. All of it is bounded,
-/// allocated at the start and wait-free on both sides.
+/// writes `requests` and `outputs` and reads the rest; the realtime thread the other way round. All of it is
+/// bounded, allocated at the start and wait-free on both sides.
 namespace cansyncd {
 
 /// Takes back an order that still waits; no answer of its own: the order answers. An unknown one is ignored.
@@ -71,11 +71,18 @@ struct TimerState {
 /// The process image as it is.
 struct ImageSnapshot {
   bool exchanging = false;
+  bool sending = true;
   std::uint64_t received = 0;
   std::uint64_t dropped = 0;
   std::uint64_t sent = 0;
   std::array<std::uint8_t, layer2::DataMapping::kBytes> inputs = {};
   std::array<std::uint8_t, layer2::DataMapping::kBytes> outputs = {};
+};
+
+/// The image that is sent, as the gateway has it.
+struct OutputImage {
+  std::array<std::uint8_t, layer2::DataMapping::kBytes> bytes = {};
+  bool sending = true;
 };
 
 /// State of the bus; written when it changes and ten times a second.
@@ -117,6 +124,7 @@ struct Layer2Exchange {
   rt::SpscRing<ModuleReport> events{kEvents};  ///< realtime -> gateway, lossy
   rt::LatestValue<ImageSnapshot> image;
   rt::LatestValue<ObjectsSnapshot> objects;
+  rt::LatestValue<OutputImage> outputs;  ///< gateway -> realtime
   rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
   rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway
 };

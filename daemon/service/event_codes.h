@@ -78,6 +78,12 @@ inline constexpr EventKind kEventKinds[] = {
     {"application_began", "37ea7fa23dfa4b8293662f3ac387c8d1"},
     {"application_lost", "28aa24c98700487895aca7dcd792d7b5"},
     {"application_refused", "05255cf3a12d42c4b50c5441460bfcc0"},
+    // the process image that an application writes, and run and stop that follow one
+    {"image_writer_began", "ad7a65f46571406cb9d88a62e21cd8a1"},
+    {"image_writer_lost", "73d268bfd1544e7a8cf924f7511304a5"},
+    {"image_given_up", "9f349c93260c4a62b6a98f3785cdf81b"},
+    {"image_refused", "b46cfbee661c48c5b7294e9ef650da08"},
+    {"run_lead_changed", "e4668ce28e544be3abf0047d98238883"},
     // the CAN bus
     {"second_master", "96bc8b5a34904d9b93c9639b2adbac1a"},
     {"second_master_gone", "07abff7994394078b133056f27d3cfdf"},

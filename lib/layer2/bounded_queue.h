@@ -15,8 +15,9 @@ enum class Overflow : std::uint8_t {
   refuse_newest,  ///< it is not taken (Saia)
 };
 
-/// A queue of a fixed depth. An element lost by its being full sets the overflow bit, which stays until it is
-/// reset. Memory is allocated by the constructor alone; the rest is realtime safe. One thread.
+/// A queue of a depth that can be changed up to what it was made for. An element lost by its being full sets
+/// the overflow bit, which stays until it is reset. Memory is allocated by the constructor alone; the rest is
+/// realtime safe. One thread.
 template <class T>
 class BoundedQueue {
  public:
@@ -26,20 +27,29 @@ class BoundedQueue {
     std::optional<T> deleted;  ///< the oldest element, which had to go for it
   };
 
-  /// Room for `depth` elements, at least 1.
-  explicit BoundedQueue(std::size_t depth, Overflow rule = Overflow::refuse_newest)
-      : elements_(std::max<std::size_t>(depth, 1)), rule_(rule) {}
+  /// Room for `depth` elements, at least 1, and at most for the larger of `depth` and `most`.
+  explicit BoundedQueue(std::size_t depth, Overflow rule = Overflow::refuse_newest, std::size_t most = 0)
+      : elements_(std::max<std::size_t>({depth, most, 1})),
+        depth_(std::max<std::size_t>(depth, 1)),
+        rule_(rule) {}
+
+  /// Another depth and rule; a depth outside 1..most counts as the nearest inside, and elements beyond it
+  /// stay.
+  void set(std::size_t depth, Overflow rule) noexcept {
+    depth_ = std::clamp<std::size_t>(depth, 1, elements_.size());
+    rule_ = rule;
+  }
 
   /// Elements that wait, 0..depth.
   std::size_t size() const noexcept { return size_; }
   /// Room for elements.
-  std::size_t depth() const noexcept { return elements_.size(); }
+  std::size_t depth() const noexcept { return depth_; }
   /// Nothing waits.
   bool empty() const noexcept { return size_ == 0; }
   /// There is no more room.
-  bool full() const noexcept { return size_ == elements_.size(); }
+  bool full() const noexcept { return size_ >= depth_; }
   /// At least half of the room is taken.
-  bool half_full() const noexcept { return 2 * size_ >= elements_.size(); }
+  bool half_full() const noexcept { return 2 * size_ >= depth_; }
   /// An element was lost since the last `reset_overflow`.
   bool overflowed() const noexcept { return overflowed_; }
   /// Takes the overflow bit back.
@@ -108,6 +118,7 @@ class BoundedQueue {
   }
 
   std::vector<T> elements_;
+  std::size_t depth_;
   std::size_t first_ = 0;
   std::size_t size_ = 0;
   Overflow rule_;

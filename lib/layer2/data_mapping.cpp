@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bitset>
 #include <memory>
+#include <utility>
 
 namespace layer2 {
 namespace {
@@ -88,6 +89,13 @@ void DataMapping::configure(const MappingSettings& settings, std::span<const Map
             [](const Telegram& a, const Telegram& b) { return a.identifier < b.identifier; });
 }
 
+void DataMapping::swap_table(DataMapping& other) noexcept {
+  stop();
+  std::swap(settings_, other.settings_);
+  in_.swap(other.in_);
+  out_.swap(other.out_);
+}
+
 void DataMapping::start(Time now) noexcept {
   runs_ = !in_.empty() || !out_.empty();
   next_ = now;
@@ -126,9 +134,15 @@ void DataMapping::advance(Time now) noexcept {
   for (std::size_t i = 0; i < out_.size(); ++i) {
     Telegram& telegram = out_[i];
     const bool known = telegram.sent || !settings_.first_always;
-    telegram.due = !settings_.on_change || !known || telegram.lost ||
-                   frame(static_cast<std::uint8_t>(i)) != telegram.last;
+    telegram.due = sending_ && (!settings_.on_change || !known || telegram.lost ||
+                                frame(static_cast<std::uint8_t>(i)) != telegram.last);
   }
+}
+
+void DataMapping::set_sending(bool sending) noexcept {
+  sending_ = sending;
+  if (sending) return;
+  for (Telegram& telegram : out_) telegram.due = false;
 }
 
 Time DataMapping::next_deadline() const noexcept {

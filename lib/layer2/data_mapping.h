@@ -69,10 +69,18 @@ class DataMapping {
   /// Takes a table that `check` has nothing against; it stands still until `start`.
   void configure(const MappingSettings& settings, std::span<const MappedBytes> table);
 
+  /// Takes the table of another mapping, which gets that of this one; the images, what was counted and
+  /// whether it sends stay. It stands still until `start`. Allocates nothing.
+  void swap_table(DataMapping& other) noexcept;
+
   /// The exchange begins: the first telegrams are due `now`. Without telegrams nothing happens.
   void start(Time now) noexcept;
   /// The exchange ends; what waits is not sent. The images keep their bytes.
   void stop() noexcept;
+  /// With false telegrams are taken, and none is sent; with true those of the next interval are.
+  void set_sending(bool sending) noexcept;
+  /// Telegrams are sent.
+  bool sending() const noexcept { return sending_; }
   /// The exchange goes on.
   bool runs() const noexcept { return runs_; }
 
@@ -127,6 +135,7 @@ class DataMapping {
   std::array<std::uint8_t, kBytes> outputs_ = {};
   Time next_{0};
   bool runs_ = false;
+  bool sending_ = true;
   std::uint64_t received_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t sent_ = 0;

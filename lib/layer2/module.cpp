@@ -31,8 +31,8 @@ Module::Module(const ModuleSettings& settings)
       station_(settings.station),
       window_(settings.window),
       orders_(objects_, settings.object_patience),
-      received_(depth_of(settings.receive_queue), settings.receive_overflow),
-      received_high_(depth_of(settings.receive_high_queue), settings.receive_overflow),
+      received_(depth_of(settings.receive_queue), settings.receive_overflow, Station::kMostQueue),
+      received_high_(depth_of(settings.receive_high_queue), settings.receive_overflow, Station::kMostQueue),
       events_(kMostEvents) {
   for (unsigned number = 1; number <= Timers::kMost; ++number) {
     if (const auto& timer = settings_.timers[number - 1]) (void)timers_.configure(number, *timer);
@@ -117,6 +117,8 @@ Refusal Module::control(const ControlOrder& order, Time now) noexcept {
   const auto timer = [](bool done) { return done ? Refusal::none : Refusal::no_timer; };
   switch (order.what) {
     case Control::run:
+      if (!order.led) return Refusal::not_led;
+      [[fallthrough]];
     case Control::stop:
       set_running(order.what == Control::run, now);
       return Refusal::none;
@@ -132,12 +134,11 @@ Refusal Module::control(const ControlOrder& order, Time now) noexcept {
     case Control::reset_overflow:
       reset_overflow();
       return Refusal::none;
+    case Control::configure:
+      return order.prepared == nullptr ? Refusal::none : configure(*order.prepared, now);
     case Control::write_image:
-      if (settings_.mapped.empty() || order.size > order.bytes.size() ||
-          order.address + order.size > DataMapping::kBytes)
-        return Refusal::no_image;
-      std::copy_n(order.bytes.begin(), order.size, mapping_.outputs().begin() + order.address);
-      return Refusal::none;
+      if (settings_.mapped.empty()) return Refusal::no_image;
+      return order.written ? Refusal::none : Refusal::image_owned;
     case Control::reset_controller:
       break;
   }

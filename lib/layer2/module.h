@@ -39,6 +39,27 @@ struct ModuleSettings {
       mapped;  ///< in which `DataMapping::check` finds nothing; none: there is no mapping
 };
 
+/// Settings for a module that runs: made by whoever may allocate, and exchanged with those of the module,
+/// which are here afterwards.
+struct PreparedSettings {
+  /// Makes them ready. Allocates.
+  explicit PreparedSettings(ModuleSettings prepared);
+
+  /// Which of `settings` count.
+  struct Parts {
+    bool station = false;  ///< filters, send queues
+    bool receive_queues = false;
+    bool timers = false;  ///< all of them: those that are not there are forgotten
+    bool window = false;
+    bool scripts = false;
+    bool objects = false;  ///< all of them
+    bool mapping = false;
+  };
+  ModuleSettings settings;
+  DataMapping mapping;  ///< with the table
+  Parts parts;
+};
+
 /// What a module is told to do besides sending.
 enum class Control : std::uint8_t {
   run,
@@ -49,7 +70,8 @@ enum class Control : std::uint8_t {
   reset_controller,  ///< not the module's: of whoever has the bus
   clear_queues,
   reset_overflow,
-  write_image,  ///< `address`, `size`, `bytes`
+  configure,    ///< `prepared`
+  write_image,  ///< `address`, `size`, `bytes`; done by whoever has the image, who says so by `written`
 };
 
 /// An order to control.
@@ -62,6 +84,9 @@ struct ControlOrder {
   std::uint16_t address =
       0;  ///< first byte in the image that is sent; address + size at most DataMapping::kBytes
   std::uint8_t size = 0;                            ///< bytes, 1..kMostBytes
+  PreparedSettings* prepared = nullptr;             ///< of who gives the order, until it is answered
+  bool led = true;                                  ///< `run`: false: who leads run and stop says stop
+  bool written = false;                             ///< they are in the image; false: it has another owner
   std::array<std::uint8_t, kMostBytes> bytes = {};  ///< those from `size` on do not count
 };
 
@@ -158,6 +183,8 @@ class Module {
 
   /// Does what an order says; Refusal::none when it is done.
   Refusal control(const ControlOrder& order, Time now) noexcept;
+  /// Takes settings over, all of their parts or none. Timers and objects that stay as they are go on.
+  Refusal configure(PreparedSettings& prepared, Time now) noexcept;
   /// False: the timer is not configured, or belongs to the window and does not exist. Any state.
   bool start_timer(unsigned number, Time now) noexcept;
   /// False: there is no such timer.
@@ -204,6 +231,8 @@ class Module {
   void step_script() noexcept;
   void start_script(const Script& script) noexcept;
   bool orders_may_go() const noexcept;
+  Refusal objection(const PreparedSettings& prepared) const noexcept;
+  void configure_mapping(PreparedSettings& prepared, Time now) noexcept;
   void tell(ModuleEvent::Kind kind, unsigned number, const can::Frame& frame, Time time) noexcept;
 
   ModuleSettings settings_;

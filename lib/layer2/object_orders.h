@@ -59,6 +59,9 @@ class ObjectOrders {
   /// `no_answer`. `objects` must outlive this.
   ObjectOrders(MessageObjects& objects, Time patience) noexcept : objects_(objects), patience_(patience) {}
 
+  /// Another patience, over 0, for frames that are handed over from now on.
+  void set_patience(Time patience) noexcept { patience_ = patience; }
+
   /// The answer to an order; nothing: it comes by `take_answer`. `running`: a job may be given.
   std::optional<ObjectAnswer> perform(const ObjectOrder& order, bool running, Time now) noexcept;
   /// Ends the job of an order, unless its frame is in the controller. False: there is no such order.

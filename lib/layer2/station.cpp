@@ -30,9 +30,16 @@ std::uint32_t arbitration(const can::Frame& frame) noexcept {
 Station::Station(const StationSettings& settings)
     : filter_(settings.filter),
       node_(settings.node),
-      normal_(std::min<std::size_t>(settings.queue, kMostQueue), settings.overflow),
-      high_(std::min<std::size_t>(settings.high_queue, kMostQueue), settings.overflow),
-      answers_(normal_.depth() + high_.depth() + kMostHandedOver) {}
+      normal_(std::min<std::size_t>(settings.queue, kMostQueue), settings.overflow, kMostQueue),
+      high_(std::min<std::size_t>(settings.high_queue, kMostQueue), settings.overflow, kMostQueue),
+      answers_(2 * kMostQueue + kMostHandedOver) {}
+
+void Station::set(const StationSettings& settings) noexcept {
+  filter_ = settings.filter;
+  node_ = settings.node;
+  normal_.set(settings.queue, settings.overflow);
+  high_.set(settings.high_queue, settings.overflow);
+}
 
 std::optional<std::uint8_t> Station::receive(const can::Frame& frame) noexcept {
   std::optional<std::uint8_t> range;
@@ -56,19 +63,24 @@ Priority Station::priority_of(std::uint8_t range) const noexcept {
 
 Refusal Station::submit(const SendOrder& order, Time now) noexcept {
   if (stopped_) return Refusal::stopped;
-  if (!can_be_sent(order.frame)) return Refusal::bad_frame;
+  if (order.timeout <= Time{0}) return Refusal::too_late;
+  if (!can_be_sent(order.frame) || order.following.size() > SendOrder::kMostFollowing ||
+      !std::all_of(order.following.begin(), order.following.end(), can_be_sent))
+    return Refusal::bad_frame;
   // Each open order has room for its answer.
-  if (open() >= answers_.depth()) return Refusal::queue_full;
+  if (open() >= normal_.depth() + high_.depth() + kMostHandedOver) return Refusal::queue_full;
   if (waiting() == 0) obstacle_ = Obstacle::none;
   BoundedQueue<Open>& queue = queue_of(order.priority);
-  const Open taken{order.id, as_on_the_bus(order.frame), now + order.timeout};
+  Open taken{order.id, as_on_the_bus(order.frame), now + order.timeout};
+  taken.more = order.following;
+  taken.frames = static_cast<std::uint8_t>(order.following.size() + 1);
   std::size_t at = queue.size();
   if (order.placing == Placing::by_identifier) {
     at = std::min<std::size_t>(1, queue.size());
     while (at < queue.size() && arbitration(queue[at].frame) <= arbitration(taken.frame)) ++at;
   }
   const auto pushed = queue.insert(at, taken);
-  if (pushed.deleted) end(*pushed.deleted, Outcome::displaced);
+  if (pushed.deleted) end_waiting(*pushed.deleted, Outcome::displaced);
   if (pushed.taken) ++submitted_;
   return pushed.taken ? Refusal::none : Refusal::queue_full;
 }
@@ -77,7 +89,7 @@ bool Station::cancel(OrderId id) noexcept {
   for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
     for (std::size_t i = 0; i < queue->size(); ++i) {
       if ((*queue)[i].id != id) continue;
-      end((*queue)[i], Outcome::cancelled);
+      end_waiting((*queue)[i], Outcome::cancelled);
       queue->erase(i);
       return true;
     }
@@ -87,7 +99,7 @@ bool Station::cancel(OrderId id) noexcept {
 
 void Station::clear_queues() noexcept {
   for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
-    while (!queue->empty()) end(queue->pop(), Outcome::deleted);
+    while (!queue->empty()) end_waiting(queue->pop(), Outcome::deleted);
   }
 }
 
@@ -116,8 +128,36 @@ std::optional<can::Frame> Station::next_frame(bool normal, bool high) noexcept {
 void Station::handed_over() noexcept {
   BoundedQueue<Open>& queue = queue_of(offered_);
   if (queue.empty() || handed_over_.full()) return;
-  handed_over_.push(queue.pop());
   obstacle_ = Obstacle::none;
+  Open& first = queue[0];
+  if (first.more.empty()) {
+    handed_over_.push(queue.pop());
+    return;
+  }
+  Open piece{first.id, first.frame, Time::max()};
+  piece.answered = piece.piece = true;
+  handed_over_.push(piece);
+  first.frame = as_on_the_bus(first.more.front());
+  first.more = first.more.subspan(1);
+}
+
+/// Ends an order that waits. What of it is in the controller is waited for, so that its answer can say how
+/// much was sent.
+void Station::end_waiting(const Open& order, Outcome outcome) noexcept {
+  std::uint8_t pieces = 0;
+  Open* last = nullptr;
+  for (std::size_t i = 0; i < handed_over_.size(); ++i) {
+    if (!handed_over_[i].piece || handed_over_[i].id != order.id) continue;
+    ++pieces;
+    last = &handed_over_[i];
+  }
+  if (last == nullptr) return end(order, outcome);
+  const can::Frame frame = last->frame;
+  *last = order;
+  last->frame = frame;
+  last->more = {};
+  last->frames = static_cast<std::uint8_t>(order.seen + pieces);
+  last->ends_as = outcome;
 }
 
 void Station::own_handed_over(const can::Frame& frame, const OwnFrame& own) noexcept {
@@ -134,11 +174,40 @@ std::optional<OwnFrame> Station::echo(const can::Frame& frame, Time end_of_frame
   std::size_t found = 0;
   while (found < handed_over_.size() && handed_over_[found].frame != frame) ++found;
   if (found == handed_over_.size()) return std::nullopt;
-  const OwnFrame own = handed_over_[found].own;
-  if (!handed_over_[found].answered) end(handed_over_[found], Outcome::done, end_of_frame);
+  const Open sent = handed_over_[found];
   handed_over_.erase(found);
+  seen(sent, end_of_frame);
   overtake(found);
-  return own;
+  return sent.own;
+}
+
+/// A frame that was handed over stood on the bus.
+void Station::seen(const Open& frame, Time end_of_frame) noexcept {
+  if (!frame.piece) {
+    if (frame.answered) return;
+    Open order = frame;
+    const bool all = ++order.seen == order.frames;
+    return end(order, all ? order.ends_as : Outcome::no_answer, end_of_frame);
+  }
+  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    for (std::size_t i = 0; i < queue->size(); ++i) {
+      if ((*queue)[i].id == frame.id) ++(*queue)[i].seen;
+    }
+  }
+  for (std::size_t i = 0; i < handed_over_.size(); ++i) {
+    if (handed_over_[i].id == frame.id && !handed_over_[i].piece) ++handed_over_[i].seen;
+  }
+}
+
+/// A piece is gone from the controller, and may have been sent: nothing is sent behind the gap.
+void Station::lose_piece(OrderId id) noexcept {
+  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    for (std::size_t i = queue->size(); i-- > 0;) {
+      if ((*queue)[i].id != id) continue;
+      end((*queue)[i], Outcome::no_answer);
+      queue->erase(i);
+    }
+  }
 }
 
 void Station::echoes_lost() noexcept {
@@ -155,12 +224,31 @@ void Station::overtake(std::size_t count) noexcept {
 
 void Station::controller_emptied() noexcept {
   while (handed_over_.size() != 0) {
-    if (!handed_over_[0].answered) end(handed_over_[0], Outcome::no_answer);
+    const Open frame = handed_over_[0];
     handed_over_.erase(0);
+    if (frame.piece) lose_piece(frame.id);
+    if (!frame.answered) end(frame, Outcome::no_answer);
   }
 }
 
 void Station::advance(Time now) noexcept {
+  end_handed_over(now);
+  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
+    for (std::size_t i = 0; i < queue->size();) {
+      if ((*queue)[i].until <= now) {
+        const Open order = (*queue)[i];
+        queue->erase(i);
+        end_waiting(order, Outcome::timeout);
+      } else {
+        ++i;
+      }
+    }
+  }
+  end_handed_over(now);  // of several frames, whose order waited
+}
+
+/// Answers what has waited too long for its echo, and forgets what is neither waited for nor in the way.
+void Station::end_handed_over(Time now) noexcept {
   for (std::size_t i = 0; i < handed_over_.size();) {
     Open& order = handed_over_[i];
     if (!order.answered && order.until <= now) {
@@ -171,16 +259,6 @@ void Station::advance(Time now) noexcept {
       handed_over_.erase(i);
     } else {
       ++i;
-    }
-  }
-  for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
-    for (std::size_t i = 0; i < queue->size();) {
-      if ((*queue)[i].until <= now) {
-        end((*queue)[i], Outcome::timeout);
-        queue->erase(i);
-      } else {
-        ++i;
-      }
     }
   }
 }
@@ -211,7 +289,7 @@ void Station::stop() noexcept {
 
 void Station::end(const Open& order, Outcome outcome, Time sent) noexcept {
   const Obstacle obstacle = outcome == Outcome::timeout ? obstacle_ : Obstacle::none;
-  (void)answers_.push({order.id, outcome, sent, obstacle});
+  (void)answers_.push({order.id, outcome, sent, obstacle, order.seen});
   if (outcome == Outcome::no_answer) ++counters_.unanswered;
   if (outcome != Outcome::no_answer && outcome != Outcome::done) ++counters_.not_sent;
 }

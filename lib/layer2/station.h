@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "can/frame.h"
 #include "can/obstacle.h"
@@ -44,9 +45,14 @@ enum class Placing : std::uint8_t {
 struct SendOrder {
   OrderId id = 0;
   can::Frame frame;
-  Time timeout{};  ///< monitoring time from `submit` until the frame stands on the bus, over 0
+  Time timeout{};  ///< monitoring time from `submit` until the frame stands on the bus; 0 or less: too late
   Priority priority = Priority::normal;
   Placing placing = Placing::last;
+  /// Frames sent after `frame`, in this order, at most kMostFollowing; memory of who gives the order, until
+  /// it is answered. They have one place in the queue, and one answer.
+  std::span<const can::Frame> following = {};
+
+  static constexpr std::size_t kMostFollowing = 63;
 };
 
 /// Whose frame an own one is.
@@ -63,13 +69,18 @@ struct OwnFrame {
 enum class Refusal : std::uint8_t {
   none,
   queue_full,        ///< as many orders are open as there is room for: try again when one has been answered
+  too_late,          ///< its deadline has passed
   bad_frame,         ///< no frame that can be sent: identifier or length too large, or an error frame
   stopped,           ///< the station has been stopped
   not_running,       ///< the module is in stop
+  not_led,           ///< run and stop follow a program that is not there or says stop
   no_timer,          ///< there is no such timer, or it was not given what it sends
   no_image,          ///< there is no process image, or not at that address
+  image_owned,       ///< the process image belongs to another program
   not_permitted,     ///< the controller cannot be reset: a right of the system is missing
   no_controller,     ///< likewise: the interface is missing or down, or its driver cannot
+  queue_in_use,      ///< more waits in a queue than there would be room for
+  script_under_way,  ///< a script that is to be replaced has not ended
   reset_under_way,   ///< likewise: it is being reset
   object_reserved,   ///< the message object belongs to another service
   object_direction,  ///< it receives, or sends, or is not configured
@@ -81,8 +92,9 @@ using can::Obstacle;
 
 /// How an order ended.
 enum class Outcome : std::uint8_t {
-  done,       ///< the frame stood on the bus
-  no_answer,  ///< handed over, but not seen on the bus in time: it may have been sent, or be sent yet
+  done,       ///< the frame stood on the bus; of several all
+  no_answer,  ///< handed over, but not seen on the bus in time: it may have been sent, or be sent yet; of
+              ///< several one of them
   timeout,    ///< not handed over in time; it will not be sent
   cancelled,  ///< taken back before it was handed over; it will not be sent
   stopped,    ///< the station was stopped before it was handed over; it will not be sent
@@ -96,7 +108,8 @@ struct Answer {
   Outcome outcome = Outcome::done;
   Time sent{};  ///< done: end of the frame's last bit
   Obstacle obstacle =
-      Obstacle::none;  ///< timeout: what kept the frame from the bus last; none: earlier frames
+      Obstacle::none;     ///< timeout: what kept the frame from the bus last; none: earlier frames
+  std::uint8_t seen = 0;  ///< frames of the order that were seen on the bus; done: all
 };
 
 /// Counts since the start; they never fall.
@@ -124,6 +137,13 @@ class Station {
 
   /// A depth outside its range counts as the nearest inside. Allocates.
   explicit Station(const StationSettings& settings);
+
+  /// Another filter, other depths and rule; what waits stays. `fits` must have said so.
+  void set(const StationSettings& settings) noexcept;
+  /// No queue has more waiting than it would have room for.
+  bool fits(const StationSettings& settings) const noexcept {
+    return normal_.size() <= settings.queue && high_.size() <= settings.high_queue;
+  }
 
   // --- receiving
 
@@ -226,6 +246,12 @@ class Station {
     OwnFrame own = {};
     bool answered = false;   ///< handed over, and its echo missed; of nobody's order from the start
     bool overtaken = false;  ///< handed over; a later frame was seen on the bus, or its echo may be lost
+    // --- of an order of several frames
+    std::span<const can::Frame> more = {};  ///< those after `frame`
+    bool piece = false;  ///< handed over, and not the last: the order stands elsewhere, `answered` is set
+    std::uint8_t frames = 1;          ///< to be seen before it is done
+    std::uint8_t seen = 0;            ///< on the bus; of a piece nothing
+    Outcome ends_as = Outcome::done;  ///< once all of `frames` were seen
   };
 
   std::size_t open() const noexcept { return waiting() + handed_over_.size() + answers_.size(); }
@@ -233,7 +259,11 @@ class Station {
     return priority == Priority::high ? high_ : normal_;
   }
   void end(const Open& order, Outcome outcome, Time sent = {}) noexcept;
+  void end_waiting(const Open& order, Outcome outcome) noexcept;
+  void seen(const Open& frame, Time end_of_frame) noexcept;
+  void lose_piece(OrderId id) noexcept;
   void overtake(std::size_t count) noexcept;
+  void end_handed_over(Time now) noexcept;
 
   RangeFilter filter_;
   std::optional<NodeFilter> node_;

@@ -30,6 +30,12 @@ bool Timers::configure(unsigned number, const TimerSettings& settings) noexcept 
   return true;
 }
 
+bool Timers::forget(unsigned number) noexcept {
+  if (!stop(number)) return false;
+  timers_[number - 1].configured = false;
+  return true;
+}
+
 bool Timers::set_frame(unsigned number, const can::Frame& frame) noexcept {
   if (!configured(number)) return false;
   timers_[number - 1].settings.frame = frame;

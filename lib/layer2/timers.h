@@ -19,6 +19,8 @@ struct TimerSettings {
   Time period = std::chrono::milliseconds(100);  ///< between two frames, over 0
   Time phase{0};                                 ///< from its start to the first frame
   bool cyclic = true;                            ///< false: it sends one frame and stops
+
+  friend bool operator==(const TimerSettings&, const TimerSettings&) = default;
 };
 
 /// The 16 timers of a module, each of which sends a frame (Helmholz 3.3, 6.3.5).
@@ -34,6 +36,8 @@ class Timers {
   /// the phase stay, and is stopped otherwise. False, and nothing has changed: no such timer, or a period
   /// that is not over 0, or a phase under 0.
   bool configure(unsigned number, const TimerSettings& settings) noexcept;
+  /// Stops a timer, which is configured no longer; its counters stay. False: there is no such timer.
+  bool forget(unsigned number) noexcept;
   /// Changes what a configured timer sends from its next frame on. False: it is not configured.
   bool set_frame(unsigned number, const can::Frame& frame) noexcept;
 
@@ -87,6 +91,8 @@ struct WindowSettings {
   Time begin{0};
   Time end = std::chrono::milliseconds(10);
   bool holds_high = true;  ///< frames of the high priority queue, too
+
+  friend bool operator==(const WindowSettings&, const WindowSettings&) = default;
 };
 
 /// What can be wrong with a window.

@@ -121,6 +121,26 @@ TEST(DataMapping, WhatAnEmptiedControllerMayHaveLostGoesOnceMore) {
   EXPECT_TRUE(sent(image, milliseconds(20)).empty());
 }
 
+TEST(DataMapping, L56WithoutSendingTelegramsAreTakenAndNoneIsSent) {
+  DataMapping image;
+  const MappedBytes table[] = {{.identifier = 0x181, .address = 3},
+                               {.identifier = 0x201, .address = 0, .output = true}};
+  image.configure({.interval = milliseconds(10)}, table);
+  image.start(Time{0});
+  image.advance(Time{0});
+  ASSERT_TRUE(image.next());
+  image.set_sending(false);
+  EXPECT_FALSE(image.next()) << "also what was due";
+  image.advance(milliseconds(10));
+  EXPECT_FALSE(image.next());
+  EXPECT_TRUE(image.receive(data_frame(0x181, {5})));
+  EXPECT_EQ(image.inputs()[3], 5);
+  image.set_sending(true);
+  EXPECT_FALSE(image.next()) << "not before the next interval";
+  image.advance(milliseconds(20));
+  EXPECT_TRUE(image.next());
+}
+
 TEST(DataMapping, L57ItStopsAndNeedsToBeStartedAnew) {
   DataMapping image = mapping({out(1, 0, 0, 1), in(2, 0, 0, 1)});
   image.advance(Time{0});

@@ -35,6 +35,9 @@ struct TimerConfig {
   layer2::TimerSettings timer;
 };
 
+/// What becomes of the image that is sent when its writer dies.
+enum class WriterLost : std::uint8_t { hold, zero, stop_sending };
+
 /// One message object.
 struct ObjectConfig {
   std::uint8_t number = 0;  ///< 0..31
@@ -70,6 +73,7 @@ struct Layer2Config : DaemonConfig {
   std::uint8_t node_filter = 0;               ///< 1..127: in place of `receive`; 0: none
   bool node_filter_extended = false;
   bool starts_in_run = true;
+  std::string run_follows;  ///< name of the program whose life run and stop follow; empty: none
   SendConfig send;
   QueueConfig queues;
   std::vector<TimerConfig> timers;    ///< by number, each once
@@ -77,6 +81,7 @@ struct Layer2Config : DaemonConfig {
   layer2::WindowSettings window;
   ScriptConfig script;
   layer2::MappingSettings mapping;
+  WriterLost writer_lost = WriterLost::hold;
   std::vector<layer2::MappedBytes> mapped;  ///< by number
   std::vector<SimNodeConfig> nodes;         ///< by number, each once
 };

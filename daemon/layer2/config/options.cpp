@@ -15,6 +15,7 @@ namespace cansyncd {
 namespace {
 
 using namespace config::rows;  // the table reads better without the prefix in every line
+using config::OptionType;
 using config::Scalar;
 
 using Layer2Row = config::Row<Layer2Draft>;
@@ -97,6 +98,9 @@ constexpr auto kKinds =
 constexpr auto kOverflows = std::to_array<Word<layer2::Overflow>>(
     {{"refuse_newest", layer2::Overflow::refuse_newest}, {"delete_oldest", layer2::Overflow::delete_oldest}});
 
+constexpr auto kWriterLost = std::to_array<Word<WriterLost>>(
+    {{"hold", WriterLost::hold}, {"zero", WriterLost::zero}, {"stop_sending", WriterLost::stop_sending}});
+
 constexpr auto kNumbers =
     std::to_array<Word<layer2::ScriptNumbers>>({{"marked", layer2::ScriptNumbers::marked},
                                                 {"decimal", layer2::ScriptNumbers::decimal},
@@ -174,6 +178,12 @@ constexpr auto kRows = std::to_array<Layer2Row>({
     field(
         [](auto& d) -> auto& { return d.config.starts_in_run; },
         boolean("module.run", "The daemon starts in run; false = it stays in stop until it is told to run.")),
+    field(
+        [](auto& d) -> auto& { return d.config.run_follows; },
+        string(
+            "module.run_follows", OptionType::identifier, 0, 63,
+            "Run and stop follow the program that writes RunLead under this name: without it the module is in "
+            "stop; \"\" = they follow none.")),
     // --- [script]
     chosen<kNumbers>(
         [](auto& d) -> auto& { return d.config.script.rules.numbers; },
@@ -230,6 +240,12 @@ constexpr auto kRows = std::to_array<Layer2Row>({
     field(
         [](auto& d) -> auto& { return d.config.mapping.first_always; },
         boolean("mapping.first_always", "With on_change: each telegram is sent once at the start.")),
+    chosen<kWriterLost>(
+        [](auto& d) -> auto& { return d.config.writer_lost; },
+        word(
+            "mapping.writer_lost",
+            "When the program that owns the image that is sent dies: hold = it is sent on as it is; zero = its bytes "
+            "become 0; stop_sending = it is not sent until another program writes it.")),
     // --- [[mapped]]
     {config::rows::label("mapped.number", Layer2Draft::kMostMapped - 1, "Place in the table."),
      [](Layer2Draft& d, const Value&) { d.mapped[d.number].given = true; }},

@@ -45,17 +45,20 @@ void fill_module(const BusSnapshot& bus, layer2_FrameStatus& sample) {
 
 }  // namespace
 
-FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
+FrameGateway::FrameGateway(const Layer2File& file, Layer2Exchange& exchange,
                            const gateway::dds::Participant& participant, JournalSink& journal,
                            const DaemonIdentity& identity)
-    : config_(config),
+    : running_(file),
+      config_(file.config),
       exchange_(exchange),
-      events_(participant, journal, config.bus.name),
-      common_(participant, events_, config, {kLayer2Protocol}, identity),
-      second_daemon_(participant, signal_, events_, config.bus.name, identity),
-      trail_(journal, events_, config.bus.name, 0),
-      jobs_(participant, signal_, events_, trail_, SendRequests(config.send), identity,
-            !config.dds.security.empty()),
+      events_(participant, journal, config_.bus.name),
+      common_(participant, events_, config_, {kLayer2Protocol}, identity),
+      second_daemon_(participant, signal_, events_, config_.bus.name, identity),
+      trail_(journal, events_, config_.bus.name, 0),
+      jobs_(participant, signal_, events_, trail_, SendRequests(running_), identity,
+            !config_.dds.security.empty()),
+      image_gate_(participant, signal_, events_, identity, exchange),
+      lead_(participant, signal_, events_, identity, config_.run_follows, exchange),
       batches_(participant, 0, &signal_),
       status_(participant, 0, &signal_),
       timers_(participant, 0, &signal_),
@@ -67,6 +70,7 @@ FrameGateway::FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
           [this] { end_jobs(); }) {
   batch_.reserve(layer2_BATCH);
   jobs_.set_read_by_all(common_.gateway_writer());
+  set_rules();
 }
 
 FrameGateway::~FrameGateway() {
@@ -91,8 +95,13 @@ void FrameGateway::reload(const Layer2Config& config) {
   exchange_.gateway_wake.signal();
 }
 
-SendContext FrameGateway::context(SteadyTime now) const {
-  return {exchange_, config_, now, {config_.dds.request_max_age, config_.access.read_only}};
+SendContext FrameGateway::context(SteadyTime now) {
+  return {exchange_,   config_, now, {config_.dds.request_max_age, config_.access.read_only},
+          image_gate_, lead_};
+}
+
+void FrameGateway::set_rules() {
+  image_gate_.set_rules({!config_.mapped.empty(), config_.access.read_only, config_.writer_lost});
 }
 
 SteadyTime FrameGateway::pass(bool samples_may_wait) {
@@ -107,10 +116,13 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
   // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
     second_daemon_.look(now);
-    if (jobs_.take_requests(jobs)) signal_.raise();
+    const bool more_outputs = image_gate_.take_samples(now);
+    const bool more_leads = lead_.take_samples(now);
+    if (jobs_.take_requests(jobs) || more_outputs || more_leads) signal_.raise();
   }
   SteadyTime due = publish_status(now);
-  for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next()}) {
+  for (const auto next :
+       {jobs_.retry(jobs), events_.tick(now), losses_.next(), image_gate_.tick(now), lead_.tick(now)}) {
     if (next) due = std::min(due, *next);
   }
   return more_frames ? now : due;
@@ -122,6 +134,7 @@ void FrameGateway::take_configuration(SteadyTime now) {
   config_.access = taken->access;
   config_.dds.request_max_age = taken->dds.request_max_age;
   common_.set_access(config_.access);
+  set_rules();
   events_.publish(
       {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }
@@ -129,6 +142,21 @@ void FrameGateway::take_configuration(SteadyTime now) {
 void FrameGateway::take_answers(const SendContext& context) {
   SendDone done;
   while (exchange_.done.try_pop(done)) jobs_.finish(done, context);
+  take_running();
+}
+
+/// What a request has changed.
+void FrameGateway::take_running() {
+  if (std::exchange(told_changes_, running_.changes()) == running_.changes()) return;
+  const Layer2Config& now = running_.config();
+  const bool sends_otherwise = now.send.queue != config_.send.queue ||
+                               now.send.high_queue != config_.send.high_queue ||
+                               now.send.overflow != config_.send.overflow;
+  config_.send = now.send;
+  config_.mapped = now.mapped;
+  config_.writer_lost = now.writer_lost;
+  set_rules();
+  if (sends_otherwise) jobs_.renew_limits();
 }
 
 bool FrameGateway::publish_frames() {
@@ -202,6 +230,7 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   told_sent_ = bus_.counters.sent;
   told_received_ = bus_.counters.received;
   fill_module(bus_, sample);
+  gateway::dds::copy_text(lead_.program(), sample.run_lead);
   (void)status_.write(sample);
   return std::min(common_due, next_status_);
 }
@@ -210,7 +239,10 @@ void FrameGateway::publish_timers(bool all) {
   for (unsigned number = 1; number <= layer2::Timers::kMost; ++number) {
     const TimerState& timer = bus_.timers[number - 1];
     TimerState& told = told_timers_[number - 1];
-    if (!timer.configured) continue;
+    if (!timer.configured) {
+      if (std::exchange(told, {}).configured) forget_timer(number);
+      continue;
+    }
     const layer2::TimerSettings& settings = timer.settings;
     const bool same = told.configured && told.running == timer.running &&
                       told.settings.frame == settings.frame && told.settings.period == settings.period &&
@@ -232,13 +264,20 @@ void FrameGateway::publish_timers(bool all) {
   }
 }
 
+/// It is configured no longer.
+void FrameGateway::forget_timer(unsigned number) {
+  layer2_TimerStatus sample = {};
+  sample.number = static_cast<std::uint8_t>(number);
+  (void)timers_.dispose(sample);
+}
+
 void FrameGateway::publish_image(SteadyTime now) {
   if (config_.mapped.empty()) return;
   ImageSnapshot read;
   bool changed = false;
   if (exchange_.image.read(read)) {
-    changed = read.exchanging != newest_image_.exchanging || read.inputs != newest_image_.inputs ||
-              read.outputs != newest_image_.outputs;
+    changed = read.exchanging != newest_image_.exchanging || read.sending != newest_image_.sending ||
+              read.inputs != newest_image_.inputs || read.outputs != newest_image_.outputs;
     newest_image_ = read;
   }
   if (!changed && now < next_image_) return;
@@ -246,7 +285,8 @@ void FrameGateway::publish_image(SteadyTime now) {
   layer2_ProcessImage sample = {};
   sample.time = wall_clock_now();
   sample.exchanging = newest_image_.exchanging;
-  sample.sending = newest_image_.exchanging;
+  sample.sending = newest_image_.exchanging && newest_image_.sending;
+  gateway::dds::copy_text(image_gate_.owner(), sample.writer);
   sample.received = newest_image_.received;
   sample.dropped = newest_image_.dropped;
   sample.sent = newest_image_.sent;

@@ -14,7 +14,11 @@
 #include "daemon/desk/job_desk.h"
 #include "daemon/desk/second_daemon.h"
 #include "daemon/layer2/config/config.h"
+#include "daemon/layer2/config/file.h"
+#include "daemon/layer2/config/running.h"
 #include "daemon/layer2/exchange.h"
+#include "daemon/layer2/gateway/image_gate.h"
+#include "daemon/layer2/gateway/run_lead_gate.h"
 #include "daemon/layer2/gateway/send_requests.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
@@ -42,8 +46,8 @@ class FrameGateway {
 
   /// Sets up every topic; nothing is taken or published before `start`. `exchange`, `participant` and
   /// `journal` must outlive the gateway. `identity`: of this start. Throws gateway::dds::SetupError.
-  FrameGateway(const Layer2Config& config, Layer2Exchange& exchange,
-               const gateway::dds::Participant& participant, JournalSink& journal = process_journal(),
+  FrameGateway(const Layer2File& file, Layer2Exchange& exchange, const gateway::dds::Participant& participant,
+               JournalSink& journal = process_journal(),
                const DaemonIdentity& identity = random_daemon_identity());
 
   /// Stops.
@@ -86,12 +90,16 @@ class FrameGateway {
   /// Returns when to call again.
   SteadyTime publish_status(SteadyTime now);
   void publish_timers(bool all);
+  void forget_timer(unsigned number);
   void publish_image(SteadyTime now);
   void publish_objects();
   void publish_events();
   void end_jobs();
-  SendContext context(SteadyTime now) const;
+  SendContext context(SteadyTime now);
+  void set_rules();
+  void take_running();
 
+  RunningConfiguration running_;
   Layer2Config config_;  ///< gateway thread only, once it runs
   Layer2Exchange& exchange_;
   gateway::dds::DataSignal signal_;  ///< before everything that raises it
@@ -100,6 +108,8 @@ class FrameGateway {
   SecondDaemon second_daemon_;
   AuditTrail trail_;
   JobDesk<SendRequests> jobs_;
+  ImageGate image_gate_;
+  RunLeadGate lead_;
   gateway::dds::Writer<layer2_FrameBatch> batches_;
   gateway::dds::Writer<layer2_FrameStatus> status_;
   gateway::dds::Writer<layer2_TimerStatus> timers_;
@@ -117,6 +127,7 @@ class FrameGateway {
   ObjectsSnapshot told_objects_;
   SteadyTime next_image_;
   std::uint64_t told_lost_ = 0;
+  std::uint64_t told_changes_ = 0;   ///< of `running_`, in force here
   std::uint64_t told_sent_ = 0;      ///< by the last FrameStatus
   std::uint64_t told_received_ = 0;  ///< likewise
   FaultRow losses_{kLossQuiet};

@@ -10,7 +10,10 @@
 
 #include "daemon/desk/job_desk.h"
 #include "daemon/layer2/config/config.h"
+#include "daemon/layer2/config/running.h"
 #include "daemon/layer2/exchange.h"
+#include "daemon/layer2/gateway/image_gate.h"
+#include "daemon/layer2/gateway/run_lead_gate.h"
 #include "layer2.h"
 #include "layer2/dds/convert.h"
 #include "layer2/dds/topics.h"
@@ -26,6 +29,8 @@ struct SendContext {
   const Layer2Config& config;
   SteadyTime now;
   RequestRules rules;
+  ImageGate& image;
+  const RunLeadGate& lead;
 };
 
 /// "123#0102", as candump writes a frame.
@@ -35,6 +40,9 @@ std::string frame_text(const can::Frame& frame);
 struct FrameRequest {
   Layer2Job job;
   std::shared_ptr<const void> memory;
+  std::int64_t deadline = 0;                             ///< of a SendOrder: CLOCK_REALTIME (ns); 0: none
+  std::shared_ptr<PreparedConfiguration> prepared = {};  ///< of a ControlOrder to configure
+  gateway::dds::Problem problem = {};                    ///< it cannot be handed on
 };
 
 /// Topic SendRequest.
@@ -49,10 +57,11 @@ struct SendTopic {
   static Reply ended(const gateway::dds::RequestKey& key, layer2::Outcome outcome) {
     return layer2::dds::send_reply(key, {.outcome = outcome}, 0);
   }
-  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done,
-                      const FrameRequest& /*request*/, std::span<std::uint8_t> /*data*/,
-                      const SendContext& /*context*/) {
-    return layer2::dds::send_reply(key, done.answer, done.sent_time.count());
+  static Reply answer(const gateway::dds::RequestKey& key, const SendDone& done, const FrameRequest& request,
+                      std::span<std::uint8_t> /*data*/, const SendContext& /*context*/) {
+    const auto* order = std::get_if<layer2::SendOrder>(&request.job);
+    const std::size_t frames = order == nullptr ? 1 : order->following.size() + 1;
+    return layer2::dds::send_reply(key, done.answer, done.sent_time.count(), frames);
   }
 };
 
@@ -110,7 +119,8 @@ class SendRequests {
   static constexpr Outcome kCancelled = Outcome::cancelled;
   static constexpr Outcome kStopped = Outcome::stopped;
 
-  explicit SendRequests(const SendConfig& config) : config_(config) {}
+  /// `running` must outlive the object.
+  explicit SendRequests(RunningConfiguration& running) : running_(running) {}
 
   /// All frames of a priority share one queue of the station; clients take turns in it. A queue that deletes
   /// the oldest must be able to overflow.
@@ -127,15 +137,13 @@ class SendRequests {
   }
   static gateway::dds::Problem check(const layer2_SendRequest& sample) { return layer2::dds::check(sample); }
   std::optional<Request> request_of(const layer2_SendRequest& sample, JobId id,
-                                    std::vector<std::uint8_t>& /*data*/) const {
-    return Request{layer2::dds::to_core(sample, id, config_.timeout), {}};
-  }
+                                    std::vector<std::uint8_t>& data) const;
   std::optional<Request> request_of(const layer2_ControlRequest& sample, JobId id,
-                                    std::vector<std::uint8_t>& /*data*/) const {
-    return Request{layer2::dds::to_core(sample, id), {}};
-  }
+                                    std::vector<std::uint8_t>& /*data*/) const;
   static std::optional<Request> request_of(const layer2_ObjectRequest& sample, JobId id,
                                            std::vector<std::uint8_t>& data);
+  /// What is not allowed now, whoever asks.
+  static gateway::dds::Problem objection(const Request& request, const SendContext& context);
   static Lane lane_of(const Request& request) noexcept;
   static Effect effect_of(const Request& /*request*/) noexcept { return {Right::operate, true}; }
   static std::string wrong_topic() { return "topic: this one gives no right to send"; }
@@ -148,11 +156,13 @@ class SendRequests {
   gateway::dds::Problem refusal(const SendDone& done, const Request& /*request*/,
                                 const SendContext& /*context*/) const;
   static Outcome outcome_of(const SendDone& done) noexcept { return done.answer.outcome; }
+  /// A configuration that was taken over is in force from now on.
+  void learn(const Request& request, const SendDone& done);
   static std::string_view name(Outcome outcome) noexcept;
   static bool is_done(Outcome outcome) noexcept { return outcome == Outcome::done; }
 
  private:
-  SendConfig config_;
+  RunningConfiguration& running_;
 };
 
 extern template class JobDesk<SendRequests>;

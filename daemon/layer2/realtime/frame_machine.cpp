@@ -48,6 +48,7 @@ void FrameMachine::advance(can::Time now) noexcept {
   }
   watch_bus(now);
   if (reset_) finish_reset(bus_.reset_result());
+  take_outputs();
   take_requests(now);
   module_.advance(now);
 }
@@ -111,8 +112,15 @@ void FrameMachine::take_request(const Layer2Request& request, can::Time now) noe
   }
 }
 
+void FrameMachine::take_outputs() noexcept {
+  if (!exchange_.outputs.read(outputs_)) return;
+  std::copy(outputs_.bytes.begin(), outputs_.bytes.end(), module_.mapping().outputs().begin());
+  module_.mapping().set_sending(outputs_.sending);
+}
+
 void FrameMachine::control(const layer2::ControlOrder& order, can::Time now) noexcept {
   changed_ = true;
+  if (order.what == layer2::Control::write_image) take_outputs();  // given before its order
   if (order.what != layer2::Control::reset_controller) {
     const layer2::Refusal refusal = module_.control(order, now);
     answer({{.id = order.id}, refusal, {}});
@@ -227,11 +235,12 @@ void FrameMachine::publish_image(can::Time now) noexcept {
   if (!module_.has_mapping() || now < next_image_) return;
   const layer2::DataMapping& mapping = module_.mapping();
   next_image_ = now + kImagePeriod;
-  ImageSnapshot newest{mapping.runs(), mapping.received(), mapping.dropped(), mapping.sent(), {}, {}};
+  ImageSnapshot newest{
+      mapping.runs(), mapping.sending(), mapping.received(), mapping.dropped(), mapping.sent(), {}, {}};
   std::copy(mapping.inputs().begin(), mapping.inputs().end(), newest.inputs.begin());
   std::copy(mapping.outputs().begin(), mapping.outputs().end(), newest.outputs.begin());
-  const bool changed = newest.exchanging != image_.exchanging || newest.inputs != image_.inputs ||
-                       newest.outputs != image_.outputs;
+  const bool changed = newest.exchanging != image_.exchanging || newest.sending != image_.sending ||
+                       newest.inputs != image_.inputs || newest.outputs != image_.outputs;
   image_ = newest;
   exchange_.image.write(image_);
   if (changed) pending_ = true;

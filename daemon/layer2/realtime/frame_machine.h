@@ -52,6 +52,7 @@ class FrameMachine {
   void pass_received() noexcept;
   void take_snapshot() noexcept;
   void publish_image(can::Time now) noexcept;
+  void take_outputs() noexcept;
   void publish_objects(can::Time now) noexcept;
   void pass_events() noexcept;
   void watch_bus(can::Time now) noexcept;
@@ -73,6 +74,7 @@ class FrameMachine {
   std::size_t unanswered_ = 0;            ///< orders taken whose answer was not pushed yet
   std::optional<layer2::OrderId> reset_;  ///< that asked for the reset under way
   ImageSnapshot image_;
+  OutputImage outputs_;
   can::Time next_image_{};
   ObjectsSnapshot objects_;
   std::uint64_t told_objects_ = 0;  ///< `MessageObjects::changes` of what was passed on

@@ -8,6 +8,7 @@
 
 #include "can/frame_filter.h"
 #include "config/reload.h"
+#include "daemon/layer2/config/module_settings.h"
 #include "daemon/segment/segment_start.h"
 #include "layer2/sim/frame_faults.h"
 #include "layer2/sim/frame_node.h"
@@ -67,26 +68,7 @@ FrameMachineSettings frame_machine_settings(const Layer2Config& config, FlightTa
   FrameMachineSettings settings;
   settings.tap = tap;
   settings.bits_per_second = config.bus.bits_per_second;
-  layer2::ModuleSettings& module = settings.module;
-  module.station.queue = config.send.queue;
-  module.station.high_queue = config.send.high_queue;
-  module.station.overflow = config.send.overflow;
-  for (const layer2::ReceiveRange& range : config.receive) module.station.filter.add(range);
-  if (config.node_filter != 0) module.station.node = {config.node_filter, config.node_filter_extended};
-  module.receive_queue = config.queues.receive;
-  module.receive_high_queue = config.queues.receive_high;
-  module.receive_overflow = config.queues.overflow;
-  for (const TimerConfig& timer : config.timers) module.timers[timer.number - 1] = timer.timer;
-  for (const ObjectConfig& object : config.objects) module.objects[object.number] = object.settings;
-  module.object_patience = config.send.timeout;
-  module.window = config.window;
-  module.longest_frame = kLongestFrameBits * can::Time(std::chrono::seconds(1)) / config.bus.bits_per_second;
-  module.power_on = read_script(config.script.power_on, config.script.rules);
-  module.run = read_script(config.script.run, config.script.rules);
-  module.stop = read_script(config.script.stop, config.script.rules);
-  module.starts_in_run = config.starts_in_run;
-  module.mapping = config.mapping;
-  module.mapped = config.mapped;
+  settings.module = module_settings(config);
   return settings;
 }
 
@@ -96,7 +78,7 @@ Layer2Segment::Layer2Segment(Layer2File file, JournalSink& journal, gateway::dds
       bus_(layer2_bus_plan(file_.config)),
       exchange_(file_.config.realtime.request_queue, file_.config.realtime.report_queue),
       participant_(std::move(participant)),
-      gateway_(file_.config, exchange_, participant_, journal),
+      gateway_(file_, exchange_, participant_, journal),
       flight_(
           file_.config, FlightProtocol{}, bus_.bus(),
           [this](const EventText& event) { gateway_.post(event); }, journal),

@@ -46,6 +46,7 @@ FrameClient::FrameClient(const Options& options)
       status_(participant_, &signal_),
       timer_status_(participant_, &signal_),
       object_status_(participant_, &signal_),
+      image_reader_(participant_, &signal_),
       bus_reader_(participant_, &signal_),
       sight_(participant_, signal_, options.bus),
       requests_(participant_, 0, &signal_),
@@ -76,8 +77,23 @@ milliseconds FrameClient::monitoring_of(std::uint32_t timeout_ms) const {
 }
 
 Begun FrameClient::begin_send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
+  return begin_send(std::span(&frame, 1), timeout_ms, choice);
+}
+
+Begun FrameClient::begin_send(std::span<const can::Frame> frames, std::uint32_t timeout_ms,
+                              const SendChoice& choice) {
   layer2_SendRequest request = {};
-  request.content = dds::to_idl(frame);
+  if (frames.empty() || frames.size() > layer2_BATCH) {
+    return {
+        0, SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_LENGTH,
+                      fmt::format("frames of one request: {}; allowed: 1..{}", frames.size(), layer2_BATCH)}};
+  }
+  std::vector<layer2_CanFrame> all;
+  for (const can::Frame& frame : frames) all.push_back(dds::to_idl(frame));
+  request.content = all.front();
+  request.following._buffer = all.data() + 1;
+  request.following._length = request.following._maximum = static_cast<std::uint32_t>(all.size() - 1);
+  request.deadline = choice.deadline;
   request.timeout = timeout_ms;
   request.high_priority = choice.high_priority;
   request.by_identifier = choice.by_identifier;
@@ -89,8 +105,13 @@ Begun FrameClient::begin_control(const layer2_ControlRequest& wanted) {
 }
 
 SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
+  return send(std::span(&frame, 1), timeout_ms, choice);
+}
+
+SendResult FrameClient::send(std::span<const can::Frame> frames, std::uint32_t timeout_ms,
+                             const SendChoice& choice) {
   sight_.look();
-  return await(begin_send(frame, timeout_ms, choice), monitoring_of(timeout_ms));
+  return await(begin_send(frames, timeout_ms, choice), monitoring_of(timeout_ms));
 }
 
 SendResult FrameClient::control(const layer2_ControlRequest& wanted) {
@@ -161,7 +182,9 @@ void FrameClient::take_replies(const std::function<void(std::uint64_t, const Sen
     result.reason = std::string(gateway::dds::text(reply.reason));
     ended(reply.request, result);
   };
-  replies_.take([&](const layer2_SendReply& reply) { tell(reply, {.sent_time = reply.sent_time}); });
+  replies_.take([&](const layer2_SendReply& reply) {
+    tell(reply, {.sent_time = reply.sent_time, .sent = reply.sent});
+  });
   control_replies_.take([&](const layer2_ControlReply& reply) { tell(reply, {}); });
   object_replies_.take([&](const layer2_ObjectReply& reply) {
     tell(reply, {.sent_time = reply.time,
@@ -210,7 +233,8 @@ template <class Status>
 void FrameClient::keep_newest(gateway::dds::Reader<Status>& reader, std::map<unsigned, Status>& newest,
                               milliseconds time) {
   wait_until(time, [&] {
-    reader.take([&](const Status& sample) { newest[sample.number] = sample; });
+    reader.take([&](const Status& sample) { newest[sample.number] = sample; },
+                [&](const Status& gone) { newest.erase(gone.number); });
     return !newest.empty();
   });
 }
@@ -220,6 +244,28 @@ std::vector<layer2_TimerStatus> FrameClient::timers(milliseconds time) {
   std::vector<layer2_TimerStatus> found;
   for (const auto& [number, timer] : timers_) found.push_back(timer);
   return found;
+}
+
+void FrameClient::wait_for_match(const gateway::dds::WriterBase& writer) {
+  if (writer.permitted()) wait_until(kDefaultMonitoring, [&] { return writer.matched() != 0; });
+}
+
+std::optional<layer2_ProcessImage> FrameClient::image(milliseconds time, bool fresh) {
+  if (fresh) image_.reset();
+  wait_until(time, [&] {
+    image_reader_.take([this](const layer2_ProcessImage& sample) { image_ = sample; });
+    return image_.has_value();
+  });
+  return image_;
+}
+
+SendResult FrameClient::configure(std::string_view toml) {
+  layer2_ControlRequest request = {};
+  request.kind = layer2_CONTROL_CONFIGURE;
+  std::vector<std::uint8_t> bytes(toml.begin(), toml.end());
+  request.data._buffer = bytes.data();
+  request.data._length = request.data._maximum = static_cast<std::uint32_t>(bytes.size());
+  return control(request);
 }
 
 SendResult FrameClient::object(const layer2_ObjectRequest& wanted) {

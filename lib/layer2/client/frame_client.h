@@ -7,7 +7,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "can/frame.h"
@@ -33,6 +35,7 @@ struct SendResult {
   gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< of REPLY_REFUSED
   std::string reason;                               ///< empty when done
   std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns) of the frame's last bit
+  std::uint32_t sent = 0;                           ///< frames of the request that were seen on the bus
   // --- of OBJECT_READ
   bool fresh = false;    ///< there was a frame, whose last bit `sent_time` is
   bool overrun = false;  ///< another one came while the object was full
@@ -55,6 +58,7 @@ struct Listener {
 struct SendChoice {
   bool high_priority = false;  ///< in the queue of high priority
   bool by_identifier = false;  ///< in front of those that lose the arbitration against it
+  std::int64_t deadline = 0;   ///< CLOCK_REALTIME (ns), ends the monitoring time when it is earlier; 0: none
 };
 
 /// A connection to the daemon of one bus. One thread.
@@ -72,6 +76,11 @@ class FrameClient {
   /// first is refused here, and every one while several daemons serve the bus.
   SendResult send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice = {});
 
+  /// Sends frames one after the other, from one place in the queue and with one reply, as `send` does; its
+  /// `sent` says how many stood on the bus. 1..64 of them.
+  SendResult send(std::span<const can::Frame> frames, std::uint32_t timeout_ms,
+                  const SendChoice& choice = {});
+
   /// Has the daemon do what `wanted` says, and waits for the reply as `send` does; `sent_time` is 0. Who asks
   /// need not stand in it.
   SendResult control(const layer2_ControlRequest& wanted);
@@ -80,6 +89,9 @@ class FrameClient {
   /// last `look`. A daemon that has gone tells nothing more (`may_answer`). Waits at most 1 s when the daemon
   /// takes no samples.
   Begun begin_send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice = {});
+  /// Of several, 1..64.
+  Begun begin_send(std::span<const can::Frame> frames, std::uint32_t timeout_ms,
+                   const SendChoice& choice = {});
   /// Likewise.
   Begun begin_control(const layer2_ControlRequest& wanted);
   /// Takes what has come, without waiting.
@@ -87,6 +99,10 @@ class FrameClient {
   /// May the result of a request to this start of the daemon still come? Whoever hears that it may not is
   /// taken to know that the daemon has gone.
   bool may_answer(const gateway::dds::DaemonIdentity& daemon);
+
+  /// Has the daemon take sections of a configuration file over, all of them or nothing, until it is
+  /// restarted; `reason` says the place and what is wrong. At most 131072 bytes.
+  SendResult configure(std::string_view toml);
 
   /// Has the daemon do what `wanted` says with message objects, and waits for the reply as `send` does. Who
   /// asks need not stand in it.
@@ -112,6 +128,10 @@ class FrameClient {
   /// here.
   const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
 
+  /// The process image as the daemon told it last, waiting at most `time` for the first, and with `fresh` for
+  /// another one; nothing: none came, for there is no mapping.
+  std::optional<layer2_ProcessImage> image(std::chrono::milliseconds time, bool fresh = false);
+
   /// What the daemon told last of its frames, waiting at most `time` for the first; nothing: none came.
   std::optional<layer2_FrameStatus> status(std::chrono::milliseconds time);
 
@@ -123,6 +143,13 @@ class FrameClient {
 
   /// A daemon serves the bus now.
   bool daemon_present() const noexcept { return replies_.matched() != 0; }
+
+  /// For writers of topics of their own.
+  const gateway::dds::Participant& participant() const noexcept { return participant_; }
+  /// As this program names itself.
+  const std::string& name() const noexcept { return options_.client_name; }
+  /// Waits a second at most until the daemon reads what a writer writes.
+  void wait_for_match(const gateway::dds::WriterBase& writer);
 
   /// Where the daemon was looked for, for messages.
   std::string place() const { return participant_.place(); }
@@ -159,6 +186,7 @@ class FrameClient {
   gateway::dds::Reader<layer2_FrameStatus> status_;
   gateway::dds::Reader<layer2_TimerStatus> timer_status_;
   gateway::dds::Reader<layer2_ObjectStatus> object_status_;
+  gateway::dds::Reader<layer2_ProcessImage> image_reader_;
   std::unique_ptr<gateway::dds::Reader<layer2_ModuleEvent>> events_;  ///< from the first `events` on
   gateway::dds::Reader<gateway_BusStatus> bus_reader_;
   gateway::dds::DaemonSight sight_;
@@ -171,6 +199,7 @@ class FrameClient {
   std::map<unsigned, layer2_TimerStatus> timers_;
   std::optional<gateway_BusStatus> bus_;
   std::map<unsigned, layer2_ObjectStatus> objects_;
+  std::optional<layer2_ProcessImage> image_;
 };
 
 }  // namespace layer2::client

@@ -1,11 +1,14 @@
 #include "layer2/dds/convert.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <iterator>
 
 #include "dds/bounded_text.h"
+#include "text/counts.h"
 
 namespace layer2::dds {
 namespace {
@@ -36,6 +39,8 @@ Control control_of(layer2_ControlKind kind) noexcept {
       return Control::clear_queues;
     case layer2_CONTROL_RESET_OVERFLOW:
       return Control::reset_overflow;
+    case layer2_CONTROL_CONFIGURE:
+      return Control::configure;
     default:
       return Control::write_image;
   }
@@ -82,11 +87,23 @@ can::Frame to_core(const layer2_CanFrame& frame) noexcept {
   return out;
 }
 
-SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout) noexcept {
-  const Time timeout = std::chrono::milliseconds(request.timeout);
-  return {id, to_core(request.content), timeout == Time{0} ? default_timeout : timeout,
+SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout,
+                  std::span<const can::Frame> following) noexcept {
+  Time timeout = std::chrono::milliseconds(request.timeout);
+  if (timeout == Time{0}) timeout = default_timeout;
+  return {id,
+          to_core(request.content),
+          timeout,
           request.high_priority ? Priority::high : Priority::normal,
-          request.by_identifier ? Placing::by_identifier : Placing::last};
+          request.by_identifier ? Placing::by_identifier : Placing::last,
+          following};
+}
+
+std::vector<can::Frame> following_of(const layer2_SendRequest& request) {
+  std::vector<can::Frame> frames;
+  for (std::uint32_t i = 0; i < request.following._length; ++i)
+    frames.push_back(to_core(request.following._buffer[i]));
+  return frames;
 }
 
 ControlOrder to_core(const layer2_ControlRequest& request, OrderId id) noexcept {
@@ -193,10 +210,19 @@ std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept {
   return "the daemon was stopped before the frame was sent";
 }
 
-layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept {
+layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time,
+                            std::size_t frames) {
   auto reply = reply_to<layer2_SendReply>(key);
   reply.code = to_reply_code(answer.outcome);
-  copy_text(reason_of(answer.outcome, answer.obstacle), reply.reason);
+  const std::string_view reason = reason_of(answer.outcome, answer.obstacle);
+  if (frames == 1 || reason.empty()) {
+    copy_text(reason, reply.reason);
+  } else {
+    copy_text(
+        fmt::format("on the bus: {}; the next: {}", text::counted_of(answer.seen, frames, "frame"), reason),
+        reply.reason);
+  }
+  reply.sent = answer.seen;
   if (answer.outcome == Outcome::done) reply.sent_time = sent_time;
   return reply;
 }

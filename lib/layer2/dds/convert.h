@@ -19,8 +19,12 @@ namespace layer2::dds {
 
 /// What of the frame is not sent (bytes beyond its length, data of a remote frame) is zero.
 can::Frame to_core(const layer2_CanFrame& frame) noexcept;
-/// `default_timeout` (over 0) counts for a request that names none.
-SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout) noexcept;
+/// `default_timeout` (over 0) counts for a request that names none. `following` must have been converted by
+/// `following_of`, and outlive the order. The deadline is not looked at.
+SendOrder to_core(const layer2_SendRequest& request, OrderId id, Time default_timeout,
+                  std::span<const can::Frame> following = {}) noexcept;
+/// The frames after the first one. Allocates.
+std::vector<can::Frame> following_of(const layer2_SendRequest& request);
 
 /// The order of a request, its timer's frame included.
 ControlOrder to_core(const layer2_ControlRequest& request, OrderId id) noexcept;
@@ -42,8 +46,10 @@ gateway_ReplyCode to_reply_code(Outcome outcome) noexcept;
 /// What an outcome means and what helps; empty when done.
 std::string_view reason_of(Outcome outcome, Obstacle obstacle) noexcept;
 
-/// Terminal reply; `sent_time` is CLOCK_REALTIME (ns) of the frame's last bit and counts when done alone.
-layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time) noexcept;
+/// Terminal reply to a request of so many `frames`; `sent_time` is CLOCK_REALTIME (ns) of the last bit and
+/// counts when done alone.
+layer2_SendReply send_reply(const RequestKey& key, const Answer& answer, std::int64_t sent_time,
+                            std::size_t frames = 1);
 /// Nothing was sent, for this cause and reason.
 layer2_SendReply send_refused(const RequestKey& key, const gateway::dds::Denial& denial) noexcept;
 

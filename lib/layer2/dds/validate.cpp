@@ -28,12 +28,12 @@ std::string identifier_problem(std::string_view field, std::uint32_t identifier,
 constexpr std::uint32_t kShortestPeriodUs = 100;
 constexpr std::uint32_t kLongestPeriodUs = 3'600'000'000;
 
-Problem check(const layer2_CanFrame& frame) {
-  if (auto text = identifier_problem("content.identifier", frame.identifier, frame.extended); !text.empty())
-    return Denial{gateway_CAUSE_FIELD, std::move(text)};
+Problem check(const layer2_CanFrame& frame, std::string_view member = "content") {
+  auto text = identifier_problem(fmt::format("{}.identifier", member), frame.identifier, frame.extended);
+  if (!text.empty()) return Denial{gateway_CAUSE_FIELD, std::move(text)};
   if (frame.length > 8)
     return Denial{gateway_CAUSE_LENGTH,
-                  fmt::format("content.length {}: out of range; allowed 0..8", frame.length)};
+                  fmt::format("{}.length {}: out of range; allowed 0..8", member, frame.length)};
   return std::nullopt;
 }
 
@@ -103,14 +103,15 @@ Problem check(const layer2_ControlRequest& request) {
     default:
       break;
   }
-  if (kind >= layer2_CONTROL_RUN && kind <= layer2_CONTROL_WRITE_IMAGE) return std::nullopt;
+  if (kind >= layer2_CONTROL_RUN && kind <= layer2_CONTROL_CONFIGURE) return std::nullopt;
   return Denial{gateway_CAUSE_KIND, fmt::format("kind {}: unknown to this daemon", kind)};
 }
 
 Problem check(const layer2_SendRequest& request) {
   if (auto problem = check(request.content)) return problem;
-  if (request.following._length != 0 || request.deadline != 0)
-    return Denial{gateway_CAUSE_FIELD, "following, deadline: not taken by this daemon; allowed: none, 0"};
+  for (std::uint32_t i = 0; i < request.following._length; ++i) {
+    if (auto problem = check(request.following._buffer[i], fmt::format("following[{}]", i))) return problem;
+  }
   if (request.timeout > kMaximumTimeoutMs) {
     return Denial{gateway_CAUSE_FIELD,
                   fmt::format("timeout {} ms: out of range; allowed 0..{} ms, 0 = the daemon's default",
@@ -141,31 +142,11 @@ Problem check(const layer2_ObjectRequest& request) {
   return check(request.content);
 }
 
-Problem explain(Refusal refusal, std::uint16_t queue) {
+namespace {
+
+/// Of an order to a message object.
+Denial explain_object(Refusal refusal) {
   switch (refusal) {
-    case Refusal::none:
-      return std::nullopt;
-    case Refusal::queue_full:
-      return Denial{gateway_CAUSE_QUEUE_FULL,
-                    fmt::format("queue full: at most {} may wait to be sent; try again when one has been",
-                                text::counted(queue, "frame"))};
-    case Refusal::bad_frame:
-      return Denial{gateway_CAUSE_FIELD,
-                    "content: no frame that can be sent; allowed are data and remote frames with 0..8 bytes"};
-    case Refusal::no_timer:
-      return Denial{gateway_CAUSE_FIELD,
-                    "number: that timer has nothing to send; set it first, or give it a [[timer]] section"};
-    case Refusal::no_image:
-      return Denial{gateway_CAUSE_MAPPING, "there is no process image; give the daemon [[mapped]] sections"};
-    case Refusal::not_permitted:
-      return Denial{gateway_CAUSE_RIGHT,
-                    "the daemon may not reset the controller; give it the right CAP_NET_ADMIN"};
-    case Refusal::no_controller:
-      return Denial{
-          gateway_CAUSE_BUS_UNAVAILABLE,
-          "the controller cannot be reset: its interface is missing or down, or its driver does not do it"};
-    case Refusal::reset_under_way:
-      return Denial{gateway_CAUSE_QUEUE_FULL, "the controller is being reset"};
     case Refusal::object_reserved:
       return Denial{gateway_CAUSE_WRONG_STATE,
                     "number: this object belongs to the data mapping; take another one, 0..27 or 30..31"};
@@ -178,9 +159,60 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
       return Denial{
           gateway_CAUSE_QUEUE_FULL,
           "number: this object has a job, or asks for a frame; try again when that has ended, or abort it"};
-    case Refusal::object_frame:
+    default:
       return Denial{gateway_CAUSE_FIELD,
                     "content: no data frame of the object's width (extended) with 0..8 bytes"};
+  }
+}
+
+}  // namespace
+
+Problem explain(Refusal refusal, std::uint16_t queue) {
+  switch (refusal) {
+    case Refusal::none:
+      return std::nullopt;
+    case Refusal::queue_full:
+      return Denial{gateway_CAUSE_QUEUE_FULL,
+                    fmt::format("queue full: at most {} may wait to be sent; try again when one has been",
+                                text::counted(queue, "frame"))};
+    case Refusal::too_late:
+      return Denial{gateway_CAUSE_STALE,
+                    "deadline: it had passed before the frame could be handed over; nothing was sent"};
+    case Refusal::bad_frame:
+      return Denial{gateway_CAUSE_FIELD,
+                    "content: no frame that can be sent; allowed are data and remote frames with 0..8 bytes"};
+    case Refusal::no_timer:
+      return Denial{gateway_CAUSE_FIELD,
+                    "number: that timer has nothing to send; set it first, or give it a [[timer]] section"};
+    case Refusal::no_image:
+      return Denial{gateway_CAUSE_MAPPING, "there is no process image; give the daemon [[mapped]] sections"};
+    case Refusal::queue_in_use:
+      return Denial{gateway_CAUSE_QUEUE_FULL,
+                    "data: more waits in a queue than it would have room for; try again, or empty it first "
+                    "(can clear-queues)"};
+    case Refusal::script_under_way:
+      return Denial{gateway_CAUSE_WRONG_STATE,
+                    "data: a script that would be replaced is under way; try again when it has ended"};
+    case Refusal::not_led:
+      return Denial{gateway_CAUSE_WRONG_STATE,
+                    "run and stop follow a program (module.run_follows), which is not there or says stop"};
+    case Refusal::image_owned:
+      return Denial{gateway_CAUSE_WRONG_STATE,
+                    "the image belongs to a writer of ImageOutputs; write when that has given it up"};
+    case Refusal::not_permitted:
+      return Denial{gateway_CAUSE_RIGHT,
+                    "the daemon may not reset the controller; give it the right CAP_NET_ADMIN"};
+    case Refusal::no_controller:
+      return Denial{
+          gateway_CAUSE_BUS_UNAVAILABLE,
+          "the controller cannot be reset: its interface is missing or down, or its driver does not do it"};
+    case Refusal::reset_under_way:
+      return Denial{gateway_CAUSE_QUEUE_FULL, "the controller is being reset"};
+    case Refusal::object_reserved:
+    case Refusal::object_direction:
+    case Refusal::object_pending:
+    case Refusal::object_frame:
+      return explain_object(refusal);
     case Refusal::not_running:
       return Denial{gateway_CAUSE_WRONG_STATE, "in stop nothing is sent; let it run first (cansync can run)"};
     case Refusal::stopped:

@@ -267,11 +267,19 @@ TEST(FrameMachine, L52L55TheProcessImageIsExchanged) {
                             {.identifier = 0x201, .address = 0, .size = 2, .output = true}};
   settings.module.mapping.rule = {.identifier = 0x181, .mask = 0x7FF};
   Rig rig(settings, one({.periodic = data_frame(0x181, {0, 7}), .period = milliseconds(20)}));
-  layer2::ControlOrder write{.id = 1, .what = layer2::Control::write_image, .address = 0, .size = 2};
-  write.bytes = {0xAB, 0xCD};
-  rig.bus.script.emplace(milliseconds(5), [&] { EXPECT_TRUE(rig.exchange.requests.try_push(write)); });
+  const layer2::ControlOrder write{.id = 1, .what = layer2::Control::write_image, .written = true};
+  const layer2::ControlOrder owned{.id = 2, .what = layer2::Control::write_image};
+  OutputImage outputs;
+  outputs.bytes[0] = 0xAB;
+  outputs.bytes[1] = 0xCD;
+  rig.bus.script.emplace(milliseconds(5), [&] {
+    rig.exchange.outputs.write(outputs);
+    EXPECT_TRUE(rig.exchange.requests.try_push(write));
+    EXPECT_TRUE(rig.exchange.requests.try_push(owned));
+  });
   rig.run_until(milliseconds(95));
   EXPECT_EQ(rig.answer_to(1).refusal, layer2::Refusal::none);
+  EXPECT_EQ(rig.answer_to(2).refusal, layer2::Refusal::image_owned);
   ImageSnapshot image;
   ASSERT_TRUE(rig.exchange.image.read(image));
   EXPECT_TRUE(image.exchanging);

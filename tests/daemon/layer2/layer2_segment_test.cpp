@@ -120,7 +120,7 @@ TEST_F(Layer2Bus, WhatWasReceivedBeforeTheStopIsPublished) {
   const Layer2File file = file_for(places_);
   Layer2Exchange exchange(16, 2 * kFrames);
   const gateway::dds::Participant participant(places_.here);
-  FrameGateway gateway(file.config, exchange, participant, journal_);
+  FrameGateway gateway(file, exchange, participant, journal_);
   gateway.start();
   client_.emplace(options_for(places_));
   // The gateway may know of the client's reader later than the client of the gateway's writer.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 #include <string_view>
 
@@ -42,6 +43,20 @@ TEST(Validate, TextsNameFieldValueAndWhatIsAllowed) {
             "timeout 3600001 ms: out of range; allowed 0..3600000 ms, 0 = the daemon's default");
 }
 
+TEST(Validate, EachFollowingFrameIsLookedAt) {
+  layer2_SendRequest asked = request(0x7FF, false, 8);
+  std::array<layer2_CanFrame, 2> following = {};
+  asked.following._buffer = following.data();
+  asked.following._length = asked.following._maximum = 2;
+  EXPECT_EQ(problem(asked), "");
+  following[1].length = 9;
+  EXPECT_EQ(problem(asked), "following[1].length 9: out of range; allowed 0..8");
+  following[0].identifier = 0x800;
+  EXPECT_EQ(
+      problem(asked),
+      "following[0].identifier 0x800: out of range; allowed 0..0x7FF, or with extended up to 0x1FFFFFFF");
+}
+
 TEST(Validate, RefusalsOfTheStationHaveWords) {
   const auto expect = [](Refusal refusal, gateway_RefusalCause cause, std::string_view word) {
     const auto problem = explain(refusal, 64);
@@ -50,6 +65,9 @@ TEST(Validate, RefusalsOfTheStationHaveWords) {
     EXPECT_NE(problem->reason.find(word), std::string::npos) << problem->reason;
   };
   expect(Refusal::queue_full, gateway_CAUSE_QUEUE_FULL, "at most 64 frames may wait to be sent");
+  expect(Refusal::too_late, gateway_CAUSE_STALE, "nothing was sent");
+  expect(Refusal::not_led, gateway_CAUSE_WRONG_STATE, "module.run_follows");
+  expect(Refusal::image_owned, gateway_CAUSE_WRONG_STATE, "ImageOutputs");
   expect(Refusal::bad_frame, gateway_CAUSE_FIELD, "0..8 bytes");
   expect(Refusal::stopped, gateway_CAUSE_STOPPING, "being stopped");
   EXPECT_FALSE(explain(Refusal::none, 64));

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "daemon/desk/gateway_events.h"
+#include "daemon/layer2/config/config.h"
+#include "daemon/layer2/exchange.h"
+#include "daemon/layer2/gateway/sole_writer.h"
+#include "daemon/service/daemon_identity.h"
+#include "dds/denial.h"
+#include "layer2.h"
+
+namespace cansyncd {
+
+/// The process image that is sent: who owns it, what is in it, and what becomes of it when its owner dies.
+/// Gateway thread only.
+///
+/// The owner is the strongest living writer of ImageOutputs; while there is one, nobody else writes. Owner or
+/// not, the realtime thread has all of a change or nothing of it between two telegrams.
+class ImageGate {
+ public:
+  /// A row of refused samples is over when none was refused for so long.
+  static constexpr std::chrono::seconds kQuiet{1};
+
+  /// `daemon`: this start, which samples must name. All must outlive the gate. Throws
+  /// gateway::dds::SetupError.
+  ImageGate(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
+            EventPublisher& events, const DaemonIdentity& daemon, Layer2Exchange& exchange);
+
+  /// What of the configuration counts.
+  struct Rules {
+    bool mapped = false;     ///< there is an image
+    bool read_only = false;  ///< nobody writes it
+    WriterLost lost = WriterLost::hold;
+  };
+  /// Takes effect with the next sample.
+  void set_rules(const Rules& rules) noexcept { rules_ = rules; }
+
+  /// Takes what has come, and looks whether the owner is gone. True: there may be more.
+  bool take_samples(SteadyTime now);
+  /// Tells of refusals that are over. Returns when to call again; nothing: no need.
+  std::optional<SteadyTime> tick(SteadyTime now);
+
+  /// A request writes; false: there is no image, or it has an owner, and nothing has changed.
+  bool write(std::uint16_t address, std::span<const std::uint8_t> bytes);
+
+  /// The owner, as it names itself; empty: none.
+  const std::string& owner() const noexcept { return writer_.name(); }
+  /// The image is sent.
+  bool sending() const noexcept { return image_.sending; }
+
+ private:
+  void take(const layer2_ImageOutputs& sample, dds_instance_handle_t writer, SteadyTime now);
+  gateway::dds::Problem problem_of(const layer2_ImageOutputs& sample) const;
+  void take_over(dds_instance_handle_t writer, SteadyTime now);
+  void lost(SteadyTime now);
+
+  SoleWriter<layer2_ImageOutputs> writer_;
+  EventPublisher& events_;
+  const DaemonIdentity daemon_;
+  Layer2Exchange& exchange_;
+  Rules rules_;
+  OutputImage image_;
+  bool changed_ = false;  ///< since it was handed on
+  FaultRow refusals_{kQuiet};
+};
+
+}  // namespace cansyncd

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "dds/daemon_identity.h"
+#include "dds/endpoint.h"
+#include "layer2/client/frame_client.h"
+
+namespace layer2::client {
+
+/// Writes the process image that is sent, as its owner: of several writers the strongest that lives. When the
+/// program dies without giving the image up, the daemon does what mapping.writer_lost says. One thread.
+class ImageWriter {
+ public:
+  /// For the daemon that `client` sees now, whose next start takes nothing, until `take_up`. `strength`: 0
+  /// and more. `client` must outlive the writer. Throws gateway::dds::SetupError.
+  ImageWriter(FrameClient& client, std::int32_t strength);
+  /// Gives the image up, which stays as it is.
+  ~ImageWriter();
+  ImageWriter(const ImageWriter&) = delete;
+  ImageWriter& operator=(const ImageWriter&) = delete;
+
+  /// Writes bytes from `address` (0..1023) on, at most 1024 together; between two telegrams all of them are
+  /// in the image or none. Returns what failed; empty: they were handed to DDS. What the daemon refuses is
+  /// its event `image_refused`.
+  std::string write(std::uint16_t address, std::span<const std::uint8_t> bytes);
+  /// The image is nobody's from now on, or a weaker writer's.
+  void give_up();
+
+  /// The daemon was started anew: nothing that is written is taken.
+  bool daemon_restarted() const noexcept;
+  /// From now on what is written is for the daemon that is there now.
+  void take_up() noexcept;
+
+ private:
+  std::string put(layer2_ImageOutputs& sample);
+
+  FrameClient& client_;
+  gateway::dds::Writer<layer2_ImageOutputs> writer_;
+  gateway::dds::DaemonIdentity daemon_ = {};
+  bool written_ = false;
+};
+
+/// Says whether the module is to run, when its run and stop follow this program (module.run_follows has its
+/// name): until this object is destroyed, or the program dies, which both are stop. One thread.
+class RunLead {
+ public:
+  /// As ImageWriter; the name is `client_name`.
+  RunLead(FrameClient& client, std::string_view client_name, std::int32_t strength);
+  /// Stop.
+  ~RunLead();
+  RunLead(const RunLead&) = delete;
+  RunLead& operator=(const RunLead&) = delete;
+
+  /// The module is to run, or to stop. For the daemon that the client sees now: after another start it is to
+  /// be said again. Returns what failed; empty: it was handed to DDS.
+  std::string say(bool run);
+
+ private:
+  FrameClient& client_;
+  const std::string name_;
+  gateway::dds::Writer<layer2_RunLead> writer_;
+};
+
+}  // namespace layer2::client
