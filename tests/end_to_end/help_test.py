@@ -44,7 +44,7 @@ TABLES = {
 
 
 # Their tables are looked at by the tests of their protocol.
-OF_OTHER_PROTOCOLS = {"can", "can dump", "can send", "can queues", "can timers", "can script", "messages", "transmit", "request", "addresses", "faults", "references", "actual", "serve"}
+OF_OTHER_PROTOCOLS = {"can", "can dump", "can send", "can queues", "can timers", "can script", "can objects", "can image", "can lead", "can configure", "messages", "transmit", "request", "addresses", "faults", "references", "actual", "serve"}
 
 
 class Columns(VerbTest):

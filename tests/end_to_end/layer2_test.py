@@ -49,6 +49,15 @@ period_ms = 20
 number = 3
 identifier = 0x80
 period_us = 20000
+[[mapped]]
+number = 0
+identifier = 0x480
+output = true
+size = 8
+[mapping]
+identifier = 0x490
+mask = 0x7FF
+on_change = true
 [script]
 power_on = ["// nothing yet", "Send 0x700 1 0"]
 """
@@ -209,6 +218,86 @@ class Frames(unittest.TestCase):
             wrong = self.place.run("can", "dump", "--dbc", file.name)
         self.assertEqual(wrong.returncode, 2)
         self.assertIn(f"{file.name}:2:8: found '0'; allowed: ':'", wrong.stderr)
+
+    def test_message_objects_at_the_terminal(self):
+        self.assertEqual(self.one("can", "objects", "configure", "3", "201", "--transmit", "--timeout-ms", "500")["result"], "done")
+        self.assertEqual(self.one("can", "objects", "configure", "4", "250/7F0", "--tell")["result"], "done")
+        sent = self.one("can", "objects", "send", "3", "210#0102")
+        self.assertEqual((sent["result"], sent["frame"], sent["number"]), ("done", "210#0102", 3))
+        expect(["can", "objects"], sent)
+        self.assertIsNone(self.one("can", "objects", "read", "4", "--release")["frame"])
+        read = wait_for("a frame", lambda: (r := self.one("can", "objects", "read", "4", "--release"))["frame"] and r)
+        self.assertRegex(read["frame"], "^250#[0-9A-F]{2}$")
+        expect(["can", "objects"], read)
+        self.assertEqual(self.one("can", "objects", "send", "3", "201#", "--every-time")["result"], "done")
+        result = self.place.run("can", "objects", "--json")
+        objects = {one["number"]: one for one in map(json.loads, result.stdout.splitlines())}
+        for one in objects.values():
+            expect(["can", "objects"], one)
+        self.assertEqual((objects[3]["state"], objects[3]["timeout_ms"], objects[4]["mask"]), ("held", 500, 0x7F0))
+        self.assertEqual(self.one("can", "objects", "abort", "3")["result"], "done")
+        self.assertEqual(self.one("can", "objects", "send", "4", "250#", code=3)["cause"], "wrong_state")
+        for arguments, words in ((("fly", "1"), "ACTION: found 'fly'"), (("send", "1"), "WHAT: missing"), (("read", "32"), "NUMBER"),
+                                 (("abort", "1", "100#"), "WHAT: not with abort"), (("read", "1", "--transmit"), "only with configure"),
+                                 (("configure", "1", "20"), "FRAME: found"), (("configure", "1", "201/7FF", "--transmit"), "a mask only")):
+            result = self.place.run("can", "objects", *arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(words, result.stderr)
+        lines = self.place.run("can", "objects").stdout.decode().splitlines()
+        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can objects"].explained("Columns")))
+
+    def test_the_process_image_at_the_terminal(self):
+        self.assertEqual(self.one("can", "image", "write", "4", "0102", "FF")["result"], "done")
+        image = wait_for("the bytes", lambda: (i := self.one("can", "image"))["outputs"].startswith("000000000102FF") and i)
+        expect(["can", "image"], image)
+        written = self.one("can", "image", "write", "0", "AB" * 1024)
+        self.assertEqual(written["result"], "done")
+        expect(["can", "image"], written)
+        with self.place.start("can", "image", "write", "0", "CD", "--hold") as holder:
+            wait_for("it is held", lambda: self.one("can", "image")["writer"])
+            self.assertEqual(self.one("can", "image", "write", "0", "00", code=3)["cause"], "wrong_state")
+            holder.send_signal(signal.SIGINT)
+        wait_for("it is given up", lambda: self.place.run("can", "image", "write", "0", "00").returncode == 0)
+        with self.place.start("can", "image", "watch", "--count", "2", "--json") as watch:
+            watch.next_object()
+            self.assertEqual(self.one("can", "image", "write", "0", "77")["result"], "done")
+            self.assertTrue(watch.next_object()["outputs"].startswith("77"))
+        for arguments, words in ((("fly",), "ACTION: found 'fly'"), (("write", "1024", "00"), "ADDRESS"), (("write", "0"), "BYTES: missing"),
+                                 (("write", "0", "0"), "BYTES: found '0'"), (("write", "1023", "0000"), "end after the image"), (("--hold",), "only with write")):
+            result = self.place.run("can", "image", *arguments)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(words, result.stderr)
+        lines = self.place.run("can", "image").stdout.decode().splitlines()
+        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can image"].explained("Columns")))
+
+    def test_a_file_changes_the_configuration_that_runs(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write("[[timer]]\nnumber = 3\nidentifier = 0x80\nperiod_us = 20000\n[[timer]]\nnumber = 9\nidentifier = 0x700\n")
+            file.flush()
+            changed = self.one("can", "configure", file.name)
+            expect(["can", "configure"], changed)
+            self.assertEqual(changed["result"], "done")
+            timers = wait_for("timer 9", lambda: [t for t in map(json.loads, self.place.run("can", "timers", "--json").stdout.splitlines()) if t["number"] == 9])
+            self.assertEqual(timers[0]["identifier"], 0x700)
+            file.write("[[timer]]\nnumber = 17\n")
+            file.flush()
+            refused = self.one("can", "configure", file.name, code=3)
+        self.assertEqual((refused["result"], refused["cause"]), ("refused", "field"))
+        self.assertRegex(refused["reason"], r"^data:9:10: timer\.number: found 17")
+        self.assertEqual(self.place.run("can", "configure", "/nowhere").returncode, 1)
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:  # as it was, for the other tests
+            file.write("[[timer]]\nnumber = 3\nidentifier = 0x80\nperiod_us = 20000\n")
+            file.flush()
+            self.assertEqual(self.one("can", "configure", file.name)["result"], "done")
+        wait_for("timer 9 is gone", lambda: len(self.place.run("can", "timers", "--json").stdout.splitlines()) == 1)
+        self.assertEqual(self.timer()["number"], 3)
+
+    def test_a_program_can_be_followed(self):
+        with self.place.start("can", "lead", "anybody", "--json") as lead:
+            found = lead.next_object()
+            expect(["can", "lead"], found)
+            self.assertEqual(found, {"program": "", "running": True})  # this daemon follows nobody
+            lead.send_signal(signal.SIGINT)
 
     def test_in_stop_nothing_is_sent(self):
         self.assertEqual(self.one("can", "stop")["result"], "done")
