@@ -137,7 +137,7 @@ class ClusterOnVcan(unittest.TestCase):
         with Candump(BELOW) as log:
             wait_for("it stays so", lambda: self.upper.status()["sync_state"] == "lost")
             self.assertEqual(self.edges(log), 0)
-        self.master.verb("mode", "restart")
+        self.master.verb("mode", "restart", "--yes")
         self.both_levels_active()
         self.parameter_passes()
 

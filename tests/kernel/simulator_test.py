@@ -48,7 +48,7 @@ class SimulatorOnVcan(unittest.TestCase):
             file.write('[[answer]]\nto = "601#40"\nframe = "581#4301"\nafter_ms = 1\n[[answer]]\nto = "18DAF110#R"\nframe = "18DA10F1#02"\n'
                        '[[periodic]]\nframe = "181#00"\nevery_ms = 20\ncounting_byte = 0\n')
         with Process(CANSYNC_SIM, INTERFACE, "--device", file.name) as device, Candump() as log, Wire() as wire:
-            device.wait_text("2 answers, 1 frames sent again and again")
+            device.wait_text("2 answers, 1 frame sent again and again")
             for asked, answer in (("601#40AA", "581#4301"), ("18DAF110#R", "18DA10F1#02")):
                 wire.send(asked)
                 log.wait_for_frame(answer)

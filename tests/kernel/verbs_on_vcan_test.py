@@ -99,6 +99,12 @@ class Verbs(unittest.TestCase):
         self.assertEqual(self.one("control", 1, 7)["result"], "done")
         self.assertEqual(self.one("broadcast", "--yes", "--slaves", "all", "--command", 210)["slave_mask"], 0xFFFFFFFF)
 
+    def test_what_others_do(self):
+        self.assertIn(self.daemon.bus, [bus["bus"] for bus in self.daemon.objects("buses")])
+        self.daemon.verb("jobs")
+        self.daemon.verb("clients")
+        self.assertEqual(self.daemon.run("cancel", 999999).returncode, 3)
+
     def test_mode(self):
         self.assertEqual(self.one("mode", "setup")["result"], "done")
         self.daemon.wait_status("setting up", lambda status: status["option_status"] == 0x43)

@@ -19,7 +19,7 @@ namespace {
 using namespace config::rows;  // the table reads better without the prefix in every line
 using config::Scalar;
 
-using SlaveRow = config::Row<SlaveRoleDraft>;
+using SlaveRoleRow = config::Row<SlaveRoleDraft>;
 
 SlaveRoleDraft::Monitored& monitored(SlaveRoleDraft& draft) {
   return draft.monitored[draft.number];
@@ -72,7 +72,7 @@ constexpr auto kReactions =
                                                  {"quick_stop", cansync::SlaveReaction::quick_stop},
                                                  {"pulse_inhibit", cansync::SlaveReaction::pulse_inhibit}});
 
-constexpr auto kSlaveRoleRows = std::to_array<SlaveRow>({
+constexpr auto kSlaveRoleRows = std::to_array<SlaveRoleRow>({
     // --- [bus]
     {one_number("bus.bit_rate", "", "125000|250000|500000|1000000", "bit/s",
                 "Bit rate; it fixes the interval: 8, 4, 2 or 1 ms."),
@@ -178,7 +178,8 @@ constexpr auto kSlaveRoleRows = std::to_array<SlaveRow>({
     {registers_two("slave.actual_registers_2", "As above, of actual values 4..7 and RDC2."),
      [](SlaveRoleDraft& d, const Value& v) { put_registers(v, d.actual[1]); }, takes_register_bytes},
     // --- [[monitored]]
-    {label("monitored.number", 31, "Number of a slave whose actual values are listened to; not the own one."),
+    {config::rows::label("monitored.number", 31,
+                         "Number of a slave whose actual values are listened to; not the own one."),
      [](SlaveRoleDraft& d, const Value&) { monitored(d).given = true; }},
     {registers_one("monitored.registers_1", "How its RDC1 becomes values 0..3: as in [slave]."),
      [](SlaveRoleDraft& d, const Value& v) { put_registers(v, monitored(d).mapping[0]); },
@@ -188,8 +189,8 @@ constexpr auto kSlaveRoleRows = std::to_array<SlaveRow>({
      takes_register_bytes},
 });
 
-constexpr auto kSimulatedJobRows = std::to_array<SlaveRow>({
-    {label("sim.job.number", 99, "Number of the job."),
+constexpr auto kSimulatedJobRows = std::to_array<SlaveRoleRow>({
+    {config::rows::label("sim.job.number", 99, "Number of the job."),
      [](SlaveRoleDraft& d, const Value&) { (void)simulated_job(d); }},
     {whole_number("sim.job.parameter", "(none)", 0, 4095, "", "Parameter that is read, or written."),
      [](SlaveRoleDraft& d, const Value& v) { simulated_job(d).parameter = whole<std::uint16_t>(v); }},
@@ -293,8 +294,8 @@ const config::Rows<SlaveRoleDraft>& slave_option_rows() {
        {std::span<const DaemonRow>(for_slaves(rows::access_options())), &SlaveRoleDraft::config},
        {rows::metrics_options(), &SlaveRoleDraft::config},
        {std::span<const DaemonRow>(for_slaves(rows::sync_options())), &SlaveRoleDraft::config},
-       std::span<const SlaveRow>(kSlaveRoleRows),
-       std::span<const SlaveRow>(kSimulatedJobRows),
+       std::span<const SlaveRoleRow>(kSlaveRoleRows),
+       std::span<const SlaveRoleRow>(kSimulatedJobRows),
        {cansync_slave::parameter_rows(), &SlaveRoleDraft::parameters}});
   return all;
 }

@@ -21,20 +21,20 @@ constexpr const char* kText = "data";
 
 /// Sections that change while the daemon runs, and what of the module they belong to. Those of one part are
 /// replaced together.
-struct Section {
+struct ChangingSection {
   std::string_view name;
   bool Parts::*part;
 };
-constexpr auto kSections = std::to_array<Section>({{"send", &Parts::station},
-                                                   {"receive", &Parts::station},
-                                                   {"filter", &Parts::station},
-                                                   {"queue", &Parts::receive_queues},
-                                                   {"timer", &Parts::timers},
-                                                   {"object", &Parts::objects},
-                                                   {"window", &Parts::window},
-                                                   {"script", &Parts::scripts},
-                                                   {"mapping", &Parts::mapping},
-                                                   {"mapped", &Parts::mapping}});
+constexpr auto kChangingSections = std::to_array<ChangingSection>({{"send", &Parts::station},
+                                                                   {"receive", &Parts::station},
+                                                                   {"filter", &Parts::station},
+                                                                   {"queue", &Parts::receive_queues},
+                                                                   {"timer", &Parts::timers},
+                                                                   {"object", &Parts::objects},
+                                                                   {"window", &Parts::window},
+                                                                   {"script", &Parts::scripts},
+                                                                   {"mapping", &Parts::mapping},
+                                                                   {"mapped", &Parts::mapping}});
 
 /// Sections that are replaced together with another one.
 std::set<std::string, std::less<>> with_their_pair(std::set<std::string, std::less<>> names) {
@@ -62,11 +62,11 @@ std::string text_of(const std::vector<config::Problem>& problems) {
 std::string not_changeable(const config::Document& document) {
   for (const config::Node& node : document.nodes) {
     const std::string& name = node.path.front().name;
-    const auto found = std::find_if(kSections.begin(), kSections.end(),
-                                    [&](const Section& section) { return section.name == name; });
-    if (found != kSections.end()) continue;
+    const auto found = std::find_if(kChangingSections.begin(), kChangingSections.end(),
+                                    [&](const ChangingSection& section) { return section.name == name; });
+    if (found != kChangingSections.end()) continue;
     std::string allowed;
-    for (const Section& section : kSections)
+    for (const ChangingSection& section : kChangingSections)
       allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", section.name);
     const config::Problem problem{
         node.key, name, fmt::format("this does not change while the daemon runs; allowed: {}", allowed)};
@@ -100,7 +100,7 @@ std::shared_ptr<PreparedConfiguration> RunningConfiguration::prepare(std::string
   }
   auto prepared = std::make_shared<PreparedConfiguration>(PreparedConfiguration{
       file.config, std::move(file.settings), layer2::PreparedSettings(module_settings(file.config))});
-  for (const Section& section : kSections) {
+  for (const ChangingSection& section : kChangingSections) {
     if (replaced.count(section.name) != 0) prepared->module.parts.*section.part = true;
   }
   under_way_ = prepared;

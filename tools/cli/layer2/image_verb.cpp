@@ -125,7 +125,7 @@ ExitCode watch_image(Session& session, const ImageTexts& texts) {
   return ExitCode::done;
 }
 
-std::vector<std::uint8_t> parse_bytes(const std::vector<std::string>& texts) {
+std::vector<std::uint8_t> parse_image_bytes(const std::vector<std::string>& texts) {
   std::string digits;
   for (const std::string& text : texts) {
     if (text.size() % 2 != 0 || text.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
@@ -177,7 +177,7 @@ SendResult write_by_request(FrameClient& client, std::uint16_t address,
 
 ExitCode write_bytes(Session& session, const ImageTexts& texts) {
   const auto address = static_cast<std::uint16_t>(parse_integer(texts.address, "ADDRESS", 0, kImage - 1));
-  const std::vector<std::uint8_t> bytes = parse_bytes(texts.bytes);
+  const std::vector<std::uint8_t> bytes = parse_image_bytes(texts.bytes);
   if (address + bytes.size() > kImage)
     throw UsageError(fmt::format("BYTES: {} from {} on: end after the image; allowed: {}",
                                  text::counted(bytes.size(), "byte"), address, kImage - address));

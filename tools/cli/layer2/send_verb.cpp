@@ -42,11 +42,11 @@ Repetition repetition_of(const SendTexts& texts) {
   constexpr double kLongest = 3'600'000.0;  // ms
   Repetition repetition;
   if (!texts.every.empty()) {
-    const double milliseconds = parse_real(texts.every, "--every");
-    if (!(milliseconds >= 1.0 && milliseconds <= kLongest))
+    const double period_ms = parse_real(texts.every, "--every");
+    if (!(period_ms >= 1.0 && period_ms <= kLongest))
       throw UsageError(
           fmt::format("--every: found '{}'; allowed: 1 to {:.0f} milliseconds", texts.every, kLongest));
-    repetition.every = std::chrono::microseconds(static_cast<std::int64_t>(milliseconds * 1000.0));
+    repetition.every = std::chrono::microseconds(static_cast<std::int64_t>(period_ms * 1000.0));
     repetition.count = 0;
   }
   if (!texts.count.empty())
