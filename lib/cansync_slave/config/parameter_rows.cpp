@@ -203,12 +203,14 @@ std::vector<NamedParameter> named_parameters(const ParameterSections& sections,
   }
   check_names(made, problem);
   std::vector<NamedParameter> parameters;
+  parameters.reserve(made.size());
   for (auto& [number, one] : made) parameters.push_back(std::move(one));
   return parameters;
 }
 
 std::vector<cansync::ParameterDefinition> definitions_of(const std::vector<NamedParameter>& parameters) {
   std::vector<cansync::ParameterDefinition> definitions;
+  definitions.reserve(parameters.size());
   for (const NamedParameter& one : parameters) definitions.push_back(one.definition);
   return definitions;
 }

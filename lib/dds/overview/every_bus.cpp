@@ -32,6 +32,7 @@ std::vector<gateway_GatewayStatus> daemons_of_every_bus(const ClientOptions& opt
     });
   }
   std::vector<gateway_GatewayStatus> found;
+  found.reserve(newest.size());
   for (const auto& [writer, status] : newest) found.push_back(status);
   std::sort(found.begin(), found.end(), [](const auto& one, const auto& other) {
     const auto order = [](const auto& status) {

@@ -31,8 +31,8 @@ namespace cansync::client::c_face {
 
 /// Keeps the reason and gives the result back. `Handle`: cansync_client or cansync_application.
 template <class Handle>
-int fail(Handle& handle, int result, std::string reason) {
-  handle.error = std::move(reason);
+int fail(Handle& handle, int result, const std::string& reason) {
+  handle.error = reason;
   return result;
 }
 
