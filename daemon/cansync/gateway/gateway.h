@@ -9,7 +9,6 @@
 #include "daemon/cansync/requests/protocol.h"
 #include "daemon/cansync/requests/request_audit.h"
 #include "daemon/cansync/status/gateway_state.h"
-#include "daemon/status/metrics_desk.h"
 #include "daemon/cansync/status/status_line.h"
 #include "daemon/desk/audit.h"
 #include "daemon/desk/gateway_events.h"
@@ -19,6 +18,7 @@
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/new_configuration.h"
 #include "daemon/status/common_status.h"
+#include "daemon/status/metrics_desk.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 

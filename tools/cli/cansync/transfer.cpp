@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "cli/base/files.h"
-#include "cli/cansync/transfer_turn.h"
 #include "cli/base/verb_groups.h"
+#include "cli/cansync/transfer_turn.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/progress.h"
 #include "text/counts.h"

@@ -156,8 +156,9 @@ ExitCode tell(Session& session, const RecordTexts& texts, const RecordPlan& plan
     session.output().remark(
         fmt::format("{} in {:.1f} s, {} missing{}", text::counted(recorded.counts.rows, "row"),
                     recorded.seconds, text::counted(recorded.counts.missing, "turn"),
-                    recorded.dropped > 0 ? fmt::format(", {} dropped", text::counted(recorded.dropped, "sample"))
-                                         : "") +
+                    recorded.dropped > 0
+                        ? fmt::format(", {} dropped", text::counted(recorded.dropped, "sample"))
+                        : "") +
         (recorded.ended == "full" ? "; the file has the size of --max-size" : ""));
   }
   if (recorded.ended != "daemon_gone") return ExitCode::done;
