@@ -67,7 +67,7 @@ constexpr TopicQos latest() {
   return {.reliable = false};
 }
 
-/// What happened, the last 100.
+/// What happened, the last 100 of each severity.
 constexpr TopicQos events() {
   return {.depth = 100, .transient_local = true};
 }

@@ -96,6 +96,15 @@ class TestClient {
     });
     return found;
   }
+  /// All events by number once there are `count`, or those there are after 20 s. Each level has a writer of
+  /// its own, so that one's event may come before an earlier one of another's.
+  std::vector<gateway_Event> events(std::size_t count) {
+    (void)eventually(signal_, [&] { return all<gateway_Event>().size() >= count; });
+    std::vector<gateway_Event> found = all<gateway_Event>();
+    std::sort(found.begin(), found.end(),
+              [](const gateway_Event& a, const gateway_Event& b) { return a.number < b.number; });
+    return found;
+  }
   /// Like `wait_for`, for best-effort topics: `again` makes the gateway publish once more, because it may not
   /// have found this client's reader yet.
   template <class T, class Again, class Fits>

@@ -43,7 +43,7 @@ using BlockOffset = BoundedNumber<struct BlockOffsetTag, std::uint16_t, 4095>;
 inline constexpr unsigned kSlaves = 32;
 inline constexpr Element kValueElement = *Element::from(7);
 
-/// Participant below the addressed slave; 0 is the slave itself (O 7.1.2).
+/// Participant below the addressed slave; 0 is the slave itself (M 3.2.1.3, O 7.2.1).
 struct SubSlave {
   std::uint16_t value = 0;  ///< 0..65535
   friend constexpr bool operator==(SubSlave, SubSlave) = default;

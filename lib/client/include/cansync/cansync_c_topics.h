@@ -19,7 +19,7 @@ enum cansync_topic {
   CANSYNC_TOPIC_MASTER_STATUS = 0,  /* on every change and once a second */
   CANSYNC_TOPIC_SLAVE_STATUS = 1,   /* each slave on every change, at most every 100 ms */
   CANSYNC_TOPIC_ACTUAL_VALUES = 2,  /* each telegram of each slave */
-  CANSYNC_TOPIC_EVENT = 3,          /* gateway_Event; the last 100 first */
+  CANSYNC_TOPIC_EVENT = 3,          /* gateway_Event; the last 100 of each severity first */
   CANSYNC_TOPIC_TIMING = 4,         /* once a second */
   CANSYNC_TOPIC_INTERVAL = 5,       /* only when the daemon's configuration switches it on */
   CANSYNC_TOPIC_GATEWAY_STATUS = 6, /* gateway_GatewayStatus; on every change and once a second */

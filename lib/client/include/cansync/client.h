@@ -139,7 +139,7 @@ class CANSYNC_PUBLIC Client {
   [[nodiscard]] Subscription on_restart(std::function<void(const GatewayStatus&)> callback);
   /// Each slave on every change, at most every 100 ms a slave.
   [[nodiscard]] Subscription on_slave_status(std::function<void(const SlaveStatus&)> callback);
-  /// The last 100 events first, then each as it happens.
+  /// The last 100 events of each severity first, then each as it happens.
   [[nodiscard]] Subscription on_event(std::function<void(const Event&)> callback);
   /// Once a second: lateness and slot times in ns, bus load in permille. Best effort: one may be missing.
   [[nodiscard]] Subscription on_timing(std::function<void(const Timing&)> callback);

@@ -193,8 +193,8 @@ TEST(GatewayFailsafe, AStrongerWriterIsAnnouncedAndTheWeakerWhenItResumes) {
   EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
   weak.write(values(1, 4));
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 4u);
-  ASSERT_TRUE(rig.client.wait_for<gateway_Event>(
-      [&](const auto&) { return count(rig, "reference_writer_began") == 2; }));
+  ASSERT_TRUE(event(rig, "reference_writer_lost"));
+  ASSERT_TRUE(eventually(rig.client.signal(), [&] { return count(rig, "reference_writer_began") == 2; }));
   EXPECT_EQ(count(rig, "reference_writer_lost"), 1u);
   const auto status = rig.client.wait_for<cansync_MasterStatus>([](const auto& s) {
     return gateway::dds::text(s.reference_release[0].writer).find("conveyor") != std::string_view::npos;
