@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "config/fields.h"
 #include "daemon/options/rows.h"
@@ -179,10 +181,27 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
             "File for a log of the bus in candump's text format, SYNC edges included; the same as --trace.")),
 });
 
+constexpr auto kOfIntervals =
+    std::to_array<std::string_view>({"recorder.syncs_missed", "recorder.slave_lost", "recorder.second_master",
+                                     "dds.interval_topic", "access.profile_rules"});
+
 }  // namespace
 
 std::span<const DaemonRow> rows::daemon_options() {
   return kDaemonRows;
+}
+
+std::vector<DaemonRow> rows::without(std::span<const DaemonRow> rows,
+                                     std::span<const std::string_view> keys) {
+  std::vector<DaemonRow> wanted;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(wanted), [keys](const DaemonRow& row) {
+    return std::find(keys.begin(), keys.end(), row.option.key) == keys.end();
+  });
+  return wanted;
+}
+
+std::vector<DaemonRow> rows::without_intervals(std::span<const DaemonRow> rows) {
+  return without(rows, kOfIntervals);
 }
 
 }  // namespace cansyncd

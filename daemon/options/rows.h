@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "config/rows.h"
 #include "daemon/config/daemon_config.h"
@@ -21,6 +22,12 @@ std::span<const DaemonRow> daemon_options();   ///< bus, realtime, recorder, dds
 std::span<const DaemonRow> access_options();   ///< access
 std::span<const DaemonRow> metrics_options();  ///< metrics
 std::span<const DaemonRow> sync_options();     ///< sync
+
+/// `rows` but for those of `keys`.
+std::vector<DaemonRow> without(std::span<const DaemonRow> rows, std::span<const std::string_view> keys);
+
+/// `rows` but for those that mean nothing without slaves, intervals and SYNC edges.
+std::vector<DaemonRow> without_intervals(std::span<const DaemonRow> rows);
 
 /// The option by which a file chooses its protocol, as it stands in the table of one protocol: `name` is that
 /// protocol's, `initial` the same in TOML's notation. It belongs first into the section `bus`.

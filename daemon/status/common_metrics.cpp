@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string_view>
+#include <utility>
 
 #include "can/bus_names.h"
 #include "dds/bounded_text.h"
@@ -17,23 +18,14 @@ constexpr std::string_view kGatewayTopic = "GatewayStatus";
 constexpr std::string_view kBusTopic = "BusStatus";
 constexpr std::string_view kRealtimeTopic = "RealtimeStatus";
 
-/// The sample of a topic that `common_metrics` has put there.
-template <class T>
-const T& sample_of(const MetricsSource& from, std::string_view name) {
-  for (const MetricTopic& topic : from.topics) {
-    if (topic.name == name) return *static_cast<const T*>(topic.samples.front().sample);
-  }
-  throw std::logic_error("no topic " + std::string(name));
-}
-
 const gateway_GatewayStatus& gateway_of(const MetricsSource& from) {
-  return sample_of<gateway_GatewayStatus>(from, kGatewayTopic);
+  return sample_of<gateway_GatewayStatus>(kGatewayTopic, from);
 }
 const gateway_BusStatus& bus_of(const MetricsSource& from) {
-  return sample_of<gateway_BusStatus>(from, kBusTopic);
+  return sample_of<gateway_BusStatus>(kBusTopic, from);
 }
 const gateway_RealtimeStatus& realtime_of(const MetricsSource& from) {
-  return sample_of<gateway_RealtimeStatus>(from, kRealtimeTopic);
+  return sample_of<gateway_RealtimeStatus>(kRealtimeTopic, from);
 }
 
 void info(const MetricsSource& from, MetricSamples& to) {
@@ -147,6 +139,13 @@ MetricsSource common_metrics(const ToldCommon& common, std::uint64_t write_failu
                    metric_topic(kRealtimeTopic, common.realtime)};
   source.write_failures = write_failures;
   return source;
+}
+
+std::string metrics_text(const ToldCommon& common, std::uint64_t write_failures, MetricTopic own,
+                         MetricFamilies families) {
+  MetricsSource source = common_metrics(common, write_failures);
+  source.topics.push_back(std::move(own));
+  return metrics_text(source, {common_metric_families(), families});
 }
 
 }  // namespace cansyncd

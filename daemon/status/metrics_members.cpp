@@ -12,7 +12,6 @@
 
 /// Metrics that are a member of a topic, by the tables of members that are made of the data model.
 namespace cansyncd {
-namespace {
 
 const MetricTopic& topic_of(std::string_view name, const MetricsSource& from) {
   const auto found = std::find_if(from.topics.begin(), from.topics.end(),
@@ -20,6 +19,8 @@ const MetricTopic& topic_of(std::string_view name, const MetricsSource& from) {
   if (found == from.topics.end()) throw std::logic_error("no topic " + std::string(name));
   return *found;
 }
+
+namespace {
 
 /// The member of that name and those behind it.
 std::span<const text::Member> members_from(std::span<const text::Member> members, std::string_view name) {

@@ -71,6 +71,15 @@ struct MetricsSource {
   std::uint64_t write_failures = 0;             ///< times the metrics file could not be written
 };
 
+/// Throws std::logic_error for a topic that the source has not.
+const MetricTopic& topic_of(std::string_view name, const MetricsSource& from);
+
+/// The sample of a topic that has one.
+template <class T>
+const T& sample_of(std::string_view topic, const MetricsSource& from) {
+  return *static_cast<const T*>(topic_of(topic, from).samples.front().sample);
+}
+
 enum class MetricType : std::uint8_t { gauge, counter, histogram };
 std::string_view name(MetricType type) noexcept;
 

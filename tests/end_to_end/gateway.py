@@ -8,6 +8,7 @@ import json
 import os
 import pty
 import random
+import re
 import select
 import struct
 import subprocess
@@ -46,6 +47,15 @@ def end(process, seconds=None):
         process.kill()
         process.wait(LONG)
         raise
+
+
+def metrics(path):
+    """The numbers of a metrics file by "NAME" or "NAME{LABELS}", without the label of the bus; none while it is not there."""
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as file:
+        found = re.findall(r'(?m)^(cansync_\w+)\{bus="[^"]*",?(.*)\} (\S+)$', file.read())
+    return {name + (f"{{{labels}}}" if labels else ""): float(value) for name, labels, value in found}
 
 
 class Verb(subprocess.Popen):

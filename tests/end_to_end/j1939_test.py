@@ -13,7 +13,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
 from help_text import helps
 
 from json_schemas import expect
-from gateway import CANSYNC, CANSYNCD, LONG, Place, end, wait_for
+from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
 
 CONFIG = """
 [bus]
@@ -21,6 +21,9 @@ protocol = "j1939"
 name = "{bus}"
 [dds]
 domain = {domain}
+[metrics]
+file = "line.prom"
+period_s = 1
 [address]
 preferred = 0x21     # which the stronger simulated node has
 arbitrary = true
@@ -91,6 +94,17 @@ class Messages(unittest.TestCase):
         self.assertEqual((found[0x90]["identity"], found[0x22]["identity"]), (500000, 1001))
         told = {"address_lost", "address_claimed", "fault_appeared"}
         wait_for("the events are told", lambda: told <= {event["code"] for event in self.json("events")})
+
+    def test_the_metrics_are_those_of_the_status(self):
+        path = os.path.join(os.path.dirname(self.config), "line.prom")
+        before = self.one("status")
+        self.assertEqual(self.one("transmit", "0xFEF1", "01 02")["result"], "done")
+        told = wait_for("the message is counted", lambda: (now := metrics(path)).get("cansync_j1939_frames_sent_total", -1) > before["sent"] and now)
+        after = wait_for("the status is not older", lambda: (s := self.one("status"))["sent"] >= told["cansync_j1939_frames_sent_total"] and s)
+        taken = told["cansync_j1939_messages_taken_total"]
+        self.assertTrue(before["taken"] <= taken <= after["taken"], (before["taken"], taken, after["taken"]))
+        self.assertEqual(told['cansync_j1939_claim_state{state="claimed"}'], 1)
+        self.assertEqual((told["cansync_j1939_address"], told["cansync_bit_rate_bits_per_second"]), (0x90, 250000))
 
     def test_messages_of_each_length_are_sent(self):
         self.assertEqual(self.one("transmit", "0xFEF1", "01 02")["result"], "done")

@@ -13,7 +13,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
 from help_text import helps
 
 from json_schemas import expect
-from gateway import CANSYNC, CANSYNCD, LONG, Place, end, wait_for
+from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
 
 CONFIG = """
 [bus]
@@ -21,6 +21,9 @@ protocol = "layer2"
 name = "{bus}"
 [dds]
 domain = {domain}
+[metrics]
+file = "line.prom"
+period_s = 1
 [send]
 timeout_ms = 30000
 [[receive]]
@@ -125,6 +128,17 @@ class Frames(unittest.TestCase):
         self.assertEqual(self.place.run("wait", "error-active", "--timeout", LONG).returncode, 0)
         found = [json.loads(line) for line in self.place.run("doctor", "--json").stdout.splitlines()]
         self.assertIn("layer2", next(one for one in found if one["topic"] == "daemon")["found"])
+
+    def test_the_metrics_are_those_of_the_status(self):
+        path = os.path.join(os.path.dirname(self.config), "line.prom")
+        before = self.one("status")
+        self.assertEqual(self.one("can", "send", "123#00")["result"], "done")
+        told = wait_for("the frame is counted", lambda: (now := metrics(path)).get("cansync_layer2_frames_sent_total", -1) > before["sent"] and now)
+        after = wait_for("the status is not older", lambda: (s := self.one("status"))["sent"] >= told["cansync_layer2_frames_sent_total"] and s)
+        received = told["cansync_layer2_frames_received_total"]
+        self.assertTrue(before["received"] <= received <= after["received"], (before["received"], received, after["received"]))
+        self.assertEqual(told['cansync_layer2_queue_depth{queue="send"}'], before["send_depth"])
+        self.assertEqual((told["cansync_bit_rate_bits_per_second"], told["cansync_layer2_running"]), (500000, 1))
 
     def timer(self):
         return self.one("can", "timers")

@@ -92,7 +92,7 @@ daemon/cansync_cluster/segment: lib/text lib/config lib/cansync lib/dds lib/cans
 daemon/layer2:              lib/can lib/layer2 lib/rt
 daemon/layer2/config:       lib/config lib/can lib/layer2 daemon/config daemon/options
 daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/layer2
-daemon/layer2/gateway:      idl lib/text lib/can lib/dds lib/layer2/dds daemon/service daemon/desk
+daemon/layer2/gateway:      idl lib/text lib/can lib/layer2 lib/dds lib/layer2/dds daemon/service daemon/desk
                             daemon/status
                             daemon/layer2 daemon/layer2/config
 daemon/layer2/segment:      lib/text lib/config lib/can lib/sim lib/dds lib/layer2/sim daemon/service daemon/loop

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <iterator>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -235,11 +234,7 @@ constexpr std::string_view kHoldoverHelp =
     "on by themselves.";
 
 std::vector<DaemonRow> for_slaves(std::span<const DaemonRow> rows) {
-  std::vector<DaemonRow> wanted;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(wanted), [](const DaemonRow& row) {
-    return std::find(kForMastersAlone.begin(), kForMastersAlone.end(), row.option.key) ==
-           kForMastersAlone.end();
-  });
+  std::vector<DaemonRow> wanted = rows::without(rows, kForMastersAlone);
   for (DaemonRow& row : wanted) {
     if (row.option.key == "sync.input") row.option.help = kInputHelp;
     if (row.option.key == "sync.holdover_ms") row.option.help = kHoldoverHelp;

@@ -12,28 +12,21 @@
 namespace cansyncd {
 namespace {
 
-/// The common source, with the sample itself for what is not one member as it is.
-struct SlaveMetrics : MetricsSource {
-  const cansync_slave_SlaveSideStatus* told = nullptr;
-};
+constexpr std::string_view kSlaveSideTopic = "SlaveSideStatus";
 
-/// A family's `fill`, of one that looks at the sample itself.
-template <auto fill>
-void of_slave(const MetricsSource& from, MetricSamples& to) {
-  fill(*static_cast<const SlaveMetrics&>(from).told, to);
-}
-
-void slave_side_state(const cansync_slave_SlaveSideStatus& told, MetricSamples& to) {
+void slave_side_state(const MetricsSource& from, MetricSamples& to) {
   using cansync::State;
   constexpr std::array kStates = {State::start_up, State::waiting_for_initialisation,
                                   State::waiting_for_start, State::setting_up_slave, State::active_slave};
   std::array<std::string_view, kStates.size()> words;
   for (std::size_t i = 0; i < words.size(); ++i) words[i] = cansync::name(kStates[i]);
+  const auto& told = sample_of<cansync_slave_SlaveSideStatus>(kSlaveSideTopic, from);
   add_states(to, "", words, gateway::dds::text(told.state));
 }
 
-void slave_side_fault(const cansync_slave_SlaveSideStatus& told, MetricSamples& to) {
+void slave_side_fault(const MetricsSource& from, MetricSamples& to) {
   using cansync::SlaveFault;
+  const auto& told = sample_of<cansync_slave_SlaveSideStatus>(kSlaveSideTopic, from);
   add_states(to, "",
              std::array{word_of(SlaveFault::none), word_of(SlaveFault::sync_lost),
                         word_of(SlaveFault::references_missing)},
@@ -42,7 +35,7 @@ void slave_side_fault(const cansync_slave_SlaveSideStatus& told, MetricSamples& 
 
 constexpr MetricFamily kSlaveFamilies[] = {
     {"cansync_slave_side_state", MetricType::gauge, "state", "SlaveSideStatus.state",
-     "1 for the operating state of this slave, 0 for the others.", of_slave<slave_side_state>},
+     "1 for the operating state of this slave, 0 for the others.", slave_side_state},
     {"cansync_slave_side_number", MetricType::gauge, "", "SlaveSideStatus.slave_number",
      "Slave number of the daemon on the bus."},
     {"cansync_slave_side_activated", MetricType::gauge, "", "SlaveSideStatus.activated",
@@ -50,7 +43,7 @@ constexpr MetricFamily kSlaveFamilies[] = {
     {"cansync_slave_side_synchronized", MetricType::gauge, "", "SlaveSideStatus.synchronized",
      "1 when this slave follows SYNC, else 0."},
     {"cansync_slave_side_fault", MetricType::gauge, "state", "SlaveSideStatus.fault",
-     "1 for the fault that stands, or none, 0 for the others.", of_slave<slave_side_fault>},
+     "1 for the fault that stands, or none, 0 for the others.", slave_side_fault},
     {"cansync_slave_side_status_word", MetricType::gauge, "", "SlaveSideStatus.status_word",
      "Status word as the master reads it."},
     {"cansync_interval_length_seconds", MetricType::gauge, "", "SlaveSideStatus.interval_length",
@@ -146,9 +139,7 @@ MetricFamilies slave_metric_families() noexcept {
 
 std::string slave_metrics_text(const ToldCommon& common, const cansync_slave_SlaveSideStatus& told,
                                std::uint64_t write_failures) {
-  SlaveMetrics source{common_metrics(common, write_failures), &told};
-  source.topics.push_back(metric_topic("SlaveSideStatus", told));
-  return metrics_text(source, {common_metric_families(), slave_metric_families()});
+  return metrics_text(common, write_failures, metric_topic(kSlaveSideTopic, told), kSlaveFamilies);
 }
 
 }  // namespace cansyncd

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -187,20 +186,6 @@ constexpr auto kJ1939Rows = std::to_array<J1939Row>({
                      "Between two of its messages; 0 = on request alone.")),
 });
 
-/// Options of the daemon that mean nothing without slaves, intervals and SYNC edges.
-constexpr auto kWithoutEffectHere =
-    std::to_array<std::string_view>({"recorder.syncs_missed", "recorder.slave_lost", "recorder.second_master",
-                                     "dds.interval_topic", "access.profile_rules"});
-
-std::vector<DaemonRow> with_effect_here(std::span<const DaemonRow> rows) {
-  std::vector<DaemonRow> wanted;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(wanted), [](const DaemonRow& row) {
-    return std::find(kWithoutEffectHere.begin(), kWithoutEffectHere.end(), row.option.key) ==
-           kWithoutEffectHere.end();
-  });
-  return wanted;
-}
-
 /// In the order of the documents.
 constexpr auto kJ1939Sections = std::to_array<config::Section>({
     {"bus", "", ""},
@@ -210,6 +195,7 @@ constexpr auto kJ1939Sections = std::to_array<config::Section>({
     {"recorder", "", ""},
     {"dds", "", ""},
     {"access", "", ""},
+    {"metrics", "", ""},
     {"sim", "", ""},
     {"send", "", ""},
     {"transport", "", ""},
@@ -225,8 +211,9 @@ const config::Rows<J1939Draft>& j1939_option_rows() {
   static const config::Rows<J1939Draft> all(
       kJ1939Sections,
       {{std::span<const DaemonRow>(kJ1939ProtocolRow), &J1939Draft::config},
-       {std::span<const DaemonRow>(with_effect_here(rows::daemon_options())), &J1939Draft::config},
-       {std::span<const DaemonRow>(with_effect_here(rows::access_options())), &J1939Draft::config},
+       {std::span<const DaemonRow>(rows::without_intervals(rows::daemon_options())), &J1939Draft::config},
+       {std::span<const DaemonRow>(rows::without_intervals(rows::access_options())), &J1939Draft::config},
+       {rows::metrics_options(), &J1939Draft::config},
        std::span<const J1939Row>(kJ1939Rows)});
   return all;
 }

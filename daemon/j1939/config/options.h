@@ -41,7 +41,7 @@ struct J1939Draft {
   unsigned number = 0;  ///< of the section an option belongs to
 };
 
-/// Every row: the daemon's, but for the SYNC line and metrics, and those of J1939.
+/// Every row: the daemon's, but for the SYNC line, and those of J1939.
 const config::Rows<J1939Draft>& j1939_option_rows();
 
 /// The table of the rows.

@@ -8,6 +8,7 @@
 
 #include "can/bus_names.h"
 #include "daemon/j1939/config/options.h"
+#include "daemon/j1939/gateway/node_metrics.h"
 #include "daemon/status/bus_events.h"
 #include "dds/bounded_text.h"
 #include "j1939/dds/convert.h"
@@ -52,11 +53,15 @@ MessageGateway::~MessageGateway() {
 }
 
 void MessageGateway::start() {
+  metrics_.emplace(
+      config_.metrics, [this](const EventText& event) { post(event); },
+      [this](std::uint64_t failures) { return node_metrics_text(common_.told(), told_status_, failures); });
   thread_.start();
 }
 
 void MessageGateway::stop() noexcept {
   thread_.stop();
+  metrics_.reset();
 }
 
 void MessageGateway::post(const EventText& event) {
@@ -87,7 +92,7 @@ SteadyTime MessageGateway::pass(bool samples_may_wait) {
     if (jobs_.take_requests(jobs)) signal_.raise();
   }
   SteadyTime due = publish_status(now);
-  for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next()}) {
+  for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next(), metrics_->step(now)}) {
     if (next) due = std::min(due, *next);
   }
   return more_messages ? now : due;
@@ -248,7 +253,8 @@ SteadyTime MessageGateway::publish_status(SteadyTime now) {
   const bool changed = bus_.claim != before.claim || bus_.address != before.address;
   if (now < next_status_ && !changed) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
-  (void)status_.write(node_status());
+  told_status_ = node_status();
+  (void)status_.write(told_status_);
   return std::min(common_due, next_status_);
 }
 

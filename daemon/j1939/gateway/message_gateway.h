@@ -20,6 +20,7 @@
 #include "daemon/service/journal.h"
 #include "daemon/service/new_configuration.h"
 #include "daemon/status/common_status.h"
+#include "daemon/status/metrics_desk.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -122,6 +123,8 @@ class MessageGateway {
   std::uint64_t told_lost_ = 0;
   FaultRow losses_{kLossQuiet};
   SteadyTime next_status_;
+  j1939_NodeStatus told_status_ = {};   ///< newest
+  std::optional<MetricsDesk> metrics_;  ///< from `start` to `stop`
 
   NewConfiguration<J1939Config> new_configuration_;
   PostedEvents posted_;

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "config/fields.h"
-#include "config/print.h"
 #include "daemon/options/rows.h"
 
 namespace cansyncd {
@@ -329,19 +327,6 @@ constexpr auto kRows = std::to_array<Layer2Row>({
                      "Between two of its frames; 0 = sent as the answer to remote frames alone.")),
 });
 
-/// Options of the daemon that mean nothing without slaves, intervals and SYNC edges.
-constexpr auto kWithoutEffect =
-    std::to_array<std::string_view>({"recorder.syncs_missed", "recorder.slave_lost", "recorder.second_master",
-                                     "dds.interval_topic", "access.profile_rules"});
-
-std::vector<DaemonRow> with_effect(std::span<const DaemonRow> rows) {
-  std::vector<DaemonRow> wanted;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(wanted), [](const DaemonRow& row) {
-    return std::find(kWithoutEffect.begin(), kWithoutEffect.end(), row.option.key) == kWithoutEffect.end();
-  });
-  return wanted;
-}
-
 /// In the order of the documents.
 constexpr auto kSections = std::to_array<config::Section>({
     {"bus", "", ""},
@@ -349,6 +334,7 @@ constexpr auto kSections = std::to_array<config::Section>({
     {"recorder", "", ""},
     {"dds", "", ""},
     {"access", "", ""},
+    {"metrics", "", ""},
     {"sim", "", ""},
     {"send", "", ""},
     {"receive", "numbers",
@@ -368,50 +354,21 @@ constexpr auto kSections = std::to_array<config::Section>({
     {"node", "numbers", "Once for each simulated node beside the daemon on a simulated bus."},
 });
 
-constexpr std::string_view kMarkdownHead = R"(
-# Configuration with bus.protocol = "layer2"
-
-General CAN frames, which nobody interprets ([layer2.md](layer2.md)). The smallest file is `bus.protocol = "layer2"` alone: a
-simulated bus without other nodes, from which every frame is received.
-
-After SIGHUP the options marked "running" take effect at once.
-)";
-
-constexpr std::string_view kConfigHead =
-    R"(# Configuration of cansyncd for general CAN frames with every option. What is not commented out stands at its default;
-# delete what you do not change. Printed by `cansyncd --print-default-config --set bus.protocol=layer2`.
-)";
-
-constexpr std::string_view kManHead =
-    ".Sh OPTIONS WITH BUS.PROTOCOL = LAYER2\n"
-    "General CAN frames.\n"
-    "Those that do not say \"changes while running\" need a restart.\n";
-
 }  // namespace
 
 const config::Rows<Layer2Draft>& layer2_option_rows() {
   static const config::Rows<Layer2Draft> all(
-      kSections, {{std::span<const DaemonRow>(kProtocol), &Layer2Draft::config},
-                  {std::span<const DaemonRow>(with_effect(rows::daemon_options())), &Layer2Draft::config},
-                  {std::span<const DaemonRow>(with_effect(rows::access_options())), &Layer2Draft::config},
-                  std::span<const Layer2Row>(kRows)});
+      kSections,
+      {{std::span<const DaemonRow>(kProtocol), &Layer2Draft::config},
+       {std::span<const DaemonRow>(rows::without_intervals(rows::daemon_options())), &Layer2Draft::config},
+       {std::span<const DaemonRow>(rows::without_intervals(rows::access_options())), &Layer2Draft::config},
+       {rows::metrics_options(), &Layer2Draft::config},
+       std::span<const Layer2Row>(kRows)});
   return all;
 }
 
 const config::Table& layer2_options() {
   return layer2_option_rows().table();
-}
-
-std::string layer2_options_markdown() {
-  return config::options_markdown(layer2_options(), kMarkdownHead);
-}
-
-std::string layer2_options_man() {
-  return config::options_man(layer2_options(), kManHead);
-}
-
-std::string layer2_default_config() {
-  return config::default_file(layer2_options(), kConfigHead);
 }
 
 }  // namespace cansyncd

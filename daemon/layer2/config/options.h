@@ -56,7 +56,7 @@ struct Layer2Draft {
   unsigned number = 0;  ///< of the section an option belongs to
 };
 
-/// Every row: the daemon's, but for the SYNC line and metrics, and those of general frames.
+/// Every row: the daemon's, but for the SYNC line, and those of general frames.
 const config::Rows<Layer2Draft>& layer2_option_rows();
 
 /// The table of the rows.

@@ -8,6 +8,7 @@
 
 #include "can/bus_names.h"
 #include "daemon/layer2/config/options.h"
+#include "daemon/layer2/gateway/frame_metrics.h"
 #include "daemon/status/bus_events.h"
 #include "dds/bounded_text.h"
 #include "layer2/dds/convert.h"
@@ -78,11 +79,15 @@ FrameGateway::~FrameGateway() {
 }
 
 void FrameGateway::start() {
+  metrics_.emplace(
+      config_.metrics, [this](const EventText& event) { post(event); },
+      [this](std::uint64_t failures) { return frame_metrics_text(common_.told(), told_status_, failures); });
   thread_.start();
 }
 
 void FrameGateway::stop() noexcept {
   thread_.stop();
+  metrics_.reset();
 }
 
 void FrameGateway::post(const EventText& event) {
@@ -121,8 +126,8 @@ SteadyTime FrameGateway::pass(bool samples_may_wait) {
     if (jobs_.take_requests(jobs) || more_outputs || more_leads) signal_.raise();
   }
   SteadyTime due = publish_status(now);
-  for (const auto next :
-       {jobs_.retry(jobs), events_.tick(now), losses_.next(), image_gate_.tick(now), lead_.tick(now)}) {
+  for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next(), image_gate_.tick(now),
+                          lead_.tick(now), metrics_->step(now)}) {
     if (next) due = std::min(due, *next);
   }
   return more_frames ? now : due;
@@ -214,6 +219,12 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   const SteadyTime common_due = common_.step(now);
   if (now < next_status_) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
+  told_status_ = frame_status();
+  (void)status_.write(told_status_);
+  return std::min(common_due, next_status_);
+}
+
+layer2_FrameStatus FrameGateway::frame_status() const {
   layer2_FrameStatus sample = {};
   sample.time = wall_clock_now();
   sample.bus_load = bus_.bus_load;
@@ -225,14 +236,11 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   sample.not_sent = bus_.counters.not_sent;
   sample.waiting = bus_.waiting;
   sample.send_timeout = static_cast<std::uint32_t>(config_.send.timeout.count());
-  sample.sending = bus_.counters.sent != told_sent_;
-  sample.receiving = bus_.counters.received != told_received_;
-  told_sent_ = bus_.counters.sent;
-  told_received_ = bus_.counters.received;
+  sample.sending = sample.sent != told_status_.sent;
+  sample.receiving = sample.received != told_status_.received;
   fill_module(bus_, sample);
   gateway::dds::copy_text(lead_.program(), sample.run_lead);
-  (void)status_.write(sample);
-  return std::min(common_due, next_status_);
+  return sample;
 }
 
 void FrameGateway::publish_timers(bool all) {

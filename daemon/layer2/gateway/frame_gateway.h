@@ -24,6 +24,7 @@
 #include "daemon/service/journal.h"
 #include "daemon/service/new_configuration.h"
 #include "daemon/status/common_status.h"
+#include "daemon/status/metrics_desk.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
@@ -89,6 +90,7 @@ class FrameGateway {
   void tell_bus(const can::ControllerStatus& before, SteadyTime now);
   /// Returns when to call again.
   SteadyTime publish_status(SteadyTime now);
+  layer2_FrameStatus frame_status() const;
   void publish_timers(bool all);
   void forget_timer(unsigned number);
   void publish_image(SteadyTime now);
@@ -127,11 +129,11 @@ class FrameGateway {
   ObjectsSnapshot told_objects_;
   SteadyTime next_image_;
   std::uint64_t told_lost_ = 0;
-  std::uint64_t told_changes_ = 0;   ///< of `running_`, in force here
-  std::uint64_t told_sent_ = 0;      ///< by the last FrameStatus
-  std::uint64_t told_received_ = 0;  ///< likewise
+  std::uint64_t told_changes_ = 0;  ///< of `running_`, in force here
   FaultRow losses_{kLossQuiet};
   SteadyTime next_status_;
+  layer2_FrameStatus told_status_ = {};  ///< newest
+  std::optional<MetricsDesk> metrics_;   ///< from `start` to `stop`
 
   NewConfiguration<Layer2Config> new_configuration_;
   PostedEvents posted_;

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
-#include <vector>
 
 #include "cansync_slave_members.h"
 #include "dds/bounded_text.h"
+#include "tests/daemon/status/documented_metrics.h"
 
 namespace cansyncd {
 namespace {
@@ -40,9 +38,7 @@ std::string text_of_slave() {
 
 TEST(SlaveMetrics, HasTheNumbersOfTheStatusInBaseUnits) {
   const std::string text = text_of_slave();
-  std::set<std::string> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.insert(line);
+  const std::set<std::string> lines = lines_of(text);
   for (const char* expected : {
            R"(cansync_slave_side_state{bus="can0",state="run"} 1)",
            R"(cansync_slave_side_state{bus="can0",state="start-up"} 0)",
@@ -66,8 +62,7 @@ TEST(SlaveMetrics, HasTheNumbersOfTheStatusInBaseUnits) {
 }
 
 TEST(SlaveMetrics, EveryCounterOfTheStatusIsThere) {
-  std::set<std::string_view> sources;
-  for (const MetricFamily& family : slave_metric_families()) sources.insert(family.source);
+  const auto sources = sources_of(slave_metric_families());
   for (const text::Member& member : text::members_of<cansync_slave_SlaveSideStatus>) {
     // The common families have it as that of RealtimeStatus.
     if (member.type != text::MemberType::unsigned_long_long || member.name == "reports_lost") continue;
@@ -76,20 +71,7 @@ TEST(SlaveMetrics, EveryCounterOfTheStatusIsThere) {
 }
 
 TEST(SlaveMetrics, TheTableOfTheDocumentIsTheCode) {
-  std::vector<std::string> expected;
-  for (const MetricFamily& family : slave_metric_families()) {
-    expected.push_back(fmt::format("| `{}{}` | {} | {} | `{}` | {} |", family.name,
-                                   family.type == MetricType::counter ? "_total" : "", name(family.type),
-                                   family.labels, family.source, family.help));
-  }
-  std::ifstream file(CANSYNC_SOURCE_DIR "/docs/metrics.md");
-  std::vector<std::string> found;
-  bool of_slave = false;
-  for (std::string line; std::getline(file, line);) {
-    of_slave = of_slave || line == "## Of a slave";
-    if (of_slave && line.starts_with("| `cansync_")) found.push_back(line);
-  }
-  EXPECT_EQ(found, expected);
+  EXPECT_EQ(documented_metrics("Of a slave"), rows_of(slave_metric_families()));
 }
 
 }  // namespace
