@@ -63,4 +63,8 @@ void add_security(dds_qos_t* qos, const std::string& folder) {
   file("dds.sec.access.permissions", files.permissions);
 }
 
+std::string no_right(std::string_view topic, std::string_view role) {
+  return fmt::format("no right to write topic {}; it needs the role {}: cansync-security add", topic, role);
+}
+
 }  // namespace gateway::dds

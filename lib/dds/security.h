@@ -32,6 +32,9 @@ std::string security_subject(const std::string& folder);
 /// everyone else.
 bool may_publish(const std::string& folder, std::string_view topic);
 
+/// Why a program whose identity may not write the topic is refused; `role`: the least that may.
+std::string no_right(std::string_view topic, std::string_view role);
+
 /// Switches DDS Security on in the QoS of a participant. Throws SetupError when Cyclone's plugins are not
 /// installed.
 void add_security(dds_qos_t* qos, const std::string& folder);

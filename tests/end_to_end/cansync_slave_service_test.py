@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-from gateway import CANSYNCD, LONG, Place, end, wait_for
+from gateway import CANSYNCD, LONG, Place, end, identities, wait_for
 
 CONFIG = """
 [bus]
@@ -300,14 +300,10 @@ class Blocks(unittest.TestCase):
 
 class Secured(unittest.TestCase):
     def test_an_engineer_answers_and_an_operator_releases(self):
-        script = os.path.join(os.path.dirname(__file__), "..", "..", "tools", "security", "cansync-security")
         with tempfile.TemporaryDirectory(prefix="cansync_security_") as folder:
-            authority = os.path.join(folder, "ca")
-            subprocess.run([script, "init", authority], check=True, capture_output=True, timeout=LONG)
-            for role in ("daemon", "viewer", "operator", "engineer"):
-                subprocess.run([script, "add", authority, role, "--role", role], check=True, capture_output=True, timeout=LONG)
+            authority = identities(folder)
             slave = Slave(TABLE + jobs("parameter = 400"), security=f'security = "{authority}/daemon"')
-            become = lambda role: slave.place.environment.update(CANSYNC_SECURITY=os.path.join(authority, role))
+            become = lambda role: slave.place.become(os.path.join(authority, role))
             become("viewer")
             with slave:
                 wait_for("the viewer sees values", lambda: slave.place.run("references").returncode == 0)

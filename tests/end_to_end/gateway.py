@@ -58,6 +58,16 @@ def metrics(path):
     return {name + (f"{{{labels}}}" if labels else ""): float(value) for name, labels, value in found}
 
 
+def identities(folder):
+    """One identity for each role, made by cansync-security; the folder that they lie in."""
+    script = os.path.join(os.path.dirname(__file__), "..", "..", "tools", "security", "cansync-security")
+    authority = os.path.join(folder, "ca")
+    roles = ("daemon", "viewer", "operator", "engineer")
+    for arguments in (["init", authority], *(["add", authority, role, "--role", role] for role in roles)):
+        subprocess.run([script, *arguments], check=True, capture_output=True, timeout=LONG)
+    return authority
+
+
 class Verb(subprocess.Popen):
     """`cansync` running; what it writes with --json is compared with the schemas of docs/json."""
 
@@ -98,6 +108,12 @@ class Place:
         self.bus = f"test{os.getpid()}-{random.SystemRandom().randrange(10**9)}"
         self.environment = dict(os.environ, CANSYNC_DOMAIN=str(self.domain), CANSYNC_BUS=self.bus, TZ="UTC",
                                 TERM="xterm")
+
+    def become(self, identity):
+        """From now on `cansync` has this identity, a folder; None: without."""
+        self.environment.pop("CANSYNC_SECURITY", None)
+        if identity is not None:
+            self.environment["CANSYNC_SECURITY"] = identity
 
     def start(self, *arguments, **options):
         """`cansync` with these arguments, running."""

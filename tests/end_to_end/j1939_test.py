@@ -14,6 +14,7 @@ from help_text import helps
 
 from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
+from secured_case import SecuredCase
 
 CONFIG = """
 [bus]
@@ -196,6 +197,19 @@ class Messages(unittest.TestCase):
             self.assertIn(words, result.stderr)
         refused = self.one("transmit", "0FEF1", "00", "--to", "0x23", code=3)
         self.assertEqual((refused["result"], refused["cause"]), ("refused", "field"))
+
+
+class Secured(SecuredCase):
+    CONFIG = CONFIG
+
+    def test_each_does_what_its_role_may(self):
+        self.assertTrue(json.loads(self.place.run("status", "--json").stdout)["secured"])
+        self.expect_done("messages", "--count", 1)
+        self.expect_done("addresses")
+        for arguments in (("transmit", "0xFEF1", "01"), ("request", "0xFEEB", "--to", "0x23")):
+            self.expect_no_right("MessageRequest", "operator", *arguments)
+        self.become("operator")
+        wait_for("the operator sends", lambda: self.place.run("transmit", "0xFEF1", "01").returncode == 0)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from help_text import helps
 
 from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
+from secured_case import SecuredCase
 
 CONFIG = """
 [bus]
@@ -376,6 +377,28 @@ class Frames(unittest.TestCase):
         result = self.place.run("--bus", "nobody", "--timeout", 1, "can", "send", "001#")
         self.assertEqual(result.returncode, 6)
         self.assertIn('bus.protocol = "layer2"', result.stderr)
+
+
+class Secured(SecuredCase):
+    CONFIG = CONFIG
+
+    def test_each_does_what_its_role_may(self):
+        self.become("viewer")
+        self.assertTrue(json.loads(self.place.run("status", "--json").stdout)["secured"])
+        self.expect_done("can", "dump", "--count", 1)
+        self.expect_done("can", "timers")
+        self.expect_no_right("SendRequest", "operator", "can", "send", "123#")
+        self.expect_no_right("ImageOutputs", "operator", "can", "image", "write", 0, "01", "--hold")
+        self.expect_no_right("ControlRequest", "engineer", "can", "stop")
+        self.become("operator")
+        self.expect_done("can", "send", "123#")
+        self.expect_no_right("ControlRequest", "engineer", "can", "stop")
+        self.expect_no_right("ObjectRequest", "engineer", "can", "objects", "configure", 3, "201", "--transmit")
+        self.become("engineer")
+        for arguments in (("send", "123#"), ("stop",), ("run",), ("objects", "configure", 3, "201", "--transmit")):
+            self.expect_done("can", *arguments)
+        self.become(None)
+        self.assertEqual(self.place.run("--timeout", 1, "can", "send", "123#").returncode, 6)
 
 
 class FullLoad(unittest.TestCase):

@@ -39,10 +39,8 @@ class SecuredGateway(Gateway):
         self.become("engineer")
 
     def become(self, name):
-        """From now on `cansync` has this identity; None: without."""
-        self.environment.pop("CANSYNC_SECURITY", None)
-        if name is not None:
-            self.environment["CANSYNC_SECURITY"] = name if "/" in name else os.path.join(self.authority, name)
+        """A folder, or the name of one below the authority."""
+        super().become(name if name is None or "/" in name else os.path.join(self.authority, name))
 
 
 class Security(unittest.TestCase):

@@ -83,11 +83,6 @@ J1939File build_j1939_config(config::Settings settings, const std::string& path)
   if (file.problems.empty()) {
     Findings findings(settings.items, path);
     check_daemon(draft.config, findings);
-    if (!draft.config.dds.security.empty()) {
-      findings.problem(
-          "dds.security",
-          "found an identity; allowed: \"\", because cansync-security gives no rights for J1939");
-    }
     check_address(draft.config, findings);
     finish_pgn_ranges(draft, findings);
     finish_provided(draft, findings);

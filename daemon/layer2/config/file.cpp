@@ -181,12 +181,6 @@ Layer2File build_layer2_config(config::Settings settings, const std::string& pat
   if (file.problems.empty()) {
     Findings findings(settings.items, path);
     check_daemon(draft.config, findings);
-    if (!draft.config.dds.security.empty()) {
-      findings.problem(
-          "dds.security",
-          "found an identity; allowed: \"\", because cansync-security gives no rights for general "
-          "frames");
-    }
     finish_ranges(draft, findings);
     finish_timers(draft, findings);
     finish_window(draft.config, findings);

@@ -69,7 +69,7 @@ struct SendTopic {
 struct ControlTopic {
   using Sample = layer2_ControlRequest;
   using Reply = layer2_ControlReply;
-  static constexpr Right kRight = Right::operate;
+  static constexpr Right kRight = Right::engineer;
 
   static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
     return layer2::dds::control_refused(key, denial);
@@ -88,7 +88,7 @@ struct ControlTopic {
 struct ObjectTopic {
   using Sample = layer2_ObjectRequest;
   using Reply = layer2_ObjectReply;
-  static constexpr Right kRight = Right::operate;
+  static constexpr Right kRight = Right::engineer;
 
   static Reply refused(const gateway::dds::RequestKey& key, const gateway::dds::Denial& denial) {
     return layer2::dds::object_refused(key, denial);
@@ -145,7 +145,10 @@ class SendRequests {
   /// What is not allowed now, whoever asks.
   static gateway::dds::Problem objection(const Request& request, const SendContext& context);
   static Lane lane_of(const Request& request) noexcept;
-  static Effect effect_of(const Request& /*request*/) noexcept { return {Right::operate, true}; }
+  static Effect effect_of(const Request& request) noexcept {
+    const bool sends = std::holds_alternative<layer2::SendOrder>(request.job);
+    return {sends ? Right::operate : Right::engineer, true};
+  }
   static std::string wrong_topic() { return "topic: this one gives no right to send"; }
   static bool hand_on(const Request& request, const SendContext& context);
   static bool hand_on_cancel(JobId id, const SendContext& context) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "dds/daemon_identity.h"
+#include "dds/security.h"
 
 namespace cansync_slave::client {
 namespace {
@@ -14,8 +15,9 @@ using std::chrono::steady_clock;
 /// A quarter of what the daemon waits.
 constexpr std::chrono::milliseconds kPresencePeriod{500};
 
-constexpr const char* kNoRight =
-    "no right to write topic ApplicationAnswer; it needs the role engineer: cansync-security add";
+std::string no_right() {
+  return gateway::dds::no_right(gateway::dds::topic_info<cansync_slave_ApplicationAnswer>.name, "engineer");
+}
 
 template <class Job>
 cansync_slave_ApplicationAnswer answer_to(const Job& job, cansync_slave_AnswerKind kind) noexcept {
@@ -47,7 +49,7 @@ std::string Application::take_over(Duties duties) {
 }
 
 std::string Application::keep() {
-  if (!writer_.permitted()) return kNoRight;
+  if (!writer_.permitted()) return no_right();
   const auto now = steady_clock::now();
   const std::uint32_t daemons = writer_.matched();
   if (daemons == 0 || (daemons == daemons_ && said_ && now - *said_ < kPresencePeriod)) return {};
@@ -70,7 +72,7 @@ std::string Application::write(Sample& sample, std::span<const std::uint8_t> dat
   sample.data._maximum = sample.data._length;
   const auto code = writer_.write(sample);
   if (code == DDS_RETCODE_OK) return {};
-  if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) return kNoRight;
+  if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) return no_right();
   return fmt::format("what the application says could not be written: {}", dds_strretcode(code));
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "dds/security.h"
+
 namespace cansync_slave::client {
 
 ReleaseWriter::ReleaseWriter(SlaveClient& client, std::int32_t strength)
@@ -28,7 +30,7 @@ std::string ReleaseWriter::write(std::uint8_t telegram, const std::array<std::ui
   gateway::dds::set_daemon(daemon_, sample);
   const auto code = writer_.write(sample);
   if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY)
-    return "no right to write topic ActualRelease; it needs the role operator: cansync-security add";
+    return gateway::dds::no_right(gateway::dds::topic_info<cansync_slave_ActualRelease>.name, "operator");
   if (code != DDS_RETCODE_OK) return fmt::format("the values could not be written: {}", dds_strretcode(code));
   if (telegram == 1 || telegram == 2) written_[telegram - 1u] = true;
   return {};

@@ -8,6 +8,7 @@
 #include "dds/bounded_text.h"
 #include "dds/daemon_identity.h"
 #include "dds/reply_partition.h"
+#include "dds/security.h"
 
 namespace cansync_slave::client {
 namespace {
@@ -75,7 +76,7 @@ SlaveClient::Commanded SlaveClient::command(cansync_slave_SlaveCommand wanted) {
   sight_.look();
   if (const auto found = sight_.obstacle()) return {0, found->reason, gateway_CAUSE_OTHER_DAEMON};
   if (!commands_.permitted())
-    return {0, "no right to write topic SlaveCommand; it needs the role engineer: cansync-security add",
+    return {0, gateway::dds::no_right(gateway::dds::topic_info<cansync_slave_SlaveCommand>.name, "engineer"),
             gateway_CAUSE_RIGHT};
   if (commands_.matched() == 0 || command_replies_.matched() == 0)
     return {0, "the daemon takes no commands; it may have just come, or is older than this program",

@@ -9,6 +9,7 @@
 #include "dds/bounded_text.h"
 #include "dds/daemon_identity.h"
 #include "dds/reply_partition.h"
+#include "dds/security.h"
 #include "j1939/dds/convert.h"
 
 namespace j1939::client {
@@ -98,8 +99,9 @@ Begun MessageClient::begin(j1939_MessageKind kind, const Message& message, std::
     result.code = gateway_REPLY_REFUSED;
     result.cause =
         forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN);
-    result.reason = forbidden ? "the identity has no right to write topic MessageRequest, nothing was sent"
-                              : fmt::format("the request could not be written: {}", dds_strretcode(code));
+    result.reason =
+        forbidden ? gateway::dds::no_right(gateway::dds::topic_info<j1939_MessageRequest>.name, "operator")
+                  : fmt::format("the request could not be written: {}", dds_strretcode(code));
     return {0, std::move(result)};
   }
   return {request.request, std::nullopt};

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "dds/bounded_text.h"
 #include "dds/daemon_identity.h"
 #include "dds/reply_partition.h"
+#include "dds/security.h"
 #include "layer2/dds/convert.h"
 
 namespace layer2::client {
@@ -27,6 +29,12 @@ constexpr milliseconds kDefaultMonitoring{1000};
 /// Replies that come after their request was given up must be taken too, for a full reader holds up all
 /// topics.
 constexpr std::uint64_t kNobodysRequest = 0;
+
+/// Who may write a topic of requests, with DDS Security on.
+template <class Request>
+constexpr std::string_view role_of = "engineer";
+template <>
+constexpr std::string_view role_of<layer2_SendRequest> = "operator";
 
 }  // namespace
 
@@ -133,7 +141,7 @@ Begun FrameClient::begin(gateway::dds::Writer<Request>& writer, Request request)
             SendResult{
                 true, gateway_REPLY_REFUSED,
                 forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN),
-                forbidden ? "the identity has no right to write this topic, nothing was done"
+                forbidden ? gateway::dds::no_right(gateway::dds::topic_info<Request>.name, role_of<Request>)
                           : fmt::format("the request could not be written: {}", dds_strretcode(code))}};
   }
   return {request.request, std::nullopt};

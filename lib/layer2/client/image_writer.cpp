@@ -4,13 +4,17 @@
 #include <array>
 
 #include "dds/bounded_text.h"
+#include "dds/security.h"
 
 namespace layer2::client {
 namespace {
 
-std::string problem_of(dds_return_t code) {
+template <class Sample>
+std::string problem_of(gateway::dds::Writer<Sample>& writer, const Sample& sample) {
+  const dds_return_t code = writer.write(sample);
   if (code == DDS_RETCODE_OK) return {};
-  if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) return "the identity has no right to write this topic";
+  if (code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY)
+    return gateway::dds::no_right(gateway::dds::topic_info<Sample>.name, "operator");
   return dds_strretcode(code);
 }
 
@@ -36,7 +40,7 @@ bool ImageWriter::daemon_restarted() const noexcept {
 std::string ImageWriter::put(layer2_ImageOutputs& sample) {
   client_.wait_for_match(writer_);
   gateway::dds::set_daemon(daemon_, sample);
-  return problem_of(writer_.write(sample));
+  return problem_of(writer_, sample);
 }
 
 std::string ImageWriter::write(std::uint16_t address, std::span<const std::uint8_t> bytes) {
@@ -77,7 +81,7 @@ std::string RunLead::say(bool run) {
   gateway::dds::copy_text(name_, sample.client_name);
   sample.run = run;
   gateway::dds::set_daemon(gateway::dds::daemon_of(client_.gateway_status()), sample);
-  return problem_of(writer_.write(sample));
+  return problem_of(writer_, sample);
 }
 
 }  // namespace layer2::client

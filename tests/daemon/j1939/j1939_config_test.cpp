@@ -106,7 +106,6 @@ TEST_F(J1939Configuration, WhatIsWrongNamesItsPlace) {
   EXPECT_NE(problems("[address]\npreferred = 254\n").find("f.toml:2"), std::string::npos);
   EXPECT_NE(problems("[[ecu]]\nnumber = 0\ndestination = 254\n").find("f.toml:3"), std::string::npos);
   EXPECT_NE(problems("[[ecu]]\nnumber = 0\ndata = [256]\n").find("f.toml:3"), std::string::npos);
-  EXPECT_NE(problems("[dds]\nsecurity = \"x\"\n").find("cansync-security"), std::string::npos);
 }
 
 TEST_F(J1939Configuration, SimulatedNodesHaveNamesOfTheirOwn) {

@@ -216,12 +216,6 @@ TEST_F(Layer2Configuration, OptionsWithoutEffectAreRefusedWithTheirPlace) {
   EXPECT_FALSE(good("[recorder]\nsending_failed = false\n").recorder.triggers.sending_failed);
 }
 
-TEST_F(Layer2Configuration, AnIdentityIsRefused) {
-  EXPECT_EQ(problems("[dds]\nsecurity = \"identity\"\n"),
-            "f.toml:2:12: dds.security: found an identity; allowed: \"\", because cansync-security gives no "
-            "rights for general frames\n");
-}
-
 TEST_F(Layer2Configuration, TheDefaultFileIsRightAndSaysTheDefaults) {
   const Layer2Config printed = good(layer2_default_config());
   EXPECT_EQ(printed.send.queue, SendConfig{}.queue);
