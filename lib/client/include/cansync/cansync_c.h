@@ -155,7 +155,8 @@ typedef struct cansync_event {
 /* Called on a thread of the library: be short, and call no function with the same handle. */
 typedef void (*cansync_on_event)(void* user, const cansync_event* event);
 
-/* Like cansync_subscribe_actual_values, for events: the last 100 of each severity first, then each as it happens. */
+/* Like cansync_subscribe_actual_values, for events: the last 100 of each severity first, then each as it
+ * happens. */
 CANSYNC_C_API int cansync_subscribe_events(cansync_client* client, cansync_on_event callback,
                                            void* user) CANSYNC_C_NOEXCEPT;
 
