@@ -8,30 +8,14 @@
 #include "cli/base/consent.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/verb_groups.h"
-#include "cli/cansync/profiles.h"
+#include "cli/cansync/parameter_answer.h"
+#include "cli/cansync/parameter_request.h"
 #include "cli/cansync/verbs.h"
-#include "profile/meaning.h"
 #include "profile/scaling.h"
 #include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
-
-constexpr std::uint32_t kValueElement = 7;
-
-/// The arguments as they were typed.
-struct ParameterOptions {
-  std::string slave;
-  std::string parameter;  ///< write; read: the one that is being looked at
-  std::string value;      ///< write
-  std::string element = "7";
-  std::string sub_slave = "0";
-  std::string format = "auto";
-  std::string profile;
-  bool raw = false;
-  bool scaled = false;
-  Consent consent;  ///< write
-};
 
 /// Those of `read`: several parameters, and again and again.
 struct ReadOptions {
@@ -41,160 +25,21 @@ struct ReadOptions {
   std::string count = "0";  ///< rounds; 0: until Ctrl-C
 };
 
-/// A request, and what the profile says of its parameter.
-struct Request {
-  client::ParameterRequest job;
-  ProfilePointer profile;                     ///< keeps `known`
-  const profile::Parameter* known = nullptr;  ///< null: nothing is known, or it does not apply
-  bool scaled = false;                        ///< values are typed and shown in engineering units
-};
-
-client::ParameterFormat parse_format(std::string_view text) {
-  if (text == "word") return client::ParameterFormat::word;
-  if (text == "doubleword") return client::ParameterFormat::doubleword;
-  if (text == "auto") return client::ParameterFormat::as_slave_says;
-  throw UsageError(fmt::format("--format: found '{}'; allowed: word, doubleword, auto", text));
-}
-
-/// Everything but slave and value. Numbers are checked before the slave's name, so that a wrong one is told
-/// without a daemon.
-Request parse_numbers(Session& session, const ParameterOptions& options) {
-  Request request;
-  client::ParameterRequest& job = request.job;
-  const bool by_number = looks_like_number(options.parameter);
-  if (by_number) job.number = find_parameter(options.parameter, {}).number;
-  job.element = static_cast<std::uint32_t>(parse_integer(options.element, "--element", 0, 7));
-  job.sub_slave = static_cast<std::uint32_t>(parse_integer(options.sub_slave, "--sub-slave", 0, 65535));
-  job.format = parse_format(options.format);
-  job.timeout_ms = session.monitoring_ms();
-  if (!by_number && job.sub_slave != 0) {
-    throw UsageError(
-        "PARAMETER: a profile names the parameters of the slave itself; allowed with --sub-slave: 0..4095");
-  }
-  return request;
-}
-
-/// Puts the slave in, and what its profile says of the parameter.
-Request for_slave(Session& session, Request request, unsigned slave, const ParameterOptions& options) {
-  client::ParameterRequest& job = request.job;
-  job.slave = slave;
-  if (job.sub_slave != 0) return request;
-  const SlaveProfile found = find_profile(session, job.slave, options.profile);
-  const NamedParameter parameter = find_parameter(options.parameter, found);
-  job.number = parameter.number;
-  request.profile = found.profile;
-  request.known = parameter.known;
-  request.scaled = (parameter.by_name ? !options.raw : options.scaled) && job.element == kValueElement;
-  if (request.scaled && request.known == nullptr) {
-    throw UsageError(fmt::format("--scaled: slave {}: no profile tells the unit of parameter {}{}{}", slave,
-                                 job.number, found.problem.empty() ? "" : ": ", found.problem));
-  }
-  return request;
-}
-
-std::string_view format_name(bool doubleword) {
-  return doubleword ? "doubleword" : "word";
-}
-
-std::string raw_text(std::uint32_t value, bool doubleword) {
-  const auto width = doubleword ? Width::doubleword : Width::word;
-  const std::int64_t number = as_signed(value, width);
-  std::string text = doubleword ? fmt::format("{} (0x{:08X}, doubleword", value, value)
-                                : fmt::format("{} (0x{:04X}, word", value, value);
-  if (number < 0) text += fmt::format(", signed {}", number);
-  return text + ")";
-}
-
-/// Does the profile's scaling hold for this value?
-bool scales(const Request& request, const client::ParameterReply& reply) {
-  return request.known != nullptr && request.job.element == kValueElement &&
-         reply.doubleword == (request.known->format == profile::Format::doubleword);
-}
-
-std::string number_text(const Request& request, const client::ParameterReply& reply) {
-  std::string raw = raw_text(reply.value, reply.doubleword);
-  if (request.known == nullptr) return raw;
-  if (!scales(request, reply)) return raw + "; " + request.known->name;
-  const std::string unit = request.known->unit.empty() ? "" : " " + request.known->unit;
-  const std::string value =
-      profile::scaled_text(*request.known, profile::raw_number(*request.known, reply.value)) + unit;
-  if (request.scaled) {
-    return fmt::format("{} ({}, parameter {}, raw {})", value, request.known->name, request.job.number,
-                       reply.value);
-  }
-  return fmt::format("{}; {} {}", raw, request.known->name, value);
-}
-
-/// Number and unit, then what they mean, when the profile says so.
-std::string value_text(const Request& request, const client::ParameterReply& reply) {
-  const std::string words = scales(request, reply) ? profile::words(*request.known, reply.value) : "";
-  return number_text(request, reply) + (words.empty() ? "" : ": " + words);
-}
-
-/// How a reading stands among others.
-struct Shown {
-  std::string before;                ///< what its line begins with
-  std::optional<std::int64_t> time;  ///< CLOCK_REALTIME in ns, for its object; nothing: it has none
-};
-
-ExitCode finish(Session& session, const Request& request, const client::ParameterReply& reply,
-                const Shown& shown = {}) {
-  JsonObject object;
-  object.add("slave", request.job.slave)
-      .add("number", request.job.number)
-      .add("element", request.job.element)
-      .add("sub_slave", request.job.sub_slave);
-  if (reply.ok()) {
-    object.add("value", reply.value)
-        .add("signed", as_signed(reply.value, reply.doubleword ? Width::doubleword : Width::word))
-        .add("format", format_name(reply.doubleword));
-  } else {
-    object.add_null("value").add_null("signed").add_null("format");
-  }
-  object.add("error_code", reply.error_code).add("intervals", reply.intervals);
-  if (request.known != nullptr) {
-    object.add("name", request.known->name).add("unit", request.known->unit);
-  } else {
-    object.add_null("name").add_null("unit");
-  }
-  if (reply.ok() && scales(request, reply)) {
-    object.add("scaled", profile::scaled(*request.known, profile::raw_number(*request.known, reply.value)));
-  } else {
-    object.add_null("scaled");
-  }
-  if (shown.time) object.add("time_ns", *shown.time);
-  if (reply.ok() && !session.json()) session.output().line(shown.before + value_text(request, reply));
-  const std::string parameter = request.known != nullptr ? profile::label(*request.known)
-                                                         : fmt::format("parameter {}", request.job.number);
-  return session.finish(reply, object, fmt::format("slave {}, {}", request.job.slave, parameter));
-}
-
-ExitCode run_job(Session& session, const Request& request) {
+ExitCode run_job(Session& session, const KnownRequest& request) {
   const Effect effect = request.job.write ? Effect::changes : Effect::reads;
-  return finish(session, request, session.ask(effect, [&] { return session.client().submit(request.job); }));
+  return finish_parameter(session, request,
+                          session.ask(effect, [&] { return session.client().submit(request.job); }));
 }
 
-/// The request for each slave of the list, all of them checked. `check` completes one.
-template <class Check>
-std::vector<Request> parse_requests(Session& session, const ParameterOptions& options, const Check& check) {
-  const Request common = parse_numbers(session, options);
-  std::vector<Request> requests;
-  for (const unsigned slave : session.slaves(options.slave)) {
-    requests.push_back(for_slave(session, common, slave, options));
-    check(requests.back());
-  }
-  return requests;
-}
-
-std::vector<unsigned> slaves_of(const std::vector<Request>& requests) {
+std::vector<unsigned> slaves_of(const std::vector<KnownRequest>& requests) {
   std::vector<unsigned> slaves;
   slaves.reserve(requests.size());
-  for (const Request& request : requests) slaves.push_back(request.job.slave);
+  for (const KnownRequest& request : requests) slaves.push_back(request.job.slave);
   return slaves;
 }
 
 /// The parameters of one slave, in the order typed.
-using Readings = std::vector<Request>;
+using Readings = std::vector<KnownRequest>;
 
 /// Those of each slave, all of them checked; what needs no daemon first.
 std::vector<Readings> parse_readings(Session& session, const ReadOptions& options) {
@@ -206,7 +51,7 @@ std::vector<Readings> parse_readings(Session& session, const ReadOptions& option
   std::vector<Readings> slaves;
   for (const std::string& parameter : options.parameters) {
     each.parameter = parameter;
-    const std::vector<Request> of_all = parse_requests(session, each, [](const Request& request) {
+    const std::vector<KnownRequest> of_all = parse_requests(session, each, [](const KnownRequest& request) {
       if (request.known == nullptr) return;
       if (const auto problem = profile::read_problem(*request.known)) throw UsageError(problem->text);
     });
@@ -216,7 +61,7 @@ std::vector<Readings> parse_readings(Session& session, const ReadOptions& option
   return slaves;
 }
 
-ExitCode read_one(Session& session, const Request& request, bool of_several, bool timed) {
+ExitCode read_one(Session& session, const KnownRequest& request, bool of_several, bool timed) {
   const client::ParameterReply reply =
       session.ask(Effect::reads, [&] { return session.client().submit(request.job); });
   Shown shown;
@@ -230,7 +75,7 @@ ExitCode read_one(Session& session, const Request& request, bool of_several, boo
         request.known != nullptr ? request.known->name : fmt::format("parameter {}", request.job.number);
     shown.before += ": ";
   }
-  return finish(session, request, reply, shown);
+  return finish_parameter(session, request, reply, shown);
 }
 
 /// Every parameter of every slave once, also when one fails; ends early at Ctrl-C.
@@ -240,7 +85,7 @@ ExitCode read_round(Session& session, const std::vector<Readings>& slaves, bool 
   for (const Readings& readings : slaves) numbers.push_back(readings.front().job.slave);
   return session.for_each(numbers, [&](std::size_t index) {
     ExitCode first = ExitCode::done;
-    for (const Request& request : slaves[index]) {
+    for (const KnownRequest& request : slaves[index]) {
       const ExitCode code = read_one(session, request, slaves[index].size() > 1, timed);
       if (first == ExitCode::done) first = code;
       if (interrupt_flag().load() || code == ExitCode::not_reachable) break;
@@ -287,7 +132,7 @@ Width width_of(client::ParameterFormat format) {
 
 /// Takes value and format by the profile, which the parameter must be known to. Throws UsageError for what
 /// the profile does not allow; nothing is sent then.
-void take_known_value(Request& request, const std::string& text, client::ParameterFormat typed) {
+void take_known_value(KnownRequest& request, const std::string& text, client::ParameterFormat typed) {
   using Format = client::ParameterFormat;
   const profile::Parameter& known = *request.known;
   const Format own = known.format == profile::Format::word ? Format::word : Format::doubleword;
@@ -310,22 +155,17 @@ void take_known_value(Request& request, const std::string& text, client::Paramet
   request.job.format = own;
 }
 
-/// Is the value to be taken by the profile?
-bool takes_known_value(const Request& request) {
-  return request.known != nullptr && request.job.element == kValueElement;
-}
-
 /// Writes to one slave; `request` is complete but for a value whose width only the slave knows.
-ExitCode write_one(Session& session, Request request, const std::string& value) {
+ExitCode write_one(Session& session, KnownRequest request, const std::string& value) {
   using Format = client::ParameterFormat;
-  if (takes_known_value(request)) return run_job(session, request);
+  if (has_known_value(request)) return run_job(session, request);
   if (request.job.format == Format::as_slave_says && value.starts_with('-')) {
     // The two's complement depends on the width.
     client::ParameterRequest ask = request.job;
     ask.write = false;
     const client::ParameterReply reply =
         session.ask(Effect::reads, [&] { return session.client().submit(ask); });
-    if (!reply.ok()) return finish(session, request, reply);
+    if (!reply.ok()) return finish_parameter(session, request, reply);
     request.job.format = reply.doubleword ? Format::doubleword : Format::word;
   }
   request.job.value = parse_raw(value, "VALUE", width_of(request.job.format));
@@ -342,9 +182,9 @@ ExitCode write_verb(Session& session, const ParameterOptions& options) {
   if ((looks_like_number(options.parameter) && !options.scaled) || options.raw) {
     static_cast<void>(parse_raw(options.value, "VALUE", width_of(typed)));
   }
-  const std::vector<Request> requests = parse_requests(session, options, [&](Request& request) {
+  const std::vector<KnownRequest> requests = parse_requests(session, options, [&](KnownRequest& request) {
     request.job.write = true;
-    if (takes_known_value(request)) take_known_value(request, options.value, typed);
+    if (has_known_value(request)) take_known_value(request, options.value, typed);
   });
   if (options.consent.dry_run) {
     session.output().remark(
@@ -354,21 +194,6 @@ ExitCode write_verb(Session& session, const ParameterOptions& options) {
   return session.for_each(slaves_of(requests), [&](std::size_t index) {
     return write_one(session, requests[index], options.value);
   });
-}
-
-void add_common(CLI::App& verb, ParameterOptions& options) {
-  auto* raw =
-      verb.add_flag("--raw", options.raw, "with a name: the value as on the bus instead of in its unit");
-  verb.add_flag("--scaled", options.scaled, "with a number: the value in the unit of the slave's profile")
-      ->excludes(raw);
-  verb.add_option("--element", options.element, "element 0..7 of the parameter; 7 = the value (default)")
-      ->type_name("E");
-  verb.add_option("--sub-slave", options.sub_slave,
-                  "participant below the slave, 0..65535; 0 = the slave itself (default)")
-      ->type_name("S");
-  verb.add_option("--format", options.format, "width of the value; auto = as the slave says (default)")
-      ->type_name("word|doubleword|auto");
-  add_profile_option(verb, options.profile);
 }
 
 constexpr const char* kParameterHelp = "parameter number 0..4095, or its name in the slave's drive profile";
@@ -381,7 +206,7 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
   auto read_options = std::make_shared<ReadOptions>();
   read->add_option("SLAVE", read_options->each.slave, kSlavesHelp)->required();
   read->add_option("PARAMETER", read_options->parameters, kParameterHelp)->required();
-  add_common(*read, read_options->each);
+  add_parameter_options(*read, read_options->each);
   auto* every =
       read->add_option("--every", read_options->every,
                        "again and again, so many seconds from one round to the next, 0.1..86400, until "
@@ -414,7 +239,7 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
           "with a name: in its unit; with a number or --raw: raw, as on the bus, decimal, hexadecimal (0x..) "
           "or\nnegative")
       ->required();
-  add_common(*write, *write_options);
+  add_parameter_options(*write, *write_options);
   add_consent_options(*write, write_options->consent);
   write->footer(
       "Prints what was written, as `read` does. What the slave's profile does not allow (limits, format, "

@@ -1,0 +1,86 @@
+#include "cli/cansync/parameter_answer.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "profile/meaning.h"
+#include "profile/scaling.h"
+
+namespace cansync::cli {
+namespace {
+
+std::string_view format_name(bool doubleword) {
+  return doubleword ? "doubleword" : "word";
+}
+
+std::string raw_text(std::uint32_t value, bool doubleword) {
+  const auto width = doubleword ? Width::doubleword : Width::word;
+  const std::int64_t number = as_signed(value, width);
+  std::string text = doubleword ? fmt::format("{} (0x{:08X}, doubleword", value, value)
+                                : fmt::format("{} (0x{:04X}, word", value, value);
+  if (number < 0) text += fmt::format(", signed {}", number);
+  return text + ")";
+}
+
+/// Does the profile's scaling hold for this value?
+bool scales(const KnownRequest& request, const client::ParameterReply& reply) {
+  return has_known_value(request) &&
+         reply.doubleword == (request.known->format == profile::Format::doubleword);
+}
+
+std::string number_text(const KnownRequest& request, const client::ParameterReply& reply) {
+  std::string raw = raw_text(reply.value, reply.doubleword);
+  if (request.known == nullptr) return raw;
+  if (!scales(request, reply)) return raw + "; " + request.known->name;
+  const std::string unit = request.known->unit.empty() ? "" : " " + request.known->unit;
+  const std::string value =
+      profile::scaled_text(*request.known, profile::raw_number(*request.known, reply.value)) + unit;
+  if (request.scaled) {
+    return fmt::format("{} ({}, parameter {}, raw {})", value, request.known->name, request.job.number,
+                       reply.value);
+  }
+  return fmt::format("{}; {} {}", raw, request.known->name, value);
+}
+
+/// Number and unit, then what they mean, when the profile says so.
+std::string value_text(const KnownRequest& request, const client::ParameterReply& reply) {
+  const std::string words = scales(request, reply) ? profile::words(*request.known, reply.value) : "";
+  return number_text(request, reply) + (words.empty() ? "" : ": " + words);
+}
+
+}  // namespace
+
+ExitCode finish_parameter(Session& session, const KnownRequest& request, const client::ParameterReply& reply,
+                          const Shown& shown) {
+  JsonObject object;
+  object.add("slave", request.job.slave)
+      .add("number", request.job.number)
+      .add("element", request.job.element)
+      .add("sub_slave", request.job.sub_slave);
+  if (reply.ok()) {
+    object.add("value", reply.value)
+        .add("signed", as_signed(reply.value, reply.doubleword ? Width::doubleword : Width::word))
+        .add("format", format_name(reply.doubleword));
+  } else {
+    object.add_null("value").add_null("signed").add_null("format");
+  }
+  object.add("error_code", reply.error_code).add("intervals", reply.intervals);
+  if (request.known != nullptr) {
+    object.add("name", request.known->name).add("unit", request.known->unit);
+  } else {
+    object.add_null("name").add_null("unit");
+  }
+  if (reply.ok() && scales(request, reply)) {
+    object.add("scaled", profile::scaled(*request.known, profile::raw_number(*request.known, reply.value)));
+  } else {
+    object.add_null("scaled");
+  }
+  if (shown.time) object.add("time_ns", *shown.time);
+  if (reply.ok() && !session.json()) session.output().line(shown.before + value_text(request, reply));
+  const std::string parameter = request.known != nullptr ? profile::label(*request.known)
+                                                         : fmt::format("parameter {}", request.job.number);
+  return session.finish(reply, object, fmt::format("slave {}, {}", request.job.slave, parameter));
+}
+
+}  // namespace cansync::cli
