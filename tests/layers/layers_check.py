@@ -111,7 +111,7 @@ daemon:                     lib/text lib/config lib/rt daemon/service daemon/opt
 
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
-tools/cli/connect:          lib/dds tools/cli/base
+tools/cli/connect:          lib/dds tools/cli/text tools/cli/base
 tools/cli/dbc:              lib/text lib/dbc tools/cli/text tools/cli/base
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/cansync/dds lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/look:             lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync

@@ -13,7 +13,7 @@
 #include "cansync_slave/client/release_writer.h"
 #include "cli/base/interrupt.h"
 #include "cli/cansync_slave/verbs.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/text/values.h"
 #include "text/counts.h"
 
@@ -158,8 +158,7 @@ void add_actual_verb(CLI::App& app, Verb& chosen) {
   actual->footer(
       "Of a bus with bus.protocol = \"cansync-slave\". Values 0..3 go out in RDC1, 4..7 in RDC2, when the master asks "
       "for\nthem; one release is good for one telegram.\nExample: cansync actual 0=1000 4=50 --seconds 10");
-  actual->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return actual_verb(session, *texts); }; });
+  run_when_named(*actual, chosen, texts, actual_verb);
 }
 
 }  // namespace cansync::cli

@@ -17,7 +17,7 @@
 #include "cli/base/interrupt.h"
 #include "cli/base/own_process.h"
 #include "cli/cansync_slave/verbs.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 #include "config/document.h"
@@ -307,9 +307,7 @@ void leave_to_daemon(SlaveClient& client, const profile::Profile* profile,
 ExitCode serve_verb(Session& session, const ServeTexts& texts) {
   constexpr std::int64_t kStrongest = 2'147'483'647;
   const auto strength = static_cast<std::int32_t>(parse_integer(texts.strength, "--strength", 0, kStrongest));
-  const std::uint64_t count =
-      texts.count.empty() ? 0
-                          : static_cast<std::uint64_t>(parse_integer(texts.count, "--count", 1, INT32_MAX));
+  const std::uint64_t count = parse_end_count(texts.count);
   if (texts.file.empty() && texts.profile.empty())
     throw UsageError("FILE: is missing; allowed: a file with [[parameter]], --profile PROFILE, or both");
   std::shared_ptr<const profile::Profile> profile;
@@ -332,8 +330,7 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
     if (problem.empty()) problem = server.problem();
     if (!problem.empty()) return session.finish({client::ReplyCode::no_reply, problem}, {}, "serve", "");
     if (!client.receive(kTurn, listener)) {
-      session.output().remark("the daemon has gone (" + client.place() + ")");
-      return ExitCode::not_reachable;
+      return end_without_daemon(session, client.place());
     }
     if (const auto status = client.status(std::chrono::milliseconds(0))) {
       if (const std::string told = hearing.look(status->application); !told.empty())
@@ -372,8 +369,7 @@ void add_serve_verb(CLI::App& app, Verb& chosen) {
       "Of a bus with bus.protocol = \"cansync-slave\". FILE has the same [[parameter]] as the daemon's "
       "configuration; while\nthis runs, its values are what the master reads and writes. One line for each answer.\n" +
       columns_help(serve_columns()));
-  serve->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return serve_verb(session, *texts); }; });
+  run_when_named(*serve, chosen, texts, serve_verb);
 }
 
 }  // namespace cansync::cli

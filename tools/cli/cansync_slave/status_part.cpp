@@ -10,7 +10,7 @@
 #include "cansync_slave/client/slave_client.h"
 #include "cansync_slave_members.h"
 #include "cli/base/finding_list.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "dds/bounded_text.h"
 #include "text/counts.h"
 
@@ -22,9 +22,7 @@ using SideStatus = cansync_slave_SlaveSideStatus;
 /// Throws client::NoDaemon.
 SideStatus side_status(Session& session) {
   auto client = connect_bus<cansync_slave::client::SlaveClient>(session);
-  const auto status = client.status(session.search_time());
-  if (!status) throw client::NoDaemon("the daemon has told no SlaveSideStatus (" + client.place() + ")");
-  return *status;
+  return expect_told(client.status(session.search_time()), "SlaveSideStatus", client.place());
 }
 
 std::string synchronized_text(const SideStatus& status) {

@@ -11,7 +11,7 @@
 #include "cansync_slave/client/slave_client.h"
 #include "cli/base/interrupt.h"
 #include "cli/cansync_slave/status_part.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
 
@@ -92,9 +92,7 @@ void ReferenceLines::show(const cansync_slave_ReferencesReceived& sample) {
 }
 
 ExitCode references_verb(Session& session, bool follow, const std::string& count_text) {
-  const std::uint64_t count =
-      count_text.empty() ? (follow ? 0 : 1)
-                         : static_cast<std::uint64_t>(parse_integer(count_text, "--count", 1, INT32_MAX));
+  const std::uint64_t count = count_text.empty() && !follow ? 1 : parse_end_count(count_text);
   auto client = connect_bus<SlaveClient>(session);
   ReferenceLines lines(session.output(), count);
   SlaveClient::Listener listener;
@@ -103,8 +101,7 @@ ExitCode references_verb(Session& session, bool follow, const std::string& count
   const auto end = std::chrono::steady_clock::now() + session.search_time();
   while (!interrupt_flag().load() && !lines.enough()) {
     if (!client.receive(kLook, listener)) {
-      session.output().remark("the daemon has gone (" + client.place() + ")");
-      return ExitCode::not_reachable;
+      return end_without_daemon(session, client.place());
     }
     if (follow || lines.enough() || std::chrono::steady_clock::now() < end) continue;
     session.output().remark("no reference values have come; see `cansync status`");

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "dds/bounded_text.h"
 #include "j1939/client/message_client.h"
 #include "j1939_members.h"
@@ -14,9 +14,7 @@ namespace {
 /// Throws client::NoDaemon.
 j1939_NodeStatus node_status(Session& session) {
   auto client = connect_bus<j1939::client::MessageClient>(session);
-  const auto status = client.status(session.search_time());
-  if (!status) throw client::NoDaemon("the daemon has told no NodeStatus (" + client.place() + ")");
-  return *status;
+  return expect_told(client.status(session.search_time()), "NodeStatus", client.place());
 }
 
 std::string address_line(const j1939_NodeStatus& status) {

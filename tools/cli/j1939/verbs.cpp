@@ -12,7 +12,7 @@
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/connect/gateway_reply.h"
 #include "cli/dbc/dbc_file.h"
 #include "cli/j1939/group_signals.h"
@@ -38,6 +38,12 @@ struct MessageTexts {
   std::vector<std::string> settings;
   std::string to;
   std::string priority;
+};
+
+/// Those of `messages`.
+struct MessagesTexts {
+  std::string count;
+  std::string dbc;
 };
 
 /// To whom, and with which priority, when that was said.
@@ -108,23 +114,19 @@ ExitCode request_verb(Session& session, const MessageTexts& texts) {
   return session.finish(reply, object, where, result.data.empty() ? where + " acknowledged" : "");
 }
 
-ExitCode messages_verb(Session& session, const std::string& count_text, const std::string& dbc_path) {
-  const std::uint64_t count =
-      count_text.empty() ? 0 : static_cast<std::uint64_t>(parse_integer(count_text, "--count", 1, INT32_MAX));
+ExitCode messages_verb(Session& session, const MessagesTexts& texts) {
+  const std::uint64_t count = parse_end_count(texts.count);
   dbc::Database names;
-  if (!dbc_path.empty()) names = load_dbc(dbc_path);
+  if (!texts.dbc.empty()) names = load_dbc(texts.dbc);
   auto client = connect_bus<MessageClient>(session);
   MessageLines lines(session.output(), count, std::move(names));
   constexpr auto kLook = std::chrono::milliseconds(200);
-  while (!interrupt_flag().load() && !lines.enough()) {
-    if (client.receive(
-            kLook, [&lines](const j1939_MessageBatch& batch) { lines.show(batch); },
-            [&lines](const j1939_LongMessage& message) { lines.show(message); }))
-      continue;
-    session.output().remark("the daemon has gone (" + client.place() + ")");
-    return ExitCode::not_reachable;
-  }
-  return ExitCode::done;
+  const auto receive = [&] {
+    return client.receive(
+        kLook, [&lines](const j1939_MessageBatch& batch) { lines.show(batch); },
+        [&lines](const j1939_LongMessage& message) { lines.show(message); });
+  };
+  return receive_until(session, client, receive, [&lines] { return lines.enough(); });
 }
 
 std::vector<Table::Column> address_columns() {
@@ -141,10 +143,8 @@ std::vector<Table::Column> address_columns() {
 
 ExitCode addresses_verb(Session& session) {
   auto client = connect_bus<MessageClient>(session);
-  const auto status = client.status(session.search_time());
-  const auto others = client.addresses(session.search_time());
-  if (!status || !others)
-    throw client::NoDaemon("the daemon has told no AddressTable (" + client.place() + ")");
+  const auto status = expect_told(client.status(session.search_time()), "NodeStatus", client.place());
+  const auto others = expect_told(client.addresses(session.search_time()), "AddressTable", client.place());
   Table table(address_columns());
   const auto show = [&](int address, std::uint64_t name, bool own) {
     const j1939::NameFields fields = j1939::fields_of(name);
@@ -170,8 +170,8 @@ ExitCode addresses_verb(Session& session) {
                fmt::format("{}.{}", fields.function, fields.function_instance),
                fmt::format("{}", fields.industry_group), fields.arbitrary_address ? "yes" : "no"});
   };
-  if (status->address >= 0) show(status->address, status->node_name, true);
-  for (const j1939_ClaimedAddress& other : *others) show(other.address, other.node_name, false);
+  if (status.address >= 0) show(status.address, status.node_name, true);
+  for (const j1939_ClaimedAddress& other : others) show(other.address, other.node_name, false);
   if (!session.json()) session.output().table(table);
   return ExitCode::done;
 }
@@ -238,15 +238,12 @@ constexpr std::string_view kOfJ1939 = "Of a bus with bus.protocol = \"j1939\"";
 void add_messages(CLI::App& app, Verb& chosen) {
   auto* messages = app.add_subcommand("messages", "J1939: what other nodes send, until Ctrl-C");
   messages->group("J1939");
-  auto count = std::make_shared<std::string>();
-  auto dbc = std::make_shared<std::string>();
-  messages->add_option("--count", *count, "end after so many messages")->type_name("N");
-  messages->add_option("--dbc", *dbc, "name messages and signals by this DBC file")->type_name("FILE");
+  auto texts = std::make_shared<MessagesTexts>();
+  messages->add_option("--count", texts->count, "end after so many messages")->type_name("N");
+  messages->add_option("--dbc", texts->dbc, "name messages and signals by this DBC file")->type_name("FILE");
   messages->footer(fmt::format("{}: whole messages that its ranges take.\n", kOfJ1939) +
                    columns_help(message_columns()));
-  messages->callback([count, dbc, &chosen] {
-    chosen = [count, dbc](Session& session) { return messages_verb(session, *count, *dbc); };
-  });
+  run_when_named(*messages, chosen, texts, messages_verb);
 }
 
 void add_transmit(CLI::App& app, Verb& chosen) {
@@ -274,8 +271,7 @@ void add_transmit(CLI::App& app, Verb& chosen) {
       "many as the daemon's transport.most_bytes allows. Done means that it was on "
       "the bus whole, by a connection that it was acknowledged.",
       kOfJ1939));
-  transmit->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return transmit_verb(session, *texts); }; });
+  run_when_named(*transmit, chosen, texts, transmit_verb);
 }
 
 void add_request(CLI::App& app, Verb& chosen) {
@@ -291,8 +287,7 @@ void add_request(CLI::App& app, Verb& chosen) {
       "{}. Prints the bytes of the node's answer. Asked of all it is done when it\nwas sent; the answers come as "
       "messages (cansync messages).",
       kOfJ1939));
-  request->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return request_verb(session, *texts); }; });
+  run_when_named(*request, chosen, texts, request_verb);
 }
 
 void add_addresses(CLI::App& app, Verb& chosen) {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "cli/base/files.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/connect/gateway_reply.h"
 #include "cli/text/values.h"
 #include "layer2/client/frame_client.h"
@@ -37,8 +37,7 @@ void add_configure_verb(CLI::App& can, Verb& chosen) {
   configure->footer(
       "Of a bus with bus.protocol = \"layer2\". Sections that it names take the place of those in force: send, receive "
       "with\nfilter, queue, timer, object, window, script, mapping with mapped; all of them or nothing.");
-  configure->callback(
-      [file, &chosen] { chosen = [file](Session& session) { return configure_verb(session, *file); }; });
+  run_when_named(*configure, chosen, file, configure_verb);
 }
 
 }  // namespace cansync::cli

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cli/base/interrupt.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/dbc/dbc_file.h"
 #include "cli/layer2/dump_filter.h"
 #include "cli/layer2/dump_form.h"
@@ -90,9 +90,7 @@ DumpFilter filter_of(const DumpTexts& texts) {
 }
 
 ExitCode dump_verb(Session& session, const DumpTexts& texts) {
-  const std::uint64_t count =
-      texts.count.empty() ? 0
-                          : static_cast<std::uint64_t>(parse_integer(texts.count, "--count", 1, INT32_MAX));
+  const std::uint64_t count = parse_end_count(texts.count);
   if (int{texts.candump} + int{!texts.write.empty()} + int{session.json()} > 1)
     throw UsageError("--candump, --write, --json: found more than one; allowed: one of the three");
   const DumpFilter filter = filter_of(texts);
@@ -101,15 +99,12 @@ ExitCode dump_verb(Session& session, const DumpTexts& texts) {
   auto client = connect_bus<layer2::client::FrameClient>(session);
   Dump dump(session.output(), filter, std::move(form), count);
   constexpr auto kLook = std::chrono::milliseconds(200);
-  ExitCode code = ExitCode::done;
-  while (!interrupt_flag().load() && !dump.enough()) {
+  const auto receive = [&] {
     const bool present = client.receive(kLook, [&dump](const layer2_FrameBatch& batch) { dump.take(batch); });
     dump.flush();
-    if (present) continue;
-    session.output().remark("the daemon has gone (" + client.place() + ")");
-    code = ExitCode::not_reachable;
-    break;
-  }
+    return present;
+  };
+  const ExitCode code = receive_until(session, client, receive, [&dump] { return dump.enough(); });
   if (!texts.write.empty() && texts.write != "-")
     session.output().remark(text::counted(dump.shown(), "frame") + " written to " + texts.write);
   return code;
@@ -137,8 +132,7 @@ void add_dump_verb(CLI::App& can, Verb& chosen) {
       "Of a bus with bus.protocol = \"layer2\": frames of other nodes that its ranges take.\n"
       "Example: cansync can dump --write - | wireshark -k -i -\n" +
       columns_help(dump_columns()));
-  dump->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return dump_verb(session, *texts); }; });
+  run_when_named(*dump, chosen, texts, dump_verb);
 }
 
 }  // namespace cansync::cli

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "cli/base/interrupt.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/connect/gateway_reply.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
@@ -102,16 +102,15 @@ layer2_ProcessImage image_of(FrameClient& client, milliseconds time) {
 }
 
 ExitCode watch_image(Session& session, const ImageTexts& texts) {
-  const std::int64_t count = texts.count.empty() ? 0 : parse_integer(texts.count, "--count", 1, INT32_MAX);
+  const std::uint64_t count = parse_end_count(texts.count);
   FrameClient client = connect_bus<FrameClient>(session);
   layer2_ProcessImage shown = image_of(client, session.search_time());
   write_image(session, shown);
   constexpr auto kLook = milliseconds(200);
-  for (std::int64_t n = 1; (count == 0 || n < count) && !interrupt_flag().load();) {
+  for (std::uint64_t n = 1; (count == 0 || n < count) && !interrupt_flag().load();) {
     const auto newest = client.image(kLook, true);
     if (!client.daemon_present()) {
-      session.output().remark("the daemon has gone (" + client.place() + ")");
-      return ExitCode::not_reachable;
+      return end_without_daemon(session, client.place());
     }
     const bool same =
         !newest || (std::equal(std::begin(shown.inputs), std::end(shown.inputs), newest->inputs) &&
@@ -225,8 +224,7 @@ ExitCode lead_verb(Session& session, const std::string& name) {
   std::optional<layer2_FrameStatus> told;
   while (!interrupt_flag().load()) {
     if (!client.daemon_present()) {
-      session.output().remark("the daemon has gone (" + client.place() + ")");
-      return ExitCode::not_reachable;
+      return end_without_daemon(session, client.place());
     }
     (void)client.image(milliseconds(200), true);
     const auto status = client.status(milliseconds(1));
@@ -259,8 +257,7 @@ void add_image_verb(CLI::App& can, Verb& chosen) {
       "Of a bus with bus.protocol = \"layer2\" and [[mapped]] sections. More than 64 bytes are written as the image's "
       "owner,\nwhich is given up afterwards.\n" +
       columns_help(image_columns()));
-  image->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return image_verb(session, *texts); }; });
+  run_when_named(*image, chosen, texts, image_verb);
 }
 
 void add_lead_verb(CLI::App& can, Verb& chosen) {
@@ -268,8 +265,7 @@ void add_lead_verb(CLI::App& can, Verb& chosen) {
   auto name = std::make_shared<std::string>();
   lead->add_option("PROGRAM", *name, "name that stands in module.run_follows")->required();
   lead->footer("Of a bus with bus.protocol = \"layer2\" whose module.run_follows has this name.");
-  lead->callback(
-      [name, &chosen] { chosen = [name](Session& session) { return lead_verb(session, *name); }; });
+  run_when_named(*lead, chosen, name, lead_verb);
 }
 
 }  // namespace cansync::cli

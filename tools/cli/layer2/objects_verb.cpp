@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/connect/gateway_reply.h"
 #include "cli/layer2/frame_lines.h"
 #include "cli/layer2/send_frames.h"
@@ -240,8 +240,7 @@ void add_objects_verb(CLI::App& can, Verb& chosen) {
   objects->footer(
       "Of a bus with bus.protocol = \"layer2\". An object that receives is closed until it is read with --release.\n" +
       columns_help(object_columns()));
-  objects->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return objects_verb(session, *texts); }; });
+  run_when_named(*objects, chosen, texts, objects_verb);
 }
 
 }  // namespace cansync::cli

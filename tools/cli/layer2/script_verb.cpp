@@ -10,7 +10,7 @@
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/connect/gateway_reply.h"
 #include "cli/layer2/frame_lines.h"
 #include "layer2/client/frame_client.h"
@@ -166,8 +166,7 @@ void add_script_verb(CLI::App& can, Verb& chosen) {
       "Of a bus with bus.protocol = \"layer2\"; `check` needs no daemon. Commands: Send ID LENGTH BYTE..., Fetch ID "
       "[LENGTH],\nStart TIMER, Stop TIMER, Wait MILLISECONDS; // begins a comment. Each line of a script that runs "
       "begins when the\none before it has ended; the first that fails is the last.");
-  script->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return script_verb(session, *texts); }; });
+  run_when_named(*script, chosen, texts, script_verb);
 }
 
 }  // namespace cansync::cli

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cli/base/interrupt.h"
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/connect/gateway_reply.h"
 #include "cli/layer2/frame_lines.h"
 #include "cli/layer2/send_frames.h"
@@ -149,8 +149,7 @@ void add_send_verb(CLI::App& can, Verb& chosen) {
   send->footer(
       "Of a bus with bus.protocol = \"layer2\". Each frame is sent when the one before it was on the bus; "
       "the first that\nfails is the last. Without an answer it may have been on the bus, or be sent yet.");
-  send->callback(
-      [texts, &chosen] { chosen = [texts](Session& session) { return send_verb(session, *texts); }; });
+  run_when_named(*send, chosen, texts, send_verb);
 }
 
 }  // namespace cansync::cli

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "cli/layer2/frame_lines.h"
 #include "cli/text/column_help.h"
 #include "layer2/client/frame_client.h"
@@ -90,10 +90,9 @@ std::vector<Table::Column> queue_columns() {
 
 ExitCode queues_verb(Session& session) {
   layer2::client::FrameClient client = connect_bus<layer2::client::FrameClient>(session);
-  const auto status = client.status(session.search_time());
-  if (!status) throw client::NoDaemon("the daemon has told no FrameStatus (" + client.place() + ")");
+  const auto status = expect_told(client.status(session.search_time()), "FrameStatus", client.place());
   Table table(queue_columns());
-  for (const QueuePair& queue : queues_of(*status)) {
+  for (const QueuePair& queue : queues_of(status)) {
     const bool receives = queue.name == "receive";
     if (session.output().json()) {
       JsonObject object;
@@ -104,14 +103,14 @@ ExitCode queues_verb(Session& session) {
           .add("high_room", queue.high_room)
           .add("overflowed", queue.overflowed)
           .add("lost", queue.overflows);
-      receives ? object.add("not_published", status->lost) : object.add_null("not_published");
+      receives ? object.add("not_published", status.lost) : object.add_null("not_published");
       session.output().object(object);
       continue;
     }
     table.add({std::string(queue.name), fmt::format("{}", queue.waiting), fmt::format("{}", queue.room),
                fmt::format("{}", queue.high_waiting), fmt::format("{}", queue.high_room),
                queue.overflowed ? "yes" : "no", fmt::format("{}", queue.overflows),
-               receives ? fmt::format("{}", status->lost) : "-"});
+               receives ? fmt::format("{}", status.lost) : "-"});
   }
   if (!session.output().json()) session.output().table(table);
   return ExitCode::done;

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "cli/connect/bus_connection.h"
+#include "cli/connect/bus_verb.h"
 #include "layer2/client/frame_client.h"
 #include "layer2_members.h"
 
@@ -14,9 +14,7 @@ namespace {
 /// Throws client::NoDaemon.
 layer2_FrameStatus frame_status(Session& session) {
   layer2::client::FrameClient client = connect_bus<layer2::client::FrameClient>(session);
-  const auto status = client.status(session.search_time());
-  if (!status) throw client::NoDaemon("the daemon has told no FrameStatus (" + client.place() + ")");
-  return *status;
+  return expect_told(client.status(session.search_time()), "FrameStatus", client.place());
 }
 
 std::vector<Explained> lines_of_frames(Session& session) {
