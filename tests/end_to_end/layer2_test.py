@@ -245,8 +245,8 @@ class Frames(unittest.TestCase):
         self.assertRegex(read["frame"], "^250#[0-9A-F]{2}$")
         expect(["can", "objects"], read)
         self.assertEqual(self.one("can", "objects", "send", "3", "201#", "--every-time")["result"], "done")
-        result = self.place.run("can", "objects", "--json")
-        objects = {one["number"]: one for one in map(json.loads, result.stdout.splitlines())}
+        told = lambda: {one["number"]: one for one in map(json.loads, self.place.run("can", "objects", "--json").stdout.splitlines())}
+        objects = wait_for("both are told", lambda: (found := told()).keys() >= {3, 4} and found)
         for one in objects.values():
             expect(["can", "objects"], one)
         self.assertEqual((objects[3]["state"], objects[3]["timeout_ms"], objects[4]["mask"]), ("held", 500, 0x7F0))
