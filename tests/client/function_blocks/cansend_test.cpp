@@ -335,6 +335,7 @@ TEST_F(Canctrl, L27RetvalOfCanctrl) {
   block.Func = 7;
   ASSERT_TRUE(call_until(block, [&] { return block.RETVAL == static_cast<INT>(0x80F2); }));
   EXPECT_EQ(block.open(), 64);
+  ASSERT_TRUE(call_until(block, [&] { return daemon->controls.size() == 64; }));
   const auto held = daemon->controls;
   for (const auto& one : held) daemon->reply(one, gateway_REPLY_REFUSED, "not now");
   CANSEND other(connection);

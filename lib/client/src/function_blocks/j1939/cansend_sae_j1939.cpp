@@ -18,9 +18,9 @@ std::string out_of_range(const char* input, INT value, const char* allowed) {
 void CANSEND_SAE_J1939::call() {
   detail::MessageSide& side = connection_->side();
   side.look();
-  error_ = side.failure();
   RETVAL = std::exchange(Snd, false) ? send() : module_code::done;
   side.look();
+  if (RETVAL == module_code::done) error_ = side.failure();
   STAT = side.status_word();
 }
 

@@ -14,10 +14,10 @@ namespace cansync::client::function_blocks {
 void CAN_TXQ::call() {
   detail::FrameSide& side = connection_->side();
   side.look();
-  error_ = side.failure();
   Status = enter();
   Error = Status != can_status::done;
   side.look();
+  if (!Error) error_ = side.failure();
 }
 
 WORD CAN_TXQ::enter() {

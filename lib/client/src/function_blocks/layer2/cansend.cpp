@@ -12,10 +12,10 @@ namespace cansync::client::function_blocks {
 void CANSEND::call() {
   detail::FrameSide& side = connection_->side();
   side.look();
-  error_ = side.failure();
   RETVAL = Snd ? send() : module_code::done;
   if (RETVAL == module_code::done) Snd = false;
   side.look();
+  if (RETVAL == module_code::done) error_ = side.failure();
   STAT = side.status_word();
 }
 
