@@ -14,11 +14,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <thread>
 
 #include "cansync/settings/timing.h"
-#include "system/clock.h"
 
 namespace cansyncd {
 
@@ -40,10 +38,6 @@ constexpr unsigned index(Slot slot) noexcept {
 }
 
 }  // namespace
-
-can::Time read_realtime_clock() noexcept {
-  return sys::read_clock(CLOCK_REALTIME);
-}
 
 RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSettings& loop, can::Bus& bus,
                            Exchange& exchange)
