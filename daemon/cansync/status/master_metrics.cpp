@@ -87,7 +87,7 @@ void left_out(const ToldStatus& told, MetricSamples& to) {
     to.add(label("slot", kOfTheMaster[i]), std::uint64_t{told.timing->left_out[i]});
 }
 
-void planned_start(const ToldStatus& told, MetricSamples& to) {
+void planned_starts(const ToldStatus& told, MetricSamples& to) {
   if (told.timing == nullptr) return;
   for (std::size_t i = 0; i < kSlotNames.size(); ++i) {
     const std::int64_t start = told.timing->slot[i].planned_start;
@@ -210,7 +210,7 @@ constexpr MetricFamily kMasterFamilies[] = {
      of_master<slot_start<&cansync_SlotTiming::latest>>},
     {"cansync_slot_planned_start_seconds", MetricType::gauge, "slot", "Timing.slot.planned_start",
      "When the master means to start the telegram; left out for telegrams of slaves.",
-     of_master<planned_start>},
+     of_master<planned_starts>},
     {"cansync_slot_latest_start_seconds", MetricType::gauge, "slot", "Timing.slot.latest_start",
      "Latest start of the specification."},
     {"cansync_slot_late", MetricType::counter, "slot", "Timing.slot.late",
