@@ -53,7 +53,8 @@ TEST(AnswerSlot, S28ResponsesStartByTrcOfTheNextInterval) {
     EXPECT_EQ(response(true, 30), from_to(30, row.rc)) << "the command went on into this interval";
     EXPECT_EQ(response(true, row.rc), from_to(row.rc, row.rc));
     EXPECT_EQ(response(true, row.rc + 1), from_to(row.interval, row.interval + row.rc));
-    EXPECT_EQ(response(false, row.rc + 100), from_to(row.rc + 100, row.cc)) << "set up, within the interval";
+    EXPECT_EQ(response(false, row.rc + 100), from_to(row.rc + 100, row.rc + 100 + row.rspto))
+        << "set up, within tRSPTO";
     EXPECT_EQ(response(false, row.cc - row.rspto), from_to(row.cc - row.rspto, row.cc));
     for (const int late : {row.cc - row.rspto + 1, row.cc - 200, row.cc + 1})
       EXPECT_EQ(response(false, late), from_to(row.interval, row.interval + row.rc)) << "in operation";
@@ -271,13 +272,13 @@ TEST_F(AnswerTest, S28WithoutProcessDataForAnIntervalTheLineIsSetUp) {
   const auto latest = [this] {
     return slave_.receive(command({0x71, 0x2D, 0, 0}), microseconds(400))->window.latest;
   };
-  EXPECT_EQ(latest(), microseconds(950));
+  EXPECT_EQ(latest(), microseconds(400 + 300));
   ask(0x17F);
   EXPECT_EQ(latest(), microseconds(1210));
   slave_.on_sync();
   EXPECT_EQ(latest(), microseconds(1210)) << "WRC1 of this interval is still to come";
   slave_.on_sync();
-  EXPECT_EQ(latest(), microseconds(950));
+  EXPECT_EQ(latest(), microseconds(400 + 300));
 }
 
 }  // namespace

@@ -127,9 +127,10 @@ void SlaveMachine::pass_edges(can::Time now) noexcept {
   timed_ = sync_.tracking();
   if (cluster_ != nullptr) lead(passed);
   if (timed_) return begin_intervals(passed);
-  // What was released for an interval that never comes is released for none.
+  // What was released for an interval that never comes is released for none. Reference values grow old by the
+  // own clock: a master that starts anew without edges gets its answers at once.
   if (was_timed) releases_.drop();
-  if (was_timed || cluster_ != nullptr) slave_interval(1);
+  slave_interval(1);
 }
 
 /// The edges of this timeline are those of the lower bus, too.

@@ -109,8 +109,6 @@ class SlaveMachine {
   IntervalNumber number_ = 0;  ///< of the running interval
   can::Time edge_{};           ///< that it began with
   bool timed_ = false;         ///< the running interval began with an edge that follows the input
-  bool came_ = false;          ///< reference values came in the running interval
-  bool supervised_ = false;    ///< reference values came in active operation
   bool fresh_ = false;         ///< the interval before brought reference values
   bool synchronized_ = false;
   int input_error_ = 0;

@@ -20,7 +20,8 @@ StartWindow start_window(AnswerSlot slot, bool process_data, const SlotTimes& ti
   }
   // One that came so late that not all of tRSPTO is left until tCC is none of a line that is set up.
   const Duration until = process_data ? times.response : times.command - times.response_timeout;
-  if (within <= until) return {asked_until, edge + (process_data ? times.response : times.command)};
+  if (within <= until)
+    return {asked_until, process_data ? edge + times.response : asked_until + times.response_timeout};
   return {edge + times.interval, edge + times.interval + times.response};
 }
 

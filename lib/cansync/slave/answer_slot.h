@@ -31,10 +31,10 @@ struct StartWindow {
 
 /// Of the answer to a telegram that ended at `asked_until`. Actual values: until tRDC1 or tRDC2 after an edge
 /// that was seen, else left out (O 7.2). A response with process data on the bus: until tRC, of the running
-/// interval for a command that ended by then, else of the next. Without: until tCC of the running interval
-/// when all of tRSPTO is left until then (the line is set up), else until tRC of the next (nobody gives
-/// reference values). The interval of an edge that stayed away is counted from where it was due. A telegram
-/// that ended before the edge belongs to the interval before.
+/// interval for a command that ended by then, else of the next. Without: for tRSPTO when all of it is left
+/// until tCC of the running interval (the line is set up), else until tRC of the next (nobody gives reference
+/// values). The interval of an edge that stayed away is counted from where it was due. A telegram that ended
+/// before the edge belongs to the interval before.
 StartWindow start_window(AnswerSlot slot, bool process_data, const SlotTimes& times,
                          Duration asked_until) noexcept;
 

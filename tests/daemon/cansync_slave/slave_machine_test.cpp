@@ -164,6 +164,32 @@ TEST(SlaveMachineTest, EdgesMissingForLongerThanTheHoldOverEndSynchronism) {
   EXPECT_FALSE(changes[1].synchronized);
 }
 
+/// A master that starts anew, and whose SYNC does not reach the slave any more, is answered as on any line
+/// that is set up.
+TEST(SlaveMachineTest, WithoutEdgesAndReferenceValuesCommandsAreAnsweredWithinTheirTime) {
+  SlaveRig rig(cansync::BitRate::mbit1, {missing_edges(1500, 2000)});
+  rig.at(1700 * rig.times.interval, [&rig] {
+    using cansync::ControlCommand;
+    for (const ControlCommand command :
+         {ControlCommand::cold_restart, ControlCommand::handshake, ControlCommand::take_over_initialisation,
+          ControlCommand::start_synchronous})
+      ASSERT_EQ(rig.master->master().control(command), cansync::Refusal::none);
+  });
+  rig.run_until(2000 * rig.times.interval);
+  EXPECT_EQ(rig.snapshot.sync.state, sync_line::LockState::lost);
+  can::Time asked{};
+  unsigned answers = 0;
+  for (const sim::TracedFrame& one : rig.trace.frames) {
+    if (one.frame.identifier() == cansync::identifier::command + kNumber) asked = one.end;
+    if (one.frame.identifier() != cansync::identifier::response + kNumber) continue;
+    if (one.start < 1710 * rig.times.interval) continue;
+    ++answers;
+    ASSERT_LE(one.start - asked, rig.times.response_timeout);
+  }
+  EXPECT_GT(answers, 10u);
+  EXPECT_EQ(rig.snapshot.responses.late, 0u);
+}
+
 TEST(SlaveMachineTest, MissingReferenceValuesAreAFaultUntilTheyComeAgain) {
   SlaveRig rig;
   rig.at(1500 * rig.times.interval, [&rig] {
