@@ -23,6 +23,7 @@ using cansync::ParameterFormat;
 enum class Mutant : std::uint8_t {
   none,
   releases_twice,          ///< the values of the interval before again
+  releases_older,          ///< not the newest values but those of the interval before
   sends_late,              ///< whatever the slot
   applies_every_question,  ///< a write is applied again while the master waits for its answer
   hides_the_death,         ///< the service does not learn that its application is gone
@@ -74,6 +75,7 @@ class Course {
     line_.build();
     witness_.node = &line_.slave();
     line_.slave().sends_late = mutant == Mutant::sends_late;
+    line_.slave().releases_older = mutant == Mutant::releases_older;
     line_.slave().application = [this](SlaveNode& node) { application(node); };
     turn_application(true);
   }
@@ -226,8 +228,8 @@ TEST(SlaveCampaign, S16S20S23NothingTwiceNothingLateNothingLeftOpen) {
 }
 
 TEST(SlaveCampaign, S16S20FindsEveryMutant) {
-  for (const Mutant mutant : {Mutant::releases_twice, Mutant::sends_late, Mutant::applies_every_question,
-                              Mutant::hides_the_death}) {
+  for (const Mutant mutant : {Mutant::releases_twice, Mutant::releases_older, Mutant::sends_late,
+                              Mutant::applies_every_question, Mutant::hides_the_death}) {
     Totals totals;
     unsigned found = 0;
     for (unsigned seed = 1; seed <= 40; ++seed) found += Course(seed, mutant).run(totals).empty() ? 0 : 1;

@@ -55,8 +55,9 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
 
   /// The application's turn, once in each interval, after its edge.
   std::function<void(SlaveNode&)> application;
-  bool sends_late = false;  ///< a mutant that does not keep its slots
-  bool release = true;      ///< the application releases its actual values in each interval
+  bool sends_late = false;      ///< a mutant that does not keep its slots
+  bool releases_older = false;  ///< a mutant that gives what was to be released an interval before
+  bool release = true;          ///< the application releases its actual values in each interval
   cansync::Values actual = {0x1000, 0x2000, 0, 0, 0x3000, 0x4000, 0, 0};
 
   std::optional<cansync::AskedParameter> parameter;  ///< waits for the application
@@ -90,8 +91,10 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
     service.area().at(now);
     if (application) application(*this);
     if (!release) return;
-    slave.release_actual(Channel::one, actual);
-    slave.release_actual(Channel::two, actual);
+    const cansync::Values& given = releases_older ? before_ : actual;
+    slave.release_actual(Channel::one, given);
+    slave.release_actual(Channel::two, given);
+    before_ = actual;
   }
   std::optional<Transmission> on_frame(const can::Frame& frame, can::Time end) noexcept override {
     supervision.check(end);
@@ -136,6 +139,8 @@ class SlaveNode final : public Node, private cansync::SlaveServiceListener {
   void control_word(std::uint16_t word) noexcept override { control_words.push_back(word); }
   void action(std::uint8_t, std::uint8_t, std::uint16_t) noexcept override {}
   void sync_activated() noexcept override {}
+
+  cansync::Values before_ = {};
 };
 
 /// Notes how the master's jobs end; each must end once.
