@@ -1,30 +1,22 @@
 #pragma once
 
 #include <cansync/j1939_function_blocks.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <initializer_list>
-#include <optional>
 #include <string_view>
-#include <thread>
 #include <vector>
 
-#include "client/function_blocks/block_cycle.h"
+#include "client/function_blocks/fake_daemon.h"
 #include "dds/bounded_text.h"
-#include "dds/daemon_identity.h"
-#include "dds/endpoint.h"
-#include "dds/reply_partition.h"
 #include "j1939/dds/topics.h"
-#include "support/dds_places.h"
 
 /// The function blocks of J1939 against a daemon without a bus.
 namespace cansync::client::function_blocks {
 
 /// Says what the daemon with address 0x21 would say, when the test wants it. Each object is a start of its
 /// own.
-class FakeMessageDaemon {
+class FakeMessageDaemon : public FakeDaemon {
  public:
   /// A request of a client, and its bytes.
   struct Asked {
@@ -32,17 +24,8 @@ class FakeMessageDaemon {
     std::vector<std::uint8_t> data;
   };
 
-  explicit FakeMessageDaemon(const gateway::dds::ParticipantOptions& place) : participant_(place) {
-    static std::uint8_t starts = 0;
-    identity_[0] = ++starts;
-    gateway_GatewayStatus gateway = {};
-    gateway::dds::copy_text(place.partition, gateway.bus);
-    gateway::dds::copy_text("j1939", gateway.protocol);
-    gateway.data_model = gateway_DATA_MODEL;
-    gateway::dds::set_daemon(identity_, gateway);
-    (void)gateway_writer_.write(gateway);
-    gateway::dds::copy_text("error-active", bus.controller_state);
-    (void)bus_writer_.write(bus);
+  explicit FakeMessageDaemon(const gateway::dds::ParticipantOptions& place) : FakeDaemon(place, "j1939") {
+    tell_bus();
     node.address = 0x21;
     claim("claimed");
   }
@@ -51,7 +34,6 @@ class FakeMessageDaemon {
     gateway::dds::copy_text(state, node.claim_state);
     (void)node_writer_.write(node);
   }
-  void tell_bus() { (void)bus_writer_.write(bus); }
 
   /// A message came; `lost` counts those that are in no batch.
   void message(std::uint32_t pgn, std::uint8_t destination, std::vector<std::uint8_t> data,
@@ -97,7 +79,7 @@ class FakeMessageDaemon {
   bool answers = true;  ///< every request is done at once
   void take() {
     (void)request_reader_.take([this](const j1939_MessageRequest& sample) {
-      EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+      expect_meant(sample);
       Asked& one = asked.emplace_back();
       one.sample = sample;
       one.data.assign(sample.data._buffer, sample.data._buffer + sample.data._length);
@@ -105,52 +87,21 @@ class FakeMessageDaemon {
     });
   }
   void reply(const j1939_MessageRequest& request, gateway_ReplyCode code, std::string_view reason = {}) {
-    j1939_MessageReply sample = {};
-    std::copy(std::begin(request.client), std::end(request.client), std::begin(sample.client));
-    sample.request = request.request;
-    sample.code = code;
-    gateway::dds::copy_text(reason, sample.reason);
-    (void)reply_writer_.write(sample);
+    (void)reply_writer_.write(reply_to<j1939_MessageReply>(request, code, reason));
   }
 
-  gateway_BusStatus bus = {};
   j1939_NodeStatus node = {};
 
  private:
-  gateway::dds::Participant participant_;
-  gateway::dds::DaemonIdentity identity_ = {};
-  gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_{participant_};
-  gateway::dds::Writer<gateway_BusStatus> bus_writer_{participant_};
   gateway::dds::Writer<j1939_NodeStatus> node_writer_{participant_};
   gateway::dds::Writer<j1939_AddressTable> table_writer_{participant_};
   gateway::dds::Writer<j1939_FaultList> fault_writer_{participant_};
   gateway::dds::Writer<j1939_MessageBatch> batch_writer_{participant_};
-  gateway::dds::Writer<j1939_MessageReply> reply_writer_{
-      participant_,
-      gateway::dds::Partitions{gateway::dds::every_reply_partition(participant_.options().partition)},
-      nullptr};
+  gateway::dds::Writer<j1939_MessageReply> reply_writer_{participant_, clients_, nullptr};
   gateway::dds::Reader<j1939_MessageRequest> request_reader_{participant_};
-  gateway::dds::Reader<gateway_JobCancel> cancel_reader_{participant_};
   std::uint64_t batches_ = 0;
 };
 
-class MessageBlockTest : public ::testing::Test {
- protected:
-  /// Calls the block and lets the daemon listen until `condition` holds.
-  template <class Block, class Condition>
-  bool call_until(Block& block, Condition&& condition) {
-    return repeat_until(
-        [&] {
-          block.call();
-          daemon->take();
-          std::this_thread::yield();
-        },
-        condition);
-  }
-
-  TwoPlaces places;
-  std::optional<FakeMessageDaemon> daemon{std::in_place, places.here};
-  MessageConnection connection = MessageConnection::connect(options_at(places.there));
-};
+using MessageBlockTest = BlockTest<FakeMessageDaemon, MessageConnection>;
 
 }  // namespace cansync::client::function_blocks

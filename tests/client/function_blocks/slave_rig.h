@@ -15,29 +15,18 @@
 #include <vector>
 
 #include "cansync_slave/dds/topics.h"
-#include "client/function_blocks/block_cycle.h"
-#include "dds/bounded_text.h"
+#include "client/function_blocks/fake_daemon.h"
 #include "dds/daemon_identity.h"
-#include "dds/endpoint.h"
-#include "dds/reply_partition.h"
-#include "support/dds_places.h"
 
 /// The function blocks of a slave against a daemon without a bus.
 namespace cansync::client::function_blocks {
 
 /// Says what the daemon of slave 5 would say, when the test wants it: active, at 1 Mbit/s, status word in
 /// parameter 301, listening to slave 7. Each object is a start of its own.
-class FakeSlaveDaemon {
+class FakeSlaveDaemon : public FakeDaemon {
  public:
-  explicit FakeSlaveDaemon(const gateway::dds::ParticipantOptions& place) : participant_(place) {
-    static std::uint8_t starts = 0;
-    identity_[0] = ++starts;
-    gateway_GatewayStatus gateway = {};
-    gateway::dds::copy_text(place.partition, gateway.bus);
-    gateway::dds::copy_text("cansync-slave", gateway.protocol);
-    gateway.data_model = gateway_DATA_MODEL;
-    gateway::dds::set_daemon(identity_, gateway);
-    (void)gateway_writer_.write(gateway);
+  explicit FakeSlaveDaemon(const gateway::dds::ParticipantOptions& place)
+      : FakeDaemon(place, "cansync-slave") {
     status.slave_number = 5;
     status.option_status = 0x0020;
     status.interval_length = 1'000'000;
@@ -112,14 +101,14 @@ class FakeSlaveDaemon {
         parameters.emplace(sample.parameters._buffer, sample.parameters._buffer + sample.parameters._length);
         blocks = sample.blocks;
       } else {
-        EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+        expect_meant(sample);
         Answer& answer = answers.emplace_back();
         answer.sample = sample;
         answer.data.assign(sample.data._buffer, sample.data._buffer + sample.data._length);
       }
     });
     (void)command_reader_.take([this](const cansync_slave_SlaveCommand& sample) {
-      EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+      expect_meant(sample);
       commands.push_back(sample);
       obey(sample);
     });
@@ -135,13 +124,10 @@ class FakeSlaveDaemon {
  private:
   /// Does it, tells of it, and replies.
   void obey(const cansync_slave_SlaveCommand& sample) {
-    cansync_slave_SlaveCommandReply reply = {};
-    std::copy(std::begin(sample.client), std::end(sample.client), std::begin(reply.client));
-    reply.request = sample.request;
+    auto reply = reply_to<cansync_slave_SlaveCommandReply>(sample, gateway_REPLY_DONE, refuses);
     if (!refuses.empty()) {
       reply.code = gateway_REPLY_REFUSED;
       reply.cause = gateway_CAUSE_WRONG_STATE;
-      gateway::dds::copy_text(refuses, reply.reason);
     } else if (sample.kind == cansync_slave_SLAVE_COMMAND_MODE) {
       if (sample.mode == cansync_slave_SLAVE_MODE_SETUP) status.option_status = 0x0013;
       if (sample.mode == cansync_slave_SLAVE_MODE_RUN) status.option_status = 0x0020;
@@ -175,9 +161,6 @@ class FakeSlaveDaemon {
     sample.interval[place] = interval;
   }
 
-  gateway::dds::Participant participant_;
-  gateway::dds::DaemonIdentity identity_ = {};
-  gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_{participant_};
   gateway::dds::Writer<cansync_slave_SlaveSideStatus> status_writer_{participant_};
   gateway::dds::Writer<cansync_slave_ReferencesReceived> references_writer_{participant_};
   gateway::dds::Writer<cansync_slave_MonitoredValues> monitored_writer_{participant_};
@@ -187,10 +170,7 @@ class FakeSlaveDaemon {
   gateway::dds::Reader<cansync_slave_ApplicationAnswer> answer_reader_{participant_};
   gateway::dds::Reader<cansync_slave_ActualRelease> release_reader_{participant_};
   gateway::dds::Reader<cansync_slave_SlaveCommand> command_reader_{participant_};
-  gateway::dds::Writer<cansync_slave_SlaveCommandReply> reply_writer_{
-      participant_,
-      gateway::dds::Partitions{gateway::dds::every_reply_partition(participant_.options().partition)},
-      nullptr};
+  gateway::dds::Writer<cansync_slave_SlaveCommandReply> reply_writer_{participant_, clients_, nullptr};
   cansync_slave_ReferencesReceived references_ = {};
   std::array<cansync_slave_MonitoredValues, 32> monitored_ = {};
   std::uint64_t actions_ = 0;
