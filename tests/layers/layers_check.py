@@ -48,7 +48,7 @@ lib/client:                 idl lib/text lib/profile lib/can lib/layer2 lib/j193
 
 daemon/config:              lib/can lib/sync
 daemon/service:             lib/text lib/config
-daemon/loop:                lib/can lib/rt lib/sync daemon/config
+daemon/loop:                lib/system lib/can lib/rt lib/sync daemon/config
 daemon/desk:                idl lib/text lib/rt lib/dds daemon/service daemon/loop
 daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
@@ -59,7 +59,7 @@ daemon/status:              idl lib/text lib/can lib/sync lib/rt lib/dds daemon/
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/text lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
-daemon/cansync/realtime:    lib/system lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
+daemon/cansync/realtime:    lib/can lib/cansync lib/rt lib/sync daemon/loop daemon/bus daemon/cansync
                             daemon/cansync/config
 daemon/cansync/texts:       idl lib/text lib/profile lib/can lib/cansync lib/dds lib/cansync/dds daemon/service daemon/bus daemon/loop
                             daemon/desk daemon/cansync daemon/cansync/config
@@ -114,6 +114,7 @@ tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/connect:          lib/dds tools/cli/text tools/cli/base
 tools/cli/dbc:              lib/text lib/dbc tools/cli/text tools/cli/base
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/cansync/dds lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
+tools/cli/cansync/parameter: lib/text lib/profile tools/cli/base tools/cli/cansync
 tools/cli/look:             lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/record:           lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/watch

@@ -1,4 +1,4 @@
-#include "cli/cansync/parameter_request.h"
+#include "cli/cansync/parameter/parameter_request.h"
 
 #include <fmt/format.h>
 

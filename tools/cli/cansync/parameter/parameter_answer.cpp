@@ -1,4 +1,4 @@
-#include "cli/cansync/parameter_answer.h"
+#include "cli/cansync/parameter/parameter_answer.h"
 
 #include <fmt/format.h>
 

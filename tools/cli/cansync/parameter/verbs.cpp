@@ -1,3 +1,5 @@
+#include "cli/cansync/verbs.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,9 +10,8 @@
 #include "cli/base/consent.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/verb_groups.h"
-#include "cli/cansync/parameter_answer.h"
-#include "cli/cansync/parameter_request.h"
-#include "cli/cansync/verbs.h"
+#include "cli/cansync/parameter/parameter_answer.h"
+#include "cli/cansync/parameter/parameter_request.h"
 #include "profile/scaling.h"
 #include "text/counts.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cli/base/session.h"
-#include "cli/cansync/parameter_request.h"
+#include "cli/cansync/parameter/parameter_request.h"
 
 /// What a slave answers to a request for a parameter, as text and as an object.
 namespace cansync::cli {
