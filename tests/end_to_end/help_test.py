@@ -28,7 +28,7 @@ TABLES = {
     "buses": (["buses"], ""),
     "timing": (["timing"], r"^Starts in us"),
     "doctor": (["doctor"], ""),
-    "watch": (["watch", "--count", "1"], ""),
+    "watch": (["watch", "--parameter", "100", "--count", "1"], ""),
     "events": (["events"], ""),
     "trace": (["trace", "LOG"], ""),
     "scan": (["scan", "LOG"], ""),
@@ -81,6 +81,8 @@ class Columns(VerbTest):
     @staticmethod
     def general(heading):
         """The heading as the help has it: values stand under their name or number."""
+        if heading.startswith("PARAMETER "):
+            return "PARAMETER n"
         return "VALUE n" if heading == "position" or heading.startswith("VALUE ") else heading
 
     def test_every_line_of_the_status_is_explained(self):

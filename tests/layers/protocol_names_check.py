@@ -41,6 +41,7 @@ EXCEPTIONS = {
     "tools/cli/trace/trace_interface.cpp": "as trace.cpp: receives the identifiers of CANsync",
     "tools/cli/doctor/doctor.cpp": "tells the faults of a line's slaves",
     "tools/cli/watch/watch_rows.h": "the rows of slaves have their faults in words",
+    "tools/cli/watch/watched_parameters.h": "parameters of slaves have the names of their profiles",
     "tools/cli/watch/live_model.h": "the live view shows slaves and the timing of their telegrams",
 }
 

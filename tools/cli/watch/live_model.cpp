@@ -27,6 +27,29 @@ void take_values(LiveSlave& slave, const WatchRow& row, bool alive) {
   }
 }
 
+void take_parameters(LiveSlave& slave, const WatchRow& row, bool alive, std::int64_t now) {
+  slave.read_ms = oldest_ms(row.parameters, now);
+  slave.read_failed = false;
+  for (std::size_t i = 0; i < kMostParameters; ++i) {
+    LiveValue& value = slave.values[kSlaveValues + i];
+    value.mapped = i < row.parameters.size() && row.parameters[i].asked;
+    value.scaled.reset();
+    if (value.mapped) {
+      const WatchedParameter& parameter = row.parameters[i];
+      value.name = heading_of(parameter);
+      value.words = parameter.by_name ? words_of(parameter) : "";
+      value.unit = parameter.by_name && parameter.known != nullptr ? parameter.known->unit : "";
+      slave.read_failed = slave.read_failed || (parameter.last && !parameter.last->ok());
+      if (parameter.value) {
+        value.raw = raw_number(parameter);
+        value.scaled = parameter.by_name ? scaled_number(parameter) : std::nullopt;
+        if (!value.scaled) value.scaled = static_cast<double>(value.raw);
+      }
+    }
+    value.trend.add(alive ? value.scaled : std::nullopt);
+  }
+}
+
 }  // namespace
 
 void Trend::add(std::optional<double> point) {
@@ -74,6 +97,7 @@ void LiveModel::look(const LineFacts& line, const client::MasterStatus& status,
     known.age_ms.reset();
     if (row.values) known.age_ms = std::max<std::int64_t>(0, (now - row.values->receive_time) / kMillisecond);
     take_values(known, row, known.responds && present_);
+    take_parameters(known, row, known.responds && present_, now);
   }
 }
 
@@ -97,8 +121,8 @@ void LiveModel::take(const client::Event& event) {
   if (events_.size() > kLiveEvents) events_.pop_front();
 }
 
-void LiveModel::tell_restart(std::int64_t time, std::string text) {
-  events_.push_back({time, gateway_SEVERITY_WARNING, "daemon_restarted", std::move(text)});
+void LiveModel::tell(std::int64_t time, std::string code, std::string text) {
+  events_.push_back({time, gateway_SEVERITY_WARNING, std::move(code), std::move(text)});
   if (events_.size() > kLiveEvents) events_.pop_front();
 }
 

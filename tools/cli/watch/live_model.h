@@ -34,12 +34,16 @@ class Trend {
   std::size_t added_ = 0;
 };
 
-/// One of a slave's eight actual values.
+/// Actual values, then parameters.
+inline constexpr unsigned kLiveValues = kSlaveValues + kMostParameters;
+
+/// One of a slave's actual values, or of its parameters.
 struct LiveValue {
-  std::string name;  ///< as configured; may be empty
+  std::string name;  ///< as configured, may be empty; of a parameter as typed
   std::string unit;
+  std::string words;  ///< of a parameter: what its profile calls the value; may be empty
   bool mapped = false;
-  std::optional<double> scaled;  ///< nothing: not mapped, or never came
+  std::optional<double> scaled;  ///< nothing: not mapped, never came, or never read
   std::int64_t raw = 0;          ///< the number on the bus
   Trend trend;
 };
@@ -53,8 +57,10 @@ struct LiveSlave {
   std::optional<std::uint16_t> status_word;
   std::string fault;  ///< as the profile calls it; empty: none known
   std::uint64_t answers = 0;
-  std::optional<std::int64_t> age_ms;  ///< of its newest actual value telegram; nothing: none yet
-  std::array<LiveValue, kSlaveValues> values;
+  std::optional<std::int64_t> age_ms;   ///< of its newest actual value telegram; nothing: none yet
+  std::optional<std::int64_t> read_ms;  ///< age of the oldest of its parameters' values; nothing: none yet
+  bool read_failed = false;             ///< the newest read of one of them
+  std::array<LiveValue, kLiveValues> values;
 };
 
 /// One event of the daemon.
@@ -82,8 +88,8 @@ class LiveModel {
   /// A sample of timing. Figures are those of the last kTimingSeconds samples, once there are two.
   void take(const client::Timing& timing);
   void take(const client::Event& event);
-  /// An event of this program itself: the daemon was started anew, and its own begin again.
-  void tell_restart(std::int64_t time, std::string text);
+  /// A warning of this program itself among the events.
+  void tell(std::int64_t time, std::string code, std::string text);
   /// Whether a daemon is there; where it is looked for is told while it is not, and trends have gaps.
   void set_daemon(bool present, std::string place);
 

@@ -94,10 +94,13 @@ std::vector<const LiveSlave*> shown_slaves(const LiveModel& model, const ViewSta
 
 std::vector<unsigned> shown_values(const LiveModel& model) {
   std::vector<unsigned> out;
-  for (unsigned i = 0; i < kSlaveValues; ++i)
+  // Parameters were asked for one by one: they come into sight first.
+  for (unsigned place = 0; place < kLiveValues; ++place) {
+    const unsigned i = (place + kSlaveValues) % kLiveValues;
     if (std::any_of(model.slaves().begin(), model.slaves().end(),
                     [i](const LiveSlave& slave) { return slave.values[i].mapped; }))
       out.push_back(i);
+  }
   return out;
 }
 

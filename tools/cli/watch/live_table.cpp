@@ -31,6 +31,7 @@ struct Plan {
   std::size_t name = 4;
   std::size_t status = kStatusWidth;
   bool age = true;
+  bool read = false;  ///< age of the parameters' values
   bool answers = false;
   std::size_t trend = kLeastTrend;  ///< 0: no trends
   std::vector<unsigned> values;     ///< those that fit, the chosen one among them
@@ -60,7 +61,8 @@ std::size_t value_width(const Plan& plan) {
 
 std::size_t fixed_width(const Plan& plan) {
   return kNumberWidth + kGap + plan.name + kGap + kStateWidth + kGap + plan.status +
-         (plan.age ? kGap + kAgeWidth : 0) + (plan.answers ? kGap + kAnswersWidth : 0);
+         (plan.age ? kGap + kAgeWidth : 0) + (plan.read ? kGap + kAgeWidth : 0) +
+         (plan.answers ? kGap + kAnswersWidth : 0);
 }
 
 Plan make_plan(const LiveModel& model, const ViewState& state, std::size_t columns) {
@@ -73,6 +75,7 @@ Plan make_plan(const LiveModel& model, const ViewState& state, std::size_t colum
     plan.status = std::clamp(display_width(status_cell(slave)), plan.status, widest_status);
   }
   const std::vector<unsigned> values = shown_values(model);
+  plan.read = !values.empty() && values.front() >= kSlaveValues;
   const auto room_now = [&] { return columns - std::min(columns, fixed_width(plan)); };
   std::size_t room = room_now();
   std::size_t least = kGap + kValueWidth + 1 + kLeastTrend;
@@ -127,6 +130,10 @@ StyledLine heading_line(const LiveModel& model, const ViewState& state, const Pl
     line.add(gap, Style::heading);
     add_heading(line, state, SortBy::age, "AGE ms", kAgeWidth, true);
   }
+  if (plan.read) {
+    line.add(gap, Style::heading);
+    add_heading(line, state, std::nullopt, "READ ms", kAgeWidth, true);
+  }
   if (plan.answers) {
     line.add(gap, Style::heading);
     add_heading(line, state, std::nullopt, "ANSWERS", kAnswersWidth, true);
@@ -155,7 +162,7 @@ std::string value_text(const LiveValue& value, const ViewState& state, bool with
   // As many digits as stand still at 65536 increments a revolution, and no more than fit.
   std::string text = fmt::format("{:.7g}", *value.scaled);
   if (with_unit && !value.unit.empty()) text += " " + value.unit;
-  return text;
+  return value.words.empty() ? text : text + ": " + value.words;
 }
 
 StyledLine slave_line(const LiveModel& model, const LiveSlave& slave, const ViewState& state,
@@ -170,6 +177,9 @@ StyledLine slave_line(const LiveModel& model, const LiveSlave& slave, const View
   if (plan.age)
     line.add(gap).add(fitted(slave.age_ms ? fmt::format("{}", *slave.age_ms) : "-", kAgeWidth, true),
                       is_old(slave) ? Style::warning : Style::plain);
+  if (plan.read)
+    line.add(gap).add(fitted(slave.read_ms ? fmt::format("{}", *slave.read_ms) : "-", kAgeWidth, true),
+                      slave.read_failed ? Style::warning : Style::plain);
   if (plan.answers) line.add(gap).add(fitted(fmt::format("{}", slave.answers), kAnswersWidth, true));
   for (const unsigned i : plan.values) {
     const LiveValue& value = slave.values[i];
@@ -264,9 +274,12 @@ std::string live_help() {
        {"AGE ms",
         "time since its newest actual value telegram; - = none yet, marked when over 1 s; a narrow "
         "screen has it only then"},
+       {"READ ms",
+        "with --parameter: time since the oldest of its parameters' values was read, marked when the newest "
+        "read of one failed; - = none yet"},
        {"ANSWERS", "its answers on the command channel since the daemon started; on wide screens"},
        {"values",
-        "each mapped value in the unit of its heading, and how it went at the last looks, from the least to "
+        "each mapped value, and each parameter, in the unit of its heading, and how it went at the last looks, from the least to "
         "the greatest value of that time"}});
 }
 

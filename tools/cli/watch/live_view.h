@@ -23,7 +23,7 @@ struct ViewState {
   bool help = false;
   bool redraw = false;  ///< the screen is to be drawn anew, whatever it showed
   bool quit = false;
-  unsigned value = 0;  ///< the chosen value, 0..7, that may be sorted by
+  unsigned value = 0;  ///< the chosen value or, from 8, parameter, that may be sorted by
   int selected = -1;   ///< number of the selected slave; -1: none
 };
 
@@ -61,7 +61,7 @@ ViewState after_key(ViewState state, Key key, const ViewFacts& facts);
 /// a range of numbers (5-9) is a slave's number, anything else a part of its name, in any case; empty: all.
 std::vector<const LiveSlave*> shown_slaves(const LiveModel& model, const ViewState& state);
 
-/// The values that any slave has mapped, rising.
+/// The parameters, then the values that any slave has mapped, rising.
 std::vector<unsigned> shown_values(const LiveModel& model);
 
 /// "number", "name", ... or the heading of the chosen value.

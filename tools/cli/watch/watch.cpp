@@ -7,132 +7,26 @@
 #include "cli/base/restarts.h"
 #include "cli/base/verb_groups.h"
 #include "cli/text/column_help.h"
+#include "cli/watch/parameter_turns.h"
 #include "cli/watch/verbs.h"
 #include "cli/watch/watch_live.h"
 #include "cli/watch/watch_rows.h"
+#include "cli/watch/watch_table.h"
 
 namespace cansync::cli {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;  // ns
+/// How long the first look waits for parameters: a slave that does not answer must not hold up the others.
+constexpr std::chrono::milliseconds kFirstRound(2000);
 
 /// The arguments as they were typed.
 struct WatchTexts {
   std::vector<std::string> slaves;
+  std::vector<std::string> parameters;
   std::string interval = "500";
   std::string count = "0";
   bool raw = false;
   bool plain = false;
-};
-
-JsonObject row_object(const WatchRow& row, std::int64_t now) {
-  JsonObject object;
-  object.add("slave", row.status.slave).add("name", row.status.name);
-  JsonArray intervals;
-  JsonArray values;
-  if (row.values) {
-    object.add("receive_time_ns", row.values->receive_time)
-        .add("age_ms", (now - row.values->receive_time) / kMillisecond);
-    for (unsigned telegram = 0; telegram < 2; ++telegram) {
-      if (((row.values->ever >> telegram) & 1u) != 0)
-        intervals.add(row.values->interval[telegram]);
-      else
-        intervals.add_null();
-    }
-  } else {
-    object.add_null("receive_time_ns").add_null("age_ms");
-    intervals.add_null().add_null();
-  }
-  for (unsigned i = 0; i < kSlaveValues; ++i) {
-    if (((row.shown >> i) & 1u) == 0) continue;
-    const auto& name = row.status.actual_value[i];
-    values.add_json(JsonObject()
-                        .add("value", i)
-                        .add("name", name.name)
-                        .add("raw", raw_number(*row.values, i, raw_form(name).is_signed))
-                        .add("scaled", row.values->scaled[i])
-                        .add("unit", name.unit_symbol)
-                        .text());
-  }
-  return object.add("intervals", intervals).add("values", values).add("fault", row.fault);
-}
-
-/// What the table may show; the last stands for each of the values, under its name or number.
-std::vector<Table::Column> watch_columns() {
-  constexpr auto left = Table::Align::left;
-  constexpr auto right = Table::Align::right;
-  return {{"TIME", left, "when it was looked at (not on a terminal)"},
-          {"SLAVE", right, "its number"},
-          {"NAME", left, "its configured name"},
-          {"AGE ms", right, "time since the slave's newest actual value telegram; - = none yet"},
-          {"FAULT", left, "faults in its status word, as its profile calls them; - = none known"},
-          {"VALUE n", right,
-           "actual value n with its unit, in a column that is headed by its configured name if it has one; - "
-           "= not mapped, or its telegram never came"}};
-}
-
-/// The table's columns: those values that any of the slaves maps, under their name when all slaves agree on
-/// it.
-class WatchTable {
- public:
-  WatchTable(const std::vector<WatchRow>& rows, bool with_time, bool raw)
-      : raw_(raw), with_time_(with_time), table_(columns(rows)) {}
-
-  void fill(const std::vector<WatchRow>& rows, std::int64_t now) {
-    table_.clear();
-    for (const WatchRow& row : rows) table_.add(cells(row, now));
-  }
-  const Table& table() const { return table_; }
-
- private:
-  std::vector<Table::Column> columns(const std::vector<WatchRow>& rows) {
-    std::vector<Table::Column> out = watch_columns();
-    const Table::Column value = out.back();
-    out.pop_back();
-    if (!with_time_) out.erase(out.begin());
-    for (unsigned i = 0; i < kSlaveValues; ++i) {
-      std::optional<std::string> name;
-      bool mapped = false;
-      for (const WatchRow& row : rows) {
-        if (((mapped_values(row.status.actual_mapping) >> i) & 1u) == 0) continue;
-        mapped = true;
-        const std::string own = row.status.actual_value[i].name;
-        if (name && *name != own) name = "";
-        if (!name) name = own;
-      }
-      if (!mapped) continue;
-      mapped_ |= 1u << i;
-      out.push_back(value);
-      out.back().heading = name->empty() ? fmt::format("VALUE {}", i) : *name;
-    }
-    return out;
-  }
-
-  std::vector<std::string> cells(const WatchRow& row, std::int64_t now) const {
-    std::vector<std::string> out;
-    if (with_time_) out.push_back(time_text(now, false));
-    out.push_back(fmt::format("{}", row.status.slave));
-    out.emplace_back(row.status.name);
-    out.push_back(row.values ? fmt::format("{}", (now - row.values->receive_time) / kMillisecond) : "-");
-    out.push_back(row.fault.empty() ? "-" : row.fault);
-    for (unsigned i = 0; i < kSlaveValues; ++i)
-      if (((mapped_ >> i) & 1u) != 0) out.push_back(cell(row, i));
-    return out;
-  }
-
-  std::string cell(const WatchRow& row, unsigned value) const {
-    if (((row.shown >> value) & 1u) == 0) return "-";
-    const auto& name = row.status.actual_value[value];
-    if (raw_) return fmt::format("{}", raw_number(*row.values, value, raw_form(name).is_signed));
-    const std::string_view unit = name.unit_symbol;
-    // Ten digits hold every 32-bit number, and hide the last bits of a factor such as 0.1.
-    return fmt::format("{:.10g}{}{}", row.values->scaled[value], unit.empty() ? "" : " ", unit);
-  }
-
-  bool raw_;
-  bool with_time_;
-  unsigned mapped_ = 0;
-  Table table_;
 };
 
 /// Shows the rows; makes the table anew when mapping or names have changed its columns.
@@ -170,12 +64,25 @@ class Display {
   std::optional<WatchTable> table_;
 };
 
+/// The rows with what is known of their parameters, whose next round begins.
+std::vector<WatchRow> rows_now(Session& session, const LiveSettings& settings, FaultWords& faults,
+                               ParameterTurns& turns) {
+  std::vector<WatchRow> rows = watch_rows(session.client(), settings.slaves, faults);
+  for (WatchRow& row : rows) row.parameters = turns.of(row.status.slave);
+  for (const std::string& problem : turns.take_problems()) session.output().remark(problem);
+  turns.begin_round();
+  return rows;
+}
+
 /// Lines, or with `in_place` the table drawn over the former one, `count` times or (0) until a signal.
 ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_t count, bool in_place) {
   client::Client& client = session.client();
   Display display(session.output(), client.gateway_status().bus, settings.raw, in_place);
   FaultWords faults(session);
   Restarts restarts(client);
+  ParameterTurns turns(client, settings.parameters, session.monitoring_ms());
+  turns.begin_round();
+  turns.await_round(std::chrono::steady_clock::now() + kFirstRound);
   auto next = std::chrono::steady_clock::now();
   for (std::int64_t shown = 0;;) {
     if (restarts.gone()) {
@@ -187,7 +94,7 @@ ExitCode watch_lines(Session& session, const LiveSettings& settings, std::int64_
       session.output().remark(kStartedAnew);
     }
     restarts.expect_one();
-    display.show(client.master_status(), watch_rows(client, settings.slaves, faults));
+    display.show(client.master_status(), rows_now(session, settings, faults, turns));
     ++shown;
     if (shown == count) return ExitCode::done;
     next = std::max(next + settings.interval, std::chrono::steady_clock::now());
@@ -206,12 +113,14 @@ std::unique_ptr<LiveScreen> take_screen(Output& output) {
 }
 
 ExitCode watch_verb(Session& session, const WatchTexts& texts) {
-  session.look_only();
+  if (texts.parameters.empty()) session.look_only();
   constexpr std::int64_t kLongest = 3'600'000;
   const auto interval = std::chrono::milliseconds(parse_integer(texts.interval, "--interval", 1, kLongest));
   const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
-  const LiveSettings settings{session.configured_slaves(texts.slaves), texts.slaves.empty(), interval,
-                              texts.raw};
+  const bool every_slave = texts.slaves.empty();
+  const std::uint32_t slaves = session.configured_slaves(texts.slaves);
+  const LiveSettings settings{slaves, every_slave, interval, texts.raw,
+                              find_watched(session, texts.parameters, slaves, !every_slave)};
   await_values(session.client(), settings.slaves);
   Output& output = session.output();
   const bool drawable = !texts.plain && !session.json() && output.data_on_terminal() && terminal_draws();
@@ -230,6 +139,13 @@ void add_watch_verb(CLI::App& app, Verb& chosen) {
   auto texts = std::make_shared<WatchTexts>();
   watch->add_option("SLAVE", texts->slaves,
                     "numbers, names, or lists such as 1,3,5-9 (default: every configured slave)");
+  watch
+      ->add_option(
+          "--parameter", texts->parameters,
+          "also these parameters, by numbers or names with commas, read in turn; may be repeated, up "
+          "to 8 in all")
+      ->type_name("PARAMETERS")
+      ->allow_extra_args(false);
   watch
       ->add_option("--interval", texts->interval,
                    "milliseconds from one look to the next, 1..3600000 (default 500)")

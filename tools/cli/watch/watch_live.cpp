@@ -9,6 +9,7 @@
 #include "cli/base/restarts.h"
 #include "cli/watch/live_layout.h"
 #include "cli/watch/live_model.h"
+#include "cli/watch/parameter_turns.h"
 
 namespace cansync::cli {
 namespace {
@@ -53,9 +54,11 @@ class LiveView {
         screen_(screen),
         settings_(settings),
         faults_(session),
+        turns_(client, settings.parameters, session.monitoring_ms()),
         arrivals_(client),
         restarts_(client) {
     state_.raw = settings.raw;
+    if (!settings.parameters.empty()) state_.value = kSlaveValues;
   }
 
   bool quit() const noexcept { return state_.quit; }
@@ -69,10 +72,14 @@ class LiveView {
     if (present)
       rows_ =
           watch_rows(client_, settings_.every_slave ? status.slaves_configured : settings_.slaves, faults_);
+    for (WatchRow& row : rows_) row.parameters = turns_.of(row.status.slave);
+    if (present) turns_.begin_round();
     model_.look(line_facts(client_), status, rows_, wall_clock());
-    if (restarts_.take()) model_.tell_restart(wall_clock(), std::string(kStartedAnew));
+    if (restarts_.take()) model_.tell(wall_clock(), "daemon_restarted", std::string(kStartedAnew));
     restarts_.expect_one();
     arrivals_.give_to(model_);
+    for (std::string& problem : turns_.take_problems())
+      model_.tell(wall_clock(), "parameter_not_read", std::move(problem));
   }
 
   void show() {
@@ -101,6 +108,7 @@ class LiveView {
   LiveScreen& screen_;
   LiveSettings settings_;
   FaultWords faults_;
+  ParameterTurns turns_;
   LiveModel model_;
   std::optional<LiveModel> frozen_;  ///< what is shown while paused
   std::vector<WatchRow> rows_;       ///< the newest from a living daemon

@@ -8,16 +8,18 @@
 #include "cli/base/exit_codes.h"
 #include "cli/base/session.h"
 #include "cli/watch/live_screen.h"
+#include "cli/watch/watched_parameters.h"
 
 /// `watch` as a full-screen view.
 namespace cansync::cli {
 
 /// What is looked at, and how.
 struct LiveSettings {
-  std::uint32_t slaves = 0;                 ///< bit n: slave n
-  bool every_slave = true;                  ///< those that are configured at the time, instead of `slaves`
-  std::chrono::milliseconds interval{500};  ///< from one look to the next
-  bool raw = false;                         ///< numbers as on the bus at first
+  std::uint32_t slaves = 0;                   ///< bit n: slave n
+  bool every_slave = true;                    ///< those that are configured at the time, instead of `slaves`
+  std::chrono::milliseconds interval{500};    ///< from one look to the next
+  bool raw = false;                           ///< numbers as on the bus at first
+  std::vector<WatchedSlave> parameters = {};  ///< read in turn
 };
 
 /// Shows the line until q or a signal. When the daemon goes away it says so and goes on looking; ended then,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/cansync/fault_words.h"
+#include "cli/watch/watched_parameters.h"
 
 /// What `watch` knows of the slaves at one moment, from the newest samples of their topics.
 namespace cansync::cli {
@@ -22,6 +23,7 @@ struct WatchRow {
   std::optional<client::ActualValues> values;
   std::uint8_t shown = 0;  ///< bit n: value n is mapped and its telegram came at least once
   std::string fault = {};  ///< what the slave's profile calls the faults in its status word; empty: none
+  std::vector<WatchedParameter> parameters = {};  ///< in the order typed
 };
 
 /// Nanoseconds of CLOCK_REALTIME, which time stamps of samples are compared with.
