@@ -284,6 +284,8 @@ class WriteOnce(Script):
 
 
 class Batch(Script):
+    OPTIONS = ("--set", f"slave.0.profile={PROFILE}")
+
     def batch(self, text, *options, code=0):
         return self.run_verb("batch", self.file("batch", text), *options, code=code)
 
@@ -302,6 +304,41 @@ class Batch(Script):
                            ("expect 0 batch y", "every other verb"), ("write all 1 2", "add --yes")):
             self.assertIn(text, self.batch(f"write 0 {WORD} 33\n{line}\n", code=2).stderr)
         self.assertNotIn(self.one("read", 0, WORD)["value"], (32, 33))
+
+    def test_expectations_of_parameters(self):
+        self.run_verb("write", 0, "torque-offset", "-12.3")
+        self.run_verb("write", 1, WORD, 500)
+        self.batch(f"expect read 0 torque-offset = -12.3\nexpect read 0 403 '<=' -123\nexpect read winder {WORD} '>' 499\n")
+        for line, found, code in (("read 0 torque-offset '>' 5", "expected of slave 0: torque-offset > 5; found: -12.3 %", 1),
+                                  (f"read winder {WORD} != 500 within 0.2", f"expected of slave winder: {WORD} != 500 within 0.2 s; "
+                                   "found: 500", 1),
+                                  (f"read 1 {NOT_AVAILABLE} = 0", f"expected of slave 1: {NOT_AVAILABLE} = 0; found: ", 4)):
+            told = self.batch(f"expect {line}\nwrite 1 {WORD} 501\n", code=code).stderr
+            self.assertIn(f"cansync: {self.path('batch')}:1: {found}", told)
+        self.assertEqual(self.one("read", 1, WORD)["value"], 500, "the batch ended with the line")
+
+    def test_an_expectation_may_come_true(self):
+        self.run_verb("write", 2, WORD, 1)
+        running = Running(self.gateway, "batch", self.file("batch", f"expect read 2 {WORD} = 2 within {LONG}\nread 2 {WORD}\n"))
+        self.run_verb("write", 2, WORD, 2)
+        self.assertEqual(running.end(), (0, "2 (0x0002, word)\n"))
+
+    def test_expectations_of_actual_values(self):
+        with self.gateway.start("set", "0=1000") as writer:
+            self.addCleanup(writer.kill)
+            self.batch(f"expect value winder position '>' 0.5 within {LONG}\nexpect value 1 0 '>=' 500\n")
+            told = self.batch(f"expect value winder position '<' 0\nwrite 1 {WORD} 502\n", code=1).stderr
+            self.assertRegex(told, "batch:1: expected of slave winder: position < 0; found: position is [0-9.]+ mm")
+            writer.send_signal(signal.SIGINT)
+        self.assertNotEqual(self.one("read", 1, WORD)["value"], 502)
+
+    def test_a_malformed_expectation_is_told_with_its_place(self):
+        wrong = {"expect read 0 1000 => 1": 20, "expect value winder position > x": 32, "expect read 0 4096 = 1": 15,
+                 "expect value winder": 14, "expect read 0 1000 = 1 within soon": 31, "expect": 1, "expect values 1": 8}
+        told = self.batch(f"write 0 {WORD} 34\n" + "".join(line + "\n" for line in wrong), code=2).stderr
+        for number, (line, column) in enumerate(wrong.items(), 2):
+            self.assertIn(f"cansync: {self.path('batch')}:{number}:{column}: ", told, line)
+        self.assertNotEqual(self.one("read", 0, WORD)["value"], 34)
 
     def test_all_lines_share_one_connection(self):
         def participants():

@@ -115,7 +115,7 @@ tools/cli/connect:          lib/dds tools/cli/text tools/cli/base
 tools/cli/dbc:              lib/text lib/dbc tools/cli/text tools/cli/base
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/cansync/dds lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync/parameter: lib/text lib/profile tools/cli/base tools/cli/cansync
-tools/cli/look:             lib/text lib/client tools/cli/text tools/cli/base tools/cli/cansync
+tools/cli/look:             lib/text lib/profile lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/watch:            lib/system lib/text lib/profile lib/client tools/cli/text tools/cli/base tools/cli/cansync
 tools/cli/record:           lib/system lib/text lib/client tools/cli/text tools/cli/base tools/cli/watch
 tools/cli/doctor:           lib/text lib/config lib/can lib/rt lib/dds lib/client tools/cli/text tools/cli/base tools/cli/cansync

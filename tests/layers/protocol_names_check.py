@@ -34,6 +34,7 @@ EXCEPTIONS = {
     "tools/cli/base/session.cpp": "as session.h, whose functions it defines",
     "tools/cli/app/completion.cpp": "offers names of slaves and of parameters of their profiles",
     "tools/cli/look/wait.cpp": "waits for states of slaves, whose words stand in cansync/",
+    "tools/cli/look/expect_value.cpp": "compares actual values and parameters of slaves, as wait.cpp waits for them",
     "tools/cli/learn/": "learns from a recording what a master of CANsync does; reads logs as trace does",
     "tools/cli/scan/": "finds the participants of a line of CANsync; listens as learn does",
     "tools/cli/setup/": "asks for the slaves of a configuration of a CANsync master",

@@ -12,6 +12,7 @@
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/verb_groups.h"
+#include "cli/look/expect_value.h"
 #include "cli/text/words.h"
 #include "text/counts.h"
 
@@ -30,6 +31,10 @@ struct BatchTexts {
 constexpr std::array<std::string_view, 16> kChecked = {
     "read", "write", "params",   "control", "broadcast", "mode",   "release", "set",
     "poll", "map",   "download", "backup",  "restore",   "verify", "slaves",  "wait"};
+
+constexpr std::string_view kExpectedValues =
+    "value SLAVE VALUE COMPARISON NUMBER [within SECONDS], read SLAVE PARAMETER COMPARISON NUMBER [within "
+    "SECONDS]";
 
 /// A line that is ready to run.
 struct Line {
@@ -150,8 +155,15 @@ class Batch {
       words.erase(words.begin());
       return {globals_, "sleep", sleep_verb(words)};
     }
-    if (words.front() == "expect" && words.size() > 2) {
-      const std::string status = words[1];
+    if (words.front() == "expect") {
+      const std::string status = words.size() > 1 ? words[1] : "";
+      if (status == "value" || status == "read") {
+        words.erase(words.begin());
+        return {globals_, "expect", expect_value_verb(std::move(words))};
+      }
+      if (!looks_like_number(status) || words.size() == 2)
+        throw UsageError(fmt::format("expect: found {}; allowed: STATUS COMMAND..., {}",
+                                     status.empty() ? "nothing" : "'" + status + "'", kExpectedValues));
       words.erase(words.begin(), words.begin() + 2);
       Command command = command_of(std::move(words));
       check(command);
@@ -243,7 +255,9 @@ void add_batch_verb(CLI::App& app, Verb& chosen) {
       "when one is wrong, its line and\ncolumn are told and nothing is sent. Exit code: that of the first "
       "line that failed.\n"
       "A line NAME=VALUE sets a variable, $NAME or ${NAME} stands for it from there on, and $$ for $. `sleep SECONDS` "
-      "waits.\n`expect STATUS COMMAND...` is done when the command ends with this exit status.");
+      "waits.\n`expect STATUS COMMAND...` is done when the command ends with this exit status, `expect value SLAVE "
+      "VALUE '>' 10`\nand `expect read SLAVE PARAMETER '>' 10` when the value is so, with `within SECONDS` when it "
+      "becomes so.");
   batch->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return batch_verb(session, *texts); }; });
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -27,25 +28,6 @@ constexpr std::array<std::pair<std::string_view, Comparison>, 7> kComparisons = 
      {"!=", Comparison::not_equal},
      {">=", Comparison::at_least},
      {">", Comparison::more}}};
-
-/// What was asked for; slave and value are looked up when a daemon is there.
-struct Wanted {
-  std::string slave;
-  std::string value;
-  Comparison comparison = Comparison::equal;
-  double number = 0;
-  bool raw = false;
-};
-
-Wanted parse_wanted(const std::vector<std::string>& words) {
-  constexpr std::size_t kWords = 4;
-  if (words.size() != kWords)
-    throw UsageError(fmt::format(
-        "value: found {} behind it; allowed: SLAVE VALUE COMPARISON NUMBER, such as winder position '>' 10",
-        text::counted(words.size(), "word")));
-  return {words[0], words[1], parse_comparison(words[2]), parse_real(words[3], "NUMBER"),
-          looks_like_number(words[1])};
-}
 
 /// The newest sample of one slave, on its way from the client's thread to this one.
 class Newest {
@@ -73,32 +55,20 @@ class Newest {
   client::Subscription subscription_;  // ends before what its callback needs
 };
 
-/// One run of the verb.
-class ValueWait {
+/// One search for a value.
+class ValueLook {
  public:
-  ValueWait(Session& session, Wanted wanted) : session_(session), wanted_(std::move(wanted)) {
-    if (const auto seconds = session.globals().timeout)
-      end_ = start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
-  }
+  ValueLook(Session& session, const Wanted& wanted, Clock::time_point end, bool once)
+      : session_(session), wanted_(wanted), end_(end), once_(once) {}
 
-  ExitCode run() {
+  ValueSeen run() {
     constexpr std::chrono::milliseconds kSearch(2000);
-    bool reached = false;
+    bool decided = false;
     do {
       client::Client* client = session_.look_for_daemon(std::min(kSearch, left()));
-      reached = client != nullptr && look(*client);
-    } while (!reached && !over());
-    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    client::Reply reply{client::ReplyCode::done, ""};
-    if (!reached) {
-      const bool stopped = interrupt_flag().load();
-      reply.code = stopped ? client::ReplyCode::cancelled : client::ReplyCode::timeout;
-      reply.reason = fmt::format("{} {:.1f} s; seen last: {}",
-                                 stopped ? "cancelled after" : "not reached within", seconds, seen_);
-    }
-    JsonObject object;
-    object.add("state", "value").add_null("slave_mask").add("reached", reached).add("seconds", seconds);
-    return session_.finish(reply, object, "wait value", fmt::format("{} after {:.1f} s", seen_, seconds));
+      decided = client != nullptr && look(*client);
+    } while (!decided && !over());
+    return seen_;
   }
 
  private:
@@ -108,7 +78,7 @@ class ValueWait {
     return std::max(left, std::chrono::milliseconds(1));
   }
 
-  /// Looks at the daemon until the value is as wanted, the daemon goes or the time is over.
+  /// Looks at the daemon until it is decided; false when the daemon goes or the time is over.
   bool look(client::Client& client) {
     constexpr auto kLook = std::chrono::milliseconds(20);  // for Ctrl-C
     const unsigned slave = session_.slave(wanted_.slave);
@@ -122,18 +92,21 @@ class ValueWait {
     std::optional<std::uint64_t> known;  // interval of what was there before
     while (!over()) {
       if (restarts.gone()) {
-        seen_ = "no daemon";
+        seen_.text = "no daemon";
         return false;
       }
       restarts.expect_one();
       const auto sample = newest.take(std::min(end_, Clock::now() + kLook));
       if (!sample || ((sample->ever >> (value / 4)) & 1u) == 0) continue;
       const double number = number_of(*sample, value, status.actual_value[value]);
-      seen_ = text_of(status.actual_value[value], number);
+      seen_.text = text_of(status.actual_value[value], number);
       // The first may be of long ago: a line that is stopped sends no more.
       const std::uint64_t interval = sample->interval[value / 4];
       if (!known) known = interval;
-      if (interval != *known && holds(number, wanted_.comparison, wanted_.number)) return true;
+      if (interval == *known) continue;
+      seen_.fresh = true;
+      seen_.reached = holds(number, wanted_.comparison, wanted_.number);
+      if (seen_.reached || once_) return true;
     }
     return false;
   }
@@ -145,7 +118,8 @@ class ValueWait {
   }
 
   double number_of(const client::ActualValues& sample, unsigned value, const cansync_ValueName& name) const {
-    if (!wanted_.raw) return sample.scaled[value];
+    // Compared is what is shown: the last bits of a factor such as 0.1 would make `=` never hold.
+    if (!wanted_.raw) return std::strtod(fmt::format("{:.10g}", sample.scaled[value]).c_str(), nullptr);
     const Width width = ((sample.words >> value) & 1u) != 0 ? Width::word : Width::doubleword;
     return static_cast<double>(raw_number(sample.raw[value], {width, raw_form(name).is_signed}));
   }
@@ -156,10 +130,10 @@ class ValueWait {
   }
 
   Session& session_;
-  Wanted wanted_;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point end_ = Clock::time_point::max();
-  std::string seen_ = "no telegram";
+  const Wanted& wanted_;
+  Clock::time_point end_;
+  bool once_;
+  ValueSeen seen_{false, false, "no telegram"};
 };
 
 }  // namespace
@@ -189,8 +163,43 @@ bool holds(double value, Comparison comparison, double wanted) noexcept {
   return value > wanted;
 }
 
+Wanted parse_wanted(const std::vector<std::string>& words, std::string_view what) {
+  constexpr std::size_t kWords = 4;
+  if (words.size() != kWords)
+    throw UsageError(
+        fmt::format("{}: found {} behind it; allowed: SLAVE {} COMPARISON NUMBER, such as winder "
+                    "position '>' 10",
+                    what, text::counted(words.size(), "word"), what == "read" ? "PARAMETER" : "VALUE"));
+  return {words[0],
+          words[1],
+          words[2],
+          parse_comparison(words[2]),
+          parse_real(words[3], "NUMBER"),
+          looks_like_number(words[1])};
+}
+
+ValueSeen look_at_value(Session& session, const Wanted& wanted, Clock::time_point end, bool once) {
+  return ValueLook(session, wanted, end, once).run();
+}
+
 ExitCode wait_value(Session& session, const std::vector<std::string>& words) {
-  return ValueWait(session, parse_wanted(words)).run();
+  const Wanted wanted = parse_wanted(words, "value");
+  const auto start = Clock::now();
+  auto end = Clock::time_point::max();
+  if (const auto seconds = session.globals().timeout)
+    end = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*seconds));
+  const ValueSeen seen = look_at_value(session, wanted, end, false);
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  client::Reply reply{client::ReplyCode::done, ""};
+  if (!seen.reached) {
+    const bool stopped = interrupt_flag().load();
+    reply.code = stopped ? client::ReplyCode::cancelled : client::ReplyCode::timeout;
+    reply.reason = fmt::format("{} {:.1f} s; seen last: {}",
+                               stopped ? "cancelled after" : "not reached within", seconds, seen.text);
+  }
+  JsonObject object;
+  object.add("state", "value").add_null("slave_mask").add("reached", seen.reached).add("seconds", seconds);
+  return session.finish(reply, object, "wait value", fmt::format("{} after {:.1f} s", seen.text, seconds));
 }
 
 }  // namespace cansync::cli
