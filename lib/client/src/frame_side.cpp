@@ -11,7 +11,8 @@ namespace cansync::client {
 namespace detail {
 namespace {
 
-/// Message objects that the queues have (Saia 3.5).
+/// Message objects that the mapping and the queues have (Saia 3.5).
+constexpr unsigned kMappingObject = 28;
 constexpr std::int16_t kReceiveObject = 30;
 constexpr std::int16_t kSendObject = 31;
 
@@ -22,20 +23,30 @@ bool half_full(std::uint32_t waiting, std::uint32_t depth) {
 }  // namespace
 
 FrameSide::FrameSide(const Options& options)
-    : client_(connect_to<layer2::client::FrameClient>(options)), open_(client_) {
+    : client_(connect_to<layer2::client::FrameClient>(options)),
+      open_(client_),
+      objects_(open_, [this](unsigned number, bool transmit) { interrupt_of_object(number, transmit); }) {
   if (!client_.status(first_status_wait(options)))
     throw NoDaemon("the daemon tells nothing of its frames (" + client_.place() + ")");
+  client_.wait_for_objects();
 }
 
 void FrameSide::look() {
   client_.look(
       {.ended = [this](std::uint64_t request, const Result& result) { open_.ended(request, result); },
-       .batch = [this](const layer2_FrameBatch& batch) { note(batch); }});
+       .batch = [this](const layer2_FrameBatch& batch) { note(batch); },
+       .object = [this](const layer2_ObjectStatus& status) { objects_.note(status); },
+       .image =
+           [this](const layer2_ProcessImage& image) {
+             std::copy(std::begin(image.inputs), std::end(image.inputs), inputs_.begin());
+           }});
   if (open_.watch_daemon()) {
     restarted_ = true;
     batch_ = lost_ = 0;
     queues_.clear();  // what was meant for the daemon before is not sent by the next one
     basic_.clear_sending();
+    objects_.daemon_restarted();
+    mapped_ = false;
   }
   hand_over();
 }
@@ -130,6 +141,71 @@ std::uint64_t FrameSide::error_count() {
 void FrameSide::begin_anew(const Beginning& beginning) {
   beginning_ = beginning;
   basic_.remove();
+  objects_.take_back();
+  if (mapped_) (void)map({.toml = "[mapping]\n", .entries = false, .ended = [](const Result&) {}});
+}
+
+void FrameSide::interrupt_of_object(unsigned number, bool transmit) const {
+  if (!beginning_) return;
+  const QueueInterrupt& wanted = transmit ? beginning_->send : beginning_->receive;
+  if (wanted.enabled)
+    interrupt(wanted.routine, {.parameter = wanted.parameter, .object = static_cast<std::int16_t>(number)});
+}
+
+const std::vector<std::uint8_t>* FrameSide::data_block(int number) const {
+  const auto found = data_blocks_.find(number);
+  return found == data_blocks_.end() ? nullptr : &found->second;
+}
+
+bool FrameSide::map(Mapping wanted) {
+  mapped_ = wanted.entries;
+  if (mapping_under_way_) {  // a daemon refuses one while it takes another over
+    if (next_mapping_) next_mapping_->ended({.reason = "a later call took its place"});
+    next_mapping_ = std::move(wanted);
+    return true;
+  }
+  layer2_ControlRequest request = {};
+  request.kind = layer2_CONTROL_CONFIGURE;
+  std::vector<std::uint8_t> bytes(wanted.toml.begin(), wanted.toml.end());
+  request.data._buffer = bytes.data();
+  request.data._length = request.data._maximum = static_cast<std::uint32_t>(bytes.size());
+  mapping_under_way_ = control(request, [this, ended = std::move(wanted.ended)](const Result& result) {
+    ended(result);
+    end_mapping(result);
+  });
+  mapped_ = mapped_ && mapping_under_way_;
+  outputs_.reset();
+  if (!mapped_) return mapping_under_way_;
+  outputs_.emplace(client_, 0);
+  for (const unsigned number : {kMappingObject, kMappingObject + 1}) objects_.forget(number);
+  return true;
+}
+
+void FrameSide::end_mapping(const Result& result) {
+  mapping_under_way_ = false;
+  if (next_mapping_) {
+    Mapping next = *std::exchange(next_mapping_, std::nullopt);
+    const Ended ended = next.ended;
+    if (!result.replied || !map(std::move(next))) ended({.reason = "the daemon has gone"});
+  } else if (!result.replied || result.code != gateway_REPLY_DONE) {
+    mapped_ = false;
+  }
+}
+
+bool FrameSide::reserved(unsigned number) const noexcept {
+  if (number >= static_cast<unsigned>(kReceiveObject)) return basic_.configured();
+  return number >= kMappingObject && mapped_;
+}
+
+std::string FrameSide::write_outputs(std::uint16_t address, std::span<const std::uint8_t> bytes) {
+  if (!mapped_ || !outputs_)
+    return "client: no data mapping is set up; call CAN_DMAP, also after another start of the daemon";
+  if (address + bytes.size() > inputs_.size())
+    return "client: address and bytes: end after the image; allowed 0..1024 together";
+  if (mapping_under_way_ || !outputs_->matched())
+    return "client: the daemon has not taken the mapping over yet; call again in the next cycle";
+  const std::string problem = outputs_->write(address, bytes);
+  return problem.empty() ? problem : "client: " + problem;
 }
 
 void FrameSide::interrupt(int routine, const Interrupt& interrupt) const {
@@ -158,6 +234,18 @@ FrameConnection FrameConnection::connect(const Options& options) {
 
 bool FrameConnection::daemon_present() const {
   return side_->daemon_present();
+}
+
+void FrameConnection::load_data_block(int number, std::vector<std::uint8_t> bytes) {
+  side_->load_data_block(number, std::move(bytes));
+}
+
+std::span<const std::uint8_t, 1024> FrameConnection::inputs() const noexcept {
+  return side_->inputs();
+}
+
+std::string FrameConnection::write_outputs(std::uint16_t address, std::span<const std::uint8_t> bytes) {
+  return side_->write_outputs(address, bytes);
 }
 
 void FrameConnection::on_interrupt(int number, std::function<void(const Interrupt&)> routine) {

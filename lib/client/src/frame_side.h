@@ -3,18 +3,23 @@
 #include <cansync/client.h>
 #include <cansync/frame_connection.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "can/frame.h"
+#include "client/src/direct_access.h"
 #include "client/src/module_queues.h"
 #include "client/src/open_requests.h"
 #include "client/src/saia_queues.h"
 #include "layer2/client/frame_client.h"
+#include "layer2/client/image_writer.h"
 
 /// Internal to lib/client.
 namespace cansync::client::detail {
@@ -52,6 +57,8 @@ class FrameSide {
   ModuleQueues<can::Frame>& queues() noexcept { return queues_; }
   /// The queues of the Basic Services.
   SaiaQueues& basic() noexcept { return basic_; }
+  /// The message objects.
+  DirectAccess& objects() noexcept { return objects_; }
   bool daemon_present() const noexcept { return client_.daemon_present(); }
   /// Why the frame that failed last was not sent; empty: none has.
   const std::string& failure() const noexcept { return failure_; }
@@ -65,6 +72,30 @@ class FrameSide {
   };
   void begin_anew(const Beginning& beginning);
   bool begun() const noexcept { return beginning_.has_value(); }
+  /// As SFB 403 was called.
+  const Beginning& beginning() const noexcept { return *beginning_; }
+
+  /// Data blocks of the program.
+  void load_data_block(int number, std::vector<std::uint8_t> bytes) {
+    data_blocks_[number] = std::move(bytes);
+  }
+  /// Nothing: it is not loaded.
+  const std::vector<std::uint8_t>* data_block(int number) const;
+
+  /// A data mapping, as sections of the daemon's file.
+  struct Mapping {
+    std::string toml;
+    bool entries = false;  ///< it has some
+    Ended ended;           ///< called once
+  };
+  /// The daemon is asked for it, after the one before. False: it is not, `problem` says why.
+  bool map(Mapping wanted);
+  /// The object belongs to the mapping, or to the queues (Saia 3.5).
+  bool reserved(unsigned number) const noexcept;
+  /// What came by the process image.
+  std::span<const std::uint8_t, 1024> inputs() const noexcept { return inputs_; }
+  /// Why bytes were not written to the process image; empty: they were.
+  std::string write_outputs(std::uint16_t address, std::span<const std::uint8_t> bytes);
   /// Error frames and frames that nobody acknowledged, since the daemon's start.
   std::uint64_t error_count();
 
@@ -76,6 +107,8 @@ class FrameSide {
   void note(const layer2_FrameBatch& batch);
   void hand_over();
   bool begin(const can::Frame& frame, const layer2::client::SendChoice& choice, Ended ended);
+  void interrupt_of_object(unsigned number, bool transmit) const;
+  void end_mapping(const Result& result);
   void note_failure(const Result& result);
   layer2::StatusFacts facts();
 
@@ -83,6 +116,13 @@ class FrameSide {
   OpenRequests<layer2::client::FrameClient, Result> open_;
   ModuleQueues<can::Frame> queues_;
   SaiaQueues basic_;
+  DirectAccess objects_;
+  bool mapped_ = false;
+  bool mapping_under_way_ = false;
+  std::optional<Mapping> next_mapping_;
+  std::optional<layer2::client::ImageWriter> outputs_;
+  std::array<std::uint8_t, 1024> inputs_ = {};
+  std::map<int, std::vector<std::uint8_t>> data_blocks_;
   std::optional<Beginning> beginning_;
   std::map<int, std::function<void(const Interrupt&)>> routines_;
   std::uint64_t batch_ = 0;

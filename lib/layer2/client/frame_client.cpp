@@ -112,6 +112,18 @@ Begun FrameClient::begin_control(const layer2_ControlRequest& wanted) {
   return begin(controls_, wanted);
 }
 
+Begun FrameClient::begin_object(const layer2_ObjectRequest& wanted) {
+  if (object_requests_.matched() != 0 && object_replies_.matched() != 0)
+    return begin(object_requests_, wanted);
+  return {0, SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_WRONG_STATE,
+                        "no daemon reads requests to message objects yet; try again, or update the daemon"}};
+}
+
+void FrameClient::wait_for_objects() {
+  wait_until(kDefaultMonitoring,
+             [&] { return object_requests_.matched() != 0 && object_replies_.matched() != 0; });
+}
+
 SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
   return send(std::span(&frame, 1), timeout_ms, choice);
 }
@@ -211,6 +223,8 @@ void FrameClient::look(const Listener& listener) {
     if (listener.batch) listener.batch(batch);
   });
   status_.take([this](const layer2_FrameStatus& sample) { newest_ = sample; });
+  if (listener.object) object_status_.take(listener.object);
+  if (listener.image) image_reader_.take(listener.image);
 }
 
 const std::optional<gateway_BusStatus>& FrameClient::bus_status() {
@@ -255,7 +269,8 @@ std::vector<layer2_TimerStatus> FrameClient::timers(milliseconds time) {
 }
 
 void FrameClient::wait_for_match(const gateway::dds::WriterBase& writer) {
-  if (writer.permitted()) wait_until(kDefaultMonitoring, [&] { return writer.matched() != 0; });
+  if (writer.permitted() && writer.matched() == 0)
+    wait_until(kDefaultMonitoring, [&] { return writer.matched() != 0; });
 }
 
 std::optional<layer2_ProcessImage> FrameClient::image(milliseconds time, bool fresh) {
@@ -277,9 +292,7 @@ SendResult FrameClient::configure(std::string_view toml) {
 }
 
 SendResult FrameClient::object(const layer2_ObjectRequest& wanted) {
-  // An older daemon does not have the topic.
-  wait_until(kDefaultMonitoring,
-             [&] { return object_requests_.matched() != 0 && object_replies_.matched() != 0; });
+  wait_for_objects();
   sight_.look();
   return await(begin(object_requests_, wanted), kDefaultMonitoring);
 }

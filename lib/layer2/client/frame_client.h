@@ -52,6 +52,8 @@ struct Begun {
 struct Listener {
   std::function<void(std::uint64_t request, const SendResult& result)> ended;
   std::function<void(const layer2_FrameBatch& batch)> batch;
+  std::function<void(const layer2_ObjectStatus& status)> object;
+  std::function<void(const layer2_ProcessImage& image)> image;
 };
 
 /// How a frame waits to be sent.
@@ -94,6 +96,11 @@ class FrameClient {
                    const SendChoice& choice = {});
   /// Likewise.
   Begun begin_control(const layer2_ControlRequest& wanted);
+  /// Likewise; not begun while no daemon reads such requests.
+  Begun begin_object(const layer2_ObjectRequest& wanted);
+  /// Waits a second at most for a daemon that has message objects; older ones do not. Only while nothing is
+  /// open.
+  void wait_for_objects();
   /// Takes what has come, without waiting.
   void look(const Listener& listener);
   /// May the result of a request to this start of the daemon still come? Whoever hears that it may not is

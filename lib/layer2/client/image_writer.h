@@ -30,6 +30,8 @@ class ImageWriter {
   /// The image is nobody's from now on, or a weaker writer's.
   void give_up();
 
+  /// A daemon reads what is written: `write` does not wait.
+  bool matched() const noexcept { return writer_.matched() != 0; }
   /// The daemon was started anew: nothing that is written is taken.
   bool daemon_restarted() const noexcept;
   /// From now on what is written is for the daemon that is there now.

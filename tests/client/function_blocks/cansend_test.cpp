@@ -333,7 +333,8 @@ TEST_F(Canctrl, L27RetvalOfCanctrl) {
   EXPECT_TRUE(daemon->controls.empty());
   daemon->answers = false;
   block.Func = 7;
-  ASSERT_TRUE(call_until(block, [&] { return block.RETVAL == static_cast<INT>(0x80F2); }));
+  ASSERT_TRUE(call_until(
+      block, [&] { return block.RETVAL == static_cast<INT>(0x80F2) && daemon->controls.size() == 64; }));
   EXPECT_EQ(block.open(), 64);
   ASSERT_TRUE(call_until(block, [&] { return daemon->controls.size() == 64; }));
   const auto held = daemon->controls;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -62,8 +63,12 @@ class FakeFrameDaemon {
   }
 
   std::vector<layer2_SendRequest> sends;
-  std::vector<layer2_ControlRequest> controls;
-  bool answers = true;  ///< every request is done at once
+  std::vector<layer2_ControlRequest> controls;  ///< their data are in `configured`
+  std::vector<std::string> configured;
+  std::vector<layer2_ObjectRequest> objects;       ///< their settings are in `settings`
+  std::vector<layer2_ObjectSettings> settings;     ///< of the last request that has some
+  std::vector<std::vector<std::uint8_t>> outputs;  ///< of the process image
+  bool answers = true;                             ///< every request is done at once
   void take() {
     (void)send_reader_.take([this](const layer2_SendRequest& sample) {
       EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
@@ -72,9 +77,32 @@ class FakeFrameDaemon {
     });
     (void)control_reader_.take([this](const layer2_ControlRequest& sample) {
       controls.push_back(sample);
+      configured.emplace_back(reinterpret_cast<const char*>(sample.data._buffer), sample.data._length);
       if (answers) reply(sample, gateway_REPLY_DONE);
     });
+    take_objects();
   }
+  void take_objects() {
+    (void)object_reader_.take([this](const layer2_ObjectRequest& sample) {
+      EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+      objects.push_back(sample);
+      if (sample.settings._length != 0)
+        settings.assign(sample.settings._buffer, sample.settings._buffer + sample.settings._length);
+      if (answers) reply(sample, {});
+    });
+    (void)outputs_reader_.take([this](const layer2_ImageOutputs& sample) {
+      outputs.emplace_back(sample.data._buffer, sample.data._buffer + sample.data._length);
+    });
+  }
+  /// An answer as `content` says it; who asked need not stand in it.
+  void reply(const layer2_ObjectRequest& request, layer2_ObjectReply content) {
+    const auto who = answer<layer2_ObjectReply>(request, content.code, "");
+    std::copy(std::begin(who.client), std::end(who.client), std::begin(content.client));
+    content.request = request.request;
+    (void)object_writer_.write(content);
+  }
+  void tell(const layer2_ObjectStatus& object) { (void)object_status_.write(object); }
+  void tell(const layer2_ProcessImage& image) { (void)image_writer_.write(image); }
   void reply(const layer2_SendRequest& request, gateway_ReplyCode code, std::string_view reason = {}) {
     (void)send_writer_.write(answer<layer2_SendReply>(request, code, reason));
   }
@@ -105,6 +133,11 @@ class FakeFrameDaemon {
   gateway::dds::Writer<layer2_FrameBatch> batch_writer_{participant_};
   gateway::dds::Writer<layer2_SendReply> send_writer_{participant_, clients_, nullptr};
   gateway::dds::Writer<layer2_ControlReply> control_writer_{participant_, clients_, nullptr};
+  gateway::dds::Writer<layer2_ObjectReply> object_writer_{participant_, clients_, nullptr};
+  gateway::dds::Writer<layer2_ObjectStatus> object_status_{participant_};
+  gateway::dds::Writer<layer2_ProcessImage> image_writer_{participant_};
+  gateway::dds::Reader<layer2_ObjectRequest> object_reader_{participant_};
+  gateway::dds::Reader<layer2_ImageOutputs> outputs_reader_{participant_};
   gateway::dds::Reader<layer2_SendRequest> send_reader_{participant_};
   gateway::dds::Reader<layer2_ControlRequest> control_reader_{participant_};
   gateway::dds::Reader<gateway_JobCancel> cancel_reader_{participant_};

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "client.h"
@@ -46,6 +48,19 @@ class CANSYNC_PUBLIC FrameConnection {
   /// the connection's thread, and must not call blocks of it. An empty one takes it away; of other numbers
   /// none is ever called.
   void on_interrupt(int number, std::function<void(const Interrupt&)> routine);
+
+  /// Data block `number` is loaded from now on, in place of the one before: SFB 402 and 413 read their tables
+  /// in it. Bytes as in the PLC, the high one first; `data_block` makes them
+  /// (function_blocks/layer2/data_blocks.h).
+  void load_data_block(int number, std::vector<std::uint8_t> bytes);
+
+  /// What came by the process image (Saia 3.4), as the daemon told it last, every 10 ms at most. Each call of
+  /// a block takes it: between two calls it stays as it is.
+  std::span<const std::uint8_t, 1024> inputs() const noexcept;
+  /// Writes bytes of the process image that is sent, `address` 0..1023, after SFB 413 has set up a mapping.
+  /// Between two telegrams all of them are in the image or none. While the connection lives it owns the
+  /// image, if no stronger writer does. Returns why nothing was written; empty: it was handed to DDS.
+  std::string write_outputs(std::uint16_t address, std::span<const std::uint8_t> bytes);
 
   /// The library's own, for its function blocks.
   detail::FrameSide& side() noexcept { return *side_; }
