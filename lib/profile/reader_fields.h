@@ -11,14 +11,14 @@
 #include "profile/profile.h"
 #include "profile/reader.h"
 
-/// One section of a profile while it is read; only for the reader.
+/// One section of a table while it is read; only for readers.
 namespace profile::detail {
 
 /// Takes values out of a section by key, checks their type, and collects what is wrong. A key that is not
 /// there gives nothing and is no problem.
 class Fields {
  public:
-  /// `prefix`: "profile" or "parameter", for the problems. All must outlive the object.
+  /// `prefix`: the name of the section, for the problems. All must outlive the object.
   Fields(const config::Content& content, std::string_view prefix, std::vector<config::Problem>& problems)
       : content_(content), prefix_(prefix), problems_(problems) {}
 

@@ -234,6 +234,19 @@ class Frames(unittest.TestCase):
         self.assertEqual(wrong.returncode, 2)
         self.assertIn(f"{file.name}:2:8: found '0'; allowed: ':'", wrong.stderr)
 
+    def test_frames_are_named_by_a_table_of_signals(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write('[[message]]\nname = "Engine"\nidentifier = 0x18DAF110\nextended = true\nlength = 2\n[[signal]]\nmessage = "Engine"\n'
+                       'name = "Oil"\nstart = 8\nlength = 8\nfactor = 0.5\noffset = -40\nunit = "\u00b0C"\nvalues = ["7 cold"]\n')
+            file.flush()
+            found = json.loads(self.place.run("can", "dump", "--count", 1, "--signals", file.name, "--json").stdout)
+            file.write("length = 9\n")
+            file.flush()
+            wrong = self.place.run("can", "dump", "--signals", file.name)
+        self.assertEqual((found["message"], found["signals"]), ("Engine", [{"name": "Oil", "raw": 7, "value": -36.5, "unit": "\u00b0C", "word": "cold"}]))
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn(f"{file.name}:", wrong.stderr)
+
     def test_message_objects_at_the_terminal(self):
         self.assertEqual(self.one("can", "objects", "configure", "3", "201", "--transmit", "--timeout-ms", "500")["result"], "done")
         self.assertEqual(self.one("can", "objects", "configure", "4", "250/7F0", "--tell")["result"], "done")
@@ -268,6 +281,7 @@ class Frames(unittest.TestCase):
         written = self.one("can", "image", "write", "0", "AB" * 1024)
         self.assertEqual(written["result"], "done")
         expect(["can", "image"], written)
+        wait_for("who wrote has given it up", lambda: not self.one("can", "image")["writer"])
         with self.place.start("can", "image", "write", "0", "CD", "--hold") as holder:
             wait_for("it is held", lambda: self.one("can", "image")["writer"])
             self.assertEqual(self.one("can", "image", "write", "0", "00", code=3)["cause"], "wrong_state")

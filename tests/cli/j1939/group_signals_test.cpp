@@ -8,6 +8,7 @@
 #include "cli/base/session.h"
 #include "cli/dbc/dbc_file.h"
 #include "dbc/reader.h"
+#include "j1939/client/groups.h"
 
 namespace {
 
@@ -49,22 +50,22 @@ std::string wrong(const std::string& name, const std::vector<std::string>& setti
 
 TEST(GroupSignals, AGroupIsFoundWhateverItsPriorityAndSource) {
   const dbc::Database all = database();
-  ASSERT_NE(find_group(all, 0xF004, 0x21), nullptr);
-  EXPECT_EQ(find_group(all, 0xF004, 0x21)->name, "EEC1");
-  EXPECT_EQ(find_group(all, 0xFEEE, 0x21)->name, "ET1");
-  EXPECT_EQ(find_group(all, 0xFEEE, 3)->name, "ET1_of_3") << "that of the very source first";
-  EXPECT_EQ(find_group(all, 0xFEF1, 0x21), nullptr);
+  ASSERT_NE(j1939::client::find_group(all, 0xF004, 0x21), nullptr);
+  EXPECT_EQ(j1939::client::find_group(all, 0xF004, 0x21)->name, "EEC1");
+  EXPECT_EQ(j1939::client::find_group(all, 0xFEEE, 0x21)->name, "ET1");
+  EXPECT_EQ(j1939::client::find_group(all, 0xFEEE, 3)->name, "ET1_of_3") << "that of the very source first";
+  EXPECT_EQ(j1939::client::find_group(all, 0xFEF1, 0x21), nullptr);
 }
 
 TEST(GroupSignals, ValuesHaveUnitsAndWhatIsNotAvailableSaysSo) {
   const dbc::Database all = database();
-  const dbc::Message& message = *find_group(all, 0xF004, 0);
+  const dbc::Message& message = *j1939::client::find_group(all, 0xF004, 0);
   const std::vector<std::uint8_t> data = {0xF0, 0xFF, 0xFE, 0x80, 0x25, 0xFF, 0xFF, 0xFF};
-  EXPECT_EQ(meaning_of(message, read_group(message, data)),
+  EXPECT_EQ(meaning_of(message, j1939::client::read_group(message, data)),
             "EEC1: TorqueMode 0 (idle), ActualTorque 129 % (error), EngineSpeed 1200 rpm");
   const std::vector<std::uint8_t> none(8, 0xFF);
   EXPECT_EQ(
-      meaning_of(message, read_group(message, none)),
+      meaning_of(message, j1939::client::read_group(message, none)),
       "EEC1: TorqueMode 15 (unknown), ActualTorque 130 % (not available), EngineSpeed 8191.875 rpm (not "
       "available)");
 }
@@ -84,10 +85,9 @@ TEST(GroupSignals, AChosenSignalBringsItsChoice) {
 }
 
 TEST(GroupSignals, WhatIsWrongIsToldWithWhatThereIs) {
-  EXPECT_EQ(wrong("EEC2", {"A=1"}),
-            "PGN: found 'EEC2'; the DBC file has Narrow, EEC1, Choice, ET1_of_3, ET1");
+  EXPECT_EQ(wrong("EEC2", {"A=1"}), "PGN: found 'EEC2'; the file has Narrow, EEC1, Choice, ET1_of_3, ET1");
   EXPECT_EQ(wrong("EEC1", {"Speed=1"}),
-            "--set: found 'Speed'; the DBC file has TorqueMode, ActualTorque, EngineSpeed");
+            "--set: found 'Speed'; the file has TorqueMode, ActualTorque, EngineSpeed");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed"}), "--set: found 'EngineSpeed'; allowed: NAME=VALUE");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed=9000"}), "--set EngineSpeed: found '9000'; allowed: 0..8191.875 rpm");
   EXPECT_EQ(wrong("EEC1", {"TorqueMode=fast"}),

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <span>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "cli/base/files.h"
 #include "cli/text/values.h"
+#include "config/problem.h"
 #include "dbc/reader.h"
+#include "signals/signal_table.h"
 
 namespace cansync::cli {
 namespace {
@@ -17,15 +20,28 @@ constexpr std::size_t kLargestFile = std::size_t{16} * 1024 * 1024;  // those of
 
 }  // namespace
 
-dbc::Database load_dbc(const std::string& path) {
+dbc::Database load_signals(const std::string& path) {
   const auto bytes = read_file(path, kLargestFile);
-  auto read = dbc::read_database({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (path.ends_with(".toml")) {
+    auto table = signals::read_signal_table(content, path);
+    if (auto* database = std::get_if<dbc::Database>(&table)) return std::move(*database);
+    throw UsageError(config::problems_text(std::get<std::vector<config::Problem>>(table)));
+  }
+  auto read = dbc::read_database(content);
   if (auto* database = std::get_if<dbc::Database>(&read)) return std::move(*database);
   std::string text;
   for (const dbc::Problem& problem : std::get<std::vector<dbc::Problem>>(read))
     text += fmt::format("{}{}:{}:{}: {}", text.empty() ? "" : "\n", path, problem.line, problem.column,
                         problem.text);
   throw UsageError(text);
+}
+
+void add_signal_files(CLI::App& verb, std::string& path, const std::string& what) {
+  auto* dbc = verb.add_option("--dbc", path, what + " this DBC file")->type_name("FILE");
+  verb.add_option("--signals", path, what + " this file: a DBC file, or a table (.toml)")
+      ->type_name("FILE")
+      ->excludes(dbc);
 }
 
 std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings) {

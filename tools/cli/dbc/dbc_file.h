@@ -1,17 +1,21 @@
 #pragma once
 
+#include <CLI/App.hpp>
 #include <span>
 #include <string>
 
 #include "dbc/database.h"
 #include "text/json.h"
 
-/// DBC files on the command line: what messages mean. Main thread.
+/// Files of signals on the command line: what messages mean. Main thread.
 namespace cansync::cli {
 
-/// Reads a DBC file. Throws UsageError with each line that is wrong, std::system_error when it cannot be
-/// read.
-dbc::Database load_dbc(const std::string& path);
+/// Reads a DBC file, or, when its name ends in .toml, a table of signals (docs/signals.md). Throws UsageError
+/// with each line that is wrong, std::system_error when it cannot be read.
+dbc::Database load_signals(const std::string& path);
+
+/// The options --dbc and --signals of a verb, which both give such a file; `what` begins their help.
+void add_signal_files(CLI::App& verb, std::string& path, const std::string& what);
 
 /// "Motor: Speed 12.5 rpm, Mode 1 (run)".
 std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings);

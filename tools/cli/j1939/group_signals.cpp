@@ -19,16 +19,6 @@ namespace {
 /// Most names that an error lists.
 constexpr std::size_t kNamesListed = 20;
 
-/// What a raw value says by SAE J1939-71: of whole bytes the highest one, of fewer bits all of them.
-std::string_view state_of(const dbc::Signal& signal, std::uint64_t raw) {
-  if (signal.kind != dbc::NumberKind::unsigned_integer || signal.length < 2) return {};
-  const bool bytes = signal.length % 8 == 0;
-  const std::uint64_t largest = bytes ? 0xFF : (std::uint64_t{1} << std::min(signal.length, 63U)) - 1;
-  const std::uint64_t shown = bytes ? raw >> (signal.length - 8) : raw;
-  if (shown == largest) return "not available";
-  return shown == largest - 1 ? "error" : std::string_view();
-}
-
 template <class Named>
 std::string names_of(const std::vector<Named>& all) {
   std::string names;
@@ -42,7 +32,7 @@ const Named& find_named(const std::vector<Named>& all, std::string_view name, st
   const auto found =
       std::find_if(all.begin(), all.end(), [name](const Named& one) { return one.name == name; });
   if (found == all.end())
-    throw UsageError(fmt::format("{}: found '{}'; the DBC file has {}", what, name, names_of(all)));
+    throw UsageError(fmt::format("{}: found '{}'; the file has {}", what, name, names_of(all)));
   return *found;
 }
 
@@ -68,25 +58,6 @@ void choose(const dbc::Message& message, const dbc::Signal& signal, std::vector<
 
 }  // namespace
 
-const dbc::Message* find_group(const dbc::Database& database, std::uint32_t pgn, std::uint8_t source) {
-  const dbc::Message* found = nullptr;
-  for (const dbc::Message& message : database.messages()) {
-    if (!message.extended) continue;
-    const j1939::Identifier parts = j1939::parse(message.identifier);
-    if (j1939::pgn_of(parts) != pgn) continue;
-    if (parts.source == source) return &message;
-    if (found == nullptr || parts.source == j1939::kNullAddress) found = &message;
-  }
-  return found;
-}
-
-std::vector<dbc::Reading> read_group(const dbc::Message& message, std::span<const std::uint8_t> data) {
-  std::vector<dbc::Reading> readings = dbc::read_signals(message, data);
-  for (dbc::Reading& reading : readings)
-    if (reading.word.empty()) reading.word = state_of(*reading.signal, reading.raw);
-  return readings;
-}
-
 j1939::client::Message encode_group(const dbc::Database& database, const std::string& name,
                                     std::span<const std::string> settings) {
   const dbc::Message& message = find_named(database.messages(), name, "PGN");
@@ -109,8 +80,8 @@ j1939::client::Message encode_group(const dbc::Database& database, const std::st
     given.push_back(&signal);
     choose(message, signal, out.data);
     if (!dbc::write_bits(signal, raw_in(signal, std::string_view(setting).substr(at + 1)), out.data))
-      throw UsageError(fmt::format("--set {}: it ends behind the {} that the DBC file gives '{}'",
-                                   signal.name, text::counted(message.length, "byte"), name));
+      throw UsageError(fmt::format("--set {}: it ends behind the {} that the file gives '{}'", signal.name,
+                                   text::counted(message.length, "byte"), name));
   }
   // What a signal chose must still be so: two that are never there together would hide each other.
   const std::vector<dbc::Reading> readings = dbc::read_signals(message, out.data);

@@ -4,8 +4,8 @@
 
 #include "cli/base/session.h"
 #include "cli/dbc/dbc_file.h"
-#include "cli/j1939/group_signals.h"
 #include "cli/text/values.h"
+#include "j1939/client/groups.h"
 #include "j1939/identifier.h"
 #include "j1939/transport.h"
 #include "text/counts.h"
@@ -125,8 +125,9 @@ void MessageLines::tell_missed(const j1939_MessageBatch& batch) {
 }
 
 void MessageLines::show(const j1939_ReceivedMessage& message, std::span<const std::uint8_t> data) {
-  const dbc::Message* const named = find_group(names_, message.pgn, message.source);
-  const auto readings = named == nullptr ? std::vector<dbc::Reading>() : read_group(*named, data);
+  const dbc::Message* const named = j1939::client::find_group(names_, message.pgn, message.source);
+  const auto readings =
+      named == nullptr ? std::vector<dbc::Reading>() : j1939::client::read_group(*named, data);
   if (output_.json()) {
     JsonObject object;
     object.add("time_ns", message.receive_time)

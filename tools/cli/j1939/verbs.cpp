@@ -59,7 +59,7 @@ j1939::client::Message parse_message(const MessageTexts& texts) {
   if (!texts.settings.empty()) {
     if (texts.dbc.empty() || !texts.data.empty() || !texts.file.empty())
       throw UsageError("--set: it needs --dbc and the name of a message, and neither DATA nor --file");
-    message = encode_group(load_dbc(texts.dbc), texts.pgn, texts.settings);
+    message = encode_group(load_signals(texts.dbc), texts.pgn, texts.settings);
     return with_choice(std::move(message), texts);
   }
   if (!texts.dbc.empty()) throw UsageError("--dbc: it needs --set NAME=VALUE");
@@ -117,7 +117,7 @@ ExitCode request_verb(Session& session, const MessageTexts& texts) {
 ExitCode messages_verb(Session& session, const MessagesTexts& texts) {
   const std::uint64_t count = parse_end_count(texts.count);
   dbc::Database names;
-  if (!texts.dbc.empty()) names = load_dbc(texts.dbc);
+  if (!texts.dbc.empty()) names = load_signals(texts.dbc);
   auto client = connect_bus<MessageClient>(session);
   MessageLines lines(session.output(), count, std::move(names));
   constexpr auto kLook = std::chrono::milliseconds(200);
@@ -240,7 +240,7 @@ void add_messages(CLI::App& app, Verb& chosen) {
   messages->group("J1939");
   auto texts = std::make_shared<MessagesTexts>();
   messages->add_option("--count", texts->count, "end after so many messages")->type_name("N");
-  messages->add_option("--dbc", texts->dbc, "name messages and signals by this DBC file")->type_name("FILE");
+  add_signal_files(*messages, texts->dbc, "name messages and signals by");
   messages->footer(fmt::format("{}: whole messages that its ranges take.\n", kOfJ1939) +
                    columns_help(message_columns()));
   run_when_named(*messages, chosen, texts, messages_verb);
@@ -255,8 +255,7 @@ void add_transmit(CLI::App& app, Verb& chosen) {
                        "up to 1785 bytes of two hexadecimal digits, e.g. 0102FF; none: no data");
   transmit->add_option("--file", texts->file, "take the bytes from a file, up to 1048576, instead of DATA")
       ->type_name("FILE");
-  transmit->add_option("--dbc", texts->dbc, "PGN is the name of a message in this DBC file")
-      ->type_name("FILE");
+  add_signal_files(*transmit, texts->dbc, "PGN is the name of a message in");
   transmit
       ->add_option("--set", texts->settings,
                    "with --dbc: a signal, in its unit; all others are not available")

@@ -95,7 +95,7 @@ ExitCode dump_verb(Session& session, const DumpTexts& texts) {
     throw UsageError("--candump, --write, --json: found more than one; allowed: one of the three");
   const DumpFilter filter = filter_of(texts);
   DumpForm::Choice form{texts.candump, texts.write, session.bus(), {}};
-  if (!texts.dbc.empty()) form.names = load_dbc(texts.dbc);
+  if (!texts.dbc.empty()) form.names = load_signals(texts.dbc);
   auto client = connect_bus<layer2::client::FrameClient>(session);
   Dump dump(session.output(), filter, std::move(form), count);
   constexpr auto kLook = std::chrono::milliseconds(200);
@@ -123,7 +123,7 @@ void add_dump_verb(CLI::App& can, Verb& chosen) {
       ->expected(1)
       ->take_all();
   dump->add_option("--kind", texts->kind, "data frames or remote frames alone")->type_name("data|remote");
-  dump->add_option("--dbc", texts->dbc, "name messages and signals by this DBC file")->type_name("FILE");
+  add_signal_files(*dump, texts->dbc, "name messages and signals by");
   dump->add_flag("--candump", texts->candump, "write a text log as candump -L does instead");
   dump->add_option("--write", texts->write,
                    "write a pcapng capture into FILE instead, which is replaced; - = stdout")

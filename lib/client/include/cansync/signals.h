@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "export.h"
+
+namespace cansync::client {
+
+/// A file of signals cannot be read, or a message cannot be made: what() says what, where, and what is
+/// allowed.
+class CANSYNC_PUBLIC SignalError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A signal of a message that came.
+struct SignalValue {
+  std::string name;
+  double value = 0.0;     ///< in `unit`
+  std::string unit;       ///< may be empty
+  std::uint64_t raw = 0;  ///< its bits
+  std::string word;       ///< the name of this value; empty: it has none
+};
+
+/// What bytes are.
+struct NamedMessage {
+  std::string name;
+  std::vector<SignalValue> signals;  ///< those that are there, in the order of the file
+};
+
+/// A frame that was made. Of a group of J1939 the identifier has the file's priority and source.
+struct EncodedMessage {
+  std::uint32_t identifier = 0;
+  bool extended = false;  ///< it has 29 bits
+  std::vector<std::uint8_t> data;
+};
+
+/// Messages and signals by name, of a DBC file or a table in TOML (docs/signals.md). Does not change; any
+/// thread.
+class CANSYNC_PUBLIC Signals {
+ public:
+  /// A number in the signal's unit, or the name of a value.
+  using Setting = std::variant<double, std::string>;
+
+  /// Reads a table when the file's name ends in .toml, else a DBC file, of up to 16 MiB. Throws SignalError
+  /// with each line that is wrong.
+  static Signals read(const std::string& path);
+
+  /// What a frame is; nothing: the file has no message of this identifier. `data` may be shorter than it
+  /// says.
+  std::optional<NamedMessage> decode(std::uint32_t identifier, bool extended,
+                                     std::span<const std::uint8_t> data) const;
+  /// What a message of J1939 is, whatever priority and destination the file gives its group: of several the
+  /// one with this source counts, else that with source 254. Values that say so are "not available" or
+  /// "error".
+  std::optional<NamedMessage> decode_group(std::uint32_t pgn, std::uint8_t source,
+                                           std::span<const std::uint8_t> data) const;
+
+  /// Makes a message of signals by name; bits that none gives are those of `rest`, 0xFF for J1939. Throws
+  /// SignalError when a name is unknown, a value is out of range, or signals exclude each other.
+  EncodedMessage encode(const std::string& message, const std::map<std::string, Setting>& signals,
+                        std::uint8_t rest = 0) const;
+
+ private:
+  struct Names;
+  explicit Signals(std::shared_ptr<const Names> names) noexcept;
+
+  std::shared_ptr<const Names> names_;
+};
+
+}  // namespace cansync::client
