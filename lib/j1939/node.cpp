@@ -35,6 +35,7 @@ bool can_be_sent(const Order& order) noexcept {
 
 Node::Node(NodeSettings settings)
     : settings_(std::move(settings)),
+      due_(settings_.provided.size(), Time::max()),
       queue_(std::clamp<std::size_t>(settings_.queue, 1, kMostQueue)),
       claim_(settings_.claim),
       receiver_(settings_.window, settings_.most_bytes, replies_),
@@ -289,6 +290,7 @@ void Node::advance(Time now) noexcept {
   now_ = now;
   claim_.advance(now);
   follow_address();
+  send_periodic();
   receiver_.advance(now);
   sender_.advance(now);
   for (std::size_t i = 0; i < sending_.size();) {
@@ -337,7 +339,8 @@ void Node::advance(Time now) noexcept {
 }
 
 Time Node::next_deadline() const noexcept {
-  Time next = std::min({claim_.next_deadline(), receiver_.next_deadline(), sender_.next_deadline()});
+  Time next =
+      std::min({claim_.next_deadline(), receiver_.next_deadline(), sender_.next_deadline(), next_periodic()});
   for (std::size_t i = 0; i < waiting_.size(); ++i) next = std::min(next, waiting_[i].until);
   for (std::size_t i = 0; i < asked_.size(); ++i) next = std::min(next, asked_[i].until);
   for (std::size_t i = 0; i < sending_.size(); ++i) next = std::min(next, sending_[i].open.until);

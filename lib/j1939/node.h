@@ -18,11 +18,13 @@
 
 namespace j1939 {
 
-/// A group that others may request of the node.
+/// A group that others may request of the node, and that it may send by itself.
 struct Provided {
   Pgn number = 0;
   std::uint8_t priority = 6;       ///< 0..7
   std::vector<std::uint8_t> data;  ///< 1..1785 bytes; none: somebody else answers, and the node says nothing
+  Time period{
+      0};  ///< between two times that it is sent to all, while an address is held; 0: on request alone
 };
 
 /// What a node is and takes.
@@ -158,6 +160,9 @@ class Node {
   std::optional<Delivery> deliver(const Message& message) noexcept;
   void take_request(const Message& message) noexcept;
   void provide(const Provided& provided, const Message& request) noexcept;
+  /// False: too many messages in packets are under way. `by_itself`: while the one before waits, another is
+  /// not sent.
+  bool send_provided(const Provided& provided, Address to, bool by_itself = false) noexcept;
   void acknowledge(const Message& request, Pgn number, std::uint8_t control) noexcept;
   void take_acknowledgement(const Message& message) noexcept;
   void answer_asked(const Message& message) noexcept;
@@ -166,6 +171,8 @@ class Node {
   bool wants_claims_of_all(const Order& order) const noexcept;
   can::Frame frame_for(const Order& order, Address source) const noexcept;
   void follow_address() noexcept;
+  void send_periodic() noexcept;
+  Time next_periodic() const noexcept;
   void begin_sessions() noexcept;
   void take_ended() noexcept;
   void seen(const HandedOver& entry, Time end_of_frame) noexcept;
@@ -176,6 +183,7 @@ class Node {
   std::size_t open() const noexcept;
 
   NodeSettings settings_;
+  std::vector<Time> due_;  ///< of each group provided; Time::max(): no address was held yet
   std::size_t queue_;
   AddressClaim claim_;
   FrameQueue replies_;

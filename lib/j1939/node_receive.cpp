@@ -174,19 +174,52 @@ void Node::provide(const Provided& provided, const Message& request) noexcept {
   if (provided.data.empty()) return;
   const bool for_all = request.destination == kGlobalAddress;
   const Address to = for_all ? kGlobalAddress : request.source;
+  if (!send_provided(provided, to)) acknowledge(request, provided.number, kCannotRespond);
+}
+
+bool Node::send_provided(const Provided& provided, Address to, bool by_itself) noexcept {
   if (provided.data.size() <= 8) {
     can::Frame frame;
     frame.extended = true;
     frame.id = compose(identifier_of(provided.number, provided.priority, to, *claim_.address()));
     frame.dlc = static_cast<std::uint8_t>(provided.data.size());
     std::copy(provided.data.begin(), provided.data.end(), frame.data.begin());
-    replies_.push(frame);
-    return;
+    if (!by_itself || !replies_.has(frame.id)) replies_.push(frame);
+    return true;
   }
-  if (sending_.full() || !sender_.has_room(to)) return acknowledge(request, provided.number, kCannotRespond);
+  if (sending_.full() || !sender_.has_room(to)) return false;
   const std::uint64_t id = ++jobs_;
   sender_.begin({id, provided.number, provided.priority, *claim_.address(), to, provided.data}, now_);
   sending_.push({{{}, now_ + kLongestAnswer}, id, true});
+  return true;
+}
+
+/// What went by while no address was held, or the group was on its way still, is left out.
+void Node::send_periodic() noexcept {
+  for (std::size_t i = 0; i < due_.size(); ++i) {
+    const Provided& provided = settings_.provided[i];
+    if (provided.period <= Time{0} || provided.data.empty()) continue;
+    Time& due = due_[i];
+    if (stopped_ || !claim_.address()) {
+      due = Time::max();
+      continue;
+    }
+    if (due == Time::max()) due = now_;
+    if (due > now_) continue;
+    (void)send_provided(provided, kGlobalAddress, true);
+    due += ((now_ - due) / provided.period + 1) * provided.period;
+  }
+}
+
+Time Node::next_periodic() const noexcept {
+  Time next = Time::max();
+  if (stopped_ || !claim_.address()) return next;
+  for (std::size_t i = 0; i < due_.size(); ++i) {
+    const Provided& provided = settings_.provided[i];
+    if (provided.period > Time{0} && !provided.data.empty())
+      next = std::min(next, due_[i] == Time::max() ? now_ : due_[i]);
+  }
+  return next;
 }
 
 /// Requests to all are never answered so: every node would.

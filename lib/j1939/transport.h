@@ -113,6 +113,12 @@ class FrameQueue {
   std::optional<can::Frame> front() const noexcept {
     return size_ == 0 ? std::nullopt : std::optional(frames_[first_]);
   }
+  /// One with this identifier waits.
+  bool has(std::uint32_t id) const noexcept {
+    for (std::size_t i = 0; i < size_; ++i)
+      if (frames_[(first_ + i) % kMost].id == id) return true;
+    return false;
+  }
   /// Takes the oldest away; there must be one.
   void pop() noexcept {
     first_ = (first_ + 1) % kMost;

@@ -212,5 +212,21 @@ class Secured(SecuredCase):
         wait_for("the operator sends", lambda: self.place.run("transmit", "0xFEF1", "01").returncode == 0)
 
 
+class Periodic(unittest.TestCase):
+    def test_a_group_is_sent_by_itself(self):
+        place = Place()
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        config = os.path.join(folder, "bus.toml")
+        with open(config, "w", encoding="utf-8") as file:
+            file.write(f'[bus]\nprotocol = "j1939"\nname = "{place.bus}"\n[dds]\ndomain = {place.domain}\n'
+                       '[[provide]]\nnumber = 0\npgn = 0xFEE5\ndata = [1, 2]\nperiod_ms = 50\n')
+        with open(os.path.join(folder, "log"), "wb") as log:
+            daemon = subprocess.Popen([CANSYNCD, config], stdout=log, stderr=log)
+        self.addCleanup(lambda: end(daemon))
+        # Nobody asks for anything, and a claim is one frame.
+        wait_for("ten of its frames stood on the bus", lambda: (told := place.run("status", "--json")).returncode == 0
+                 and json.loads(told.stdout)["sent"] > 10)
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], "-v", *filter(None, sys.argv[1:])])

@@ -41,6 +41,9 @@ void finish_provided(J1939Draft& draft, Findings& findings) {
     draft.config.provided.push_back(found.provided);
     if (!j1939::is_pgn(found.provided.number))
       findings.problem(fmt::format("provide.{}.pgn", n), no_group(found.provided.number));
+    if (found.provided.period > j1939::Time{0} && found.provided.data.empty())
+      findings.problem(fmt::format("provide.{}.period_ms", n),
+                       "found without data; allowed: with the bytes that are sent (data)");
   }
 }
 

@@ -154,6 +154,12 @@ constexpr auto kJ1939Rows = std::to_array<J1939Row>({
     {example("[0x01, 0x02]", other("provide.data", kMessageData, "([]: a client answers)",
                                    "The bytes that the daemon answers with.")),
      [](J1939Draft& d, const Value& v) { offer(d).data = message_bytes(v); }, takes_message},
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return offer(d).period; },
+        whole_number(
+            "provide.period_ms", 0, 3'600'000, "ms",
+            "Between two times that the daemon sends it to all by itself, while it holds an address; 0 = "
+            "on request alone.")),
     // --- [[ecu]]
     {config::rows::label("ecu.number", 31, "Number of the simulated node."),
      [](J1939Draft& d, const Value&) { d.ecus[d.number].given = true; }},
@@ -201,7 +207,8 @@ constexpr auto kJ1939Sections = std::to_array<config::Section>({
     {"transport", "", ""},
     {"listen", "", ""},
     {"receive", "numbers", "Once for each range of groups that is received. Without any, every group is."},
-    {"provide", "numbers", "Once for each group that other nodes may request."},
+    {"provide", "numbers",
+     "Once for each group that other nodes may request, or that the daemon sends again and again."},
     {"ecu", "numbers", "Once for each simulated node beside the daemon on a simulated bus."},
 });
 

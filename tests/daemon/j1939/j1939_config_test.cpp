@@ -101,6 +101,8 @@ data = [1, 2, 3]
 
 TEST_F(J1939Configuration, WhatIsWrongNamesItsPlace) {
   EXPECT_NE(problems("[[provide]]\nnumber = 0\npgn = 0xEF01\n").find("f.toml:3"), std::string::npos);
+  EXPECT_NE(problems("[[provide]]\nnumber = 0\npgn = 0xFEEB\nperiod_ms = 100\n").find("without data"),
+            std::string::npos);
   EXPECT_NE(problems("[[receive]]\nnumber = 0\nfirst = 5\nlast = 4\n").find("f.toml:3"), std::string::npos);
   EXPECT_NE(problems("[address]\nfirst_other = 140\nlast_other = 130\n").find("f.toml:2"), std::string::npos);
   EXPECT_NE(problems("[address]\npreferred = 254\n").find("f.toml:2"), std::string::npos);
