@@ -5,6 +5,7 @@ import ctypes
 import os
 import pathlib
 import re
+import shutil
 import signal
 import unittest
 
@@ -59,11 +60,26 @@ class Running(unittest.TestCase):
         run("systemctl", "disable", "cansyncd@vcan9.service")
         self.assertEqual(run("systemctl", "--failed", "--no-legend", "--plain"), "")
 
-    def test_02_starts_with_the_simulator_and_is_healthy(self):
-        write_configuration()
+    def test_02_setup_puts_a_line_in_place_and_starts_its_service(self):
+        line = pathlib.Path("/tmp/line")
+        shutil.copytree("/usr/share/doc/cansyncd/examples", line / "network",
+                        ignore=lambda _, names: [name for name in names if not name.startswith(f"25-{INTERFACE}.")])
+        text = configuration_text()
+        for known in ('name = "axis-1"\n', '[sync]\noutput = "can"\n'):  # what setup is told
+            self.assertIn(known, text)
+            text = text.replace(known, "")
+        (line / f"{INTERFACE}.toml").write_text(text, encoding="utf-8")
+        told = run("cansync", "setup", line, "--yes", "--name", "1=axis-1", "--sync", "can", "--start", "active")
+        for words in (f"write {CONFIGURATION}", f"keep /etc/systemd/network/25-{INTERFACE}.network",
+                      f"run systemctl enable --now cansyncd@{INTERFACE}", f"next: cansync --bus {INTERFACE} doctor"):
+            self.assertIn(words, told)
+        self.assertEqual(run("systemctl", "is-enabled", SERVICE).strip(), "enabled")
+        self.assertEqual(properties("ActiveState")["ActiveState"], "active")
+        self.assertEqual(cansync("status")[0]["process"], main_pid())
+
+    def test_03_is_healthy_with_the_simulator(self):
         run("cansyncd", "--check", CONFIGURATION)
-        run("systemctl", "enable", SERVICE)
-        run("systemctl", "start", SIMULATOR, SERVICE)
+        run("systemctl", "start", SIMULATOR)
         wait_until_active()
         self.assertEqual(properties("ActiveState", unit=SIMULATOR)["ActiveState"], "active")
         text = properties("StatusText")["StatusText"]
@@ -71,7 +87,7 @@ class Running(unittest.TestCase):
                  "run: 2 of 2 slaves respond; bus vcan0 (vcan0) at 125000 bit/s")
         self.assertIn("Status: \"run: ", run("systemctl", "status", SERVICE), text)
 
-    def test_03_reads_a_parameter_and_transfers_a_block(self):
+    def test_04_reads_a_parameter_and_transfers_a_block(self):
         reply = cansync("read", "axis-1", "301")[0]
         self.assertEqual(reply["result"], "done")
         block = os.urandom(300)
@@ -80,7 +96,7 @@ class Running(unittest.TestCase):
         self.assertEqual(cansync("upload", "axis-0", "0x1000", "300", "/tmp/back")[0]["result"], "done")
         self.assertEqual(pathlib.Path("/tmp/back").read_bytes(), block)
 
-    def test_04_has_the_realtime_rights_that_it_insists_on(self):
+    def test_05_has_the_realtime_rights_that_it_insists_on(self):
         normal, enforced = f'mode = "ignore"\n{NORMAL_PRIORITY}', 'mode = "enforce"'
         change_configuration(normal, enforced)
         run("systemctl", "restart", SERVICE)
@@ -98,7 +114,7 @@ class Running(unittest.TestCase):
         run("systemctl", "restart", SERVICE)
         wait_until_active()
 
-    def test_05_has_no_capabilities_and_no_new_privileges(self):
+    def test_06_has_no_capabilities_and_no_new_privileges(self):
         status = pathlib.Path(f"/proc/{main_pid()}/status").read_text(encoding="ascii")
         for kind in ("CapInh", "CapPrm", "CapEff", "CapBnd", "CapAmb"):
             self.assertRegex(status, rf"{kind}:\s+0000000000000000\n")
@@ -107,7 +123,7 @@ class Running(unittest.TestCase):
         user = run("id", "-u", "cansync").strip()
         self.assertRegex(status, rf"Uid:\s+{user}\s+{user}\s+{user}\s+{user}\n")
 
-    def test_06_sees_and_holds_no_other_users_files(self):
+    def test_07_sees_and_holds_no_other_users_files(self):
         pid = main_pid()
         for folder in ("/root", "/home"):
             listing = run("nsenter", f"--target={pid}", "--mount", "ls", "-A", folder, expect=None)
@@ -119,7 +135,7 @@ class Running(unittest.TestCase):
             if target.startswith("/") and not target.startswith("/dev/"):
                 self.assertEqual(facts.st_uid, user, target)
 
-    def test_07_has_sockets_of_the_stated_families_alone(self):
+    def test_08_has_sockets_of_the_stated_families_alone(self):
         stated = set(properties("RestrictAddressFamilies")["RestrictAddressFamilies"].split())
         self.assertEqual(stated, {"AF_UNIX", "AF_INET", "AF_NETLINK", "AF_CAN"})
         found = sockets_of(main_pid())
@@ -130,7 +146,7 @@ class Running(unittest.TestCase):
         addresses = re.findall(r"cansyncd.*", run("ss", "--udp", "--listening", "--numeric", "--processes"))
         self.assertTrue(addresses)
 
-    def test_08_reload_changes_a_mapping(self):
+    def test_09_reload_changes_a_mapping(self):
         pid = main_pid()
         before = cansync("map", "references")
         change_configuration("reference_registers_1 = [0x01, 0x03, 0, 0]", "reference_registers_1 = [0x05, 0x07, 0, 0]")
@@ -141,7 +157,7 @@ class Running(unittest.TestCase):
         self.assertEqual(main_pid(), pid)
         wait_until_active()
 
-    def test_09_a_wrong_file_on_reload_changes_nothing(self):
+    def test_10_a_wrong_file_on_reload_changes_nothing(self):
         pid = main_pid()
         change_configuration("bit_rate = 125000", "bit_rate = 125001")
         run("systemctl", "reload", SERVICE)
@@ -151,14 +167,14 @@ class Running(unittest.TestCase):
         self.assertEqual(main_pid(), pid)
         wait_until_active()
 
-    def test_10_killed_it_is_restarted(self):
+    def test_11_killed_it_is_restarted(self):
         pid, restarts = main_pid(), int(properties("NRestarts")["NRestarts"])
         os.kill(pid, signal.SIGKILL)
         wait_for("systemd has restarted it", lambda: main_pid() not in (0, pid))
         wait_until_active()
         self.assertEqual(int(properties("NRestarts")["NRestarts"]), restarts + 1)
 
-    def test_11_the_watchdog_restarts_it_when_the_realtime_thread_stands_still(self):
+    def test_12_the_watchdog_restarts_it_when_the_realtime_thread_stands_still(self):
         pid = main_pid()
         thread = next(int(task.name) for task in tasks(pid)
                       if task.joinpath("comm").read_text(encoding="ascii").strip() == REALTIME_THREAD)
@@ -176,7 +192,7 @@ class Running(unittest.TestCase):
         self.assertIn("Watchdog timeout", run("journalctl", "--no-pager", "--unit", SERVICE))
         wait_until_active()
 
-    def test_12_a_wrong_configuration_is_shown_with_line_and_column_and_not_tried_again(self):
+    def test_13_a_wrong_configuration_is_shown_with_line_and_column_and_not_tried_again(self):
         change_configuration("bit_rate = 125000", "bit_rate = 125001")
         run("systemctl", "restart", SERVICE, expect=1)
         wait_for_state("failed")
@@ -190,12 +206,12 @@ class Running(unittest.TestCase):
         run("systemctl", "start", SERVICE)
         wait_until_active()
 
-    def test_13_metrics_are_there(self):
+    def test_14_metrics_are_there(self):
         text = wait_for("the file of the metrics", lambda: run("cat", "/run/cansync/vcan0/cansync.prom", expect=None))
         self.assertTrue(text.endswith("# EOF\n"), text)
         self.assertRegex(text, r'cansync_\w+\{[^}]*bus="vcan0"')
 
-    def test_14_the_python_package_works(self):
+    def test_15_the_python_package_works(self):
         program = (f"import cansync\nwith cansync.connect('{INTERFACE}', timeout={LONG}) as line:\n"
                    f"    line.wait_active({LONG})\n    print(line.slave('axis-1'), line.read('axis-1', 103).raw)\n")
         self.assertEqual(run("/usr/bin/python3", "-c", program).split(), ["1", "1"])

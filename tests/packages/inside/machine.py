@@ -78,7 +78,7 @@ def journal(*arguments):
     return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
 
 
-def write_configuration():
+def configuration_text():
     """The configuration of the virtual interface, made from the shipped one as an administrator does."""
     text = pathlib.Path("/etc/cansync/can0.toml").read_text(encoding="utf-8")
     text = text.replace('interface = "can0"', f'interface = "{INTERFACE}"')
@@ -109,7 +109,11 @@ reference_registers_1 = [0x01, 0x03, 0, 0]
 file = "/run/cansync/vcan0/cansync.prom"
 period_s = 1
 """
-    CONFIGURATION.write_text(text, encoding="utf-8")
+    return text
+
+
+def write_configuration():
+    CONFIGURATION.write_text(configuration_text(), encoding="utf-8")
 
 
 def change_configuration(old, new):
