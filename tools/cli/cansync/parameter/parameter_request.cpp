@@ -5,7 +5,7 @@
 namespace cansync::cli {
 namespace {
 
-constexpr std::uint32_t kValueElement = 7;
+constexpr std::uint32_t kElementOfValue = 7;
 
 /// Puts the slave in, and what its profile says of the parameter.
 KnownRequest for_slave(Session& session, KnownRequest request, unsigned slave,
@@ -18,7 +18,7 @@ KnownRequest for_slave(Session& session, KnownRequest request, unsigned slave,
   job.number = parameter.number;
   request.profile = found.profile;
   request.known = parameter.known;
-  request.scaled = (parameter.by_name ? !options.raw : options.scaled) && job.element == kValueElement;
+  request.scaled = (parameter.by_name ? !options.raw : options.scaled) && job.element == kElementOfValue;
   if (request.scaled && request.known == nullptr) {
     throw UsageError(fmt::format("--scaled: slave {}: no profile tells the unit of parameter {}{}{}", slave,
                                  job.number, found.problem.empty() ? "" : ": ", found.problem));
@@ -44,7 +44,7 @@ void add_parameter_options(CLI::App& verb, ParameterOptions& options) {
 }
 
 bool has_known_value(const KnownRequest& request) {
-  return request.known != nullptr && request.job.element == kValueElement;
+  return request.known != nullptr && request.job.element == kElementOfValue;
 }
 
 client::ParameterFormat parse_format(std::string_view text) {
