@@ -1,5 +1,6 @@
 // CANsync_PD_CFG_SL, CANsync_PD_CFG_READ_SL, CANsync_PD_COMM_SL and CANsync_PD_COMM_READ_SL,
 // sections 4.17, 4.18, 4.21 and 4.22 of the application manual.
+#include "client/src/slave_side.h"
 #include "slave_rig.h"
 
 namespace cansync::client::function_blocks {
@@ -64,6 +65,9 @@ TEST_F(PdCfgSl, ARefusalIsToldAndNotAskedForAgainAndAnewAfterAStartOfTheDaemon) 
 class PdCfgReadSl : public SlaveBlockTest {};
 
 TEST_F(PdCfgReadSl, ListensToAnotherSlaveAndNotAnyMoreWithoutNumbers) {
+  // What the daemon listens to comes after its identity.
+  ASSERT_TRUE(repeat_until([&] { connection.side().look(); },
+                           [&] { return connection.side().monitored(7).mapping != MappingBytes{}; }));
   PD_CFG_READ_SL block(connection);
   block.si_SL_NR = 7;
   block.a_RDC1 = {0, 0, 1, 1};
