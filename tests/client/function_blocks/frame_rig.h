@@ -1,46 +1,29 @@
 #pragma once
 
 #include <cansync/layer2_function_blocks.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
-#include "client/function_blocks/block_cycle.h"
-#include "dds/bounded_text.h"
-#include "dds/daemon_identity.h"
-#include "dds/endpoint.h"
-#include "dds/reply_partition.h"
+#include "client/function_blocks/fake_daemon.h"
 #include "layer2/dds/topics.h"
-#include "support/dds_places.h"
 
 /// The function blocks of layer 2 against a daemon without a bus.
 namespace cansync::client::function_blocks {
 
 /// Says what a daemon at 500 kbit/s would say, when the test wants it. Each object is a start of its own.
-class FakeFrameDaemon {
+class FakeFrameDaemon : public FakeDaemon {
  public:
-  explicit FakeFrameDaemon(const gateway::dds::ParticipantOptions& place) : participant_(place) {
-    static std::uint8_t starts = 0;
-    identity_[0] = ++starts;
-    gateway_GatewayStatus gateway = {};
-    gateway::dds::copy_text(place.partition, gateway.bus);
-    gateway::dds::copy_text("layer2", gateway.protocol);
-    gateway.data_model = gateway_DATA_MODEL;
-    gateway::dds::set_daemon(identity_, gateway);
-    (void)gateway_writer_.write(gateway);
-    gateway::dds::copy_text("error-active", bus.controller_state);
+  explicit FakeFrameDaemon(const gateway::dds::ParticipantOptions& place) : FakeDaemon(place, "layer2") {
     bus.bit_rate = 500'000;
     status.running = true;
     tell();
   }
   void tell() {
-    (void)bus_writer_.write(bus);
+    tell_bus();
     (void)status_writer_.write(status);
   }
 
@@ -71,7 +54,7 @@ class FakeFrameDaemon {
   bool answers = true;                             ///< every request is done at once
   void take() {
     (void)send_reader_.take([this](const layer2_SendRequest& sample) {
-      EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+      expect_meant(sample);
       sends.push_back(sample);
       if (answers) reply(sample, gateway_REPLY_DONE);
     });
@@ -84,7 +67,7 @@ class FakeFrameDaemon {
   }
   void take_objects() {
     (void)object_reader_.take([this](const layer2_ObjectRequest& sample) {
-      EXPECT_EQ(gateway::dds::daemon_of(sample), identity_);
+      expect_meant(sample);
       objects.push_back(sample);
       if (sample.settings._length != 0)
         settings.assign(sample.settings._buffer, sample.settings._buffer + sample.settings._length);
@@ -96,7 +79,7 @@ class FakeFrameDaemon {
   }
   /// An answer as `content` says it; who asked need not stand in it.
   void reply(const layer2_ObjectRequest& request, layer2_ObjectReply content) {
-    const auto who = answer<layer2_ObjectReply>(request, content.code, "");
+    const auto who = reply_to<layer2_ObjectReply>(request, content.code, "");
     std::copy(std::begin(who.client), std::end(who.client), std::begin(content.client));
     content.request = request.request;
     (void)object_writer_.write(content);
@@ -104,31 +87,15 @@ class FakeFrameDaemon {
   void tell(const layer2_ObjectStatus& object) { (void)object_status_.write(object); }
   void tell(const layer2_ProcessImage& image) { (void)image_writer_.write(image); }
   void reply(const layer2_SendRequest& request, gateway_ReplyCode code, std::string_view reason = {}) {
-    (void)send_writer_.write(answer<layer2_SendReply>(request, code, reason));
+    (void)send_writer_.write(reply_to<layer2_SendReply>(request, code, reason));
   }
   void reply(const layer2_ControlRequest& request, gateway_ReplyCode code, std::string_view reason = {}) {
-    (void)control_writer_.write(answer<layer2_ControlReply>(request, code, reason));
+    (void)control_writer_.write(reply_to<layer2_ControlReply>(request, code, reason));
   }
 
-  gateway_BusStatus bus = {};
   layer2_FrameStatus status = {};
 
  private:
-  template <class Reply, class Request>
-  static Reply answer(const Request& request, gateway_ReplyCode code, std::string_view reason) {
-    Reply sample = {};
-    std::copy(std::begin(request.client), std::end(request.client), std::begin(sample.client));
-    sample.request = request.request;
-    sample.code = code;
-    gateway::dds::copy_text(reason, sample.reason);
-    return sample;
-  }
-
-  gateway::dds::Participant participant_;
-  gateway::dds::DaemonIdentity identity_ = {};
-  gateway::dds::Partitions clients_{gateway::dds::every_reply_partition(participant_.options().partition)};
-  gateway::dds::Writer<gateway_GatewayStatus> gateway_writer_{participant_};
-  gateway::dds::Writer<gateway_BusStatus> bus_writer_{participant_};
   gateway::dds::Writer<layer2_FrameStatus> status_writer_{participant_};
   gateway::dds::Writer<layer2_FrameBatch> batch_writer_{participant_};
   gateway::dds::Writer<layer2_SendReply> send_writer_{participant_, clients_, nullptr};
@@ -140,27 +107,9 @@ class FakeFrameDaemon {
   gateway::dds::Reader<layer2_ImageOutputs> outputs_reader_{participant_};
   gateway::dds::Reader<layer2_SendRequest> send_reader_{participant_};
   gateway::dds::Reader<layer2_ControlRequest> control_reader_{participant_};
-  gateway::dds::Reader<gateway_JobCancel> cancel_reader_{participant_};
   std::uint64_t batches_ = 0;
 };
 
-class FrameBlockTest : public ::testing::Test {
- protected:
-  /// Calls the block and lets the daemon listen until `condition` holds.
-  template <class Block, class Condition>
-  bool call_until(Block& block, Condition&& condition) {
-    return repeat_until(
-        [&] {
-          block.call();
-          daemon->take();
-          std::this_thread::yield();
-        },
-        condition);
-  }
-
-  TwoPlaces places;
-  std::optional<FakeFrameDaemon> daemon{std::in_place, places.here};
-  FrameConnection connection = FrameConnection::connect(options_at(places.there));
-};
+using FrameBlockTest = BlockTest<FakeFrameDaemon, FrameConnection>;
 
 }  // namespace cansync::client::function_blocks
