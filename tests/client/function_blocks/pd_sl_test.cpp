@@ -1,6 +1,6 @@
 // CANsync_PD_CFG_SL, CANsync_PD_CFG_READ_SL, CANsync_PD_COMM_SL and CANsync_PD_COMM_READ_SL,
 // sections 4.17, 4.18, 4.21 and 4.22 of the application manual.
-#include "client/src/slave_side.h"
+#include "client/src/cansync_slave/slave_side.h"
 #include "slave_rig.h"
 
 namespace cansync::client::function_blocks {

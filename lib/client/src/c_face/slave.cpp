@@ -17,9 +17,9 @@
 #include "cansync_slave/client/release_writer.h"
 #include "client/src/c_face/handle.h"
 #include "client/src/c_face/slave_events.h"
+#include "client/src/cansync_slave/slave_link.h"
 #include "client/src/causes.h"
 #include "client/src/set_up.h"
-#include "client/src/slave_link.h"
 #include "dds/bounded_text.h"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <exception>
 #include <utility>
 
+#include "client/src/cansync_slave/slave_side.h"
 #include "client/src/function_blocks/option_status.h"
-#include "client/src/slave_side.h"
 
 namespace cansync::client::function_blocks {
 namespace {

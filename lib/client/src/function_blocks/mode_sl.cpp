@@ -1,7 +1,7 @@
 #include <cansync/function_blocks/mode_sl.h>
 
+#include "client/src/cansync_slave/slave_side.h"
 #include "client/src/function_blocks/option_status.h"
-#include "client/src/slave_side.h"
 
 namespace cansync::client::function_blocks {
 

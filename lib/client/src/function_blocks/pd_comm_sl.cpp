@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "cansync_slave/client/release_writer.h"
+#include "client/src/cansync_slave/slave_side.h"
 #include "client/src/set_up.h"
-#include "client/src/slave_side.h"
 
 namespace cansync::client::function_blocks {
 namespace {

@@ -4,8 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "client/src/cansync_slave/slave_side.h"
 #include "client/src/causes.h"
-#include "client/src/slave_side.h"
 
 namespace cansync::client::function_blocks {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/src/slave_side.h"
+#include "client/src/cansync_slave/slave_side.h"
 
 namespace cansync::client::function_blocks {
 namespace {

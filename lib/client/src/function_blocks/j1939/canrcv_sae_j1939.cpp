@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "client/src/message_side.h"
+#include "client/src/j1939/message_side.h"
 #include "j1939/identifier.h"
 
 namespace cansync::client::function_blocks {

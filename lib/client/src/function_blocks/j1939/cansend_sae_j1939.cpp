@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "client/src/message_side.h"
+#include "client/src/j1939/message_side.h"
 #include "j1939/identifier.h"
 
 namespace cansync::client::function_blocks {

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "client/src/frame_side.h"
 #include "client/src/function_blocks/layer2/block_table.h"
 #include "client/src/function_blocks/layer2/saia_checks.h"
+#include "client/src/layer2/frame_side.h"
 #include "layer2/data_mapping.h"
 #include "text/counts.h"
 

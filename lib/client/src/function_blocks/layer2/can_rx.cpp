@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/src/frame_side.h"
 #include "client/src/function_blocks/layer2/saia_checks.h"
+#include "client/src/layer2/frame_side.h"
 
 namespace cansync::client::function_blocks {
 

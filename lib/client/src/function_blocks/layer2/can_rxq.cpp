@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "client/src/frame_side.h"
+#include "client/src/layer2/frame_side.h"
 
 namespace cansync::client::function_blocks {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/src/frame_side.h"
+#include "client/src/layer2/frame_side.h"
 
 namespace cansync::client::function_blocks {
 namespace {

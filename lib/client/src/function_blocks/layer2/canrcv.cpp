@@ -1,8 +1,8 @@
 #include <cansync/function_blocks/layer2/canrcv.h>
 #include <cansync/function_blocks/module_codes.h>
 
-#include "client/src/frame_side.h"
 #include "client/src/function_blocks/layer2/module_frame.h"
+#include "client/src/layer2/frame_side.h"
 
 namespace cansync::client::function_blocks {
 

@@ -1,10 +1,10 @@
-#include "client/src/frame_side.h"
+#include "client/src/layer2/frame_side.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "client/src/bus_facts.h"
 #include "client/src/connect_options.h"
+#include "client/src/layer2/bus_facts.h"
 #include "layer2/dds/convert.h"
 
 namespace cansync::client {

@@ -1,12 +1,12 @@
-#include "client/src/message_side.h"
+#include "client/src/j1939/message_side.h"
 
 #include <cansync/message_connection.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "client/src/bus_facts.h"
 #include "client/src/connect_options.h"
+#include "client/src/layer2/bus_facts.h"
 #include "dds/bounded_text.h"
 #include "j1939/identifier.h"
 

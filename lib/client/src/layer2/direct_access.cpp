@@ -1,4 +1,4 @@
-#include "client/src/direct_access.h"
+#include "client/src/layer2/direct_access.h"
 
 #include <cansync/function_blocks/layer2/can_status.h>
 

@@ -1,4 +1,4 @@
-#include "client/src/slave_side.h"
+#include "client/src/cansync_slave/slave_side.h"
 
 #include <cansync/slave_connection.h>
 
@@ -7,10 +7,10 @@
 #include <iterator>
 #include <utility>
 
+#include "client/src/cansync_slave/slave_link.h"
 #include "client/src/causes.h"
 #include "client/src/connect_options.h"
 #include "client/src/set_up.h"
-#include "client/src/slave_link.h"
 #include "dds/bounded_text.h"
 
 namespace cansync::client {

@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "can/frame.h"
-#include "client/src/direct_access.h"
-#include "client/src/module_queues.h"
+#include "client/src/layer2/direct_access.h"
+#include "client/src/layer2/module_queues.h"
+#include "client/src/layer2/saia_queues.h"
 #include "client/src/open_requests.h"
-#include "client/src/saia_queues.h"
 #include "layer2/client/frame_client.h"
 #include "layer2/client/image_writer.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "client/src/module_queues.h"
+#include "client/src/layer2/module_queues.h"
 #include "client/src/open_requests.h"
 #include "j1939/client/message_client.h"
 
