@@ -82,6 +82,9 @@ class Reader {
         fields.problem("pgn",
                        "found beside identifier or extended; allowed: a group (pgn), or an identifier");
       const std::int64_t group = fields.integer("pgn", 0, kHighestGroup).value_or(0);
+      // Below 0xF000 the last byte is the destination, and no part of the group.
+      if ((group & 0xFF00) < 0xF000 && (group & 0xFF) != 0)
+        fields.problem("pgn", fmt::format("found 0x{:X}; allowed below 0xF000: one that ends in 00", group));
       message.extended = true;
       message.identifier = kDefaultPriority | static_cast<std::uint32_t>(group) << 8 | kAnySource;
       return;

@@ -45,7 +45,7 @@ lib/layer2/client:          idl lib/can lib/dds lib/layer2/dds
 lib/j1939/dds:              idl lib/text lib/j1939 lib/dds
 lib/j1939/sim:              lib/can lib/j1939 lib/sim
 lib/j1939/client:           idl lib/dbc lib/dds lib/j1939 lib/j1939/dds
-lib/client:                 idl lib/text lib/config lib/profile lib/can lib/dbc lib/signals lib/layer2 lib/j1939 lib/dds lib/cansync/dds lib/cansync_slave/client lib/layer2/dds lib/layer2/client lib/j1939/client
+lib/client:                 idl lib/text lib/profile lib/can lib/dbc lib/signals lib/layer2 lib/j1939 lib/dds lib/cansync/dds lib/cansync_slave/client lib/layer2/dds lib/layer2/client lib/j1939/client
 
 daemon/config:              lib/can lib/sync
 daemon/service:             lib/text lib/config
@@ -113,7 +113,7 @@ daemon:                     lib/text lib/config lib/rt daemon/service daemon/opt
 tools/cli/text:
 tools/cli/base:             lib/system lib/text lib/client tools/cli/text
 tools/cli/connect:          lib/dds tools/cli/text tools/cli/base
-tools/cli/dbc:              lib/text lib/config lib/dbc lib/signals tools/cli/text tools/cli/base
+tools/cli/dbc:              lib/text lib/dbc lib/signals tools/cli/text tools/cli/base
 tools/cli/cansync:          lib/text lib/profile lib/can lib/cansync lib/cansync/dds lib/dds lib/client tools/cli/text tools/cli/base tools/cli/connect
 tools/cli/cansync/parameter: lib/text lib/profile tools/cli/base tools/cli/cansync
 tools/cli/look:             lib/text lib/profile lib/client tools/cli/text tools/cli/base tools/cli/cansync

@@ -116,6 +116,8 @@ TEST(SignalTable, WhatIsWrongIsToldWithItsPlace) {
   tells("[[message]]\nname = \"M\"\n", "identifier");
   tells("[[message]]\nname = \"M\"\nidentifier = 0x800\n", "t.toml:3:14: message.identifier");
   tells("[[message]]\nname = \"M\"\nidentifier = 1\npgn = 1\n", "found beside identifier");
+  tells("[[message]]\nname = \"M\"\npgn = 0xEA05\n",
+        "found 0xEA05; allowed below 0xF000: one that ends in 00");
   tells("[[message]]\nname = \"M\"\nidentifier = 1\n[[message]]\nname = \"N\"\nidentifier = 1\n",
         "each once");
   tells("[[message]]\nname = \"M\"\nidentifier = 1\n[[message]]\nname = \"M\"\nidentifier = 2\n", "t.toml:5");

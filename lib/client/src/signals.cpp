@@ -7,12 +7,10 @@
 #include <string_view>
 #include <utility>
 
-#include "config/problem.h"
 #include "dbc/database.h"
 #include "dbc/encode.h"
-#include "dbc/reader.h"
 #include "j1939/client/groups.h"
-#include "signals/signal_table.h"
+#include "signals/signal_file.h"
 
 namespace cansync::client {
 
@@ -36,18 +34,9 @@ std::string content_of(const std::string& path) {
 
 dbc::Database database_of(const std::string& path) {
   const std::string text = content_of(path);
-  if (path.ends_with(".toml")) {
-    auto table = signals::read_signal_table(text, path);
-    if (auto* database = std::get_if<dbc::Database>(&table)) return std::move(*database);
-    throw SignalError(config::problems_text(std::get<std::vector<config::Problem>>(table)));
-  }
-  auto read = dbc::read_database(text);
+  auto read = signals::read_signal_file(text, path);
   if (auto* database = std::get_if<dbc::Database>(&read)) return std::move(*database);
-  std::string wrong;
-  for (const dbc::Problem& problem : std::get<std::vector<dbc::Problem>>(read))
-    wrong += fmt::format("{}{}:{}:{}: {}", wrong.empty() ? "" : "\n", path, problem.line, problem.column,
-                         problem.text);
-  throw SignalError(wrong);
+  throw SignalError(std::get<std::string>(read));
 }
 
 NamedMessage named(const dbc::Message& message, const std::vector<dbc::Reading>& readings) {

@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
-#include <vector>
 
 #include "cli/base/files.h"
 #include "cli/text/values.h"
-#include "config/problem.h"
-#include "dbc/reader.h"
-#include "signals/signal_table.h"
+#include "signals/signal_file.h"
 
 namespace cansync::cli {
 namespace {
@@ -23,18 +22,9 @@ constexpr std::size_t kLargestFile = std::size_t{16} * 1024 * 1024;  // those of
 dbc::Database load_signals(const std::string& path) {
   const auto bytes = read_file(path, kLargestFile);
   const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (path.ends_with(".toml")) {
-    auto table = signals::read_signal_table(content, path);
-    if (auto* database = std::get_if<dbc::Database>(&table)) return std::move(*database);
-    throw UsageError(config::problems_text(std::get<std::vector<config::Problem>>(table)));
-  }
-  auto read = dbc::read_database(content);
+  auto read = signals::read_signal_file(content, path);
   if (auto* database = std::get_if<dbc::Database>(&read)) return std::move(*database);
-  std::string text;
-  for (const dbc::Problem& problem : std::get<std::vector<dbc::Problem>>(read))
-    text += fmt::format("{}{}:{}:{}: {}", text.empty() ? "" : "\n", path, problem.line, problem.column,
-                        problem.text);
-  throw UsageError(text);
+  throw UsageError(std::get<std::string>(read));
 }
 
 void add_signal_files(CLI::App& verb, std::string& path, const std::string& what) {
