@@ -21,6 +21,7 @@ using std::chrono::steady_clock;
 
 /// Waiting is looked at again so often: `stop` is seen soon.
 constexpr milliseconds kLook{20};
+constexpr milliseconds kSettle{100};  ///< in which more of what was told before may come
 /// From the end of a request's monitoring time to its reply, and from a cancel to it.
 constexpr milliseconds kGrace{5000};
 /// For the monitoring time of a daemon that has not told its own.
@@ -254,10 +255,16 @@ void FrameClient::wait_until(milliseconds time, Ready&& ready) {
 template <class Status>
 void FrameClient::keep_newest(gateway::dds::Reader<Status>& reader, std::map<unsigned, Status>& newest,
                               milliseconds time) {
+  // Those of before come one by one, and nothing tells which is the last.
+  auto settled = newest.empty() ? steady_clock::time_point::max() : steady_clock::now();
   wait_until(time, [&] {
-    reader.take([&](const Status& sample) { newest[sample.number] = sample; },
-                [&](const Status& gone) { newest.erase(gone.number); });
-    return !newest.empty();
+    reader.take(
+        [&](const Status& sample) {
+          newest[sample.number] = sample;
+          settled = steady_clock::now() + kSettle;
+        },
+        [&](const Status& gone) { newest.erase(gone.number); });
+    return steady_clock::now() >= settled;
   });
 }
 

@@ -173,7 +173,8 @@ class FrameClient {
   Begun begin(gateway::dds::Writer<Request>& writer, Request request);
   /// Waits for the result of what was begun.
   SendResult await(const Begun& begun, std::chrono::milliseconds monitoring);
-  /// Keeps what a topic told last of each number, waiting at most `time` for the first.
+  /// Keeps what a topic told last of each number, waiting at most `time` for the first and, when some came,
+  /// until no more come.
   template <class Status>
   void keep_newest(gateway::dds::Reader<Status>& reader, std::map<unsigned, Status>& newest,
                    std::chrono::milliseconds time);
