@@ -168,7 +168,8 @@ TEST_F(Recording, AnotherStartOfTheDaemonIsACommentAndNothingIsMissingInBetween)
   rows.take(sample(0, 1000, 1));
   rows.take(sample(0, 1004, 1));
   rows.take(sample(0, 1008, 1));
-  const std::string before = rows.restarted(kNoon);
+  rows.restarted(kNoon);
+  const std::string before = rows.lines(false);
   EXPECT_EQ(std::count(before.begin(), before.end(), '\n'), 3);
   EXPECT_NE(before.find(",1008,0,"), std::string::npos);
   EXPECT_EQ(before.substr(before.find('#')),
@@ -180,6 +181,28 @@ TEST_F(Recording, AnotherStartOfTheDaemonIsACommentAndNothingIsMissingInBetween)
   EXPECT_NE(after.find(",264,0,"), std::string::npos);
   EXPECT_EQ(rows.counts().rows, 4U);
   EXPECT_EQ(rows.counts().missing, 1U) << "the turn in interval 260";
+}
+
+TEST_F(Recording, TheCommentStandsBeforeTheFirstSampleOfTheNewStartHoweverLateItIsTold) {
+  const RecordPlan plan(slaves, {"position"}, true);
+  RecordRows rows(plan, 1);
+  rows.set_polling(status);
+  for (const std::uint64_t interval : {1000u, 1004u, 12u, 16u}) rows.take(sample(0, interval, 1));
+  rows.restarted(kNoon);
+  rows.take(sample(0, 20, 1));
+  const std::string all = rows.lines(true);
+  EXPECT_EQ(std::count(all.begin(), all.end(), '#'), 1);
+  const auto comment = all.find('#');
+  EXPECT_LT(all.find(",1004,0,"), comment);
+  for (const char* later : {",12,0,", ",16,0,", ",20,0,"}) {
+    ASSERT_NE(all.find(later), std::string::npos) << later;
+    EXPECT_GT(all.find(later), comment) << later;
+  }
+  EXPECT_EQ(rows.counts().missing, 0U);
+  // The next start is told of again.
+  rows.restarted(kNoon);
+  const std::string next = rows.lines(true);
+  EXPECT_EQ(std::count(next.begin(), next.end(), '#'), 1);
 }
 
 }  // namespace

@@ -121,13 +121,15 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
       recorded.ended = "duration";
     else if (restarts.gone() || !client.several_daemons().empty())
       recorded.ended = "daemon_gone";
-    if (restarts.take()) {
+    const bool anew = restarts.take();
+    rows.set_polling(client.master_status());
+    // Samples of the start before may be among them.
+    for (const client::ActualValues& sample : samples.take_all()) rows.take(sample);
+    if (anew) {
       progress.clear();
       session.output().remark(kStartedAnew);
-      (void)file.write(rows.restarted(wall_clock()));
+      rows.restarted(wall_clock());
     }
-    rows.set_polling(client.master_status());
-    for (const client::ActualValues& sample : samples.take_all()) rows.take(sample);
     if (!file.write(rows.lines(!recorded.ended.empty()))) recorded.ended = "full";
     progress.update(seconds_since(start), rows.counts());
   }

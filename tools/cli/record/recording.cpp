@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 #include "cli/base/session.h"
 #include "cli/text/csv.h"
@@ -14,6 +15,8 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;  // ns
 /// Intervals after which both telegrams of a slave have certainly come.
 constexpr std::uint64_t kSettled = 2;
+/// No interval was seen since the daemon was started.
+constexpr std::uint64_t kNone = ~std::uint64_t{0};
 
 std::string value_name(const client::SlaveStatus& slave, unsigned value) {
   const std::string name = slave.actual_value[value].name;
@@ -121,6 +124,10 @@ void RecordRows::take_telegram(const client::ActualValues& sample, unsigned tele
 
 void RecordRows::take(const client::ActualValues& sample) {
   if (!plan_.records(sample.slave)) return;
+  if (of_new_start(sample)) {
+    begin_again(sample.receive_time);
+    began_again_ = true;
+  }
   if (const auto [seen, fresh] = seen_.try_emplace(sample.slave); fresh) {
     seen->second.interval = {sample.interval[0], sample.interval[1]};
     return;
@@ -129,7 +136,23 @@ void RecordRows::take(const client::ActualValues& sample) {
     if (((sample.ever >> telegram) & 1u) != 0) take_telegram(sample, telegram);
 }
 
+/// Within one start of the daemon the numbers of intervals never fall.
+bool RecordRows::of_new_start(const client::ActualValues& sample) const {
+  const auto seen = seen_.find(sample.slave);
+  if (seen == seen_.end()) return false;
+  for (unsigned telegram = 0; telegram < 2; ++telegram) {
+    const std::uint64_t last = seen->second.interval[telegram];
+    if (((sample.ever >> telegram) & 1u) != 0 && last != kNone && sample.interval[telegram] < last)
+      return true;
+  }
+  return false;
+}
+
 std::string RecordRows::lines(bool all) {
+  return std::exchange(before_, {}) + take_lines(all);
+}
+
+std::string RecordRows::take_lines(bool all) {
   std::string out;
   while (!open_.empty() && (all || open_.begin()->first.first + kSettled < newest_)) {
     const auto& [place, row] = *open_.begin();
@@ -140,16 +163,18 @@ std::string RecordRows::lines(bool all) {
   return out;
 }
 
-std::string RecordRows::restarted(std::int64_t now) {
-  std::string out = lines(true);
-  out += fmt::format("# {} the daemon was started anew, interval numbers begin again\n", utc_text(now));
-  constexpr std::uint64_t kNone = ~std::uint64_t{0};
+void RecordRows::restarted(std::int64_t now) {
+  if (!std::exchange(began_again_, false)) begin_again(now);
+}
+
+void RecordRows::begin_again(std::int64_t now) {
+  before_ += take_lines(true);
+  before_ += fmt::format("# {} the daemon was started anew, interval numbers begin again\n", utc_text(now));
   for (auto& [slave, seen] : seen_) {
     seen.row.reset();
     seen.interval.fill(kNone);
   }
   newest_ = 0;
-  return out;
 }
 
 std::string RecordRows::line(const Place& place, const Row& row) {

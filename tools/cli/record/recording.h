@@ -68,9 +68,10 @@ class RecordRows {
   void set_polling(const client::MasterStatus& status);
   /// The first sample of a slave tells what was before the recording; its values are not written.
   void take(const client::ActualValues& sample);
-  /// The daemon was started anew at `now` (CLOCK_REALTIME, ns): interval numbers begin again. The lines that
-  /// were not written yet, and a comment that says so. No turns are missing in between.
-  std::string restarted(std::int64_t now);
+  /// The daemon was started anew; told at `now` (CLOCK_REALTIME, ns), before or after its first samples.
+  /// Interval numbers begin again, and a comment says so: before the first sample with a lower number when
+  /// one has come, else here. No turns are missing in between.
+  void restarted(std::int64_t now);
   /// The lines that are complete, each with its end. With `all`: those of the newest intervals too.
   std::string lines(bool all);
   const RecordCounts& counts() const noexcept { return counts_; }
@@ -87,6 +88,9 @@ class RecordRows {
   };
   using Place = std::pair<std::uint64_t, unsigned>;  // interval, slave
 
+  void begin_again(std::int64_t now);
+  bool of_new_start(const client::ActualValues& sample) const;
+  std::string take_lines(bool all);
   void take_telegram(const client::ActualValues& sample, unsigned telegram);
   void count_missing(unsigned slave, Seen& seen, std::uint64_t interval);
   std::string line(const Place& place, const Row& row);
@@ -99,6 +103,8 @@ class RecordRows {
   std::array<std::int32_t, 2> polling_ = {};
   std::uint64_t round_ = 0;  ///< intervals of automatic polling until a slave's next turn
   std::optional<std::int64_t> first_time_;
+  std::string before_;        ///< lines up to the newest start
+  bool began_again_ = false;  ///< a sample told of the newest start, and nobody else has
   RecordCounts counts_;
 };
 
