@@ -219,33 +219,7 @@ TEST_F(ExtendedTransport, WhatCannotBeSentIsRefused) {
 TEST(ExtendedTransportBetweenTwo, EachLengthAndWindowArrivesWhole) {
   for (const std::size_t size : {1786u, 1792u, 1793u, 4096u, 65'536u}) {
     for (const unsigned window : {1u, 16u, 255u}) {
-      NodeSettings receiver = settings_at(kOther);
-      receiver.claim.name = kStronger;
-      receiver.window = static_cast<std::uint8_t>(window);
-      NodeRig from;
-      NodeRig to(receiver);
-      from.claimed();
-      to.claimed();
-      std::vector<std::uint8_t> data = counting(size);
-      ASSERT_EQ(
-          from.node.submit(
-              {.id = 1, .number = 0xEF00, .destination = kOther, .timeout = seconds(60), .memory = data},
-              from.now),
-          Refusal::none);
-      std::vector<can::Frame> outgoing = from.pump();
-      while (!outgoing.empty()) {
-        std::vector<can::Frame> back;
-        for (const auto& one : outgoing) {
-          for (const auto& answer : to.hear(one)) back.push_back(answer);
-        }
-        outgoing.clear();
-        for (const auto& one : back) {
-          for (const auto& next : from.hear(one)) outgoing.push_back(next);
-        }
-      }
-      ASSERT_EQ(to.messages.size(), 1u) << size << " " << window;
-      EXPECT_EQ(to.messages[0].data, data);
-      EXPECT_EQ(from.answers().at(0).outcome, Outcome::done);
+      expect_whole_between_two(size, window);
     }
   }
 }

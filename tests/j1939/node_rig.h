@@ -133,4 +133,38 @@ inline can::Frame own_claim(Address address) {
   return frame(0x18EEFF00u | address, {0x45, 0x23, 0xE1, 0x00, 0x00, 0x80, 0x00, 0x80});
 }
 
+/// Sends a message of `size` bytes from one node to another that takes `window` packets at once; each frame
+/// of the one is heard by the other, and it must arrive whole, once.
+inline void expect_whole_between_two(std::size_t size, unsigned window) {
+  NodeSettings receiver = settings_at(kOther);
+  receiver.claim.name = kStronger;
+  receiver.window = static_cast<std::uint8_t>(window);
+  NodeRig from;
+  NodeRig to(receiver);
+  from.claimed();
+  to.claimed();
+  std::vector<std::uint8_t> data = counting(size);
+  ASSERT_EQ(from.node.submit({.id = 1,
+                              .number = 0xEF00,
+                              .destination = kOther,
+                              .timeout = std::chrono::seconds(60),
+                              .memory = data},
+                             from.now),
+            Refusal::none);
+  std::vector<can::Frame> outgoing = from.pump();
+  while (!outgoing.empty()) {
+    std::vector<can::Frame> back;
+    for (const auto& one : outgoing) {
+      for (const auto& answer : to.hear(one)) back.push_back(answer);
+    }
+    outgoing.clear();
+    for (const auto& one : back) {
+      for (const auto& next : from.hear(one)) outgoing.push_back(next);
+    }
+  }
+  ASSERT_EQ(to.messages.size(), 1u) << size << " " << window;
+  EXPECT_EQ(to.messages[0].data, data);
+  EXPECT_EQ(from.answers().at(0).outcome, Outcome::done);
+}
+
 }  // namespace j1939::test

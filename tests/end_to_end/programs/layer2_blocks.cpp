@@ -7,13 +7,12 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <functional>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
+
+#include "block_program.h"
 
 namespace {
 
@@ -196,29 +195,14 @@ class Programme {
   bool controlled_ = false;
 };
 
-int run(const Options& options, std::chrono::seconds time) {
-  const auto end = Clock::now() + time;
+int run(const Options& options, Clock::time_point end) {
   FrameConnection connection = FrameConnection::connect(options);
   Programme programme(connection);
-  while (!programme.complete()) {
-    if (Clock::now() > end) return std::fprintf(stderr, "not all: %s\n", programme.errors().c_str()), 1;
-    programme.cycle();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return 0;
+  return run_cycles(programme, end);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 2;
-  try {
-    Options options;
-    options.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
-    options.bus = argv[2];
-    options.client_name = "layer2 blocks";
-    return run(options, std::chrono::seconds(std::atoi(argv[3])));
-  } catch (const std::exception& error) {
-    return std::fprintf(stderr, "%s\n", error.what()), 1;
-  }
+  return run_program(argc, argv, "layer2 blocks", run);
 }

@@ -7,11 +7,10 @@
 
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <set>
 #include <string>
-#include <thread>
+
+#include "block_program.h"
 
 namespace {
 
@@ -121,33 +120,18 @@ class Programme {
   std::set<std::string> happened_;
 };
 
-int run(const Options& options, std::chrono::seconds time) {
-  const auto end = Clock::now() + time;
+int run(const Options& options, Clock::time_point end) {
   INIT init(options);
   init.x_SL = true;
   init.us_BAUDRATE = 4;
   while (!init.x_OK && !init.x_ERR && Clock::now() < end) init.call();
   if (!init.x_OK) return std::fprintf(stderr, "INIT: %s\n", init.error().c_str()), 1;
   Programme programme(init.slave());
-  while (!programme.complete()) {
-    if (Clock::now() > end) return std::fprintf(stderr, "not all: %s\n", programme.errors().c_str()), 1;
-    programme.cycle();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return 0;
+  return run_cycles(programme, end);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 2;
-  try {
-    Options options;
-    options.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
-    options.bus = argv[2];
-    options.client_name = "slave blocks";
-    return run(options, std::chrono::seconds(std::atoi(argv[3])));
-  } catch (const std::exception& error) {
-    return std::fprintf(stderr, "%s\n", error.what()), 1;
-  }
+  return run_program(argc, argv, "slave blocks", run);
 }
