@@ -1,7 +1,9 @@
 """Batches of `cansync`: lines, variables, expectations, and how they end."""
 
 import json
+import os
 import signal
+import tempfile
 import unittest
 
 from gateway import LONG
@@ -11,7 +13,15 @@ from verb_case import DATA, DEVICE_TYPE, DOUBLEWORD, NOT_AVAILABLE, WORD
 
 
 class Batch(Script):
-    OPTIONS = ("--set", f"slave.0.profile={PROFILE}")
+    @classmethod
+    def setUpClass(cls):
+        cls.other = os.path.join(cls.enterClassContext(tempfile.TemporaryDirectory()), "other.toml")
+        with open(PROFILE, encoding="utf-8") as file:
+            text = file.read().replace('name = "torque-offset"\nformat = "word"', 'name = "torque-offset"\nformat = "doubleword"')
+        with open(cls.other, "w", encoding="utf-8") as file:
+            file.write(text.replace('name = "simulated-drive"', 'name = "other"'))
+        cls.OPTIONS = ("--set", f"slave.0.profile={PROFILE}", "--set", f"slave.3.profile={cls.other}")
+        super().setUpClass()
 
     def batch(self, text, *options, code=0):
         return self.run_verb("batch", self.file("batch", text), *options, code=code)
@@ -43,6 +53,11 @@ class Batch(Script):
             told = self.batch(f"expect {line}\nwrite 1 {WORD} 501\n", code=code).stderr
             self.assertIn(f"cansync: {self.path('batch')}:1: {found}", told)
         self.assertEqual(self.one("read", 1, WORD)["value"], 500, "the batch ended with the line")
+
+    def test_a_value_of_another_format_than_in_the_profile_meets_nothing(self):
+        told = self.batch("expect read 3 torque-offset '>' -1 within 60\n", code=1).stderr
+        self.assertIn("found: 0 as a word, but its profile says doubleword: its unit is not known", told)
+        self.batch("expect read 3 403 '>' -1\n")
 
     def test_an_expectation_may_come_true(self):
         self.run_verb("write", 2, WORD, 1)

@@ -74,30 +74,54 @@ Sought find_sought(Session& session, const Wanted& wanted) {
   return sought;
 }
 
-/// The number that is compared, as text without its unit; what is compared is what is shown.
-std::string number_text(const Sought& sought, const Wanted& wanted, const client::ParameterReply& reply) {
-  if (sought.known == nullptr || reply.doubleword != (sought.known->format == profile::Format::doubleword))
-    return fmt::format("{}", reply.value);
+/// The number that is compared, as text without its unit; what is compared is what is shown. Nothing: the
+/// slave's format is not that of its profile, so that its unit is not known.
+std::optional<std::string> number_text(const Sought& sought, const Wanted& wanted,
+                                       const client::ParameterReply& reply) {
+  const bool same =
+      sought.known != nullptr && reply.doubleword == (sought.known->format == profile::Format::doubleword);
+  if (!same) {
+    const bool bare = sought.known == nullptr || wanted.raw;
+    return bare ? std::optional(fmt::format("{}", reply.value)) : std::nullopt;
+  }
   const std::int64_t number = profile::raw_number(*sought.known, reply.value);
   return wanted.raw ? fmt::format("{}", number) : profile::scaled_text(*sought.known, number);
 }
 
+/// What one read says to an expectation.
+struct Judgement {
+  bool met = false;
+  bool for_good = false;  ///< another read says the same
+  std::string found = {};
+  ExitCode code = ExitCode::failed;
+};
+
+Judgement judge(const Sought& sought, const Wanted& wanted, const client::ParameterReply& reply) {
+  if (!reply.ok()) return {.found = reply.reason, .code = exit_code(reply.code)};
+  const auto number = number_text(sought, wanted, reply);
+  if (!number) {
+    const auto name = [](bool doubleword) { return doubleword ? "doubleword" : "word"; };
+    return {.for_good = true,
+            .found = fmt::format("{} as a {}, but its profile says {}: its unit is not known", reply.value,
+                                 name(reply.doubleword), name(!reply.doubleword))};
+  }
+  const std::string unit = wanted.raw || sought.known == nullptr ? "" : sought.known->unit;
+  return {.met = holds(std::strtod(number->c_str(), nullptr), wanted.comparison, wanted.number),
+          .found = unit.empty() ? *number : *number + " " + unit};
+}
+
 ExitCode expect_parameter(Session& session, const Expectation& expected) {
   constexpr auto kPause = std::chrono::milliseconds(100);  // leaves the command channel to others
-  const Wanted& wanted = expected.wanted;
-  const Sought sought = find_sought(session, wanted);
+  const Sought sought = find_sought(session, expected.wanted);
   const auto end = end_of(expected.within.value_or(0.0));
   while (true) {
     const client::ParameterReply reply =
         session.ask(Effect::reads, [&] { return session.client().submit(sought.job); });
-    const std::string number = reply.ok() ? number_text(sought, wanted, reply) : "";
-    if (reply.ok() && holds(std::strtod(number.c_str(), nullptr), wanted.comparison, wanted.number))
-      return ExitCode::done;
-    if (Clock::now() < end && !wait_until(std::min(end, Clock::now() + kPause))) continue;
-    if (!reply.ok()) return unmet(session, expected, reply.reason, exit_code(reply.code));
-    const std::string unit = wanted.raw || sought.known == nullptr ? "" : sought.known->unit;
-    const std::string found = fmt::format("{}{}{}", number, unit.empty() ? "" : " ", unit);
-    return unmet(session, expected, found, ExitCode::failed);
+    const Judgement judged = judge(sought, expected.wanted, reply);
+    if (judged.met) return ExitCode::done;
+    const bool again = !judged.for_good && Clock::now() < end;
+    if (again && !wait_until(std::min(end, Clock::now() + kPause))) continue;
+    return unmet(session, expected, judged.found, judged.code);
   }
 }
 
