@@ -248,7 +248,7 @@ class Frames(unittest.TestCase):
         self.assertIn(f"{file.name}:", wrong.stderr)
 
     def test_message_objects_at_the_terminal(self):
-        self.assertEqual(self.one("can", "objects", "configure", "3", "201", "--transmit", "--timeout-ms", "500")["result"], "done")
+        self.assertEqual(self.one("can", "objects", "configure", "3", "201", "--transmit", "--timeout-ms", "60000")["result"], "done")
         self.assertEqual(self.one("can", "objects", "configure", "4", "250/7F0", "--tell")["result"], "done")
         sent = self.one("can", "objects", "send", "3", "210#0102")
         self.assertEqual((sent["result"], sent["frame"], sent["number"]), ("done", "210#0102", 3))
@@ -262,7 +262,7 @@ class Frames(unittest.TestCase):
         objects = wait_for("both are told", lambda: (found := told()).keys() >= {3, 4} and found)
         for one in objects.values():
             expect(["can", "objects"], one)
-        self.assertEqual((objects[3]["state"], objects[3]["timeout_ms"], objects[4]["mask"]), ("held", 500, 0x7F0))
+        self.assertEqual((objects[3]["state"], objects[3]["timeout_ms"], objects[4]["mask"]), ("held", 60000, 0x7F0))
         self.assertEqual(self.one("can", "objects", "abort", "3")["result"], "done")
         self.assertEqual(self.one("can", "objects", "send", "4", "250#", code=3)["cause"], "wrong_state")
         for arguments, words in ((("fly", "1"), "ACTION: found 'fly'"), (("send", "1"), "WHAT: missing"), (("read", "32"), "NUMBER"),
