@@ -81,9 +81,12 @@ int write(const gateway::dds::Participant& participant, double seconds, long per
 int main(int argc, char** argv) {
   if (argc < 5)
     return std::fprintf(stderr, "usage: %s listen|write DOMAIN PARTITION SECONDS [PER_SECOND]\n", argv[0]), 2;
-  const gateway::dds::Participant participant(
-      {static_cast<std::uint32_t>(std::atoi(argv[2])), argv[3], "lo", ""});
+  const bool listens = std::strcmp(argv[1], "listen") == 0;
+  const gateway::dds::Participant participant({.domain = static_cast<std::uint32_t>(std::atoi(argv[2])),
+                                               .partition = argv[3],
+                                               .interface = "lo",
+                                               .serves = !listens});
   const double seconds = std::atof(argv[4]);
-  if (std::strcmp(argv[1], "listen") == 0) return listen(participant, seconds);
+  if (listens) return listen(participant, seconds);
   return write(participant, seconds, argc > 5 ? std::atol(argv[5]) : 1000);
 }

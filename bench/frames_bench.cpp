@@ -124,7 +124,8 @@ int bridge(std::uint32_t domain, const char* bus, double seconds) {
   sim::LineSettings settings;
   settings.clock = sim::ClockKind::real_time;
   sim::Line line(settings, std::move(nodes));
-  const gateway::dds::Participant participant({domain, bus, "lo", ""});
+  const gateway::dds::Participant participant(
+      {.domain = domain, .partition = bus, .interface = "lo", .serves = true});
   gateway::dds::Writer<layer2_FrameBatch> writer(participant);
   const can::Time end =
       line.now() + std::chrono::duration_cast<can::Time>(std::chrono::duration<double>(seconds));

@@ -31,7 +31,8 @@ int run(const char* path) {
 
   bench::AnsweringBus bus;
   cansyncd::Exchange exchange(cansyncd::ExchangeSizes{});
-  const gateway::dds::Participant participant({config.dds.domain, config.dds.partition, "lo", ""});
+  const gateway::dds::Participant participant(
+      {.domain = config.dds.domain, .partition = config.dds.partition, .interface = "lo", .serves = true});
   cansyncd::Gateway gateway(config, exchange, participant);
   cansyncd::RealtimeLoop loop(config.master, cansyncd::LoopSettings{}, bus, exchange);
   rt::RealtimeSettings realtime;

@@ -12,7 +12,7 @@ from figures import quantile
 SLAVES = 4
 BIT_RATE = 125000  # an interval takes 8 ms
 LONG = 120  # seconds after which something has certainly gone wrong
-ACTIVE = b"on 'run'"
+ACTIVE = re.compile(rb"on '(?:run|enable active operation)'")  # the second: builds of before 2026-11-24
 
 
 class Build:
@@ -94,7 +94,7 @@ class Scene:
                 raise RuntimeError(f"{len(waiting)} daemons are not in active operation after {LONG} s")
             for path in list(waiting):
                 with open(path, "rb") as file:
-                    if file.read().count(ACTIVE) >= logs[path]:
+                    if len(ACTIVE.findall(file.read())) >= logs[path]:
                         waiting.discard(path)
             time.sleep(0.01)
 
