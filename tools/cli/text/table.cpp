@@ -8,6 +8,15 @@ namespace cansync::cli {
 namespace {
 
 constexpr std::size_t kColumnGap = 2;
+/// Where fewer characters and less than half of a line are left for the last cell, it gets lines of its own,
+/// set in by so many.
+constexpr std::size_t kReadable = 24;
+constexpr std::size_t kSetIn = 4;
+
+/// Whether a cell that takes so many characters and begins there belongs on lines of its own.
+bool on_own_lines(std::size_t taken, std::size_t column, std::size_t width) noexcept {
+  return width != 0 && column + taken > width && column + std::min(kReadable, width / 2) > width;
+}
 
 }  // namespace
 
@@ -90,8 +99,13 @@ std::string Table::line(const std::vector<std::string>& cells, std::size_t width
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::size_t taken = display_width(cells[i]);
     const std::string space(widths_[i] - std::min(taken, widths_[i]), ' ');
+    const bool last = i + 1 == cells.size() && columns_[i].align == Align::left;
+    if (last && i != 0 && on_own_lines(taken, column, width)) {
+      out.erase(out.find_last_not_of(' ') + 1);
+      return out + '\n' + std::string(kSetIn, ' ') + folded(cells[i], kSetIn, width);
+    }
     if (i != 0) out += std::string(kColumnGap, ' ');
-    if (i + 1 == cells.size() && columns_[i].align == Align::left)
+    if (last)
       out += folded(cells[i], column, width);
     else
       out += columns_[i].align == Align::right ? space + cells[i] : cells[i] + space;

@@ -44,7 +44,8 @@ class Table {
   /// The heading line, without a line end.
   std::string heading() const;
   /// One line for each row, without line ends. Where `width` is not 0, what is longer is folded within the
-  /// last column, which is then to the left.
+  /// last column, which is then to the left; where that has too little room, its cell follows on lines of its
+  /// own.
   std::vector<std::string> lines(std::size_t width = 0) const;
   /// One line of these cells in the columns as they are, for rows that are written as they come; a cell that
   /// is too long pushes the others on. As many cells as columns; `width` as above.
