@@ -204,7 +204,7 @@ class EngineersHour(unittest.TestCase):
 
     def goes_home(self):
         with self.line.start("events", "--follow") as follower:
-            wait_for("the follower has begun", lambda: follower.stdout.readline())
+            self.assertTrue(follower.next_line())
             self.assertEqual(self.line.stop(), 0)
             _, told = follower.communicate(timeout=LONG)
         self.assertEqual(follower.returncode, 6, told)

@@ -90,11 +90,16 @@ class Verb(subprocess.Popen):
         expect_wording(self.arguments, *([] if "--json" in self.arguments else [out]), err)
         return out, err
 
+    def next_line(self, stream=None):
+        """The next line of one that goes on, as bytes; of its standard output, or of `stream`."""
+        stream = stream or self.stdout
+        if not select.select([stream], [], [], LONG)[0]:
+            raise AssertionError(f"{self.arguments}: nothing came within {LONG} s")
+        return stream.readline()
+
     def next_object(self):
         """The next object of one that goes on."""
-        if not select.select([self.stdout], [], [], LONG)[0]:
-            raise AssertionError(f"{self.arguments}: nothing came within {LONG} s")
-        found = json.loads(self.stdout.readline())
+        found = json.loads(self.next_line())
         expect(self.arguments, found)
         return found
 

@@ -455,7 +455,7 @@ class FullLoad(unittest.TestCase):
             self.assertGreater(min(steps), 0)
             self.assertLess(max(steps), longest)
             stopped.send_signal(signal.SIGCONT)
-            missed = stopped.stderr.readline().decode()
+            missed = stopped.next_line(stopped.stderr).decode()
             stopped.terminate()
         self.assertRegex(missed, r"cansync: [1-9]\d* frames were missed: they were read too slowly")
         queues = [json.loads(line) for line in self.place.run("can", "queues", "--json").stdout.splitlines()]

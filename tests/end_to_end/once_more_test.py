@@ -3,8 +3,10 @@
 import contextlib
 import io
 import os
+import signal
 import sys
 import unittest
+from unittest import mock
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "kernel"))
 
@@ -31,6 +33,12 @@ class Cases:
             for value in (1, 2):
                 with self.subTest(value=value):
                     self.fail()
+
+    class Endless(unittest.TestCase):
+        def test_waits_for_ever(self):
+            tries["endless"] = tries.get("endless", 0) + 1
+            while True:
+                signal.pause()
 
     class NoStart(unittest.TestCase):
         @classmethod
@@ -74,6 +82,13 @@ class OnceMore(unittest.TestCase):
         self.assertTrue(passed)
         self.assertEqual(last, "repeated alone, and passed: __main__.Cases.NoStart")
         self.assertEqual(tries, {"start": 2, "started": 1, "good": 1})
+
+    def test_a_case_that_does_not_end_has_failed_and_the_others_run(self):
+        with mock.patch.object(once_more, "CASE", 1):
+            passed, last = self.run_cases(Cases.Endless, Cases.Good)
+        self.assertFalse(passed)
+        self.assertEqual(last, "repeated alone, and failed again: __main__.Cases.Endless.test_waits_for_ever")
+        self.assertEqual(tries, {"endless": 2, "good": 1})
 
     def test_two_failures_are_not_repeated(self):
         passed, last = self.run_cases(Cases.Weak, Cases.Wrong)

@@ -2,7 +2,6 @@
 
 import os
 import re
-import select
 import signal
 import tempfile
 import time
@@ -48,8 +47,7 @@ class Oversight(VerbTest):
                 self.assertEqual((waiting["waits"], waiting["behind"]), (True, running["job"]))
                 self.assertRegex(self.text("jobs"), rf"{waiting['job']} +behind {running['job']} ")
                 # Its first words come within a second or two; then the first one is ended by somebody else.
-                self.assertTrue(select.select([second.stderr], [], [], LONG)[0], "it says nothing")
-                said = second.stderr.readline().decode()
+                said = second.next_line(second.stderr).decode()
                 self.assertRegex(said, rf"^cansync: waiting for job {running['job']}, upload 4000000 bytes from .*winder.* of "
                                        rf"'cansync' \(cansync, process {first.pid} on host .*\), which is at \d+ %; ")
                 self.assertIn(f"`cansync cancel {running['job']}`", said)

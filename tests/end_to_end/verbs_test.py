@@ -298,7 +298,7 @@ class ReferenceValues(VerbTest):
 
     def test_watch_ends_with_ctrl_c(self):
         process = self.gateway.start("watch", "--interval", 20)
-        process.stdout.readline()
+        process.next_line()
         self.interrupt(process, code=0)
 
     def test_wrong_values_are_told(self):

@@ -4,7 +4,23 @@ The kernels of these tests run beside everything else on a machine and may stand
 that; what is wrong fails again, and when more than one test fails nothing is repeated.
 """
 
+import signal
 import unittest
+
+CASE = 240  # seconds; one case, its setUp included: whatever it waits for, the others have their turn
+
+
+class WithLimit(unittest.TextTestResult):
+    """Ends each case that takes longer than CASE, as a failure that shows where it stood."""
+
+    def startTest(self, test):
+        super().startTest(test)
+        signal.signal(signal.SIGALRM, lambda *_: test.fail(f"{test.id()} has not ended within {CASE} s"))
+        signal.alarm(CASE)
+
+    def stopTest(self, test):
+        signal.alarm(0)
+        super().stopTest(test)
 
 
 def name_of(test):
@@ -15,6 +31,7 @@ def name_of(test):
 
 def run(suite, runner):
     """True when every test has passed, one of them perhaps only when it was repeated."""
+    runner.resultclass = WithLimit
     result = runner.run(suite)
     failed = sorted({name_of(test) for test, _ in result.failures + result.errors})
     if result.wasSuccessful() or not failed:

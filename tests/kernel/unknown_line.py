@@ -74,6 +74,12 @@ class UnknownLine:
             self.command("setup", self.path("line"), "--sync", "can", "--start", "active", "--yes", "--root", self.path("root"))
         return self.path("root", "etc", "cansync", INTERFACE + ".toml")
 
+    @contextlib.contextmanager
+    def daemon(self, configuration):
+        """The daemon while it runs; what gives its log."""
+        with Process(CANSYNCD, configuration, "--set", f"startup.lost_after={LOST_AFTER}") as daemon:
+            yield daemon.text
+
     def states(self):
         status = self.objects("status", "--bus", INTERFACE)[0]
         wanted = sum(1 << number for number in self.line.slaves)
@@ -110,12 +116,12 @@ class UnknownLine:
             drives.wait_text("SYNC frame 0x")
             self.scan()
             configuration = self.set_up()
-            with Process(CANSYNCD, configuration, "--set", f"startup.lost_after={LOST_AFTER}") as daemon, self.timed("run"):
+            with self.daemon(configuration) as log, self.timed("run"):
                 try:
                     self.watch()
                 except AssertionError as error:
                     with open(configuration, encoding="utf-8") as file:
-                        raise AssertionError(f"{self.line.describe()}: {error}\n{self.seen}\n{daemon.text()}\n{file.read()}") from error
+                        raise AssertionError(f"{self.line.describe()}: {error}\n{self.seen}\n{log()}\n{file.read()}") from error
         self.times["all"] = round(time.monotonic() - begin, 2)
         return self.times
 
@@ -139,11 +145,11 @@ class UnknownLine:
             raise
 
 
-def run_line(seed, rates=RATES):
+def run_line(seed, rates=RATES, way=UnknownLine):
     """One line from its seed; the seconds of each step."""
     line = RandomLine(seed, rates)
     with tempfile.TemporaryDirectory(prefix="unknown_") as folder:
-        times = UnknownLine(line, folder).run()
+        times = way(line, folder).run()
     print(f"line {seed}: {line.describe()}: {times}", flush=True)
     return {"seed": seed, "bit_rate": line.bit_rate, "slaves": len(line.slaves), **times}
 
