@@ -1,7 +1,8 @@
 """Builds the Debian packages, installs them with apt in a fresh Debian, boots that under user-mode-linux with systemd as
 its first process, and runs the tests of the folder `inside` in it.
 
-    run.py [--keep FOLDER]     FOLDER keeps packages and root file system, to look at them
+    run.py [--keep FOLDER] [--lines N]     FOLDER keeps packages and root file system, to look at them, and is taken up
+                                           again as it is; N lines made at random are set up, 2 when it is not given
 
 Needs the packages of tools/packages.txt and a Debian mirror; no rights. Exit code: 0 all well, 1 something is wrong.
 """
@@ -31,6 +32,8 @@ IMAGE = 2048  # MiB, sparse
 # What a gateway PC has, and what the tests look with.
 DEBIAN = ("systemd", "systemd-sysv", "udev", "dbus", "iproute2", "kmod", "procps", "util-linux", "man-db", "python3",
           "bash-completion")
+SHARED = ("kernel/unknown_line.py", "kernel/random_line.py", "kernel/canline.py", "end_to_end/gateway.py",
+          "end_to_end/json_schemas.py", "end_to_end/wording.py")
 MODULES = ("kernel/net/can", "kernel/drivers/net/can", "kernel/fs/autofs", "modules.order", "modules.builtin",
            "modules.builtin.modinfo")
 
@@ -138,13 +141,22 @@ def install(work):
         "mke2fs -q -t ext4 -O ^has_journal -d root root.img; rm -rf root root.tar".format(IMAGE), cwd=work)
 
 
-def boot(work, number):
+def lay_out_proof(proof, lines):
+    """The tests for inside, and what they share with those of user-mode-linux."""
+    shutil.copytree(HERE / "inside", proof, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in SHARED:
+        shutil.copy(REPOSITORY / "tests" / name, proof)
+    if lines:
+        (proof / "lines").write_text(str(lines), encoding="ascii")
+
+
+def boot(work, number, lines):
     """Boots the image, as it was installed, with systemd as the first process. The exit code of the tests inside."""
     out = work / "out"
     if out.exists():
         out.rename(work / f"out-{number - 1}")
     out.mkdir()
-    shutil.copytree(HERE / "inside", out / "proof", ignore=shutil.ignore_patterns("__pycache__"))
+    lay_out_proof(out / "proof", lines)
     kernel = run_uml.find_program("linux.uml")
     command = [kernel, f"mem={MEMORY}M", f"ubda={work}/boot-{number}.cow,{work}/root.img", "root=/dev/ubda", "rw", "quiet",
                "con=null", "con0=null,fd:1", "ssl=null", f"uml_dir={work}/uml/", "umid=cansync",
@@ -172,24 +184,28 @@ def boot(work, number):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0])
     parser.add_argument("--keep", type=pathlib.Path, help="folder that keeps packages and root file system")
+    parser.add_argument("--lines", type=int, help="lines made at random; 2 when it is not given")
     options = parser.parse_args()
     with contextlib.ExitStack() as stack:
         if options.keep:
             work = options.keep.resolve()
-            work.mkdir(parents=True)
+            work.mkdir(parents=True, exist_ok=True)
+            for old in (*work.glob("boot-*.cow"), *work.glob("out*")):
+                shutil.rmtree(old) if old.is_dir() else old.unlink()
         else:
             work = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="cansync_packages_")))
         work.chmod(0o755)
-        with stage("build the packages of this commit and of the one before"):
-            build(work)
-        # Neither uses what the other makes.
-        with stage("lintian; install them in a fresh Debian"), concurrent.futures.ThreadPoolExecutor() as threads:
-            steps = [threads.submit(step, work) for step in (check, install)]
-            for step in steps:
-                step.result()
+        if not (work / "root.img").exists():
+            with stage("build the packages of this commit and of the one before"):
+                build(work)
+            # Neither uses what the other makes.
+            with stage("lintian; install them in a fresh Debian"), concurrent.futures.ThreadPoolExecutor() as threads:
+                steps = [threads.submit(step, work) for step in (check, install)]
+                for step in steps:
+                    step.result()
         for number in range(1, BOOTS + 1):
             with stage("boot it and run the tests inside"):
-                code = boot(work, number)
+                code = boot(work, number, options.lines)
             if code == 0:
                 break
     sys.exit(code)

@@ -8,7 +8,7 @@ import sys
 import traceback
 import unittest
 
-MODULES = ("a_installed_test", "b_running_test", "c_journal_test", "d_packages_test")
+MODULES = ("a_installed_test", "b_unknown_lines_test", "c_running_test", "d_journal_test", "e_packages_test")
 
 
 def main():

@@ -1,0 +1,65 @@
+"""From the installed packages to actual values in engineering units, on lines made at random, with the service that `setup` enables.
+
+How many lines: the file `lines` beside this one, if there is one (run.py --lines)."""
+
+import contextlib
+import os
+import pathlib
+import unittest
+
+os.environ.update(CANSYNC="/usr/bin/cansync", CANSYNCD="/usr/sbin/cansyncd", CANSYNC_SIM="/usr/bin/cansync-sim")
+import unknown_line  # noqa: E402: takes the programs from the environment
+from machine import *  # noqa: E402
+
+FIRST, LINES = 101, 2
+MOST = 180  # seconds from `scan` to the last actual value
+WRITTEN = ("/etc/cansync", "/etc/systemd/network")  # where `setup` puts files
+DROP_IN = pathlib.Path(f"/etc/systemd/system/{SERVICE}.d/slow.conf")
+# This kernel has one processor that may stand still for a moment, and no realtime thread may keep it.
+SLOW = (f"--set startup.lost_after={unknown_line.LOST_AFTER}", "--set realtime.mode=ignore", "--set realtime.priority=0")
+
+
+def files():
+    return {path for folder in WRITTEN for path in pathlib.Path(folder).rglob("*") if path.is_file()}
+
+
+class InstalledLine(unknown_line.UnknownLine):
+    def set_up(self):
+        with self.timed("setup"):
+            self.command("setup", self.path("line"), "--sync", "can", "--start", "active", "--yes")
+        return str(CONFIGURATION)
+
+    @contextlib.contextmanager
+    def daemon(self, configuration):
+        """The service, which `setup` has started."""
+        began = properties("ActiveEnterTimestampMonotonic")
+        yield lambda: run("journalctl", "--no-pager", "--unit", SERVICE, "--lines=60")
+        assert properties("ActiveEnterTimestampMonotonic") == began, "the service was started anew meanwhile"
+        assert run("systemctl", "is-enabled", SERVICE).strip() == "enabled"
+
+
+class UnknownLines(unittest.TestCase):
+    def setUp(self):
+        DROP_IN.parent.mkdir(parents=True)
+        DROP_IN.write_text(f"[Service]\nExecStart=\nExecStart=/usr/sbin/cansyncd /etc/cansync/%i.toml {' '.join(SLOW)}\n", encoding="ascii")
+        run("systemctl", "daemon-reload")
+        self.addCleanup(self.back)
+
+    @staticmethod
+    def back():
+        DROP_IN.unlink()
+        DROP_IN.parent.rmdir()
+        run("systemctl", "daemon-reload")
+
+    def test_random_lines_are_found_set_up_and_read_in_engineering_units(self):
+        asked = pathlib.Path(__file__).with_name("lines")
+        lines = int(asked.read_text(encoding="ascii")) if asked.exists() else LINES
+        for seed in range(FIRST, FIRST + lines):
+            with self.subTest(seed=seed):
+                before = files()
+                try:
+                    self.assertLess(unknown_line.run_line(seed, unknown_line.SLOW_RATES, InstalledLine)["all"], MOST)
+                finally:  # the next line is met as this one was
+                    run("systemctl", "disable", "--now", SERVICE)
+                    for path in files() - before:
+                        path.unlink()
