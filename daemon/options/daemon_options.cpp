@@ -38,7 +38,7 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
         boolean(
             "bus.wake_on_frame",
             "CAN interface of a master: wake for every frame, for lower latency and more system calls; false = "
-            "look for frames at the SYNC edge and after WRC2. A slave, general frames and J1939 always wake.")),
+            "look for frames at the SYNC edge and after WRC2. A slave, and each protocol without SYNC, always wakes.")),
     chosen<kOneShot>(
         [](auto& c) -> auto& { return c.bus.one_shot; },
         word("bus.one_shot",

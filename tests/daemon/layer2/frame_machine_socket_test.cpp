@@ -35,7 +35,7 @@ can::SocketcanSettings of_a_configuration() {
   return socketcan_settings(layer2_bus_plan(config));
 }
 
-TEST(FrameMachine, L9L12AllTimersDueAtOnceSendAtOnce) {
+TEST(FrameMachine, AllTimersDueAtOnceSendAtOnce) {
   FrameMachineSettings settings = everything();
   std::string script;
   for (unsigned number = 1; number <= layer2::Timers::kMost; ++number) {
