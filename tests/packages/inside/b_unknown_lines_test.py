@@ -20,13 +20,24 @@ SLOW = (f"--set startup.lost_after={unknown_line.LOST_AFTER}", "--set realtime.m
 
 
 def files():
-    return {path for folder in WRITTEN for path in pathlib.Path(folder).rglob("*") if path.is_file()}
+    """{path: bytes} of all that is there."""
+    return {path: path.read_bytes() for folder in WRITTEN for path in pathlib.Path(folder).rglob("*") if path.is_file()}
+
+
+def restore(before):
+    """Puts the files back as they were."""
+    now = files()
+    for path in now.keys() - before.keys():
+        path.unlink()
+    for path, content in before.items():
+        if now.get(path) != content:
+            path.write_bytes(content)
 
 
 class InstalledLine(unknown_line.UnknownLine):
     def set_up(self):
         with self.timed("setup"):
-            self.command("setup", self.path("line"), "--sync", "can", "--start", "active", "--yes")
+            self.command("setup", self.path("line"), "--sync", "can", "--start", "active", "--yes", "--replace")
         return str(CONFIGURATION)
 
     @contextlib.contextmanager
@@ -61,5 +72,4 @@ class UnknownLines(unittest.TestCase):
                     self.assertLess(unknown_line.run_line(seed, unknown_line.SLOW_RATES, InstalledLine)["all"], MOST)
                 finally:  # the next line is met as this one was
                     run("systemctl", "disable", "--now", SERVICE)
-                    for path in files() - before:
-                        path.unlink()
+                    restore(before)
