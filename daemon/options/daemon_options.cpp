@@ -37,8 +37,9 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
         [](auto& c) -> auto& { return c.bus.wake_on_frame; },
         boolean(
             "bus.wake_on_frame",
-            "CAN interface of a master: wake for every frame, for lower latency and more system calls; false = "
-            "look for frames at the SYNC edge and after WRC2. A slave, and each protocol without SYNC, always wakes.")),
+            "CAN interface: wake for every frame, for lower latency and more system calls; false = look for "
+            "frames at the SYNC edge and after WRC2, with general frames every millisecond. A slave always "
+            "wakes.")),
     chosen<kOneShot>(
         [](auto& c) -> auto& { return c.bus.one_shot; },
         word("bus.one_shot",

@@ -32,7 +32,7 @@ struct Arriving {
 };
 
 /// Stands in for the kernel: time passes with sleeping alone, and every call is counted by its name.
-class FakeKernel : public Kernel {
+class FakeKernel final : public Kernel {
  public:
   Time now{1'000'000'000};
   Time wall_offset{500'000'000'000};  ///< CLOCK_REALTIME - CLOCK_MONOTONIC

@@ -56,8 +56,6 @@ BusPlan j1939_bus_plan(const J1939Config& config) {
   BusPlan plan;
   plan.bus = config.bus;
   plan.line = config.sim;
-  // A connection's next packet follows what came, and own echoes make place for the next frame.
-  plan.bus.wake_on_frame = true;
   plan.interval = kPatienceForEchoes;
   // Everything: the ranges are looked at by the node, and own frames must come back.
   plan.filters = {{.mask = 0, .extended = can::FlagFilter::either, .remote = can::FlagFilter::either}};

@@ -57,8 +57,6 @@ BusPlan layer2_bus_plan(const Layer2Config& config) {
   BusPlan plan;
   plan.bus = config.bus;
   plan.line = config.sim;
-  // The echo of an own frame makes place for the next, so timers due at once must not wait for a look.
-  plan.bus.wake_on_frame = true;
   plan.interval = kEchoPatience;
   // Everything: the ranges are looked at by the station, and own frames must come back.
   plan.filters = {{.mask = 0, .extended = can::FlagFilter::either, .remote = can::FlagFilter::either}};

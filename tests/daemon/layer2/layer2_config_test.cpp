@@ -95,7 +95,6 @@ period_ms = 20
   EXPECT_EQ(config.nodes[0].frame.data[1], 0xFF);
   EXPECT_EQ(config.nodes[0].period, std::chrono::milliseconds(20));
   EXPECT_EQ(layer2_bus_plan(config).sim.nodes.size(), 1u);
-  EXPECT_TRUE(layer2_bus_plan(config).bus.wake_on_frame) << "whatever the configuration says";
 }
 
 TEST_F(Layer2Configuration, WrongNodesAreToldWithTheirPlace) {
