@@ -87,18 +87,15 @@ int SocketcanBus::set_filters() noexcept {
 Wake SocketcanBus::wait_until(Time deadline) noexcept {
   if (batch_next_ < batch_size_) return Wake::frame;
   looked_ = false;
-  const Time left = deadline - now();
+  const Time left = deadline - kernel_.monotonic();
   if (left <= Time{0}) return Wake::deadline;
   if (wake_on_frame_ && bound_ != 0) {
     const int ready = kernel_.wait_readable(socket_, left);
-    const bool late = now() >= deadline;
     if (ready > 0) return Wake::frame;
     if (ready < 0) return Wake::interrupted;
-    if (late) return Wake::deadline;
+    if (kernel_.monotonic() >= deadline) return Wake::deadline;
   }
-  if (kernel_.sleep_until(deadline) != 0) return Wake::interrupted;
-  newest_ = deadline;
-  return Wake::deadline;
+  return kernel_.sleep_until(deadline) == 0 ? Wake::deadline : Wake::interrupted;
 }
 
 bool SocketcanBus::receive(ReceivedFrame& out) noexcept {
@@ -124,7 +121,7 @@ void SocketcanBus::look() noexcept {
   looked_ = true;
   batch_size_ = batch_next_ = 0;
   clock_.begin_batch();
-  guard_.begin_look(newest_, board_.one_shot());
+  guard_.begin_look(kernel_.monotonic(), board_.one_shot());
   const int count = batch_.receive(kernel_, socket_);
   if (count > 0) {
     batch_size_ = static_cast<unsigned>(count);
@@ -132,7 +129,7 @@ void SocketcanBus::look() noexcept {
     clock_.end_batch(true);
     guard_.end_look(status_.state != ControllerState::bus_off);
   } else if (count == -ENETDOWN) {
-    went_down();
+    went_down(kernel_.monotonic());
   }
 }
 
@@ -162,7 +159,7 @@ void SocketcanBus::account(const can_frame& frame) noexcept {
   if (error.not_acknowledged) ++status_.acknowledge_errors;
   if (error.restarted) {
     ++status_.restarts;
-    guard_.emptied(newest_);
+    guard_.emptied(kernel_.monotonic());
   }
   if (error.overrun) ++status_.overruns;
   if (error.counters) {
@@ -178,15 +175,16 @@ void SocketcanBus::account(const can_frame& frame) noexcept {
 SendResult SocketcanBus::send(const Frame& frame) noexcept {
   if (bound_ == 0 || status_.link != LinkState::up) return SendResult::interface_down;
   if (status_.state == ControllerState::bus_off) return SendResult::bus_off;
-  if (!guard_.may_send(newest_)) return SendResult::not_delivered;
+  const Time now = kernel_.monotonic();
+  if (!guard_.may_send(now)) return SendResult::not_delivered;
   switch (kernel_.send_frame(socket_, to_kernel(frame))) {
     case -ENETDOWN:
     case -ENODEV:
     case -ENXIO:
-      went_down();
+      went_down(now);
       return SendResult::interface_down;
     case static_cast<int>(sizeof(can_frame)):
-      guard_.handed_over(frame, newest_);
+      guard_.handed_over(frame, now);
       return SendResult::queued;
     default:  // no room, or a reason that does not last either
       guard_.queue_full();
@@ -210,26 +208,27 @@ ControllerStatus SocketcanBus::status() noexcept {
 
 /// The socket tells it once, before anything else can be handed over, also when the interface is up again:
 /// its queues were emptied.
-void SocketcanBus::went_down() noexcept {
+void SocketcanBus::went_down(Time now) noexcept {
   down_seen_ = true;
-  guard_.emptied(newest_);
+  guard_.emptied(now);
 }
 
 /// Tells the guard when the controller has been emptied, and has it reset when the guard wants that.
 void SocketcanBus::guard_controller() noexcept {
+  const Time now = kernel_.monotonic();
   const bool bus_off = status_.state == ControllerState::bus_off;
-  if (status_.link != LinkState::up || (was_bus_off_ && !bus_off)) guard_.emptied(newest_);
+  if (status_.link != LinkState::up || (was_bus_off_ && !bus_off)) guard_.emptied(now);
   was_bus_off_ = bus_off;
   if (reset_asked_) {
     const ResetResult result = reset_result();
     reset_asked_ = result == ResetResult::pending;
-    if (result == ResetResult::done && !down_seen_) guard_.emptied(newest_);
+    if (result == ResetResult::done && !down_seen_) guard_.emptied(now);
     if (result == ResetResult::not_permitted || result == ResetResult::unavailable) {
       guard_.reset_failed();
-      next_reset_ = newest_ + EchoGuard::kPause;
+      next_reset_ = now + EchoGuard::kPause;
     }
   }
-  if (guard_.wants_reset() && !reset_asked_ && newest_ >= next_reset_) reset();
+  if (guard_.wants_reset() && !reset_asked_ && now >= next_reset_) reset();
 }
 
 /// An interface that has gone takes the socket's filters along: both are set anew on the one that came back.

@@ -45,7 +45,7 @@ class SocketcanBus final : public Bus {
   SocketcanBus(const SocketcanBus&) = delete;
   SocketcanBus& operator=(const SocketcanBus&) = delete;
 
-  Time now() noexcept override { return newest_ = kernel_.monotonic(); }
+  Time now() noexcept override { return kernel_.monotonic(); }
   Wake wait_until(Time deadline) noexcept override;
   bool receive(ReceivedFrame& out) noexcept override;
   SendResult send(const Frame& frame) noexcept override;
@@ -62,7 +62,7 @@ class SocketcanBus final : public Bus {
   void take_up_link() noexcept;
   void look() noexcept;
   void guard_controller() noexcept;
-  void went_down() noexcept;
+  void went_down(Time now) noexcept;
   bool take(const RawMessage& message, ReceivedFrame& out) noexcept;
   void account(const can_frame& error) noexcept;
   void count_drops(std::uint32_t total) noexcept;
@@ -84,9 +84,6 @@ class SocketcanBus final : public Bus {
   bool reset_asked_ = false;  ///< and not answered when last looked at
   bool down_seen_ = false;    ///< since then the socket has told that the interface was down
   Time next_reset_{};         ///< the guard's, after one that failed
-  /// The clock when it was looked at last: by `now`, and before and after each sleep. Exact enough for the
-  /// guard, and a look less for each telegram, which is a system call where the kernel has no vDSO.
-  Time newest_{};
   bool was_bus_off_ = false;
   EchoGuard guard_;
   ControllerStatus status_;

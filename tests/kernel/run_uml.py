@@ -4,8 +4,7 @@
 
 With CANSYNC_UML_SCRIPT in the environment that Python program runs inside instead, on an interface vcan0, with our
 arguments and the name of a file behind them; what it writes there is copied to CANSYNC_UML_RESULT. CANSYNC_UML_REGISTERS:
-the library of uml_registers.c; without it the kernel stops at once on processors with AMX. CANSYNC_UML_PROCESSOR: "first"
-for the first of the processors that may be used, so that two kernels do not share one; else the last.
+the library of uml_registers.c; without it the kernel stops at once on processors with AMX.
 
 Needs Debian's package user-mode-linux, no KVM, no rights. Exit code: that of the tests, 77 when this machine cannot
 run them (with the reason), 1 when the kernel did not end in order or in time. With CANSYNC_KERNEL_TESTS in the
@@ -92,8 +91,7 @@ def write_environment(work, modules):
 def use_one_processor():
     """For what is started from now on: the kernel and its processes take turns at every system call. On a virtual machine
     waking another processor for that costs much; when the machine is busy the kernel has stood still for seconds."""
-    choose = min if os.environ.get("CANSYNC_UML_PROCESSOR") == "first" else max
-    os.sched_setaffinity(0, {choose(os.sched_getaffinity(0))})
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
 def boot(work, kernel):
