@@ -11,6 +11,7 @@ from figures import quantile
 
 SLAVES = 4
 BIT_RATE = 125000  # an interval takes 8 ms
+UPLOAD_BIT_RATE = 1000000  # 1 ms, some 5000 bytes a second
 LONG = 120  # seconds after which something has certainly gone wrong
 ACTIVE = re.compile(rb"on '(?:run|enable active operation)'")  # the second: builds of before 2026-11-24
 
@@ -35,16 +36,17 @@ def processor_time(pids):
     return used / 1e9
 
 
-def loopback_packets():
-    """Packets that the interface lo has carried; errors of unreachable ports count as well."""
+def loopback():
+    """Bytes and packets that the interface lo has carried; errors of unreachable ports count as well."""
     with open("/proc/net/dev", encoding="utf-8") as file:
-        return int(re.search(r"lo:\s*\d+\s+(\d+)", file.read())[1])
+        return tuple(map(int, re.search(r"lo:\s*(\d+)\s+(\d+)", file.read()).groups()))
 
 
 class Scene:
     """So many buses, in so many daemons, and so many clients that wait for something on these buses in turn; a context manager."""
 
-    def __init__(self, build, buses, daemons, clients):
+    def __init__(self, build, buses, daemons, clients, bit_rate=BIT_RATE):
+        self.bit_rate = bit_rate
         self.build, self.buses, self.daemons, self.clients = build, buses, daemons, clients
         self.domain = random.SystemRandom().randint(1, 100)
         self.processes, self.waiting = [], []
@@ -80,7 +82,7 @@ class Scene:
         paths = [os.path.join(self.folder.name, f"{number}.toml") for number in numbers]
         for number, path in zip(numbers, paths):
             with open(path, "w", encoding="utf-8") as file:
-                file.write(f'[bus]\nname = "bench{number}"\ninterface = "sim"\nbit_rate = {BIT_RATE}\n'
+                file.write(f'[bus]\nname = "bench{number}"\ninterface = "sim"\nbit_rate = {self.bit_rate}\n'
                            f"[dds]\ndomain = {self.domain}\n[sim]\nlock_time_ms = 50\n")
                 file.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(SLAVES))
         with open(paths[0] + ".log", "wb") as log:
@@ -105,13 +107,13 @@ class Scene:
     def measure(self, seconds, asked):
         """Processor time and packets for so many seconds; then `status` so many times, of one bus after the other."""
         pids = [process.pid for process in self.processes]
-        before, packets, began = processor_time(pids), loopback_packets(), time.monotonic()
+        before, packets, began = processor_time(pids), loopback()[1], time.monotonic()
         time.sleep(seconds)
         took = time.monotonic() - began
         found = {
             "active_after_s": round(self.active_after, 2),
             "daemons_cpu_percent": round(100 * (processor_time(pids) - before) / took, 2),
-            "packets_per_s": round((loopback_packets() - packets) / took),
+            "packets_per_s": round((loopback()[1] - packets) / took),
             "load": os.getloadavg()[0],
         }
         times, failed = [], 0
@@ -123,6 +125,32 @@ class Scene:
         found["status_p50_ms"], found["status_p90_ms"] = round(quantile(times, 0.5)), round(quantile(times, 0.9))
         found["status_failed"] = failed
         return found
+
+    def measure_uploads(self, clients, size):
+        """So many clients, each of which brings as many bytes from a slave; all at once, one after the other on the bus."""
+        pids = [process.pid for process in self.processes]
+        before, carried, began = processor_time(pids), loopback()[0], time.monotonic()
+        asking = [self._cansync(0, "--timeout", str(LONG), "upload", str(number % SLAVES), "0x200", str(size),
+                                os.path.join(self.folder.name, f"{number}.bin")) for number in range(clients)]
+        ended = [os.wait4(process.pid, 0) for process in asking]
+        for process, (_, status, _) in zip(asking, ended):
+            process.returncode = os.waitstatus_to_exitcode(status)
+        return {
+            "uploads_failed": sum(process.returncode != 0 for process in asking),
+            "uploads_s": round(time.monotonic() - began, 2),
+            "lo_bytes_per_byte": round((loopback()[0] - carried) / (clients * size), 1),
+            "client_cpu_ms": round(1000 * sum(usage.ru_utime + usage.ru_stime for _, _, usage in ended) / clients, 1),
+            "daemon_cpu_ms": round(1000 * (processor_time(pids) - before)),
+        }
+
+
+def run_uploads(builds, clients, size):
+    """Uploads of so many clients at once with each build in turn; {(build, buses, daemons, clients): what was measured}."""
+    found = {}
+    for build in builds:
+        with Scene(build, 1, 1, 0, UPLOAD_BIT_RATE) as scene:
+            found[(build.name, 1, 1, clients)] = scene.measure_uploads(clients, size)
+    return found
 
 
 def run(builds, scenes, seconds, asked):

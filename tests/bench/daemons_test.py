@@ -57,6 +57,12 @@ class Daemons(unittest.TestCase):
         self.assertEqual(found["status_failed"], 0)
         self.assertGreater(found["daemons_cpu_percent"], 0)
 
+    def test_uploads_of_several_clients_are_measured(self):
+        found = network_run.run_uploads([network_run.Build("now", BUILD)], 2, 100)[("now", 1, 1, 2)]
+        self.assertEqual(found["uploads_failed"], 0)
+        self.assertGreater(found["lo_bytes_per_byte"], 1)
+        self.assertGreater(found["client_cpu_ms"], 0)
+
 
 if __name__ == "__main__":
     unittest.main()
