@@ -15,7 +15,9 @@ class BusLoad {
   explicit BusLoad(std::uint32_t bits_per_second) noexcept : bits_per_second_(bits_per_second) {}
 
   /// A frame stood on the bus, whoever sent it.
-  void add(const can::Frame& frame) noexcept { bits_ += can::frame_bits(frame); }
+  void add(const can::Frame& frame) noexcept { add(can::frame_bits(frame)); }
+  /// Likewise; `bits`: of the frame, as `can::frame_bits` counts them.
+  void add(unsigned bits) noexcept { bits_ += bits; }
 
   /// Load since the previous call in permille of the time up to `now`; the first call only begins.
   std::uint32_t take(can::Time now) noexcept {

@@ -47,10 +47,10 @@ cansync::Duration latest_start(const cansync::SlotTimes& times, TelegramClass sl
   return times.interval;
 }
 
-void SlotStatistics::add(const can::Frame& frame, can::Time end, can::Time sync) noexcept {
+void SlotStatistics::add(const can::Frame& frame, unsigned bits, can::Time end, can::Time sync) noexcept {
   const auto slot = telegram_class(frame);
   if (!slot) return;
-  const can::Time length = (can::frame_bits(frame) - can::kInterframeBits) * times_.bit_time();
+  const can::Time length = (bits - can::kInterframeBits) * times_.bit_time();
   const can::Time start = end - length;
   can::Time edge = sync;
   if (*slot == TelegramClass::command) {

@@ -45,10 +45,11 @@ class SlotStatistics {
   /// `times` must be one of `cansync::kSlotTimes`.
   explicit SlotStatistics(const cansync::SlotTimes& times) noexcept : times_(times) {}
 
-  /// A frame ended at `end`, after the edge `sync` of the newest interval (both by the clock of the bus). A
-  /// command that began before that edge belongs to the interval before; a response that began after this
-  /// interval's command belongs to the next, and counts as started before its edge.
-  void add(const can::Frame& frame, can::Time end, can::Time sync) noexcept;
+  /// A frame of `bits` (as `can::frame_bits` counts them) ended at `end`, after the edge `sync` of the newest
+  /// interval (both by the clock of the bus). A command that began before that edge belongs to the interval
+  /// before; a response that began after this interval's command belongs to the next, and counts as started
+  /// before its edge.
+  void add(const can::Frame& frame, unsigned bits, can::Time end, can::Time sync) noexcept;
 
   /// Summaries since the previous call, which begins new ones.
   SlotSummaries take() noexcept;

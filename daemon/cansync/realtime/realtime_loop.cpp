@@ -16,6 +16,7 @@
 #include <chrono>
 #include <thread>
 
+#include "can/frame_length.h"
 #include "cansync/settings/timing.h"
 
 namespace cansyncd {
@@ -231,9 +232,11 @@ void RealtimeLoop::receive_frames() noexcept {
   looked_ = true;
   can::ReceivedFrame received;
   for (unsigned i = 0; i < kFramesAtOnce && bus_.receive(received); ++i) {
-    load_.add(received.frame);
+    const unsigned bits = can::frame_bits(received.frame);
+    load_.add(bits);
     if (loop_.sync_line != nullptr && loop_.sync_line->take_frame(received, timeline_.lock())) continue;
-    if (master_.state() == cansync::State::active_master) slots_.add(received.frame, received.end, sync_);
+    if (master_.state() == cansync::State::active_master)
+      slots_.add(received.frame, bits, received.end, sync_);
     const can::Time since_sync = received.end - sync_;
     if (received.own) {
       if (received.frame == last_sent_) echo_due_ = false;

@@ -26,8 +26,8 @@ can::Frame frame(std::uint32_t id, std::uint8_t dlc = 8) {
 struct Statistics {
   SlotStatistics statistics{cansync::slot_times(cansync::BitRate::mbit1)};
   void start(const can::Frame& started, can::Time after, can::Time sync = kSync) {
-    const can::Time bits = microseconds(can::frame_bits(started) - can::kInterframeBits);
-    statistics.add(started, sync + after + bits, sync);
+    const unsigned bits = can::frame_bits(started);
+    statistics.add(started, bits, sync + after + microseconds(bits - can::kInterframeBits), sync);
   }
   static SlotSummary of(const SlotSummaries& taken, TelegramClass slot) {
     return taken[static_cast<unsigned>(slot)];
