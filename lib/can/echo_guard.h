@@ -28,6 +28,8 @@ class EchoGuard {
   /// `interval`: of the protocol; 0: guards nothing.
   explicit EchoGuard(Time interval) noexcept : interval_(interval) {}
 
+  /// The time matters to `may_send` and `handed_over` now; without it they may be given any.
+  bool wants_time() const noexcept { return interval_ != Time{0} && (count_ == 0 || resume_ != Time{0}); }
   /// False: leave the frame out.
   bool may_send(Time now) const noexcept;
   /// The controller took a frame.

@@ -31,8 +31,8 @@ class FrameClock {
  public:
   explicit FrameClock(Kernel& kernel) noexcept : kernel_(kernel), taken_up_to_(kernel.monotonic()) {}
 
-  /// Before the frames of one look at the kernel are translated. The time is that of the look.
-  void begin_batch() noexcept;
+  /// Before the frames of one look at the kernel are translated. Returns the time of the look.
+  Time begin_batch() noexcept;
 
   /// The time of one frame of the batch, never after the look.
   StampedTime translate(const FrameStamps& stamps) noexcept;
@@ -61,6 +61,7 @@ class FrameClock {
   Time offset_{};         ///< monotonic - realtime, now
   Time offset_before_{};  ///< likewise, of the batch before
   bool measured_ = false;
+  Time least_span_{};  ///< the shortest reading of the clocks so far
   HardwareOffset hardware_;
 };
 

@@ -120,8 +120,7 @@ bool SocketcanBus::receive(ReceivedFrame& out) noexcept {
 void SocketcanBus::look() noexcept {
   looked_ = true;
   batch_size_ = batch_next_ = 0;
-  clock_.begin_batch();
-  guard_.begin_look(kernel_.monotonic(), board_.one_shot());
+  guard_.begin_look(clock_.begin_batch(), board_.one_shot());
   const int count = batch_.receive(kernel_, socket_);
   if (count > 0) {
     batch_size_ = static_cast<unsigned>(count);
@@ -175,13 +174,14 @@ void SocketcanBus::account(const can_frame& frame) noexcept {
 SendResult SocketcanBus::send(const Frame& frame) noexcept {
   if (bound_ == 0 || status_.link != LinkState::up) return SendResult::interface_down;
   if (status_.state == ControllerState::bus_off) return SendResult::bus_off;
-  const Time now = kernel_.monotonic();
+  // Where reading the clock is a system call, each reading delays the telegrams behind it.
+  const Time now = guard_.wants_time() ? kernel_.monotonic() : Time{0};
   if (!guard_.may_send(now)) return SendResult::not_delivered;
   switch (kernel_.send_frame(socket_, to_kernel(frame))) {
     case -ENETDOWN:
     case -ENODEV:
     case -ENXIO:
-      went_down(now);
+      went_down(kernel_.monotonic());
       return SendResult::interface_down;
     case static_cast<int>(sizeof(can_frame)):
       guard_.handed_over(frame, now);
@@ -215,9 +215,12 @@ void SocketcanBus::went_down(Time now) noexcept {
 
 /// Tells the guard when the controller has been emptied, and has it reset when the guard wants that.
 void SocketcanBus::guard_controller() noexcept {
-  const Time now = kernel_.monotonic();
   const bool bus_off = status_.state == ControllerState::bus_off;
-  if (status_.link != LinkState::up || (was_bus_off_ && !bus_off)) guard_.emptied(now);
+  const bool left_bus_off = was_bus_off_ && !bus_off;
+  const bool emptied = status_.link != LinkState::up || left_bus_off;
+  if (!emptied && bus_off == was_bus_off_ && !reset_asked_ && !guard_.wants_reset()) return;
+  const Time now = kernel_.monotonic();
+  if (emptied) guard_.emptied(now);
   was_bus_off_ = bus_off;
   if (reset_asked_) {
     const ResetResult result = reset_result();

@@ -55,6 +55,21 @@ TEST(EchoGuard, OneFrameAtATimeUntilTheFirstEcho) {
   EXPECT_TRUE(rig.send(3, microseconds(301)));
 }
 
+TEST(EchoGuard, TheTimeMattersForTheFirstFrameOnTheWayAndDuringAPause) {
+  Guarded rig;
+  EXPECT_TRUE(rig.guard.wants_time());
+  rig.prove();
+  EXPECT_TRUE(rig.guard.wants_time()) << "nothing is on its way";
+  rig.send(2, milliseconds(1));
+  EXPECT_FALSE(rig.guard.wants_time());
+  // Given no time, the second one on its way is neither held back nor taken for an old one.
+  EXPECT_TRUE(rig.send(3, Time{0}));
+  rig.look(milliseconds(1) + kInterval - microseconds(1));
+  EXPECT_TRUE(rig.guard.may_send(Time{0}));
+  rig.look(milliseconds(1) + kInterval);
+  EXPECT_FALSE(rig.guard.may_send(Time{0}));
+}
+
 TEST(EchoGuard, AnIntervalWithoutAnEchoHoldsBackAndALateOneEndsThat) {
   Guarded rig;
   rig.prove();

@@ -32,7 +32,7 @@ struct Arriving {
 };
 
 /// Stands in for the kernel: time passes with sleeping alone, and every call is counted by its name.
-class FakeKernel final : public Kernel {
+class FakeKernel : public Kernel {
  public:
   Time now{1'000'000'000};
   Time wall_offset{500'000'000'000};  ///< CLOCK_REALTIME - CLOCK_MONOTONIC
@@ -44,6 +44,8 @@ class FakeKernel final : public Kernel {
   std::deque<Arriving> arriving;
   std::vector<can_frame> sent;
   std::map<std::string, unsigned> calls;
+  unsigned clock_readings = 0;  ///< of CLOCK_MONOTONIC
+  Time reading_takes{};         ///< time that passes with each
   std::vector<can_filter> filters;
   std::map<std::pair<int, int>, int> options;
   std::vector<int> bound;
@@ -105,8 +107,11 @@ class FakeKernel final : public Kernel {
     now += timeout;
     return 0;
   }
-  Time monotonic() noexcept override { return now; }
-  Time realtime() noexcept override { return now + wall_offset; }
+  Time monotonic() noexcept override {
+    ++clock_readings;
+    return now += reading_takes;
+  }
+  Time realtime() noexcept override { return (now += reading_takes) + wall_offset; }
 
  private:
   static timespec stamp(const std::optional<Time>& time) {

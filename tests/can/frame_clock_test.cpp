@@ -45,6 +45,21 @@ TEST(FrameClock, WithoutAStampTheLookIsTheTime) {
   EXPECT_EQ(time.source, TimestampSource::thread);
 }
 
+TEST(FrameClock, WhereAReadingTakesLongOneIsEnoughUnlessItWasInterrupted) {
+  Rig rig;
+  rig.kernel.reading_takes = microseconds(3);
+  const auto readings = [&rig] {
+    rig.kernel.now += milliseconds(1);
+    rig.kernel.clock_readings = 0;
+    rig.batch({});
+    return rig.kernel.clock_readings;
+  };
+  EXPECT_EQ(readings(), 3 * 2 + 1u) << "how long one takes is not known yet";
+  EXPECT_EQ(readings(), 2 + 1u);
+  rig.kernel.reading_takes = microseconds(4);
+  EXPECT_EQ(readings(), 3 * 2 + 1u);
+}
+
 TEST(FrameClock, AFrameStampedBeforeTheWallClockWasSetKeepsItsTime) {
   Rig rig;
   rig.batch({});

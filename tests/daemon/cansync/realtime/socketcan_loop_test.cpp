@@ -46,6 +46,7 @@ TEST(SocketcanLoop, SystemCallsOfAnIntervalAreCounted) {
   Rig rig;
   unsigned wakes = 0;
   unsigned wakes_after = 0;
+  unsigned readings = 0;
   // A gateway that takes every signal at once makes the thread signal as often as it can.
   rig.kernel.on_sleep = [&] {
     wakes += rig.exchange.gateway_wake.wait(std::chrono::milliseconds(0)) ? 1 : 0;
@@ -64,10 +65,12 @@ TEST(SocketcanLoop, SystemCallsOfAnIntervalAreCounted) {
     }
     if (edge == kFrom) {
       before = rig.kernel.calls;
+      rig.kernel.clock_readings = 0;
       wakes = 0;
     }
     if (edge == kFrom + kIntervals) {
       after = rig.kernel.calls;
+      readings = rig.kernel.clock_readings;
       wakes_after = wakes;
     }
   };
@@ -80,6 +83,7 @@ TEST(SocketcanLoop, SystemCallsOfAnIntervalAreCounted) {
   EXPECT_LE(wakes_after, 2 * kIntervals);  // with these 11, and one is left for a SYNC frame
   EXPECT_EQ(calls("bind"), 0u);
   EXPECT_EQ(calls("setsockopt"), 0u);
+  EXPECT_EQ(readings, 16 * kIntervals) << "system calls, too, where the kernel has no other way";
   const MasterSnapshot snapshot = rig.snapshot();
   EXPECT_EQ(snapshot.counters.left_out, 0u);
   EXPECT_EQ(snapshot.missed_syncs, 0u);

@@ -29,6 +29,7 @@ class LineKernel final : public can::Kernel {
   explicit LineKernel(sim::Line& line) : line_(line) {}
 
   std::map<std::string, unsigned> calls;
+  unsigned clock_readings = 0;  ///< of CLOCK_MONOTONIC
   std::function<void()> on_sleep = [] {};
   std::deque<can_frame> errors;  ///< error frames that come with the next look
   std::vector<can_filter> filters;
@@ -115,7 +116,10 @@ class LineKernel final : public can::Kernel {
     return 0;
   }
   int wait_readable(int, can::Time) noexcept override { return 0; }
-  can::Time monotonic() noexcept override { return line_.now(); }
+  can::Time monotonic() noexcept override {
+    ++clock_readings;
+    return line_.now();
+  }
   can::Time realtime() noexcept override { return line_.now() + fake_.wall_offset; }
 
  private:
