@@ -21,6 +21,8 @@ namespace cansyncd {
 /// - `next_frame()`: what is to be handed to the bus now, if anything; followed by `handed_over(result)`. It
 /// may
 ///   be the same frame again when the bus did not take it.
+/// - `waits_for_echo()`: the controller has no place for another frame before an own one is seen on the bus;
+///   the loop then wakes for frames on every bus.
 /// - `next_deadline()`: when `advance` must be called at the latest; Time::max() when no time is waited for.
 /// - `publish(now)`: tells other threads what is new; before each sleep.
 /// - `end(now)`: once, after all else: answers what is open.
@@ -37,6 +39,8 @@ concept DeadlineMachine = requires(M& machine, const M& constant, can::Time now,
   noexcept->std::same_as<std::optional<can::Frame>>;
   { machine.handed_over(result) }
   noexcept;
+  { constant.waits_for_echo() }
+  noexcept->std::same_as<bool>;
   { constant.next_deadline() }
   noexcept->std::same_as<can::Time>;
   { machine.publish(now) }
@@ -112,7 +116,8 @@ class DeadlineLoop {
   }
 
   void sleep(can::Time until) noexcept {
-    (void)bus_.wait_until(std::min({machine_.next_deadline(), next_look_, until}));
+    const can::Time deadline = std::min({machine_.next_deadline(), next_look_, until});
+    (void)(machine_.waits_for_echo() ? bus_.wait_for_frame(deadline) : bus_.wait_until(deadline));
     wake_ups_.fetch_add(1, std::memory_order_relaxed);
     pass_looks(bus_.now());
     receive();

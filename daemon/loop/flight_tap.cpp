@@ -81,8 +81,7 @@ void FlightTap::fault(FlightReason reason, std::uint64_t detail, const Moment& w
       {static_cast<std::uint32_t>(reason), detail, when.interval, when.bus, when.wall_clock - when.bus});
 }
 
-can::Wake RecordedBus::wait_until(can::Time deadline) noexcept {
-  const can::Wake wake = bus_.wait_until(deadline);
+can::Wake RecordedBus::woken(can::Time deadline, can::Wake wake) noexcept {
   if (wake == can::Wake::deadline) tap_.woke(deadline, bus_.now());
   return wake;
 }

@@ -74,7 +74,12 @@ class RecordedBus final : public can::Bus {
   RecordedBus(can::Bus& bus, FlightTap& tap) noexcept : bus_(bus), tap_(tap) {}
 
   can::Time now() noexcept override { return bus_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override;
+  can::Wake wait_until(can::Time deadline) noexcept override {
+    return woken(deadline, bus_.wait_until(deadline));
+  }
+  can::Wake wait_for_frame(can::Time deadline) noexcept override {
+    return woken(deadline, bus_.wait_for_frame(deadline));
+  }
   bool receive(can::ReceivedFrame& out) noexcept override;
   can::SendResult send(const can::Frame& frame) noexcept override;
   can::ControllerStatus status() noexcept override { return bus_.status(); }
@@ -83,6 +88,8 @@ class RecordedBus final : public can::Bus {
   can::TimestampSource timestamp_source() noexcept override { return bus_.timestamp_source(); }
 
  private:
+  can::Wake woken(can::Time deadline, can::Wake wake) noexcept;
+
   can::Bus& bus_;
   FlightTap& tap_;
 };

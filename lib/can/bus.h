@@ -98,6 +98,10 @@ class Bus {
   /// returns `Wake::deadline` at once.
   virtual Wake wait_until(Time deadline) noexcept = 0;
 
+  /// As `wait_until`, also on a bus that is set up to sleep on when frames come: for a caller that can go on
+  /// only with the next frame.
+  virtual Wake wait_for_frame(Time deadline) noexcept { return wait_until(deadline); }
+
   /// Takes the oldest received frame (echoes included). Returns false when there is none; never blocks.
   virtual bool receive(ReceivedFrame& out) noexcept = 0;
 

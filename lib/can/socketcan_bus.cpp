@@ -84,12 +84,12 @@ int SocketcanBus::set_filters() noexcept {
                             filters_.size() * sizeof(can_filter));
 }
 
-Wake SocketcanBus::wait_until(Time deadline) noexcept {
+Wake SocketcanBus::sleep(Time deadline, bool wake_on_frame) noexcept {
   if (batch_next_ < batch_size_) return Wake::frame;
   looked_ = false;
   const Time left = deadline - kernel_.monotonic();
   if (left <= Time{0}) return Wake::deadline;
-  if (wake_on_frame_ && bound_ != 0) {
+  if (wake_on_frame && bound_ != 0) {
     const int ready = kernel_.wait_readable(socket_, left);
     if (ready > 0) return Wake::frame;
     if (ready < 0) return Wake::interrupted;

@@ -30,7 +30,7 @@ struct SocketcanSettings {
 /// `receive` asks the kernel at most once after each `wait_until`, for up to `ReceiveBatch::kFrames` frames;
 /// `send` is one call, and none while nothing can be sent or frames are held back. `status` makes none, but
 /// for two when the interface has come back, and one when a controller that nobody acknowledges is to be
-/// reset. With `wake_on_frame` each frame can cost one sleep and one look more.
+/// reset. With `wake_on_frame`, and in `wait_for_frame`, each frame can cost one sleep and one look more.
 ///
 /// A frame's time is that of its end: when the driver was told that it had been sent or received, by the
 /// controller's clock, the kernel's, or at worst that of the look. Error frames are counted and not handed
@@ -46,7 +46,8 @@ class SocketcanBus final : public Bus {
   SocketcanBus& operator=(const SocketcanBus&) = delete;
 
   Time now() noexcept override { return kernel_.monotonic(); }
-  Wake wait_until(Time deadline) noexcept override;
+  Wake wait_until(Time deadline) noexcept override { return sleep(deadline, wake_on_frame_); }
+  Wake wait_for_frame(Time deadline) noexcept override { return sleep(deadline, true); }
   bool receive(ReceivedFrame& out) noexcept override;
   SendResult send(const Frame& frame) noexcept override;
   ControllerStatus status() noexcept override;
@@ -59,6 +60,7 @@ class SocketcanBus final : public Bus {
  private:
   void set_options();
   int set_filters() noexcept;
+  Wake sleep(Time deadline, bool wake_on_frame) noexcept;
   void take_up_link() noexcept;
   void look() noexcept;
   void guard_controller() noexcept;

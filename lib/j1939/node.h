@@ -117,6 +117,8 @@ class Node {
   const ReceiverCounters& received_packets() const noexcept { return receiver_.counters(); }
   /// Orders that wait to be handed over, 0..kMostQueue.
   std::size_t waiting() const noexcept { return waiting_.size(); }
+  /// Another frame may be handed over now: there is a place for it.
+  bool has_place() const noexcept { return !handed_over_.full(); }
   /// Frames handed over that were not seen on the bus, 0..kMostHandedOver.
   std::size_t handed_over_count() const noexcept { return handed_over_.size(); }
   /// Messages in packets that are under way, in both directions.

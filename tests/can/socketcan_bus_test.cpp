@@ -244,6 +244,18 @@ TEST(SocketcanBus, WakesForFramesWhenToldSo) {
   EXPECT_EQ(rig.kernel.calls["ppoll"], 2u);
 }
 
+TEST(SocketcanBus, WaitsForAFrameWhereItWouldSleepOn) {
+  Rig rig;
+  const Time deadline = rig.kernel.now + milliseconds(1);
+  rig.arrive(0x303);
+  EXPECT_EQ(rig.bus.wait_for_frame(deadline), Wake::frame);
+  EXPECT_LT(rig.bus.now(), deadline);
+  EXPECT_EQ(rig.take().size(), 1u);
+  rig.arrive(0x303);
+  EXPECT_EQ(rig.bus.wait_until(deadline), Wake::deadline);
+  EXPECT_EQ(rig.bus.now(), deadline);
+}
+
 TEST(SocketcanBus, WithoutAnInterfaceItSleepsToTheDeadline) {
   Rig rig(LinkFacts{}, true);
   EXPECT_EQ(rig.bus.wait_until(rig.kernel.now + milliseconds(1)), Wake::deadline);

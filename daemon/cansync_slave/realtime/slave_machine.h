@@ -61,6 +61,7 @@ class SlaveMachine {
   void receive(const can::ReceivedFrame& received) noexcept;
   std::optional<can::Frame> next_frame() noexcept { return answers_.next(bus_.now(), slave_); }
   void handed_over(can::SendResult result) noexcept;
+  bool waits_for_echo() const noexcept { return false; }
   can::Time next_deadline() const noexcept {
     return std::min(sync_.next_deadline(), answers_.next_deadline());
   }

@@ -58,8 +58,7 @@ void MessageMachine::watch_bus(can::Time when) noexcept {
     changed_ = true;
   if (tap_ != nullptr) record_faults(before, when);
   // The bus is not asked about a frame that has no place in the controller.
-  if (node_.waiting() != 0 && node_.handed_over_count() == j1939::Node::kMostHandedOver)
-    node_.held_back(obstacle_of(now));
+  if (node_.waiting() != 0 && !node_.has_place()) node_.held_back(obstacle_of(now));
 }
 
 /// Tells the flight recorder, which must be there, what changed since `before`.

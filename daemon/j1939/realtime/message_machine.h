@@ -40,6 +40,7 @@ class MessageMachine {
   void receive(const can::ReceivedFrame& received) noexcept;
   std::optional<can::Frame> next_frame() noexcept { return node_.next_frame(); }
   void handed_over(can::SendResult result) noexcept;
+  bool waits_for_echo() const noexcept { return !node_.has_place(); }
   can::Time next_deadline() const noexcept { return node_.next_deadline(); }
   void publish(can::Time now) noexcept;
   void end(can::Time now) noexcept;

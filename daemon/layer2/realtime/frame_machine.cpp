@@ -71,8 +71,7 @@ void FrameMachine::watch_bus(can::Time when) noexcept {
   if (tap_ != nullptr) record_faults(before, when);
   // The bus is not asked about a frame that has no place in the controller.
   const layer2::Station& station = module_.station();
-  if (station.waiting() != 0 && station.handed_over_count() == layer2::Station::kMostHandedOver)
-    module_.held_back(obstacle_of(now));
+  if (station.waiting() != 0 && !station.has_place()) module_.held_back(obstacle_of(now));
 }
 
 /// Tells the flight recorder, which must be there, what changed since `before`.

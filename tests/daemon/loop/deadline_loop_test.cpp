@@ -34,6 +34,7 @@ class ScriptedMachine {
   std::vector<can::ReceivedFrame> received;
   std::vector<can::SendResult> results;
   unsigned published = 0;
+  bool full = false;  ///< the controller has no place
 
   void begin(can::Time now) noexcept { began = now; }
   void advance(can::Time now) noexcept {
@@ -53,6 +54,7 @@ class ScriptedMachine {
     results.push_back(result);
     if (result == can::SendResult::queued) to_send.pop_front();
   }
+  bool waits_for_echo() const noexcept { return full; }
   can::Time next_deadline() const noexcept {
     return timers.empty() ? can::Time::max() : timers.begin()->first;
   }
@@ -148,6 +150,51 @@ TEST(DeadlineLoop, BeginsOnceAndEndsOnce) {
   EXPECT_EQ(rig.machine.began, can::Time{0});
   EXPECT_EQ(rig.machine.ended, milliseconds(3) + milliseconds(1));
   EXPECT_GT(rig.machine.published, 0u);
+}
+
+/// A bus that sleeps on when frames come, unless it is told to wait for one.
+class SleepyBus final : public can::Bus {
+ public:
+  can::Time frame_at = can::Time::max();  ///< the echo of an own frame comes
+  can::Time now() noexcept override { return now_; }
+  can::Wake wait_until(can::Time deadline) noexcept override {
+    now_ = std::max(now_, deadline);
+    return can::Wake::deadline;
+  }
+  can::Wake wait_for_frame(can::Time deadline) noexcept override {
+    if (frame_at > deadline) return wait_until(deadline);
+    now_ = std::max(now_, frame_at);
+    return can::Wake::frame;
+  }
+  bool receive(can::ReceivedFrame& out) noexcept override {
+    if (frame_at > now_) return false;
+    out = {data_frame(0x100, {}), std::exchange(frame_at, can::Time::max()), true};
+    return true;
+  }
+  can::SendResult send(const can::Frame&) noexcept override { return can::SendResult::queued; }
+  can::ControllerStatus status() noexcept override { return {}; }
+  can::ResetResult reset() noexcept override { return can::ResetResult::done; }
+  can::ResetResult reset_result() noexcept override { return can::ResetResult::done; }
+  can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::simulation; }
+
+ private:
+  can::Time now_{};
+};
+
+TEST(DeadlineLoop, WakesForTheEchoThatMakesAPlaceOnABusThatSleepsOn) {
+  for (const bool full : {false, true}) {
+    SleepyBus bus;
+    bus.frame_at = microseconds(130);
+    ScriptedMachine machine;
+    machine.full = full;
+    DeadlineLoop<ScriptedMachine> loop(machine, bus, milliseconds(1));
+    machine.timers.emplace(milliseconds(2), [&] { loop.request_stop(); });
+    loop.run();
+    ASSERT_EQ(machine.received.size(), 1u);
+    std::vector<can::Time> expected = {can::Time{0}, milliseconds(1), milliseconds(2)};
+    if (full) expected.insert(expected.begin() + 1, microseconds(130));
+    EXPECT_EQ(machine.advanced, expected);
+  }
 }
 
 /// A bus whose thread sleeps too long, once.
