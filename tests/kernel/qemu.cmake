@@ -3,6 +3,6 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 if(NOT CANSYNC_SANITIZE)
   add_test(NAME kernel.qemu COMMAND Python3::Interpreter -B ${CMAKE_CURRENT_LIST_DIR}/run_qemu.py)
-  set_tests_properties(kernel.qemu PROPERTIES LABELS kernel RUN_SERIAL ON SKIP_RETURN_CODE 77 TIMEOUT 630
+  set_tests_properties(kernel.qemu PROPERTIES LABELS kernel SKIP_RETURN_CODE 77 TIMEOUT 630
     ENVIRONMENT "CANSYNC=$<TARGET_FILE:cansync>;CANSYNCD=$<TARGET_FILE:cansyncd>;CANSYNC_SIM=$<TARGET_FILE:cansync-sim>")
 endif()
