@@ -1,8 +1,8 @@
 // DBC files (lib/dbc), and frames read by those that are accepted.
-#include <array>
 #include <variant>
 
 #include "bytes.h"
+#include "database_check.h"
 #include "dbc/reader.h"
 #include "require.h"
 
@@ -16,14 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
               "a problem has a place and words");
     return 0;
   }
-  const auto& database = std::get<dbc::Database>(read);
-  const std::array<std::uint8_t, 8> bytes = {0, 1, 2, 0x7F, 0x80, 0xFE, 0xFF, 0x55};
-  for (const dbc::Message& message : database.messages()) {
-    require(database.find(message.identifier, message.extended) == &message, "every message is found");
-    require(dbc::read_signals(message, bytes).size() <= message.signals.size(), "no signal comes twice");
-    const std::vector<std::uint8_t> whole(message.length);
-    for (const dbc::Signal& signal : message.signals)
-      require(dbc::raw_bits(signal, whole).has_value(), "every signal lies in its message");
-  }
+  fuzz::check_database(std::get<dbc::Database>(read));
   return 0;
 }
