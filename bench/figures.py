@@ -20,7 +20,8 @@ class Figures:
         self.rows = []
 
     def ratio(self, name, quantity, unit, pairs, target):
-        """`pairs`: (ours, yardstick) of each round, measured side by side; the figure is the median of the ratios."""
+        """`pairs`: (ours, yardstick) of each round, measured side by side; the figure is the median of the ratios. `target` None: it stands
+        beside the others, unjudged."""
         ratios = [ours / other if other else float("inf") for ours, other in pairs]
         self.rows.append(
             {
@@ -33,7 +34,7 @@ class Figures:
                 "ratio_lowest": min(ratios),
                 "ratio_highest": max(ratios),
                 "target": target,
-                "met": statistics.median(ratios) <= target,
+                "met": None if target is None else statistics.median(ratios) <= target,
                 "rounds": len(pairs),
             }
         )
@@ -67,11 +68,12 @@ class Figures:
             return "-" if value is None else f"{value:.4g} {row['unit']}".strip()
 
         ratio = "-"
-        target = f"<= {row['target']:.4g} {row['unit']}".strip()
         if row["ratio"] is not None:
             ratio = f"{row['ratio']:.2f} ({row['ratio_lowest']:.2f}..{row['ratio_highest']:.2f})"
-            target = f"<= {row['target']:g}"
-        met = "met" if row["met"] else "MISSED"
+        target = "-" if row["target"] is None else f"<= {row['target']:.4g}"
+        if row["ratio"] is None:
+            target = f"{target} {row['unit']}".strip()
+        met = {None: "", True: "met", False: "MISSED"}[row["met"]]
         return (row["figure"], row["quantity"], number(row["ours"]), number(row["yardstick"]), ratio, target, met)
 
     def write(self, path):

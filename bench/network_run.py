@@ -36,17 +36,20 @@ def processor_time(pids):
     return used / 1e9
 
 
-def loopback():
-    """Bytes and packets that the interface lo has carried; errors of unreachable ports count as well."""
+def carried(interface):
+    """Bytes and packets that were sent on lo, and on the interface if it is another one; errors of unreachable ports count as well. What
+    programs of one computer send each other goes by lo; what is for everybody by the interface, once."""
     with open("/proc/net/dev", encoding="utf-8") as file:
-        return tuple(map(int, re.search(r"lo:\s*(\d+)\s+(\d+)", file.read()).groups()))
+        lines = [line.replace(":", " ").split() for line in file]
+    sent = [(int(line[9]), int(line[10])) for line in lines if line[0] in ("lo", interface)]
+    return tuple(map(sum, zip(*sent)))
 
 
 class Scene:
     """So many buses, in so many daemons, and so many clients that wait for something on these buses in turn; a context manager."""
 
-    def __init__(self, build, buses, daemons, clients, bit_rate=BIT_RATE):
-        self.bit_rate = bit_rate
+    def __init__(self, build, buses, daemons, clients, bit_rate=BIT_RATE, interface="lo", domains=1):
+        self.bit_rate, self.interface, self.domains = bit_rate, interface, domains
         self.build, self.buses, self.daemons, self.clients = build, buses, daemons, clients
         self.domain = random.SystemRandom().randint(1, 100)
         self.processes, self.waiting = [], []
@@ -83,7 +86,7 @@ class Scene:
         for number, path in zip(numbers, paths):
             with open(path, "w", encoding="utf-8") as file:
                 file.write(f'[bus]\nname = "bench{number}"\ninterface = "sim"\nbit_rate = {self.bit_rate}\n'
-                           f"[dds]\ndomain = {self.domain}\n[sim]\nlock_time_ms = 50\n")
+                           f"[dds]\ndomain = {self._domain_of(number)}\ninterface = \"{self.interface}\"\n[sim]\nlock_time_ms = 50\n")
                 file.writelines(f"[[slave]]\nnumber = {slave}\n" for slave in range(SLAVES))
         with open(paths[0] + ".log", "wb") as log:
             self.processes.append(subprocess.Popen([self.build.daemon, *paths], stdout=log, stderr=log))
@@ -100,20 +103,23 @@ class Scene:
                         waiting.discard(path)
             time.sleep(0.01)
 
+    def _domain_of(self, bus):
+        return self.domain + bus % self.daemons % self.domains
+
     def _cansync(self, bus, *arguments):
-        return subprocess.Popen([self.build.client, "--domain", str(self.domain), "--bus", f"bench{bus}", *arguments],
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        place = ["--interface", self.interface, "--domain", str(self._domain_of(bus)), "--bus", f"bench{bus}"]
+        return subprocess.Popen([self.build.client, *place, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def measure(self, seconds, asked):
         """Processor time and packets for so many seconds; then `status` so many times, of one bus after the other."""
         pids = [process.pid for process in self.processes]
-        before, packets, began = processor_time(pids), loopback()[1], time.monotonic()
+        before, packets, began = processor_time(pids), carried(self.interface)[1], time.monotonic()
         time.sleep(seconds)
         took = time.monotonic() - began
         found = {
             "active_after_s": round(self.active_after, 2),
             "daemons_cpu_percent": round(100 * (processor_time(pids) - before) / took, 2),
-            "packets_per_s": round((loopback()[1] - packets) / took),
+            "packets_per_s": round((carried(self.interface)[1] - packets) / took),
             "load": os.getloadavg()[0],
         }
         times, failed = [], 0
@@ -129,7 +135,7 @@ class Scene:
     def measure_uploads(self, clients, size):
         """So many clients, each of which brings as many bytes from a slave; all at once, one after the other on the bus."""
         pids = [process.pid for process in self.processes]
-        before, carried, began = processor_time(pids), loopback()[0], time.monotonic()
+        before, sent, began = processor_time(pids), carried(self.interface)[0], time.monotonic()
         asking = [self._cansync(0, "--timeout", str(LONG), "upload", str(number % SLAVES), "0x200", str(size),
                                 os.path.join(self.folder.name, f"{number}.bin")) for number in range(clients)]
         ended = [os.wait4(process.pid, 0) for process in asking]
@@ -138,7 +144,7 @@ class Scene:
         return {
             "uploads_failed": sum(process.returncode != 0 for process in asking),
             "uploads_s": round(time.monotonic() - began, 2),
-            "lo_bytes_per_byte": round((loopback()[0] - carried) / (clients * size), 1),
+            "lo_bytes_per_byte": round((carried(self.interface)[0] - sent) / (clients * size), 1),
             "client_cpu_ms": round(1000 * sum(usage.ru_utime + usage.ru_stime for _, _, usage in ended) / clients, 1),
             "daemon_cpu_ms": round(1000 * (processor_time(pids) - before)),
         }
@@ -153,12 +159,12 @@ def run_uploads(builds, clients, size):
     return found
 
 
-def run(builds, scenes, seconds, asked):
+def run(builds, scenes, seconds, asked, interface="lo", domains=1):
     """Every scene with each build in turn; {(build, buses, daemons, clients): what was measured}."""
     found = {}
     for buses, daemons, clients in scenes:
         for build in builds:
-            with Scene(build, buses, daemons, clients) as scene:
+            with Scene(build, buses, daemons, clients, interface=interface, domains=domains) as scene:
                 found[(build.name, buses, daemons, clients)] = scene.measure(seconds, asked)
     for (name, buses, _, _), one in found.items():
         alone = found.get((name, 1, 1, 0))
