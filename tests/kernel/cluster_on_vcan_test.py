@@ -1,6 +1,9 @@
 """A cluster of ours between our master above, on vcan0, and simulated drives below, on vcan1."""
 
 import copy
+import os
+import signal
+import tempfile
 import unittest
 
 from canline import (BIT_RATE, INTERFACE, LONG, LOST_AFTER, SYNC, Candump, Daemon, Simulator, create_interface,
@@ -101,6 +104,27 @@ class ClusterOnVcan(unittest.TestCase):
         wait_for("it is written", lambda: self.master.run("write", NUMBER, 1000, 77, "--sub-slave", WINDER).returncode == 0)
         wait_for("the drive has it",
                  lambda: (r := self.lower.run("read", 1, 1000)).returncode == 0 and r.stdout.startswith(b"77 "))
+
+    def transfer(self, verb, *arguments):
+        return self.master.start(verb, NUMBER, "0x200", *arguments, "--sub-slave", WINDER)
+
+    def test_blocks_go_down_and_come_up_and_a_cancelled_one_ends_below_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            given, taken, never = (os.path.join(folder, name) for name in ("given", "taken", "never"))
+            with open(given, "wb") as file:
+                file.write(bytes(range(256)))
+            with self.transfer("download", given) as download:
+                self.assertEqual(download.wait(LONG), 0)
+            with self.transfer("upload", 60000, never) as cancelled:
+                self.lower.wait_status("it is open below", lambda s: s["open_transfers"] == 1)
+                cancelled.send_signal(signal.SIGINT)
+                self.assertEqual(cancelled.wait(LONG), 7)
+            self.lower.wait_status("nothing of it is left below", lambda s: s["open_transfers"] == 0)
+            self.assertFalse(os.path.exists(never))
+            with self.transfer("upload", 256, taken) as upload:
+                self.assertEqual(upload.wait(LONG), 0)
+            with open(taken, "rb") as file:
+                self.assertEqual(file.read(), bytes(range(256)))
 
     def test_a_reference_value_above_is_one_below_in_its_interval(self):
         with Candump(ABOVE) as above, Candump(BELOW) as below:
