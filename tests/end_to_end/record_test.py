@@ -215,6 +215,16 @@ class Pictures(unittest.TestCase):
                 self.assertEqual(float(root.get("width")), round(columns * 8.4 + 24), name)
                 red = [word for word in root.iter(SVG + "text") if word.get("fill") == "#ff6b6b"]
                 self.assertIn("dancer-1", [word.text for word in red])
+        for size in ("80x24", "120x40"):
+            for text, _ in self.shown(f"jobs-{size}.svg"):
+                for part in ("$ cansync jobs", "STATE", "upload 60000 bytes", "dancer-1", "behind 1", "unwinder", "WHOSE"):
+                    self.assertIn(part, text)
+            for text, _ in self.shown(f"doctor-{size}.svg"):
+                for part in ("missed", "idle states", "DDS places"):
+                    self.assertIn(part, text)
+        for text, _ in self.shown("doctor-120x40.svg"):
+            for part in ("$ cansync doctor", "LEVEL TOPIC FOUND", "dancer-1", "error"):
+                self.assertIn(part, text)
 
 
 if __name__ == "__main__":

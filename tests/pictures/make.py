@@ -5,6 +5,7 @@ CANSYNC and CANSYNCD are the programs, EXAMPLES is the folder of the built examp
 Debian's own Python is needed (python3-pyte), and gnuplot-nox.
 """
 
+import contextlib
 import os
 import random
 import re
@@ -142,17 +143,36 @@ def make_watch(line, folder, name="watch", columns=132, rows=34):
     keep(picture, folder, f"{name}.svg")
 
 
-def make_slaves(line, folder, name, columns, rows, *wanted):
-    """The table of slaves, one of which is in fault, as a shell shows it on a terminal of this size."""
+def make_screen(line, folder, columns, rows, verb, *wanted, code=0):
+    """What a verb prints on a terminal of this size, below what was typed in a shell; it ends with `code`."""
+    typed = " ".join(["cansync", verb, *wanted])
+    environment = dict(line.environment, TERM=KIND, LC_ALL="C.UTF-8")
+    with Terminal(["sh", "-c", f'echo "$ {typed}"; exec "$0" "$@"', CANSYNC, verb, *wanted], environment, columns, rows) as terminal:
+        ended = terminal.end()
+        if ended != code:
+            raise AssertionError(f"{typed} has ended with {ended}")
+        keep(screen_svg(terminal.screen, f"cansync {verb}"), folder, f"{verb}-{columns}x{rows}.svg")
+
+
+def make_faulty(line, folder):
+    """The slaves, one of which is in fault, and what `doctor` says of it."""
     line.done("broadcast", "--slaves", "all", "--command", 1, "--word", RESET, "--yes")
     line.done("broadcast", "--slaves", FAULTY, "--command", PROVOKE, "--word", MISSING_REFERENCES)
     wait_for("its fault is told", lambda: " fault" in line.done("slaves", FAULTY).stdout.decode())
-    typed = " ".join(["cansync slaves", *wanted])
-    environment = dict(line.environment, TERM=KIND, LC_ALL="C.UTF-8")
-    with Terminal(["sh", "-c", f'echo "$ {typed}"; exec "$0" slaves "$@"', CANSYNC, *wanted], environment, columns, rows) as terminal:
-        if terminal.end() != 0:
-            raise AssertionError("slaves has failed")
-        keep(screen_svg(terminal.screen, "cansync slaves"), folder, f"{name}.svg")
+    make_screen(line, folder, 80, 24, "slaves", "0-15")
+    make_screen(line, folder, 120, 40, "slaves")
+    for columns, rows in ((80, 24), (120, 40)):
+        make_screen(line, folder, columns, rows, "doctor", code=1)
+
+
+def make_jobs(line, folder):
+    """What one client waits for behind another."""
+    with contextlib.ExitStack() as stack:
+        for slave, length in ((FAULTY, 60000), (FAULTY, 20000), ("unwinder", 5000)):
+            stack.enter_context(line.start("upload", slave, "0x200", length, "-"))
+        wait_for("three uploads are known", lambda: line.done("jobs").stdout.decode().count("upload") >= 3)
+        for columns, rows in ((80, 24), (120, 40)):
+            make_screen(line, folder, columns, rows, "jobs")
 
 
 def main():
@@ -162,8 +182,8 @@ def main():
         make_watch(line, sys.argv[1])
         make_watch(line, sys.argv[1], "watch-80x24", 80, 24)
         make_watch(line, sys.argv[1], "watch-120x40", 120, 40)
-        make_slaves(line, sys.argv[1], "slaves-80x24", 80, 24, "0-15")
-        make_slaves(line, sys.argv[1], "slaves-120x40", 120, 40)
+        make_faulty(line, sys.argv[1])
+        make_jobs(line, sys.argv[1])
         make_timing(line, sys.argv[1])
     with DemoLine() as line:  # begins at position 0
         make_plot(line, sys.argv[1])
