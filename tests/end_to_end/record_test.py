@@ -74,7 +74,7 @@ class Record(VerbTest):
         process = self.gateway.start("record", self.path)
         self.enough()
         _, remarks = self.interrupt(process, code=0)
-        self.assertRegex(remarks, r"\d+ rows in [\d.]+ s, \d+ turns missing")
+        self.assertRegex(remarks, r"\d+ rows in [\d.]+ s, \d+ turns? missing")
 
     def test_killed_it_leaves_whole_rows_that_can_be_plotted(self):
         with self.gateway.start("record", self.path) as process:
@@ -220,7 +220,7 @@ class Pictures(unittest.TestCase):
                 for part in ("$ cansync jobs", "STATE", "upload 60000 bytes", "dancer-1", "behind 1", "unwinder", "WHOSE"):
                     self.assertIn(part, text)
             for text, _ in self.shown(f"doctor-{size}.svg"):
-                for part in ("missed", "idle states", "DDS places"):
+                for part in ("missed", "idle states", "DDS places", "1 error: drive fault"):
                     self.assertIn(part, text)
         for text, _ in self.shown("doctor-120x40.svg"):
             for part in ("$ cansync doctor", "LEVEL TOPIC FOUND", "dancer-1", "error"):

@@ -162,7 +162,7 @@ def make_faulty(line, folder):
     make_screen(line, folder, 80, 24, "slaves", "0-15")
     make_screen(line, folder, 120, 40, "slaves")
     for columns, rows in ((80, 24), (120, 40)):
-        make_screen(line, folder, columns, rows, "doctor", code=1)
+        make_screen(line, folder, columns, rows, "doctor", code=8)
 
 
 def make_jobs(line, folder):

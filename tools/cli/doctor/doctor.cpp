@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <string>
@@ -129,7 +130,12 @@ ExitCode doctor_verb(Session& session, std::span<const ProtocolVerbs* const> pro
   const std::vector<Finding> findings = diagnose(in);
   const Table table(doctor_columns());
   if (!session.json()) session.output().line(table.heading());
-  for (const Finding& finding : findings) show(session.output(), table, finding);
+  Level worst = Level::ok;
+  for (const Finding& finding : findings) {
+    show(session.output(), table, finding);
+    worst = std::max(worst, finding.level);
+  }
+  if (!session.json()) session.output().line(session.output().painted(summary(findings), style_of(worst)));
   return exit_code(findings, in.status.has_value() || !in.several_daemons.empty());
 }
 

@@ -1,6 +1,7 @@
 #include "cli/doctor/doctor_findings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -262,6 +263,24 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   look_at_places(in, out);
   look_at_incompatible(in, out);
   return std::move(out).take();
+}
+
+std::string summary(const std::vector<Finding>& findings) {
+  std::string out;
+  for (const Level level : {Level::error, Level::warning}) {
+    std::vector<std::string> topics;
+    std::size_t count = 0;
+    for (const Finding& finding : findings) {
+      if (finding.level != level) continue;
+      ++count;
+      if (std::find(topics.begin(), topics.end(), finding.topic) == topics.end())
+        topics.push_back(finding.topic);
+    }
+    if (count == 0) continue;
+    out += fmt::format("{}{}: {}", out.empty() ? "" : "; ", text::counted(count, name(level)),
+                       fmt::join(topics, ", "));
+  }
+  return out.empty() ? "everything is ok" : out;
 }
 
 ExitCode exit_code(const std::vector<Finding>& findings, bool daemon_found) noexcept {

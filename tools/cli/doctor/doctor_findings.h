@@ -56,6 +56,10 @@ struct DoctorInput {
 /// Findings in a fixed order. Without a daemon those that need it are missing, and one says so.
 std::vector<Finding> diagnose(const DoctorInput& input);
 
+/// What is not ok in one line, the worse first, each topic once: "1 error: drive fault; 2 warnings: missed,
+/// kernel". What scrolled away on a small terminal is named here.
+std::string summary(const std::vector<Finding>& findings);
+
 /// Exit code for these findings: not_reachable without a daemon, else faults for an error, failed (1) for a
 /// warning.
 ExitCode exit_code(const std::vector<Finding>& findings, bool daemon_found) noexcept;
