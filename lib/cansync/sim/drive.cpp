@@ -81,10 +81,10 @@ Drive::Drive(const DriveSettings& settings)
     : axis_(completed(settings).axis),
       supervision_(supervision_settings(settings)),
       motion_(slot_times(settings.slave.bit_rate).interval),
-      slave_(completed(settings).slave, *this),
-      settings_(completed(settings)),
       processing_delay_(settings.processing_delay.value_or(slot_times(settings.slave.bit_rate).bit_time() *
                                                            kDefaultDelayBits)),
+      slave_(completed(settings).slave, *this),
+      settings_(completed(settings)),
       parameters_(settings_.parameters),
       memory_(settings.memory) {
   start();

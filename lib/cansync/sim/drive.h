@@ -86,8 +86,9 @@ struct DriveSettings {
 /// it. It goes to active operation by itself; actual values are released at each SYNC edge:
 /// 0 position, 1 speed, 2 following error, 3 position setpoint, 4 torque, 5 status word (fault code in the
 /// high word), 6 temperature, 7 reference value 4 as it was received. Nothing allocates, blocks or throws
-/// after construction; not thread safe.
-class Drive final : public Node, private cansync::SlaveApplication {
+/// after construction; not thread safe. Begins with a cache line: of each interval's 32 drives as much as can
+/// be stays in the processor's nearest cache.
+class alignas(64) Drive final : public Node, private cansync::SlaveApplication {
  public:
   explicit Drive(const DriveSettings& settings);
   Drive(const Drive&) = delete;
@@ -179,9 +180,9 @@ class Drive final : public Node, private cansync::SlaveApplication {
   cansync::SlaveSupervision supervision_;
   DriveMotion motion_;
   cansync::Values actual_ = {};
+  cansync::Duration processing_delay_;
   cansync::Slave slave_;
   DriveSettings settings_;
-  cansync::Duration processing_delay_;
   std::uint32_t busy_requests_ = 0;
   std::uint32_t last_action_ = 0;
   std::uint32_t action_count_ = 0;

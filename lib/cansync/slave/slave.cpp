@@ -184,8 +184,8 @@ void Slave::drop_transfer() noexcept {
 // --- everything else
 
 Slave::Slave(const SlaveSideSettings& settings, SlaveApplication& application) noexcept
-    : settings_(settings),
-      references_of_{Unpacking(settings.reference_mapping[0]), Unpacking(settings.reference_mapping[1])},
+    : references_of_{Unpacking(settings.reference_mapping[0]), Unpacking(settings.reference_mapping[1])},
+      settings_(settings),
       application_(application) {}
 
 bool Slave::control(ControlCommand command) noexcept {

@@ -96,12 +96,12 @@ struct SlaveSideSettings {
   BitRate bit_rate = BitRate::mbit1;
   ProcessMapping reference_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
   ProcessMapping actual_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
-  /// Mapping by which this slave reads other slaves' actual values, if it listens to them.
-  std::array<std::optional<ProcessMapping>, kSlaves> monitored = {};
   bool full_length = true;            ///< RDC telegrams always have 8 bytes; false: as many as are mapped
   std::uint16_t block_limit = 300;    ///< longest block it takes, 1..4095 bytes
   std::uint8_t activate_command = 2;  ///< action "SYNC mode: activate" (unconfirmed)
   std::uint8_t activate_data = 1;     ///< its data byte (unconfirmed)
+  /// Mapping by which this slave reads other slaves' actual values, if it listens to them.
+  std::array<std::optional<ProcessMapping>, kSlaves> monitored = {};
 };
 
 /// What a slave has counted of one pair of reference and actual value telegrams since its start.
@@ -265,7 +265,14 @@ class Slave {
   void take(const ActionCommand& action) noexcept;
   void take(const ActualTelegram& telegram) noexcept;
 
-  // What every interval touches comes first, to lie together.
+  /// What was handed over and was not on the bus yet.
+  struct Handed {
+    can::Frame frame;
+    IntervalNumber interval = 0;
+  };
+
+  // What every interval touches comes first, to lie together: what all drives of a simulated line need of it
+  // then fits into a processor's nearest cache.
   State state_ = State::start_up;
   bool sync_activated_ = false;
   std::array<bool, kChannels> fresh_ = {};
@@ -273,23 +280,18 @@ class Slave {
   bool process_data_ = false;      ///< a reference telegram was on the bus since the last edge
   bool had_process_data_ = false;  ///< likewise in the interval before
   std::array<std::optional<SlaveNumber>, kChannels> heard_ = {};
+  Answered answered_kind_ = Answered::none;  ///< whose the newest answer to a command is
+  std::optional<std::uint8_t> sync_mode_;
   IntervalNumber interval_ = 0;
   Values references_ = {};
   Values actual_ = {};
-  SlaveSideSettings settings_;
   std::array<Unpacking, kChannels> references_of_;  ///< of the telegrams, by the mapping
+  std::array<ActualCounters, kChannels> counters_ = {};
+  std::array<std::optional<Handed>, kAnswerSlots> handed_ = {};  ///< of each slot
+  SlaveSideSettings settings_;
   SlaveApplication& application_;
   std::optional<ParameterCommand> pending_;  ///< answered busy
   OpenBlock transfer_;
-  std::optional<std::uint8_t> sync_mode_;
-  /// What was handed over and was not on the bus yet, of each slot.
-  struct Handed {
-    can::Frame frame;
-    IntervalNumber interval = 0;
-  };
-  std::array<std::optional<Handed>, kAnswerSlots> handed_ = {};
-  Answered answered_kind_ = Answered::none;  ///< whose the newest answer to a command is
-  std::array<ActualCounters, kChannels> counters_ = {};
   ResponseCounters responses_;
   std::optional<ParameterCommand> written_;  ///< a write whose answer was not on the bus yet
   can::Frame written_answer_;                ///< that answer
