@@ -161,6 +161,14 @@ class TestClient {
              std::apply([](const auto&... out) { return ((out.matched() > 0) && ...); }, writers_);
     });
   }
+  /// Waits until the gateway's side is gone on every topic: what is written then waits for no dead reader.
+  bool wait_until_gone() {
+    return eventually(signal_, [&] {
+      return std::apply([](const auto&... inbox) { return ((inbox.reader.matched() == 0) && ...); },
+                        inboxes_) &&
+             std::apply([](const auto&... out) { return ((out.matched() == 0) && ...); }, writers_);
+    });
+  }
 
   static Identity identity(std::uint8_t n) {
     Identity id = {};

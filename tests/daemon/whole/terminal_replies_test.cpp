@@ -179,6 +179,7 @@ void stop_both(Scene& scene) {
 /// The next daemon serves the same client, whose numbers go on.
 void new_daemon(Scene& scene) {
   scene.rig.stop_gateway();
+  ASSERT_TRUE(scene.asker->wait_until_gone());
   scene.rig.start_gateway();
   ASSERT_TRUE(scene.asker->wait_for_gateway());
 }

@@ -39,6 +39,10 @@ struct Asker {
     return client.wait_for_gateway() &&
            eventually(client.signal(), [&] { return transfer_replies.matched() > 0; });
   }
+  bool wait_until_gone() {
+    return client.wait_until_gone() &&
+           eventually(client.signal(), [&] { return transfer_replies.matched() == 0; });
+  }
   TestClient client;
   gateway::dds::Reader<cansync_TransferReply> transfer_replies;
 };
@@ -104,6 +108,8 @@ class WholeRig {
     gateway_->stop();
     gateway_.reset();
     daemon_.reset();
+    // Else the next one seems to be there before it is.
+    EXPECT_TRUE(watcher_.wait_until_gone());
   }
   void start_gateway() {
     daemon_ = std::make_unique<gateway::dds::Participant>(places_.here);
