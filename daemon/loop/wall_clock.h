@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+
 #include "can/bus.h"
 
 namespace cansyncd {
@@ -13,19 +15,32 @@ class WallClock {
 
   explicit WallClock(Read read, can::Time epoch = can::Time{0}) noexcept : read_(read), offset_(epoch) {}
 
-  /// Measures the offset between both clocks again.
+  /// Measures the offset between both clocks again. A thread that is held up while it reads them knows it no
+  /// better than that takes: it tries again, and keeps the former offset as long as that may be right.
   void adjust(can::Bus& bus) noexcept {
     if (read_ == nullptr) return;
-    const can::Time before = bus.now();
-    const can::Time wall = read_();
-    const can::Time after = bus.now();
-    offset_ = wall - (before + (after - before) / 2);
+    can::Time measured{};
+    can::Time doubt = can::Time::max();
+    for (unsigned i = 0; i < kTries && doubt > kUndisturbed; ++i) {
+      const can::Time before = bus.now();
+      const can::Time wall = read_();
+      const can::Time half = (bus.now() - before) / 2;
+      if (half >= doubt) continue;
+      doubt = half;
+      measured = wall - (before + half);
+    }
+    const can::Time change = measured - offset_;
+    if (change <= doubt && change >= -doubt) return;
+    offset_ = measured;
   }
 
   /// Wall clock at an instant of the bus's clock.
   can::Time at(can::Time bus_time) const noexcept { return bus_time + offset_; }
 
  private:
+  static constexpr unsigned kTries = 3;
+  static constexpr can::Time kUndisturbed = std::chrono::microseconds(2);
+
   Read read_;
   can::Time offset_;
 };
