@@ -217,7 +217,7 @@ class Pictures(unittest.TestCase):
                 self.assertIn("dancer-1", [word.text for word in red])
         for size in ("80x24", "120x40"):
             for text, _ in self.shown(f"jobs-{size}.svg"):
-                for part in ("$ cansync jobs", "STATE", "upload 60000 bytes", "dancer-1", "behind 1", "unwinder", "WHOSE"):
+                for part in ("$ cansync jobs", "STATE", "upload 60000 bytes", "dancer-1", "behind ", "unwinder", "WHOSE"):
                     self.assertIn(part, text)
             for text, _ in self.shown(f"doctor-{size}.svg"):
                 for part in ("missed", "idle states", "DDS places", "1 error: drive fault"):

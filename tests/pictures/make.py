@@ -168,9 +168,9 @@ def make_faulty(line, folder):
 def make_jobs(line, folder):
     """What one client waits for behind another."""
     with contextlib.ExitStack() as stack:
-        for slave, length in ((FAULTY, 60000), (FAULTY, 20000), ("unwinder", 5000)):
+        for known, (slave, length) in enumerate(((FAULTY, 60000), (FAULTY, 20000), ("unwinder", 20000))):
             stack.enter_context(line.start("upload", slave, "0x200", length, "-"))
-        wait_for("three uploads are known", lambda: line.done("jobs").stdout.decode().count("upload") >= 3)
+            wait_for("it is known", lambda: line.done("jobs").stdout.decode().count("upload") > known)
         for columns, rows in ((80, 24), (120, 40)):
             make_screen(line, folder, columns, rows, "jobs")
 

@@ -298,14 +298,14 @@ void expect_same_telegrams(const RandomLine& line, const Recording& before, cons
   }
 }
 
-/// CANSYNC_LEARN_LINES=200 tells how many lines, and what was not found.
+/// CANSYNC_LEARN_LINES=1000 tells how many lines, and what was not found.
 const char* lines_asked_for() {
   return std::getenv("CANSYNC_LEARN_LINES");  // NOLINT(concurrency-mt-unsafe): one thread
 }
 
 unsigned lines_wanted() {
   const char* wanted = lines_asked_for();
-  return wanted == nullptr ? 40 : static_cast<unsigned>(std::strtoul(wanted, nullptr, 10));
+  return wanted == nullptr ? 200 : static_cast<unsigned>(std::strtoul(wanted, nullptr, 10));
 }
 
 TEST(LearnRandomLines, ARecordingThatBeginsInOperationSaysNothingWrong) {
