@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "can/bus.h"
+#include "can/clock_offset.h"
 
 namespace cansyncd {
 
@@ -19,26 +20,16 @@ class WallClock {
   /// better than that takes: it tries again, and keeps the former offset as long as that may be right.
   void adjust(can::Bus& bus) noexcept {
     if (read_ == nullptr) return;
-    can::Time measured{};
-    can::Time doubt = can::Time::max();
-    for (unsigned i = 0; i < kTries && doubt > kUndisturbed; ++i) {
-      const can::Time before = bus.now();
-      const can::Time wall = read_();
-      const can::Time half = (bus.now() - before) / 2;
-      if (half >= doubt) continue;
-      doubt = half;
-      measured = wall - (before + half);
-    }
-    const can::Time change = measured - offset_;
-    if (change <= doubt && change >= -doubt) return;
-    offset_ = measured;
+    const can::ClockOffset read = can::read_clock_offset([&bus] { return bus.now(); }, read_, kUndisturbed);
+    const can::Time change = read.ahead - offset_;
+    if (change <= read.doubt && change >= -read.doubt) return;
+    offset_ = read.ahead;
   }
 
   /// Wall clock at an instant of the bus's clock.
   can::Time at(can::Time bus_time) const noexcept { return bus_time + offset_; }
 
  private:
-  static constexpr unsigned kTries = 3;
   static constexpr can::Time kUndisturbed = std::chrono::microseconds(2);
 
   Read read_;

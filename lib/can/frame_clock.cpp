@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "can/clock_offset.h"
+
 namespace can {
 namespace {
 
@@ -10,10 +12,9 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// Reading three clocks takes longer than this only when the thread was interrupted meanwhile, or where each
-/// reading is a system call.
-constexpr Time kUndisturbed = microseconds(5);
-constexpr unsigned kTries = 3;
+/// Half of the time in which three clocks are read is longer than this only when the thread was interrupted
+/// meanwhile, or where each reading is a system call.
+constexpr Time kUndisturbed = std::chrono::nanoseconds(2500);
 /// A frame is stamped before it can be taken; by more than this only on an overloaded machine, and never by
 /// more than the second.
 constexpr Time kOnItsWay = milliseconds(2);
@@ -27,22 +28,13 @@ constexpr Time kHardwareJump = milliseconds(20);
 
 }  // namespace
 
-/// The reading between the two closest others. One that took about as long as the shortest so far was not
-/// interrupted, and will do.
+/// A reading that took about as long as the shortest so far was not interrupted, and will do.
 Time FrameClock::measure_offset() noexcept {
-  Time best{};
-  Time best_span = Time::max();
-  const Time will_do = std::max(kUndisturbed, least_span_ / 4 * 5);
-  for (unsigned i = 0; i < kTries && best_span > will_do; ++i) {
-    const Time before = kernel_.monotonic();
-    const Time wall = kernel_.realtime();
-    const Time after = kernel_.monotonic();
-    if (after - before >= best_span) continue;
-    best_span = after - before;
-    best = before + best_span / 2 - wall;
-  }
-  least_span_ = measured_ ? std::min(least_span_, best_span) : best_span;
-  return best;
+  const ClockOffset read =
+      read_clock_offset([this] { return kernel_.monotonic(); }, [this] { return kernel_.realtime(); },
+                        std::max(kUndisturbed, least_doubt_ / 4 * 5));
+  least_doubt_ = measured_ ? std::min(least_doubt_, read.doubt) : read.doubt;
+  return -read.ahead;
 }
 
 Time FrameClock::begin_batch() noexcept {

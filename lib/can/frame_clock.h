@@ -61,7 +61,7 @@ class FrameClock {
   Time offset_{};         ///< monotonic - realtime, now
   Time offset_before_{};  ///< likewise, of the batch before
   bool measured_ = false;
-  Time least_span_{};  ///< the shortest reading of the clocks so far
+  Time least_doubt_{};  ///< of all readings of the offset so far
   HardwareOffset hardware_;
 };
 

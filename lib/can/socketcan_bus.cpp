@@ -216,12 +216,11 @@ void SocketcanBus::went_down(Time now) noexcept {
 /// Tells the guard when the controller has been emptied, and has it reset when the guard wants that.
 void SocketcanBus::guard_controller() noexcept {
   const bool bus_off = status_.state == ControllerState::bus_off;
-  const bool left_bus_off = was_bus_off_ && !bus_off;
-  const bool emptied = status_.link != LinkState::up || left_bus_off;
-  if (!emptied && bus_off == was_bus_off_ && !reset_asked_ && !guard_.wants_reset()) return;
+  const bool emptied = status_.link != LinkState::up || (was_bus_off_ && !bus_off);
+  was_bus_off_ = bus_off;
+  if (!emptied && !reset_asked_ && !guard_.wants_reset()) return;
   const Time now = kernel_.monotonic();
   if (emptied) guard_.emptied(now);
-  was_bus_off_ = bus_off;
   if (reset_asked_) {
     const ResetResult result = reset_result();
     reset_asked_ = result == ResetResult::pending;

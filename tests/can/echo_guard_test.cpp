@@ -55,7 +55,7 @@ TEST(EchoGuard, OneFrameAtATimeUntilTheFirstEcho) {
   EXPECT_TRUE(rig.send(3, microseconds(301)));
 }
 
-TEST(EchoGuard, TheTimeMattersForTheFirstFrameOnTheWayAndDuringAPause) {
+TEST(EchoGuard, TheTimeMattersForTheFirstFrameOnItsWay) {
   Guarded rig;
   EXPECT_TRUE(rig.guard.wants_time());
   rig.prove();
@@ -114,6 +114,7 @@ TEST(EchoGuard, TwoIntervalsWantAResetAndAfterItOneFrameIsTriedAndThenOneASecond
   rig.guard.emptied(milliseconds(7));
   EXPECT_FALSE(rig.send(5, milliseconds(8)));
   EXPECT_TRUE(rig.send(5, milliseconds(7) + EchoGuard::kPause));
+  EXPECT_TRUE(rig.guard.wants_time()) << "the pause ends with an echo alone";
   rig.look(milliseconds(7) + EchoGuard::kPause + microseconds(500), {5});
   EXPECT_EQ(rig.guard.delivery(), Delivery::normal);
   EXPECT_EQ(rig.guard.unacknowledged(), 3u);

@@ -14,6 +14,7 @@
 #include "can/flagged_frames.h"
 #include "layer2/sim/frame_node.h"
 #include "sim/line.h"
+#include "support/silent_bus.h"
 
 namespace cansyncd {
 namespace {
@@ -153,14 +154,9 @@ TEST(DeadlineLoop, BeginsOnceAndEndsOnce) {
 }
 
 /// A bus that sleeps on when frames come, unless it is told to wait for one.
-class SleepyBus final : public can::Bus {
+class SleepyBus final : public test::SilentBus {
  public:
   can::Time frame_at = can::Time::max();  ///< the echo of an own frame comes
-  can::Time now() noexcept override { return now_; }
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    now_ = std::max(now_, deadline);
-    return can::Wake::deadline;
-  }
   can::Wake wait_for_frame(can::Time deadline) noexcept override {
     if (frame_at > deadline) return wait_until(deadline);
     now_ = std::max(now_, frame_at);
@@ -171,14 +167,6 @@ class SleepyBus final : public can::Bus {
     out = {data_frame(0x100, {}), std::exchange(frame_at, can::Time::max()), true};
     return true;
   }
-  can::SendResult send(const can::Frame&) noexcept override { return can::SendResult::queued; }
-  can::ControllerStatus status() noexcept override { return {}; }
-  can::ResetResult reset() noexcept override { return can::ResetResult::done; }
-  can::ResetResult reset_result() noexcept override { return can::ResetResult::done; }
-  can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::simulation; }
-
- private:
-  can::Time now_{};
 };
 
 TEST(DeadlineLoop, WakesForTheEchoThatMakesAPlaceOnABusThatSleepsOn) {
@@ -198,23 +186,14 @@ TEST(DeadlineLoop, WakesForTheEchoThatMakesAPlaceOnABusThatSleepsOn) {
 }
 
 /// A bus whose thread sleeps too long, once.
-class LateBus final : public can::Bus {
+class LateBus final : public test::SilentBus {
  public:
   LateBus(can::Time when, can::Time until) : when_(when), until_(until) {}
-  can::Time now() noexcept override { return now_; }
   can::Wake wait_until(can::Time deadline) noexcept override {
-    now_ = std::max(now_, deadline == when_ ? until_ : deadline);
-    return can::Wake::deadline;
+    return SilentBus::wait_until(deadline == when_ ? until_ : deadline);
   }
-  bool receive(can::ReceivedFrame&) noexcept override { return false; }
-  can::SendResult send(const can::Frame&) noexcept override { return can::SendResult::queued; }
-  can::ControllerStatus status() noexcept override { return {}; }
-  can::ResetResult reset() noexcept override { return can::ResetResult::done; }
-  can::ResetResult reset_result() noexcept override { return can::ResetResult::done; }
-  can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::simulation; }
 
  private:
-  can::Time now_{};
   can::Time when_;
   can::Time until_;
 };

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <deque>
 
+#include "support/silent_bus.h"
+
 namespace cansyncd {
 namespace {
 
@@ -28,16 +30,9 @@ can::Time read_wall() noexcept {
   return read;
 }
 
-class ClockBus final : public can::Bus {
+class ClockBus final : public test::SilentBus {
  public:
   can::Time now() noexcept override { return bus_clock; }
-  can::Wake wait_until(can::Time) noexcept override { return can::Wake::deadline; }
-  bool receive(can::ReceivedFrame&) noexcept override { return false; }
-  can::SendResult send(const can::Frame&) noexcept override { return can::SendResult::queued; }
-  can::ControllerStatus status() noexcept override { return {}; }
-  can::ResetResult reset() noexcept override { return can::ResetResult::done; }
-  can::ResetResult reset_result() noexcept override { return can::ResetResult::done; }
-  can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::simulation; }
 };
 
 class WallClockTest : public testing::Test {
