@@ -271,8 +271,7 @@ class Slave {
     IntervalNumber interval = 0;
   };
 
-  // What every interval touches comes first, to lie together: what all drives of a simulated line need of it
-  // then fits into a processor's nearest cache.
+  // What every interval touches comes first, to lie together.
   State state_ = State::start_up;
   bool sync_activated_ = false;
   std::array<bool, kChannels> fresh_ = {};
