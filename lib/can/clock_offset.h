@@ -8,6 +8,7 @@ namespace can {
 struct ClockOffset {
   Time ahead{};              ///< wall clock - steady clock
   Time doubt = Time::max();  ///< half of what the reading took
+  Time now{};                ///< steady clock, read last
 };
 
 /// Reads the wall clock between two readings of the steady one, up to three times, and keeps the reading that
@@ -20,8 +21,13 @@ ClockOffset read_clock_offset(Steady steady, Wall wall, Time will_do) noexcept {
   for (unsigned i = 0; i < kTries && best.doubt > will_do; ++i) {
     const Time before = steady();
     const Time read = wall();
-    const Time half = (steady() - before) / 2;
-    if (half < best.doubt) best = {read - (before + half), half};
+    const Time now = steady();
+    const Time half = (now - before) / 2;
+    if (half < best.doubt) {
+      best.ahead = read - (before + half);
+      best.doubt = half;
+    }
+    best.now = now;
   }
   return best;
 }

@@ -1,15 +1,21 @@
 #include "can/echo_guard.h"
 
 namespace can {
+namespace {
+
+/// Looks come at the same places of each interval, by about this much.
+constexpr Time kLookJitter = std::chrono::microseconds(100);
+
+}  // namespace
 
 bool EchoGuard::may_send(Time now) const noexcept {
   if (interval_ == Time{0}) return true;
   return !held_ && now >= resume_ && (proven_ || one_shot_ || count_ == 0);
 }
 
-void EchoGuard::handed_over(const Frame& frame, Time now) noexcept {
+void EchoGuard::handed_over(const Frame& frame) noexcept {
   if (interval_ == Time{0}) return;
-  if (count_ == 0) progress_ = now;
+  if (count_ == 0) undated_ = true;
   if (count_ == kMost) forget_first(1);  // looks that left frames behind do not judge
   frames_[(first_ + count_) % kMost] = frame;
   ++count_;
@@ -18,6 +24,8 @@ void EchoGuard::handed_over(const Frame& frame, Time now) noexcept {
 void EchoGuard::begin_look(Time at, bool one_shot) noexcept {
   look_ = at;
   one_shot_ = one_shot;
+  if (undated_) progress_ = at;
+  undated_ = false;
 }
 
 void EchoGuard::echo(const Frame& frame) noexcept {
@@ -46,12 +54,14 @@ void EchoGuard::end_look(bool everything) noexcept {
     delivery_ = delivery_ == Delivery::normal ? Delivery::unacknowledged : delivery_;
     return;
   }
-  if (count_ == 0 || look_ - progress_ < interval_) return;
+  if (count_ == 0 || !silent_for(1)) return;
   if (one_shot_ && !refused_) return give_up();
   held_ = true;
-  if (look_ - progress_ >= 2 * interval_ && delivery_ == Delivery::normal) {
-    delivery_ = Delivery::unacknowledged;
-  }
+  if (silent_for(2) && delivery_ == Delivery::normal) delivery_ = Delivery::unacknowledged;
+}
+
+bool EchoGuard::silent_for(unsigned intervals) const noexcept {
+  return look_ - progress_ >= intervals * interval_ - kLookJitter;
 }
 
 /// One-shot: each was tried once, and is gone.

@@ -28,21 +28,22 @@ constexpr Time kHardwareJump = milliseconds(20);
 
 }  // namespace
 
-/// A reading that took about as long as the shortest so far was not interrupted, and will do.
-Time FrameClock::measure_offset() noexcept {
+/// A reading that took about as long as the shortest so far was not interrupted, and will do. What it read
+/// last is the time of the look, which follows.
+void FrameClock::measure_offset() noexcept {
   const ClockOffset read =
       read_clock_offset([this] { return kernel_.monotonic(); }, [this] { return kernel_.realtime(); },
                         std::max(kUndisturbed, least_doubt_ / 4 * 5));
   least_doubt_ = measured_ ? std::min(least_doubt_, read.doubt) : read.doubt;
-  return -read.ahead;
+  offset_ = -read.ahead;
+  look_ = read.now;
 }
 
 Time FrameClock::begin_batch() noexcept {
   offset_before_ = offset_;
-  offset_ = measure_offset();
+  measure_offset();
   if (!measured_) offset_before_ = offset_;
   measured_ = true;
-  look_ = kernel_.monotonic();
   return look_;
 }
 

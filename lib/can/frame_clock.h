@@ -50,7 +50,7 @@ class FrameClock {
     unsigned frames = 0;
   };
 
-  Time measure_offset() noexcept;
+  void measure_offset() noexcept;
   std::optional<Time> from_software(Time stamp) const noexcept;
   std::optional<Time> from_hardware(Time stamp, Time software) noexcept;
   bool plausible(Time at) const noexcept;

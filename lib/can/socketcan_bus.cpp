@@ -175,8 +175,7 @@ SendResult SocketcanBus::send(const Frame& frame) noexcept {
   if (bound_ == 0 || status_.link != LinkState::up) return SendResult::interface_down;
   if (status_.state == ControllerState::bus_off) return SendResult::bus_off;
   // Where reading the clock is a system call, each reading delays the telegrams behind it.
-  const Time now = guard_.wants_time() ? kernel_.monotonic() : Time{0};
-  if (!guard_.may_send(now)) return SendResult::not_delivered;
+  if (!guard_.may_send(guard_.wants_time() ? kernel_.monotonic() : Time{0})) return SendResult::not_delivered;
   switch (kernel_.send_frame(socket_, to_kernel(frame))) {
     case -ENETDOWN:
     case -ENODEV:
@@ -184,7 +183,7 @@ SendResult SocketcanBus::send(const Frame& frame) noexcept {
       went_down(kernel_.monotonic());
       return SendResult::interface_down;
     case static_cast<int>(sizeof(can_frame)):
-      guard_.handed_over(frame, now);
+      guard_.handed_over(frame);
       return SendResult::queued;
     default:  // no room, or a reason that does not last either
       guard_.queue_full();

@@ -22,7 +22,7 @@ struct Guarded {
 
   bool send(std::uint32_t id, Time at) {
     if (!guard.may_send(at)) return false;
-    guard.handed_over(frame(id), at);
+    guard.handed_over(frame(id));
     return true;
   }
   void look(Time at, std::initializer_list<std::uint32_t> echoes = {}, bool everything = true) {
@@ -40,8 +40,9 @@ struct Guarded {
     prove();
     EXPECT_TRUE(send(2, milliseconds(1)));
     EXPECT_TRUE(send(3, microseconds(1300)));
-    look(milliseconds(2));
-    look(milliseconds(3));
+    look(microseconds(1300));
+    look(microseconds(2300));
+    look(microseconds(3300));
     EXPECT_TRUE(guard.wants_reset());
   }
 };
@@ -55,19 +56,18 @@ TEST(EchoGuard, OneFrameAtATimeUntilTheFirstEcho) {
   EXPECT_TRUE(rig.send(3, microseconds(301)));
 }
 
-TEST(EchoGuard, TheTimeMattersForTheFirstFrameOnItsWay) {
+TEST(EchoGuard, TheFirstLookAfterwardsDatesAFrame) {
   Guarded rig;
-  EXPECT_TRUE(rig.guard.wants_time());
   rig.prove();
-  EXPECT_TRUE(rig.guard.wants_time()) << "nothing is on its way";
-  rig.send(2, milliseconds(1));
   EXPECT_FALSE(rig.guard.wants_time());
-  // Given no time, the second one on its way is neither held back nor taken for an old one.
-  EXPECT_TRUE(rig.send(3, Time{0}));
-  rig.look(milliseconds(1) + kInterval - microseconds(1));
-  EXPECT_TRUE(rig.guard.may_send(Time{0}));
-  rig.look(milliseconds(1) + kInterval);
-  EXPECT_FALSE(rig.guard.may_send(Time{0}));
+  rig.send(2, milliseconds(1));
+  // The thread stood still for longer than the frame would be given; nothing had looked for its echo.
+  rig.look(milliseconds(50));
+  EXPECT_TRUE(rig.send(3, milliseconds(50)));
+  rig.look(milliseconds(50) + kInterval - microseconds(101));
+  EXPECT_TRUE(rig.send(4, milliseconds(51)));
+  rig.look(milliseconds(50) + kInterval - microseconds(100));
+  EXPECT_FALSE(rig.send(5, milliseconds(51))) << "looks are not punctual to the microsecond";
 }
 
 TEST(EchoGuard, AnIntervalWithoutAnEchoHoldsBackAndALateOneEndsThat) {
@@ -75,16 +75,17 @@ TEST(EchoGuard, AnIntervalWithoutAnEchoHoldsBackAndALateOneEndsThat) {
   rig.prove();
   EXPECT_TRUE(rig.send(2, milliseconds(1)));
   EXPECT_TRUE(rig.send(3, microseconds(1300)));
-  rig.look(microseconds(1999));
-  EXPECT_TRUE(rig.send(4, microseconds(1999)));
-  rig.look(milliseconds(2));
-  EXPECT_FALSE(rig.send(5, milliseconds(2)));
+  rig.look(microseconds(1500));
+  rig.look(microseconds(2000));
+  EXPECT_TRUE(rig.send(4, microseconds(2000)));
+  rig.look(microseconds(2500));
+  EXPECT_FALSE(rig.send(5, microseconds(2500)));
   EXPECT_FALSE(rig.guard.wants_reset());
   EXPECT_EQ(rig.guard.delivery(), Delivery::normal);
-  rig.look(microseconds(2100), {2});
-  EXPECT_FALSE(rig.send(5, microseconds(2100))) << "two of them stand there still";
-  rig.look(microseconds(2200), {3, 4});
-  EXPECT_TRUE(rig.send(5, microseconds(2200)));
+  rig.look(microseconds(2600), {2});
+  EXPECT_FALSE(rig.send(5, microseconds(2600))) << "two of them stand there still";
+  rig.look(microseconds(2700), {3, 4});
+  EXPECT_TRUE(rig.send(5, microseconds(2700)));
   EXPECT_EQ(rig.guard.unacknowledged(), 0u);
 }
 
@@ -109,6 +110,8 @@ TEST(EchoGuard, TwoIntervalsWantAResetAndAfterItOneFrameIsTriedAndThenOneASecond
   EXPECT_EQ(rig.guard.unacknowledged(), 2u);
   EXPECT_TRUE(rig.send(4, milliseconds(5)));
   EXPECT_FALSE(rig.send(5, milliseconds(5)));
+  rig.look(milliseconds(5));
+  EXPECT_FALSE(rig.guard.wants_reset());
   rig.look(milliseconds(6));
   EXPECT_TRUE(rig.guard.wants_reset()) << "an interval is enough now";
   rig.guard.emptied(milliseconds(7));
@@ -151,6 +154,7 @@ TEST(EchoGuard, OneShotGivesUpAndGoesOn) {
   rig.prove();
   for (unsigned n = 1; n < 10; ++n) {
     EXPECT_TRUE(rig.send(2, n * 2 * kInterval));
+    rig.look(n * 2 * kInterval);
     rig.look(n * 2 * kInterval + kInterval);
     EXPECT_EQ(rig.guard.unacknowledged(), n);
     EXPECT_EQ(rig.guard.delivery(), n == 1 ? Delivery::normal : Delivery::unacknowledged);
@@ -163,6 +167,7 @@ TEST(EchoGuard, OneShotWithAFullQueueIsNone) {
   rig.one_shot = true;
   rig.prove();
   EXPECT_TRUE(rig.send(2, milliseconds(1)));
+  rig.look(milliseconds(1));
   rig.look(milliseconds(2));
   rig.guard.queue_full();
   rig.look(microseconds(2100));
@@ -172,7 +177,7 @@ TEST(EchoGuard, OneShotWithAFullQueueIsNone) {
 TEST(EchoGuard, WithoutAnIntervalItGuardsNothing) {
   EchoGuard guard(Time{0});
   for (unsigned n = 0; n < 100; ++n) {
-    guard.handed_over(frame(n), n * kInterval);
+    guard.handed_over(frame(n));
     guard.begin_look(n * kInterval, false);
     guard.end_look(true);
     EXPECT_TRUE(guard.may_send(n * kInterval));
