@@ -64,10 +64,13 @@ class Seen:
 
 
 def read(lines):
-    """The frames in lines of `candump -L`."""
-    for line in lines:
+    """The frames in lines of `candump -L`, by their time: what two processors took from a controller may stand in the log
+    the other way round."""
+    def seen(line):
         time, _, text = line.split()[:3]
-        yield Seen(int(time.strip("()").replace(".", "")), text)
+        return Seen(int(time.strip("()").replace(".", "")), text)
+
+    return sorted(map(seen, lines), key=lambda frame: frame.at)
 
 
 class Judge:
@@ -82,7 +85,7 @@ class Judge:
         self.wrong, self.slow = [], []
         self.count = dict.fromkeys(NAMES.values(), 0)
         self.ways = ([], [])
-        frames = list(read(lines))
+        frames = read(lines)
         self.edges = [frame.at for frame in frames if frame.channel == SYNC and not frame.data]
         self._interval = None
         self._referenced = (None, None)  # edges of the newest two intervals with reference values

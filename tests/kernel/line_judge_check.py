@@ -39,6 +39,12 @@ class Judged(unittest.TestCase):
         self.assertEqual([judge.count[name] for name in ("SYNC", "WRC1", "RDC1", "RDC2", "CC", "RC")], [9, 6, 6, 6, 8, 7])
         self.assertEqual((set(judge.ways[0]), set(judge.ways[1])), ({350}, {300}))
 
+    def test_the_time_of_a_line_counts_and_not_its_place(self):
+        lines = line()
+        answer = next(i for i, text in enumerate(lines) if " 585#" in text)
+        lines[answer - 1], lines[answer] = lines[answer], lines[answer - 1]
+        self.assertEqual(Judge(lines, 125000).wrong, [])
+
     def test_a_slot_counts_from_its_sync_frame(self):
         late = {"late": [(5, 1000)], "without": [(5, "305#E803000007000000")]}
         self.assertEqual(self.wrong((5, 5310, "305#0000"), **late), [])
