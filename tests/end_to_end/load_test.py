@@ -14,6 +14,7 @@ from load_run import Clients, Daemon  # noqa: E402
 READERS, REQUESTERS, OPEN = 20, 5, 16
 SECONDS = 2
 FLOOD_SECONDS = 2
+INTERVAL_MS = 8  # at 125 kbit/s
 MISHAP_SECONDS = 6  # a client that stands still is given up by DDS after 5 s
 # What a client costs in the daemon: readers, writers and their matches; about 120 KiB were seen.
 KIB_FOR_A_CLIENT = 512
@@ -54,7 +55,8 @@ class Load(unittest.TestCase):
                 self.assertEqual(of["command"]["ends"], {"done": of["command"]["requests"]})
                 # Programs that go around the library take the processors from everybody: what that costs is only measured.
                 if name != "raw parameters":
-                    self.assertLessEqual(of["command"]["median_ms"], 3 * alone)
+                    # Behind the queue of the others it would take far more intervals than these.
+                    self.assertLessEqual(of["command"]["median_ms"], max(3 * alone, 3 * INTERVAL_MS))
                     # A moment in which the computer runs nobody may cost a value; a flood that goes first costs most of them.
                     refused = of["references"]["ends"].pop("refused")
                     self.assertLessEqual(refused, of["references"]["requests"] // 100)
@@ -68,12 +70,23 @@ class Load(unittest.TestCase):
 
     def test_a_client_that_is_stopped_killed_or_slow_costs_the_others_one_write_at_most(self):
         program = os.environ["FLOOD_CLIENTS"]
+        found, lost = {}, {}
         with Gateway(slaves=4, bit_rate=125000) as daemon:
-            found = {name: flood_run.mishap(program, daemon, name, MISHAP_SECONDS) for name in flood_run.MISHAPS}
-        print(flood_run.table({"floods": {}, "mishaps": found}))
+            for name in flood_run.MISHAPS:
+                before = self.telegrams_lost(daemon)
+                found[name] = flood_run.mishap(program, daemon, name, MISHAP_SECONDS)
+                lost[name] = self.telegrams_lost(daemon) - before
+        print(flood_run.table({"floods": {}, "mishaps": found}), lost)
         longest = {name: of["read"]["longest_ms"] for name, of in found.items()}
         for name in longest:
-            self.assertLess(longest[name], 100 + 3 * longest["none"], longest)
+            # Each telegram that a held up computer could not send in time makes a read wait for the next interval.
+            allowed = 100 + 3 * longest["none"] + INTERVAL_MS * lost[name]
+            self.assertLess(longest[name], allowed, (longest, lost))
+
+    @staticmethod
+    def telegrams_lost(daemon):
+        status = daemon.status()
+        return status["left_out"] + status["missed_syncs"]
 
 
 if __name__ == "__main__":
