@@ -130,18 +130,20 @@ std::vector<config::Problem> check_together(std::span<const LoadedConfig> files)
 std::string print_default_config(std::span<const std::string> overrides, Protocols protocols) {
   const Choice choice = choose({}, overrides, protocols);
   if (choice.protocol == nullptr) throw std::runtime_error(config::to_string(choice.problems.front()));
-  return choice.protocol->default_config();
+  return config::default_file(choice.protocol->options(), choice.protocol->heads->file);
 }
 
 std::string print_options_markdown(Protocols protocols) {
   std::string out;
-  for (const ProtocolInfo* protocol : protocols) out += protocol->options_markdown();
+  for (const ProtocolInfo* protocol : protocols)
+    out += config::options_markdown(protocol->options(), protocol->heads->markdown);
   return out;
 }
 
 std::string print_options_man(Protocols protocols) {
   std::string out;
-  for (const ProtocolInfo* protocol : protocols) out += protocol->options_man();
+  for (const ProtocolInfo* protocol : protocols)
+    out += config::options_man(protocol->options(), protocol->heads->man);
   return out;
 }
 

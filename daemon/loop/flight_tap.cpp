@@ -82,19 +82,19 @@ void FlightTap::fault(FlightReason reason, std::uint64_t detail, const Moment& w
 }
 
 can::Wake RecordedBus::woken(can::Time deadline, can::Wake wake) noexcept {
-  if (wake == can::Wake::deadline) tap_.woke(deadline, bus_.now());
+  if (wake == can::Wake::deadline) tap_.woke(deadline, behind_.now());
   return wake;
 }
 
 bool RecordedBus::receive(can::ReceivedFrame& out) noexcept {
-  if (!bus_.receive(out)) return false;
+  if (!behind_.receive(out)) return false;
   tap_.received(out);
   return true;
 }
 
 can::SendResult RecordedBus::send(const can::Frame& frame) noexcept {
-  const can::SendResult result = bus_.send(frame);
-  tap_.sent(bus_.now(), frame, result);
+  const can::SendResult result = behind_.send(frame);
+  tap_.sent(behind_.now(), frame, result);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "can/bus.h"
+#include "can/passing_bus.h"
 #include "daemon/config/flight_triggers.h"
 #include "daemon/loop/moment.h"
 #include "rt/flight_recorder.h"
@@ -68,29 +69,23 @@ class FlightTap {
 };
 
 /// A bus seen by the flight recorder: passes everything on and keeps it. Realtime safe.
-class RecordedBus final : public can::Bus {
+class RecordedBus final : public can::PassingBus {
  public:
   /// Both must outlive this bus.
-  RecordedBus(can::Bus& bus, FlightTap& tap) noexcept : bus_(bus), tap_(tap) {}
+  RecordedBus(can::Bus& bus, FlightTap& tap) noexcept : PassingBus(bus), tap_(tap) {}
 
-  can::Time now() noexcept override { return bus_.now(); }
   can::Wake wait_until(can::Time deadline) noexcept override {
-    return woken(deadline, bus_.wait_until(deadline));
+    return woken(deadline, behind_.wait_until(deadline));
   }
   can::Wake wait_for_frame(can::Time deadline) noexcept override {
-    return woken(deadline, bus_.wait_for_frame(deadline));
+    return woken(deadline, behind_.wait_for_frame(deadline));
   }
   bool receive(can::ReceivedFrame& out) noexcept override;
   can::SendResult send(const can::Frame& frame) noexcept override;
-  can::ControllerStatus status() noexcept override { return bus_.status(); }
-  can::ResetResult reset() noexcept override { return bus_.reset(); }
-  can::ResetResult reset_result() noexcept override { return bus_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return bus_.timestamp_source(); }
 
  private:
   can::Wake woken(can::Time deadline, can::Wake wake) noexcept;
 
-  can::Bus& bus_;
   FlightTap& tap_;
 };
 

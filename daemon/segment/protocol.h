@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/option.h"
+#include "config/print.h"
 #include "config/problem.h"
 #include "daemon/config/daemon_config.h"
 #include "daemon/segment/segment.h"
@@ -58,12 +59,9 @@ struct ProtocolInfo {
   /// "KEY=VALUE" and win over the file. Never throws for a wrong file.
   LoadedConfig (*load)(const std::string& path, std::span<const std::string> overrides);
 
-  /// A file with every option at its default, each explained in a comment.
-  std::string (*default_config)();
-  /// Its part of docs/configuration.md.
-  std::string (*options_markdown)();
-  /// Its part of the options in cansync.toml(5), in mdoc.
-  std::string (*options_man)();
+  /// What docs/configuration.md, a file with every option at its default, and cansync.toml(5) say of it
+  /// before they tell its options.
+  const config::DocumentHeads* heads;
 };
 
 }  // namespace cansyncd

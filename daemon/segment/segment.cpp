@@ -18,4 +18,12 @@ std::string not_taken(const ReloadPlan& plan) {
   return fmt::format("nothing is changed: {}{}{}", first.key, first.key.empty() ? "" : ": ", first.text);
 }
 
+void Segment::tell_reload(const ReloadPlan& plan) {
+  if (!plan.problems.empty()) {
+    post({gateway_SEVERITY_ERROR, "reload_refused", -1, not_taken(plan), {}});
+  } else if (!plan.needs_restart.empty() || !plan.needs_set_up.empty()) {
+    post({gateway_SEVERITY_WARNING, "setting_needs_restart", -1, not_taken(plan), {}});
+  }
+}
+
 }  // namespace cansyncd

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/problem.h"
+#include "daemon/desk/event_text.h"
 #include "daemon/service/heartbeat.h"
 #include "daemon/service/journal.h"
 
@@ -63,9 +64,11 @@ class Segment {
   /// the plan, which must be called or dropped before anything else here is.
   virtual ReloadPlan plan_reload(std::span<const std::string> overrides) = 0;
 
-  /// Tells clients what of `plan` was not taken: a refused file, options that need a restart. Nothing by
-  /// itself.
-  virtual void tell_reload(const ReloadPlan& /*plan*/) {}
+  /// Publishes an event on every bus of the segment.
+  virtual void post(const EventText& event) = 0;
+
+  /// Tells clients what of `plan` was not taken: a refused file, options that need a restart.
+  void tell_reload(const ReloadPlan& plan);
 
  protected:
   Segment() = default;

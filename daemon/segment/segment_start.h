@@ -26,6 +26,14 @@ std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
                                                 const std::vector<config::Setting>& settings,
                                                 const std::string& path, const sim::FaultProtocol& faults);
 
+/// A file as it was read, with that checked, too, unless something is wrong already.
+template <class File>
+File checked(File file, const sim::FaultProtocol& faults) {
+  if (file.problems.empty())
+    file.problems = check_surroundings(file.config, file.settings, file.path, faults);
+  return file;
+}
+
 /// What the realtime thread asks of the system.
 rt::RealtimeSettings realtime_settings(const RealtimeConfig& config);
 

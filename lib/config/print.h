@@ -8,6 +8,13 @@
 /// Documents of a table of options. Each begins with `head`. Main thread.
 namespace config {
 
+/// What the documents of one table begin with.
+struct DocumentHeads {
+  std::string_view markdown;
+  std::string_view file;
+  std::string_view man;
+};
+
 /// A page in Markdown: a table for each section.
 std::string options_markdown(const Table& table, std::string_view head);
 

@@ -295,4 +295,10 @@ void override_setting(Settings& settings, std::string_view assignment, const Tab
   settings.items.push_back(std::move(setting));
 }
 
+Settings read_settings(const std::string& path, std::span<const std::string> overrides, const Table& table) {
+  Settings settings = resolve(read_document(path), table);
+  for (const std::string& assignment : overrides) override_setting(settings, assignment, table);
+  return settings;
+}
+
 }  // namespace config

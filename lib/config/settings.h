@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,5 +36,9 @@ Settings resolve(const Document& document, const Table& table);
 /// Takes one "KEY=VALUE" of --set into `settings`, in place of what the file says. The value is in TOML's
 /// notation; strings may go without quotes.
 void override_setting(Settings& settings, std::string_view assignment, const Table& table);
+
+/// The settings of the file `path`, with `overrides` ("KEY=VALUE" of --set), which win over it. Never throws
+/// for a wrong file: its problems are in the result.
+Settings read_settings(const std::string& path, std::span<const std::string> overrides, const Table& table);
 
 }  // namespace config

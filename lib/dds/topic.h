@@ -47,12 +47,18 @@ struct TopicInfo {
   const dds_topic_descriptor_t* final_type = nullptr;
 };
 
-/// The row of an IDL type: `template <> inline constexpr TopicInfo topic_info<T> = {...}` beside its table;
-/// only topic types have one.
+/// The row of an IDL type, beside its table; only topic types have one.
 template <class T>
 struct NotATopic;
 template <class T>
 inline constexpr TopicInfo topic_info = NotATopic<T>::none;
+
+/// The row of the topic `Name` of the IDL module `module`. A macro: only so can the names that idlc makes be
+/// put together, and no row can name two types.
+#define GATEWAY_TOPIC(module, Name, from_daemon, qos)                                                    \
+  template <>                                                                                            \
+  inline constexpr TopicInfo topic_info<module##_##Name> = {#Name, &module##_##Name##_desc, from_daemon, \
+                                                            qos, &module##_##Name##_final_desc}
 
 /// QoS of the kinds of topics.
 namespace kind {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "can/bounded_list.h"
 #include "can/frame.h"
 #include "j1939/address_claim.h"
-#include "j1939/bounded_list.h"
 #include "j1939/message.h"
 #include "j1939/order.h"
 #include "j1939/pgn_filter.h"
@@ -191,11 +191,11 @@ class Node {
   FrameQueue replies_;
   TransportReceiver receiver_;
   TransportSender sender_;
-  BoundedList<Open, kMostQueue> waiting_;
-  BoundedList<HandedOver, kMostHandedOver> handed_over_;
-  BoundedList<Sending, TransportSender::kSessions> sending_;
-  BoundedList<Open, kMostRequests> asked_;  ///< requests on the bus whose answer is waited for
-  BoundedList<Answer, kMostOpen> answers_;
+  can::BoundedList<Open, kMostQueue> waiting_;
+  can::BoundedList<HandedOver, kMostHandedOver> handed_over_;
+  can::BoundedList<Sending, TransportSender::kSessions> sending_;
+  can::BoundedList<Open, kMostRequests> asked_;  ///< requests on the bus whose answer is waited for
+  can::BoundedList<Answer, kMostOpen> answers_;
   std::size_t requests_ = 0;  ///< open orders that are requests
   std::uint64_t jobs_ = 0;    ///< of the sender, so far
   std::optional<Offer> offer_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "can/bounded_list.h"
 #include "can/frame.h"
 #include "can/obstacle.h"
 #include "layer2/bounded_queue.h"
@@ -219,26 +220,6 @@ class Station {
   std::size_t handed_over_count() const noexcept { return handed_over_.size(); }
 
  private:
-  /// A bounded list in the order of arrival; for few elements.
-  template <class T, std::size_t N>
-  class List {
-   public:
-    std::size_t size() const noexcept { return size_; }
-    bool full() const noexcept { return size_ == N; }
-    T& operator[](std::size_t i) noexcept { return elements_[i]; }
-    const T& operator[](std::size_t i) const noexcept { return elements_[i]; }
-    /// There must be room.
-    void push(const T& element) noexcept { elements_[size_++] = element; }
-    void erase(std::size_t at) noexcept {
-      for (std::size_t i = at + 1; i < size_; ++i) elements_[i - 1] = elements_[i];
-      --size_;
-    }
-
-   private:
-    std::array<T, N> elements_ = {};
-    std::size_t size_ = 0;
-  };
-
   struct Open {
     OrderId id = 0;
     can::Frame frame;
@@ -270,7 +251,7 @@ class Station {
   BoundedQueue<Open> normal_;
   BoundedQueue<Open> high_;
   Priority offered_ = Priority::normal;  ///< queue of what `next_frame` said
-  List<Open, kMostHandedOver> handed_over_;
+  can::BoundedList<Open, kMostHandedOver> handed_over_;
   BoundedQueue<Answer> answers_;
   Obstacle obstacle_ = Obstacle::none;  ///< of the first waiting order
   StationCounters counters_;

@@ -41,4 +41,21 @@ class FaultProtocol {
   virtual void make_busy(can::Frame& answer) const noexcept = 0;
 };
 
+/// What faults have to know of a protocol whose frames scripts name by identifier: nothing but its word.
+class PlainFaults final : public FaultProtocol {
+ public:
+  /// `node_word`: a literal.
+  explicit PlainFaults(std::string_view node_word) noexcept : node_word_(node_word) {}
+
+  std::string_view node_word() const noexcept override { return node_word_; }
+  std::span<const ChannelName> channels() const noexcept override { return {}; }
+  std::optional<NodeNumber> node_of(const can::Frame&) const noexcept override { return std::nullopt; }
+  bool is_answer(const can::Frame&) const noexcept override { return false; }
+  void make_wrong(can::Frame&) const noexcept override {}
+  void make_busy(can::Frame&) const noexcept override {}
+
+ private:
+  const std::string_view node_word_;
+};
+
 }  // namespace sim

@@ -2,7 +2,7 @@
 
 #include <deque>
 
-#include "can/bus.h"
+#include "can/passing_bus.h"
 #include "plan.h"
 #include "sim/line.h"
 #include "sync/sync_wire.h"
@@ -21,13 +21,11 @@ class BusObserver {
 };
 
 /// The simulated line as a loop sees it whose thread may wake late, and may be woken by slots alone.
-class StageBus final : public can::Bus, public sync_line::SyncWire {
+class StageBus final : public can::PassingBus, public sync_line::SyncWire {
  public:
   /// All must outlive the bus.
   StageBus(const Plan& plan, sim::Line& line, BusObserver& observer)
-      : plan_(plan), line_(line), observer_(observer), dice_(plan.seed ^ 0x57A6E) {}
-
-  can::Time now() noexcept override { return line_.now(); }
+      : PassingBus(line), plan_(plan), line_(line), observer_(observer), dice_(plan.seed ^ 0x57A6E) {}
 
   can::Wake wait_until(can::Time deadline) noexcept override {
     observer_.waits(line_.now());
@@ -63,11 +61,6 @@ class StageBus final : public can::Bus, public sync_line::SyncWire {
     observer_.edge(due, line_.now());
     line_.sync_edge(due);
   }
-
-  can::ControllerStatus status() noexcept override { return line_.status(); }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
 
  private:
   /// In virtual time the line stands still while a frame waits in it.

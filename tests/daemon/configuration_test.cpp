@@ -32,12 +32,14 @@ LoadedConfig load(const std::string& /*path*/, std::span<const std::string> /*ov
   loaded.daemon.bus.name = name;
   return loaded;
 }
-template <char name>
-std::string print() {
-  return {name};
+const config::Table& no_options() {
+  static const config::Table none;
+  return none;
 }
-constexpr ProtocolInfo kBread = {"bread", nullptr, load<'b'>, print<'b'>, print<'b'>, print<'b'>};
-constexpr ProtocolInfo kCake = {"cake-2", nullptr, load<'c'>, print<'c'>, print<'c'>, print<'c'>};
+constexpr config::DocumentHeads kBreadHeads = {"b", "b", "b"};
+constexpr config::DocumentHeads kCakeHeads = {"c", "c", "c"};
+constexpr ProtocolInfo kBread = {"bread", no_options, load<'b'>, &kBreadHeads};
+constexpr ProtocolInfo kCake = {"cake-2", no_options, load<'c'>, &kCakeHeads};
 constexpr std::array<const ProtocolInfo*, 2> kBakery = {&kBread, &kCake};
 
 class ProtocolOfAFile : public testing::Test {

@@ -61,8 +61,8 @@ class WrittenSegment final : public Segment {
   }
   Heartbeat::Progress progress() const noexcept override { return {}; }
   bool record() noexcept override { return true; }
-  void tell_reload(const ReloadPlan& plan) override {
-    if (!plan.problems.empty()) book_.write(name_ + " tells what was refused");
+  void post(const EventText& event) override {
+    if (event.severity == gateway_SEVERITY_ERROR) book_.write(name_ + " tells what was refused");
   }
   ReloadPlan plan_reload(std::span<const std::string>) override {
     ReloadPlan plan{

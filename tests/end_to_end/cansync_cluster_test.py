@@ -1,12 +1,10 @@
 """The daemon as a cluster: a slave beside a simulated master above, the master of simulated drives below."""
 
 import json
-import os
-import subprocess
-import tempfile
 import unittest
 
-from gateway import CANSYNCD, LONG, Place, end, wait_for
+from gateway import LONG, wait_for
+from verb_case import DaemonTest
 
 CONFIG = """
 [bus]
@@ -55,20 +53,9 @@ to = 680
 """
 
 
-class Cluster(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.place = Place()
-        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
-        config = os.path.join(folder, "bus.toml")
-        with open(os.path.join(folder, "faults.toml"), "w", encoding="utf-8") as file:
-            file.write(FAULTS)
-        with open(config, "w", encoding="utf-8") as file:
-            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
-        cls.log = os.path.join(folder, "log")
-        with open(cls.log, "wb") as log:
-            cls.daemon = subprocess.Popen([CANSYNCD, config], stdout=log, stderr=log)
-        cls.addClassCleanup(lambda: end(cls.daemon))
+class Cluster(DaemonTest):
+    CONFIG = CONFIG
+    FILES = {"faults.toml": FAULTS}
 
     def on(self, level, *arguments):
         """A verb on one of the two buses."""
@@ -92,6 +79,12 @@ class Cluster(unittest.TestCase):
         self.assertEqual((upper["protocol"], upper["slave_number"]), ("cansync-slave", 5))
         self.assertEqual((lower["protocol"], lower["process"]), ("cansync-master", upper["process"]))
         self.assertEqual(self.on("upper", "references").returncode, 0)
+
+    def test_a_file_that_is_not_taken_is_told_on_both_buses(self):
+        wait_for("it runs", lambda: self.on("upper", "status").returncode == 0)
+        self.reload_something_wrong()
+        for level in ("upper", "lower"):
+            wait_for(f"the {level} bus tells it", lambda: "reload_refused" in dict(self.codes(level)))
 
     def test_the_master_above_writes_a_parameter_of_a_drive_below(self):
         read = lambda: self.on("lower", "read", "winder", "1000", "--json")

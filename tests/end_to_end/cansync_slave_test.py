@@ -5,14 +5,14 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
 from help_text import helps
 
 from json_schemas import expect
-from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
+from gateway import CANSYNC, CANSYNCD, LONG, metrics, wait_for
+from verb_case import DaemonTest
 
 CONFIG = """
 [bus]
@@ -30,28 +30,18 @@ period_s = 1
 """
 
 
-class SlaveRole(unittest.TestCase):
+class SlaveRole(DaemonTest):
+    CONFIG = CONFIG
+
     @classmethod
     def setUpClass(cls):
-        cls.place = Place()
-        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
-        cls.config = os.path.join(folder, "bus.toml")
-        cls.log = os.path.join(folder, "log")
-        cls.metrics = os.path.join(folder, "line.prom")
-        with open(cls.config, "w", encoding="utf-8") as file:
-            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
-        with open(cls.log, "wb") as log:
-            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
-        cls.addClassCleanup(lambda: end(cls.daemon))
+        super().setUpClass()
+        cls.metrics = os.path.join(cls.folder, "line.prom")
         wait_for("the master gives reference values", lambda: cls.place.run("references").returncode == 0)
 
-    def one(self, *arguments, code=0):
-        """The only object of a verb."""
-        result = self.place.run(*arguments, "--json")
-        self.assertEqual(result.returncode, code, result.stderr)
-        lines = result.stdout.splitlines()
-        self.assertEqual(len(lines), 1, lines)
-        return json.loads(lines[0])
+    def test_a_file_that_is_not_taken_is_told(self):
+        self.reload_something_wrong()
+        wait_for("it is told", lambda: "reload_refused" in [event["code"] for event in self.json("events")])
 
     def test_status_and_events_tell_of_the_slave(self):
         status = wait_for("it is synchronized", lambda: (s := self.one("status"))["synchronized"] and s)

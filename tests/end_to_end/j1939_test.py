@@ -14,6 +14,7 @@ from help_text import helps
 
 from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
+from verb_case import DaemonTest
 from secured_case import SecuredCase
 
 CONFIG = """
@@ -60,33 +61,19 @@ data = [65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75]
 """
 
 
-class Messages(unittest.TestCase):
+class Messages(DaemonTest):
+    CONFIG = CONFIG
+
     @classmethod
     def setUpClass(cls):
-        cls.place = Place()
-        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
-        cls.config = os.path.join(folder, "bus.toml")
-        cls.log = os.path.join(folder, "log")
-        with open(cls.config, "w", encoding="utf-8") as file:
-            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
-        with open(cls.log, "wb") as log:
-            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
-        cls.addClassCleanup(lambda: end(cls.daemon))
+        super().setUpClass()
         wait_for("a message is sent", lambda: cls.place.run("transmit", "0FEF1", "01").returncode == 0)
 
     def json(self, *arguments, code=0):
-        result = self.place.run(*arguments, "--json")
-        self.assertEqual(result.returncode, code, result.stderr)
-        found = [json.loads(line) for line in result.stdout.splitlines()]
+        found = super().json(*arguments, code=code)
         for one in found:
             expect(arguments, one)
         return found
-
-    def one(self, *arguments, code=0):
-        """The only object of a verb."""
-        found = self.json(*arguments, code=code)
-        self.assertEqual(len(found), 1, found)
-        return found[0]
 
     def test_it_lost_its_address_and_has_another(self):
         found = {one["address"]: one for one in self.json("addresses")}

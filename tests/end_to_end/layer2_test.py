@@ -14,6 +14,7 @@ from help_text import helps
 
 from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
+from verb_case import DaemonTest
 from secured_case import SecuredCase
 
 CONFIG = """
@@ -67,27 +68,13 @@ power_on = ["// nothing yet", "Send 0x700 1 0"]
 """
 
 
-class Frames(unittest.TestCase):
+class Frames(DaemonTest):
+    CONFIG = CONFIG
+
     @classmethod
     def setUpClass(cls):
-        cls.place = Place()
-        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
-        cls.config = os.path.join(folder, "bus.toml")
-        cls.log = os.path.join(folder, "log")
-        with open(cls.config, "w", encoding="utf-8") as file:
-            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain))
-        with open(cls.log, "wb") as log:
-            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
-        cls.addClassCleanup(lambda: end(cls.daemon))
+        super().setUpClass()
         wait_for("a frame is sent", lambda: cls.place.run("can", "send", "100#").returncode == 0)
-
-    def one(self, *arguments, code=0):
-        """The only object of a verb."""
-        result = self.place.run(*arguments, "--json")
-        self.assertEqual(result.returncode, code, result.stderr)
-        lines = result.stdout.splitlines()
-        self.assertEqual(len(lines), 1, lines)
-        return json.loads(lines[0])
 
     def test_frames_of_every_kind_are_sent(self):
         sent = self.one("can", "send", "123#0102FF")

@@ -1,9 +1,13 @@
 """A test of verbs as processes, with one daemon and its simulated drives for all tests of a class."""
 
+import json
+import os
 import signal
+import subprocess
+import tempfile
 import unittest
 
-from gateway import LONG, Gateway, wait_for
+from gateway import CANSYNCD, LONG, Gateway, Place, end, wait_for
 
 # Parameters of a simulated drive.
 DEVICE_TYPE, CONTROL_WORD, LAST_ACTION = 100, 300, 330
@@ -68,3 +72,48 @@ class VerbTest(unittest.TestCase):
         out, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, code, err.decode())
         return out, err.decode()
+
+
+class DaemonTest(unittest.TestCase):
+    """With one daemon of any protocol for all tests of a class."""
+
+    CONFIG = ""  # its file, with the places {bus} and {domain}
+    FILES = {}  # beside it: contents by name
+
+    @classmethod
+    def setUpClass(cls):
+        cls.place = Place()
+        cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.config = os.path.join(cls.folder, "bus.toml")
+        cls.log = os.path.join(cls.folder, "log")
+        files = {"bus.toml": cls.CONFIG.format(bus=cls.place.bus, domain=cls.place.domain), **cls.FILES}
+        for name, content in files.items():
+            with open(os.path.join(cls.folder, name), "w", encoding="utf-8") as file:
+                file.write(content)
+        with open(cls.log, "wb") as log:
+            cls.daemon = subprocess.Popen([CANSYNCD, cls.config], stdout=log, stderr=log)
+        cls.addClassCleanup(lambda: end(cls.daemon))
+
+    def json(self, *arguments, code=0):
+        result = self.place.run(*arguments, "--json")
+        self.assertEqual(result.returncode, code, result.stderr)
+        return [json.loads(line) for line in result.stdout.splitlines()]
+
+    def one(self, *arguments, code=0):
+        """The only object of a verb."""
+        found = self.json(*arguments, code=code)
+        self.assertEqual(len(found), 1, found)
+        return found[0]
+
+    def reload_something_wrong(self):
+        """The daemon is told to read a file with an unknown section; the file is as before when the test ends."""
+        with open(self.config, encoding="utf-8") as file:
+            before = file.read()
+
+        def give(text):
+            with open(self.config, "w", encoding="utf-8") as file:
+                file.write(text)
+            self.daemon.send_signal(signal.SIGHUP)
+
+        self.addCleanup(give, before)
+        give(before + "[unknown]\n")

@@ -49,14 +49,15 @@ lib/client:                 idl lib/text lib/profile lib/can lib/dbc lib/signals
 
 daemon/config:              lib/can lib/sync
 daemon/service:             lib/text lib/config
-daemon/loop:                lib/system lib/can lib/rt lib/sync daemon/config
-daemon/desk:                idl lib/text lib/rt lib/dds daemon/service daemon/loop
 daemon/bus:                 lib/config lib/can lib/sync lib/sim daemon/config
+daemon/loop:                lib/system lib/can lib/rt lib/sync daemon/config daemon/bus
+daemon/desk:                idl lib/text lib/rt lib/dds daemon/service daemon/loop
 daemon/options:             lib/config lib/profile daemon/config daemon/bus
 daemon/recorder:            lib/text lib/can lib/rt daemon/config daemon/service daemon/loop daemon/desk
-daemon/segment:             lib/text lib/config lib/can lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop
+daemon/segment:             lib/text lib/config lib/can lib/rt lib/sync lib/sim lib/dds daemon/config daemon/service daemon/loop daemon/desk
                             daemon/bus daemon/recorder
 daemon/status:              idl lib/text lib/can lib/sync lib/rt lib/dds daemon/config daemon/service daemon/loop daemon/bus daemon/desk
+daemon/gateway:             lib/can lib/dds daemon/service daemon/desk daemon/status
 daemon/cansync:             lib/can lib/cansync lib/rt lib/sync daemon/loop
 daemon/cansync/config:      lib/text lib/config lib/profile lib/can lib/cansync daemon/config daemon/options
 daemon/cansync/bus:         lib/cansync lib/cansync/sim daemon/bus daemon/cansync/config
@@ -70,7 +71,7 @@ daemon/cansync/status:      idl lib/text lib/profile lib/can lib/cansync lib/dds
                             daemon/service daemon/cansync/config daemon/desk daemon/status
 daemon/cansync/gateway:     idl lib/text lib/cansync lib/dds lib/cansync/dds daemon/bus daemon/cansync daemon/service
                             daemon/cansync/config daemon/cansync/texts daemon/cansync/requests daemon/desk
-                            daemon/status daemon/cansync/status
+                            daemon/gateway daemon/cansync/status
 daemon/cansync/segment:     lib/text lib/cansync lib/dds lib/cansync/sim daemon/service daemon/bus
                             daemon/loop daemon/segment daemon/recorder daemon/cansync daemon/cansync/config
                             daemon/cansync/bus daemon/cansync/realtime daemon/cansync/gateway
@@ -78,10 +79,10 @@ daemon/cansync_slave:       lib/can lib/cansync lib/cansync_slave lib/rt daemon/
 daemon/cansync_slave/config: lib/config lib/profile lib/cansync lib/cansync_slave/config daemon/config daemon/options
 daemon/cansync_slave/realtime: lib/can lib/cansync lib/sync daemon/loop daemon/bus daemon/cansync_slave
                             daemon/cansync_slave/config
-daemon/cansync_slave/gateway: idl lib/text lib/cansync lib/sync lib/dds lib/cansync_slave/dds daemon/service daemon/desk daemon/status
+daemon/cansync_slave/gateway: idl lib/text lib/cansync lib/sync lib/dds lib/cansync_slave/dds daemon/service daemon/desk daemon/gateway daemon/status
                             daemon/cansync_slave daemon/cansync_slave/config
-daemon/cansync_slave/segment: lib/config lib/can lib/cansync lib/dds lib/cansync/sim daemon/service daemon/loop
-                            daemon/bus daemon/segment daemon/recorder daemon/cansync_slave daemon/cansync_slave/config
+daemon/cansync_slave/segment: lib/can lib/cansync lib/cansync/sim
+                            daemon/bus daemon/segment daemon/cansync_slave daemon/cansync_slave/config
                             daemon/cansync_slave/realtime daemon/cansync_slave/gateway
 daemon/cansync_cluster/config: lib/config lib/cansync daemon/config daemon/options daemon/cansync/config
                             daemon/cansync_slave/config
@@ -94,19 +95,19 @@ daemon/layer2:              lib/can lib/layer2 lib/rt
 daemon/layer2/config:       lib/config lib/can lib/layer2 daemon/config daemon/options
 daemon/layer2/realtime:     lib/can lib/layer2 daemon/loop daemon/bus daemon/layer2
 daemon/layer2/gateway:      idl lib/text lib/can lib/layer2 lib/dds lib/layer2/dds daemon/service daemon/desk
-                            daemon/status
+                            daemon/gateway daemon/status
                             daemon/layer2 daemon/layer2/config
-daemon/layer2/segment:      lib/text lib/config lib/can lib/sim lib/dds lib/layer2/sim daemon/service daemon/loop
-                            daemon/bus daemon/segment daemon/recorder daemon/layer2 daemon/layer2/config
+daemon/layer2/segment:      lib/text lib/can lib/sim lib/layer2/sim
+                            daemon/bus daemon/segment daemon/layer2 daemon/layer2/config
                             daemon/layer2/realtime daemon/layer2/gateway
 daemon/j1939:               lib/can lib/j1939 lib/rt
 daemon/j1939/config:        lib/config lib/j1939 daemon/config daemon/options
 daemon/j1939/realtime:      lib/can lib/j1939 daemon/loop daemon/bus daemon/j1939
-daemon/j1939/gateway:       idl lib/text lib/can lib/j1939 lib/dds lib/j1939/dds daemon/service daemon/desk
-                            daemon/status
+daemon/j1939/gateway:       idl lib/text lib/j1939 lib/dds lib/j1939/dds daemon/service daemon/desk
+                            daemon/gateway daemon/status
                             daemon/j1939 daemon/j1939/config
-daemon/j1939/segment:       lib/text lib/config lib/can lib/dds lib/j1939/sim daemon/service daemon/loop
-                            daemon/bus daemon/segment daemon/recorder daemon/j1939 daemon/j1939/config
+daemon/j1939/segment:       lib/text lib/can lib/j1939/sim
+                            daemon/bus daemon/segment daemon/j1939 daemon/j1939/config
                             daemon/j1939/realtime daemon/j1939/gateway
 daemon:                     lib/text lib/config lib/rt daemon/service daemon/options daemon/segment
 
@@ -144,7 +145,7 @@ CORES = ("lib/cansync", "lib/layer2", "lib/j1939")
 CORE_HEADERS = set("""algorithm array bit bitset chrono compare concepts cstddef cstdint cstring deque functional
 initializer_list iterator limits memory new numeric optional ranges span string string_view tuple type_traits utility
 variant vector""".split())
-CORE_FRAMES = ("can/frame.h", "can/frame_length.h", "can/obstacle.h")
+CORE_FRAMES = ("can/bounded_list.h", "can/frame.h", "can/frame_length.h", "can/obstacle.h")
 CORE_WORDS = re.compile(r"steady_clock|system_clock|high_resolution_clock|utc_clock|clock_gettime|gettimeofday|std::time\b|"
                         r"this_thread|fopen|printf|getenv|std::(cout|cerr|clog)")
 CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
@@ -155,7 +156,7 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
                  "lib/dds": re.compile("cansync/|cansync::|cansync_|cansync[.]h|namespace cansync")}
 # Rooms of the daemon that every protocol has: its words, but not the paths of this product.
 CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[A-Z]|"cansync[.]h"|namespace cansync\b')
-                  for room in "config service loop bus options segment desk status".split()}
+                  for room in "config service loop bus options segment desk status gateway".split()}
 # The one list of protocols; rooms of the daemon within a room are theirs, and nothing outside includes them.
 PROTOCOL_LIST = "lib/protocols.def"
 # What a protocol's library has beside its core: rooms of their own.

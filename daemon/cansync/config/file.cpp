@@ -97,11 +97,7 @@ ConfigFile build_config(Settings settings, const std::string& path) {
 }
 
 ConfigFile load_config(const std::string& path, std::span<const std::string> overrides) {
-  Settings settings = config::resolve(config::read_document(path), options());
-  for (const std::string& assignment : overrides) {
-    config::override_setting(settings, assignment, options());
-  }
-  return build_config(std::move(settings), path);
+  return build_config(config::read_settings(path, overrides, options()), path);
 }
 
 }  // namespace cansyncd

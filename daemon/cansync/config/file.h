@@ -3,19 +3,13 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "daemon/cansync/config/draft.h"
+#include "daemon/options/loaded_file.h"
 
 namespace cansyncd {
 
-/// A configuration as read, together with where it came from.
-struct ConfigFile {
-  std::string path;
-  Config config;                  ///< only to be used when there are no problems
-  std::vector<Setting> settings;  ///< what was given, by the file or --set
-  std::vector<Problem> problems;  ///< everything found wrong, in the order of the file
-};
+using ConfigFile = LoadedFile<Config>;
 
 /// Reads and checks `path`; `overrides` are "KEY=VALUE" and win over the file. Never throws for a wrong file:
 /// all of its problems are in the result. Main thread.

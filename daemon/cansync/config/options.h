@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "config/print.h"
 #include "config/rows.h"
 #include "daemon/cansync/config/draft.h"
 
@@ -15,5 +16,8 @@ const config::Rows<Draft>& option_rows();
 
 /// Their table, for readers and documents.
 const config::Table& options();
+
+/// What its documents begin with.
+extern const config::DocumentHeads master_document_heads;
 
 }  // namespace cansyncd

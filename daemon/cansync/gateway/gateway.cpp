@@ -32,22 +32,15 @@ void take_changeable(const Config& to, Config& config) {
 
 Gateway::Gateway(const Config& config, Exchange& exchange, const gateway::dds::Participant& participant,
                  JournalSink& journal, const DaemonIdentity& identity)
-    : config_(config),
-      exchange_(exchange),
-      events_(participant, journal, config.bus.name),
-      common_(participant, events_, config, {kMasterProtocol, wanted_sample_point(config.bus)}, identity),
-      second_daemon_(participant, signal_, events_, config.bus.name, identity),
+    : GatewayBase(config, exchange, participant, journal, identity,
+                  {kMasterProtocol, wanted_sample_point(config.bus)}, cansync::kSlaves),
       state_(participant, config, identity),
-      trail_(journal, events_, config.bus.name, cansync::kSlaves),
       audit_(trail_, config),
       failsafe_(events_, audit_, config),
       references_(participant, signal_, events_, config, identity, exchange_),
       jobs_(participant, signal_, events_, trail_, CansyncRequests(config, audit_), identity,
             !config.dds.security.empty()),
-      status_line_([bus = config.bus.name](const std::string& text) { service::status(bus, text); }),
-      thread_(
-          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
-          [this] { end_jobs(); }) {
+      status_line_([bus = config.bus.name](const std::string& text) { service::status(bus, text); }) {
   state_.set_givers(references_.givers());
   jobs_.set_read_by_all(common_.gateway_writer());
 }
@@ -56,28 +49,8 @@ Gateway::~Gateway() {
   stop();
 }
 
-void Gateway::start() {
-  metrics_.emplace(
-      config_.metrics, [this](const EventText& event) { post(event); },
-      [this](std::uint64_t failures) {
-        return master_metrics_text(common_.told(), state_.told(), failures);
-      });
-  thread_.start();
-}
-
-void Gateway::stop() noexcept {
-  thread_.stop();
-  metrics_.reset();
-}
-
-void Gateway::reload(const Config& config) {
-  new_configuration_.give(config);
-  exchange_.gateway_wake.signal();
-}
-
-void Gateway::post(const EventText& event) {
-  posted_.post(event);
-  exchange_.gateway_wake.signal();
+std::string Gateway::metrics_text(std::uint64_t write_failures) const {
+  return master_metrics_text(common_.told(), state_.told(), write_failures);
 }
 
 JobContext Gateway::context(SteadyTime now) {
@@ -93,14 +66,13 @@ JobContext Gateway::context(SteadyTime now) {
 SteadyTime Gateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
   take_configuration(now);
-  SteadyTime due = state_.step(exchange_, now);
+  const SteadyTime due = state_.step(exchange_, now);
   events_.set_interval(state_.master().when.interval);
   const JobContext jobs = context(now);
   take_reports(jobs);
   references_.set_line(state_.master().when);
   references_.watch(state_.master().release, now);
   posted_.publish(events_, now);
-  // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
     second_daemon_.look(now);
     // Both take a bounded number, so that no writer keeps this thread from the rest of its work.
@@ -119,21 +91,14 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
     if (references_.take_return(channel)) failsafe_.values_back(channel, config_, now);
   }
   const auto failsafe_due = failsafe_.push(exchange_, now);
-  due = std::min(due, tell_common(now));
-  for (const auto next : {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now), events_.tick(now),
-                          status_line_.step(state_.master(), config_, now), metrics_->step(now)}) {
-    if (next) due = std::min(due, *next);
-  }
-  return due;
-}
-
-SteadyTime Gateway::tell_common(SteadyTime now) {
   const MasterSnapshot& master = state_.master();
-  common_.set_clients(jobs_.clients(), jobs_.rejections());
-  common_.set_snapshot(
-      {master.controller, master.timestamps, master.sync, master.missed_syncs, master.lost_reports});
-  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
-  return common_.step(now);
+  const SteadyTime common_due = tell_common(
+      {master.controller, master.timestamps, master.sync, master.missed_syncs, master.lost_reports}, jobs_,
+      now);
+  return earliest(std::min(due, common_due),
+                  {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now),
+                   status_line_.step(master, config_, now)},
+                  now);
 }
 
 void Gateway::take_reports(const JobContext& context) {
@@ -183,11 +148,10 @@ void Gateway::take_configuration(SteadyTime now) {
   common_.set_access(config_.access);
   references_.set_maximum_age(config_.failsafe.reference_max_age);
   references_.set_refusal(read_only_refusal_of_references(config_));
-  events_.publish(
-      {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
+  tell_reloaded(now);
 }
 
-void Gateway::end_jobs() {
+void Gateway::end() {
   (void)state_.step(exchange_, steady_clock::now());
   take_reports(context(steady_clock::now()));
   posted_.publish(events_, steady_clock::now());

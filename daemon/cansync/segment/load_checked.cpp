@@ -6,11 +6,7 @@
 namespace cansyncd {
 
 ConfigFile load_checked(const std::string& path, std::span<const std::string> overrides) {
-  ConfigFile file = load_config(path, overrides);
-  if (file.problems.empty()) {
-    file.problems = check_surroundings(file.config, file.settings, path, sim::drive_faults());
-  }
-  return file;
+  return checked(load_config(path, overrides), sim::drive_faults());
 }
 
 }  // namespace cansyncd

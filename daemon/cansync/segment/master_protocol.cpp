@@ -8,7 +8,6 @@
 #include "daemon/cansync/config/bus_budget_text.h"
 #include "daemon/cansync/config/dbc.h"
 #include "daemon/cansync/config/options.h"
-#include "daemon/cansync/config/print.h"
 #include "daemon/cansync/segment/load_checked.h"
 #include "daemon/cansync/segment/master_segment.h"
 
@@ -32,7 +31,6 @@ LoadedConfig load(const std::string& path, std::span<const std::string> override
 
 }  // namespace
 
-const ProtocolInfo cansync_protocol = {kMasterProtocol, options,          load,
-                                       default_config,  options_markdown, options_man};
+const ProtocolInfo cansync_protocol = {kMasterProtocol, options, load, &master_document_heads};
 
 }  // namespace cansyncd

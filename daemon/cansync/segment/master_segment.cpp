@@ -123,12 +123,4 @@ ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {
   return plan;
 }
 
-void MasterSegment::tell_reload(const ReloadPlan& plan) {
-  if (!plan.problems.empty()) {
-    gateway_.post({gateway_SEVERITY_ERROR, "reload_refused", -1, not_taken(plan), {}});
-  } else if (!plan.needs_restart.empty() || !plan.needs_set_up.empty()) {
-    gateway_.post({gateway_SEVERITY_WARNING, "setting_needs_restart", -1, not_taken(plan), {}});
-  }
-}
-
 }  // namespace cansyncd

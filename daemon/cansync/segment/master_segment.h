@@ -46,7 +46,7 @@ class MasterSegment final : public Segment {
   Heartbeat::Progress progress() const noexcept override { return {loop_.wake_ups(), gateway_.passes()}; }
   bool record() noexcept override { return flight_.request(); }
   ReloadPlan plan_reload(std::span<const std::string> overrides) override;
-  void tell_reload(const ReloadPlan& plan) override;
+  void post(const EventText& event) override { gateway_.post(event); }
 
  private:
   ConfigFile file_;

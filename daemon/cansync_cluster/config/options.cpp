@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "config/fields.h"
-#include "config/print.h"
 #include "daemon/options/rows.h"
 
 namespace cansyncd {
@@ -141,39 +140,6 @@ constexpr auto kClusterSections = std::to_array<config::Section>({
      "such value is given by the lead axis alone."},
 });
 
-constexpr std::string_view kMarkdownHeadOfClusters = R"(
-# Configuration with bus.protocol = "cansync-cluster"
-
-The daemon is a slave of one bus and the master of another ([cansync-cluster.md](cansync-cluster.md#the-daemon)). Options of the slave stand
-below `upper`, those of the master below `lower`, each with the names of the chapters above: `[upper.slave]`, `[[upper.parameter]]`,
-`[lower.bus]`, `[[lower.slave]]`, `--set lower.bus.interface=can1`. What both have together stands without a level, in the sections here, and
-nowhere else. Every change needs a restart. The smallest file, on two simulated buses:
-
-```toml
-[bus]
-protocol = "cansync-cluster"
-
-[upper.slave]
-number = 5
-```
-)";
-
-constexpr std::string_view kConfigHeadOfClusters =
-    R"(# Configuration of cansyncd as a slave of one bus and the master of another. Options of the slave stand below [upper], those
-# of the master below [lower], with the names that `--print-default-config --set bus.protocol=cansync-slave` and the same
-# with cansync-master print; here is what both have together. [upper.slave] number is required.
-# Printed by `cansyncd --print-default-config --set bus.protocol=cansync-cluster`.
-)";
-
-constexpr std::string_view kManHeadOfClusters =
-    ".Sh OPTIONS WITH BUS.PROTOCOL = CANSYNC-CLUSTER\n"
-    "A slave of one bus that is the master of another.\n"
-    "Options of the slave stand below upper, those of the master below lower, for example\n"
-    ".Li [upper.slave]\n"
-    "and\n"
-    ".Li [[lower.slave]] .\n"
-    "All of them need a restart.\n";
-
 }  // namespace
 
 const config::Rows<ClusterDraft>& cluster_option_rows() {
@@ -190,16 +156,36 @@ const config::Table& cluster_options() {
   return cluster_option_rows().table();
 }
 
-std::string cluster_options_markdown() {
-  return config::options_markdown(cluster_options(), kMarkdownHeadOfClusters);
-}
+const config::DocumentHeads cluster_document_heads = {
+    .markdown = R"(
+# Configuration with bus.protocol = "cansync-cluster"
 
-std::string cluster_options_man() {
-  return config::options_man(cluster_options(), kManHeadOfClusters);
-}
+The daemon is a slave of one bus and the master of another ([cansync-cluster.md](cansync-cluster.md#the-daemon)). Options of the slave stand
+below `upper`, those of the master below `lower`, each with the names of the chapters above: `[upper.slave]`, `[[upper.parameter]]`,
+`[lower.bus]`, `[[lower.slave]]`, `--set lower.bus.interface=can1`. What both have together stands without a level, in the sections here, and
+nowhere else. Every change needs a restart. The smallest file, on two simulated buses:
 
-std::string cluster_default_config() {
-  return config::default_file(cluster_options(), kConfigHeadOfClusters);
-}
+```toml
+[bus]
+protocol = "cansync-cluster"
+
+[upper.slave]
+number = 5
+```
+)",
+    .file =
+        R"(# Configuration of cansyncd as a slave of one bus and the master of another. Options of the slave stand below [upper], those
+# of the master below [lower], with the names that `--print-default-config --set bus.protocol=cansync-slave` and the same
+# with cansync-master print; here is what both have together. [upper.slave] number is required.
+# Printed by `cansyncd --print-default-config --set bus.protocol=cansync-cluster`.
+)",
+    .man =
+        ".Sh OPTIONS WITH BUS.PROTOCOL = CANSYNC-CLUSTER\n"
+        "A slave of one bus that is the master of another.\n"
+        "Options of the slave stand below upper, those of the master below lower, for example\n"
+        ".Li [upper.slave]\n"
+        "and\n"
+        ".Li [[lower.slave]] .\n"
+        "All of them need a restart.\n"};
 
 }  // namespace cansyncd

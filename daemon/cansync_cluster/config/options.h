@@ -8,6 +8,7 @@
 
 #include "cansync/cluster/lead_axis.h"
 #include "cansync/cluster/sub_slaves.h"
+#include "config/print.h"
 #include "config/rows.h"
 #include "daemon/config/daemon_config.h"
 
@@ -50,11 +51,7 @@ const config::Rows<ClusterDraft>& cluster_option_rows();
 /// The table of the rows.
 const config::Table& cluster_options();
 
-/// Its part of docs/configuration.md, generated from the table.
-std::string cluster_options_markdown();
-/// Its part of the options in cansync.toml(5), in mdoc.
-std::string cluster_options_man();
-/// A file with every option at its default, each explained in a comment.
-std::string cluster_default_config();
+/// What its documents begin with.
+extern const config::DocumentHeads cluster_document_heads;
 
 }  // namespace cansyncd

@@ -42,8 +42,7 @@ LoadedConfig load_cluster(const std::string& path, std::span<const std::string> 
 
 }  // namespace
 
-const ProtocolInfo cansync_cluster_protocol = {
-    kClusterProtocol,       cluster_options,          load_cluster,
-    cluster_default_config, cluster_options_markdown, cluster_options_man};
+const ProtocolInfo cansync_cluster_protocol = {kClusterProtocol, cluster_options, load_cluster,
+                                               &cluster_document_heads};
 
 }  // namespace cansyncd

@@ -73,6 +73,10 @@ class ClusterSegment final : public Segment {
   bool record() noexcept override;
   /// Every change needs a restart.
   ReloadPlan plan_reload(std::span<const std::string> overrides) override;
+  void post(const EventText& event) override {
+    upper_gateway_.post(event);
+    lower_gateway_.post(event);
+  }
 
  private:
   ClusterFile file_;

@@ -6,9 +6,7 @@
 #include <utility>
 
 #include "cansync/telegram/mapping.h"
-#include "config/document.h"
 #include "daemon/cansync_slave/config/options.h"
-#include "daemon/options/check_daemon.h"
 #include "daemon/options/check_profiles.h"
 
 namespace cansyncd {
@@ -133,38 +131,17 @@ void check_input(const SlaveRoleConfig& config, Findings& findings) {
 }  // namespace
 
 SlaveRoleFile build_slave_config(config::Settings settings, const std::string& path) {
-  SlaveRoleFile file;
-  file.path = path;
-  file.problems = std::move(settings.problems);
-  SlaveRoleDraft draft;
-  for (const config::Setting& setting : settings.items) {
-    draft.number = setting.numbers.empty() ? 0 : static_cast<unsigned>(setting.numbers.front());
-    draft.parameters.number = draft.number;
-    if (auto text = slave_option_rows().apply(*setting.option, setting.value, draft))
-      file.problems.push_back({setting.where, setting.key, std::move(*text)});
-  }
-  apply_derived(draft.config, settings.items);
-  // With wrong values the cross-checks would only complain about what is missing because of them.
-  if (file.problems.empty()) {
-    Findings findings(settings.items, path);
-    check_daemon(draft.config, findings);
-    finish_slave(draft, findings);
-    finish_service(draft, findings);
-    finish_jobs(draft, findings);
-    check_input(draft.config, findings);
-    file.problems = std::move(findings.problems());
-  }
-  config::sort_by_place(file.problems);
-  file.config = std::move(draft.config);
-  file.settings = std::move(settings.items);
-  return file;
+  return build_file(std::move(settings), path, slave_option_rows(),
+                    [](SlaveRoleDraft& draft, Findings& findings) {
+                      finish_slave(draft, findings);
+                      finish_service(draft, findings);
+                      finish_jobs(draft, findings);
+                      check_input(draft.config, findings);
+                    });
 }
 
 SlaveRoleFile load_slave_config(const std::string& path, std::span<const std::string> overrides) {
-  config::Settings settings = config::resolve(config::read_document(path), slave_options());
-  for (const std::string& assignment : overrides)
-    config::override_setting(settings, assignment, slave_options());
-  return build_slave_config(std::move(settings), path);
+  return build_slave_config(config::read_settings(path, overrides, slave_options()), path);
 }
 
 }  // namespace cansyncd

@@ -9,7 +9,6 @@
 
 #include "cansync/settings/timing.h"
 #include "config/fields.h"
-#include "config/print.h"
 #include "daemon/options/rows.h"
 
 namespace cansyncd {
@@ -260,25 +259,6 @@ constexpr auto kSlaveSections = std::to_array<config::Section>({
     cansync_slave::kParameterSection,
 });
 
-constexpr std::string_view kMarkdownHeadOfSlaves = R"(
-# Configuration with bus.protocol = "cansync-slave"
-
-The daemon is a slave on a line that another one's master drives ([cansync-slave.md](cansync-slave.md)). The smallest file is
-`bus.protocol = "cansync-slave"` and `slave.number`: a simulated bus with a simulated master.
-
-After SIGHUP the options marked "running" take effect at once.
-)";
-
-constexpr std::string_view kConfigHeadOfSlaves =
-    R"(# Configuration of cansyncd as a slave of CANsync with every option. What is not commented out stands at its default;
-# delete what you do not change. Printed by `cansyncd --print-default-config --set bus.protocol=cansync-slave`.
-)";
-
-constexpr std::string_view kManHeadOfSlaves =
-    ".Sh OPTIONS WITH BUS.PROTOCOL = CANSYNC-SLAVE\n"
-    "A slave on a line that another one's master drives.\n"
-    "Those that do not say \"changes while running\" need a restart.\n";
-
 }  // namespace
 
 const config::Rows<SlaveRoleDraft>& slave_option_rows() {
@@ -299,16 +279,22 @@ const config::Table& slave_options() {
   return slave_option_rows().table();
 }
 
-std::string slave_options_markdown() {
-  return config::options_markdown(slave_options(), kMarkdownHeadOfSlaves);
-}
+const config::DocumentHeads slave_document_heads = {
+    .markdown = R"(
+# Configuration with bus.protocol = "cansync-slave"
 
-std::string slave_options_man() {
-  return config::options_man(slave_options(), kManHeadOfSlaves);
-}
+The daemon is a slave on a line that another one's master drives ([cansync-slave.md](cansync-slave.md)). The smallest file is
+`bus.protocol = "cansync-slave"` and `slave.number`: a simulated bus with a simulated master.
 
-std::string slave_default_config() {
-  return config::default_file(slave_options(), kConfigHeadOfSlaves);
-}
+After SIGHUP the options marked "running" take effect at once.
+)",
+    .file =
+        R"(# Configuration of cansyncd as a slave of CANsync with every option. What is not commented out stands at its default;
+# delete what you do not change. Printed by `cansyncd --print-default-config --set bus.protocol=cansync-slave`.
+)",
+    .man =
+        ".Sh OPTIONS WITH BUS.PROTOCOL = CANSYNC-SLAVE\n"
+        "A slave on a line that another one's master drives.\n"
+        "Those that do not say \"changes while running\" need a restart.\n"};
 
 }  // namespace cansyncd

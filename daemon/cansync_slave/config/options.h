@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cansync_slave/config/parameter_rows.h"
+#include "config/print.h"
 #include "config/rows.h"
 #include "daemon/cansync_slave/config/config.h"
 
@@ -38,6 +39,8 @@ struct SlaveRoleDraft {
   cansync_slave::ParameterSections parameters;
   std::map<unsigned, SimulatedJob> jobs;
   std::uint16_t unknown_parameter_error = 0xFFFA;
+
+  void begin(unsigned section) { number = parameters.number = section; }
 };
 
 /// Every row: the daemon's, with the SYNC input, and those of a slave.
@@ -46,11 +49,7 @@ const config::Rows<SlaveRoleDraft>& slave_option_rows();
 /// The table of the rows.
 const config::Table& slave_options();
 
-/// Its part of docs/configuration.md, generated from the table.
-std::string slave_options_markdown();
-/// Its part of the options in cansync.toml(5), in mdoc.
-std::string slave_options_man();
-/// A file with every option at its default, each explained in a comment.
-std::string slave_default_config();
+/// What its documents begin with.
+extern const config::DocumentHeads slave_document_heads;
 
 }  // namespace cansyncd

@@ -11,7 +11,6 @@
 #include "daemon/cansync_slave/gateway/slave_events.h"
 #include "daemon/cansync_slave/gateway/slave_metrics.h"
 #include "daemon/cansync_slave/gateway/slave_status.h"
-#include "daemon/status/bus_events.h"
 
 namespace cansyncd {
 namespace {
@@ -50,15 +49,10 @@ cansync_slave_ActionReceived action_received(const ActionReport& report, std::ui
 SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchange,
                            const gateway::dds::Participant& participant, JournalSink& journal,
                            const DaemonIdentity& identity)
-    : config_(config),
-      exchange_(exchange),
-      events_(participant, journal, config.bus.name),
-      common_(participant, events_, config, {kSlaveProtocol}, identity),
-      second_daemon_(participant, signal_, events_, config.bus.name, identity),
+    : GatewayBase(config, exchange, participant, journal, identity, {kSlaveProtocol}, 0),
       identity_(identity),
       releases_(participant, signal_, events_, identity, exchange),
       application_(participant, signal_, events_, identity, config.status_parameter, exchange),
-      trail_(journal, events_, config.bus.name, 0),
       commands_(participant, signal_, events_, trail_, SlaveRequests(), identity,
                 !config.dds.security.empty()),
       references_(participant, 0, &signal_),
@@ -66,10 +60,7 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       actions_(participant, 0, &signal_),
       parameter_jobs_(participant, 0, &signal_),
       block_jobs_(participant, 0, &signal_),
-      status_(participant, 0, &signal_),
-      thread_(
-          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
-          [this] { end(); }) {
+      status_(participant, 0, &signal_) {
   releases_.set_read_only(config.access.read_only);
   application_.set_read_only(config.access.read_only);
   commands_.set_read_by_all(common_.gateway_writer());
@@ -80,33 +71,21 @@ SlaveGateway::~SlaveGateway() {
 }
 
 void SlaveGateway::start() {
-  // Who listens to whom, and how, is known before the first telegram.
   for (std::uint8_t slave = 0; slave < cansync::kSlaves; ++slave)
     publish_monitored(*cansync::SlaveNumber::from(slave), {});
-  metrics_.emplace(
-      config_.metrics, [this](const EventText& event) { post(event); },
-      [this](std::uint64_t failures) { return slave_metrics_text(common_.told(), told_status_, failures); });
-  thread_.start();
+  GatewayBase::start();
 }
 
-void SlaveGateway::stop() noexcept {
-  thread_.stop();
-  metrics_.reset();
-}
-
-void SlaveGateway::post(const EventText& event) {
-  posted_.post(event);
-  exchange_.gateway_wake.signal();
-}
-
-void SlaveGateway::reload(const SlaveRoleConfig& config) {
-  new_configuration_.give(config);
-  exchange_.gateway_wake.signal();
+std::string SlaveGateway::metrics_text(std::uint64_t write_failures) const {
+  return slave_metrics_text(common_.told(), told_status_, write_failures);
 }
 
 SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
-  take_configuration(now);
+  if (take_access(now)) {
+    releases_.set_read_only(config_.access.read_only);
+    application_.set_read_only(config_.access.read_only);
+  }
   const bool more = take_reports(now);
   take_jobs();
   take_done(now);
@@ -117,24 +96,10 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
     if (application_.take_samples(now)) signal_.raise();
     if (commands_.take_requests(context(now))) signal_.raise();
   }
-  SteadyTime due = publish_status(now);
-  for (const auto next : {events_.tick(now), releases_.tick(now), application_.tick(now), metrics_->step(now),
-                          commands_.retry(context(now))}) {
-    if (next) due = std::min(due, *next);
-  }
+  const SteadyTime status_due = publish_status(now);
+  const SteadyTime due =
+      earliest(status_due, {releases_.tick(now), application_.tick(now), commands_.retry(context(now))}, now);
   return more ? now : due;
-}
-
-void SlaveGateway::take_configuration(SteadyTime now) {
-  const auto taken = new_configuration_.take();
-  if (!taken) return;
-  config_.access = taken->access;
-  config_.dds.request_max_age = taken->dds.request_max_age;
-  common_.set_access(config_.access);
-  releases_.set_read_only(config_.access.read_only);
-  application_.set_read_only(config_.access.read_only);
-  events_.publish(
-      {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }
 
 bool SlaveGateway::take_reports(SteadyTime now) {
@@ -207,17 +172,14 @@ SteadyTime SlaveGateway::publish_status(SteadyTime now) {
   const SlaveSnapshot before = snapshot_;
   if (exchange_.status.read(snapshot_)) {
     events_.set_interval(snapshot_.interval);
-    for (const EventText& event : bus_events(before.controller, snapshot_.controller, config_.bus))
-      events_.publish(event, now);
+    tell_bus(before.controller, snapshot_.controller, now);
   }
-  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
-  common_.set_clients(commands_.clients(), commands_.rejections());
-  common_.set_snapshot({.controller = snapshot_.controller,
-                        .timestamps = snapshot_.timestamps,
-                        .sync = snapshot_.sync,
-                        .missed_syncs = snapshot_.missing_edges,
-                        .lost_reports = snapshot_.lost_reports});
-  const SteadyTime common_due = common_.step(now);
+  const SteadyTime common_due = tell_common({.controller = snapshot_.controller,
+                                             .timestamps = snapshot_.timestamps,
+                                             .sync = snapshot_.sync,
+                                             .missed_syncs = snapshot_.missing_edges,
+                                             .lost_reports = snapshot_.lost_reports},
+                                            commands_, now);
   const bool application_changed = told_application_ != application_.name();
   if (now < next_status_ && !differs(before, snapshot_) && !application_changed)
     return std::min(common_due, next_status_);

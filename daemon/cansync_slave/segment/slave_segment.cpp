@@ -16,7 +16,9 @@
 #include "cansync/settings/timing.h"
 #include "cansync/sim/drive_faults.h"
 #include "cansync/sim/master_node.h"
-#include "config/reload.h"
+#include "daemon/cansync_slave/config/options.h"
+#include "daemon/cansync_slave/segment/slave_protocol.h"
+#include "daemon/segment/segment_start.h"
 
 namespace cansyncd {
 namespace {
@@ -104,13 +106,6 @@ sync_line::PhaseLockSettings wire_lock(const SlaveRoleConfig& config) {
 
 }  // namespace
 
-SlaveRoleFile load_slave_checked(const std::string& path, std::span<const std::string> overrides) {
-  SlaveRoleFile file = load_slave_config(path, overrides);
-  if (file.problems.empty())
-    file.problems = check_surroundings(file.config, file.settings, path, sim::drive_faults());
-  return file;
-}
-
 BusPlan slave_bus_plan(const SlaveRoleConfig& config) {
   BusPlan plan;
   plan.bus = config.bus;
@@ -146,52 +141,33 @@ SlaveMachineSettings slave_machine_settings(const SlaveRoleConfig& config, Fligh
   return settings;
 }
 
-SlaveSegment::SlaveSegment(SlaveRoleFile file, JournalSink& journal, gateway::dds::Participant participant)
-    : file_(std::move(file)),
-      log_(file_.config.bus.name, journal),
-      bus_(slave_bus_plan(file_.config)),
-      sync_line_(make_sync_line(file_.config, cansync::slot_times(file_.config.slave.bit_rate).interval,
-                                file_.settings, file_.path)),
-      exchange_(file_.config.realtime.report_queue),
-      participant_(std::move(participant)),
-      gateway_(file_.config, exchange_, participant_, journal),
-      flight_(
-          file_.config, FlightProtocol{.interval = cansync::slot_times(file_.config.slave.bit_rate).interval},
-          bus_.bus(), [this](const EventText& event) { gateway_.post(event); }, journal),
-      machine_(slave_machine_settings(file_.config, flight_.tap(), {sync_line_.get(), bus_.sync_edges()}),
-               flight_.bus(), exchange_),
-      loop_(machine_, flight_.bus()),
-      threads_(log_, loop_, {log_, file_.config, bus_, flight_, gateway_, exchange_}) {}
-
-SlaveSegment::~SlaveSegment() {
-  stop();
+SlaveRoleFile SlaveParts::load(const std::string& path, std::span<const std::string> overrides) {
+  return checked(load_slave_config(path, overrides), sim::drive_faults());
 }
 
-void SlaveSegment::start() {
-  if (sync_line_) sync_line_->start();
-  threads_.start(file_.config.realtime);
-  log_.say(LogPriority::notice, "daemon_running",
-           fmt::format("running: bus {} ({}) at {} bit/s, slave {}, {}", file_.config.bus.name,
-                       file_.config.bus.interface, file_.config.bus.bits_per_second,
-                       file_.config.slave.number.value(), participant_.place()));
+std::unique_ptr<SyncLine> SlaveParts::sync_line(const SlaveRoleFile& file) {
+  return make_sync_line(file.config, cansync::slot_times(file.config.slave.bit_rate).interval, file.settings,
+                        file.path);
 }
 
-void SlaveSegment::stop() noexcept {
-  threads_.stop();
+FlightProtocol SlaveParts::flight(const SlaveRoleConfig& config) {
+  return {.interval = cansync::slot_times(config.slave.bit_rate).interval};
 }
 
-ReloadPlan SlaveSegment::plan_reload(std::span<const std::string> overrides) {
-  SlaveRoleFile wanted = load_slave_checked(file_.path, overrides);
-  if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
-  config::Changes changes =
-      config::compare(file_.settings, wanted.settings, [](const config::Setting&) { return true; });
-  SlaveRoleFile merged = build_slave_config(std::move(changes.merged), file_.path);
-  if (!merged.problems.empty()) return {false, std::move(merged.problems), {}, {}, {}};
-  const auto apply = [this, merged = std::move(merged)] {
-    file_ = merged;
-    gateway_.reload(file_.config);
-  };
-  return {false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
+SlaveMachineSettings SlaveParts::machine_settings(const SlaveRoleConfig& config, FlightTap* tap,
+                                                  const SyncSources& sync) {
+  return slave_machine_settings(config, tap, {sync.line, sync.wire});
 }
+
+std::string SlaveParts::words(const SlaveRoleConfig& config) {
+  return fmt::format("slave {}", config.slave.number.value());
+}
+
+std::string SlaveParts::check_text(const SlaveRoleConfig& config) {
+  return fmt::format("slave {} at {} bit/s\n", config.slave.number.value(), config.bus.bits_per_second);
+}
+
+const ProtocolInfo cansync_slave_protocol = {kSlaveProtocol, slave_options,
+                                             load_for_deadline_segment<SlaveParts>, &slave_document_heads};
 
 }  // namespace cansyncd

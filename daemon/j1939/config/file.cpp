@@ -4,9 +4,7 @@
 
 #include <utility>
 
-#include "config/document.h"
 #include "daemon/j1939/config/options.h"
-#include "daemon/options/check_daemon.h"
 
 namespace cansyncd {
 namespace {
@@ -72,37 +70,17 @@ void check_address(const J1939Config& config, Findings& findings) {
 }  // namespace
 
 J1939File build_j1939_config(config::Settings settings, const std::string& path) {
-  J1939File file;
-  file.path = path;
-  file.problems = std::move(settings.problems);
-  J1939Draft draft;
-  for (const config::Setting& setting : settings.items) {
-    draft.number = setting.numbers.empty() ? 0 : static_cast<unsigned>(setting.numbers.front());
-    if (auto text = j1939_option_rows().apply(*setting.option, setting.value, draft))
-      file.problems.push_back({setting.where, setting.key, std::move(*text)});
-  }
-  apply_derived(draft.config, settings.items);
-  // With wrong values the cross-checks would only complain about what is missing because of them.
-  if (file.problems.empty()) {
-    Findings findings(settings.items, path);
-    check_daemon(draft.config, findings);
-    check_address(draft.config, findings);
-    finish_pgn_ranges(draft, findings);
-    finish_provided(draft, findings);
-    finish_ecus(draft, findings);
-    file.problems = std::move(findings.problems());
-  }
-  config::sort_by_place(file.problems);
-  file.config = std::move(draft.config);
-  file.settings = std::move(settings.items);
-  return file;
+  return build_file(std::move(settings), path, j1939_option_rows(),
+                    [](J1939Draft& draft, Findings& findings) {
+                      check_address(draft.config, findings);
+                      finish_pgn_ranges(draft, findings);
+                      finish_provided(draft, findings);
+                      finish_ecus(draft, findings);
+                    });
 }
 
 J1939File load_j1939_config(const std::string& path, std::span<const std::string> overrides) {
-  config::Settings settings = config::resolve(config::read_document(path), j1939_options());
-  for (const std::string& assignment : overrides)
-    config::override_setting(settings, assignment, j1939_options());
-  return build_j1939_config(std::move(settings), path);
+  return build_j1939_config(config::read_settings(path, overrides, j1939_options()), path);
 }
 
 }  // namespace cansyncd

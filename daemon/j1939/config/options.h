@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "config/print.h"
 #include "config/rows.h"
 #include "daemon/j1939/config/config.h"
 
@@ -39,6 +40,8 @@ struct J1939Draft {
   std::array<Offer, 32> provided = {};
   std::array<Ecu, 32> ecus = {};
   unsigned number = 0;  ///< of the section an option belongs to
+
+  void begin(unsigned section) { number = section; }
 };
 
 /// Every row: the daemon's, but for the SYNC line, and those of J1939.
@@ -47,11 +50,7 @@ const config::Rows<J1939Draft>& j1939_option_rows();
 /// The table of the rows.
 const config::Table& j1939_options();
 
-/// Its part of docs/configuration.md, generated from the table.
-std::string j1939_options_markdown();
-/// Its part of the options in cansync.toml(5), in mdoc.
-std::string j1939_options_man();
-/// A file with every option at its default, each explained in a comment.
-std::string j1939_default_config();
+/// What its documents begin with.
+extern const config::DocumentHeads j1939_document_heads;
 
 }  // namespace cansyncd

@@ -6,10 +6,8 @@
 #include <iterator>
 #include <utility>
 
-#include "can/bus_names.h"
 #include "daemon/j1939/config/options.h"
 #include "daemon/j1939/gateway/node_metrics.h"
-#include "daemon/status/bus_events.h"
 #include "dds/bounded_text.h"
 #include "j1939/dds/convert.h"
 #include "j1939/dds/texts.h"
@@ -28,22 +26,14 @@ constexpr unsigned kMessageBatchesAtOnce = 16;
 MessageGateway::MessageGateway(const J1939Config& config, J1939Exchange& exchange,
                                const gateway::dds::Participant& participant, JournalSink& journal,
                                const DaemonIdentity& identity)
-    : config_(config),
-      exchange_(exchange),
-      events_(participant, journal, config.bus.name),
-      common_(participant, events_, config, {kJ1939Protocol}, identity),
-      second_daemon_(participant, signal_, events_, config.bus.name, identity),
-      trail_(journal, events_, config.bus.name, 0),
+    : GatewayBase(config, exchange, participant, journal, identity, {kJ1939Protocol}, 0),
       jobs_(participant, signal_, events_, trail_, MessageRequests(config.send, config.transport.most_bytes),
             identity, !config.dds.security.empty()),
       batches_(participant, 0, &signal_),
       long_messages_(participant, 0, &signal_),
       status_(participant, 0, &signal_),
       tables_(participant, 0, &signal_),
-      faults_(participant, signal_, events_),
-      thread_(
-          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
-          [this] { end_jobs(); }) {
+      faults_(participant, signal_, events_) {
   long_data_.resize(j1939_MESSAGE_BATCH);
   jobs_.set_read_by_all(common_.gateway_writer());
 }
@@ -52,26 +42,8 @@ MessageGateway::~MessageGateway() {
   stop();
 }
 
-void MessageGateway::start() {
-  metrics_.emplace(
-      config_.metrics, [this](const EventText& event) { post(event); },
-      [this](std::uint64_t failures) { return node_metrics_text(common_.told(), told_status_, failures); });
-  thread_.start();
-}
-
-void MessageGateway::stop() noexcept {
-  thread_.stop();
-  metrics_.reset();
-}
-
-void MessageGateway::post(const EventText& event) {
-  posted_.post(event);
-  exchange_.gateway_wake.signal();
-}
-
-void MessageGateway::reload(const J1939Config& config) {
-  new_configuration_.give(config);
-  exchange_.gateway_wake.signal();
+std::string MessageGateway::metrics_text(std::uint64_t write_failures) const {
+  return node_metrics_text(common_.told(), told_status_, write_failures);
 }
 
 MessageContext MessageGateway::context(SteadyTime now) const {
@@ -80,32 +52,19 @@ MessageContext MessageGateway::context(SteadyTime now) const {
 
 SteadyTime MessageGateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
-  take_configuration(now);
+  (void)take_access(now);
   const MessageContext jobs = context(now);
   // A message that was sent is told before what came after it.
   take_answers(jobs);
   const bool more_messages = publish_messages();
   posted_.publish(events_, now);
-  // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
     second_daemon_.look(now);
     if (jobs_.take_requests(jobs)) signal_.raise();
   }
-  SteadyTime due = publish_status(now);
-  for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next(), metrics_->step(now)}) {
-    if (next) due = std::min(due, *next);
-  }
+  const SteadyTime status_due = publish_status(now);
+  const SteadyTime due = earliest(status_due, {jobs_.retry(jobs), losses_.next()}, now);
   return more_messages ? now : due;
-}
-
-void MessageGateway::take_configuration(SteadyTime now) {
-  const auto taken = new_configuration_.take();
-  if (!taken) return;
-  config_.access = taken->access;
-  config_.dds.request_max_age = taken->dds.request_max_age;
-  common_.set_access(config_.access);
-  events_.publish(
-      {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }
 
 void MessageGateway::take_answers(const MessageContext& context) {
@@ -191,29 +150,6 @@ void MessageGateway::publish_addresses() {
   (void)tables_.write(sample);
 }
 
-void MessageGateway::tell_losses(SteadyTime now) {
-  const std::uint64_t lost = bus_.lost + unwritten_;
-  if (losses_.add(lost - std::exchange(told_lost_, lost), now)) {
-    events_.publish({gateway_SEVERITY_WARNING, "frames_dropped", -1,
-                     "received messages are not published, because they come faster than they can be; take "
-                     "fewer by ranges, or give realtime.report_queue more room",
-                     std::nullopt},
-                    now);
-  }
-  if (const std::uint64_t row = losses_.take_over(now); row != 0) {
-    events_.publish(
-        {gateway_SEVERITY_INFO, "frames_dropped_over", -1,
-         fmt::format("received messages are all published again; {} were not", row), std::nullopt},
-        now);
-  }
-}
-
-void MessageGateway::tell_bus(const can::ControllerStatus& before, SteadyTime now) {
-  for (const EventText& event : bus_events(before, bus_.controller, config_.bus)) {
-    events_.publish(event, now);
-  }
-}
-
 void MessageGateway::tell_claim(const NodeSnapshot& before, SteadyTime now) {
   using j1939::ClaimState;
   if (bus_.losses != before.losses) {
@@ -241,15 +177,13 @@ void MessageGateway::tell_claim(const NodeSnapshot& before, SteadyTime now) {
 SteadyTime MessageGateway::publish_status(SteadyTime now) {
   const NodeSnapshot before = bus_;
   if (exchange_.status.read(bus_)) {
-    tell_bus(before.controller, now);
+    tell_bus(before.controller, bus_.controller, now);
     tell_claim(before, now);
   }
   publish_addresses();
-  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
-  common_.set_clients(jobs_.clients(), jobs_.rejections());
-  common_.set_snapshot({.controller = bus_.controller, .timestamps = bus_.timestamps});
-  tell_losses(now);
-  const SteadyTime common_due = common_.step(now);
+  losses_.tell(bus_.lost + unwritten_, events_, now);
+  const SteadyTime common_due =
+      tell_common({.controller = bus_.controller, .timestamps = bus_.timestamps}, jobs_, now);
   const bool changed = bus_.claim != before.claim || bus_.address != before.address;
   if (now < next_status_ && !changed) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
@@ -286,7 +220,7 @@ j1939_NodeStatus MessageGateway::node_status() const {
   return sample;
 }
 
-void MessageGateway::end_jobs() {
+void MessageGateway::end() {
   take_answers(context(steady_clock::now()));
   while (publish_messages()) {
   }  // the realtime thread has ended: the ring grows no more

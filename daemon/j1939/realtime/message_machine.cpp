@@ -11,67 +11,32 @@ namespace {
 
 /// Requests taken at once: the work they make must not keep frames waiting.
 constexpr unsigned kOrdersAtOnce = 16;
-constexpr can::Time kOneSecond = std::chrono::seconds(1);
 constexpr can::Time kSnapshotPeriod = std::chrono::milliseconds(100);
 
 }  // namespace
 
 void MessageMachine::begin(can::Time now) noexcept {
-  clock_.adjust(bus_);
-  load_.take(now);
-  next_second_ = now + kOneSecond;
+  watch_.begin(now);
   next_status_ = now;
   next_addresses_ = now;
-  snapshot_.controller = bus_.status();
   node_.start(now);
   exchange_.addresses.write(addresses_);
   changed_ = true;  // nobody has been told how the bus is
 }
 
 void MessageMachine::advance(can::Time now) noexcept {
-  ++turns_;
-  if (tap_ != nullptr) tap_->at({turns_, now, clock_.at(now)});
-  if (now >= next_second_) {
-    next_second_ = now + kOneSecond;
-    clock_.adjust(bus_);
-    snapshot_.bus_load = load_.take(now);
-  }
   watch_bus(now);
   take_requests(now);
   node_.advance(now);
 }
 
-/// What was handed over is gone when the controller was emptied, left bus-off, or lost its interface. Frames
-/// that the kernel dropped may have been echoes.
-void MessageMachine::watch_bus(can::Time when) noexcept {
-  const can::ControllerStatus before = snapshot_.controller;
-  const can::ControllerStatus now = bus_.status();
-  snapshot_.controller = now;
-  const bool emptied = now.unacknowledged != before.unacknowledged || now.restarts != before.restarts ||
-                       (now.link != before.link && now.link != can::LinkState::up);
-  if (emptied) {
-    node_.controller_emptied();
-  } else if (now.dropped != before.dropped) {
-    node_.echoes_lost();
-  }
-  if (now.state != before.state || now.link != before.link || now.delivery != before.delivery)
-    changed_ = true;
-  if (tap_ != nullptr) record_faults(before, when);
+void MessageMachine::watch_bus(can::Time now) noexcept {
+  const ControllerWatch::News news = watch_.turn(now);
+  if (news.emptied) node_.controller_emptied();
+  if (news.echoes_lost) node_.echoes_lost();
+  if (news.changed) changed_ = true;
   // The bus is not asked about a frame that has no place in the controller.
-  if (node_.waiting() != 0 && !node_.has_place()) node_.held_back(obstacle_of(now));
-}
-
-/// Tells the flight recorder, which must be there, what changed since `before`.
-void MessageMachine::record_faults(const can::ControllerStatus& before, can::Time when) noexcept {
-  const can::ControllerStatus& now = snapshot_.controller;
-  const Moment moment{turns_, when, clock_.at(when)};
-  const auto not_sent = [&](can::SendResult result) {
-    tap_->fault(FlightReason::sending_failed, static_cast<std::uint64_t>(result), moment);
-  };
-  if (now.state != before.state) tap_->controller(moment, now.state);
-  if (now.link != before.link && now.link != can::LinkState::up) not_sent(can::SendResult::interface_down);
-  if (now.delivery != before.delivery && before.delivery == can::Delivery::normal)
-    not_sent(can::SendResult::not_delivered);
+  if (node_.waiting() != 0 && !node_.has_place()) node_.held_back(obstacle_of(watch_.controller()));
 }
 
 void MessageMachine::take_requests(can::Time now) noexcept {
@@ -90,7 +55,7 @@ void MessageMachine::take_requests(can::Time now) noexcept {
 }
 
 void MessageMachine::receive(const can::ReceivedFrame& received) noexcept {
-  load_.add(received.frame);
+  watch_.add(received.frame);
   if (received.own) {
     node_.echo(received.frame, received.end);
     return;
@@ -108,7 +73,7 @@ void MessageMachine::report(const j1939::Node::Delivery& delivery) noexcept {
   report.transport = message.transport;
   report.range = delivery.range;
   report.size = static_cast<std::uint32_t>(message.data.size());
-  report.receive_time = clock_.at(message.end);
+  report.receive_time = watch_.wall_clock(message.end);
   const bool is_long = message.data.size() > report.data.size();
   const std::size_t pieces = is_long ? pieces_of(message.data.size()) : 0;
   if (exchange_.messages.room() == 0 || exchange_.long_data.room() < pieces) {
@@ -147,7 +112,7 @@ void MessageMachine::answer(const MessageDone& done) noexcept {
 void MessageMachine::pass_answers() noexcept {
   while (const auto ended = node_.take_answer()) {
     const bool done = ended->outcome == j1939::Outcome::done;
-    answer({*ended, j1939::Refusal::none, done ? clock_.at(ended->sent) : can::Time{0}});
+    answer({*ended, j1939::Refusal::none, done ? watch_.wall_clock(ended->sent) : can::Time{0}});
   }
 }
 
@@ -186,6 +151,8 @@ void MessageMachine::publish(can::Time now) noexcept {
   tell_addresses(now);
   if (changed_ || now >= next_status_) {
     next_status_ = now + kSnapshotPeriod;
+    snapshot_.controller = watch_.controller();
+    snapshot_.bus_load = watch_.bus_load();
     snapshot_.counters = node_.counters();
     snapshot_.packets = node_.received_packets();
     snapshot_.answers_lost = node_.answers_lost();

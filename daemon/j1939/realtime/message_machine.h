@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "can/bus.h"
-#include "daemon/bus/bus_load.h"
 #include "daemon/j1939/exchange.h"
+#include "daemon/loop/controller_watch.h"
 #include "daemon/loop/flight_tap.h"
 #include "daemon/loop/wall_clock.h"
 #include "j1939/node.h"
@@ -30,9 +30,7 @@ class MessageMachine {
       : bus_(bus),
         exchange_(exchange),
         node_(settings.node),
-        clock_(settings.wall_clock),
-        load_(settings.bits_per_second),
-        tap_(settings.tap) {}
+        watch_(bus, settings.bits_per_second, settings.wall_clock, settings.tap) {}
 
   // --- for DeadlineLoop, which says what each is
   void begin(can::Time now) noexcept;
@@ -48,7 +46,6 @@ class MessageMachine {
  private:
   void take_requests(can::Time now) noexcept;
   void watch_bus(can::Time now) noexcept;
-  void record_faults(const can::ControllerStatus& before, can::Time when) noexcept;
   void report(const j1939::Node::Delivery& delivery) noexcept;
   void answer(const MessageDone& done) noexcept;
   void pass_answers() noexcept;
@@ -58,15 +55,11 @@ class MessageMachine {
   can::Bus& bus_;
   J1939Exchange& exchange_;
   j1939::Node node_;
-  WallClock clock_;
-  BusLoad load_;
-  FlightTap* const tap_;
-  std::uint64_t turns_ = 0;  ///< of the loop
+  ControllerWatch watch_;
   NodeSnapshot snapshot_;
   AddressSnapshot addresses_;
   std::uint64_t told_revision_ = 0;  ///< of the table of claims
   LongData long_data_ = {};
-  can::Time next_second_{};
   can::Time next_status_{};
   can::Time next_addresses_{};
   std::size_t unanswered_ = 0;  ///< orders taken whose answer was not pushed yet

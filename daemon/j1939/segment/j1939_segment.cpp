@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "can/frame_filter.h"
-#include "config/reload.h"
+#include "daemon/j1939/config/options.h"
+#include "daemon/j1939/segment/j1939_protocol.h"
 #include "daemon/segment/segment_start.h"
 #include "j1939/sim/ecu_faults.h"
 #include "j1939/sim/ecu_node.h"
@@ -37,22 +38,19 @@ SimPlan ecu_plan(const J1939Config& config) {
   return plan;
 }
 
-}  // namespace
-
+/// The address and the NAME, for people.
 std::string address_text(const J1939Config& config) {
   if (!config.preferred) return "without an address";
   return fmt::format("address {}, NAME {:016X}", *config.preferred, j1939::compose(config.name));
 }
 
-J1939File load_j1939_checked(const std::string& path, std::span<const std::string> overrides) {
-  J1939File file = load_j1939_config(path, overrides);
-  if (file.problems.empty()) {
-    file.problems = check_surroundings(file.config, file.settings, path, sim::ecu_faults());
-  }
-  return file;
+}  // namespace
+
+J1939File J1939Parts::load(const std::string& path, std::span<const std::string> overrides) {
+  return checked(load_j1939_config(path, overrides), sim::ecu_faults());
 }
 
-BusPlan j1939_bus_plan(const J1939Config& config) {
+BusPlan J1939Parts::bus_plan(const J1939Config& config) {
   BusPlan plan;
   plan.bus = config.bus;
   plan.line = config.sim;
@@ -63,7 +61,8 @@ BusPlan j1939_bus_plan(const J1939Config& config) {
   return plan;
 }
 
-MessageMachineSettings message_machine_settings(const J1939Config& config, FlightTap* tap) {
+MessageMachineSettings J1939Parts::machine_settings(const J1939Config& config, FlightTap* tap,
+                                                    const SyncSources& /*sync*/) {
   MessageMachineSettings settings;
   settings.tap = tap;
   settings.bits_per_second = config.bus.bits_per_second;
@@ -83,58 +82,16 @@ MessageMachineSettings message_machine_settings(const J1939Config& config, Fligh
   return settings;
 }
 
-J1939Segment::J1939Segment(J1939File file, JournalSink& journal, gateway::dds::Participant participant)
-    : file_(std::move(file)),
-      log_(file_.config.bus.name, journal),
-      bus_(j1939_bus_plan(file_.config)),
-      exchange_(file_.config.realtime.request_queue, file_.config.realtime.report_queue,
-                file_.config.transport.most_bytes),
-      participant_(std::move(participant)),
-      gateway_(file_.config, exchange_, participant_, journal),
-      flight_(
-          file_.config, FlightProtocol{}, bus_.bus(),
-          [this](const EventText& event) { gateway_.post(event); }, journal),
-      machine_(message_machine_settings(file_.config, flight_.tap()), flight_.bus(), exchange_),
-      loop_(machine_, flight_.bus()),
-      threads_(log_, loop_, {log_, file_.config, bus_, flight_, gateway_, exchange_}) {}
-
-J1939Segment::~J1939Segment() {
-  stop();
+std::string J1939Parts::words(const J1939Config& config) {
+  return fmt::format("J1939, {}, {}", address_text(config), text::counted(config.receive.size(), "range"));
 }
 
-void J1939Segment::start() {
-  threads_.start(file_.config.realtime);
-  log_.say(
-      LogPriority::notice, "daemon_running",
-      fmt::format("running: bus {} ({}) at {} bit/s, J1939, {}, {}, {}", file_.config.bus.name,
-                  file_.config.bus.interface, file_.config.bus.bits_per_second, address_text(file_.config),
-                  text::counted(file_.config.receive.size(), "range"), participant_.place()));
+std::string J1939Parts::check_text(const J1939Config& config) {
+  return fmt::format("J1939 at {} bit/s, {}, {} received\n", config.bus.bits_per_second, address_text(config),
+                     text::counted(config.receive.size(), "range"));
 }
 
-void J1939Segment::stop() noexcept {
-  threads_.stop();
-}
-
-ReloadPlan J1939Segment::plan_reload(std::span<const std::string> overrides) {
-  J1939File wanted = load_j1939_checked(file_.path, overrides);
-  if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
-  config::Changes changes =
-      config::compare(file_.settings, wanted.settings, [](const config::Setting&) { return true; });
-  J1939File merged = build_j1939_config(std::move(changes.merged), file_.path);
-  if (!merged.problems.empty()) return {false, std::move(merged.problems), {}, {}, {}};
-  const auto apply = [this, merged = std::move(merged)] {
-    file_ = merged;
-    gateway_.reload(file_.config);
-  };
-  return {false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
-}
-
-void J1939Segment::tell_reload(const ReloadPlan& plan) {
-  if (!plan.problems.empty()) {
-    gateway_.post({gateway_SEVERITY_ERROR, "reload_refused", -1, not_taken(plan), {}});
-  } else if (!plan.needs_restart.empty()) {
-    gateway_.post({gateway_SEVERITY_WARNING, "setting_needs_restart", -1, not_taken(plan), {}});
-  }
-}
+const ProtocolInfo j1939_protocol = {kJ1939Protocol, j1939_options, load_for_deadline_segment<J1939Parts>,
+                                     &j1939_document_heads};
 
 }  // namespace cansyncd

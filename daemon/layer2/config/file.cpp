@@ -4,9 +4,7 @@
 
 #include <utility>
 
-#include "config/document.h"
 #include "daemon/layer2/config/options.h"
-#include "daemon/options/check_daemon.h"
 
 namespace cansyncd {
 namespace {
@@ -167,40 +165,20 @@ layer2::Script read_script(const std::vector<std::string>& lines, const layer2::
 }
 
 Layer2File build_layer2_config(config::Settings settings, const std::string& path) {
-  Layer2File file;
-  file.path = path;
-  file.problems = std::move(settings.problems);
-  Layer2Draft draft;
-  for (const config::Setting& setting : settings.items) {
-    draft.number = setting.numbers.empty() ? 0 : static_cast<unsigned>(setting.numbers.front());
-    if (auto text = layer2_option_rows().apply(*setting.option, setting.value, draft))
-      file.problems.push_back({setting.where, setting.key, std::move(*text)});
-  }
-  apply_derived(draft.config, settings.items);
-  // With wrong values the cross-checks would only complain about what is missing because of them.
-  if (file.problems.empty()) {
-    Findings findings(settings.items, path);
-    check_daemon(draft.config, findings);
-    finish_ranges(draft, findings);
-    finish_timers(draft, findings);
-    finish_window(draft.config, findings);
-    finish_scripts(draft.config.script, findings);
-    finish_mapping(draft, findings);
-    finish_objects(draft, findings);
-    finish_nodes(draft, findings);
-    file.problems = std::move(findings.problems());
-  }
-  config::sort_by_place(file.problems);
-  file.config = std::move(draft.config);
-  file.settings = std::move(settings.items);
-  return file;
+  return build_file(std::move(settings), path, layer2_option_rows(),
+                    [](Layer2Draft& draft, Findings& findings) {
+                      finish_ranges(draft, findings);
+                      finish_timers(draft, findings);
+                      finish_window(draft.config, findings);
+                      finish_scripts(draft.config.script, findings);
+                      finish_mapping(draft, findings);
+                      finish_objects(draft, findings);
+                      finish_nodes(draft, findings);
+                    });
 }
 
 Layer2File load_layer2_config(const std::string& path, std::span<const std::string> overrides) {
-  config::Settings settings = config::resolve(config::read_document(path), layer2_options());
-  for (const std::string& assignment : overrides)
-    config::override_setting(settings, assignment, layer2_options());
-  return build_layer2_config(std::move(settings), path);
+  return build_layer2_config(config::read_settings(path, overrides, layer2_options()), path);
 }
 
 }  // namespace cansyncd

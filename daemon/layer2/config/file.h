@@ -2,21 +2,15 @@
 
 #include <span>
 #include <string>
-#include <vector>
 
-#include "config/problem.h"
 #include "config/settings.h"
 #include "daemon/layer2/config/config.h"
+#include "daemon/options/loaded_file.h"
 
 namespace cansyncd {
 
-/// A configuration as read, together with where it came from.
-struct Layer2File {
-  std::string path;
-  Layer2Config config;                    ///< only to be used when there are no problems
-  std::vector<config::Setting> settings;  ///< what was given, by the file or --set
-  std::vector<config::Problem> problems;  ///< everything found wrong, in the order of the file
-};
+/// The file of a bus of general frames.
+using Layer2File = LoadedFile<Layer2Config>;
 
 /// Reads and checks `path`; `overrides` are "KEY=VALUE" and win over the file. Never throws for a wrong file:
 /// all of its problems are in the result. Main thread.

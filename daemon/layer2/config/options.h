@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "config/print.h"
 #include "config/rows.h"
 #include "daemon/layer2/config/config.h"
 
@@ -54,6 +55,8 @@ struct Layer2Draft {
   std::array<Object, layer2::MessageObjects::kMost> objects = {};
   std::array<Mapped, kMostMapped> mapped = {};
   unsigned number = 0;  ///< of the section an option belongs to
+
+  void begin(unsigned section) { number = section; }
 };
 
 /// Every row: the daemon's, but for the SYNC line, and those of general frames.
@@ -62,11 +65,7 @@ const config::Rows<Layer2Draft>& layer2_option_rows();
 /// The table of the rows.
 const config::Table& layer2_options();
 
-/// Its part of docs/configuration.md, generated from the table.
-std::string layer2_options_markdown();
-/// Its part of the options in cansync.toml(5), in mdoc.
-std::string layer2_options_man();
-/// A file with every option at its default, each explained in a comment.
-std::string layer2_default_config();
+/// What its documents begin with.
+extern const config::DocumentHeads layer2_document_heads;
 
 }  // namespace cansyncd

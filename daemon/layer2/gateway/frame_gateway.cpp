@@ -1,15 +1,11 @@
 #include "daemon/layer2/gateway/frame_gateway.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
-#include "can/bus_names.h"
 #include "daemon/layer2/config/options.h"
 #include "daemon/layer2/gateway/frame_metrics.h"
-#include "daemon/status/bus_events.h"
 #include "dds/bounded_text.h"
 #include "layer2/dds/convert.h"
 
@@ -49,13 +45,8 @@ void fill_module(const BusSnapshot& bus, layer2_FrameStatus& sample) {
 FrameGateway::FrameGateway(const Layer2File& file, Layer2Exchange& exchange,
                            const gateway::dds::Participant& participant, JournalSink& journal,
                            const DaemonIdentity& identity)
-    : running_(file),
-      config_(file.config),
-      exchange_(exchange),
-      events_(participant, journal, config_.bus.name),
-      common_(participant, events_, config_, {kLayer2Protocol}, identity),
-      second_daemon_(participant, signal_, events_, config_.bus.name, identity),
-      trail_(journal, events_, config_.bus.name, 0),
+    : GatewayBase(file.config, exchange, participant, journal, identity, {kLayer2Protocol}, 0),
+      running_(file),
       jobs_(participant, signal_, events_, trail_, SendRequests(running_), identity,
             !config_.dds.security.empty()),
       image_gate_(participant, signal_, events_, identity, exchange),
@@ -65,10 +56,7 @@ FrameGateway::FrameGateway(const Layer2File& file, Layer2Exchange& exchange,
       timers_(participant, 0, &signal_),
       image_(participant, 0, &signal_),
       objects_(participant, 0, &signal_),
-      module_events_(participant, 0, &signal_),
-      thread_(
-          exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
-          [this] { end_jobs(); }) {
+      module_events_(participant, 0, &signal_) {
   batch_.reserve(layer2_BATCH);
   jobs_.set_read_by_all(common_.gateway_writer());
   set_rules();
@@ -78,26 +66,8 @@ FrameGateway::~FrameGateway() {
   stop();
 }
 
-void FrameGateway::start() {
-  metrics_.emplace(
-      config_.metrics, [this](const EventText& event) { post(event); },
-      [this](std::uint64_t failures) { return frame_metrics_text(common_.told(), told_status_, failures); });
-  thread_.start();
-}
-
-void FrameGateway::stop() noexcept {
-  thread_.stop();
-  metrics_.reset();
-}
-
-void FrameGateway::post(const EventText& event) {
-  posted_.post(event);
-  exchange_.gateway_wake.signal();
-}
-
-void FrameGateway::reload(const Layer2Config& config) {
-  new_configuration_.give(config);
-  exchange_.gateway_wake.signal();
+std::string FrameGateway::metrics_text(std::uint64_t write_failures) const {
+  return frame_metrics_text(common_.told(), told_status_, write_failures);
 }
 
 SendContext FrameGateway::context(SteadyTime now) {
@@ -111,37 +81,23 @@ void FrameGateway::set_rules() {
 
 SteadyTime FrameGateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
-  take_configuration(now);
+  if (take_access(now)) set_rules();
   const SendContext jobs = context(now);
   // A frame that was sent is told before what came after it.
   take_answers(jobs);
   const bool more_frames = publish_frames();
   publish_events();
   posted_.publish(events_, now);
-  // Asking every reader costs more than all the rest of a pass.
   if (samples_may_wait) {
     second_daemon_.look(now);
     const bool more_outputs = image_gate_.take_samples(now);
     const bool more_leads = lead_.take_samples(now);
     if (jobs_.take_requests(jobs) || more_outputs || more_leads) signal_.raise();
   }
-  SteadyTime due = publish_status(now);
-  for (const auto next : {jobs_.retry(jobs), events_.tick(now), losses_.next(), image_gate_.tick(now),
-                          lead_.tick(now), metrics_->step(now)}) {
-    if (next) due = std::min(due, *next);
-  }
+  const SteadyTime status_due = publish_status(now);
+  const SteadyTime due =
+      earliest(status_due, {jobs_.retry(jobs), losses_.next(), image_gate_.tick(now), lead_.tick(now)}, now);
   return more_frames ? now : due;
-}
-
-void FrameGateway::take_configuration(SteadyTime now) {
-  const auto taken = new_configuration_.take();
-  if (!taken) return;
-  config_.access = taken->access;
-  config_.dds.request_max_age = taken->dds.request_max_age;
-  common_.set_access(config_.access);
-  set_rules();
-  events_.publish(
-      {gateway_SEVERITY_INFO, "configuration_reloaded", -1, "the configuration was read again", {}}, now);
 }
 
 void FrameGateway::take_answers(const SendContext& context) {
@@ -184,39 +140,15 @@ bool FrameGateway::publish_frames() {
   return true;
 }
 
-void FrameGateway::tell_losses(SteadyTime now) {
-  const std::uint64_t lost = bus_.lost + unwritten_;
-  if (losses_.add(lost - std::exchange(told_lost_, lost), now)) {
-    events_.publish({gateway_SEVERITY_WARNING, "frames_dropped", -1,
-                     "received frames are not published, because they come faster than they can be; take "
-                     "fewer by ranges, or give realtime.report_queue more room",
-                     std::nullopt},
-                    now);
-  }
-  if (const std::uint64_t row = losses_.take_over(now); row != 0) {
-    events_.publish({gateway_SEVERITY_INFO, "frames_dropped_over", -1,
-                     fmt::format("received frames are all published again; {} were not", row), std::nullopt},
-                    now);
-  }
-}
-
-void FrameGateway::tell_bus(const can::ControllerStatus& before, SteadyTime now) {
-  for (const EventText& event : bus_events(before, bus_.controller, config_.bus)) {
-    events_.publish(event, now);
-  }
-}
-
 SteadyTime FrameGateway::publish_status(SteadyTime now) {
   const can::ControllerStatus before = bus_.controller;
-  if (exchange_.status.read(bus_)) tell_bus(before, now);
-  if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
-  common_.set_clients(jobs_.clients(), jobs_.rejections());
-  common_.set_snapshot({.controller = bus_.controller, .timestamps = bus_.timestamps});
-  tell_losses(now);
+  if (exchange_.status.read(bus_)) tell_bus(before, bus_.controller, now);
+  losses_.tell(bus_.lost + unwritten_, events_, now);
   publish_timers(now >= next_status_);
   publish_image(now);
   publish_objects();
-  const SteadyTime common_due = common_.step(now);
+  const SteadyTime common_due =
+      tell_common({.controller = bus_.controller, .timestamps = bus_.timestamps}, jobs_, now);
   if (now < next_status_) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
   told_status_ = frame_status();
@@ -324,7 +256,7 @@ void FrameGateway::publish_events() {
   }
 }
 
-void FrameGateway::end_jobs() {
+void FrameGateway::end() {
   take_answers(context(steady_clock::now()));
   while (publish_frames()) {
   }  // the realtime thread has ended: the ring grows no more

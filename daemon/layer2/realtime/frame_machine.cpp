@@ -11,7 +11,6 @@ namespace {
 
 /// Requests taken at once: the work they make must not keep frames waiting.
 constexpr unsigned kRequestsAtOnce = 32;
-constexpr can::Time kSecond = std::chrono::seconds(1);
 constexpr can::Time kStatusPeriod = std::chrono::milliseconds(100);
 /// Received frames alone wake the gateway no more often: at full load it takes several at once, which costs
 /// less processor time. Those that wait go with the next turn of the loop, a look later at most.
@@ -29,23 +28,13 @@ layer2::OrderId id_of(const Layer2Request& request) noexcept {
 }  // namespace
 
 void FrameMachine::begin(can::Time now) noexcept {
-  clock_.adjust(bus_);
-  load_.take(now);
-  next_second_ = now + kSecond;
+  watch_.begin(now);
   next_status_ = now;
-  snapshot_.controller = bus_.status();
   changed_ = true;  // nobody has been told how the bus is
   module_.begin(now);
 }
 
 void FrameMachine::advance(can::Time now) noexcept {
-  ++turns_;
-  if (tap_ != nullptr) tap_->at({turns_, now, clock_.at(now)});
-  if (now >= next_second_) {
-    next_second_ = now + kSecond;
-    clock_.adjust(bus_);
-    snapshot_.bus_load = load_.take(now);
-  }
   watch_bus(now);
   if (reset_) finish_reset(bus_.reset_result());
   take_outputs();
@@ -53,38 +42,14 @@ void FrameMachine::advance(can::Time now) noexcept {
   module_.advance(now);
 }
 
-/// What was handed over is gone when the controller was emptied, left bus-off, or lost its interface. Frames
-/// that the kernel dropped may have been echoes.
-void FrameMachine::watch_bus(can::Time when) noexcept {
-  const can::ControllerStatus before = snapshot_.controller;
-  const can::ControllerStatus now = bus_.status();
-  snapshot_.controller = now;
-  const bool emptied = now.unacknowledged != before.unacknowledged || now.restarts != before.restarts ||
-                       (now.link != before.link && now.link != can::LinkState::up);
-  if (emptied) {
-    module_.controller_emptied();
-  } else if (now.dropped != before.dropped) {
-    module_.echoes_lost();
-  }
-  if (now.state != before.state || now.link != before.link || now.delivery != before.delivery)
-    changed_ = true;
-  if (tap_ != nullptr) record_faults(before, when);
+void FrameMachine::watch_bus(can::Time now) noexcept {
+  const ControllerWatch::News news = watch_.turn(now);
+  if (news.emptied) module_.controller_emptied();
+  if (news.echoes_lost) module_.echoes_lost();
+  if (news.changed) changed_ = true;
   // The bus is not asked about a frame that has no place in the controller.
   const layer2::Station& station = module_.station();
-  if (station.waiting() != 0 && !station.has_place()) module_.held_back(obstacle_of(now));
-}
-
-/// Tells the flight recorder, which must be there, what changed since `before`.
-void FrameMachine::record_faults(const can::ControllerStatus& before, can::Time when) noexcept {
-  const can::ControllerStatus& now = snapshot_.controller;
-  const Moment moment{turns_, when, clock_.at(when)};
-  const auto not_sent = [&](can::SendResult result) {
-    tap_->fault(FlightReason::sending_failed, static_cast<std::uint64_t>(result), moment);
-  };
-  if (now.state != before.state) tap_->controller(moment, now.state);
-  if (now.link != before.link && now.link != can::LinkState::up) not_sent(can::SendResult::interface_down);
-  if (now.delivery != before.delivery && before.delivery == can::Delivery::normal)
-    not_sent(can::SendResult::not_delivered);
+  if (station.waiting() != 0 && !station.has_place()) module_.held_back(obstacle_of(watch_.controller()));
 }
 
 void FrameMachine::take_requests(can::Time now) noexcept {
@@ -144,7 +109,7 @@ void FrameMachine::finish_reset(can::ResetResult result) noexcept {
 }
 
 void FrameMachine::receive(const can::ReceivedFrame& received) noexcept {
-  load_.add(received.frame);
+  watch_.add(received.frame);
   if (received.own) {
     module_.echo(received.frame, received.end);
     return;
@@ -158,7 +123,7 @@ void FrameMachine::pass_received() noexcept {
   while (exchange_.frames.room() > 0) {
     const auto waiting = module_.take_received();
     if (!waiting) return;
-    (void)exchange_.frames.try_push({waiting->frame, clock_.at(waiting->end), waiting->range,
+    (void)exchange_.frames.try_push({waiting->frame, watch_.wall_clock(waiting->end), waiting->range,
                                      waiting->priority == layer2::Priority::high});
     frames_pending_ = true;
   }
@@ -183,13 +148,13 @@ void FrameMachine::answer_object(const layer2::ObjectAnswer& done) noexcept {
   const bool timed = done.time != can::Time{0};
   answer({{.id = done.id, .outcome = done.outcome},
           done.refusal,
-          timed ? clock_.at(done.time) : can::Time{0},
+          timed ? watch_.wall_clock(done.time) : can::Time{0},
           done});
 }
 
 void FrameMachine::pass_events() noexcept {
   while (const auto event = module_.take_event()) {
-    (void)exchange_.events.try_push({*event, clock_.at(event->time), ++event_number_});
+    (void)exchange_.events.try_push({*event, watch_.wall_clock(event->time), ++event_number_});
     pending_ = true;
   }
 }
@@ -198,7 +163,7 @@ void FrameMachine::pass_answers() noexcept {
   while (const auto ended = module_.take_object_answer()) answer_object(*ended);
   while (const auto ended = module_.take_answer()) {
     const bool done = ended->outcome == layer2::Outcome::done;
-    answer({*ended, layer2::Refusal::none, done ? clock_.at(ended->sent) : can::Time{0}});
+    answer({*ended, layer2::Refusal::none, done ? watch_.wall_clock(ended->sent) : can::Time{0}});
   }
 }
 
@@ -216,7 +181,9 @@ void FrameMachine::take_snapshot() noexcept {
   snapshot_.receive_high = module_.receive_queue(Priority::high);
   snapshot_.lost = snapshot_.receive.lost + snapshot_.receive_high.lost;
   snapshot_.facts = module_.status();
-  const can::ControllerStatus& controller = snapshot_.controller;
+  const can::ControllerStatus& controller = watch_.controller();
+  snapshot_.controller = controller;
+  snapshot_.bus_load = watch_.bus_load();
   snapshot_.facts.bus_off = controller.state == can::ControllerState::bus_off;
   snapshot_.facts.stopped =
       controller.state == can::ControllerState::stopped || controller.link != can::LinkState::up;
@@ -254,7 +221,7 @@ void FrameMachine::publish_objects(can::Time now) noexcept {
     const layer2::ObjectState state = objects.state(number);
     if (state == objects_.objects[number]) continue;
     objects_.objects[number] = state;
-    objects_.times[number] = state.time == can::Time{0} ? can::Time{0} : clock_.at(state.time);
+    objects_.times[number] = state.time == can::Time{0} ? can::Time{0} : watch_.wall_clock(state.time);
   }
   exchange_.objects.write(objects_);
   pending_ = true;

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "can/bus.h"
-#include "daemon/bus/bus_load.h"
 #include "daemon/layer2/exchange.h"
+#include "daemon/loop/controller_watch.h"
 #include "daemon/loop/flight_tap.h"
 #include "daemon/loop/wall_clock.h"
 #include "layer2/module.h"
@@ -30,9 +30,7 @@ class FrameMachine {
       : bus_(bus),
         exchange_(exchange),
         module_(settings.module),
-        clock_(settings.wall_clock),
-        load_(settings.bits_per_second),
-        tap_(settings.tap) {}
+        watch_(bus, settings.bits_per_second, settings.wall_clock, settings.tap) {}
 
   // --- for DeadlineLoop, which says what each is
   void begin(can::Time now) noexcept;
@@ -57,7 +55,6 @@ class FrameMachine {
   void publish_objects(can::Time now) noexcept;
   void pass_events() noexcept;
   void watch_bus(can::Time now) noexcept;
-  void record_faults(const can::ControllerStatus& before, can::Time when) noexcept;
   void answer(const SendDone& done) noexcept;
   void answer_object(const layer2::ObjectAnswer& answer) noexcept;
   void pass_answers() noexcept;
@@ -65,12 +62,8 @@ class FrameMachine {
   can::Bus& bus_;
   Layer2Exchange& exchange_;
   layer2::Module module_;
-  WallClock clock_;
-  BusLoad load_;
-  FlightTap* const tap_;
-  std::uint64_t turns_ = 0;  ///< of the loop
+  ControllerWatch watch_;
   BusSnapshot snapshot_;
-  can::Time next_second_{};
   can::Time next_status_{};
   std::size_t unanswered_ = 0;            ///< orders taken whose answer was not pushed yet
   std::optional<layer2::OrderId> reset_;  ///< that asked for the reset under way

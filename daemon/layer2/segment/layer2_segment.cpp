@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "can/frame_filter.h"
-#include "config/reload.h"
 #include "daemon/layer2/config/module_settings.h"
+#include "daemon/layer2/config/options.h"
+#include "daemon/layer2/segment/layer2_protocol.h"
 #include "daemon/segment/segment_start.h"
 #include "layer2/sim/frame_faults.h"
 #include "layer2/sim/frame_node.h"
@@ -45,15 +46,11 @@ SimPlan sim_plan(const Layer2Config& config) {
 
 }  // namespace
 
-Layer2File load_layer2_checked(const std::string& path, std::span<const std::string> overrides) {
-  Layer2File file = load_layer2_config(path, overrides);
-  if (file.problems.empty()) {
-    file.problems = check_surroundings(file.config, file.settings, path, sim::frame_faults());
-  }
-  return file;
+Layer2File Layer2Parts::load(const std::string& path, std::span<const std::string> overrides) {
+  return checked(load_layer2_config(path, overrides), sim::frame_faults());
 }
 
-BusPlan layer2_bus_plan(const Layer2Config& config) {
+BusPlan Layer2Parts::bus_plan(const Layer2Config& config) {
   BusPlan plan;
   plan.bus = config.bus;
   plan.line = config.sim;
@@ -64,7 +61,8 @@ BusPlan layer2_bus_plan(const Layer2Config& config) {
   return plan;
 }
 
-FrameMachineSettings frame_machine_settings(const Layer2Config& config, FlightTap* tap) {
+FrameMachineSettings Layer2Parts::machine_settings(const Layer2Config& config, FlightTap* tap,
+                                                   const SyncSources& /*sync*/) {
   FrameMachineSettings settings;
   settings.tap = tap;
   settings.bits_per_second = config.bus.bits_per_second;
@@ -72,56 +70,16 @@ FrameMachineSettings frame_machine_settings(const Layer2Config& config, FlightTa
   return settings;
 }
 
-Layer2Segment::Layer2Segment(Layer2File file, JournalSink& journal, gateway::dds::Participant participant)
-    : file_(std::move(file)),
-      log_(file_.config.bus.name, journal),
-      bus_(layer2_bus_plan(file_.config)),
-      exchange_(file_.config.realtime.request_queue, file_.config.realtime.report_queue),
-      participant_(std::move(participant)),
-      gateway_(file_, exchange_, participant_, journal),
-      flight_(
-          file_.config, FlightProtocol{}, bus_.bus(),
-          [this](const EventText& event) { gateway_.post(event); }, journal),
-      machine_(frame_machine_settings(file_.config, flight_.tap()), flight_.bus(), exchange_),
-      loop_(machine_, flight_.bus()),
-      threads_(log_, loop_, {log_, file_.config, bus_, flight_, gateway_, exchange_}) {}
-
-Layer2Segment::~Layer2Segment() {
-  stop();
+std::string Layer2Parts::words(const Layer2Config& config) {
+  return fmt::format("general frames, {}", text::counted(config.receive.size(), "range"));
 }
 
-void Layer2Segment::start() {
-  threads_.start(file_.config.realtime);
-  log_.say(LogPriority::notice, "daemon_running",
-           fmt::format("running: bus {} ({}) at {} bit/s, general frames, {}, {}", file_.config.bus.name,
-                       file_.config.bus.interface, file_.config.bus.bits_per_second,
-                       text::counted(file_.config.receive.size(), "range"), participant_.place()));
+std::string Layer2Parts::check_text(const Layer2Config& config) {
+  return fmt::format("general frames at {} bit/s, {} received\n", config.bus.bits_per_second,
+                     text::counted(config.receive.size(), "range"));
 }
 
-void Layer2Segment::stop() noexcept {
-  threads_.stop();
-}
-
-ReloadPlan Layer2Segment::plan_reload(std::span<const std::string> overrides) {
-  Layer2File wanted = load_layer2_checked(file_.path, overrides);
-  if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
-  config::Changes changes =
-      config::compare(file_.settings, wanted.settings, [](const config::Setting&) { return true; });
-  Layer2File merged = build_layer2_config(std::move(changes.merged), file_.path);
-  if (!merged.problems.empty()) return {false, std::move(merged.problems), {}, {}, {}};
-  const auto apply = [this, merged = std::move(merged)] {
-    file_ = merged;
-    gateway_.reload(file_.config);
-  };
-  return {false, {}, std::move(changes.applied), std::move(changes.needs_restart), apply};
-}
-
-void Layer2Segment::tell_reload(const ReloadPlan& plan) {
-  if (!plan.problems.empty()) {
-    gateway_.post({gateway_SEVERITY_ERROR, "reload_refused", -1, not_taken(plan), {}});
-  } else if (!plan.needs_restart.empty()) {
-    gateway_.post({gateway_SEVERITY_WARNING, "setting_needs_restart", -1, not_taken(plan), {}});
-  }
-}
+const ProtocolInfo layer2_protocol = {kLayer2Protocol, layer2_options, load_for_deadline_segment<Layer2Parts>,
+                                      &layer2_document_heads};
 
 }  // namespace cansyncd

@@ -12,52 +12,19 @@
 /// same table; a test compares both.
 namespace gateway::dds {
 
-template <>
-inline constexpr TopicInfo topic_info<cansync_ActualValues> = {
-    "ActualValues", &cansync_ActualValues_desc, kFromDaemon, kind::state(), &cansync_ActualValues_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_ReferenceValues> = {
-    "ReferenceValues", &cansync_ReferenceValues_desc, kFromClients, kind::exclusive(),
-    &cansync_ReferenceValues_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_Interval> = {"Interval", &cansync_Interval_desc, kFromDaemon,
-                                                           kind::latest(), &cansync_Interval_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_ParameterRequest> = {
-    "ParameterRequest", &cansync_ParameterRequest_desc, kFromClients, kind::request(),
-    &cansync_ParameterRequest_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_ParameterReply> = {
-    "ParameterReply", &cansync_ParameterReply_desc, kFromDaemon, kind::reply(4096, 2048),
-    &cansync_ParameterReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_TransferRequest> = {
-    "TransferRequest", &cansync_TransferRequest_desc, kFromClients, kind::request(),
-    &cansync_TransferRequest_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_TransferProgress> = {
-    "TransferProgress", &cansync_TransferProgress_desc, kFromDaemon, kind::latest(),
-    &cansync_TransferProgress_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_TransferReply> = {"TransferReply", &cansync_TransferReply_desc,
-                                                                kFromDaemon, kind::reply(16, 64),
-                                                                &cansync_TransferReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_Command> = {"Command", &cansync_Command_desc, kFromClients,
-                                                          kind::request(), &cansync_Command_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_CommandReply> = {"CommandReply", &cansync_CommandReply_desc,
-                                                               kFromDaemon, kind::reply(4096, 2048),
-                                                               &cansync_CommandReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_MasterStatus> = {
-    "MasterStatus", &cansync_MasterStatus_desc, kFromDaemon, kind::state(), &cansync_MasterStatus_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_SlaveStatus> = {
-    "SlaveStatus", &cansync_SlaveStatus_desc, kFromDaemon, kind::state(), &cansync_SlaveStatus_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_Timing> = {"Timing", &cansync_Timing_desc, kFromDaemon,
-                                                         kind::latest(), &cansync_Timing_final_desc};
+GATEWAY_TOPIC(cansync, ActualValues, kFromDaemon, kind::state());
+GATEWAY_TOPIC(cansync, ReferenceValues, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(cansync, Interval, kFromDaemon, kind::latest());
+GATEWAY_TOPIC(cansync, ParameterRequest, kFromClients, kind::request());
+GATEWAY_TOPIC(cansync, ParameterReply, kFromDaemon, kind::reply(4096, 2048));
+GATEWAY_TOPIC(cansync, TransferRequest, kFromClients, kind::request());
+GATEWAY_TOPIC(cansync, TransferProgress, kFromDaemon, kind::latest());
+GATEWAY_TOPIC(cansync, TransferReply, kFromDaemon, kind::reply(16, 64));
+GATEWAY_TOPIC(cansync, Command, kFromClients, kind::request());
+GATEWAY_TOPIC(cansync, CommandReply, kFromDaemon, kind::reply(4096, 2048));
+GATEWAY_TOPIC(cansync, MasterStatus, kFromDaemon, kind::state());
+GATEWAY_TOPIC(cansync, SlaveStatus, kFromDaemon, kind::state());
+GATEWAY_TOPIC(cansync, Timing, kFromDaemon, kind::latest());
 
 }  // namespace gateway::dds
 

@@ -12,47 +12,18 @@
 /// docs/cansync-slave.md shows the same table; a test compares both.
 namespace gateway::dds {
 
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_ReferencesReceived> = {
-    "ReferencesReceived", &cansync_slave_ReferencesReceived_desc, kFromDaemon, kind::state(),
-    &cansync_slave_ReferencesReceived_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_MonitoredValues> = {
-    "MonitoredValues", &cansync_slave_MonitoredValues_desc, kFromDaemon, kind::state(),
-    &cansync_slave_MonitoredValues_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_ActualRelease> = {
-    "ActualRelease", &cansync_slave_ActualRelease_desc, kFromClients, kind::exclusive(),
-    &cansync_slave_ActualRelease_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_ActionReceived> = {
-    "ActionReceived", &cansync_slave_ActionReceived_desc, kFromDaemon, kind::events(),
-    &cansync_slave_ActionReceived_final_desc};
+GATEWAY_TOPIC(cansync_slave, ReferencesReceived, kFromDaemon, kind::state());
+GATEWAY_TOPIC(cansync_slave, MonitoredValues, kFromDaemon, kind::state());
+GATEWAY_TOPIC(cansync_slave, ActualRelease, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(cansync_slave, ActionReceived, kFromDaemon, kind::events());
 /// A step of a job counts for who is there; nobody answers what is over.
 inline constexpr TopicQos kStepQos = {.depth = 100};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_ParameterJob> = {
-    "ParameterJob", &cansync_slave_ParameterJob_desc, kFromDaemon, kStepQos,
-    &cansync_slave_ParameterJob_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_BlockJob> = {
-    "BlockJob", &cansync_slave_BlockJob_desc, kFromDaemon, kStepQos, &cansync_slave_BlockJob_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_ApplicationAnswer> = {
-    "ApplicationAnswer", &cansync_slave_ApplicationAnswer_desc, kFromClients, kind::exclusive(),
-    &cansync_slave_ApplicationAnswer_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_SlaveCommand> = {
-    "SlaveCommand", &cansync_slave_SlaveCommand_desc, kFromClients, kind::request(),
-    &cansync_slave_SlaveCommand_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_SlaveCommandReply> = {
-    "SlaveCommandReply", &cansync_slave_SlaveCommandReply_desc, kFromDaemon, kind::reply(256, 128),
-    &cansync_slave_SlaveCommandReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<cansync_slave_SlaveSideStatus> = {
-    "SlaveSideStatus", &cansync_slave_SlaveSideStatus_desc, kFromDaemon, kind::state(),
-    &cansync_slave_SlaveSideStatus_final_desc};
+GATEWAY_TOPIC(cansync_slave, ParameterJob, kFromDaemon, kStepQos);
+GATEWAY_TOPIC(cansync_slave, BlockJob, kFromDaemon, kStepQos);
+GATEWAY_TOPIC(cansync_slave, ApplicationAnswer, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(cansync_slave, SlaveCommand, kFromClients, kind::request());
+GATEWAY_TOPIC(cansync_slave, SlaveCommandReply, kFromDaemon, kind::reply(256, 128));
+GATEWAY_TOPIC(cansync_slave, SlaveSideStatus, kFromDaemon, kind::state());
 
 }  // namespace gateway::dds
 

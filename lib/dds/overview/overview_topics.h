@@ -7,18 +7,9 @@
 /// Topics of overview.idl.
 namespace gateway::dds {
 
-template <>
-inline constexpr TopicInfo topic_info<gateway_JobEnd> = {"JobEnd", &gateway_JobEnd_desc, kFromClients,
-                                                         kind::request(), &gateway_JobEnd_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<gateway_JobEndReply> = {"JobEndReply", &gateway_JobEndReply_desc,
-                                                              kFromDaemon, kind::reply(1024, 256),
-                                                              &gateway_JobEndReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<gateway_OpenRequests> = {
-    "OpenRequests", &gateway_OpenRequests_desc, kFromDaemon, kind::state(), &gateway_OpenRequests_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<gateway_DriveProfile> = {
-    "DriveProfile", &gateway_DriveProfile_desc, kFromDaemon, kind::state(), &gateway_DriveProfile_final_desc};
+GATEWAY_TOPIC(gateway, JobEnd, kFromClients, kind::request());
+GATEWAY_TOPIC(gateway, JobEndReply, kFromDaemon, kind::reply(1024, 256));
+GATEWAY_TOPIC(gateway, OpenRequests, kFromDaemon, kind::state());
+GATEWAY_TOPIC(gateway, DriveProfile, kFromDaemon, kind::state());
 
 }  // namespace gateway::dds

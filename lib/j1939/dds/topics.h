@@ -16,32 +16,16 @@ namespace gateway::dds {
 /// what it missed.
 inline constexpr TopicQos kMessageStream = {.depth = 100};
 
-template <>
-inline constexpr TopicInfo topic_info<j1939_MessageBatch> = {
-    "MessageBatch", &j1939_MessageBatch_desc, kFromDaemon, kMessageStream, &j1939_MessageBatch_final_desc};
+GATEWAY_TOPIC(j1939, MessageBatch, kFromDaemon, kMessageStream);
 /// Few and large: a reader that is slow gets the newest ones.
 inline constexpr TopicQos kLongMessages = {.depth = 8};
 
-template <>
-inline constexpr TopicInfo topic_info<j1939_LongMessage> = {
-    "LongMessage", &j1939_LongMessage_desc, kFromDaemon, kLongMessages, &j1939_LongMessage_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<j1939_MessageRequest> = {"MessageRequest", &j1939_MessageRequest_desc,
-                                                               kFromClients, kind::request(),
-                                                               &j1939_MessageRequest_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<j1939_MessageReply> = {"MessageReply", &j1939_MessageReply_desc,
-                                                             kFromDaemon, kind::reply(4096, 2048),
-                                                             &j1939_MessageReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<j1939_NodeStatus> = {"NodeStatus", &j1939_NodeStatus_desc, kFromDaemon,
-                                                           kind::state(), &j1939_NodeStatus_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<j1939_AddressTable> = {
-    "AddressTable", &j1939_AddressTable_desc, kFromDaemon, kind::state(), &j1939_AddressTable_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<j1939_FaultList> = {"FaultList", &j1939_FaultList_desc, kFromDaemon,
-                                                          kind::state(), &j1939_FaultList_final_desc};
+GATEWAY_TOPIC(j1939, LongMessage, kFromDaemon, kLongMessages);
+GATEWAY_TOPIC(j1939, MessageRequest, kFromClients, kind::request());
+GATEWAY_TOPIC(j1939, MessageReply, kFromDaemon, kind::reply(4096, 2048));
+GATEWAY_TOPIC(j1939, NodeStatus, kFromDaemon, kind::state());
+GATEWAY_TOPIC(j1939, AddressTable, kFromDaemon, kind::state());
+GATEWAY_TOPIC(j1939, FaultList, kFromDaemon, kind::state());
 
 }  // namespace gateway::dds
 

@@ -22,53 +22,20 @@ inline constexpr TopicQos kRunLead = {.transient_local = true,
                                       .lease = kind::exclusive().lease,
                                       .offered_lease = kind::exclusive().offered_lease};
 
-template <>
-inline constexpr TopicInfo topic_info<layer2_FrameBatch> = {
-    "FrameBatch", &layer2_FrameBatch_desc, kFromDaemon, kFrameStream, &layer2_FrameBatch_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_SendRequest> = {
-    "SendRequest", &layer2_SendRequest_desc, kFromClients, kind::request(), &layer2_SendRequest_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_SendReply> = {
-    "SendReply", &layer2_SendReply_desc, kFromDaemon, kind::reply(4096, 2048), &layer2_SendReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ControlRequest> = {"ControlRequest", &layer2_ControlRequest_desc,
-                                                                kFromClients, kind::request(),
-                                                                &layer2_ControlRequest_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ControlReply> = {"ControlReply", &layer2_ControlReply_desc,
-                                                              kFromDaemon, kind::reply(4096, 2048),
-                                                              &layer2_ControlReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ObjectRequest> = {"ObjectRequest", &layer2_ObjectRequest_desc,
-                                                               kFromClients, kind::request(),
-                                                               &layer2_ObjectRequest_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ObjectReply> = {"ObjectReply", &layer2_ObjectReply_desc,
-                                                             kFromDaemon, kind::reply(4096, 2048),
-                                                             &layer2_ObjectReply_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ObjectStatus> = {
-    "ObjectStatus", &layer2_ObjectStatus_desc, kFromDaemon, kind::state(), &layer2_ObjectStatus_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ModuleEvent> = {
-    "ModuleEvent", &layer2_ModuleEvent_desc, kFromDaemon, kFrameStream, &layer2_ModuleEvent_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ImageOutputs> = {"ImageOutputs", &layer2_ImageOutputs_desc,
-                                                              kFromClients, kind::exclusive(),
-                                                              &layer2_ImageOutputs_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_RunLead> = {"RunLead", &layer2_RunLead_desc, kFromClients,
-                                                         kRunLead, &layer2_RunLead_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_TimerStatus> = {
-    "TimerStatus", &layer2_TimerStatus_desc, kFromDaemon, kind::state(), &layer2_TimerStatus_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_ProcessImage> = {
-    "ProcessImage", &layer2_ProcessImage_desc, kFromDaemon, kind::state(), &layer2_ProcessImage_final_desc};
-template <>
-inline constexpr TopicInfo topic_info<layer2_FrameStatus> = {
-    "FrameStatus", &layer2_FrameStatus_desc, kFromDaemon, kind::state(), &layer2_FrameStatus_final_desc};
+GATEWAY_TOPIC(layer2, FrameBatch, kFromDaemon, kFrameStream);
+GATEWAY_TOPIC(layer2, SendRequest, kFromClients, kind::request());
+GATEWAY_TOPIC(layer2, SendReply, kFromDaemon, kind::reply(4096, 2048));
+GATEWAY_TOPIC(layer2, ControlRequest, kFromClients, kind::request());
+GATEWAY_TOPIC(layer2, ControlReply, kFromDaemon, kind::reply(4096, 2048));
+GATEWAY_TOPIC(layer2, ObjectRequest, kFromClients, kind::request());
+GATEWAY_TOPIC(layer2, ObjectReply, kFromDaemon, kind::reply(4096, 2048));
+GATEWAY_TOPIC(layer2, ObjectStatus, kFromDaemon, kind::state());
+GATEWAY_TOPIC(layer2, ModuleEvent, kFromDaemon, kFrameStream);
+GATEWAY_TOPIC(layer2, ImageOutputs, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(layer2, RunLead, kFromClients, kRunLead);
+GATEWAY_TOPIC(layer2, TimerStatus, kFromDaemon, kind::state());
+GATEWAY_TOPIC(layer2, ProcessImage, kFromDaemon, kind::state());
+GATEWAY_TOPIC(layer2, FrameStatus, kFromDaemon, kind::state());
 
 }  // namespace gateway::dds
 

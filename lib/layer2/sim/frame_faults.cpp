@@ -1,22 +1,9 @@
 #include "layer2/sim/frame_faults.h"
 
 namespace sim {
-namespace {
-
-class FrameFaults final : public FaultProtocol {
- public:
-  std::string_view node_word() const noexcept override { return "node"; }
-  std::span<const ChannelName> channels() const noexcept override { return {}; }
-  std::optional<NodeNumber> node_of(const can::Frame&) const noexcept override { return std::nullopt; }
-  bool is_answer(const can::Frame&) const noexcept override { return false; }
-  void make_wrong(can::Frame&) const noexcept override {}
-  void make_busy(can::Frame&) const noexcept override {}
-};
-
-}  // namespace
 
 const FaultProtocol& frame_faults() noexcept {
-  static const FrameFaults faults;
+  static const PlainFaults faults("node");
   return faults;
 }
 

@@ -14,8 +14,8 @@
 #include "cansync/sim/master_node.h"
 #include "daemon/cansync_slave/realtime/slave_machine.h"
 #include "daemon/loop/deadline_loop.h"
-#include "rt/alloc_counter.h"
 #include "sim/line.h"
+#include "support/watched_turns.h"
 
 namespace cansyncd {
 namespace {
@@ -23,45 +23,21 @@ namespace {
 constexpr std::uint8_t kBusySlave = 5;
 
 /// Plays gateway and application between two turns of the loop.
-class ServedBus final : public can::Bus {
+class ServedBus final : public test::WatchedTurns {
  public:
-  ServedBus(can::Bus& line, SlaveExchange& exchange) : line_(line), exchange_(exchange) {
+  ServedBus(can::Bus& line, SlaveExchange& exchange) : WatchedTurns(line, 3000, 40'000), exchange_(exchange) {
     taken_.present = taken_.same_application = taken_.blocks = true;
     taken_.taken.numbers.set(500);
   }
 
-  static constexpr std::uint64_t kTurns = 40'000;
-  static constexpr std::uint64_t kWatched = 3000;  ///< from this turn on
   static constexpr std::uint64_t kPresence = 997;  ///< the application comes or goes after so many
-  DeadlineLoop<SlaveMachine>* loop = nullptr;
-  std::uint64_t turns = 0;
   std::uint64_t answered = 0;
   std::uint64_t dropped = 0;
   std::uint64_t blocks_done = 0;
   std::uint64_t references = 0;
-  rt::ThreadCalls before;
-  rt::ThreadCalls after;
-
-  can::Time now() noexcept override { return line_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    ++turns;
-    if (turns == kWatched) before = rt::thread_calls();
-    if (turns == kTurns) {
-      after = rt::thread_calls();
-      loop->request_stop();
-    }
-    work();
-    return line_.wait_until(deadline);
-  }
-  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
-  can::SendResult send(const can::Frame& frame) noexcept override { return line_.send(frame); }
-  can::ControllerStatus status() noexcept override { return line_.status(); }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
 
  private:
-  void work() noexcept {
+  void work() noexcept override {
     if (turns % kPresence == 0) {
       taken_.present = !taken_.present;
       exchange_.orders.try_push(taken_);
@@ -106,7 +82,6 @@ class ServedBus final : public can::Bus {
     exchange_.orders.try_push(reply);
   }
 
-  can::Bus& line_;
   SlaveExchange& exchange_;
   TakeOver taken_;
 };
@@ -180,7 +155,7 @@ TEST(RealtimeRules, TheLoopOfASlaveNeitherAllocatesNorLocksNorWritesAnythingButI
   SlaveMachine machine(settings, served, exchange);
 
   DeadlineLoop<SlaveMachine> loop(machine, served);
-  served.loop = &loop;
+  served.end = [&loop] { loop.request_stop(); };
   loop.run();
 
   EXPECT_GT(served.answered, 50u);

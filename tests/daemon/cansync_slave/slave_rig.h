@@ -17,6 +17,7 @@
 #include "daemon/cansync_slave/realtime/slave_machine.h"
 #include "daemon/loop/deadline_loop.h"
 #include "sim/line.h"
+#include "support/timed_bus.h"
 
 /// The slave's realtime loop on a simulated line with a simulated master, in virtual time.
 namespace cansyncd::test {
@@ -42,48 +43,32 @@ class LineTrace final : public sim::TraceSink {
 };
 
 /// Does what the test wants at an instant of the bus, and wakes the loop late when it wants that.
-class WatchedBus : public can::Bus {
+class WatchedBus : public test::TimedBus {
  public:
-  explicit WatchedBus(can::Bus& line) : line_(line) {}
+  using TimedBus::TimedBus;
 
-  std::multimap<can::Time, std::function<void()>> script;
   can::Time late{};  ///< the thread stands still for so long after each wake-up by a frame
 
-  can::Time now() noexcept override { return line_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    if (!script.empty()) deadline = std::min(deadline, script.begin()->first);
-    const can::Wake wake = line_.wait_until(deadline);
-    if (wake == can::Wake::frame && late > can::Time{0}) stand_still(line_.now() + late);
-    while (!script.empty() && script.begin()->first <= line_.now()) {
-      const auto action = script.begin()->second;
-      script.erase(script.begin());
-      action();
-    }
-    return wake;
-  }
   bool receive(can::ReceivedFrame& out) noexcept override {
-    if (kept_.empty()) return line_.receive(out);
+    if (kept_.empty()) return behind_.receive(out);
     out = kept_.front();
     kept_.erase(kept_.begin());
     return true;
   }
-  can::SendResult send(const can::Frame& frame) noexcept override { return line_.send(frame); }
-  can::ControllerStatus status() noexcept override { return line_.status(); }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
 
  private:
+  void woken(can::Wake wake) noexcept override {
+    if (wake == can::Wake::frame && late > can::Time{0}) stand_still(behind_.now() + late);
+  }
   /// Virtual time goes on only while somebody waits without a frame.
   void stand_still(can::Time until) {
     while (true) {
       can::ReceivedFrame frame;
-      while (line_.receive(frame)) kept_.push_back(frame);
-      if (line_.wait_until(until) != can::Wake::frame) return;
+      while (behind_.receive(frame)) kept_.push_back(frame);
+      if (behind_.wait_until(until) != can::Wake::frame) return;
     }
   }
 
-  can::Bus& line_;
   std::vector<can::ReceivedFrame> kept_;
 };
 

@@ -86,7 +86,7 @@ data = [1, 2, 3]
   EXPECT_EQ(config.name, (j1939::NameFields{5, 7, 1, 2, 3, 4, 6, 5, true}));
   const std::vector<j1939::PgnRange> ranges = {{0xF004, 0xF004, {}}, {0xFEF0, 0xFEFF, j1939::Address{33}}};
   EXPECT_EQ(config.receive, ranges);
-  const j1939::NodeSettings node = message_machine_settings(config, nullptr).node;
+  const j1939::NodeSettings node = J1939Parts::machine_settings(config, nullptr).node;
   EXPECT_EQ(node.claim.preferred, 0x80);
   EXPECT_EQ(node.claim.first_other, 130);
   EXPECT_EQ(node.claim.last_other, 140);
@@ -114,11 +114,11 @@ TEST_F(J1939Configuration, SimulatedNodesHaveNamesOfTheirOwn) {
   const J1939Config config = good("[[ecu]]\nnumber = 0\n[[ecu]]\nnumber = 1\naddress = 1\n");
   ASSERT_EQ(config.ecus.size(), 2u);
   EXPECT_NE(j1939::compose(config.ecus[0].name), j1939::compose(config.ecus[1].name));
-  EXPECT_EQ(j1939_bus_plan(config).sim.nodes.size(), 2u);
+  EXPECT_EQ(J1939Parts::bus_plan(config).sim.nodes.size(), 2u);
 }
 
 TEST_F(J1939Configuration, ThePrintedFileIsInOrder) {
-  const J1939Config printed = good(j1939_default_config());
+  const J1939Config printed = good(config::default_file(j1939_options(), j1939_document_heads.file));
   EXPECT_FALSE(printed.preferred);
   EXPECT_EQ(printed.send.queue, 64);
 }

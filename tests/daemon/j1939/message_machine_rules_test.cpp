@@ -12,9 +12,9 @@
 #include "daemon/loop/flight_tap.h"
 #include "j1939/node_rig.h"
 #include "j1939/sim/ecu_node.h"
-#include "rt/alloc_counter.h"
 #include "rt/flight_recorder.h"
 #include "sim/line.h"
+#include "support/watched_turns.h"
 
 namespace cansyncd {
 namespace {
@@ -22,41 +22,21 @@ namespace {
 using std::chrono::milliseconds;
 
 /// Plays the gateway between two turns of the loop: orders, takes back, reads everything.
-class CrowdedBus final : public can::Bus {
+class CrowdedBus final : public test::WatchedTurns {
  public:
-  CrowdedBus(can::Bus& line, J1939Exchange& exchange) : line_(line), exchange_(exchange) {}
+  CrowdedBus(can::Bus& line, J1939Exchange& exchange) : WatchedTurns(line, 10, 5000), exchange_(exchange) {}
 
-  static constexpr std::uint64_t kTurns = 5000;
-  DeadlineLoop<MessageMachine>* loop = nullptr;  ///< ended after so many turns
-  std::uint64_t turns = 0;
   std::uint64_t answers = 0;
   std::uint64_t frames = 0;
   std::uint64_t long_messages = 0;
-  rt::ThreadCalls before;
-  rt::ThreadCalls after;
 
-  can::Time now() noexcept override { return line_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    if (++turns == 10) before = rt::thread_calls();
-    if (turns == kTurns) {
-      after = rt::thread_calls();
-      loop->request_stop();
-    }
-    work();
-    return line_.wait_until(deadline);
-  }
-  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
   // Now and then the bus takes nothing.
   can::SendResult send(const can::Frame& frame) noexcept override {
-    return turns % 50 < 5 ? can::SendResult::queue_full : line_.send(frame);
+    return turns % 50 < 5 ? can::SendResult::queue_full : behind_.send(frame);
   }
-  can::ControllerStatus status() noexcept override { return line_.status(); }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
 
  private:
-  void work() noexcept {
+  void work() noexcept override {
     ++number_;
     // Long and short ones, to all and to one, and requests.
     j1939::Order order{.id = number_, .number = 0xFEF1, .timeout = milliseconds(2)};
@@ -84,7 +64,6 @@ class CrowdedBus final : public can::Bus {
     while (exchange_.long_data.try_pop(data)) ++long_messages;
   }
 
-  can::Bus& line_;
   J1939Exchange& exchange_;
   std::uint64_t number_ = 0;
   std::vector<std::uint8_t> long_ = j1939::test::counting(40);
@@ -111,7 +90,7 @@ TEST(RealtimeRules, TheLoopOfMessagesNeitherAllocatesNorLocksNorWritesAnythingBu
   MessageMachine machine(settings, recorded, exchange);
 
   DeadlineLoop<MessageMachine> loop(machine, recorded);
-  busy.loop = &loop;
+  busy.end = [&loop] { loop.request_stop(); };
   loop.run();
 
   EXPECT_GT(busy.answers, 1000u);

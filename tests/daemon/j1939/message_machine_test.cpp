@@ -16,6 +16,7 @@
 #include "j1939/node_rig.h"
 #include "j1939/sim/ecu_node.h"
 #include "sim/line.h"
+#include "support/timed_bus.h"
 
 namespace cansyncd {
 namespace {
@@ -39,37 +40,16 @@ sim::EcuSettings ecu_at(j1939::Address address) {
   return settings;
 }
 
-/// The line's bus, with what the test does at instants of its own.
-class TimedBus final : public can::Bus {
+class CountingBus final : public test::TimedBus {
  public:
-  explicit TimedBus(can::Bus& line) : line_(line) {}
-  std::multimap<can::Time, std::function<void()>> script;
+  using TimedBus::TimedBus;
   std::uint64_t unacknowledged = 0;  ///< as the status says
 
-  can::Time now() noexcept override { return line_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    if (!script.empty()) deadline = std::min(deadline, script.begin()->first);
-    const can::Wake wake = line_.wait_until(deadline);
-    while (!script.empty() && script.begin()->first <= line_.now()) {
-      const auto action = script.begin()->second;
-      script.erase(script.begin());
-      action();
-    }
-    return wake;
-  }
-  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
-  can::SendResult send(const can::Frame& frame) noexcept override { return line_.send(frame); }
   can::ControllerStatus status() noexcept override {
-    can::ControllerStatus status = line_.status();
+    can::ControllerStatus status = behind_.status();
     status.unacknowledged = unacknowledged;
     return status;
   }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
-
- private:
-  can::Bus& line_;
 };
 
 struct MachineRig {
@@ -110,7 +90,7 @@ struct MachineRig {
   }
 
   sim::Line line;
-  TimedBus bus{line};
+  CountingBus bus{line};
   J1939Exchange exchange{16, 256, 65'536};
   MessageMachine machine;
   DeadlineLoop<MessageMachine> loop{machine, bus};

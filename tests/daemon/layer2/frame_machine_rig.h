@@ -17,6 +17,7 @@
 #include "layer2/sim/frame_node.h"
 #include "rt/flight_recorder.h"
 #include "sim/line.h"
+#include "support/timed_bus.h"
 
 /// A station on the simulated bus, in virtual time: the realtime loop with the machine on it.
 namespace cansyncd::layer2_test {
@@ -39,38 +40,25 @@ inline FrameMachineSettings everything() {
   return settings;
 }
 
-/// Does what the test wants at an instant of the bus, before the machine looks.
-class ScriptedBus final : public can::Bus {
+class ScriptedBus final : public test::TimedBus {
  public:
-  explicit ScriptedBus(can::Bus& line) : line_(line) {}
+  using TimedBus::TimedBus;
 
-  std::multimap<can::Time, std::function<void()>> script;
   can::SendResult refusal = can::SendResult::queued;  ///< what `send` says instead of sending
   can::ControllerStatus status_on_top;                ///< what of the status is not the line's
   bool lose_echoes = false;                           ///< none comes
 
-  can::Time now() noexcept override { return line_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    if (!script.empty()) deadline = std::min(deadline, script.begin()->first);
-    const can::Wake wake = line_.wait_until(deadline);
-    while (!script.empty() && script.begin()->first <= line_.now()) {
-      const auto action = script.begin()->second;
-      script.erase(script.begin());
-      action();
-    }
-    return wake;
-  }
   bool receive(can::ReceivedFrame& out) noexcept override {
-    while (line_.receive(out)) {
+    while (behind_.receive(out)) {
       if (!out.own || !lose_echoes) return true;
     }
     return false;
   }
   can::SendResult send(const can::Frame& frame) noexcept override {
-    return refusal == can::SendResult::queued ? line_.send(frame) : refusal;
+    return refusal == can::SendResult::queued ? behind_.send(frame) : refusal;
   }
   can::ControllerStatus status() noexcept override {
-    can::ControllerStatus status = line_.status();
+    can::ControllerStatus status = behind_.status();
     status.unacknowledged = status_on_top.unacknowledged;
     status.dropped = status_on_top.dropped;
     status.state = status_on_top.state;
@@ -78,12 +66,6 @@ class ScriptedBus final : public can::Bus {
     status.delivery = status_on_top.delivery;
     return status;
   }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
-
- private:
-  can::Bus& line_;
 };
 
 struct Rig {

@@ -13,9 +13,9 @@
 #include "daemon/loop/deadline_loop.h"
 #include "daemon/loop/flight_tap.h"
 #include "layer2/sim/frame_node.h"
-#include "rt/alloc_counter.h"
 #include "rt/flight_recorder.h"
 #include "sim/line.h"
+#include "support/watched_turns.h"
 
 namespace cansyncd {
 namespace {
@@ -24,44 +24,24 @@ using can::test::data_frame;
 using std::chrono::milliseconds;
 
 /// Plays the gateway between two turns of the loop: orders, takes back, reads everything.
-class BusyBus final : public can::Bus {
+class BusyBus final : public test::WatchedTurns {
  public:
-  BusyBus(can::Bus& line, Layer2Exchange& exchange) : line_(line), exchange_(exchange) {
+  BusyBus(can::Bus& line, Layer2Exchange& exchange) : WatchedTurns(line, 10, 5000), exchange_(exchange) {
     prepared_.parts = {true, true, true, true, true, true, true};
   }
 
-  static constexpr std::uint64_t kTurns = 5000;
-  DeadlineLoop<FrameMachine>* loop = nullptr;  ///< ended after so many turns
-  std::uint64_t turns = 0;
   std::uint64_t answers = 0;
   std::uint64_t frames = 0;
   std::uint64_t sequences = 0;   ///< orders of several frames, all of which were sent
   std::uint64_t configured = 0;  ///< other settings were taken over
-  rt::ThreadCalls before;
-  rt::ThreadCalls after;
 
-  can::Time now() noexcept override { return line_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override {
-    if (++turns == 10) before = rt::thread_calls();
-    if (turns == kTurns) {
-      after = rt::thread_calls();
-      loop->request_stop();
-    }
-    work();
-    return line_.wait_until(deadline);
-  }
-  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
   // Now and then the bus takes nothing.
   can::SendResult send(const can::Frame& frame) noexcept override {
-    return turns % 50 < 5 ? can::SendResult::queue_full : line_.send(frame);
+    return turns % 50 < 5 ? can::SendResult::queue_full : behind_.send(frame);
   }
-  can::ControllerStatus status() noexcept override { return line_.status(); }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
 
  private:
-  void work() noexcept {
+  void work() noexcept override {
     ++number_;
     exchange_.requests.try_push(
         layer2::SendOrder{number_, {.id = static_cast<std::uint32_t>(number_ % 0x800)}, milliseconds(2)});
@@ -86,7 +66,6 @@ class BusyBus final : public can::Bus {
     while (exchange_.frames.try_pop(report)) ++frames;
   }
 
-  can::Bus& line_;
   static layer2::ModuleSettings other_settings() {
     layer2::ModuleSettings settings;
     settings.station.filter.add({0, 0x3FF, false, layer2::FrameKinds::data_and_remote});
@@ -122,7 +101,7 @@ TEST(RealtimeRules, TheLoopOfGeneralFramesNeitherAllocatesNorLocksNorWritesAnyth
   FrameMachine machine(settings, recorded, exchange);
 
   DeadlineLoop<FrameMachine> loop(machine, recorded);
-  busy.loop = &loop;
+  busy.end = [&loop] { loop.request_stop(); };
   loop.run();
 
   EXPECT_GT(busy.answers, 1000u);

@@ -32,7 +32,7 @@ can::SocketcanSettings of_a_configuration() {
   Layer2Config config;
   config.bus.kind = BusKind::socketcan;
   config.bus.interface = "can0";
-  return socketcan_settings(layer2_bus_plan(config));
+  return socketcan_settings(Layer2Parts::bus_plan(config));
 }
 
 TEST(FrameMachine, AllTimersDueAtOnceSendAtOnce) {

@@ -94,7 +94,7 @@ period_ms = 20
   EXPECT_EQ(config.nodes[0].frame.dlc, 2);
   EXPECT_EQ(config.nodes[0].frame.data[1], 0xFF);
   EXPECT_EQ(config.nodes[0].period, std::chrono::milliseconds(20));
-  EXPECT_EQ(layer2_bus_plan(config).sim.nodes.size(), 1u);
+  EXPECT_EQ(Layer2Parts::bus_plan(config).sim.nodes.size(), 1u);
 }
 
 TEST_F(Layer2Configuration, WrongNodesAreToldWithTheirPlace) {
@@ -114,7 +114,7 @@ identifier = 0x80
 period_us = 5000
 phase_us = 100
 )");
-  const FrameMachineSettings settings = frame_machine_settings(config, nullptr);
+  const FrameMachineSettings settings = Layer2Parts::machine_settings(config, nullptr);
   EXPECT_EQ(settings.module.run.commands.size(), 3u);
   ASSERT_TRUE(settings.module.timers[2]);
   EXPECT_EQ(settings.module.timers[2]->period, std::chrono::milliseconds(5));
@@ -182,7 +182,7 @@ tell = true
   ASSERT_EQ(config.objects.size(), 2u);
   EXPECT_EQ(config.objects[0].settings.rule, (layer2::MaskRule{0x137, 0x7EC, false}));
   EXPECT_TRUE(config.objects[0].settings.tell);
-  const auto settings = frame_machine_settings(config, nullptr);
+  const auto settings = Layer2Parts::machine_settings(config, nullptr);
   ASSERT_TRUE(settings.module.objects[31]);
   EXPECT_EQ(settings.module.objects[31]->timeout, std::chrono::milliseconds(50));
   EXPECT_EQ(
@@ -196,7 +196,7 @@ tell = true
 
 TEST_F(Layer2Configuration, L8ANodeFilterTakesThePlaceOfRanges) {
   const Layer2Config config = good("[filter]\nnode = 5\n");
-  const FrameMachineSettings settings = frame_machine_settings(config, nullptr);
+  const FrameMachineSettings settings = Layer2Parts::machine_settings(config, nullptr);
   ASSERT_TRUE(settings.module.station.node);
   EXPECT_EQ(settings.module.station.node->node, 5);
 }
@@ -217,7 +217,7 @@ TEST_F(Layer2Configuration, OptionsWithoutEffectAreRefusedWithTheirPlace) {
 }
 
 TEST_F(Layer2Configuration, TheDefaultFileIsRightAndSaysTheDefaults) {
-  const Layer2Config printed = good(layer2_default_config());
+  const Layer2Config printed = good(config::default_file(layer2_options(), layer2_document_heads.file));
   EXPECT_EQ(printed.send.queue, SendConfig{}.queue);
   EXPECT_EQ(printed.bus.bits_per_second, good("").bus.bits_per_second);
 }

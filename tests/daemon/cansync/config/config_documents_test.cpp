@@ -6,13 +6,13 @@
 #include <string>
 
 #include "config_text.h"
-#include "daemon/cansync/config/print.h"
+#include "daemon/cansync/config/options.h"
 
 namespace cansyncd {
 namespace {
 
 TEST(ConfigDocuments, TheDefaultConfigurationIsValidAndChangesNothing) {
-  const Config printed = good(default_config());
+  const Config printed = good(config::default_file(options(), master_document_heads.file));
   const Config smallest = good(kSmallest);
   EXPECT_EQ(printed.master.command_channel.parameter_queue, smallest.master.command_channel.parameter_queue);
   EXPECT_EQ(printed.master.configured(), smallest.master.configured());
@@ -20,7 +20,7 @@ TEST(ConfigDocuments, TheDefaultConfigurationIsValidAndChangesNothing) {
 }
 
 TEST(ConfigDocuments, EveryCommentedExampleIsValidToo) {
-  std::istringstream lines(default_config());
+  std::istringstream lines(config::default_file(options(), master_document_heads.file));
   std::string text;
   // Lines "# key = value" are examples; the array form of mappings stands beside the registers and stays out.
   const std::regex assignment(R"(# [a-z_012]+ = ["\[0-9].*)");

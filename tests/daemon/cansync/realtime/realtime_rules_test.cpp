@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "can/passing_bus.h"
 #include "cansync/settings/timing.h"
 #include "cansync/sim/drive.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
@@ -74,9 +75,9 @@ std::optional<std::uint64_t> kernel_write_calls() {
 
 /// The simulated line, seen through a bus that takes the account of the thread that drives it: once the line
 /// is in active operation and has settled, and again `kWatched` intervals later.
-class WatchedLine final : public can::Bus, public sync_line::SyncWire {
+class WatchedLine final : public can::PassingBus, public sync_line::SyncWire {
  public:
-  explicit WatchedLine(sim::Line& line) : line_(line) {}
+  explicit WatchedLine(sim::Line& line) : PassingBus(line), line_(line) {}
 
   std::atomic<bool> active{false};  ///< set by the test's thread
   std::atomic<bool> finished{false};
@@ -84,10 +85,6 @@ class WatchedLine final : public can::Bus, public sync_line::SyncWire {
   Account after;
   std::uint64_t edges = 0;
 
-  can::Time now() noexcept override { return line_.now(); }
-  can::Wake wait_until(can::Time deadline) noexcept override { return line_.wait_until(deadline); }
-  bool receive(can::ReceivedFrame& out) noexcept override { return line_.receive(out); }
-  can::SendResult send(const can::Frame& frame) noexcept override { return line_.send(frame); }
   void sync_edge(can::Time due) noexcept override {
     line_.sync_edge(due);
     if (!active.load(std::memory_order_relaxed) || finished.load(std::memory_order_relaxed)) return;
@@ -97,10 +94,6 @@ class WatchedLine final : public can::Bus, public sync_line::SyncWire {
       finished.store(true, std::memory_order_release);
     }
   }
-  can::ControllerStatus status() noexcept override { return line_.status(); }
-  can::ResetResult reset() noexcept override { return line_.reset(); }
-  can::ResetResult reset_result() noexcept override { return line_.reset_result(); }
-  can::TimestampSource timestamp_source() noexcept override { return line_.timestamp_source(); }
 
  private:
   /// The kernel's count is read outside the span that is watched: reading it allocates.

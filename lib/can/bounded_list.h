@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-namespace j1939 {
+namespace can {
 
 /// A bounded list in the order of arrival; for few elements. Realtime safe; one thread.
 template <class T, std::size_t N>
@@ -31,4 +31,4 @@ class BoundedList {
   std::size_t size_ = 0;
 };
 
-}  // namespace j1939
+}  // namespace can
