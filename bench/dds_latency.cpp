@@ -1,7 +1,8 @@
 // How long an actual value takes from the bus to a DDS client's listener, and the same for a bare DDS writer.
-//   dds_latency listen DOMAIN PARTITION SECONDS            prints one delay (ns) per sample, from
-//   receive_time dds_latency write DOMAIN PARTITION SECONDS PER_SECOND  writes that many samples a second of
-//   32 slaves
+//   dds_latency listen DOMAIN PARTITION SECONDS
+//       prints one delay (ns) per sample, from receive_time
+//   dds_latency write DOMAIN PARTITION SECONDS PER_SECOND
+//       writes that many samples a second of 32 slaves
 #include <dds/dds.h>
 
 #include <cstdint>

@@ -1,8 +1,7 @@
 // General frames at full bus load: what a client records, and the yardstick, a bridge of 30 lines.
 //   frames_bench record DOMAIN BUS SECONDS   a client of the daemon
 //   frames_bench listen DOMAIN BUS SECONDS   a reader of the bridge
-//   frames_bench bridge DOMAIN BUS SECONDS   the bridge: a simulated bus of 1 Mbit/s, each look written as it
-//   is
+//   frames_bench bridge DOMAIN BUS SECONDS   the bridge: a simulated bus of 1 Mbit/s, each look as it is
 // Each prints one JSON object; times in ns.
 #include <sys/resource.h>
 

@@ -49,9 +49,8 @@
 ///     std::optional<Change> change_of(sample, context);  // nothing: it only reads. Of every Sample, also of
 ///                                                        // one that `check` refuses
 ///     gateway::dds::Problem check(sample);               // why a field is out of range
-///     std::optional<Request> request_of(sample, id, data);  // nothing: of no known kind. `data`: memory
-///     that
-///                                       // stays where it is until the request has ended
+///     std::optional<Request> request_of(sample, id, data);  // nothing: of no known kind. `data`:
+///                                                           // memory that stays until the request has ended
 ///     Lane lane_of(request);
 ///     Effect effect_of(request);        // right it needs, whether it changes something
 ///     std::string wrong_topic();        // why a request is not taken from a topic that gives less

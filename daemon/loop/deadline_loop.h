@@ -19,8 +19,7 @@ namespace cansyncd {
 ///   `next_deadline` lies after `now`.
 /// - `receive(frame)`: a frame came, or the echo of an own one; in the order of the bus.
 /// - `next_frame()`: what is to be handed to the bus now, if anything; followed by `handed_over(result)`. It
-/// may
-///   be the same frame again when the bus did not take it.
+///   may be the same frame again when the bus did not take it.
 /// - `waits_for_echo()`: the controller has no place for another frame before an own one is seen on the bus;
 ///   the loop then wakes for frames on every bus.
 /// - `next_deadline()`: when `advance` must be called at the latest; Time::max() when no time is waited for.

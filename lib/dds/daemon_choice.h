@@ -14,8 +14,8 @@ namespace gateway::dds {
 ///
 /// - While one daemon alone is there, requests are for that one.
 /// - When another appears, the one before may have died a moment ago, for DDS notices a death after seconds.
-/// Nothing is
-///   asked until it has left or was silent for `kSilence`, or until it is heard again: then both live.
+///   Nothing is asked until it has left or was silent for `kSilence`, or until it is heard again: then both
+///   live.
 /// - While two live, nothing is asked.
 /// - Requests go to another start than the program knows of only after it was told.
 ///

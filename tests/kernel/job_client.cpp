@@ -1,5 +1,5 @@
 // A DDS client that does one job after the other as it is told, for tests that kill it or the daemon
-// meanwhile.
+// meanwhile:
 //   job_client DOMAIN PARTITION
 // Prints "ready" when it has found the daemon. Then one job a line on standard input, and its end a line on
 // standard output: "done" with what was read, or the reply's code and reason.

@@ -58,11 +58,9 @@ class ReferenceSurroundings {
 /// told. Knows neither DDS nor a clock: it is told what came and when.
 ///
 /// - The owner of a telegram is the strongest writer that holds it. One of the same or a greater strength
-/// takes
-///   over with its first sample, whatever that is refused for: what the one before gave ends first.
+///   takes over with its first sample, whatever that is refused for: what the one before gave ends first.
 /// - `given_up` of the owner ends the release at once, of anybody else changes nothing. What others have
-/// written
-///   before that is not taken afterwards (as far as ages are looked at).
+///   written before that is not taken afterwards (as far as ages are looked at).
 /// - An owner that is lost or misses its deadline ends the release too, after the configured hold.
 /// - After each of these the reaction is due once, until values are handed on again.
 /// - Refused samples are told on the edge and counted; they do not keep a deadline.

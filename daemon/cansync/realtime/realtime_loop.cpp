@@ -4,10 +4,9 @@
 //  3. Produce the SYNC edge, account how late it was.
 //  4. Take frames that came up to now, begin the interval in the master, tell the gateway.
 //  5. Lead the master towards its target state.
-//  6. For each slot in the order of their planned starts: take requests, wait, take what came meanwhile (a
-//  bus
-//     that is looked at rarely: after WRC2 was handed over), ask the master for the telegram, and hand it to
-//     the bus or leave it out when its latest start has passed.
+//  6. For each slot in the order of their planned starts: take requests, wait, take what came meanwhile
+//     (a bus that is looked at rarely: after WRC2 was handed over), ask the master for the telegram, and hand
+//     it to the bus or leave it out when its latest start has passed.
 //  7. Publish the state; once a second the timing.
 // The gateway is woken before each sleep that follows a look for frames, if there is something for it.
 #include "daemon/cansync/realtime/realtime_loop.h"
