@@ -80,8 +80,7 @@ class GatewayBase {
   /// `participant` and `journal` must outlive the gateway. `identity`: of this start; `slaves`: numbers that
   /// requests can be for. Throws gateway::dds::SetupError.
   GatewayBase(const Config& config, Exchange& exchange, const gateway::dds::Participant& participant,
-              JournalSink& journal, const DaemonIdentity& identity, const ProtocolFacts& protocol,
-              unsigned slaves)
+              JournalSink& journal, const DaemonIdentity& identity, const ProtocolFacts& protocol, int slaves)
       : config_(config),
         exchange_(exchange),
         events_(participant, journal, config.bus.name),
