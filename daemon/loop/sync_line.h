@@ -71,4 +71,10 @@ class SyncLine {
   std::uint64_t output_failures_ = 0;
 };
 
+/// Where the SYNC edges that a bus follows come from.
+struct SyncSources {
+  SyncLine* line = nullptr;          ///< [sync], on a CAN interface; null: it says nothing
+  sync_line::Input* wire = nullptr;  ///< the wire of a simulated line, on the clock of the bus; null: none
+};
+
 }  // namespace cansyncd

@@ -21,12 +21,6 @@
 
 namespace cansyncd {
 
-/// Where the SYNC edges of a segment come from.
-struct SyncSources {
-  SyncLine* line = nullptr;          ///< null: nothing that [sync] describes
-  sync_line::Input* wire = nullptr;  ///< of a simulated line; null: there is none
-};
-
 /// What most protocols have in common of `Parts`, below.
 struct DeadlineParts {
   /// The SYNC line; null: none.
@@ -49,7 +43,7 @@ struct DeadlineParts {
 /// - `load(path, overrides)`: reads and checks completely; `build(settings, path)`: makes a file of settings;
 /// - `bus_plan(config)`, `exchange(config)`, `given(file)`;
 /// - `machine_settings(config, tap, sync)`: `tap` is the flight recorder's, or null; `sync` are SyncSources;
-/// - `words(config)`: what is served, in the words of the log.
+/// - `words(config)`: what is served, in the words of the log; `check_text(config)`: in those of `--check`.
 template <class Parts>
 class DeadlineSegment final : public Segment {
  public:

@@ -16,10 +16,7 @@ namespace cansyncd {
 class SyncFollower {
  public:
   /// Where the edges come from; each may be null. Both must outlive the follower.
-  struct Inputs {
-    SyncLine* line = nullptr;          ///< [sync], on a CAN interface
-    sync_line::Input* wire = nullptr;  ///< the wire of a simulated line, on the clock of the bus
-  };
+  using Inputs = SyncSources;
   /// Edges that have passed.
   struct Passed {
     can::Time edge{};         ///< the newest

@@ -156,7 +156,7 @@ FlightProtocol SlaveParts::flight(const SlaveRoleConfig& config) {
 
 SlaveMachineSettings SlaveParts::machine_settings(const SlaveRoleConfig& config, FlightTap* tap,
                                                   const SyncSources& sync) {
-  return slave_machine_settings(config, tap, {sync.line, sync.wire});
+  return slave_machine_settings(config, tap, sync);
 }
 
 std::string SlaveParts::words(const SlaveRoleConfig& config) {
