@@ -63,7 +63,7 @@ void Dump::tell_missed(const layer2_FrameBatch& batch) {
   }
   if (number_ != 0 && batch.first > next_)
     output_.remark(text::counted(batch.first - next_, "frame was missed", "frames were missed") +
-                   ": they were read too slowly");
+                   ", for this program reads too slowly");
   if (number_ != 0 && batch.lost != lost_)
     output_.remark(text::counted(batch.lost - lost_, "frame") + " came faster than the daemon could publish");
   number_ = batch.number;
