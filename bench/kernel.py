@@ -33,11 +33,11 @@ def run_inside(build, script, arguments, limit):
     with tempfile.TemporaryDirectory(prefix="cansync_bench_") as folder, processor_kept_awake():
         found = os.path.join(folder, "found.json")
         command = ["chrt", "-f", "20", "taskset", "-c", str(CPU), sys.executable, "-B",
-                   os.path.join(ROOT, "tests", "kernel", "run_uml.py"), *arguments]
-        environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found, CANSYNC_UML_SCRIPT=script,
+                   os.path.join(ROOT, "tests", "uml", "run_uml.py"), script, *arguments]
+        environment = dict(os.environ, CANSYNC_UML_LIMIT=str(limit), CANSYNC_UML_RESULT=found,
                            CANSYNC=f"{build}/tools/cli/cansync", CANSYNCD=f"{build}/daemon/cansyncd",
                            CANSYNC_SIM=f"{build}/tools/simulator/cansync-sim",
-                           CANSYNC_UML_REGISTERS=f"{build}/tests/kernel/libuml_registers.so")
+                           CANSYNC_UML_REGISTERS=f"{build}/tests/uml/libuml_registers.so")
         done = subprocess.run(command, env=environment, check=False)
         if done.returncode == 77:
             return None

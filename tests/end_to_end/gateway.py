@@ -22,6 +22,7 @@ from wording import expect_wording
 CANSYNC = os.environ["CANSYNC"]
 CANSYNCD = os.environ["CANSYNCD"]
 LONG = 120  # seconds after which something has certainly gone wrong, also on a loaded machine under a sanitizer
+PAUSES = 1  # between two looks, each as long as a look takes
 ACTIVE = 0x80  # w_OPTION_STATUS
 
 
@@ -34,7 +35,7 @@ def wait_for(what, condition, seconds=None):
         if result:
             return result
         # Looking costs processor time that the line needs as well: never more than half of it.
-        time.sleep(min(1.0, max(0.02, time.monotonic() - began)))
+        time.sleep(min(1.0, max(0.02, PAUSES * (time.monotonic() - began))))
     raise AssertionError(f"not within {seconds} s: {what}")
 
 

@@ -1,6 +1,6 @@
 """`kill -9` of daemon, drives and clients in the middle of their work, round after round, on a real kernel.
 
-    kill_rounds.py --client PROGRAM [--rounds N] [--seed N] [RESULT]    run by run_uml.py, which gives RESULT: the figures as JSON
+    kill_rounds.py --client PROGRAM [--rounds N] [--seed N]    run in the machine by run_machine.py; prints the figures as JSON
 
 Each round lets clients write a parameter, download and upload, kills one process at a random moment, starts it again at
 once as systemd would, and then looks: whatever a client was told to be done is there, whatever it was not told is old or
@@ -22,7 +22,7 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "end_to_end")]
 
-from canline import LONG, Daemon, Simulator  # noqa: E402
+from canline import LONG, Daemon, Simulator, create_interface  # noqa: E402
 from gateway import ACTIVE, wait_for  # noqa: E402
 
 SLAVES = 3
@@ -240,6 +240,7 @@ class Rounds:
 def run(chosen):
     """All rounds; the figures."""
     begin = time.monotonic()
+    create_interface()
     with contextlib.ExitStack() as stack:
         simulator = stack.enter_context(Simulator(slaves=f"0-{SLAVES - 1}"))
         daemon = stack.enter_context(Daemon(slaves=SLAVES))
@@ -264,13 +265,7 @@ def main():
     options.add_argument("--client", required=True, help="the program job_client")
     options.add_argument("--rounds", type=int, default=50)
     options.add_argument("--seed", type=int, default=1)
-    options.add_argument("result", nargs="?")
-    chosen = options.parse_args()
-    found = run(chosen)
-    print(json.dumps(found))
-    if chosen.result:
-        with open(chosen.result, "w", encoding="utf-8") as file:
-            json.dump(found, file)
+    print(json.dumps(run(options.parse_args())))
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ class SlavePair:
     """A test for a class that says on which `interfaces` (of master and slave) the daemons are, and makes them ready."""
 
     interfaces = ()
-    # us: SYNC frames and what follows them are late where a kernel inside another one gets no processor time.
+    # us: one processor serves both daemons and whoever looks on.
     tolerance = 0
 
     def test_master_and_slave(self):

@@ -8,7 +8,7 @@ from slave_pair import SlavePair
 
 class PairOnVcan(SlavePair, unittest.TestCase):
     interfaces = (INTERFACE, INTERFACE)
-    tolerance = 2000
+    tolerance = 500
 
     def setUp(self):
         create_interface()

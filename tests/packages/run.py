@@ -21,7 +21,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 REPOSITORY = HERE.parent.parent
-sys.path.insert(0, str(REPOSITORY / "tests/kernel"))
+sys.path.insert(0, str(REPOSITORY / "tests/uml"))
 import run_uml  # noqa: E402  (its folder is named above)
 
 COMMAND_LIMIT = 7200  # seconds; one step: building on a busy machine takes the longest
@@ -162,7 +162,7 @@ def boot(work, number, lines):
                "con=null", "con0=null,fd:1", "ssl=null", f"uml_dir={work}/uml/", "umid=cansync",
                "init=/lib/systemd/systemd", "systemd.show_status=0"]
     registers = work / "uml_registers.so"  # that kernel does not know those of newer processors
-    run("cc", "-shared", "-fPIC", "-O1", "-o", registers, REPOSITORY / "tests/kernel/uml_registers.c")
+    run("cc", "-shared", "-fPIC", "-O1", "-o", registers, REPOSITORY / "tests/uml/uml_registers.c")
     environment = dict(os.environ, TMPDIR=run_uml.memory_folder(), LD_PRELOAD=str(registers))
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment, start_new_session=True,
                                preexec_fn=run_uml.prefer)

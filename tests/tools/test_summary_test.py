@@ -10,13 +10,12 @@ import unittest
 
 ROOT = pathlib.Path(__file__).parents[2]
 
-# Writes a log as ctest does: 17 tests, the later the longer; those of the kernel repeat one, and fail when told to.
+# Writes a log as ctest does: 17 tests, the later the longer; those of the kernel fail when told to.
 CTEST = """#!/bin/bash
 mkdir -p build/$2/Testing/Temporary
 exec >build/$2/Testing/Temporary/LastTest.log
 for i in $(seq 17); do
   printf '%d/17 Testing: %s%d\\nOutput:\\n' $i "${4//|/_}." $i
-  [ "$4$i" = kernel1 ] && printf ' 12.5 repeated alone, and %s: frames_test.Frames.test_first\\r\\n' "${REPEATED-passed}"
   printf 'Test time =  %d.50 sec\\n' $i
 done
 [ "$4" != kernel ] || exit "${KERNEL_STATUS:-0}"
@@ -45,7 +44,7 @@ class EndOfToolsTest(unittest.TestCase):
         return done.returncode, done.stdout.rstrip().splitlines()
 
     def test_names_steps_and_the_slowest_tests(self):
-        status, lines = self.run_quick(REPEATED="")
+        status, lines = self.run_quick()
         self.assertEqual(status, 0)
         steps = lines[lines.index("steps") + 1:]
         self.assertEqual([row.split(" s  ")[1] for row in steps[:steps.index("")]],
@@ -57,17 +56,11 @@ class EndOfToolsTest(unittest.TestCase):
         self.assertTrue(slowest[0].endswith(" (dev)"), slowest[0])
         self.assertEqual(slowest[-1].split()[0], "13.5")
 
-    def test_last_line_names_what_was_repeated(self):
-        status, lines = self.run_quick()
-        self.assertEqual(status, 0)
-        self.assertEqual(lines[-1], "tools/test: passed in 0 min; repeated once: frames_test.Frames.test_first (passed)")
-
     def test_last_line_names_the_step_that_failed(self):
-        status, lines = self.run_quick(KERNEL_STATUS="8", REPEATED="failed again")
+        status, lines = self.run_quick(KERNEL_STATUS="8")
         self.assertEqual(status, 8)
         self.assertIn("slowest of 51 tests", lines)
-        self.assertEqual(lines[-1], "tools/test: FAILED in: tests on real kernels (dev); "
-                                    "repeated once: frames_test.Frames.test_first (failed again)")
+        self.assertEqual(lines[-1], "tools/test: FAILED in: tests on real kernels (dev)")
 
     def test_a_failure_before_any_test_ends_with_the_steps_alone(self):
         status, lines = self.run_quick(FORMAT_STATUS="3")

@@ -2,7 +2,7 @@
 
 import unittest
 
-from canline import LOST_AFTER, Candump, Daemon, Simulator, create_interface
+from canline import Candump, Daemon, Simulator, create_interface
 from gateway import wait_for
 
 WRONG = 77  # a parameter that the drives have not got; their status word is 301
@@ -11,8 +11,7 @@ REMEDY = "status_parameter"
 
 class WrongStatusParameter(Daemon):
     def role(self):
-        startup = f"[startup]\nlost_after = {LOST_AFTER}\n"
-        return super().role().replace(startup, f"{startup}status_parameter = {WRONG}\n")
+        return f"{super().role()}[startup]\nstatus_parameter = {WRONG}\n"
 
 
 class StatusRefused(unittest.TestCase):

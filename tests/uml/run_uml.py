@@ -1,14 +1,16 @@
-"""Boots user-mode-linux as an ordinary process and runs the tests of this folder in it.
+"""Boots user-mode-linux as an ordinary process and runs a Python program in it, at the speed of this machine: what is
+measured on an interface of SocketCAN is measured so. (The tests on a real kernel run in a machine that has a time of its
+own, tests/kernel.)
 
-    run_uml.py [-k PATTERN] ...      arguments go to unittest inside
+    run_uml.py PROGRAM [ARGUMENT ...]
 
-With CANSYNC_UML_SCRIPT in the environment that Python program runs inside instead, on an interface vcan0, with our
-arguments and the name of a file behind them; what it writes there is copied to CANSYNC_UML_RESULT. CANSYNC_UML_REGISTERS:
-the library of uml_registers.c; without it the kernel stops at once on processors with AMX.
+The program finds an interface vcan0, and the name of a file behind its arguments; what it writes there is copied to
+CANSYNC_UML_RESULT. CANSYNC_UML_REGISTERS: the library of uml_registers.c; without it the kernel stops at once on
+processors with AMX. CANSYNC_UML_LIMIT: seconds for boot and program together.
 
-Needs Debian's package user-mode-linux, no KVM, no rights. Exit code: that of the tests, 77 when this machine cannot
-run them (with the reason), 1 when the kernel did not end in order or in time. With CANSYNC_KERNEL_TESTS in the
-environment a machine that cannot run them is an error: CI must not skip.
+Needs Debian's package user-mode-linux, no KVM, no rights. Exit code: that of the program, 77 when this machine cannot
+run it (with the reason), 1 when the kernel did not end in order or in time. With CANSYNC_KERNEL_TESTS in the
+environment a machine that cannot run it is an error: CI must not skip.
 """
 
 import glob
@@ -24,12 +26,9 @@ from priority import prefer
 
 SKIPPED = 77
 MEMORY = 448  # MiB of the kernel inside
-LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "1500"))  # seconds for boot and tests together; four minutes are usual, on a busy machine many more
-MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan",
-           "net/can/j1939/can-j1939")
-# Queueing disciplines: vcan has no back-pressure of its own.
-OPTIONAL_MODULES = ("net/sched/sch_tbf", "net/sched/sch_plug")
-PROGRAMS = ("candump", "cansend", "cangen", "j1939acd", "j1939cat", "j1939spy", "testj1939", "ip", "tc", "insmod", "mount")
+LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "1500"))
+MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan")
+PROGRAMS = ("candump", "ip", "tc", "insmod", "mount")
 
 
 def skip(reason):
@@ -50,7 +49,7 @@ def find_modules():
     for folder in sorted(glob.glob("/usr/lib/uml/modules/*/kernel")):
         files = [f"{folder}/{name}.ko" for name in MODULES]
         if all(map(os.path.exists, files)):
-            return files + [f"{folder}/{name}.ko" for name in OPTIONAL_MODULES if os.path.exists(f"{folder}/{name}.ko")]
+            return files
     skip("no CAN modules in /usr/lib/uml/modules; the package user-mode-linux has them")
 
 
@@ -71,17 +70,15 @@ def write_environment(work, modules):
     values = {
         "PYTHON": sys.executable,
         "INSIDE": os.path.join(os.path.dirname(os.path.abspath(__file__)), "inside.py"),
-        "ARGUMENTS": shlex.join(sys.argv[1:]),
+        "PROGRAM": shlex.join([os.path.abspath(sys.argv[1]), *sys.argv[2:]]),
         "MODULE_FILES": ":".join(modules),
-        "SCRIPT": os.environ.get("CANSYNC_UML_SCRIPT", ""),
         "LIMIT": str(LIMIT),
-        "CANSYNC_WITNESS_FRAMES": os.environ.get("CANSYNC_WITNESS_FRAMES", "4000"),  # layer2_witnesses_test.py
         "TMPDIR": os.path.join(work, "tmp"),
         "HOME": os.path.join(work, "tmp"),
     }
     for name in ("CANSYNC", "CANSYNCD", "CANSYNC_SIM"):
         if not os.path.exists(os.environ.get(name, "")):
-            sys.exit(f"run_uml.py: {name} must be the path of that program; `ctest -L kernel` sets it")
+            sys.exit(f"run_uml.py: {name} must be the path of that program")
         values[name] = os.path.abspath(os.environ[name])
     with open(os.path.join(work, "environment"), "w", encoding="utf-8") as file:
         for name, value in values.items():
@@ -118,6 +115,8 @@ def boot(work, kernel):
 
 
 def main():
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
     kernel = find_program("linux.uml")
     for program in PROGRAMS:
         find_program(program)

@@ -1,4 +1,4 @@
-"""Tests of the daemon on emulated CAN controllers; runs inside the machine of qemu_machine.py.
+"""Tests of the daemon on emulated CAN controllers; runs inside the machine of machine.py.
 
 The daemon is on can0, the simulated drives are on can1; both controllers (SJA1000, driver kvaser_pci) are on one bus. The
 emulation acknowledges every frame and makes no errors of its own: error states cannot be brought about here.
@@ -9,23 +9,16 @@ import select
 import socket
 import struct
 import subprocess
-import sys
 import tempfile
 import threading
 import unittest
 
-import once_more
+import gateway
+import slave_pair
+from canline import CANSYNC_SIM, LONG
+from gateway import CANSYNCD, Place, end, wait_for
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "end_to_end"))
-
-import gateway  # noqa: E402: found on the path that was set above
-import slave_pair  # noqa: E402
-from gateway import CANSYNCD, Place, end, wait_for  # noqa: E402
-
-CANSYNC_SIM = os.environ["CANSYNC_SIM"]
-gateway.LONG = LONG = 60
-BIT_RATE = 125000  # intervals of 8 ms: an emulated processor is slow
+BIT_RATE = 125000  # intervals of 8 ms: the shorter, the more the processor has to do
 OTHER_RATE = 250000
 SLAVES = 2
 EVERY = (1 << SLAVES) - 1
@@ -292,11 +285,13 @@ last = 0x1FF
         return wait_for(f"send {arguments}", lambda: self.place.run("can", "send", *arguments).returncode == 0, LONG)
 
     def test_frames_are_on_the_bus_and_answered_once(self):
+        # Not a remote frame that asks for bytes: the emulated receive FIFO counts bytes that it does not hold, and what
+        # comes afterwards is read one frame late. vcan has such ones.
         extended, remote = socket.CAN_EFF_FLAG, socket.CAN_RTR_FLAG
         for frame, identifier, length, data in (
             ("7FF#0102", 0x7FF, 2, "0102"),
             ("18DAF110#FF", 0x18DAF110 | extended, 1, "FF"),
-            ("123#R3", 0x123 | remote, 3, ""),
+            ("123#R", 0x123 | remote, 0, ""),
         ):
             self.sent(frame)
             found, size, bytes_ = struct.unpack("=IB3x8s", self.other.recv(16))
@@ -341,23 +336,11 @@ last = 0x1FF
 
 
 class MasterAndSlave(slave_pair.SlavePair, unittest.TestCase):
-    """Our master on can0, our slave on can1. Only when it is named: an emulated processor answers some milliseconds late
-    whenever its host has other work, which is not what this is about."""
+    """Our master on can0, our slave on can1."""
 
     interfaces = ("can0", "can1")
-    tolerance = 4000
+    tolerance = 500
 
     def setUp(self):
         for interface in self.interfaces:
             bring_up(interface)
-
-
-if __name__ == "__main__":
-    # Arguments name tests, as those of unittest do; without any: all.
-    names = sys.argv[1:]
-    module = sys.modules["__main__"]
-    loader = unittest.defaultTestLoader
-    if not names:
-        del MasterAndSlave
-    suite = loader.loadTestsFromNames(names, module) if names else loader.loadTestsFromModule(module)
-    sys.exit(0 if once_more.run(suite, unittest.TextTestRunner(verbosity=2)) else 1)

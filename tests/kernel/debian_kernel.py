@@ -1,0 +1,74 @@
+"""Debian's current kernel, fetched and not installed: its image, and its modules in the order in which they are loaded."""
+
+import glob
+import os
+import re
+import subprocess
+import tempfile
+
+CACHE = os.environ.get("CANSYNC_KERNEL_CACHE", os.path.expanduser("~/.cache/cansyncd-kernel"))
+# kvaser_pci drives the emulated controllers; the queueing disciplines hold frames back on vcan, which itself never does.
+MODULES = ["can", "can_raw", "can_bcm", "can_dev", "can_j1939", "vcan", "kvaser_pci", "sch_tbf", "sch_plug"]
+LONG = 300  # seconds; one command, a download too
+
+
+class Missing(Exception):
+    """What is needed cannot be had here; the text says why."""
+
+
+class Kernel:
+    """The kernel in a folder that has boot/vmlinuz-* and lib/modules/*."""
+
+    def __init__(self, folder):
+        self.image = glob.glob(os.path.join(folder, "boot/vmlinuz-*"))[0]
+        self.modules = self._in_order(folder)
+
+    @staticmethod
+    def _in_order(folder):
+        """Paths of MODULES and all they depend on, each after what it needs; what the kernel has built in is left out."""
+        files = {}
+        for path in glob.glob(os.path.join(folder, "lib/modules/*/kernel/**/*.ko"), recursive=True):
+            files[os.path.basename(path)[:-3].replace("-", "_")] = path
+        order = []
+
+        def add(name):
+            if name not in files or files[name] in order:
+                return
+            with open(files[name], "rb") as file:
+                depends = re.search(rb"\0depends=([^\0]*)\0", file.read())
+            for other in depends.group(1).decode().split(",") if depends else []:
+                add(other.replace("-", "_"))
+            order.append(files[name])
+
+        for module in MODULES:
+            add(module)
+        return order
+
+
+def fetch():
+    """The kernel that linux-image-amd64 depends on, downloaded by apt when it is not in the cache folder; raises Missing."""
+    depends = subprocess.run(["apt-cache", "depends", "linux-image-amd64"], capture_output=True, text=True, check=False,
+                             timeout=LONG)
+    found = re.search(r"Depends: (linux-image-\S+-amd64)$", depends.stdout, re.MULTILINE)
+    if not found:
+        raise Missing("apt-cache knows no linux-image-amd64; is the package list there (apt-get update)?")
+    package = found.group(1)
+    folder = os.path.join(CACHE, package)
+    if os.path.isdir(folder):
+        return Kernel(folder)
+    os.makedirs(CACHE, exist_ok=True)
+    # Everything happens in a folder of its own, so that two tests at once do not see half a kernel.
+    with tempfile.TemporaryDirectory(dir=CACHE) as work:
+        os.chmod(work, 0o755)  # apt downloads as another user
+        fetched = subprocess.run(["apt-get", "download", package], cwd=work, capture_output=True, text=True, check=False,
+                                 timeout=LONG)
+        if fetched.returncode != 0:
+            raise Missing(f"{package} cannot be downloaded: {fetched.stderr.strip()}")
+        unpacked = os.path.join(work, "unpacked")
+        subprocess.run(["dpkg-deb", "-x", glob.glob(os.path.join(work, "*.deb"))[0], unpacked], check=True, timeout=LONG)
+        try:
+            os.rename(unpacked, folder)
+        except OSError:
+            if not os.path.isdir(folder):
+                raise
+    return Kernel(folder)

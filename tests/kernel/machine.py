@@ -1,0 +1,91 @@
+"""A virtual PC with a Debian kernel, virtual CAN interfaces, and two CAN controllers (SJA1000) on one bus. It has a time of its own.
+
+It runs in QEMU without KVM. Its clock goes on by the instructions it executes, and jumps when it has nothing to do: how fast
+the host is, and what else runs there, makes no difference to anything inside. The same run takes the same course again.
+What it needs of this computer lies in its memory; it needs no right of its own.
+"""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import tempfile
+import threading
+
+import debian_kernel
+import memory_root
+from debian_kernel import LONG, Missing
+
+QEMU = "qemu-system-x86_64"
+MEMORY = 1024  # MiB
+# 2^1 ns for each instruction: a processor of 500 MIPS, which keeps pace with intervals of a line.
+TIME = ["-accel", "tcg,thread=single", "-icount", "shift=1,sleep=off", "-rtc", "base=2026-01-01T00:00:00,clock=vm", "-seed", "1"]
+CONTROLLERS = ["-object", "can-bus,id=bus", "-device", "kvaser_pci,canbus=bus", "-device", "kvaser_pci,canbus=bus"]
+# Without norandmaps: every start of a program would have to be translated anew, at twice the time for all.
+KERNEL = "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check tsc=reliable clocksource=tsc norandmaps"
+ENDED = re.compile(r"exit code (\d+), after (\S+) s of its own")
+
+START = """#!/bin/busybox sh
+export PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/run TMPDIR=/run/tmp
+b=/bin/busybox
+$b mount -t proc proc /proc
+$b mount -t sysfs sysfs /sys
+$b mount -t devtmpfs dev /dev
+$b mkdir -p /dev/shm /dev/pts
+$b mount -t tmpfs tmpfs /dev/shm
+$b mount -t devpts devpts /dev/pts
+$b mount -t tmpfs tmpfs /run
+$b mkdir -p /run/tmp
+for module in $($b cat /modules/order); do $b insmod /modules/$module || echo "insmod $module failed"; done
+ip link set lo up
+ip route add 224.0.0.0/4 dev lo
+{environment}
+{command}
+echo "exit code $?, after $($b cut -d ' ' -f 1 /proc/uptime) s of its own"
+$b poweroff -f
+"""
+
+
+def need_qemu():
+    """Raises Missing when it is not there."""
+    if not shutil.which(QEMU):
+        raise Missing(f"{QEMU} is not installed (Debian package qemu-system-x86)")
+
+
+def run(command, environment, programs, limit, show=print):
+    """Boots, runs `command` with `environment` and our `programs`, and shuts down. `limit`: seconds of the host for all of it.
+
+    Returns the command's exit code; None when the machine ended without one. `show` gets each line of the console.
+    """
+    need_qemu()
+    kernel = debian_kernel.fetch()
+    variables = "\n".join(f"export {name}={shlex.quote(value)}" for name, value in environment.items())
+    start = START.format(environment=variables, command=shlex.join(command))
+    with tempfile.TemporaryDirectory(prefix="cansync_machine_") as work:
+        initrd = os.path.join(work, "initrd")
+        with open(initrd, "wb") as file:
+            file.write(memory_root.make(programs, kernel.modules, start))
+        arguments = [QEMU, "-machine", "pc", "-cpu", "max", "-smp", "1", "-m", str(MEMORY), *TIME, *CONTROLLERS]
+        arguments += ["-nodefaults", "-display", "none", "-serial", "stdio", "-no-reboot"]
+        arguments += ["-kernel", kernel.image, "-initrd", initrd, "-append", KERNEL]
+        return watch(arguments, limit, show)
+
+
+def watch(arguments, limit, show):
+    """Runs QEMU to its end, or for `limit` seconds; the exit code it told."""
+    code = None
+    with subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as machine:
+        watchdog = threading.Timer(limit, machine.kill)  # also while it is silent
+        watchdog.start()
+        try:
+            for line in machine.stdout:
+                text = line.decode(errors="replace").rstrip()
+                ended = ENDED.match(text)
+                code = int(ended.group(1)) if ended else code
+                show(text)
+            machine.wait(LONG)
+        finally:
+            watchdog.cancel()
+            machine.kill()
+    return code

@@ -1,0 +1,135 @@
+"""The file system of the machine: everything the tests need of this computer, in the machine's memory.
+
+Waiting for a disk would be the only thing in the machine that takes as long as its host makes it take.
+"""
+
+import functools
+import glob
+import os
+import re
+import subprocess
+import tempfile
+
+from debian_kernel import LONG, Missing
+
+REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+# Debian packages, each with the packages of Python and gnuplot that it depends on.
+PACKAGES = ("python3", "python3-can", "python3-jsonschema", "gnuplot-nox")
+FAMILIES = re.compile(r"(lib)?python3|gnuplot")
+NOT_NEEDED = re.compile(r"/usr/share/(doc|man|info|locale|lintian|doc-base)/|/usr/lib/python3[.0-9]*/(idlelib|lib2to3|pydoc_data)/")
+PROGRAMS = ("sh", "busybox", "stdbuf", "ip", "tc", "gnuplot", "candump", "cansend", "cangen", "cansequence", "j1939acd", "j1939cat",
+            "j1939spy", "testj1939")
+BESIDE_PROGRAMS = ("/usr/libexec/coreutils/libstdbuf.so",)
+# Of the repository, at the same path as outside.
+FOLDERS = ("tests/kernel", "tests/end_to_end", "bench", "config", "docs/json")
+MERGED = ("bin", "sbin", "lib", "lib64")  # Debian has them in /usr
+FILE, FOLDER, LINK = 0o100000, 0o040755, 0o120777
+
+
+class Archive:
+    """A cpio archive (newc) as the kernel unpacks it into its first file system."""
+
+    def __init__(self):
+        self.parts = []
+        self.names = set()
+
+    def add(self, name, mode, content=b"", changed=0):
+        """One entry, its folders before it. `changed`: when, in s: Python compares it with what it compiled."""
+        name = name.lstrip("/")
+        if name.split("/")[0] in MERGED and "/" in name:
+            name = "usr/" + name
+        if not name or name in self.names:
+            return
+        self.add(os.path.dirname(name), FOLDER)
+        self.names.add(name)
+        fields = [len(self.names), mode, 0, 0, 1, changed, len(content), 0, 0, 0, 0, len(name) + 1, 0]
+        head = b"070701" + b"".join(b"%08X" % field for field in fields) + name.encode() + b"\0"
+        self.parts += [head, b"\0" * (-len(head) % 4), content, b"\0" * (-len(content) % 4)]
+
+    def add_file(self, path, name=None):
+        """A file of this computer, under its own path or another; a link as what it leads to."""
+        with open(path, "rb") as file:
+            mode = FILE | (0o755 if os.access(path, os.X_OK) else 0o644)
+            self.add(name or path, mode, file.read(), int(os.stat(path).st_mtime))
+
+    def finish(self):
+        self.add("TRAILER!!!", 0)
+        return b"".join(self.parts)
+
+
+def output(*command):
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONG).stdout
+
+
+def package_closure():
+    """Names of PACKAGES and of what they depend on within FAMILIES."""
+    names, open_ones = set(), list(PACKAGES)
+    while open_ones:
+        name = open_ones.pop()
+        if name in names:
+            continue
+        names.add(name)
+        depends = output("dpkg-query", "--show", "--showformat=${Pre-Depends}, ${Depends}", name)
+        open_ones += [other for other in re.findall(r"[a-z0-9.+-]+(?=[ ,:|(]|$)", depends) if FAMILIES.match(other)]
+    return sorted(names)
+
+
+def package_files():
+    files = {path for path in output("dpkg-query", "--listfiles", *package_closure()).splitlines()
+             if os.path.isfile(path) and not NOT_NEEDED.search(path)}
+    if not files:
+        raise Missing(f"the packages {', '.join(PACKAGES)} are not installed; tools/install_packages does it")
+    # What Python has compiled of them is in no package's list.
+    return files | {compiled for folder in {os.path.dirname(path) for path in files if path.endswith(".py")}
+                    for compiled in glob.glob(f"{folder}/__pycache__/*.pyc")}
+
+
+def find_program(name):
+    for folder in ("/usr/bin", "/usr/sbin", "/bin", "/sbin"):
+        path = os.path.join(folder, name)
+        if os.path.exists(path):
+            return path
+    raise Missing(f"{name} is missing; tools/install_packages installs it")
+
+
+def is_elf(path):
+    with open(path, "rb") as file:
+        return file.read(4) == b"\x7fELF"
+
+
+def libraries(paths):
+    """Every shared library that these programs and libraries need."""
+    return set(re.findall(r"(/\S+) \(0x", output("ldd", *sorted(paths))))
+
+
+@functools.cache
+def files_of_debian():
+    return frozenset(package_files() | set(map(find_program, PROGRAMS)) | set(BESIDE_PROGRAMS))
+
+
+def make(programs, modules, start):
+    """The archive: `programs` (ours, without what a debugger needs), `modules` of the kernel, the shell script `start` as the
+    first process; raises Missing."""
+    archive = Archive()
+    for name in MERGED:
+        archive.add(name, LINK, f"usr/{name}".encode())
+    for name in ("dev", "proc", "sys", "run", "tmp"):
+        archive.add(name, FOLDER)
+    archive.add("etc/passwd", FILE | 0o644, b"root:x:0:0:root:/run:/bin/sh\n")
+    archive.add("init", FILE | 0o755, start.encode())
+    files = set(files_of_debian())
+    for folder in FOLDERS:
+        for place, _, names in os.walk(os.path.join(REPOSITORY, folder)):
+            files |= {os.path.join(place, name) for name in names}
+    files |= libraries([path for path in files if is_elf(path)] + list(programs))
+    for path in sorted(files):
+        archive.add_file(path)
+    with tempfile.TemporaryDirectory() as work:
+        small = os.path.join(work, "program")
+        for program in programs:
+            subprocess.run(["strip", "-o", small, program], check=True, timeout=LONG)
+            archive.add_file(small, program)
+    for module in modules:
+        archive.add_file(module, f"modules/{os.path.basename(module)}")
+    archive.add("modules/order", FILE | 0o644, "\n".join(map(os.path.basename, modules)).encode())
+    return archive.finish()
