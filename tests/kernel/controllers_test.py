@@ -4,7 +4,7 @@ The daemon is on can0, the simulated drives are on can1; both controllers (SJA10
 emulation acknowledges every frame and makes no errors of its own: error states cannot be brought about here.
 """
 
-import os
+import json
 import select
 import socket
 import struct
@@ -13,12 +13,10 @@ import tempfile
 import threading
 import unittest
 
-import gateway
 import slave_pair
-from canline import CANSYNC_SIM, LONG
-from gateway import CANSYNCD, Place, end, wait_for
+from canline import BIT_RATE, LONG, Daemon, Process, Simulator, Wire
+from gateway import CANSYNCD, Place, wait_for
 
-BIT_RATE = 125000  # intervals of 8 ms: the shorter, the more the processor has to do
 OTHER_RATE = 250000
 SLAVES = 2
 EVERY = (1 << SLAVES) - 1
@@ -60,94 +58,34 @@ class SyncFrames:
         self.thread.join(LONG)
 
 
-class Daemon(Place):
-    """`cansyncd` on can0; a context manager."""
-
-    def __init__(self, bit_rate=BIT_RATE):
-        super().__init__()
-        self.folder = tempfile.TemporaryDirectory()
-        self.config = os.path.join(self.folder.name, "line.toml")
-        self.log = os.path.join(self.folder.name, "log")
-        with open(self.config, "w", encoding="utf-8") as file:
-            file.write(f'[bus]\nname = "{self.bus}"\ninterface = "can0"\nbit_rate = {bit_rate}\n')
-            file.write(f'[sync]\noutput = "can"\n[dds]\ndomain = {self.domain}\n')
-            file.write("".join(f"[[slave]]\nnumber = {n}\n" for n in range(SLAVES)))
-        self.process = None
-
-    def __enter__(self):
-        with open(self.log, "wb") as log:
-            self.process = subprocess.Popen([CANSYNCD, self.config], stdout=log, stderr=log)
-        return self
-
-    def __exit__(self, *_):
-        end(self.process)
-        self.folder.cleanup()
-
-    def text(self):
-        with open(self.log, encoding="utf-8", errors="replace") as file:
-            return file.read()
-
-    def status(self):
-        if self.process.poll() is not None:
-            raise AssertionError("the daemon has ended:\n" + self.text())
-        result = self.run("status", "--json")
-        return gateway.json.loads(result.stdout) if result.returncode == 0 else None
-
-    def wait_status(self, what, condition):
-        def look():
-            status = self.status()
-            return status if status and condition(status) else None
-
-        try:
-            return wait_for(what, look, LONG)
-        except AssertionError as error:
-            status = self.run("status", "--json").stdout.decode()
-            raise AssertionError(f"{error}\n{status}\n{self.text()}") from None
+def master():
+    return Daemon(SLAVES, "can0")
 
 
 def drives():
-    """`cansync-sim` on can1, running."""
-    return subprocess.Popen(
-        [CANSYNC_SIM, "can1", f"--slaves=0-{SLAVES - 1}", f"--bit-rate={BIT_RATE}", "--lock-time=50",
-         "--sync-id=0x080", "--missing-references=0"]
-    )  # fmt: skip
+    return Simulator(slaves=f"0-{SLAVES - 1}", interface="can1")
 
 
 class Drives(unittest.TestCase):
     def test_drives_on_one_controller_answer_a_master_on_the_other(self):
         for interface in ("can0", "can1"):
             bring_up(interface)
-        simulator = drives()
-        self.addCleanup(end, simulator)
-        with SyncFrames("can0"), socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as master:
-            master.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, struct.pack("=II", 0x581, 0x7FF))
-            master.settimeout(0.2)
-            master.bind(("can0",))
-
-            def answer():
-                # Read parameter 301 of slave 1, sub-slave 0.
-                master.send(struct.pack("=IB3x8s", 0x501, 4, bytes([0x71, 0x2D, 0, 0])))
-                try:
-                    return struct.unpack("=IB3x8s", master.recv(16))
-                except TimeoutError:
-                    return None
-
-            identifier, length, data = wait_for("an answer of slave 1", answer, LONG)
-        self.assertEqual((identifier, length), (0x581, 6))
-        self.assertEqual((data[0] & 0x0F, data[1]), (1, 0x2D), data.hex())
+        with drives(), SyncFrames("can0"), Wire("can0") as wire:
+            answer = bytes.fromhex(wire.ask("501#712D0000"))  # parameter 301 of slave 1, sub-slave 0
+        self.assertEqual((len(answer), answer[0] & 0x0F, answer[1]), (6, 1, 0x2D), answer.hex())
 
 
 class WrongBitRate(unittest.TestCase):
     def test_it_is_refused_with_the_command_that_sets_it(self):
         bring_up("can0", OTHER_RATE)
-        with Daemon() as daemon:
-            self.assertEqual(daemon.process.wait(LONG), 1, daemon.text())
+        with master() as daemon:
+            self.assertEqual(daemon.program.process.wait(LONG), 1, daemon.log_text())
             refusal = f"can0 is set to {OTHER_RATE} bit/s, bus.bit_rate is {BIT_RATE}; set it with: "
-            self.assertIn(refusal, daemon.text())
-            command = daemon.text().split(refusal)[1].splitlines()[0]
+            self.assertIn(refusal, daemon.log_text())
+            command = daemon.log_text().split(refusal)[1].splitlines()[0]
         print("the daemon's command:", command, flush=True)
         shell(command)
-        with Daemon() as daemon:
+        with master() as daemon:
             daemon.wait_status(
                 "the bit rate is right", lambda s: s["link_state"] == "up" and s["interface_bit_rate"] == BIT_RATE
             )
@@ -159,11 +97,11 @@ class AllRates(unittest.TestCase):
     def test_scan_sets_the_rates_one_after_the_other_and_the_interface_back(self):
         bring_up("can0")
         bring_up("can1", OTHER_RATE)
-        with Daemon() as daemon:
+        with master() as daemon:
             daemon.wait_status("SYNC runs", lambda status: status["interval"] > 0)
             result = daemon.run("scan", "can1", "--try-rates", "--yes", "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
-        points = [gateway.json.loads(line) for line in result.stdout.splitlines()]
+        points = [json.loads(line) for line in result.stdout.splitlines()]
         self.assertIn((f"{BIT_RATE} bit/s", "of the four, the one at which frames came"),
                       [(one["found"], one["how"]) for one in points if one.get("point") == "bit rate"])
         shown = subprocess.run(["ip", "-details", "link", "show", "can1"], capture_output=True, text=True, check=True,
@@ -180,9 +118,8 @@ class OneBus(unittest.TestCase):
     def setUpClass(cls):
         for interface in ("can0", "can1"):
             bring_up(interface)
-        cls.drives = drives()
-        cls.addClassCleanup(end, cls.drives)
-        cls.daemon = cls.enterClassContext(Daemon())
+        cls.enterClassContext(drives())
+        cls.daemon = cls.enterClassContext(master())
 
     def all_respond(self):
         return self.daemon.wait_status("every slave responds", lambda s: s["slaves_responding"] == EVERY)
@@ -204,7 +141,7 @@ class OneBus(unittest.TestCase):
 
     def test_the_doctor_sees_the_controller(self):
         self.all_respond()
-        found = [gateway.json.loads(line) for line in self.daemon.run("doctor", "--json").stdout.splitlines()]
+        found = [json.loads(line) for line in self.daemon.run("doctor", "--json").stdout.splitlines()]
         by_topic = {finding["topic"]: finding["found"] for finding in found}
         self.assertEqual(by_topic["interface"], "can0 is up")
         self.assertEqual(by_topic["controller"], "error-active")
@@ -213,7 +150,7 @@ class OneBus(unittest.TestCase):
     def test_a_slave_on_the_other_controller_is_read(self):
         self.all_respond()
         result = self.daemon.run("read", "1", "301", "--json")
-        self.assertEqual(result.returncode, 0, f"{result.stdout}\n{result.stderr}\n{self.daemon.text()}")
+        self.assertEqual(result.returncode, 0, f"{result.stdout}\n{result.stderr}\n{self.daemon.log_text()}")
 
     def test_the_interface_goes_down_and_comes_back(self):
         self.all_respond()
@@ -240,7 +177,7 @@ class OneBus(unittest.TestCase):
     def test_the_controller_is_reset_by_command(self):
         self.all_respond()
         result = self.daemon.run("mode", "reset-can")
-        self.assertEqual(result.returncode, 0, f"{result.stdout}\n{result.stderr}\n{self.daemon.text()}")
+        self.assertEqual(result.returncode, 0, f"{result.stdout}\n{result.stderr}\n{self.daemon.log_text()}")
         self.all_respond()
         self.assertEqual(self.daemon.status()["controller_state"], "error-active")
 
@@ -272,8 +209,7 @@ last = 0x1FF
         config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml"))
         config.write(cls.CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, bit_rate=BIT_RATE))
         config.flush()
-        cls.daemon = subprocess.Popen([CANSYNCD, config.name])
-        cls.addClassCleanup(lambda: end(cls.daemon))
+        cls.enterClassContext(Process(CANSYNCD, config.name))
 
     def setUp(self):
         # One for each test: what another one sent is not among what it hears.
