@@ -1,7 +1,9 @@
 """From an unknown line to actual values in engineering units, as docs/operations.md says it, without a look at how the
 line was configured.
 
-    unknown_line.py [--lines N] [--first SEED] [--rates R,R] [RESULT]    run by tests/uml/run_uml.py, which gives RESULT: the figures as JSON
+    unknown_line.py [--lines N] [--first SEED] [--rates R,R] [RESULT]
+
+Run by run_machine.py, or by tests/uml/run_uml.py, which gives RESULT: the figures as JSON.
 
 Each line is made at random by its seed (random_line.py); `cansync-sim` plays its drives on vcan0. What is compared at the
 end is what the line's maker knows. The bit rate is given: a virtual interface has none, and no master runs that would tell it.
@@ -20,7 +22,7 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "end_to_end")]
 
-from canline import CANSYNC_SIM, INTERFACE, Process  # noqa: E402
+from canline import CANSYNC_SIM, INTERFACE, Process, create_interface, interface_exists  # noqa: E402
 from gateway import ACTIVE, CANSYNC, CANSYNCD, wait_for  # noqa: E402
 from random_line import ECHO, POSITION, RandomLine, carried  # noqa: E402
 
@@ -162,6 +164,8 @@ def main():
     parser.add_argument("--rates", type=lambda text: [int(rate) for rate in text.split(",")], default=RATES)
     parser.add_argument("result", nargs="?")
     given = parser.parse_args()
+    if not interface_exists():
+        create_interface()
     figures = [run_line(seed, given.rates) for seed in range(given.first, given.first + given.lines)]
     if given.result:
         with open(given.result, "w", encoding="utf-8") as file:
