@@ -81,18 +81,18 @@ def handing_over(figures, found, where):
                       [(one["daemon"]["handed_over"][index], one["sender"]["handed_over"][index]) for one in found], target)
 
 
-def skipped(figures, found, where):
+def skipped(figures, found, where, seconds):
     """G6."""
     for one in found:
         mine, theirs = (sync_analysis.skipped(one[side]["sync"], INTERVAL) for side in ("daemon", "sender"))
-        figures.limit("G6", f"skipped slots, {where}, at most 1.5 times the sender's and 5", "", [mine], 1.5 * theirs + 5, theirs)
+        figures.limit("G6", f"skipped slots in {seconds} s, {where}, at most 1.5 times the sender's and 5", "", [mine], 1.5 * theirs + 5, theirs)
 
 
 def figures_emulated(figures, build, rounds, seconds):
     """G6 and G7 where time is instructions: one round is as good as many, two show that it is so."""
     found = measure_emulated(build, min(rounds, 2), seconds)
     if found is not None:
-        skipped(figures, found, "emulated computer")
+        skipped(figures, found, "emulated computer", seconds)
         handing_over(figures, found, "emulated computer")
 
 
@@ -115,5 +115,5 @@ def figures_on_vcan(figures, build, rounds, seconds):
                   max(abs(sync_analysis.phase_growth(other["sync"], INTERVAL)) / 1000 for _, other in pairs))
     bunched, other_bunched = ([sync_analysis.bunched(of["sync"], INTERVAL) for of in side] for side in zip(*pairs))
     figures.limit("G5", "SYNC within half an interval of another", "", bunched, 0, max(other_bunched))
-    skipped(figures, found, "user-mode-linux")
+    skipped(figures, found, "user-mode-linux", seconds)
     handing_over(figures, found, "user-mode-linux")

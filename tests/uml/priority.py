@@ -13,11 +13,3 @@ def prefer():
     # Where the kernel shares the processors out among sessions, a process's nice value counts within its session alone.
     with contextlib.suppress(OSError), open("/proc/self/autogroup", "w", encoding="ascii") as group:
         group.write(str(NICE))
-
-
-def prefer_realtime():
-    """The same, and before everything that is not realtime: an emulated processor that waits for its turn at each interrupt
-    is milliseconds late."""
-    prefer()
-    with contextlib.suppress(OSError):
-        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
