@@ -7,6 +7,7 @@ import struct
 import subprocess
 import tempfile
 import time
+import unittest
 
 import gateway
 from gateway import CANSYNC, ACTIVE, CANSYNCD, Place, end, wait_for
@@ -192,16 +193,16 @@ class Simulator(Process):
 
 
 class Daemon(Place):
-    """cansyncd on a CAN interface at 125 kbit/s with the software SYNC frame: the master of slaves 0 and more. A context
-    manager."""
+    """cansyncd on a CAN interface; a context manager. A class of it says what it is on the bus."""
 
-    PROTOCOL = "cansync-master"
+    PROTOCOL = ""
+    BIT_RATE = BIT_RATE
 
-    def __init__(self, slaves=4, interface=INTERFACE):
+    def __init__(self, interface=INTERFACE):
         super().__init__()
-        self.slaves, self.interface = slaves, interface
+        self.interface = interface
         self.config = tempfile.NamedTemporaryFile("w", prefix="line_", suffix=".toml", encoding="utf-8")
-        self.config.write(f'[bus]\nprotocol = "{self.PROTOCOL}"\nname = "{self.bus}"\nbit_rate = {BIT_RATE}\n'
+        self.config.write(f'[bus]\nprotocol = "{self.PROTOCOL}"\nname = "{self.bus}"\nbit_rate = {self.BIT_RATE}\n'
                           f'{self.on_interface()}[dds]\ndomain = {self.domain}\n{self.role()}')
         self.config.flush()
         self.program = Process(CANSYNCD, self.config.name)
@@ -212,8 +213,7 @@ class Daemon(Place):
 
     def role(self):
         """The sections of the configuration that belong to the role on the bus."""
-        text = f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n'
-        return text + "".join(f"[[slave]]\nnumber = {slave}\n" for slave in range(self.slaves))
+        return ""
 
     def __enter__(self):
         self.program.start()
@@ -260,8 +260,28 @@ class Daemon(Place):
         except AssertionError as error:
             raise AssertionError(f"{error}\nstatus: {last}\nthe daemon:\n{self.log_text()}") from None
 
+    def events(self, code):
+        """The events with this code, since the daemon started."""
+        return [event for event in self.objects("events") if event["code"] == code]
+
+    def wait_event(self, code):
+        return wait_for(f"event {code}", lambda: self.events(code))
+
+
+class Master(Daemon):
+    """The master of slaves 0 and more at 125 kbit/s, with the software SYNC frame."""
+
+    PROTOCOL = "cansync-master"
+
+    def __init__(self, slaves=4, interface=INTERFACE):
+        self.slaves = slaves
+        super().__init__(interface)
+
+    def role(self):
+        text = f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n'
+        return text + "".join(f"[[slave]]\nnumber = {slave}\n" for slave in range(self.slaves))
+
     def wait_active(self):
-        """As the master: every slave is synchronized."""
         every = (1 << self.slaves) - 1
         return self.wait_status("every slave synchronized in active operation",
                                 lambda s: s["option_status"] == ACTIVE and s["slaves_synchronized"] == every)
@@ -270,9 +290,26 @@ class Daemon(Place):
         """Keeps writing these reference values; a context manager."""
         return Process(CANSYNC, "--domain", self.domain, "--bus", self.bus, "set", *values)
 
-    def events(self, code):
-        """The events with this code, since the daemon started."""
-        return [event for event in self.objects("events") if event["code"] == code]
 
-    def wait_event(self, code):
-        return wait_for(f"event {code}", lambda: self.events(code))
+class GeneralFrames(Daemon):
+    """General frames, with these sections of its configuration."""
+
+    PROTOCOL = "layer2"
+
+    def __init__(self, sections="", interface=INTERFACE):
+        self.sections = sections
+        super().__init__(interface)
+
+    def role(self):
+        return f"[send]\ntimeout_ms = 30000\n{self.sections}"
+
+
+class Line(unittest.TestCase):
+    """A master in active operation with its simulated drives on vcan0, one for all tests of a class: each leaves it so."""
+
+    @classmethod
+    def setUpClass(cls):
+        create_interface()
+        cls.simulator = cls.enterClassContext(Simulator())
+        cls.daemon = cls.enterClassContext(Master())
+        cls.daemon.wait_active()

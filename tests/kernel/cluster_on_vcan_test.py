@@ -6,7 +6,7 @@ import signal
 import tempfile
 import unittest
 
-from canline import (BIT_RATE, INTERFACE, LONG, SYNC, Candump, Daemon, Simulator, create_interface,
+from canline import (BIT_RATE, INTERFACE, LONG, SYNC, Candump, Master, Simulator, create_interface,
                      delete_interface, ip)
 from gateway import ACTIVE, wait_for
 from line_judge import Judge
@@ -20,14 +20,16 @@ HOLDOVER = 0.5  # seconds
 TOLERANCE = 500
 
 
-class Master(Daemon):
-    """Above; it expects the gateway alone."""
+class MasterAbove(Master):
+    """It expects the gateway alone."""
 
     def role(self):
         return super().role() + f"[[slave]]\nnumber = {NUMBER}\n"
 
 
-class Cluster(Daemon):
+class Cluster(Master):
+    """Below, it is one."""
+
     PROTOCOL = "cansync-cluster"
 
     def on_interface(self):
@@ -74,7 +76,7 @@ class ClusterOnVcan(unittest.TestCase):
             create_interface(interface)
         cls.addClassCleanup(delete_interface, BELOW)
         cls.enterClassContext(Simulator(interface=BELOW, slaves=f"0-{DRIVES - 1}"))
-        cls.master = cls.enterClassContext(Master(0, ABOVE))
+        cls.master = cls.enterClassContext(MasterAbove(0, ABOVE))
         cls.cluster = cls.enterClassContext(Cluster(DRIVES))
         cls.upper, cls.lower = cls.cluster.level("upper"), cls.cluster.level("lower")
 

@@ -9,13 +9,12 @@ import select
 import socket
 import struct
 import subprocess
-import tempfile
 import threading
 import unittest
 
 import slave_pair
-from canline import BIT_RATE, LONG, Daemon, Process, Simulator, Wire
-from gateway import CANSYNCD, Place, wait_for
+from canline import BIT_RATE, LONG, GeneralFrames, Master, Simulator, Wire
+from gateway import wait_for
 
 OTHER_RATE = 250000
 SLAVES = 2
@@ -59,7 +58,7 @@ class SyncFrames:
 
 
 def master():
-    return Daemon(SLAVES, "can0")
+    return Master(SLAVES, "can0")
 
 
 def drives():
@@ -182,44 +181,20 @@ class OneBus(unittest.TestCase):
         self.assertEqual(self.daemon.status()["controller_state"], "error-active")
 
 
-class GeneralFrames(unittest.TestCase):
+class FramesOnControllers(unittest.TestCase):
     """The daemon on can0 serves general frames; can1 is somebody else."""
-
-    CONFIG = """
-[bus]
-protocol = "layer2"
-name = "{bus}"
-interface = "can0"
-bit_rate = {bit_rate}
-[dds]
-domain = {domain}
-[send]
-timeout_ms = 30000
-[[receive]]
-number = 0
-first = 0x100
-last = 0x1FF
-"""
 
     @classmethod
     def setUpClass(cls):
         for interface in ("can0", "can1"):
             bring_up(interface)
-        cls.place = Place()
-        config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml"))
-        config.write(cls.CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, bit_rate=BIT_RATE))
-        config.flush()
-        cls.enterClassContext(Process(CANSYNCD, config.name))
+        cls.daemon = cls.enterClassContext(GeneralFrames("[[receive]]\nnumber = 0\nfirst = 0x100\nlast = 0x1FF\n", "can0"))
 
     def setUp(self):
         # One for each test: what another one sent is not among what it hears.
         self.other = self.enterContext(socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW))
         self.other.bind(("can1",))
         self.other.settimeout(LONG)
-
-    def sent(self, *arguments):
-        result = self.place.run("can", "send", *arguments)
-        self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_frames_are_on_the_bus_and_answered_once(self):
         # Not a remote frame that asks for bytes: the emulated receive FIFO counts bytes that it does not hold, and what
@@ -230,7 +205,7 @@ last = 0x1FF
             ("18DAF110#FF", 0x18DAF110 | extended, 1, "FF"),
             ("123#R", 0x123 | remote, 0, ""),
         ):
-            self.sent(frame)
+            self.daemon.verb("can", "send", frame)
             found, size, bytes_ = struct.unpack("=IB3x8s", self.other.recv(16))
             self.assertEqual((found, size), (identifier, length))
             self.assertEqual(bytes_, bytes.fromhex(data).ljust(8, b"\0"))
@@ -240,7 +215,7 @@ last = 0x1FF
         and nothing can be said of frames that the controller itself lost."""
         calls, count = 25, 12
         expected = [f"102#{i:02X}" for i in range(count)]
-        with self.place.start("can", "dump", "--candump", "--id", "102-104") as frames:
+        with self.daemon.start("can", "dump", "--candump", "--id", "102-104") as frames:
             wait_for("a frame comes", lambda: self.other.send(struct.pack("=IB3x8s", 0x104, 1, b"\x55")) and
                      select.select([frames.stdout], [], [], 0.5)[0])
             for call in range(calls):
@@ -255,7 +230,7 @@ last = 0x1FF
             frames.terminate()
 
     def test_frames_of_others_come_through_the_range(self):
-        with self.place.start("can", "dump", "--json") as frames:
+        with self.daemon.start("can", "dump", "--json") as frames:
             came = threading.Event()
 
             def send():

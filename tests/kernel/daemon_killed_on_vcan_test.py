@@ -4,7 +4,7 @@ import re
 import time
 import unittest
 
-from canline import Candump, Daemon, Simulator, Wire, create_interface
+from canline import Candump, Master, Simulator, Wire, create_interface
 from gateway import wait_for
 
 MARK = "1FFFFFF1#"  # nobody takes it; it shows where in the log the daemon was dead
@@ -16,7 +16,7 @@ class DaemonKilled(unittest.TestCase):
         create_interface()
 
     def test_no_telegram_follows(self):
-        with Simulator(slaves="0-0"), Daemon(slaves=1) as daemon, Wire() as wire, Candump() as log:
+        with Simulator(slaves="0-0"), Master(slaves=1) as daemon, Wire() as wire, Candump() as log:
             daemon.wait_active()
             writer = self.enterContext(daemon.writer("0=5000", "4=7", "--rate", 20))
             for identifier in ("080", "10", "18"):

@@ -3,19 +3,14 @@
 import subprocess
 import unittest
 
-from canline import INTERFACE, LONG, Daemon, Simulator, Wire, create_interface, delete_interface, interface_exists, ip
+from canline import INTERFACE, LONG, Line, Master, Simulator, Wire, create_interface, delete_interface, interface_exists, ip
 from gateway import wait_for
 
 
-class DisturbanceTest(unittest.TestCase):
-    """One line for all tests of a class: each has to leave it healthy."""
-
+class DisturbanceTest(Line):
     @classmethod
     def setUpClass(cls):
-        create_interface()
-        cls.simulator = cls.enterClassContext(Simulator())
-        cls.daemon = cls.enterClassContext(Daemon())
-        cls.daemon.wait_active()
+        super().setUpClass()
         cls.process = cls.daemon.program.process.pid
 
     def tearDown(self):
@@ -87,7 +82,7 @@ class InterfaceMissingAtStart(unittest.TestCase):
     def test_it_starts_and_goes_on_when_the_interface_comes(self):
         if interface_exists():
             delete_interface()
-        with Daemon() as daemon, Simulator("--wait") as simulator:
+        with Master() as daemon, Simulator("--wait") as simulator:
             daemon.wait_status("the interface is missing", lambda s: s["link_state"] == "missing")
             daemon.wait_event("interface_missing")
             self.assertEqual(len(daemon.events("interface_missing")), 1)
@@ -152,7 +147,7 @@ class WrongDrives(unittest.TestCase):
 
     def test_wrong_answers(self):
         script = self.script('[[fault]]\nkind = "wrong_answer"\nslave = 1\nprobability = 0.5\n')
-        with Simulator("--faults", script), Daemon() as daemon:
+        with Simulator("--faults", script), Master() as daemon:
             daemon.wait_active()
             for _ in range(10):
                 result = daemon.run("read", 1, 103, "--timeout", 1)
@@ -164,14 +159,14 @@ class WrongDrives(unittest.TestCase):
     def test_a_silent_slave_is_lost_and_comes_back(self):
         # From the 1000th SYNC frame, when the line is up, for 8 s.
         script = self.script('[[fault]]\nkind = "silent"\nslave = 2\nfrom = 1000\nto = 2000\n')
-        with Simulator("--faults", script), Daemon() as daemon:
+        with Simulator("--faults", script), Master() as daemon:
             daemon.wait_active()
             daemon.wait_status("slave 2 is lost", lambda s: s["slaves_responding"] == 0b1011)
             daemon.wait_active()
             self.assertTrue([event for event in daemon.events("slave_lost") if event["slave"] == 2])
 
     def test_killed_simulator_and_killed_daemon(self):
-        with Simulator() as simulator, Daemon() as daemon:
+        with Simulator() as simulator, Master() as daemon:
             daemon.wait_active()
             simulator.kill()
             daemon.wait_status("no slave responds", lambda s: s["slaves_responding"] == 0)

@@ -5,7 +5,7 @@ import re
 import tempfile
 import unittest
 
-from canline import LONG, Candump, Daemon, Simulator, create_interface
+from canline import LONG, Candump, Master, Simulator, create_interface
 from gateway import wait_for
 
 CANCEL = "9000000000000000"  # telegram that ends a transfer on the slave
@@ -47,7 +47,7 @@ class Frames(unittest.TestCase):
         create_interface()
         cls.log = cls.enterClassContext(Candump())
         cls.simulator = cls.enterClassContext(Simulator())
-        cls.daemon = cls.enterClassContext(Daemon())
+        cls.daemon = cls.enterClassContext(Master())
         cls.daemon.wait_active()
         cls.start_up = cls.log.frames()
 

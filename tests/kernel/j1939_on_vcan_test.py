@@ -3,7 +3,6 @@
 What the kernel sends is sent by a socket of its stack: j1939cat 2020.11 ends in the midst of it on this kernel, at a
 notification that it takes for truncated."""
 
-import json
 import os
 import select
 import signal
@@ -12,22 +11,14 @@ import subprocess
 import tempfile
 import unittest
 
-from canline import INTERFACE, Candump, Place, Process, create_interface, wait_for
-from gateway import CANSYNCD, end
+from canline import INTERFACE, Candump, Daemon, create_interface
+from gateway import end, wait_for
 
 OTHER = 0x40  # address of the programs
 OWN = 0x80
 TAKEN = 0x90  # what the daemon takes when it loses that
 GROUP = "12300"  # for one destination
-CONFIG = """
-[bus]
-protocol = "j1939"
-name = "{bus}"
-interface = "{interface}"
-bit_rate = 250000
-[dds]
-domain = {domain}
-[address]
+CONFIG = """[address]
 preferred = 0x80
 arbitrary = true
 first_other = 0x90
@@ -46,6 +37,14 @@ first = 0x12300
 number = 1
 first = 0xFEF1
 """
+
+
+class Node(Daemon):
+    PROTOCOL = "j1939"
+    BIT_RATE = 250000
+
+    def role(self):
+        return CONFIG
 
 
 class KernelStack:
@@ -74,21 +73,13 @@ class AgainstTheKernelsStack(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         create_interface()
-        cls.place = Place()
         cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory())
-        config = os.path.join(cls.folder, "bus.toml")
-        with open(config, "w", encoding="utf-8") as file:
-            file.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, interface=INTERFACE))
         cls.log = cls.enterClassContext(Candump())
-        cls.daemon = cls.enterClassContext(Process(CANSYNCD, config))
+        cls.daemon = cls.enterClassContext(Node())
         cls.kernel = cls.enterClassContext(KernelStack())
 
-    def status(self):
-        result = self.place.run("status", "--json")
-        return json.loads(result.stdout) if result.returncode == 0 else {}
-
     def wait_for_address(self, address):
-        wait_for(f"address {address}", lambda: self.status().get("claim_state") == "claimed" and self.status()["address"] == address)
+        self.daemon.wait_status(f"address {address}", lambda s: (s["claim_state"], s["address"]) == ("claimed", address))
 
     def file_of(self, data):
         path = os.path.join(self.folder, "data")
@@ -97,9 +88,7 @@ class AgainstTheKernelsStack(unittest.TestCase):
         return path
 
     def transmit(self, *arguments):
-        result = self.place.run("transmit", *arguments, "--json")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(json.loads(result.stdout)["result"], "done")
+        self.assertEqual(self.daemon.objects("transmit", *arguments)[0]["result"], "done")
 
     # Names begin with their order: the address is lost at the end.
     def test_1_single_frames_and_broadcasts_both_ways(self):
@@ -115,14 +104,14 @@ class AgainstTheKernelsStack(unittest.TestCase):
                     end(spy)
                 output.seek(0)
                 self.assertEqual(output.read(count), data)
-            with self.place.start("messages", "--json") as messages:
+            with self.daemon.start("messages", "--json") as messages:
                 self.until_heard(messages, data, lambda data=data: self.kernel.send(data, 0xFEF1))
 
     def test_2_connections_and_longer_ones_both_ways(self):
         self.wait_for_address(OWN)
         for count, transport in ((9, "connection"), (1785, "connection"), (1786, "extended"), (6000, "extended")):
             data = bytes_of(count)
-            with self.place.start("messages", "--json") as messages:
+            with self.daemon.start("messages", "--json") as messages:
                 self.until_heard(messages, data, lambda data=data: self.kernel.send(data, int(GROUP, 16), OWN), transport)
             with tempfile.TemporaryFile() as output:
                 receiver = subprocess.Popen(["j1939cat", "-r", f"{INTERFACE}:{OTHER:#x}"], stdout=output)
@@ -168,7 +157,7 @@ class AgainstTheKernelsStack(unittest.TestCase):
         weaker = subprocess.Popen(["j1939acd", "-r", "128,129", "-a", "128", "-c", cache + "1", "FFFFFFFFFFFFFFF0", INTERFACE])
         try:
             wait_for("the weaker one has 129", lambda: 129 in self.others())
-            self.assertEqual(self.status()["address"], OWN)
+            self.assertEqual(self.daemon.status()["address"], OWN)
         finally:
             end(weaker)
         stronger = subprocess.Popen(["j1939acd", "-r", "128", "-a", "128", "-c", cache + "2", "0000000000000010", INTERFACE])
@@ -181,14 +170,8 @@ class AgainstTheKernelsStack(unittest.TestCase):
             end(stronger)
 
     def others(self):
-        result = self.place.run("addresses", "--json")
-        found = [json.loads(line) for line in result.stdout.splitlines()] if result.returncode == 0 else []
-        return {one["address"]: one["name"] for one in found if not one["own"]}
+        return {one["address"]: one["name"] for one in self.daemon.objects("addresses") if not one["own"]}
 
 
 def size_of(file):
     return os.fstat(file.fileno()).st_size
-
-
-if __name__ == "__main__":
-    unittest.main()

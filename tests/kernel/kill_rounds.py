@@ -22,7 +22,7 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "end_to_end")]
 
-from canline import LONG, Daemon, Simulator, create_interface  # noqa: E402
+from canline import LONG, Master, Simulator, create_interface  # noqa: E402
 from gateway import ACTIVE, wait_for  # noqa: E402
 
 SLAVES = 3
@@ -243,7 +243,7 @@ def run(chosen):
     create_interface()
     with contextlib.ExitStack() as stack:
         simulator = stack.enter_context(Simulator(slaves=f"0-{SLAVES - 1}"))
-        daemon = stack.enter_context(Daemon(slaves=SLAVES))
+        daemon = stack.enter_context(Master(slaves=SLAVES))
         daemon.wait_active()
         clients = [stack.enter_context(Client(chosen.client, daemon)) for _ in range(3)]
         rounds = Rounds(chosen.seed, daemon, simulator, clients)

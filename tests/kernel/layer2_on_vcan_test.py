@@ -1,25 +1,13 @@
 """General frames on a real CAN socket: what cansyncd publishes and sends, against another program on the bus."""
 
-import json
 import select
 import signal
-import tempfile
 import unittest
 
-from canline import INTERFACE, Candump, Place, Process, Wire, create_interface
-from gateway import CANSYNCD, wait_for
+from canline import Candump, GeneralFrames, Wire, create_interface
+from gateway import wait_for
 
-CONFIG = """
-[bus]
-protocol = "layer2"
-name = "{bus}"
-interface = "{interface}"
-bit_rate = 500000
-[dds]
-domain = {domain}
-[send]
-timeout_ms = 30000
-[[receive]]
+RANGES = """[[receive]]
 number = 0
 first = 0x100
 last = 0x1FF
@@ -30,23 +18,17 @@ kinds = "remote"
 """
 
 
-class GeneralFrames(unittest.TestCase):
+class FramesOnVcan(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         create_interface()
-        cls.place = Place()
-        config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8"))
-        config.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, interface=INTERFACE))
-        config.flush()
         cls.log = cls.enterClassContext(Candump())
-        cls.daemon = cls.enterClassContext(Process(CANSYNCD, config.name))
+        cls.daemon = cls.enterClassContext(GeneralFrames(RANGES))
         cls.wire = cls.enterClassContext(Wire())
 
     def sent(self, *arguments):
         """The object of a frame that was sent."""
-        result = self.place.run("can", "send", *arguments, "--json")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return json.loads(result.stdout)
+        return self.daemon.objects("can", "send", *arguments)[0]
 
     def test_frames_of_every_kind_are_on_the_bus_as_candump_sees_them(self):
         for frame in ("7FF#0102030405060708", "18DAF110#FF", "123#R3", "001ABCDE#R"):
@@ -56,7 +38,7 @@ class GeneralFrames(unittest.TestCase):
 
     def test_frames_of_others_come_through_the_ranges(self):
         self.sent("001#")  # the daemon runs
-        with self.place.start("can", "dump", "--json") as frames:
+        with self.daemon.start("can", "dump", "--json") as frames:
             # Until the program listens.
             wait_for("a frame comes", lambda: self.wire.send("150#AA") or frames_wait(frames))
             for frame in ("0FF#01", "100#02", "18DAF110#03", "0000ABCD#R", "1FF#04"):

@@ -2,31 +2,18 @@
 
 Nothing may be lost or out of order. How many frames each case takes: CANSYNC_WITNESS_FRAMES, see docs/layer2.md."""
 
-import json
 import os
 import subprocess
-import tempfile
 import unittest
 
-from canline import INTERFACE, LONG, PROBE, Candump, Place, Process, Wire, create_interface
-from gateway import CANSYNCD, wait_for
+from canline import INTERFACE, LONG, PROBE, Candump, GeneralFrames, Process, Wire, create_interface
+from gateway import wait_for
 
 FRAMES = int(os.environ.get("CANSYNC_WITNESS_FRAMES", "4000"))
 SENT = 512  # by one call of `can send`
 # As a bus of 500 kbit/s carries frames of 8 bytes; each counts 16 bytes here. vcan itself holds nobody back.
 RATE = ("rate", "512kbit", "burst", "1600", "limit", "64000")
 DEBIAN_PYTHON = "/usr/bin/python3"  # it alone sees Debian's package python3-can
-CONFIG = """
-[bus]
-protocol = "layer2"
-name = "{bus}"
-interface = "{interface}"
-bit_rate = 500000
-[dds]
-domain = {domain}
-[send]
-timeout_ms = 30000
-"""
 # Sends its frames, and says which of those with identifier 2 it received.
 PYTHON_CAN = """
 import can, sys
@@ -47,12 +34,12 @@ bus.shutdown()
 class Dump(Candump):
     """`cansync can dump` into a file, as `candump -L` writes it."""
 
-    def __init__(self, place):
+    def __init__(self, daemon):
         super().__init__()
-        self.place = place
+        self.daemon = daemon
 
     def __enter__(self):
-        self.process = self.place.start("can", "dump", "--candump", stdout=self.file)
+        self.process = self.daemon.start("can", "dump", "--candump", stdout=self.file)
         with Wire() as wire:
             wait_for("can dump listens", lambda: wire.send(PROBE) or PROBE in self._read())
         return self
@@ -66,25 +53,20 @@ class Witnesses(unittest.TestCase):
     def setUpClass(cls):
         create_interface()
         subprocess.run(["tc", "qdisc", "add", "dev", INTERFACE, "root", "tbf", *RATE], check=True, timeout=LONG)
-        cls.place = Place()
-        config = cls.enterClassContext(tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8"))
-        config.write(CONFIG.format(bus=cls.place.bus, domain=cls.place.domain, interface=INTERFACE))
-        config.flush()
-        cls.daemon = cls.enterClassContext(Process(CANSYNCD, config.name))
-        wait_for("a frame is sent", lambda: cls.place.run("can", "send", "001#").returncode == 0)
+        cls.daemon = cls.enterClassContext(GeneralFrames())
 
     def run_foreign(self, *command):
         subprocess.run([*command, INTERFACE], check=True, timeout=20 * LONG, stdout=subprocess.DEVNULL)
 
     def test_every_frame_of_cansequence_comes_in_order(self):
-        with Dump(self.place) as dump:
+        with Dump(self.daemon) as dump:
             self.run_foreign("cansequence", "--loop", str(FRAMES), "--poll")
             dump.wait_for_count(FRAMES)
             self.assertEqual(dump.frames(), [f"002#{i % 256:02X}" for i in range(FRAMES)])
 
     def test_frames_of_cangen_are_those_that_candump_sees(self):
         each = max(FRAMES // 10, 1)
-        with Dump(self.place) as dump, Candump() as log:
+        with Dump(self.daemon) as dump, Candump() as log:
             for options in ((), ("-e",), ("-R",), ("-e", "-R")):
                 self.run_foreign("cangen", "-g", "0", "-p", "1000", "-n", str(each), *options)
             dump.wait_for_count(4 * each)
@@ -95,7 +77,7 @@ class Witnesses(unittest.TestCase):
     def send_sequence(self):
         """Frames of one byte that counts, as cansequence expects them."""
         frames = [f"002#{i:02X}" for i in range(256)]
-        result = self.place.run("can", "send", *frames, "--count", SENT // 256)
+        result = self.daemon.run("can", "send", *frames, "--count", SENT // 256)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn(f"{SENT} frames sent", result.stderr)
 
@@ -108,7 +90,7 @@ class Witnesses(unittest.TestCase):
 
     def test_frames_go_both_ways_with_python_can(self):
         count = max(FRAMES // 10, 1)
-        with Dump(self.place) as dump:
+        with Dump(self.daemon) as dump:
             with subprocess.Popen([DEBIAN_PYTHON, "-c", PYTHON_CAN, INTERFACE, str(count), str(SENT)], text=True,
                                   stdout=subprocess.PIPE) as other:
                 self.assertEqual(other.stdout.readline(), "sent\n")
@@ -120,7 +102,5 @@ class Witnesses(unittest.TestCase):
 
     def tearDown(self):
         """Nothing was lost in a queue."""
-        queues = self.place.run("can", "queues", "--json")
-        self.assertEqual(queues.returncode, 0, queues.stderr)
-        for queue in map(json.loads, queues.stdout.splitlines()):
+        for queue in self.daemon.objects("can", "queues"):
             self.assertEqual((queue["overflowed"], queue["lost"], queue["not_published"] or 0), (False, 0, 0), queue)

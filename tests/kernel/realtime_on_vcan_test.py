@@ -2,9 +2,8 @@
 
 import os
 import sys
-import unittest
 
-from canline import SYNC, Candump, Daemon, Simulator, create_interface
+from canline import SYNC, Candump, Line
 from gateway import wait_for
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "bench"))
@@ -14,13 +13,10 @@ INTERVAL = 8_000_000  # ns
 EDGES = 1250  # 10 s
 
 
-class Realtime(unittest.TestCase):
+class Realtime(Line):
     @classmethod
     def setUpClass(cls):
-        create_interface()
-        cls.simulator = cls.enterClassContext(Simulator())
-        cls.daemon = cls.enterClassContext(Daemon())
-        cls.daemon.wait_active()
+        super().setUpClass()
         # Reference values in every interval, so that slaves answer and every slot is used.
         cls.writer = cls.enterClassContext(cls.daemon.writer("0=1000", "4=50"))
 

@@ -4,7 +4,7 @@ import contextlib
 import json
 import re
 
-from canline import BIT_RATE, LONG, SYNC, Candump, Daemon
+from canline import BIT_RATE, LONG, SYNC, Candump, Daemon, Master
 from gateway import wait_for
 from line_judge import Judge
 
@@ -23,7 +23,7 @@ missing_references = 0
 LOCKED = f"58{NUMBER}#012D..[89A-F].0000"  # the status word of a slave that is synchronized
 
 
-class Master(Daemon):
+class MasterOfOne(Master):
     def role(self):
         return super().role() + MASTER
 
@@ -45,7 +45,7 @@ class SlavePair:
     def test_master_and_slave(self):
         with Candump(self.interfaces[0]) as log:
             self.log = log
-            with Slave(0, self.interfaces[1]) as self.slave, Master(0, self.interfaces[0]) as self.master:
+            with Slave(self.interfaces[1]) as self.slave, MasterOfOne(0, self.interfaces[0]) as self.master:
                 self.set_up()
                 with self.running(self.master, "set", "0=74565", "1=-2", "4=0x01020304", "5=1", "--rate", 20):
                     self.reference_values_reach_the_slave()

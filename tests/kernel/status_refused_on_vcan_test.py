@@ -2,14 +2,14 @@
 
 import unittest
 
-from canline import Candump, Daemon, Simulator, create_interface
+from canline import Candump, Master, Simulator, create_interface
 from gateway import wait_for
 
 WRONG = 77  # a parameter that the drives have not got; their status word is 301
 REMEDY = "status_parameter"
 
 
-class WrongStatusParameter(Daemon):
+class WrongStatusParameter(Master):
     def role(self):
         return f"{super().role()}[startup]\nstatus_parameter = {WRONG}\n"
 

@@ -4,7 +4,7 @@ import json
 import subprocess
 import unittest
 
-from canline import INTERFACE, LONG, Daemon, Simulator, create_interface
+from canline import INTERFACE, LONG, Line, create_interface
 from gateway import CANSYNC
 from unknown_line import RATES, run_line
 
@@ -25,14 +25,7 @@ class UnknownLines(unittest.TestCase):
                 self.assertLess(run_line(seed, (rate,))["all"], 180)
 
 
-class RunningLine(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        create_interface()
-        cls.enterClassContext(Simulator())
-        cls.daemon = cls.enterClassContext(Daemon())
-        cls.daemon.wait_active()
-
+class RunningLine(Line):
     def test_scan_hears_the_master_and_asks_nothing(self):
         found, _ = objects("scan", INTERFACE, "--seconds", 1)
         points = {one["point"]: one["found"] for one in found if one["kind"] == "point"}

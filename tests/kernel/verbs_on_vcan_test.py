@@ -5,23 +5,19 @@ import os
 import re
 import signal
 import tempfile
-import unittest
 
-from canline import LONG, Candump, Daemon, Simulator, create_interface
+from canline import LONG, Candump, Line
 from gateway import wait_for
 
 PROFILE = os.path.join(os.path.dirname(__file__), "..", "..", "config", "profiles", "simulated-drive.toml")
 DIFFERENT = 9  # exit code of diff and verify
 
 
-class Verbs(unittest.TestCase):
+class Verbs(Line):
     @classmethod
     def setUpClass(cls):
-        create_interface()
+        super().setUpClass()
         cls.log = cls.enterClassContext(Candump())
-        cls.simulator = cls.enterClassContext(Simulator())
-        cls.daemon = cls.enterClassContext(Daemon())
-        cls.daemon.wait_active()
         cls.folder = cls.enterClassContext(tempfile.TemporaryDirectory())
 
     def one(self, *arguments):
