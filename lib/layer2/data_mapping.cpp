@@ -165,6 +165,10 @@ can::Frame DataMapping::frame(std::uint8_t telegram) const noexcept {
   return frame;
 }
 
+void DataMapping::lost(std::uint8_t telegram) noexcept {
+  if (telegram < out_.size()) out_[telegram].lost = out_[telegram].sent;
+}
+
 void DataMapping::controller_emptied() noexcept {
   for (Telegram& telegram : out_) telegram.lost = telegram.sent;
 }

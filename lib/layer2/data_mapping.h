@@ -96,6 +96,8 @@ class DataMapping {
   std::optional<std::uint8_t> next() const noexcept;
   /// What it sends, of the image as it is.
   can::Frame frame(std::uint8_t telegram) const noexcept;
+  /// A telegram (any number) that was handed over may never have been on the bus: it goes once more.
+  void lost(std::uint8_t telegram) noexcept;
   /// What was handed over may never have been on the bus: each telegram goes once more.
   void controller_emptied() noexcept;
   /// The bus took it as it was.
@@ -121,7 +123,7 @@ class DataMapping {
     std::array<std::uint16_t, 8> address = {};
     bool due = false;
     bool sent = false;  ///< at least once since `start`
-    bool lost = false;  ///< handed over to a controller that was emptied since
+    bool lost = false;  ///< handed over, and perhaps never on the bus
     can::Frame last;
   };
 

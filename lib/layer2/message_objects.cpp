@@ -152,12 +152,35 @@ bool MessageObjects::sent(unsigned number, std::uint32_t handing, Time end) noex
   return true;
 }
 
+/// Ends the job of an object in the controller, of whose frame nobody knows.
+void MessageObjects::give_up(Object& object) noexcept {
+  const bool goes_on = object.job.every_time && !object.request;
+  end_job(object, JobState::timed_out);
+  if (goes_on) object.phase = Phase::waits_for_remote;
+}
+
+void MessageObjects::lost(unsigned number, std::uint32_t handing) noexcept {
+  if (number >= kMost) return;
+  Object& object = objects_[number];
+  if (object.phase != Phase::in_controller || object.handings != handing) return;
+  give_up(object);
+  if (object.asked_again && object.phase == Phase::waits_for_remote) object.phase = Phase::ready;
+  object.asked_again = false;
+}
+
 void MessageObjects::controller_emptied() noexcept {
   for (Object& object : objects_) {
     if (object.phase != Phase::in_controller) continue;
-    const bool goes_on = object.job.every_time && !object.request;
-    end_job(object, JobState::timed_out);
-    if (goes_on) object.phase = Phase::waits_for_remote;
+    give_up(object);
+    object.asked_again = false;
+  }
+}
+
+void MessageObjects::stop() noexcept {
+  for (unsigned number = 0; number < kMost; ++number) {
+    if (abort(number)) continue;
+    objects_[number].job.every_time = false;
+    objects_[number].asked_again = false;
   }
 }
 

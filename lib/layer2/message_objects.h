@@ -134,8 +134,13 @@ class MessageObjects {
   /// The frame of an object stood on the bus until `end`; `handing` is what `handed_over` said. One that was
   /// handed over before the object was configured anew is nobody's. True: it was the object's.
   bool sent(unsigned number, std::uint32_t handing, Time end = {}) noexcept;
+  /// The echo of an object's frame does not come: it may have been sent. Its job ends as timed out; one that
+  /// answers each remote frame goes on. `handing`: as of `sent`.
+  void lost(unsigned number, std::uint32_t handing) noexcept;
   /// What was handed over is gone from the controller, and may have been sent: such jobs end as timed out.
   void controller_emptied() noexcept;
+  /// Nothing more is to be sent: jobs end as aborted, those in the controller when it has sent their frame.
+  void stop() noexcept;
 
   // --- receiving
 
@@ -192,6 +197,7 @@ class MessageObjects {
   void answer_remote(const can::Frame& frame) noexcept;
   void renew(Object& object) noexcept;
   void end_job(Object& object, JobState as) noexcept;
+  void give_up(Object& object) noexcept;
 
   std::array<Object, kMost> objects_ = {};
   std::uint64_t changes_ = 0;

@@ -75,7 +75,7 @@ void Module::set_running(bool running, Time now) noexcept {
     timers_.stop_all();
     window_.timer_stopped(1);
     mapping_.stop();
-    for (unsigned number = 0; number < MessageObjects::kMost; ++number) (void)objects_.abort(number);
+    objects_.stop();
     station_.clear_queues();
     received_.clear();
     received_high_.clear();
@@ -271,9 +271,25 @@ void Module::handed_over() noexcept {
 
 void Module::echo(const can::Frame& frame, Time end) noexcept {
   const auto own = station_.echo(frame, end);
+  pass_lost();
   if (!own || own->sender != Sender::object) return;
   if (objects_.sent(own->number, own->handing, end) && !frame.remote)
     tell(ModuleEvent::Kind::object_sent, own->number, frame, end);
+}
+
+void Module::echoes_lost() noexcept {
+  station_.echoes_lost();
+  pass_lost();
+}
+
+/// Tells those who wait for the echo of their frame that it does not come.
+void Module::pass_lost() noexcept {
+  const auto lost = station_.take_lost();
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    const OwnFrame& own = lost[i];
+    if (own.sender == Sender::object) objects_.lost(own.number, own.handing);
+    if (own.sender == Sender::mapping) mapping_.lost(own.number);
+  }
 }
 
 void Module::tell(ModuleEvent::Kind kind, unsigned number, const can::Frame& frame, Time time) noexcept {

@@ -162,7 +162,7 @@ class Module {
   /// As `Station::controller_emptied`.
   void controller_emptied() noexcept;
   /// As `Station::echoes_lost`.
-  void echoes_lost() noexcept { station_.echoes_lost(); }
+  void echoes_lost() noexcept;
   /// As `Station::take_answer`.
   std::optional<Answer> take_answer() noexcept { return station_.take_answer(); }
 
@@ -231,6 +231,7 @@ class Module {
   void step_script() noexcept;
   void start_script(const Script& script) noexcept;
   bool orders_may_go() const noexcept;
+  void pass_lost() noexcept;
   Refusal objection(const PreparedSettings& prepared) const noexcept;
   void configure_mapping(PreparedSettings& prepared, Time now) noexcept;
   void tell(ModuleEvent::Kind kind, unsigned number, const can::Frame& frame, Time time) noexcept;

@@ -1,6 +1,7 @@
 #include "layer2/station.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace layer2 {
 namespace {
@@ -32,7 +33,7 @@ Station::Station(const StationSettings& settings)
       node_(settings.node),
       normal_(std::min<std::size_t>(settings.queue, kMostQueue), settings.overflow, kMostQueue),
       high_(std::min<std::size_t>(settings.high_queue, kMostQueue), settings.overflow, kMostQueue),
-      answers_(2 * kMostQueue + kMostHandedOver) {}
+      answers_(2 * kMostQueue + kMostHandedOver + kMostDisplaced) {}
 
 void Station::set(const StationSettings& settings) noexcept {
   filter_ = settings.filter;
@@ -68,7 +69,7 @@ Refusal Station::submit(const SendOrder& order, Time now) noexcept {
       !std::all_of(order.following.begin(), order.following.end(), can_be_sent))
     return Refusal::bad_frame;
   // Each open order has room for its answer.
-  if (open() >= normal_.depth() + high_.depth() + kMostHandedOver) return Refusal::queue_full;
+  if (open() >= answers_.depth()) return Refusal::queue_full;
   if (waiting() == 0) obstacle_ = Obstacle::none;
   BoundedQueue<Open>& queue = queue_of(order.priority);
   Open taken{order.id, as_on_the_bus(order.frame), now + order.timeout};
@@ -216,10 +217,20 @@ void Station::echoes_lost() noexcept {
 
 /// The `count` frames handed over first keep their places until they are answered, and no longer.
 void Station::overtake(std::size_t count) noexcept {
-  for (std::size_t i = count; i-- > 0;) {
-    handed_over_[i].overtaken = true;
-    if (handed_over_[i].answered) handed_over_.erase(i);
+  for (std::size_t i = 0, looked_at = 0; looked_at < count; ++looked_at) {
+    Open& frame = handed_over_[i];
+    frame.overtaken = true;
+    if (!frame.answered) {
+      ++i;
+      continue;
+    }
+    if (frame.own.sender != Sender::order && !lost_.full()) lost_.push(frame.own);
+    handed_over_.erase(i);
   }
+}
+
+can::BoundedList<OwnFrame, Station::kMostHandedOver> Station::take_lost() noexcept {
+  return std::exchange(lost_, {});
 }
 
 void Station::controller_emptied() noexcept {

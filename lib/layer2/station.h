@@ -135,6 +135,7 @@ class Station {
  public:
   static constexpr std::size_t kMostQueue = 1024;
   static constexpr std::size_t kMostHandedOver = 8;
+  static constexpr std::size_t kMostDisplaced = 64;  ///< orders displaced at a time whose answers have room
 
   /// A depth outside its range counts as the nearest inside. Allocates.
   explicit Station(const StationSettings& settings);
@@ -188,6 +189,9 @@ class Station {
   /// Frames were lost on their way here, echoes perhaps too: what was handed over so far may have been sent,
   /// and keeps no place beyond its answer.
   void echoes_lost() noexcept;
+  /// Frames that are nobody's orders and lost their places without an echo, in the order of their handing
+  /// over, each once: they may have been sent. Not those of `controller_emptied`.
+  can::BoundedList<OwnFrame, kMostHandedOver> take_lost() noexcept;
 
   // --- time and answers
 
@@ -252,6 +256,7 @@ class Station {
   BoundedQueue<Open> high_;
   Priority offered_ = Priority::normal;  ///< queue of what `next_frame` said
   can::BoundedList<Open, kMostHandedOver> handed_over_;
+  can::BoundedList<OwnFrame, kMostHandedOver> lost_;  ///< own frames
   BoundedQueue<Answer> answers_;
   Obstacle obstacle_ = Obstacle::none;  ///< of the first waiting order
   StationCounters counters_;

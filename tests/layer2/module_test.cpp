@@ -132,6 +132,26 @@ TEST(Module, L5StopEndsWhatRunsAndRunBeginsAnew) {
   EXPECT_EQ(run(module, milliseconds(200), milliseconds(205)).front().identifier, 0x201u);
 }
 
+TEST(Module, AMappedTelegramWhoseEchoIsOvertakenGoesOnceMore) {
+  ModuleSettings settings = everything();
+  settings.mapping.on_change = true;
+  settings.mapped = {{.identifier = 0x201, .size = 1, .output = true}};
+  Module module(settings);
+  module.begin(Time{0});
+  EXPECT_EQ(run(module, Time{0}, milliseconds(5)).size(), 1u);
+  module.mapping().outputs()[0] = 7;
+  module.advance(milliseconds(10));
+  EXPECT_EQ(module.next_frame(), data_frame(0x201, {7}));
+  module.handed_over();
+  ASSERT_EQ(module.submit({1, data_frame(0x300, {}), milliseconds(100)}, milliseconds(10)), Refusal::none);
+  const auto other = module.next_frame();
+  ASSERT_TRUE(other);
+  module.handed_over();
+  module.echo(*other, milliseconds(11));
+  const Time next = milliseconds(20);
+  EXPECT_EQ(run(module, next, milliseconds(35)), (std::vector<Sent>{{next, 0x201}}));
+}
+
 TEST(Module, L5ItCanWaitInStop) {
   ModuleSettings settings = everything();
   settings.starts_in_run = false;

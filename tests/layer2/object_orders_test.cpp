@@ -129,6 +129,51 @@ TEST(ObjectOrders, L37TimedOutBeforeItWasHandedOverAndUnknownAfter) {
   EXPECT_EQ(answers[0].outcome, Outcome::no_answer) << "it may have been sent";
 }
 
+TEST(ObjectOrders, AJobWhoseEchoWasLostEndsAndTheObjectIsFree) {
+  Running rig({sender(4, 0x101), receiver(6, 0x210)});
+  rig.take_job(send(1, 4, data_frame(0x101, {})));
+  (void)rig.hand_over();
+  rig.module.echoes_lost();
+  auto answers = rig.answers();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].outcome, Outcome::no_answer) << "it may have been sent";
+  EXPECT_EQ(rig.module.objects().place(4), JobPlace::none);
+  // Nor does it come when that of a frame behind it has.
+  rig.take_job(send(2, 4, data_frame(0x101, {})));
+  (void)rig.hand_over();
+  ASSERT_EQ(rig.module.submit({9, data_frame(0x300, {}), milliseconds(100)}, Time{0}), Refusal::none);
+  rig.module.echo(rig.hand_over(), milliseconds(1));
+  answers = rig.answers();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].outcome, Outcome::no_answer);
+  ObjectOrder ask = read(3, 6, true);
+  ask.ask = true;
+  for (unsigned n = 0; n < 2; ++n) {
+    EXPECT_EQ(rig.module.perform(ask, Time{0})->refusal, Refusal::none);
+    EXPECT_EQ(rig.hand_over(), remote(data_frame(0x210, {})));
+    rig.module.echoes_lost();
+  }
+}
+
+TEST(ObjectOrders, AnAnswerWhoseEchoWasLostIsGivenToTheNextRemoteFrame) {
+  Running rig({sender(3, 0x100)});
+  ObjectOrder order = send(1, 3, data_frame(0x100, {9}));
+  order.job.on_remote = order.job.every_time = true;
+  EXPECT_EQ(rig.module.perform(order, Time{0})->outcome, Outcome::done);
+  const can::Frame question = remote(data_frame(0x100, {}));
+  rig.module.receive(question, milliseconds(1));
+  (void)rig.hand_over();
+  rig.module.echoes_lost();
+  EXPECT_FALSE(rig.module.next_frame());
+  rig.module.receive(question, milliseconds(2));
+  (void)rig.hand_over();
+  rig.module.receive(question, milliseconds(3));  // while that is in the controller
+  rig.module.echoes_lost();
+  rig.module.echo(rig.hand_over(), milliseconds(4));
+  EXPECT_EQ(rig.module.objects().place(3), JobPlace::waits_for_remote);
+  EXPECT_FALSE(rig.module.next_frame());
+}
+
 TEST(ObjectOrders, L38AJobForRemoteFramesIsAnsweredWhenTheObjectHoldsIt) {
   Running rig({sender(3, 0x100)});
   ObjectOrder order = send(1, 3, data_frame(0x100, {9}));
@@ -248,6 +293,24 @@ TEST(ObjectOrders, InStopNoJobIsTakenAndOpenOnesEnd) {
   rig.module.end();
   ASSERT_EQ(rig.answers().size(), 1u);
   EXPECT_EQ(rig.module.perform(send(4, 3, data_frame(0x100, {})), Time{0})->refusal, Refusal::stopped);
+}
+
+TEST(ObjectOrders, InStopAnAnswerInTheControllerIsTheLast) {
+  Running rig({sender(3, 0x100)});
+  ObjectOrder order = send(1, 3, data_frame(0x100, {9}));
+  order.job.on_remote = order.job.every_time = true;
+  EXPECT_EQ(rig.module.perform(order, Time{0})->outcome, Outcome::done);
+  const can::Frame question = remote(data_frame(0x100, {}));
+  rig.module.receive(question, milliseconds(1));
+  const can::Frame answer = rig.hand_over();
+  rig.module.receive(question, milliseconds(2));
+  rig.module.set_running(false, milliseconds(3));
+  rig.module.echo(answer, milliseconds(4));
+  EXPECT_EQ(rig.module.objects().state(3).sent, 1u);
+  rig.module.set_running(true, milliseconds(5));
+  EXPECT_FALSE(rig.module.next_frame()) << "asked for before the stop";
+  rig.module.receive(question, milliseconds(6));
+  EXPECT_FALSE(rig.module.next_frame());
 }
 
 }  // namespace

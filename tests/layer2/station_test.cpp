@@ -221,6 +221,28 @@ TEST(Station, TheQueueIsBounded) {
   EXPECT_EQ(station.waiting(), 3u);
 }
 
+TEST(Station, L15TheOldestMakesPlaceAlsoWhileAsManyAreInTheControllerAsMayBe) {
+  Station station({.queue = 2, .high_queue = 1, .overflow = Overflow::delete_oldest});
+  OrderId id = 0;
+  for (; id < Station::kMostHandedOver; ++id) {
+    ASSERT_EQ(station.submit(order(id), Time{0}), Refusal::none);
+    hand_over(station);
+  }
+  SendOrder urgent = order(++id);
+  urgent.priority = Priority::high;
+  ASSERT_EQ(station.submit(urgent, Time{0}), Refusal::none);
+  const OrderId first = id + 1;
+  for (OrderId more = first; more < first + 6; ++more)
+    EXPECT_EQ(station.submit(order(more), Time{0}), Refusal::none) << more;
+  const auto ended = answers(station);
+  ASSERT_EQ(ended.size(), 4u);
+  for (std::size_t i = 0; i < ended.size(); ++i) {
+    EXPECT_EQ(ended[i].id, first + i);
+    EXPECT_EQ(ended[i].outcome, Outcome::displaced);
+  }
+  EXPECT_TRUE(station.queue(Priority::normal).overflowed);
+}
+
 TEST(Station, NoAnswerIsLostWhenNobodyTakesThem) {
   Station station({.queue = Station::kMostQueue});
   std::size_t taken = 0;
