@@ -216,6 +216,36 @@ TEST(StartUp, WithoutABusNoSlaveRespondsAndEachIsActivatedAgainWhenItAnswers) {
   EXPECT_EQ(rig.told.count(MasterEvent::Code::slave_returned), 4u);
 }
 
+TEST(StartUp, AfterTheBusWasLostNoSlaveIsEnabledBeforeItIsSynchronizedAgain) {
+  MasterRig rig(settings_for(2));
+  rig.activate();
+  const ControlWordRequest enabling{.id = 1, .slave = slave(1), .control_word = 0x000F};
+  ASSERT_EQ(rig.master.submit(enabling), Refusal::none) << "waits when the bus goes";
+  rig.master.bus_lost();
+  EXPECT_EQ(rig.master.submit(ControlWordRequest{2, slave(1), 0x000F}), Refusal::slave_lost);
+  EXPECT_EQ(rig.master.submit(ControlWordRequest{3, slave(0), 0x0002}), Refusal::none) << "a quick stop";
+  EXPECT_EQ(rig.master.submit(ParameterRequest{.id = 4, .slave = slave(1), .number = parameter(5)}),
+            Refusal::slave_lost);
+  rig.run_until([&] { return rig.master.slave(slave(1)).state == SlaveState::released; }, 100);
+  EXPECT_EQ(rig.told.commands.at(1), Outcome::slave_lost);
+  EXPECT_EQ(rig.told.commands.at(3), Outcome::done);
+  EXPECT_EQ(rig.master.submit(ControlWordRequest{5, slave(1), 0x000F}), Refusal::none);
+}
+
+TEST(StartUp, WhereNobodyHadAnsweredTheActivationIsSentAgainWhenTheBusIsBack) {
+  MasterRig rig(settings_for(2));
+  rig.answer = [](const Telegram&) { return std::optional<Telegram>(); };
+  rig.set_up();
+  rig.step();
+  ASSERT_NE(rig.command(), nullptr);
+  const Telegram activation = *rig.command();
+  ASSERT_TRUE(std::holds_alternative<ActionCommand>(activation));
+  rig.master.bus_lost();  // nobody acknowledged it
+  rig.step();
+  ASSERT_NE(rig.command(), nullptr);
+  EXPECT_EQ(*rig.command(), activation);
+}
+
 TEST(StartUp, ModeCanBeChangedAgainAfterAStart) {
   MasterRig rig(settings_for(2));
   rig.activate();

@@ -360,5 +360,58 @@ TEST_F(Returns, ReleaseByHand) {
   EXPECT_EQ(*rig->command(), Telegram(ActionCommand{SlaveMask::of(slave(1)), 2, 1, 0}));
 }
 
+/// With a command of the list of slave 1 on the bus, whose answer comes with the next interval.
+struct AskedForTheList : Returns {
+  void ask_for(OnReturn what) {
+    wants(1, what, {{10, 5}, {11, 6}});
+    drives->values[{1, 10}] = 5;
+    start();
+    lose(1);
+    bring_back(1);
+    rig->run_until([this] { return !drives->asked.empty(); }, 500);
+    ASSERT_EQ(state(1), SlaveState::checking);
+  }
+};
+
+TEST_F(AskedForTheList, ReleasedByForceItsAnswerSaysNothingButThatTheSlaveIsThere) {
+  for (const OnReturn what : {OnReturn::check, OnReturn::write}) {
+    drives = std::make_shared<Drives>();
+    settings = settings_for(4);
+    ask_for(what);
+    const auto unanswered = rig->master.slave(slave(1)).unanswered;
+    EXPECT_EQ(rig->master.release(slave(1), true), Refusal::none);
+    rig->run(3);
+    EXPECT_EQ(state(1), SlaveState::released);
+    EXPECT_EQ(drives->asked.size(), 1u) << "the rest of the list is not for a released slave";
+    EXPECT_EQ(rig->master.slave(slave(1)).unanswered, unanswered);
+  }
+}
+
+TEST_F(AskedForTheList, AnswersFromBeforeTheBusWasLostSayNothing) {
+  ask_for(OnReturn::check);
+  rig->master.bus_lost();
+  rig->step();
+  EXPECT_NE(state(1), SlaveState::released);
+  EXPECT_NE(state(1), SlaveState::held);
+}
+
+TEST_F(AskedForTheList, BegunAnewTheConfirmationOfTheOldWriteIsNoAnswerToTheNewRead) {
+  wants(1, OnReturn::write, {{20, 70000}});  // a doubleword
+  start();
+  lose(1);
+  bring_back(1);
+  const auto writes = [this] {
+    return !drives->asked.empty() && drives->asked.back().kind == ParameterCommand::Kind::write_doubleword;
+  };
+  rig->run_until(writes, 500);
+  EXPECT_EQ(rig->master.release(slave(1), false), Refusal::none);
+  run_to(1, SlaveState::released);
+  for (const ParameterCommand& command : drives->asked) {
+    const bool word = command.kind == ParameterCommand::Kind::write_word;
+    EXPECT_FALSE(word && command.number.value() == 20);
+  }
+  EXPECT_EQ((drives->values[{1, 20}]), 70000u);
+}
+
 }  // namespace
 }  // namespace cansync::test

@@ -57,14 +57,14 @@ void CommandChannel::replace_enabling(SlaveMask slaves) noexcept {
 /// passes always, also to one whose answers do not come.
 Refusal CommandChannel::enabling_refused(const ActionCommand& action) const noexcept {
   if (!enables(action)) return Refusal::none;
-  if ((action.slaves.bits & supervision_.given_up().bits) != 0) return Refusal::slave_lost;
+  if ((action.slaves.bits & supervision_.away().bits) != 0) return Refusal::slave_lost;
   if ((action.slaves.bits & supervision_.held_out().bits) != 0) return Refusal::slave_held;
   return Refusal::none;
 }
 
 Refusal CommandChannel::submit(const ParameterRequest& request) noexcept {
   if (!configured_.has(request.slave)) return Refusal::slave_not_configured;
-  if (supervision_.given_up().has(request.slave)) return Refusal::slave_lost;
+  if (supervision_.away().has(request.slave)) return Refusal::slave_lost;
   if (request.write && request.element != kValueElement) return Refusal::element_not_writable;
   if (request.write && request.format == ParameterFormat::word && request.value > 0xFFFF) {
     return Refusal::value_too_wide;
@@ -75,7 +75,7 @@ Refusal CommandChannel::submit(const ParameterRequest& request) noexcept {
 
 Refusal CommandChannel::submit(const TransferRequest& request) noexcept {
   if (!configured_.has(request.slave)) return Refusal::slave_not_configured;
-  if (supervision_.given_up().has(request.slave)) return Refusal::slave_lost;
+  if (supervision_.away().has(request.slave)) return Refusal::slave_lost;
   if (request.data.empty()) return Refusal::length_zero;
   const std::uint16_t limit = std::min(master_.slaves[request.slave.value()].block_limit, kLongestBlock);
   if (request.block_size > limit) return Refusal::block_size;

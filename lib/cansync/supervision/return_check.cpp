@@ -4,7 +4,7 @@ namespace cansync {
 
 void ReturnCheck::begin(const SlaveSettings& settings, SlaveNumber slave,
                         IntervalNumber monitoring) noexcept {
-  settings_ = nullptr;
+  stop();
   failure_ = nullptr;
   slave_ = slave;
   monitoring_ = monitoring;
@@ -21,6 +21,7 @@ void ReturnCheck::ask(bool write) noexcept {
   request.write = write;
   request.value = wanted().value;
   job_ = ParameterJob(request);
+  sent_ = false;
 }
 
 Step ReturnCheck::answered(const ParameterReply& reply, IntervalNumber now) noexcept {

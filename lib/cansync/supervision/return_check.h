@@ -18,7 +18,10 @@ class ReturnCheck {
   /// must stay; `monitoring` is the longest time of each read and write, in intervals.
   void begin(const SlaveSettings& settings, SlaveNumber slave, IntervalNumber monitoring) noexcept;
   /// Gives up without a result.
-  void stop() noexcept { settings_ = nullptr; }
+  void stop() noexcept {
+    settings_ = nullptr;
+    sent_ = false;
+  }
 
   /// False: never begun, over, or given up.
   bool running() const noexcept { return settings_ != nullptr; }
@@ -26,8 +29,13 @@ class ReturnCheck {
   /// The telegram to send now, while running. Writes are sent again when unanswered: the value is the same.
   ParameterCommand telegram() const noexcept { return job_.telegram(); }
   /// The telegram was handed to the bus.
-  void sent(IntervalNumber now) noexcept { job_.sent(now); }
-  /// A parameter reply of this slave. Step::ended: not running any more; see `passed`.
+  void sent(IntervalNumber now) noexcept {
+    job_.sent(now);
+    sent_ = true;
+  }
+  /// True: what `telegram` says was sent, and not yet answered. False also when it was given up, or begun anew, since.
+  bool waits_for_answer() const noexcept { return sent_; }
+  /// A parameter reply of this slave, while `waits_for_answer`. Step::ended: not running any more; see `passed`.
   Step answered(const ParameterReply& reply, IntervalNumber now) noexcept;
   /// To be asked once an interval while running: ends a read or write that takes too long.
   Step check_time(IntervalNumber now) noexcept;
@@ -55,6 +63,7 @@ class ReturnCheck {
   SlaveNumber slave_;
   IntervalNumber monitoring_ = 1;
   unsigned at_ = 0;
+  bool sent_ = false;  ///< the telegram of `job_`
   ParameterJob job_;
 };
 

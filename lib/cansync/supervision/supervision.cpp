@@ -265,6 +265,8 @@ void Supervision::forget(SlaveNumber slave) noexcept {
 }
 
 void Supervision::bus_lost() noexcept {
+  // An activation that nobody answered after may never have been on the bus.
+  if (responding_.empty()) to_activate_ = SlaveMask::all();
   for (unsigned i = 0; i < kSlaves; ++i) {
     const SlaveNumber slave = *SlaveNumber::from(i);
     next_read_[i] = now_;
@@ -307,6 +309,7 @@ void Supervision::change(SlaveNumber slave, SlaveEvent event) noexcept {
   state = next(state, event).value_or(state);
   released_.set(slave, state == SlaveState::released);
   held_out_.set(slave, is_held_out(state));
+  lost_.set(slave, state == SlaveState::lost);
   checking_.set(slave, state == SlaveState::checking);
   if (state != SlaveState::checking) checks_[slave.value()].stop();
 }
@@ -328,7 +331,10 @@ void Supervision::synchronized_again(SlaveNumber slave) noexcept {
 }
 
 bool Supervision::check_answered(SlaveNumber slave, const ParameterReply& reply) noexcept {
-  const Step step = checks_[slave.value()].answered(reply, now_);
+  ReturnCheck& check = checks_[slave.value()];
+  // The list was given up or begun anew since it was asked: the slave is there, and that is all it says.
+  if (!check.waits_for_answer()) return true;
+  const Step step = check.answered(reply, now_);
   if (step == Step::ended) end_check(slave);
   return step != Step::ignored;
 }

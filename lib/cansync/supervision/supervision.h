@@ -74,7 +74,7 @@ class Supervision {
   void missed_actual(SlaveNumber slave) noexcept;
 
   /// Nothing can be sent or received: nothing is known of any slave, and each that answers again is
-  /// activated. No event for each slave; whoever tells that the bus is gone has said it all.
+  /// activated, all of them when none had answered yet. No event for each slave; whoever tells that the bus is gone has said it all.
   void bus_lost() noexcept;
 
   /// The mask of configured slaves that do not yet meet the enable rule. One that is held out does not.
@@ -84,6 +84,8 @@ class Supervision {
   SlaveMask responding() const noexcept { return responding_; }
   /// Slaves that have not answered so often in a row that nothing but status reads is sent to them.
   SlaveMask given_up() const noexcept { return given_up_; }
+  /// Slaves that are given up, or lost with the bus and have not answered since: no jobs are for them.
+  SlaveMask away() const noexcept { return {given_up_.bits | lost_.bits}; }
   /// Slaves that were away and must not be enabled yet (`is_held_out`).
   SlaveMask held_out() const noexcept { return held_out_; }
 
@@ -146,6 +148,7 @@ class Supervision {
   SlaveMask synchronized_;
   SlaveMask suspect_;  ///< did not answer, or sent no actual values when asked, and has not answered since
   SlaveMask given_up_;
+  SlaveMask lost_;
   SlaveMask held_out_;
   SlaveMask released_;
   SlaveMask checking_;
