@@ -151,6 +151,12 @@ void Master::begin_interval(IntervalNumber n) noexcept {
   impl_->watch_second_master();
 }
 
+void Master::pass_interval(IntervalNumber n) noexcept {
+  impl_->now = n;
+  impl_->command_channel.pass_interval(n);
+  impl_->watch_second_master();
+}
+
 Duration Master::latest_start(Slot slot) const noexcept {
   switch (slot) {
     case Slot::reference_one:

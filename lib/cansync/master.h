@@ -149,6 +149,9 @@ class Master {
 
   /// SYNC edge number `n` was produced. Numbers rise; a jump means missed edges.
   void begin_interval(IntervalNumber n) noexcept;
+  /// Instead, while there is no synchronous operation: interval `n` passes without an edge. What is given now
+  /// has its time from now on.
+  void pass_interval(IntervalNumber n) noexcept;
 
   /// When to hand over this slot's telegram, after SYNC: some margin before its latest start. In set-up,
   /// where no reference values are on the bus, the command goes out early so that its answer comes in the
@@ -228,7 +231,7 @@ class Master {
 
   /// Value of `w_OPTION_STATUS`; waiting, set-up or active (M 3.2.2.3).
   State state() const noexcept;
-  /// The interval that `begin_interval` named last; 0 before the first.
+  /// The interval that `begin_interval` or `pass_interval` named last; 0 before the first.
   IntervalNumber interval() const noexcept;
   /// The settings in force: those of the constructor with what was changed since.
   const MasterSettings& settings() const noexcept;

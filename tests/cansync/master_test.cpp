@@ -283,6 +283,23 @@ TEST(StartUp, ASecondMasterIsReportedOnTheEdge) {
   EXPECT_EQ(rig.told.count(MasterEvent::Code::second_master), 2u);
 }
 
+TEST(StartUp, WhileTheLineIsStoppedASecondMasterIsForgottenAndWordsHaveTheirWholeTime) {
+  MasterRig rig(settings_for(1));
+  rig.activate();
+  rig.step();
+  rig.master.receive(encode(ReferenceTelegram{}), std::chrono::microseconds(400));
+  ASSERT_EQ(rig.master.control(ControlCommand::cold_restart), Refusal::none);
+  EXPECT_TRUE(rig.master.second_master());
+  for (unsigned i = 0; i < 5000; ++i) rig.master.pass_interval(rig.next_interval++);
+  EXPECT_FALSE(rig.master.second_master());
+  EXPECT_EQ(rig.told.count(MasterEvent::Code::second_master_gone), 1u);
+  rig.set_up();
+  EXPECT_EQ(rig.master.submit(ControlWordRequest{.id = 1, .slave = slave(0), .control_word = 0x0006}),
+            Refusal::none);
+  rig.run(10);
+  EXPECT_EQ(rig.told.commands.at(1), Outcome::done);
+}
+
 TEST(StartUp, AMasterIsKnownByItsIdentifierAlone) {
   MasterRig rig(settings_for(1));
   rig.activate();

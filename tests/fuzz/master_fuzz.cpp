@@ -50,7 +50,14 @@ MasterSettings settings(Bytes& in) {
   out.command_channel.broadcast_queue = 2;
   out.command_channel.telegram_repeats = in.byte() & 3;
   out.command_channel.block_retries = in.byte() & 3;
-  out.startup.lost_after = static_cast<std::uint8_t>(1 + (in.byte() & 3));
+  const std::uint8_t lost = in.byte();
+  out.startup.lost_after = static_cast<std::uint8_t>(1 + (lost & 3));
+  SlaveSettings& first = out.slaves[0];
+  first.on_return = static_cast<OnReturn>((lost >> 2) % 3);
+  first.return_count = (lost >> 4) & 3;
+  // No job writes this value.
+  for (unsigned i = 0; i < first.return_count; ++i)
+    first.return_parameters[i] = {*ParameterNumber::from(10 + i), 0xFFF0};
   return out;
 }
 
@@ -104,6 +111,9 @@ class Run {
         return interval(in_.byte());
       case 13:
         for (unsigned n = in_.byte(); n > 0; --n) interval(0);
+        return;
+      case 14:
+        static_cast<void>(master_->release(*SlaveNumber::from(in_.below(2)), in_.flag()));
         return;
       default:
         return interval(in_.byte());

@@ -152,7 +152,11 @@ void RealtimeLoop::begin_interval() noexcept {
   heard_others_ = false;
   reporter_.at(number_, edge);
   begun_ = synchronous();
-  if (begun_) begin_masters_interval();
+  if (begun_) {
+    begin_masters_interval();
+  } else {
+    master_.pass_interval(number_);
+  }
   if (begun_ && loop_.report_intervals) {
     exchange_.interval.write({reporter_.moment(), master_.planned_start(Slot::reference_one)});
     reporter_.written();

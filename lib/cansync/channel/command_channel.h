@@ -111,6 +111,8 @@ class CommandChannel {
 
   /// A new interval: scanning cursors rise.
   void begin_interval(IntervalNumber now) noexcept;
+  /// An interval in which nothing is sent.
+  void pass_interval(IntervalNumber now) noexcept { now_ = now; }
 
   /// The command for this interval. What the last command asked is over: without an answer it counts as
   /// unanswered.
