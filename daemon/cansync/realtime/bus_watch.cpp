@@ -8,6 +8,10 @@ namespace {
 /// A fault that has stayed away for so long is over.
 constexpr can::Time kQuiet = std::chrono::seconds(3);
 
+/// A controller that is off the bus for so long is no short interruption: what its slaves did meanwhile is
+/// not known.
+constexpr can::Time kOffBus = std::chrono::seconds(1);
+
 }  // namespace
 
 void BusWatch::begin() noexcept {
@@ -42,6 +46,7 @@ void BusWatch::look(can::Time now) noexcept {
   const can::LinkState link = status_.link;
   const can::Delivery delivery = status_.delivery;
   status_ = bus_.status();
+  watch_bus_off(now);
   watch_link(link);
   watch_delivery(delivery);
   // A controller without its interface has no state worth a report.
@@ -53,6 +58,15 @@ void BusWatch::look(can::Time now) noexcept {
   watch_row(BusFaultKind::error_frames, status_.error_frames, now);
   watch_row(BusFaultKind::overrun, status_.overruns, now);
   watch_row(BusFaultKind::dropped, status_.dropped, now);
+}
+
+void BusWatch::watch_bus_off(can::Time now) noexcept {
+  if (status_.state != can::ControllerState::bus_off) {
+    bus_off_since_.reset();
+  } else if (!bus_off_since_) {
+    bus_off_since_ = now;
+  }
+  off_bus_ = bus_off_since_ && now - *bus_off_since_ >= kOffBus;
 }
 
 void BusWatch::watch_link(can::LinkState before) noexcept {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "can/bus.h"
 #include "daemon/cansync/exchange.h"
@@ -25,9 +26,10 @@ class BusWatch {
   /// Looks at the bus, once an interval; `now` is the bus's time.
   void look(can::Time now) noexcept;
 
-  /// True when telegrams reach the bus, as far as is known: the interface is up and somebody acknowledges.
+  /// True when telegrams reach the bus, as far as is known: the interface is up, somebody acknowledges, and
+  /// the controller has not been off the bus for a second.
   bool connected() const noexcept {
-    return status_.link == can::LinkState::up && status_.delivery == can::Delivery::normal;
+    return status_.link == can::LinkState::up && status_.delivery == can::Delivery::normal && !off_bus_;
   }
 
   /// As of the last look.
@@ -41,6 +43,7 @@ class BusWatch {
     can::Time last{};
   };
 
+  void watch_bus_off(can::Time now) noexcept;
   void watch_link(can::LinkState before) noexcept;
   void watch_delivery(can::Delivery before) noexcept;
   void watch_row(BusFaultKind kind, std::uint64_t counter, can::Time now) noexcept;
@@ -48,6 +51,8 @@ class BusWatch {
   can::Bus& bus_;
   Reporter& reporter_;
   can::ControllerStatus status_;
+  std::optional<can::Time> bus_off_since_;
+  bool off_bus_ = false;  ///< for longer than an interruption
   std::array<Row, kBusFaultKinds> rows_ = {};
   can::SendResult last_send_ = can::SendResult::queued;
   std::uint64_t failed_sends_ = 0;  ///< in a row, the interface being up

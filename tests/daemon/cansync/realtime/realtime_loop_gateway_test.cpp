@@ -186,6 +186,24 @@ TEST(RealtimeLoop, ControllerChangesAreReportedOnceAndShowInTheStatusWord) {
   EXPECT_EQ(rig.snapshot().cansync_status & 0x80U, 0U);
 }
 
+TEST(RealtimeLoop, OffTheBusForASecondNothingIsKnownOfAnySlave) {
+  LoopRig rig;
+  const auto bus_off = [&](bool off) {
+    rig.bus.controller.state = off ? can::ControllerState::bus_off : can::ControllerState::error_active;
+    rig.bus.send_result = off ? can::SendResult::bus_off : can::SendResult::queued;
+  };
+  rig.at(100, microseconds(0), [&] { bus_off(true); });
+  rig.at(1090, microseconds(0), [&] {
+    EXPECT_EQ(rig.snapshot().responding.bits, 0b111U) << "a short interruption changes nothing";
+  });
+  rig.at(1110, microseconds(0), [&] {
+    EXPECT_EQ(rig.snapshot().responding.bits, 0U);
+    bus_off(false);
+  });
+  rig.run_until(1300);
+  EXPECT_EQ(rig.snapshot().responding.bits, 0b111U) << "asked anew";
+}
+
 TEST(RealtimeLoop, TimingIsPublishedOnceASecond) {
   LoopRig rig;
   rig.push_at(60, references(Channel::one, 1000));
