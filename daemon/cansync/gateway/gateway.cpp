@@ -71,6 +71,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   const JobContext jobs = context(now);
   take_reports(jobs);
   references_.set_line(state_.master().when);
+  references_.set_lead_axis(state_.master().lead_axis);
   references_.watch(state_.master().release, now);
   posted_.publish(events_, now);
   if (samples_may_wait) {

@@ -40,6 +40,11 @@ class ReferenceInput : private ReferenceSurroundings {
   /// The line as last heard of: by it the age of values is told as a number of an interval.
   void set_line(const Moment& heard) noexcept { gate_.set_line(heard); }
 
+  /// The telegrams that the lead axis of a cluster gives.
+  void set_lead_axis(const std::array<bool, cansync::kChannels>& gives) noexcept {
+    gate_.set_lead_axis(gives);
+  }
+
   /// Takes note of what the realtime thread has ended by itself.
   void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release, SteadyTime now) {
     gate_.watch(release, now);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cansync/settings/timing.h"
+#include "daemon/cansync/texts/refusal_text.h"
 #include "text/counts.h"
 
 namespace cansyncd {
@@ -40,6 +41,16 @@ void ReferenceGate::set_refusal(gateway::dds::Problem refusal) {
   refusal_ = std::move(refusal);
 }
 
+void ReferenceGate::set_lead_axis(const std::array<bool, cansync::kChannels>& gives) noexcept {
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    if (!gives[channel] || lead_axis_[channel]) continue;
+    // What came before this was known has been refused, too.
+    telegrams_[channel].owner = 0;
+    givers_[channel] = {};
+  }
+  lead_axis_ = gives;
+}
+
 void ReferenceGate::take(const ReferenceSample& sample, std::int64_t wall, SteadyTime now) {
   const bool known_telegram = sample.telegram == 1 || sample.telegram == 2;
   // A key that is no telegram still needs a place to be counted.
@@ -52,6 +63,10 @@ void ReferenceGate::take(const ReferenceSample& sample, std::int64_t wall, Stead
   if (!known_telegram) {
     refused(channel, sample.problem.value_or(Denial{gateway_CAUSE_FIELD, "no such telegram"}), std::nullopt,
             now);
+    return;
+  }
+  if (lead_axis_[channel]) {
+    refused(channel, lead_axis_denial(), std::nullopt, now);
     return;
   }
   take_values(sample, channel, wall, now);

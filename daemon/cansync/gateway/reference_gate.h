@@ -82,6 +82,9 @@ class ReferenceGate {
   /// The line as last heard of: by it the age of values is told as a number of an interval.
   void set_line(const Moment& heard) noexcept { age_.set_line(heard); }
 
+  /// The telegrams that the lead axis of a cluster gives: no program may, and none has a part in them.
+  void set_lead_axis(const std::array<bool, cansync::kChannels>& gives) noexcept;
+
   /// With a refusal every value is refused for it, and the release of what was given before is stopped.
   void set_refusal(gateway::dds::Problem refusal);
 
@@ -158,6 +161,7 @@ class ReferenceGate {
   std::chrono::milliseconds deadline_;  ///< 0: not looked at
   ReferenceSurroundings& around_;
   gateway::dds::Problem refusal_;  ///< of everything
+  std::array<bool, cansync::kChannels> lead_axis_ = {};
   std::array<Telegram, cansync::kChannels> telegrams_;
   std::array<ReferenceGiver, cansync::kChannels> givers_;
 };

@@ -178,8 +178,7 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
     case Refusal::mapping_changed:
       return mapping_changed(request, context);
     case Refusal::lead_axis:
-      return "reference values: the lead axis gives this telegram, so no program may; take its values out of "
-             "[[lead]] in the daemon's file, or write the other telegram";
+      return lead_axis_denial().reason;
     case Refusal::block_size:
       return block_size(request, config);
     case Refusal::value_too_wide:
@@ -202,6 +201,12 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
 gateway::dds::Denial denial_of(Refusal refusal, const Request& request, const Config& config,
                                const RefusalContext& context) {
   return {cansync::dds::to_cause(refusal), refusal_text(refusal, request, config, context)};
+}
+
+gateway::dds::Denial lead_axis_denial() {
+  return {cansync::dds::to_cause(Refusal::lead_axis),
+          "reference values: the lead axis gives this telegram, so no program may; take its values out of "
+          "[[lead]] in the daemon's file, or write the other telegram"};
 }
 
 std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config) {

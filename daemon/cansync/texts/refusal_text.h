@@ -37,6 +37,9 @@ std::string refusal_text(cansync::Refusal refusal, const Request& request, const
 gateway::dds::Denial denial_of(cansync::Refusal refusal, const Request& request, const Config& config,
                                const RefusalContext& context);
 
+/// Of reference values for a telegram that the lead axis of a cluster gives.
+gateway::dds::Denial lead_axis_denial();
+
 /// Why an accepted job ended so, where the slave's name belongs into the reason; empty for other outcomes.
 std::string outcome_text(cansync::Outcome outcome, const Request& request, const Config& config);
 

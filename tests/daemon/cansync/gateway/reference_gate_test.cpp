@@ -195,6 +195,34 @@ TEST_F(Gate, AChangedMappingEndsTheReleaseAndIsToldOnce) {
   EXPECT_EQ(refusals, (std::vector{cansync::Refusal::mapping_changed}));
 }
 
+TEST_F(Gate, AProgramThatTriesATelegramOfTheLeadAxisGetsNoPartInIt) {
+  gate.set_lead_axis({true, false});
+  take(values(kWeak, 11, 1000));
+  EXPECT_EQ(on_bus(3), Seen{});
+  EXPECT_EQ(gate.owner(0), 0u);
+  EXPECT_EQ(told("reference_writer_began"), 0u);
+  const std::string why = text("reference_refused");
+  EXPECT_NE(why.find(gateway::dds::name(gateway_CAUSE_RIGHT)), std::string::npos) << why;
+  EXPECT_NE(why.find("[[lead]]"), std::string::npos) << why;
+  take(last_of(kWeak));
+  gate.lost(0, now());
+  EXPECT_FALSE(gate.take_reaction(0));
+  EXPECT_EQ(told("reference_given_up") + told("reference_writer_lost"), 0u);
+  ReferenceSample other = values(kWeak, 12);
+  other.telegram = 2;
+  take(other);
+  EXPECT_EQ(gate.owner(1), kWeak);
+}
+
+TEST_F(Gate, WhoWasThereBeforeTheLeadAxisWasKnownLosesNothing) {
+  take(values(kWeak, 11, 1000));
+  gate.set_lead_axis({true, false});
+  EXPECT_EQ(gate.owner(0), 0u);
+  EXPECT_EQ(gate.givers()[0].who, "");
+  gate.lost(0, now());
+  EXPECT_FALSE(gate.take_reaction(0));
+}
+
 TEST_F(Gate, ATakeOverThatIsRefusedBeginsTheDeadlineAnew) {
   Config config = default_config();
   config.failsafe.reference_deadline = std::chrono::milliseconds(100);
