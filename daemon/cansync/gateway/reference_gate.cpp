@@ -108,6 +108,11 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
   }
   telegram.given = now;
   telegram.deadline_missed = false;
+  values_given(channel);
+}
+
+void ReferenceGate::values_given(unsigned channel) {
+  Telegram& telegram = telegrams_[channel];
   telegram.returned = telegram.returned || telegram.reacted;
   telegram.reacted = false;
   givers_[channel].loss = Loss::none;
@@ -202,11 +207,19 @@ void ReferenceGate::watch(const std::array<cansync::ReleaseStatus, cansync::kCha
                           SteadyTime now) {
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     Telegram& telegram = telegrams_[channel];
+    const bool given = std::exchange(telegram.updates, release[channel].updates) != release[channel].updates;
+    // Values of the lead axis do not come through here. When they ended, too, since the last look, those that
+    // are released now came after that.
+    if (lead_axis_[channel] && given) values_given(channel);
     // The realtime thread has stopped it already, and told what grew too old.
     if (std::exchange(telegram.too_old, release[channel].too_old) != release[channel].too_old)
       lose(channel, Loss::too_old);
+    const bool released = release[channel].state == cansync::ReleaseStatus::State::released;
+    if (lead_axis_[channel] && given && released) values_given(channel);
     const std::uint64_t changed = release[channel].mapping_changed;
     if (std::exchange(telegram.mapping_changed, changed) == changed) continue;
+    // A mapping of the other telegram's values; the next values of the lead axis are for it.
+    if (lead_axis_[channel]) continue;
     const std::string who = givers_[channel].who;
     tell(gateway_SEVERITY_WARNING, "reference_mapping_changed",
          fmt::format("the mapping of the reference values was changed while those of telegram {} were "

@@ -63,6 +63,8 @@ class ReferenceSurroundings {
 ///   written before that is not taken afterwards (as far as ages are looked at).
 /// - An owner that is lost or misses its deadline ends the release too, after the configured hold.
 /// - After each of these the reaction is due once, until values are handed on again.
+/// - A telegram of the lead axis has no owner; its values are lost when they grow too old, and back when the
+///   realtime thread has taken new ones.
 /// - Refused samples are told on the edge and counted; they do not keep a deadline.
 ///
 /// A StopRelease that finds no room is kept, and no values of its telegram are handed on before it.
@@ -134,7 +136,8 @@ class ReferenceGate {
     bool reacted = false;                      ///< to a loss, since the values handed on last
     bool reaction_due = false;
     bool returned = false;              ///< values were handed on after a loss
-    std::uint64_t too_old = 0;          ///< as last told by the realtime thread
+    std::uint64_t updates = 0;          ///< as last told by the realtime thread
+    std::uint64_t too_old = 0;          ///< likewise
     std::uint64_t mapping_changed = 0;  ///< likewise
     cansync::ReferenceUpdate newest;    ///< handed on last
     FaultRow refused{kQuiet};
@@ -147,6 +150,7 @@ class ReferenceGate {
   void given_up(unsigned channel, std::int64_t written, SteadyTime now);
   void new_owner(unsigned channel, WriterHandle writer, const ReferenceSurroundings::Writer& facts,
                  SteadyTime now);
+  void values_given(unsigned channel);
   void stop(unsigned channel, std::uint32_t hold);
   void lose(unsigned channel, Loss loss);
   void end_ownership(unsigned channel, Loss loss);

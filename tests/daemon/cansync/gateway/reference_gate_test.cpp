@@ -223,6 +223,63 @@ TEST_F(Gate, WhoWasThereBeforeTheLeadAxisWasKnownLosesNothing) {
   EXPECT_FALSE(gate.take_reaction(0));
 }
 
+/// The telegrams as the realtime thread tells of them; the lead axis gives the first one.
+class LeadAxisGate : public Gate {
+ protected:
+  LeadAxisGate() {
+    gate.set_lead_axis({true, false});
+    give();
+  }
+  void give() {
+    release[0].updates += 20;
+    release[0].state = cansync::ReleaseStatus::State::released;
+  }
+  void grow_old() {
+    ++release[0].too_old;
+    release[0].state = cansync::ReleaseStatus::State::stopped;
+  }
+  /// Is the reaction due, and are values back?
+  std::pair<bool, bool> look() {
+    gate.watch(release, now());
+    return {gate.take_reaction(0), gate.take_return(0)};
+  }
+
+  using Look = std::pair<bool, bool>;
+  std::array<cansync::ReleaseStatus, cansync::kChannels> release = {};
+};
+
+TEST_F(LeadAxisGate, EachLossOfItsValuesHasItsReactionAndTheirReturnIsTold) {
+  EXPECT_EQ(look(), (Look{false, false}));
+  for (int loss = 0; loss < 2; ++loss) {
+    grow_old();
+    EXPECT_EQ(look(), (Look{true, false})) << loss;
+    EXPECT_EQ(look(), (Look{false, false})) << loss;
+    give();
+    EXPECT_EQ(look(), (Look{false, true})) << loss;
+    give();
+    EXPECT_EQ(look(), (Look{false, false})) << loss;
+  }
+}
+
+TEST_F(LeadAxisGate, WhatHappensBetweenTwoLooksIsSeenInItsOrder) {
+  give();
+  grow_old();
+  EXPECT_EQ(look(), (Look{true, false})) << "given, then lost";
+  give();
+  grow_old();
+  EXPECT_EQ(look(), (Look{true, false})) << "back, and lost again";
+  give();
+  grow_old();
+  give();
+  EXPECT_EQ(look(), (Look{true, true})) << "lost, and back again";
+}
+
+TEST_F(LeadAxisGate, AMappingThatChangesTheOtherTelegramIsNoLoss) {
+  ++release[0].mapping_changed;
+  EXPECT_EQ(look(), (Look{false, false}));
+  EXPECT_EQ(told("reference_mapping_changed"), 0u);
+}
+
 TEST_F(Gate, ATakeOverThatIsRefusedBeginsTheDeadlineAnew) {
   Config config = default_config();
   config.failsafe.reference_deadline = std::chrono::milliseconds(100);
