@@ -5,14 +5,13 @@
 #include <chrono>
 #include <variant>
 
+#include "cansync/channel/job_ids.h"
+
 namespace cansyncd {
 namespace {
 
 using cansync::JobId;
 using cansync::SlaveNumber;
-
-/// Far above the numbers that clients' requests get.
-constexpr JobId kFirstId = JobId{1} << 63;
 
 /// For the audit trail, where a client's name stands otherwise.
 const Requester& daemon_itself() {
@@ -62,7 +61,7 @@ void FailsafeCommands::values_back(unsigned channel, const Config& config, Stead
 
 /// The answer to a word of an earlier round does not count for this one.
 cansync::JobId FailsafeCommands::id_of(SlaveNumber slave, std::uint64_t round) const noexcept {
-  return kFirstId + round * cansync::kSlaves + slave.value();
+  return cansync::kFailsafeJobs + round * cansync::kSlaves + slave.value();
 }
 
 cansync::ControlWordRequest FailsafeCommands::request_to(SlaveNumber slave) const {
@@ -94,8 +93,8 @@ std::optional<SteadyTime> FailsafeCommands::push(Exchange& exchange, SteadyTime 
 bool FailsafeCommands::finish(const Terminal& terminal, const Config& config, const RefusalContext& line,
                               SteadyTime now) {
   const JobId id = std::visit([](const auto& done) { return done.id; }, terminal);
-  if (id < kFirstId) return false;
-  const SlaveNumber slave = *SlaveNumber::from((id - kFirstId) % cansync::kSlaves);
+  if (id < cansync::kFailsafeJobs) return false;
+  const SlaveNumber slave = *SlaveNumber::from((id - cansync::kFailsafeJobs) % cansync::kSlaves);
   const Request request = request_to(slave);
   const Change change{"control_word", slave.value(), "", fmt::format("0x{:04X}", *word_)};
   std::string outcome;

@@ -5,14 +5,12 @@
 #include <optional>
 #include <span>
 
+#include "cansync/channel/job_ids.h"
 #include "cansync/cluster/sub_slaves.h"
 #include "cansync/master.h"
 #include "cansync/slave/slave.h"
 
 namespace cansync {
-
-/// Ids of a gateway's own jobs on the lower bus begin here; whoever shares the lower master stays below.
-inline constexpr JobId kGatewayJobs = JobId{1} << 63;
 
 /// Times of jobs that go down, in intervals.
 struct GatewayTimes {

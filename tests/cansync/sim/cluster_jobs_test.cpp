@@ -219,6 +219,28 @@ TEST(ClusterJobs, K13AQuestionForTheGatewayItselfDropsTheJobBelow) {
   EXPECT_TRUE(net.of(kMiddle + 1).applied.empty());
 }
 
+TEST(ClusterJobs, K13AJobThatIsDroppedTakesNoControlWordOfTheFailsafeReactionWithIt) {
+  Levels net;
+  net.start();
+  net.of(kMiddle).busy = [] { return 100'000u; };
+  ASSERT_EQ(net.upper_master().submit(net.write(kMiddle, 20, 7)), cansync::Refusal::none);
+  net.run(50);
+  ASSERT_EQ(net.cluster().gateway().running(), 1u);
+  for (unsigned n = 0; n < 3; ++n) {
+    cansync::ControlWordRequest word;
+    word.id = cansync::kFailsafeJobs + n;
+    word.slave = *SlaveNumber::from(n);
+    word.control_word = 0x0104;
+    word.failsafe = true;
+    ASSERT_EQ(net.cluster().lower().submit(word), cansync::Refusal::none);
+  }
+  static_cast<cansync::SlaveApplication&>(net.cluster().gateway()).parameter_dropped();
+  EXPECT_EQ(net.cluster().gateway().running(), 0u);
+  net.run(10);
+  for (unsigned n = 0; n < 3; ++n)
+    EXPECT_EQ(net.of(kMiddle + n).control_words, (std::vector<std::uint16_t>{0x0104})) << n;
+}
+
 TEST(ClusterJobs, K11ABlockNobodyGoesOnWithIsCancelledBelow) {
   Levels net;
   net.a.holdover = std::chrono::seconds(100);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cansync/channel/job_ids.h"
 #include "support/gateway_rig.h"
 
 /// The rounds of control words that go out when reference values are missing.
@@ -96,6 +97,21 @@ TEST(GatewayFailsafe, ControlWordsWaitForRoomAndBothTelegramsLostAtOnceAreOneRou
   EXPECT_EQ(slaves, (Numbers{0, 1, 2, 3}));
   EXPECT_EQ(rig.ends().size(), 1u);
   EXPECT_FALSE(rig.commands.finish(CommandDone{17}, rig.config, {}, kStart)) << "a client's";
+}
+
+/// Beside the gateway of a cluster, which cancels its own jobs by their ids.
+TEST(GatewayFailsafe, ControlWordsHaveIdsThatNoOtherJobOfTheMasterHas) {
+  RoundRig rig;
+  for (int round = 0; round < 3; ++round) {
+    rig.commands.start(0, rig.config, kStart);
+    rig.push();
+    for (const unsigned number : rig.handed_on()) {
+      EXPECT_GE(rig.ids[number], cansync::kFailsafeJobs);
+      EXPECT_LT(rig.ids[number], cansync::kGatewayJobs);
+      rig.end(rig.ids[number]);
+    }
+    rig.commands.values_back(0, rig.config, kStart);
+  }
 }
 
 TEST(GatewayFailsafe, NewValuesWithdrawWhatWasNotSentAndItIsTold) {
