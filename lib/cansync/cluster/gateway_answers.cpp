@@ -6,6 +6,22 @@ namespace {
 using BlockAnswer = SlaveApplication::BlockAnswer;
 }  // namespace
 
+bool perhaps_written(const ParameterResult& result) noexcept {
+  switch (result.outcome) {
+    case Outcome::done:
+      return true;
+    case Outcome::slave_error:
+    case Outcome::word_expected:
+    case Outcome::doubleword_expected:
+    case Outcome::value_too_wide:
+    case Outcome::slave_lost:
+      return false;
+    default:
+      // 0 while no telegram of the job was sent.
+      return result.intervals != 0;
+  }
+}
+
 ParameterAnswer answer_above(bool write, const ParameterResult& result) noexcept {
   switch (result.outcome) {
     case Outcome::done: {
@@ -23,12 +39,9 @@ ParameterAnswer answer_above(bool write, const ParameterResult& result) noexcept
       return ParameterAnswer::refused(ParameterError::wrong_format);
     case Outcome::slave_lost:
       return ParameterAnswer::refused(ParameterError::not_available_now);
-    default: {
-      // `intervals` is 0 while no telegram of the job was sent.
-      const bool perhaps_written = write && result.intervals != 0;
-      return ParameterAnswer::refused(perhaps_written ? ParameterError::unspecified
-                                                      : ParameterError::not_available_now);
-    }
+    default:
+      return ParameterAnswer::refused(write && perhaps_written(result) ? ParameterError::unspecified
+                                                                       : ParameterError::not_available_now);
   }
 }
 

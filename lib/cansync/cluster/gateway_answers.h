@@ -6,6 +6,9 @@
 /// What a job of the lower bus means to who asked on the upper one. Pure; realtime safe.
 namespace cansync {
 
+/// True when the slave has taken the value of a write, or nobody knows whether it has.
+bool perhaps_written(const ParameterResult& result) noexcept;
+
 /// Value, format and error code of a slave go up unchanged. Without an answer of a slave: 0xFFFA when nothing
 /// was written, 0xFFFF for a write of which nobody knows whether the slave has taken it.
 ParameterAnswer answer_above(bool write, const ParameterResult& result) noexcept;

@@ -6,14 +6,6 @@
 #include "cansync/cluster/gateway_answers.h"
 
 namespace cansync {
-namespace {
-
-/// One that a slave has refused may be given again at once.
-bool may_be_written(const ParameterAnswer& answer) noexcept {
-  return answer.error == ParameterError::none || answer.error == ParameterError::unspecified;
-}
-
-}  // namespace
 
 // --- parameters
 
@@ -32,7 +24,7 @@ ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& l
   if (open_) {
     if (!answer_) return ParameterAnswer::later();
     open_ = false;
-    remembered_until_ = question_.write && may_be_written(*answer_) ? now_ + times_.remembered : 0;
+    remembered_until_ = keep_ ? now_ + times_.remembered : 0;
     return *answer_;
   }
   answer_.reset();
@@ -66,6 +58,8 @@ void GatewayParameter::done(JobId id, const ParameterResult& result) noexcept {
   if (id != job_) return;
   job_ = 0;
   answer_ = answer_above(question_.write, result);
+  // One that a slave has refused, with whatever code, may be given again at once.
+  keep_ = question_.write && perhaps_written(result);
 }
 
 // --- blocks

@@ -55,6 +55,7 @@ class GatewayParameter {
   ParameterRequest question_;              ///< the open one, or the one answered last
   JobId job_ = 0;                          ///< runs below
   std::optional<ParameterAnswer> answer_;  ///< of `question_`
+  bool keep_ = false;                      ///< `answer_` is of a write that has perhaps been applied
   IntervalNumber remembered_until_ = 0;    ///< `answer_` of a write was given, and stays until then
 };
 

@@ -345,12 +345,15 @@ TEST(ClusterJobs, K13TheSameWriteLaterIsAnotherWrite) {
 }
 
 TEST(ClusterJobs, K13AWriteThatWasRefusedMayBeGivenAgainAtOnce) {
-  Levels net;
-  net.start();
-  net.of(kMiddle + 1).refusals = 1;
-  EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).error, ParameterError::not_available_now);
-  EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
-  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
+  for (const auto error : {ParameterError::not_available_now, ParameterError::unspecified}) {
+    Levels net;
+    net.start();
+    net.of(kMiddle + 1).refusals = 1;
+    net.of(kMiddle + 1).refusal = error;
+    EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).error, error);
+    EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
+    EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
+  }
 }
 
 }  // namespace

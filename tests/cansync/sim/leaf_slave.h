@@ -50,7 +50,8 @@ class LeafSlave final : public Node, private cansync::SlaveApplication {
   std::vector<std::uint32_t> blocks;                          ///< addresses of whole downloads
   unsigned dropped = 0;
   unsigned questions = 0;
-  unsigned refusals = 0;  ///< the next writes are answered "not available now"
+  unsigned refusals = 0;  ///< the next writes are answered with `refusal`
+  cansync::ParameterError refusal = cansync::ParameterError::not_available_now;
   bool record = true;
   bool deaf = false;  ///< takes no part in the bus
 
@@ -152,7 +153,7 @@ class LeafSlave final : public Node, private cansync::SlaveApplication {
     }
     if (refusals != 0) {
       --refusals;
-      return leaf_answer(cansync::ParameterError::not_available_now);
+      return leaf_answer(refusal);
     }
     applied.emplace_back(parameter, value);
     values_[parameter] = value;
