@@ -81,7 +81,7 @@ ClusterSettings cluster_settings(Bytes& in) {
   out.gateway.monitoring = std::chrono::milliseconds((bits & 1) != 0 ? 10 : 1000);
   out.gateway.asker_gone = out.gateway.monitoring * ((bits & 2) != 0 ? 2 : 20);
   out.gateway.transfer_gone = std::chrono::milliseconds((bits & 4) != 0 ? 20 : 2000);
-  out.gateway.remembered = (bits & 8) != 0 ? 0 : 16;
+  out.gateway.remembers_writes = (bits & 8) == 0;
   for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{4}, std::uint8_t{5}}) {
     const auto source = static_cast<std::uint8_t>(value == 5 ? 4 : 0);
     out.lead[value] = {LeadSource::Kind::reference, source, {}, true};

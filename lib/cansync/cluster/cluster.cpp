@@ -151,7 +151,9 @@ std::optional<can::Frame> Cluster::take(Slot slot) noexcept {
       if (lower_.submit(*update) != Refusal::none) lead_.refused(channel);
     }
   }
-  return lower_.take(slot);
+  const auto frame = lower_.take(slot);
+  if (slot == Slot::command && frame) gateway_.sent_below(*frame);
+  return frame;
 }
 
 }  // namespace cansync

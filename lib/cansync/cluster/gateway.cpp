@@ -1,6 +1,7 @@
 #include "cansync/cluster/gateway.h"
 
 #include <algorithm>
+#include <variant>
 
 #include "cansync/cluster/gateway_answers.h"
 
@@ -12,7 +13,7 @@ GatewayTimes gateway_times(const GatewaySettings& settings, Duration interval) n
     return static_cast<IntervalNumber>(std::max<Duration::rep>(time / interval, 1));
   };
   return {settings.monitoring, intervals(settings.asker_gone), intervals(settings.transfer_gone),
-          settings.remembered};
+          settings.remembers_writes};
 }
 
 }  // namespace
@@ -39,6 +40,7 @@ ParameterAnswer ClusterGateway::ask_below(ParameterRequest request, SubSlave sub
   const auto route = table_.find(sub);
   if (!route) {
     ++counters_.unknown;
+    parameter_.asked_else();
     return ParameterAnswer::refused(ParameterError::not_present);
   }
   request.slave = route->slave;
@@ -52,7 +54,10 @@ ParameterAnswer ClusterGateway::ask_below(ParameterRequest request, SubSlave sub
 ParameterAnswer ClusterGateway::read_parameter(ParameterNumber number, Element element,
                                                SubSlave sub) noexcept {
   own_parameter_ = is_own(sub);
-  if (own_parameter_) return own_->read_parameter(number, element, {});
+  if (own_parameter_) {
+    parameter_.asked_else();
+    return own_->read_parameter(number, element, {});
+  }
   ParameterRequest request;
   request.number = number;
   request.element = element;
@@ -62,7 +67,10 @@ ParameterAnswer ClusterGateway::read_parameter(ParameterNumber number, Element e
 ParameterAnswer ClusterGateway::write_parameter(ParameterNumber number, Element element, SubSlave sub,
                                                 bool doubleword, std::uint32_t value) noexcept {
   own_parameter_ = is_own(sub);
-  if (own_parameter_) return own_->write_parameter(number, element, {}, doubleword, value);
+  if (own_parameter_) {
+    parameter_.asked_else();
+    return own_->write_parameter(number, element, {}, doubleword, value);
+  }
   ParameterRequest request;
   request.write = true;
   request.number = number;
@@ -85,6 +93,28 @@ void ClusterGateway::parameter_answered() noexcept {
 void ClusterGateway::parameter_done(JobId id, const ParameterResult& result) noexcept {
   if (id < kGatewayJobs) return below_->parameter_done(id, result);
   parameter_.done(id, result);
+}
+
+// --- what else happens below
+
+void ClusterGateway::sent_below(const can::Frame& frame) noexcept {
+  if (!parameter_.remembers()) return;
+  const Decoded decoded = decode(frame);
+  const auto* telegram = std::get_if<Telegram>(&decoded);
+  const auto* command = telegram != nullptr ? std::get_if<ParameterCommand>(telegram) : nullptr;
+  if (command != nullptr) parameter_.sent_below(*command);
+}
+
+void ClusterGateway::state_changed(State from, State to, ControlCommand command) noexcept {
+  if (!is_synchronous(to)) parameter_.changed_below(SlaveMask::all());
+  below_->state_changed(from, to, command);
+}
+
+void ClusterGateway::event(const MasterEvent& event) noexcept {
+  using Code = MasterEvent::Code;
+  const bool restarts = event.code == Code::slave_lost || event.code == Code::slave_returned;
+  if (restarts && event.slave) parameter_.changed_below(SlaveMask::of(*event.slave));
+  below_->event(event);
 }
 
 // --- blocks

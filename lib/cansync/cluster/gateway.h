@@ -25,9 +25,10 @@ struct GatewaySettings {
   /// too old. Longer than any master pauses between two questions.
   Duration asker_gone = std::chrono::seconds(5);
   Duration transfer_gone = std::chrono::seconds(30);  ///< likewise a block
-  /// The same write again within so many intervals after its answer, and nothing else in between, is the
-  /// question of a master that did not get the answer: it gets it again, and nothing is written.
-  IntervalNumber remembered = 256;
+  /// The same write again within `asker_gone` after its answer, and nothing else in between, is the question
+  /// of a master that did not get the answer: it gets it again, and nothing is written. false: it is written
+  /// again.
+  bool remembers_writes = true;
 };
 
 /// What a gateway has counted since its start.
@@ -59,6 +60,8 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
   void begin_interval(IntervalNumber now) noexcept;
   /// Drops what is open below, and forgets what was answered.
   void forget() noexcept;
+  /// The lower master has handed over this telegram of its command slot.
+  void sent_below(const can::Frame& frame) noexcept;
 
   /// Counters as of this call; they go on changing.
   const GatewayCounters& counters() const noexcept { return counters_; }
@@ -94,14 +97,12 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
   void slave_status(SlaveNumber slave, const SlaveStatus& status) noexcept override {
     below_->slave_status(slave, status);
   }
-  void state_changed(State from, State to, ControlCommand command) noexcept override {
-    below_->state_changed(from, to, command);
-  }
+  void state_changed(State from, State to, ControlCommand command) noexcept override;
   void parameter_done(JobId id, const ParameterResult& result) noexcept override;
   void transfer_progress(JobId id, std::uint32_t bytes) noexcept override;
   void transfer_done(JobId id, const TransferResult& result) noexcept override;
   void command_done(JobId id, Outcome outcome) noexcept override { below_->command_done(id, outcome); }
-  void event(const MasterEvent& event) noexcept override { below_->event(event); }
+  void event(const MasterEvent& event) noexcept override;
 
   bool is_own(SubSlave sub) const noexcept { return sub.value == 0 || sub == own_number_; }
   ParameterAnswer ask_below(ParameterRequest request, SubSlave sub) noexcept;

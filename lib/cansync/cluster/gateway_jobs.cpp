@@ -19,12 +19,13 @@ bool GatewayParameter::is_question(const ParameterRequest& request) const noexce
 ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& lower, JobId& ids) noexcept {
   const bool same = is_question(request);
   if (open_ && !same) drop(lower);
-  if (!open_ && answer_ && same && now_ < remembered_until_) return *answer_;
+  if (same && remembers()) return *answer_;
+  forget_answer();
   asked_ = now_;
   if (open_) {
     if (!answer_) return ParameterAnswer::later();
     open_ = false;
-    remembered_until_ = keep_ ? now_ + times_.remembered : 0;
+    if (keep_ && times_.remembers_writes) remembered_until_ = now_ + times_.asker_gone;
     return *answer_;
   }
   answer_.reset();
@@ -41,12 +42,23 @@ ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& l
 void GatewayParameter::drop(Master& lower) noexcept {
   open_ = false;
   answer_.reset();
+  forget_answer();
   // Its end is told within the call, and means nothing any more.
   if (const JobId job = std::exchange(job_, 0); job != 0) static_cast<void>(lower.cancel(job));
 }
 
 void GatewayParameter::forget(Master& lower) noexcept {
   drop(lower);
+}
+
+void GatewayParameter::sent_below(const ParameterCommand& command) noexcept {
+  const bool same = command.slave == question_.slave && command.sub_slave == question_.sub_slave &&
+                    command.number == question_.number;
+  if (same && command.kind != ParameterCommand::Kind::read) forget_answer();
+}
+
+void GatewayParameter::changed_below(SlaveMask slaves) noexcept {
+  if (slaves.has(question_.slave)) forget_answer();
 }
 
 void GatewayParameter::at(IntervalNumber now, Master& lower) noexcept {

@@ -17,15 +17,16 @@ struct GatewayTimes {
   Duration monitoring{};             ///< of the job below
   IntervalNumber asker_gone = 0;     ///< a job nobody asks about for so long is dropped
   IntervalNumber transfer_gone = 0;  ///< likewise a block
-  /// A write that comes again so soon after its answer counts as the question whether it is done.
-  IntervalNumber remembered = 0;
+  bool remembers_writes = true;      ///< a write that comes again within `asker_gone` is not another one
 };
 
 /// The one parameter job that a gateway has on the lower bus for the master above (M 3.2.3.7: one at a time).
 ///
 /// Each job goes down once and its answer goes up once. A write whose answer the asker did not get comes
-/// again as the same telegram: it is answered from memory for `remembered` intervals, as long as no other job
-/// came, and not written again; one that was refused is asked below again. Realtime safe; not thread safe.
+/// again as the same telegram: it is answered from memory and not written again until it counts as gone. The
+/// memory ends before that with any other question, which shows that the answer came (M 3.2.3.7: one at a
+/// time), and when the value below may be another: somebody else writes it, or its slave was away. One that
+/// was refused is asked below again. Realtime safe; not thread safe.
 class GatewayParameter {
  public:
   /// Nothing is open.
@@ -42,11 +43,20 @@ class GatewayParameter {
   void done(JobId id, const ParameterResult& result) noexcept;
   /// Drops what is open, and forgets what was answered.
   void forget(Master& lower) noexcept;
+  /// The asker has a question that is none for here.
+  void asked_else() noexcept { forget_answer(); }
+  /// The answer of a write is kept.
+  bool remembers() const noexcept { return !open_ && now_ < remembered_until_; }
+  /// While an answer is kept: the lower master sends this, for somebody else.
+  void sent_below(const ParameterCommand& command) noexcept;
+  /// These slaves of the lower bus were away, or are.
+  void changed_below(SlaveMask slaves) noexcept;
   /// The job that runs below; 0: none does.
   JobId running() const noexcept { return job_; }
 
  private:
   bool is_question(const ParameterRequest& request) const noexcept;
+  void forget_answer() noexcept { remembered_until_ = 0; }
 
   GatewayTimes times_;
   IntervalNumber now_ = 0;

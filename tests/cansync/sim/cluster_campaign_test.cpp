@@ -169,7 +169,7 @@ class ClusterCourse {
   void mutate_settings() {
     for (ClusterNodeSettings* gateway : {&net_.a, &net_.b}) {
       auto& settings = gateway->cluster.gateway;
-      if (mutant_ == ClusterMutant::forgets_answers) settings.remembered = 0;
+      if (mutant_ == ClusterMutant::forgets_answers) settings.remembers_writes = false;
       if (mutant_ == ClusterMutant::keeps_old_answers) settings.asker_gone = net_.times.interval * 100'000;
       if (mutant_ == ClusterMutant::never_stops) gateway->holdover = net_.times.interval * 100'000;
       if (mutant_ == ClusterMutant::repeats_below)

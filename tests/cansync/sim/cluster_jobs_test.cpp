@@ -333,15 +333,85 @@ TEST(ClusterJobs, K13AnAnswerThatTheMasterDidNotGetDoesNotWriteAgain) {
 
 TEST(ClusterJobs, K13TheSameWriteLaterIsAnotherWrite) {
   Levels net;
+  net.a.cluster.gateway.asker_gone = net.times.interval * 300;
+  net.master.master.startup.status_period = {};
   net.start();
-  ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
-  net.run(260);
-  ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
-  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 2u);
-  // Another job in between tells as well that the answer has come.
+  const auto written = [&](unsigned times) {
+    ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
+    EXPECT_EQ(net.of(kMiddle + 1).applied.size(), times);
+  };
+  written(1);
+  net.run(280);
+  written(1);
+  net.run(30);
+  written(2);
+  // Another question in between tells as well that the answer has come, whomever it is for.
   static_cast<void>(net.end_of(net.read(kMiddle + 1, 20)));
-  ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
-  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 3u);
+  written(3);
+  static_cast<void>(net.end_of(net.read(0, kStatusWord)));
+  written(4);
+}
+
+TEST(ClusterJobs, K13AMasterThatWasSilentRightAfterTheAnswerDoesNotWriteAgain) {
+  Levels net;
+  net.master.master.startup.lost_after = 30;
+  net.start();
+  net.of(kMiddle + 1).busy = [] { return 10u; };
+  const auto request = net.write(kMiddle + 1, 20, 5);
+  ASSERT_EQ(net.upper_master().submit(request), cansync::Refusal::none);
+  ASSERT_TRUE(net.run_until([&] { return net.cluster().gateway().running() != 0; }));
+  net.run(4);
+  // It has been told that the gateway is busy, and does not get the answer.
+  Fault fault;
+  fault.kind = FaultKind::lost;
+  fault.identifier = 0x580;
+  fault.mask = cansync::identifier::channel_bits;
+  fault.from = net.top_bus->intervals();
+  fault.to = fault.from + 20;
+  net.top_bus->faults().add(fault);
+  net.run(20);
+  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
+  const cansync::Cursor automatic = net.upper_master().settings().command_channel.parameter;
+  ASSERT_EQ(net.upper_master().set_command_cursors(automatic, {cansync::Cursor::Kind::nobody, {}}, automatic),
+            cansync::Refusal::none);
+  net.run(400);
+  ASSERT_FALSE(net.ends.parameters.contains(request.id));
+  ASSERT_EQ(net.upper_master().set_command_cursors(automatic, automatic, automatic), cansync::Refusal::none);
+  ASSERT_TRUE(net.run_until([&] { return net.ends.parameters.contains(request.id); }));
+  EXPECT_EQ(net.ends.parameters[request.id].outcome, Outcome::done);
+  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
+}
+
+TEST(ClusterJobs, K13TheSameWriteIsGivenAgainWhenTheValueBelowMayBeAnother) {
+  Levels net;
+  net.master.master.startup.status_period = {};
+  net.a.cluster.lower.startup.status_period = net.times.interval * 50;
+  net.start();
+  LeafSlave& leaf = net.of(kMiddle + 1);
+  const auto below = [&](unsigned slave, bool write) {
+    auto request = write ? net.write(0, 20, 7) : net.read(0, 20);
+    request.slave = *SlaveNumber::from(slave);
+    request.sub_slave = {};
+    ASSERT_EQ(net.cluster().lower().submit(request), cansync::Refusal::none);
+    net.run(20);
+  };
+  const auto written = [&](unsigned times) {
+    ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
+    EXPECT_EQ(leaf.applied.size(), times);
+  };
+  written(1);
+  below(1, true);
+  written(3);
+  // Reads and other slaves change nothing.
+  below(1, false);
+  below(0, true);
+  written(3);
+  const auto responds = [&] { return net.cluster().lower().slave(*SlaveNumber::from(1)).responds; };
+  leaf.deaf = true;
+  ASSERT_TRUE(net.run_until([&] { return !responds(); }, 1000));
+  leaf.deaf = false;
+  ASSERT_TRUE(net.run_until(responds, 1000));
+  written(4);
 }
 
 TEST(ClusterJobs, K13AWriteThatWasRefusedMayBeGivenAgainAtOnce) {
