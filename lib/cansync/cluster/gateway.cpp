@@ -12,8 +12,8 @@ GatewayTimes gateway_times(const GatewaySettings& settings, Duration interval) n
   const auto intervals = [interval](Duration time) {
     return static_cast<IntervalNumber>(std::max<Duration::rep>(time / interval, 1));
   };
-  return {settings.monitoring, intervals(settings.asker_gone), intervals(settings.transfer_gone),
-          settings.remembers_writes};
+  return {settings.monitoring, intervals(settings.monitoring), intervals(settings.asker_gone),
+          intervals(settings.transfer_gone), settings.remembers_writes};
 }
 
 }  // namespace

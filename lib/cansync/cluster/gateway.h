@@ -19,7 +19,8 @@ struct GatewaySettings {
   /// none.
   SubSlave own_number;
   std::vector<SubSlaveRoute> routes;
-  /// Of a parameter job on the lower bus; shorter than that of the asker, or nobody learns why it failed.
+  /// Of a parameter job on the lower bus, from its submission on: time behind jobs of others counts. Shorter
+  /// than that of the asker, or nobody learns why it failed.
   Duration monitoring = std::chrono::seconds(2);
   /// A parameter job that nobody asks about for so long is dropped, with what came of it: its answer would be
   /// too old. Longer than any master pauses between two questions.

@@ -36,6 +36,7 @@ ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& l
   if (refused != Refusal::none) return answer_above_parameter(refused);
   open_ = true;
   job_ = question_.id;
+  submitted_ = now_;
   return ParameterAnswer::later();
 }
 
@@ -64,6 +65,9 @@ void GatewayParameter::changed_below(SlaveMask slaves) noexcept {
 void GatewayParameter::at(IntervalNumber now, Master& lower) noexcept {
   now_ = now;
   if (open_ && now_ - asked_ > times_.asker_gone) drop(lower);
+  // The lower master's own time begins when the job's turn comes. Behind those of others it could be sent
+  // when the asker has been told that it failed.
+  if (job_ != 0 && now_ - submitted_ > times_.longest) static_cast<void>(lower.cancel(job_));
 }
 
 void GatewayParameter::done(JobId id, const ParameterResult& result) noexcept {

@@ -14,7 +14,8 @@ namespace cansync {
 
 /// Times of jobs that go down, in intervals.
 struct GatewayTimes {
-  Duration monitoring{};             ///< of the job below
+  Duration monitoring{};             ///< of the job below, from its submission
+  IntervalNumber longest = 0;        ///< the same in intervals
   IntervalNumber asker_gone = 0;     ///< a job nobody asks about for so long is dropped
   IntervalNumber transfer_gone = 0;  ///< likewise a block
   bool remembers_writes = true;      ///< a write that comes again within `asker_gone` is not another one
@@ -61,6 +62,7 @@ class GatewayParameter {
   GatewayTimes times_;
   IntervalNumber now_ = 0;
   IntervalNumber asked_ = 0;               ///< when the question came last
+  IntervalNumber submitted_ = 0;           ///< when its job was
   bool open_ = false;                      ///< `question_` waits for its answer
   ParameterRequest question_;              ///< the open one, or the one answered last
   JobId job_ = 0;                          ///< runs below

@@ -382,6 +382,26 @@ TEST(ClusterJobs, K13AMasterThatWasSilentRightAfterTheAnswerDoesNotWriteAgain) {
   EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
 }
 
+TEST(ClusterJobs, K13AWriteThatWaitedTooLongBehindOthersIsNotSentAnyMore) {
+  Levels net;
+  net.start();
+  LeafSlave& leaf = net.of(kMiddle + 1);
+  leaf.busy = [] { return 100'000u; };
+  auto before = net.read(0, 21);
+  before.slave = *SlaveNumber::from(1);
+  before.sub_slave = {};
+  before.monitoring_time = std::chrono::milliseconds(3500);
+  ASSERT_EQ(net.cluster().lower().submit(before), cansync::Refusal::none);
+  net.run(10);
+  const auto result = net.end_of(net.write(kMiddle + 1, 20, 5));
+  EXPECT_EQ(result.outcome, Outcome::slave_error);
+  EXPECT_EQ(result.error, ParameterError::not_available_now) << "nothing was written";
+  leaf.busy = [] { return 0u; };
+  ASSERT_TRUE(net.run_until([&] { return net.ends_a.parameters.contains(before.id); }));
+  net.run(100);
+  EXPECT_TRUE(leaf.applied.empty());
+}
+
 TEST(ClusterJobs, K13TheSameWriteIsGivenAgainWhenTheValueBelowMayBeAnother) {
   Levels net;
   net.master.master.startup.status_period = {};
