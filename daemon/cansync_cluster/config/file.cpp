@@ -104,6 +104,7 @@ void finish_cluster(const ClusterDraft& draft, ClusterConfig& config, Findings& 
   cluster.lead_reserve = draft.lead_reserve;
   cluster.gateway.own_number = {draft.own_number};
   cluster.gateway.monitoring = draft.monitoring;
+  cluster.gateway.block_monitoring = draft.block_monitoring;
   cluster.gateway.asker_gone = draft.asker_gone;
   cluster.gateway.transfer_gone = draft.transfer_gone;
   take_routes(draft, cluster.gateway, findings);

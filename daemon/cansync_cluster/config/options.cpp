@@ -61,13 +61,19 @@ constexpr auto kClusterRows = std::to_array<ClusterRow>({
         [](auto& d) -> auto& { return d.monitoring; },
         whole_number(
             "cluster.monitoring_ms", 1, 60'000, "ms",
-            "Monitoring time of a parameter job that goes down. Shorter than that of who asks above, or "
-            "nobody learns why a job failed.")),
+            "Monitoring time of a parameter job that goes down, time behind other jobs of the lower bus "
+            "counted. Shorter than that of who asks above, or nobody learns why a job failed.")),
+    duration<std::chrono::milliseconds>(
+        [](auto& d) -> auto& { return d.block_monitoring; },
+        whole_number("cluster.block_monitoring_ms", 1, 600'000, "ms",
+                     "Likewise of a block of an upload or download, with one repetition.")),
     duration<std::chrono::milliseconds>(
         [](auto& d) -> auto& { return d.asker_gone; },
         whole_number(
             "cluster.asker_gone_ms", 1, 600'000, "ms",
-            "A parameter job that nobody above asks about for so long is dropped, with what came of it.")),
+            "A parameter job that nobody above asks about for so long is dropped, with what came of it. For "
+            "as long the same write again, with nothing in between, gets the answer it had and is not "
+            "written twice.")),
     duration<std::chrono::milliseconds>(
         [](auto& d) -> auto& { return d.transfer_gone; },
         whole_number("cluster.transfer_gone_ms", 1, 600'000, "ms", "Likewise an upload or download.")),

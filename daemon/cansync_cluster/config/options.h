@@ -37,6 +37,7 @@ struct ClusterDraft {
   DaemonConfig daemon;
   std::uint16_t own_number = 0;
   std::chrono::milliseconds monitoring{2000};
+  std::chrono::milliseconds block_monitoring{20'000};
   std::chrono::milliseconds asker_gone{5000};
   std::chrono::milliseconds transfer_gone{30'000};
   std::chrono::microseconds lead_reserve{50};

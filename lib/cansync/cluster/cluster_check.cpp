@@ -105,6 +105,8 @@ std::vector<SettingProblem> check(const ClusterSettings& settings) {
          number_text(static_cast<std::uint64_t>(gateway.monitoring.count() / 1'000'000)) + " ms",
          "over 0, and shorter than gateway.asker_gone"});
   }
+  if (gateway.block_monitoring <= Duration(0))
+    problems.push_back({"gateway.block_monitoring", "0", "over 0"});
   return problems;
 }
 

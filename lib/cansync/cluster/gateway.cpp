@@ -12,8 +12,13 @@ GatewayTimes gateway_times(const GatewaySettings& settings, Duration interval) n
   const auto intervals = [interval](Duration time) {
     return static_cast<IntervalNumber>(std::max<Duration::rep>(time / interval, 1));
   };
-  return {settings.monitoring, intervals(settings.monitoring), intervals(settings.asker_gone),
-          intervals(settings.transfer_gone), settings.remembers_writes};
+  return {.monitoring = settings.monitoring,
+          .longest = intervals(settings.monitoring),
+          .block_monitoring = settings.block_monitoring,
+          .longest_block = intervals(settings.block_monitoring),
+          .asker_gone = intervals(settings.asker_gone),
+          .transfer_gone = intervals(settings.transfer_gone),
+          .remembers_writes = settings.remembers_writes};
 }
 
 }  // namespace

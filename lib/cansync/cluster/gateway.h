@@ -22,6 +22,8 @@ struct GatewaySettings {
   /// Of a parameter job on the lower bus, from its submission on: time behind jobs of others counts. Shorter
   /// than that of the asker, or nobody learns why it failed.
   Duration monitoring = std::chrono::seconds(2);
+  /// Of a block on the lower bus, from its submission on, with one repetition; likewise shorter.
+  Duration block_monitoring = std::chrono::seconds(20);
   /// A parameter job that nobody asks about for so long is dropped, with what came of it: its answer would be
   /// too old. Longer than any master pauses between two questions.
   Duration asker_gone = std::chrono::seconds(5);

@@ -123,9 +123,11 @@ GatewayBlock::BlockAnswer GatewayBlock::submit(Master& lower, JobId& ids) noexce
   request.sub_slave = route_.below;
   request.address = address_;
   request.data = std::span(area_).first(length_);
+  request.monitoring_time = times_.block_monitoring / 2;  // the lower master begins a block again once
   const Refusal refused = lower.submit(request);
   if (refused != Refusal::none) return answer_above_transfer(refused);
   job_ = request.id;
+  submitted_ = now_;
   return BlockAnswer::later();
 }
 
@@ -170,9 +172,15 @@ void GatewayBlock::cancel(Master& lower) noexcept {
   static_cast<void>(lower.cancel(job_));
 }
 
+bool GatewayBlock::took_too_long() const noexcept {
+  const bool runs = phase_ == Phase::fetching || phase_ == Phase::sending;
+  return runs && now_ - submitted_ > times_.longest_block;
+}
+
 void GatewayBlock::at(IntervalNumber now, Master& lower) noexcept {
   now_ = now;
-  if (phase_ == Phase::none || phase_ == Phase::failed || now_ - touched_ <= times_.transfer_gone) return;
+  if (phase_ == Phase::none || phase_ == Phase::failed) return;
+  if (now_ - touched_ <= times_.transfer_gone && !took_too_long()) return;
   cancel(lower);
   phase_ = Phase::failed;
   failure_ = BlockAnswer::refused(TransferError::cancelled_by_slave);

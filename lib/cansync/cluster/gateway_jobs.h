@@ -16,6 +16,8 @@ namespace cansync {
 struct GatewayTimes {
   Duration monitoring{};             ///< of the job below, from its submission
   IntervalNumber longest = 0;        ///< the same in intervals
+  Duration block_monitoring{};       ///< of a block below, from its submission
+  IntervalNumber longest_block = 0;  ///< the same in intervals
   IntervalNumber asker_gone = 0;     ///< a job nobody asks about for so long is dropped
   IntervalNumber transfer_gone = 0;  ///< likewise a block
   bool remembers_writes = true;      ///< a write that comes again within `asker_gone` is not another one
@@ -110,11 +112,13 @@ class GatewayBlock {
   };
 
   BlockAnswer submit(Master& lower, JobId& ids) noexcept;
+  bool took_too_long() const noexcept;
   void cancel(Master& lower) noexcept;
 
   GatewayTimes times_;
   IntervalNumber now_ = 0;
   IntervalNumber touched_ = 0;
+  IntervalNumber submitted_ = 0;  ///< when `job_` was
   Phase phase_ = Phase::none;
   TransferInitialise::Direction direction_ = TransferInitialise::Direction::upload;
   SubSlaveRoute route_;

@@ -119,6 +119,23 @@ TEST(ClusterJobs, K11AJobForTheGatewayItselfEndsTheOneBelow) {
   EXPECT_TRUE(net.of(kMiddle).blocks.empty());
 }
 
+TEST(ClusterJobs, K11ABlockThatTakesTooLongBelowIsAnErrorAboveBeforeItsAskerGivesUp) {
+  Levels net;
+  net.start();
+  auto data = bytes_of(30);
+  for (const bool download : {true, false}) {
+    net.of(kMiddle).busy = [] { return 1'000'000u; };
+    const auto request = net.transfer(kMiddle, download, data, 0x2000);
+    ASSERT_EQ(net.upper_master().submit(request), cansync::Refusal::none);
+    ASSERT_TRUE(net.run_until([&] { return net.ends.transfers.contains(request.id); }, 100'000));
+    EXPECT_EQ(net.ends.transfers[request.id].outcome, Outcome::slave_error) << "no timeout";
+    EXPECT_EQ(net.ends.transfers[request.id].error, TransferError::cancelled_by_slave);
+    EXPECT_TRUE(net.run_until([&] { return net.cluster().gateway().running() == 0; }));
+    net.of(kMiddle).busy = [] { return 0u; };
+    EXPECT_EQ(net.end_of(net.transfer(kMiddle, true, data, 0x3000)).outcome, Outcome::done);
+  }
+}
+
 TEST(ClusterJobs, K12TheMasterGivesTheAddressWithEveryJob) {
   Levels net;
   net.start();
