@@ -126,10 +126,11 @@ std::optional<SlaveAnswer> Cluster::receive_above(const Telegram& telegram, Dura
   const SlaveSideSettings& settings = upper_.settings();
   if (const auto* reference = std::get_if<ReferenceTelegram>(&telegram)) {
     lead_.took_references(reference->channel, reference->words, settings.reference_mapping,
-                          upper_.references());
+                          upper_.references(), since_sync);
   } else if (actual != nullptr && upper_.monitored_count(actual->slave, actual->channel) != before) {
     lead_.took_monitored(actual->slave, actual->channel, actual->words,
-                         *settings.monitored[actual->slave.value()], upper_.monitored(actual->slave));
+                         *settings.monitored[actual->slave.value()], upper_.monitored(actual->slave),
+                         since_sync);
   }
   return answer;
 }

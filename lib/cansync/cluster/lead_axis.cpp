@@ -33,7 +33,7 @@ unsigned lead_delay(const LeadSource& source, Channel lower, const SlotTimes& ti
 }
 
 LeadAxis::LeadAxis(const LeadSources& sources, BitRate rate, Duration send_margin, Duration reserve) noexcept
-    : sources_(sources) {
+    : sources_(sources), interval_(slot_times(rate).interval) {
   for (std::uint8_t value = 0; value < kValues; ++value) {
     if (sources[value].kind == LeadSource::Kind::none) continue;
     const Channel lower = channel_of_value(value);
@@ -55,8 +55,14 @@ void LeadAxis::begin_interval(IntervalNumber now) noexcept {
   now_ = now;
 }
 
+/// Null: too old for both.
+LeadAxis::Samples* LeadAxis::samples_of(Duration since_sync) noexcept {
+  if (since_sync >= Duration(0)) return &current_;
+  return since_sync >= -interval_ ? &previous_ : nullptr;
+}
+
 void LeadAxis::keep(const LeadSource& source, unsigned words, const ProcessMapping& mapping,
-                    const Values& values) noexcept {
+                    const Values& values, Samples& samples) noexcept {
   const Channel channel = channel_of_value(source.value);
   const TelegramMapping& telegram = mapping[index(channel)];
   const unsigned needed = words_for(telegram, source.value);
@@ -65,23 +71,28 @@ void LeadAxis::keep(const LeadSource& source, unsigned words, const ProcessMappi
   const bool word = ((telegram.word_mask() >> source.value) & 1u) != 0;
   if (word) value = static_cast<std::uint32_t>(number_of(value, true, source.is_signed));
   for (unsigned lower = 0; lower < kValues; ++lower) {
-    if (sources_[lower] == source) current_[lower] = {true, value};
+    if (sources_[lower] == source) samples[lower] = {true, value};
   }
 }
 
 void LeadAxis::took_references(Channel channel, unsigned words, const ProcessMapping& mapping,
-                               const Values& values) noexcept {
+                               const Values& values, Duration since_sync) noexcept {
+  Samples* const samples = samples_of(since_sync);
+  if (samples == nullptr) return;
   for (const LeadSource& source : sources_) {
     if (source.kind == LeadSource::Kind::reference && channel_of_value(source.value) == channel)
-      keep(source, words, mapping, values);
+      keep(source, words, mapping, values, *samples);
   }
 }
 
 void LeadAxis::took_monitored(SlaveNumber slave, Channel channel, unsigned words,
-                              const ProcessMapping& mapping, const Values& values) noexcept {
+                              const ProcessMapping& mapping, const Values& values,
+                              Duration since_sync) noexcept {
+  Samples* const samples = samples_of(since_sync);
+  if (samples == nullptr) return;
   for (const LeadSource& source : sources_) {
     const bool its = source.kind == LeadSource::Kind::monitored && source.slave == slave;
-    if (its && channel_of_value(source.value) == channel) keep(source, words, mapping, values);
+    if (its && channel_of_value(source.value) == channel) keep(source, words, mapping, values, *samples);
   }
 }
 

@@ -56,12 +56,14 @@ class LeadAxis {
   /// Interval `now` begins.
   void begin_interval(IntervalNumber now) noexcept;
 
-  /// A reference telegram came with `words` words; `values` are the slave's by `mapping`.
-  void took_references(Channel channel, unsigned words, const ProcessMapping& mapping,
-                       const Values& values) noexcept;
+  /// A reference telegram came with `words` words; `values` are the slave's by `mapping`. `since_sync`: from
+  /// the beginning of this interval to its end; one that was read late and ended before it belongs to the
+  /// interval before.
+  void took_references(Channel channel, unsigned words, const ProcessMapping& mapping, const Values& values,
+                       Duration since_sync) noexcept;
   /// An actual value telegram of another slave, likewise.
   void took_monitored(SlaveNumber slave, Channel channel, unsigned words, const ProcessMapping& mapping,
-                      const Values& values) noexcept;
+                      const Values& values, Duration since_sync) noexcept;
   /// The gateway's own actual values of a channel were released: of its four those whose bit is in `valid`.
   void released(Channel channel, std::uint8_t valid, const Values& values) noexcept;
 
@@ -83,16 +85,19 @@ class LeadAxis {
     bool there = false;
     std::uint32_t value = 0;
   };
-  void keep(const LeadSource& source, unsigned words, const ProcessMapping& mapping,
-            const Values& values) noexcept;
+  using Samples = std::array<Sample, kValues>;  ///< by lower value
+  Samples* samples_of(Duration since_sync) noexcept;
+  void keep(const LeadSource& source, unsigned words, const ProcessMapping& mapping, const Values& values,
+            Samples& samples) noexcept;
 
   LeadSources sources_;
+  Duration interval_;
   std::array<std::uint8_t, kValues> delay_ = {};
   std::array<std::uint8_t, kChannels> gives_ = {};  ///< bit n: value n of the telegram
   IntervalNumber now_ = 0;
-  std::array<Sample, kValues> current_ = {};   ///< came in this interval, by lower value
-  std::array<Sample, kValues> previous_ = {};  ///< came in the one before
-  std::array<bool, kChannels> taken_ = {};     ///< in this interval
+  Samples current_ = {};                    ///< came in this interval
+  Samples previous_ = {};                   ///< came in the one before
+  std::array<bool, kChannels> taken_ = {};  ///< in this interval
   std::array<LeadCounters, kChannels> counters_ = {};
 };
 
