@@ -72,6 +72,7 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   take_reports(jobs);
   references_.set_line(state_.master().when);
   references_.set_lead_axis(state_.master().lead_axis);
+  references_.set_mapping_number(state_.settings().mapping_number);
   references_.watch(state_.master().release, now);
   posted_.publish(events_, now);
   if (samples_may_wait) {

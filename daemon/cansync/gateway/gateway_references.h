@@ -40,6 +40,9 @@ class ReferenceInput : private ReferenceSurroundings {
   /// The line as last heard of: by it the age of values is told as a number of an interval.
   void set_line(const Moment& heard) noexcept { gate_.set_line(heard); }
 
+  /// As `ReferenceGate::set_mapping_number`.
+  void set_mapping_number(std::uint64_t in_force) noexcept { gate_.set_mapping_number(in_force); }
+
   /// The telegrams that the lead axis of a cluster gives.
   void set_lead_axis(const std::array<bool, cansync::kChannels>& gives) noexcept {
     gate_.set_lead_axis(gives);

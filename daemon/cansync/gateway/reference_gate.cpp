@@ -106,9 +106,13 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
     refused(channel, *denied, std::nullopt, now);
     return;
   }
+  if (!telegram.released) begin_deadline(telegram, now);
+  values_given(channel);
+}
+
+void ReferenceGate::begin_deadline(Telegram& telegram, SteadyTime now) noexcept {
   telegram.given = now;
   telegram.deadline_missed = false;
-  values_given(channel);
 }
 
 void ReferenceGate::values_given(unsigned channel) {
@@ -138,8 +142,7 @@ void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
   giver.who = facts.who;
   giver.strength = facts.strength;
   telegram.owner = writer;
-  telegram.given = now;
-  telegram.deadline_missed = false;
+  begin_deadline(telegram, now);
 }
 
 gateway::dds::Problem ReferenceGate::problem(const ReferenceSample& sample, const ReferenceAge::Verdict& age,
@@ -160,6 +163,8 @@ gateway::dds::Problem ReferenceGate::problem(const ReferenceSample& sample, cons
             "may be lost; {}",
             fmt::join(sample.daemon, ""), kTakeUp)};
   }
+  if (mapping_number_ && sample.update.mapping_number != *mapping_number_)
+    return mapping_denial(sample.update.mapping_number, *mapping_number_);
   if (age.problem || !age_.looked_at()) return age.problem;
   const std::int64_t not_before = telegrams_[sample.telegram - 1].not_before;
   // A wall clock that was set back since then tells nothing about it.
@@ -208,14 +213,15 @@ void ReferenceGate::watch(const std::array<cansync::ReleaseStatus, cansync::kCha
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     Telegram& telegram = telegrams_[channel];
     const bool given = std::exchange(telegram.updates, release[channel].updates) != release[channel].updates;
+    telegram.released = release[channel].state == cansync::ReleaseStatus::State::released;
+    if (given) begin_deadline(telegram, now);
     // Values of the lead axis do not come through here. When they ended, too, since the last look, those that
     // are released now came after that.
     if (lead_axis_[channel] && given) values_given(channel);
     // The realtime thread has stopped it already, and told what grew too old.
     if (std::exchange(telegram.too_old, release[channel].too_old) != release[channel].too_old)
       lose(channel, Loss::too_old);
-    const bool released = release[channel].state == cansync::ReleaseStatus::State::released;
-    if (lead_axis_[channel] && given && released) values_given(channel);
+    if (lead_axis_[channel] && given && telegram.released) values_given(channel);
     const std::uint64_t changed = release[channel].mapping_changed;
     if (std::exchange(telegram.mapping_changed, changed) == changed) continue;
     // A mapping of the other telegram's values; the next values of the lead axis are for it.

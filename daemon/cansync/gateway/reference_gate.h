@@ -65,7 +65,8 @@ class ReferenceSurroundings {
 /// - After each of these the reaction is due once, until values are handed on again.
 /// - A telegram of the lead axis has no owner; its values are lost when they grow too old, and back when the
 ///   realtime thread has taken new ones.
-/// - Refused samples are told on the edge and counted; they do not keep a deadline.
+/// - Refused samples are told on the edge and counted; they do not keep a deadline. While values are released
+///   only those keep it that the realtime thread has taken.
 ///
 /// A StopRelease that finds no room is kept, and no values of its telegram are handed on before it.
 /// Not thread safe.
@@ -83,6 +84,9 @@ class ReferenceGate {
 
   /// The line as last heard of: by it the age of values is told as a number of an interval.
   void set_line(const Moment& heard) noexcept { age_.set_line(heard); }
+
+  /// Number of the reference mapping in force; values for another are refused.
+  void set_mapping_number(std::uint64_t in_force) noexcept { mapping_number_ = in_force; }
 
   /// The telegrams that the lead axis of a cluster gives: no program may, and none has a part in them.
   void set_lead_axis(const std::array<bool, cansync::kChannels>& gives) noexcept;
@@ -129,13 +133,15 @@ class ReferenceGate {
  private:
   struct Telegram {
     WriterHandle owner = 0;
-    SteadyTime given;                          ///< when its values were handed on last, or it took over
+    SteadyTime
+        given;  ///< when its values were taken last, handed on while none were released, or it took over
     std::optional<std::uint32_t> stop_wanted;  ///< StopRelease with this hold waits for room
     std::int64_t not_before = 0;               ///< source time; what was written earlier is not taken
     bool deadline_missed = false;              ///< since then
     bool reacted = false;                      ///< to a loss, since the values handed on last
     bool reaction_due = false;
     bool returned = false;              ///< values were handed on after a loss
+    bool released = false;              ///< as last told by the realtime thread
     std::uint64_t updates = 0;          ///< as last told by the realtime thread
     std::uint64_t too_old = 0;          ///< likewise
     std::uint64_t mapping_changed = 0;  ///< likewise
@@ -151,6 +157,7 @@ class ReferenceGate {
   void new_owner(unsigned channel, WriterHandle writer, const ReferenceSurroundings::Writer& facts,
                  SteadyTime now);
   void values_given(unsigned channel);
+  static void begin_deadline(Telegram& telegram, SteadyTime now) noexcept;
   void stop(unsigned channel, std::uint32_t hold);
   void lose(unsigned channel, Loss loss);
   void end_ownership(unsigned channel, Loss loss);
@@ -165,6 +172,7 @@ class ReferenceGate {
   std::chrono::milliseconds deadline_;  ///< 0: not looked at
   ReferenceSurroundings& around_;
   gateway::dds::Problem refusal_;  ///< of everything
+  std::optional<std::uint64_t> mapping_number_;
   std::array<bool, cansync::kChannels> lead_axis_ = {};
   std::array<Telegram, cansync::kChannels> telegrams_;
   std::array<ReferenceGiver, cansync::kChannels> givers_;

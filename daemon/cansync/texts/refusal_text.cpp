@@ -88,13 +88,17 @@ std::string interval_passed(const Request& request, const Config& config, const 
       context.interval + config.master.process.ahead_limit, config.master.process.ahead_limit);
 }
 
-std::string mapping_changed(const Request& request, const RefusalContext& context) {
-  const auto* update = std::get_if<cansync::ReferenceUpdate>(&request);
+std::string mapping_changed(std::uint64_t given, std::uint64_t in_force) {
   return fmt::format(
       "mapping_number {}: the values were made for another mapping of the reference values than the one in "
       "force, which is number {} (MasterStatus.mapping_number); look at `cansync map`, and let the program "
       "take up its telegrams again (ReferenceWriter::take_up), or start it again",
-      update != nullptr ? update->mapping_number : 0, context.mapping_number);
+      given, in_force);
+}
+
+std::string mapping_changed(const Request& request, const RefusalContext& context) {
+  const auto* update = std::get_if<cansync::ReferenceUpdate>(&request);
+  return mapping_changed(update != nullptr ? update->mapping_number : 0, context.mapping_number);
 }
 
 std::string value_too_wide(const cansync::ReferenceUpdate& update, const RefusalContext& context) {
@@ -201,6 +205,10 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
 gateway::dds::Denial denial_of(Refusal refusal, const Request& request, const Config& config,
                                const RefusalContext& context) {
   return {cansync::dds::to_cause(refusal), refusal_text(refusal, request, config, context)};
+}
+
+gateway::dds::Denial mapping_denial(std::uint64_t given, std::uint64_t in_force) {
+  return {gateway_CAUSE_MAPPING_CHANGED, mapping_changed(given, in_force)};
 }
 
 gateway::dds::Denial lead_axis_denial() {

@@ -37,6 +37,9 @@ std::string refusal_text(cansync::Refusal refusal, const Request& request, const
 gateway::dds::Denial denial_of(cansync::Refusal refusal, const Request& request, const Config& config,
                                const RefusalContext& context);
 
+/// Of reference values that were given for mapping `given`, while `in_force` is.
+gateway::dds::Denial mapping_denial(std::uint64_t given, std::uint64_t in_force);
+
 /// Of reference values for a telegram that the lead axis of a cluster gives.
 gateway::dds::Denial lead_axis_denial();
 

@@ -88,6 +88,7 @@ class GateRig : public ReferenceSurroundings {
   void watch() {
     gate.watch({line.master.release(cansync::Channel::one), line.master.release(cansync::Channel::two)},
                now());
+    gate.set_mapping_number(line.master.mapping_number());
   }
 
   std::size_t told(std::string_view code) const {

@@ -192,7 +192,13 @@ TEST_F(Gate, AChangedMappingEndsTheReleaseAndIsToldOnce) {
   EXPECT_TRUE(gate.take_reaction(0));
   take(values(kStrong, 23, 1000));
   EXPECT_EQ(on_bus(5), Seen{});
-  EXPECT_EQ(refusals, (std::vector{cansync::Refusal::mapping_changed}));
+  EXPECT_FALSE(gate.take_return(0)) << "values that are refused take no reaction back";
+  const std::string why = text("reference_refused");
+  EXPECT_NE(why.find(gateway::dds::name(gateway_CAUSE_MAPPING_CHANGED)), std::string::npos) << why;
+  ReferenceSample fitting = values(kStrong, 24, 1000);
+  fitting.update.mapping_number = line.master.mapping_number();
+  take(fitting);
+  EXPECT_TRUE(gate.take_return(0));
 }
 
 TEST_F(Gate, AProgramThatTriesATelegramOfTheLeadAxisGetsNoPartInIt) {
@@ -278,6 +284,25 @@ TEST_F(LeadAxisGate, AMappingThatChangesTheOtherTelegramIsNoLoss) {
   ++release[0].mapping_changed;
   EXPECT_EQ(look(), (Look{false, false}));
   EXPECT_EQ(told("reference_mapping_changed"), 0u);
+}
+
+TEST_F(Gate, ValuesThatTheRealtimeThreadRefusesKeepNoDeadlineOfThoseReleased) {
+  Config config = default_config();
+  config.failsafe.reference_deadline = std::chrono::milliseconds(100);
+  GateRig rig(config);
+  rig.take(rig.values(kWeak, 11, 1000));
+  const auto write_on = [&](bool refused) {
+    for (unsigned i = 0; i < 10; ++i) {
+      ReferenceSample next = rig.values(kWeak, 12, 1000);
+      if (refused) next.update.from_interval = 1;  // long past
+      rig.take(next);
+      (void)rig.on_bus(20);
+      (void)rig.gate.tick(rig.now());
+    }
+    return rig.gate.take_reaction(0);
+  };
+  EXPECT_FALSE(write_on(false));
+  EXPECT_TRUE(write_on(true));
 }
 
 TEST_F(Gate, ATakeOverThatIsRefusedBeginsTheDeadlineAnew) {
