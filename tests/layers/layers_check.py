@@ -14,7 +14,7 @@ import os
 import re
 import sys
 
-from sources import load
+from sources import PROTOCOL_LIST, load, load_list, protocols_in
 
 # room: what it may use. `idl` is the generated header of the data model.
 ROOMS = """
@@ -157,8 +157,9 @@ CANSYNC_WORDS = {"lib/config": re.compile("cansync|slave|daemon"),
 # Rooms of the daemon that every protocol has: its words, but not the paths of this product.
 CANSYNC_WORDS |= {f"daemon/{room}": re.compile(r'"cansync/|cansync::|\bcansync_[A-Z]|"cansync[.]h"|namespace cansync\b')
                   for room in "config service loop bus options segment desk status gateway".split()}
-# The one list of protocols; rooms of the daemon within a room are theirs, and nothing outside includes them.
-PROTOCOL_LIST = "lib/protocols.def"
+# The headers made of the data model, one for each protocol that has topics of its own.
+MODEL_HEADERS = {f"{model}.h" for model in
+                 ["gateway", "overview", *protocols_in(load_list(os.path.join(os.path.dirname(__file__), "..", "..")))]}
 # What a protocol's library has beside its core: rooms of their own.
 PROTOCOL_ROOMS = re.compile(r"lib/\w+/(config|dds|sim|client)\b")
 # How an identifier is put together stands in one file.
@@ -206,7 +207,7 @@ def included_room(file, bracket, path, libraries):
         return "dds"
     if bracket == "<" and first == "cansync":
         return "lib/client"
-    if path in ("cansync.h", "cansync_slave.h", "layer2.h", "j1939.h", "gateway.h", "ddsc/dds.h") or re.fullmatch(r"dds[a-z_]*\.h", path):
+    if path in MODEL_HEADERS or path == "ddsc/dds.h" or re.fullmatch(r"dds[a-z_]*\.h", path):
         return "idl"
     if "/" not in path:
         return None
@@ -298,6 +299,7 @@ def check(files, rooms):
                 if not may_use_dds(room, uses):
                     report(f"{room} may not use DDS")
             elif room == "daemon" and there and there.count("/") == 2:
+                # Rooms of the daemon within a room are a protocol's, and nothing outside includes them.
                 report(f"{PROTOCOL_LIST} is the only list of protocols")
             elif there not in uses | {room, None}:
                 report(f"{room} may not include {there}")
@@ -363,6 +365,7 @@ PLANTED = [
     ("daemon/config/planted.h", '#include "daemon/planted/planted_too.h"'),
     ("daemon/desk/planted.cpp", '#include "cli/base/session.h"'),
     ("daemon/desk/planted.cpp", '#include "daemon/cansync/exchange.h"'),
+    *[("daemon/loop/planted.h", f'#include "{header}"') for header in sorted(MODEL_HEADERS)],
     ("daemon/desk/planted.h", '#include "cansync.h"'),
     ("daemon/desk/planted.h", "std::optional<cansync_Command> newest;"),
     ("tools/cli/planted.cpp", "#include <vector>"),

@@ -4,30 +4,28 @@
   protocol_names_check.py ROOT         exit 1 and one line per file, when there is any in ROOT
   protocol_names_check.py --self-test  plants each kind of mention in a made-up tree and expects it to be found
 
-A protocol's own folders are lib/NAME, daemon/NAME and tools/cli/NAME; beside them only the list of protocols and
-build files may name it. CANsync has the name of the product: of it count include paths, its namespace and its types of
-the data model, not the programs cansync and cansyncd, their folders, the namespace of the command line, or the headers
+The protocols are those of lib/protocols.def and of COMING. A protocol's own folders are lib/NAME, daemon/NAME and
+tools/cli/NAME. Read are the sources in C and C++ alone (*.h, *.hpp, *.c, *.cpp): build files, scripts and configurations
+may name a protocol. CANsync has the name of the product: of it count include paths, its namespace and its types of the data
+model, not the programs cansync and cansyncd, their folders, the namespace of the command line, or the headers
 <cansync/...> of the installed library.
 What cannot be cured yet stands in EXCEPTIONS with its reason; an exception that is not needed any more is a violation.
 """
 import re
 import sys
 
-from sources import load
+from sources import PROTOCOL_LIST as LIST
+from sources import load, load_list, protocols_in
 
 PLACES = ("lib", "daemon", "tools")
-LIST = "lib/protocols.def"
 COMING = ("canopen",)  # protocols that have no room yet
-PROTOCOLS = ("cansync", "cansync_slave", "cansync_cluster", "layer2", "j1939", *COMING)
-MENTIONS = {
-    "cansync": re.compile(r'"(?:daemon/|cli/|tools/cli/)?cansync/|["<]cansync\.h[">]|\bcansync::(?!cli\b)|'
-                          r"\bnamespace cansync(?!::cli\b|d\b)\b|\bcansync_[A-Z]|\busing namespace cansync\b"),
-    **{name: re.compile(name, re.IGNORECASE) for name in PROTOCOLS if name != "cansync"},
-}
+# Of the protocol that has the name of the product.
+OF_CANSYNC = re.compile(r'"(?:daemon/|cli/|tools/cli/)?cansync/|["<]cansync\.h[">]|\bcansync::(?!cli\b)|'
+                        r"\bnamespace cansync(?!::cli\b|d\b)\b|\bcansync_[A-Z]|\busing namespace cansync\b")
 
 # File or folder: why it may mention a protocol.
 EXCEPTIONS = {
-    "lib/client/": "the library of CANsync: its installed names are the product's, and programs of others include them",
+    "lib/client/": "the one library that programs of others link: protocols have their connections and function blocks there",
     "tools/simulator/": "the program cansync-sim: simulated drives of CANsync and nothing else",
     "tools/examples/": "programs that show the library of CANsync",
     "tools/cli/base/session.h": "a session connects with the client library of CANsync and looks up names of its slaves",
@@ -47,21 +45,27 @@ EXCEPTIONS = {
 }
 
 
-def is_own(path):
+def patterns(files):
+    """{protocol: what mentions it}."""
+    return {name: OF_CANSYNC if name == "cansync" else re.compile(name, re.IGNORECASE)
+            for name in (*protocols_in(files[LIST]), *COMING)}
+
+
+def is_own(path, protocols):
     """A file in a protocol's own folder."""
     parts = path.split("/")
     place = parts[2:] if parts[:2] == ["tools", "cli"] else parts[1:] if parts[0] in ("lib", "daemon") else []
-    return len(place) > 1 and place[0] in PROTOCOLS
+    return len(place) > 1 and place[0] in protocols
 
 
 def mentions(files):
     """{path: (line number, line, protocol)} of the first mention in each file that may have none."""
-    found = {}
+    found, known = {}, patterns(files)
     for path, text in sorted(files.items()):
-        if is_own(path) or path == LIST:
+        if is_own(path, known) or path == LIST:
             continue
         for number, line in enumerate(text.split("\n"), 1):
-            name = next((name for name, pattern in MENTIONS.items() if pattern.search(line)), None)
+            name = next((name for name, pattern in known.items() if pattern.search(line)), None)
             if name:
                 found[path] = (number, line.strip(), name)
                 break
@@ -90,7 +94,8 @@ CLEAN = {
     "lib/layer2/dds/convert.h": '#include "layer2.h"',
     "daemon/layer2/exchange.h": "namespace layer2 {}",
     "tools/cli/cansync/status.cpp": "cansync_MasterStatus status;",
-    "lib/protocols.def": "PROTOCOL(cansync)\nPROTOCOL(cansync_slave)\nPROTOCOL(cansync_cluster)\nPROTOCOL(layer2)\n",
+    "lib/protocols.def": "PROTOCOL(cansync)\nPROTOCOL(cansync_slave)\nPROTOCOL(cansync_cluster)\nPROTOCOL(layer2)\n"
+                         "PROTOCOL(j1939)\n",
     "daemon/main.cpp": 'print("cansyncd: no file");\nnamespace cansyncd {}\n// the program cansync',
     "tools/cli/base/session.cpp": "#include <cansync/client.h>\nnamespace cansync::cli {\nfolder = \"/etc/cansync/profiles\";\n}",
 }
@@ -120,6 +125,12 @@ def self_test():
         found = check(CLEAN | {path: f"#pragma once\n{line}\n"}, {})
         if [text.split(":")[0] for text in found] != [path]:
             wrong.append(f"not found: {path}: {line}")
+    another = CLEAN | {"daemon/desk/planted.h": "// as Newbus does", "daemon/newbus/exchange.h": "namespace newbus {}"}
+    if check(another, {}):
+        wrong.append("what is no protocol is one")
+    found = check(another | {LIST: CLEAN[LIST] + "PROTOCOL(newbus)\n"}, {})
+    if [text.split(":")[0] for text in found] != ["daemon/desk/planted.h"]:
+        wrong.append("a new protocol of the list is not looked for, or has no folder of its own")
     planted = CLEAN | {"daemon/desk/planted.h": "cansync::SlaveNumber slave;"}
     reason = "it will be cured with the desk"
     if check(planted, {"daemon/desk/planted.h": reason}) or check(planted, {"daemon/desk/": reason}):
@@ -140,10 +151,11 @@ def main():
     files = load(sys.argv[1], PLACES)
     if not files:
         sys.exit(f"no sources in {sys.argv[1]}")
+    files[LIST] = load_list(sys.argv[1])
     found = check(files, EXCEPTIONS)
     if found:
         sys.exit("\n".join(found))
-    print(f"{len(files)} files, {len(mentions(files))} of them excepted")
+    print(f"{len(files)} files, {len(mentions(files))} of them excepted; protocols: {', '.join(patterns(files))}")
 
 
 main()

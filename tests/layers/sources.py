@@ -1,6 +1,9 @@
 """The sources that the checks of this folder read."""
 
 import os
+import re
+
+PROTOCOL_LIST = "lib/protocols.def"
 
 
 def load(root, places):
@@ -14,3 +17,14 @@ def load(root, places):
                     with open(path, encoding="utf-8") as file:
                         files[os.path.relpath(path, root)] = file.read()
     return files
+
+
+def protocols_in(text):
+    """The names in the text of the list of protocols, in its order."""
+    return re.findall(r"^PROTOCOL\((\w+)\)", text, re.MULTILINE)
+
+
+def load_list(root):
+    """The text of the list of protocols."""
+    with open(os.path.join(root, PROTOCOL_LIST), encoding="utf-8") as file:
+        return file.read()
