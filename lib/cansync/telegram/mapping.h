@@ -56,7 +56,7 @@ std::uint8_t to_register(const WordMapping& word) noexcept;
 std::optional<WordMapping> from_register(std::uint8_t byte) noexcept;
 
 /// Telegram mapping from the function blocks' array form: value numbers (-1 = unused) and high-word flags
-/// (M 4.15). Nothing when a number is outside -1..7, or an unused word is flagged high.
+/// (M 4.15). Nothing when a number is outside -1..7. The flag of an unused word does not count.
 std::optional<TelegramMapping> from_arrays(std::span<const int, kWords> numbers,
                                            std::span<const bool, kWords> high) noexcept;
 
