@@ -18,6 +18,10 @@ std::string_view reason_not_sent(Obstacle obstacle) noexcept {
     case Obstacle::not_delivered:
       return "not sent within the monitoring time: nobody acknowledges; check that another node is on the bus, "
              "with the same bit rate";
+    case Obstacle::window_closed:
+      return "not sent within the monitoring time: the synchronous window was closed, or had no room for "
+             "all that waited; send less, make the window longer (window.end_us), or give a timeout longer than "
+             "window.repeat_us";
   }
   return "not sent within the monitoring time: earlier frames kept the bus; send less, or give a longer "
          "timeout";

@@ -240,6 +240,7 @@ std::optional<can::Frame> Module::next_frame() noexcept {
 }
 
 void Module::handed_over() noexcept {
+  orders_.held_back(Obstacle::none);
   if (offered_own_.sender == Sender::order) {
     station_.handed_over();
     return;

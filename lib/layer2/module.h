@@ -156,7 +156,10 @@ class Module {
   /// The bus took what `next_frame` said.
   void handed_over() noexcept;
   /// As `Station::held_back`.
-  void held_back(Obstacle obstacle) noexcept { station_.held_back(obstacle); }
+  void held_back(Obstacle obstacle) noexcept {
+    station_.held_back(obstacle);
+    orders_.held_back(obstacle);
+  }
   /// An own frame stood on the bus until `end`.
   void echo(const can::Frame& frame, Time end) noexcept;
   /// As `Station::controller_emptied`.

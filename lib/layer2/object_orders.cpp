@@ -57,6 +57,7 @@ std::optional<ObjectAnswer> ObjectOrders::perform(const ObjectOrder& order, bool
   }
   answer.refusal = refusal_of(objects_.start(order.number, order.job, now));
   if (answer.refusal != Refusal::none || order.job.on_remote) return answer;
+  if (jobs_ == 0) obstacle_ = Obstacle::none;
   open_[order.number] = {order.id, true, Time::max()};
   ++jobs_;
   return std::nullopt;
@@ -134,6 +135,7 @@ std::optional<ObjectAnswer> ObjectOrders::take_answer() noexcept {
       case JobState::timed_out:
         // What was handed over and is gone from the controller may have been sent.
         answer.outcome = open.until == Time::max() ? Outcome::timeout : Outcome::no_answer;
+        if (answer.outcome == Outcome::timeout) answer.obstacle = obstacle_;
         break;
       case JobState::aborted:
       case JobState::none:  // configured anew as one that receives

@@ -44,8 +44,9 @@ struct ObjectAnswer {
   Refusal refusal = Refusal::none;  ///< not none: nothing has changed
   std::uint8_t place = 0;           ///< refused `configure`: position of the first wrong entry
   Outcome outcome = Outcome::done;
-  Time time{};         ///< end of the frame that was sent; 0: none
-  bool fresh = false;  ///< `read`: there was a frame
+  Obstacle obstacle = Obstacle::none;  ///< timeout: as of `Answer`
+  Time time{};                         ///< end of the frame that was sent; 0: none
+  bool fresh = false;                  ///< `read`: there was a frame
   ObjectReading reading;
 };
 
@@ -73,6 +74,8 @@ class ObjectOrders {
 
   /// The bus took the frame of an object.
   void handed_over(unsigned number, Time now) noexcept;
+  /// What keeps frames from the bus, as of `Station`; none: it took the last one.
+  void held_back(Obstacle obstacle) noexcept { obstacle_ = obstacle; }
   /// It is `now`.
   void advance(Time now) noexcept { now_ = now; }
   /// When `advance` must be called at the latest.
@@ -93,6 +96,7 @@ class ObjectOrders {
   Time now_{0};
   std::array<Open, MessageObjects::kMost> open_ = {};
   std::size_t jobs_ = 0;  ///< of `open_` in use
+  Obstacle obstacle_ = Obstacle::none;
   bool stopped_ = false;
 };
 

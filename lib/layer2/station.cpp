@@ -121,7 +121,10 @@ std::optional<can::Frame> Station::next_frame(bool normal, bool high) noexcept {
     offered_ = Priority::high;
     return high_[0].frame;
   }
-  if (!normal || normal_.empty()) return std::nullopt;
+  if (!normal || normal_.empty()) {
+    if (waiting() != 0 && obstacle_ == Obstacle::none) obstacle_ = Obstacle::window_closed;
+    return std::nullopt;
+  }
   offered_ = Priority::normal;
   return normal_[0].frame;
 }

@@ -170,7 +170,8 @@ class Station {
   void reset_overflow() noexcept;
 
   /// The frame to be handed to the bus next; nothing: none now. Say what became of it by `handed_over` or
-  /// `held_back`. Without `normal` or `high`, frames of that priority stay back.
+  /// `held_back`. Without `normal` or `high`, frames of that priority stay back: the synchronous window keeps
+  /// them from the bus, unless something was said to do so before.
   std::optional<can::Frame> next_frame(bool normal = true, bool high = true) noexcept;
   /// A frame that is nobody's order may be handed over now: there is a place for it.
   bool has_place() const noexcept { return !handed_over_.full(); }

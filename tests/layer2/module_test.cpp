@@ -301,6 +301,50 @@ TEST(Module, L13OrdersWaitForTheWindowAndEndInIt) {
   EXPECT_EQ(timers, (std::vector<Time>{Time{0}, milliseconds(10), milliseconds(20)}));
 }
 
+/// What is told of an order that times out behind the closed window of a module.
+Obstacle behind_the_window(bool bus_was_off) {
+  ModuleSettings settings = everything();
+  settings.window = {true, milliseconds(100), milliseconds(1), milliseconds(2), true};
+  settings.run = script("Start 1\nStart 2");
+  Module module(settings);
+  module.begin(Time{0});
+  module.advance(Time{0});
+  EXPECT_EQ(module.submit({1, data_frame(0x100, {}), milliseconds(50)}, Time{0}), Refusal::none);
+  if (bus_was_off) {
+    module.advance(milliseconds(1));
+    EXPECT_TRUE(module.next_frame());
+    module.held_back(Obstacle::bus_off);
+  }
+  module.advance(milliseconds(3));
+  EXPECT_FALSE(module.next_frame());
+  module.advance(milliseconds(50));
+  const auto answer = module.take_answer();
+  EXPECT_TRUE(answer && answer->outcome == Outcome::timeout);
+  return answer.value_or(Answer{}).obstacle;
+}
+
+TEST(Module, L13TheClosedWindowIsTheReasonOfATimeoutUnlessTheBusTookNothingInIt) {
+  EXPECT_EQ(behind_the_window(false), Obstacle::window_closed);
+  EXPECT_EQ(behind_the_window(true), Obstacle::bus_off);
+}
+
+TEST(Module, L13TheWindowIsNoReasonOfATimeoutWithoutIt) {
+  ModuleSettings settings = everything();
+  settings.window = {true, milliseconds(100), milliseconds(1), milliseconds(2), false};
+  settings.run = script("Start 1\nStart 2");
+  Module module(settings);
+  module.begin(Time{0});
+  module.advance(Time{0});
+  SendOrder high{1, data_frame(0x100, {}), milliseconds(50)};
+  high.priority = Priority::high;
+  EXPECT_EQ(module.submit(high, Time{0}), Refusal::none);
+  ASSERT_TRUE(module.next_frame()) << "the window does not hold it";
+  module.advance(milliseconds(50));
+  const auto answer = module.take_answer();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->obstacle, Obstacle::none);
+}
+
 TEST(Module, L47AnOrderByIdentifierIsPutSecondAtBest) {
   Module module(everything());
   module.begin(Time{0});

@@ -129,6 +129,28 @@ TEST(ObjectOrders, L37TimedOutBeforeItWasHandedOverAndUnknownAfter) {
   EXPECT_EQ(answers[0].outcome, Outcome::no_answer) << "it may have been sent";
 }
 
+TEST(ObjectOrders, L37ATimeoutSaysWhatKeptTheFrameFromTheBus) {
+  Running rig({sender(3, 0x100, milliseconds(10)), sender(4, 0x101)});
+  const auto timed_out_at = [&rig](Time now) {
+    rig.module.advance(now);
+    const auto answers = rig.answers();
+    EXPECT_TRUE(answers.size() == 1 && answers[0].outcome == Outcome::timeout);
+    return answers.empty() ? Obstacle::none : answers[0].obstacle;
+  };
+  rig.take_job(send(1, 3, data_frame(0x100, {})));
+  ASSERT_TRUE(rig.module.next_frame());
+  rig.module.held_back(Obstacle::not_delivered);
+  EXPECT_EQ(timed_out_at(milliseconds(10)), Obstacle::not_delivered);
+  rig.take_job(send(2, 3, data_frame(0x100, {})), milliseconds(10));
+  EXPECT_EQ(timed_out_at(milliseconds(20)), Obstacle::none)
+      << "what was in the way before is not of this job";
+  rig.take_job(send(3, 4, data_frame(0x101, {})), milliseconds(20));
+  rig.module.held_back(Obstacle::bus_off);
+  (void)rig.hand_over();
+  rig.take_job(send(4, 3, data_frame(0x100, {})), milliseconds(20));
+  EXPECT_EQ(timed_out_at(milliseconds(30)), Obstacle::none) << "the bus took a frame since";
+}
+
 TEST(ObjectOrders, AJobWhoseEchoWasLostEndsAndTheObjectIsFree) {
   Running rig({sender(4, 0x101), receiver(6, 0x210)});
   rig.take_job(send(1, 4, data_frame(0x101, {})));

@@ -48,8 +48,7 @@ void FrameMachine::watch_bus(can::Time now) noexcept {
   if (news.echoes_lost) module_.echoes_lost();
   if (news.changed) changed_ = true;
   // The bus is not asked about a frame that has no place in the controller.
-  const layer2::Station& station = module_.station();
-  if (station.waiting() != 0 && !station.has_place()) module_.held_back(obstacle_of(watch_.controller()));
+  if (!module_.station().has_place()) module_.held_back(obstacle_of(watch_.controller()));
 }
 
 void FrameMachine::take_requests(can::Time now) noexcept {

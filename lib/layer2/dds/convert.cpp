@@ -237,10 +237,7 @@ layer2_ObjectReply object_reply(const RequestKey& key, const ObjectAnswer& answe
                                 std::int64_t time) noexcept {
   auto reply = reply_to<layer2_ObjectReply>(key);
   reply.code = to_reply_code(answer.outcome);
-  const bool timed_out = answer.outcome == Outcome::timeout;
-  copy_text(
-      timed_out ? "not sent within the time-out of the object" : reason_of(answer.outcome, Obstacle::none),
-      reply.reason);
+  copy_text(reason_of(answer.outcome, answer.obstacle), reply.reason);
   if (answer.outcome == Outcome::done) reply.time = time;
   reply.fresh = answer.fresh;
   if (answer.fresh) {

@@ -99,6 +99,32 @@ TEST(FrameMachine, WhatKeepsTheControllerFromSendingIsTheReasonOfATimeoutBehindI
   }
 }
 
+TEST(FrameMachine, WhatKeepsAnObjectsFrameFromTheBusIsTheReasonOfItsTimeout) {
+  const auto object_behind = [](unsigned orders, can::SendResult refusal) {
+    FrameMachineSettings settings = everything();
+    settings.module.objects[1] = {
+        .rule = {.identifier = 0x300}, .transmit = true, .timeout = milliseconds(5)};
+    Rig rig(settings);
+    rig.bus.lose_echoes = true;
+    rig.bus.refusal = refusal;
+    rig.bus.status_on_top.delivery = can::Delivery::unacknowledged;
+    for (layer2::OrderId id = 1; id <= orders; ++id)
+      rig.order_at(milliseconds(1), id, data_frame(0x123, {}), milliseconds(500));
+    rig.bus.script.emplace(milliseconds(10), [&rig] {
+      layer2::ObjectOrder order{.id = 20, .kind = layer2::ObjectOrder::Kind::send, .number = 1};
+      order.job.frame = data_frame(0x300, {});
+      EXPECT_TRUE(rig.exchange.requests.try_push(order));
+    });
+    rig.run_until(milliseconds(50));
+    EXPECT_EQ(rig.answer_to(20).answer.outcome, Outcome::timeout);
+    return rig.answer_to(20).object.obstacle;
+  };
+  EXPECT_EQ(object_behind(0, can::SendResult::bus_off), layer2::Obstacle::bus_off);
+  EXPECT_EQ(object_behind(layer2::Station::kMostHandedOver, can::SendResult::queued),
+            layer2::Obstacle::not_delivered)
+      << "the controller has no place";
+}
+
 TEST(FrameMachine, TheStateAtTheStartIsToldAtOnce) {
   Rig rig;
   rig.bus.status_on_top.link = can::LinkState::missing;

@@ -93,12 +93,27 @@ TEST(Convert, EachOutcomeHasItsCodeAndAReason) {
 
 TEST(Convert, EachObstacleHasAReasonOfItsOwnThatFits) {
   std::set<std::string_view> reasons;
-  for (const Obstacle obstacle : {Obstacle::none, Obstacle::queue_full, Obstacle::bus_off,
-                                  Obstacle::interface_down, Obstacle::not_delivered}) {
+  for (const Obstacle obstacle :
+       {Obstacle::none, Obstacle::queue_full, Obstacle::bus_off, Obstacle::interface_down,
+        Obstacle::not_delivered, Obstacle::window_closed}) {
     const std::string_view reason = reason_of(Outcome::timeout, obstacle);
     EXPECT_LT(reason.size(), std::size_t{gateway_TEXT});
     EXPECT_TRUE(reasons.insert(reason).second) << reason;
   }
+}
+
+TEST(Convert, AClosedWindowIsToldWithWhatHelps) {
+  const std::string_view reason = reason_of(Outcome::timeout, Obstacle::window_closed);
+  EXPECT_NE(reason.find("synchronous window was closed"), std::string_view::npos) << reason;
+  for (const char* helps : {"window.end_us", "window.repeat_us", "timeout"})
+    EXPECT_NE(reason.find(helps), std::string_view::npos) << reason;
+}
+
+TEST(Convert, AnObjectThatTimedOutSaysWhatKeptItsFrameFromTheBus) {
+  const ObjectAnswer answer{.id = 42, .outcome = Outcome::timeout, .obstacle = Obstacle::not_delivered};
+  const layer2_ObjectReply reply = object_reply(kKey, answer, 0);
+  EXPECT_EQ(reply.code, gateway_REPLY_TIMEOUT);
+  EXPECT_EQ(text(reply.reason), reason_of(Outcome::timeout, Obstacle::not_delivered));
 }
 
 TEST(Convert, ARefusalHasItsCauseAndReason) {
