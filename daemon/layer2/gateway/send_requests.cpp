@@ -132,8 +132,7 @@ gateway::dds::Problem SendRequests::objection(const FrameRequest& request, const
         fmt::format("the image belongs to {}, a writer of ImageOutputs; write when that has given it up",
                     context.image.owner())};
   if (order->what == layer2::Control::run && context.lead.follows() && !context.lead.wants_run())
-    return Denial{gateway_CAUSE_WRONG_STATE,
-                  "run and stop follow a program (module.run_follows), which is not there or says stop"};
+    return layer2::dds::explain(layer2::Refusal::not_led, 0);
   return std::nullopt;
 }
 

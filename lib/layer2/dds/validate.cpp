@@ -195,7 +195,8 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
                     "data: a script that would be replaced is under way; try again when it has ended"};
     case Refusal::not_led:
       return Denial{gateway_CAUSE_WRONG_STATE,
-                    "run and stop follow a program (module.run_follows), which is not there or says stop"};
+                    "run and stop follow a program (module.run_follows), which is not there or says stop; "
+                    "start it, or let it say run"};
     case Refusal::image_owned:
       return Denial{gateway_CAUSE_WRONG_STATE,
                     "the image belongs to a writer of ImageOutputs; write when that has given it up"};
@@ -205,9 +206,10 @@ Problem explain(Refusal refusal, std::uint16_t queue) {
     case Refusal::no_controller:
       return Denial{
           gateway_CAUSE_BUS_UNAVAILABLE,
-          "the controller cannot be reset: its interface is missing or down, or its driver does not do it"};
+          "the controller cannot be reset: its interface is missing or down, or its driver does not do it; "
+          "set the interface up, or anew"};
     case Refusal::reset_under_way:
-      return Denial{gateway_CAUSE_QUEUE_FULL, "the controller is being reset"};
+      return Denial{gateway_CAUSE_QUEUE_FULL, "the controller is being reset; try again when that has ended"};
     case Refusal::object_reserved:
     case Refusal::object_direction:
     case Refusal::object_pending:

@@ -67,6 +67,9 @@ TEST(Validate, RefusalsOfTheStationHaveWords) {
   expect(Refusal::queue_full, gateway_CAUSE_QUEUE_FULL, "at most 64 frames may wait to be sent");
   expect(Refusal::too_late, gateway_CAUSE_STALE, "nothing was sent");
   expect(Refusal::not_led, gateway_CAUSE_WRONG_STATE, "module.run_follows");
+  expect(Refusal::not_led, gateway_CAUSE_WRONG_STATE, "; start it, or let it say run");
+  expect(Refusal::no_controller, gateway_CAUSE_BUS_UNAVAILABLE, "; set the interface up, or anew");
+  expect(Refusal::reset_under_way, gateway_CAUSE_QUEUE_FULL, "; try again when that has ended");
   expect(Refusal::image_owned, gateway_CAUSE_WRONG_STATE, "ImageOutputs");
   expect(Refusal::bad_frame, gateway_CAUSE_FIELD, "0..8 bytes");
   expect(Refusal::stopped, gateway_CAUSE_STOPPING, "being stopped");
