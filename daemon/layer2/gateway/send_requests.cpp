@@ -189,9 +189,11 @@ bool SendRequests::hand_on(const Request& request, const SendContext& context) {
                     request.job);
 }
 
-gateway::dds::Problem SendRequests::refusal(const SendDone& done, const Request& request,
-                                            const SendContext&) const {
-  auto problem = layer2::dds::explain(done.refusal, running_.config().send.queue);
+gateway::dds::Problem SendRequests::refusal(const SendDone& done, const Request& request) const {
+  const SendConfig& send = running_.config().send;
+  const auto* frame = std::get_if<layer2::SendOrder>(&request.job);
+  const bool high = frame != nullptr && frame->priority == layer2::Priority::high;
+  auto problem = layer2::dds::explain(done.refusal, high ? send.high_queue : send.queue);
   const auto* object = std::get_if<layer2::ObjectOrder>(&request.job);
   if (problem && object != nullptr && object->kind == layer2::ObjectOrder::Kind::configure)
     problem->reason = fmt::format("settings[{}].{}", done.object.place, problem->reason);

@@ -156,8 +156,11 @@ class SendRequests {
   }
 
   static JobId id_of(const SendDone& done) noexcept { return done.answer.id; }
-  gateway::dds::Problem refusal(const SendDone& done, const Request& /*request*/,
-                                const SendContext& /*context*/) const;
+  gateway::dds::Problem refusal(const SendDone& done, const Request& request) const;
+  gateway::dds::Problem refusal(const SendDone& done, const Request& request,
+                                const SendContext& /*context*/) const {
+    return refusal(done, request);
+  }
   static Outcome outcome_of(const SendDone& done) noexcept { return done.answer.outcome; }
   /// A configuration that was taken over is in force from now on.
   void learn(const Request& request, const SendDone& done);

@@ -8,6 +8,7 @@
 #include "config/problem.h"
 #include "daemon/layer2/config/file.h"
 #include "daemon/layer2/config/options.h"
+#include "daemon/layer2/gateway/send_requests.h"
 #include "daemon/layer2/segment/layer2_segment.h"
 
 namespace cansyncd {
@@ -220,6 +221,22 @@ TEST_F(Layer2Configuration, TheDefaultFileIsRightAndSaysTheDefaults) {
   const Layer2Config printed = good(config::default_file(layer2_options(), layer2_document_heads.file));
   EXPECT_EQ(printed.send.queue, SendConfig{}.queue);
   EXPECT_EQ(printed.bus.bits_per_second, good("").bus.bits_per_second);
+}
+
+TEST(SendRequests, AFullQueueIsToldWithTheRoomOfItsOwn) {
+  Layer2File file;
+  file.config.send.queue = 64;
+  file.config.send.high_queue = 20;
+  RunningConfiguration running(file);
+  const SendRequests requests(running);
+  const auto text = [&](layer2::Priority priority) {
+    FrameRequest request;
+    request.job = layer2::SendOrder{.priority = priority};
+    const auto problem = requests.refusal({.refusal = layer2::Refusal::queue_full}, request);
+    return problem.value_or(gateway::dds::Denial{}).reason;
+  };
+  EXPECT_NE(text(layer2::Priority::normal).find("at most 64 frames"), std::string::npos);
+  EXPECT_NE(text(layer2::Priority::high).find("at most 20 frames"), std::string::npos);
 }
 
 }  // namespace
