@@ -74,6 +74,14 @@ class ModeMaCommands : public CommandTest {
     for (const cansync_Command& command : daemon.commands()) found.push_back(command.mode);
     return found;
   }
+  /// x_SYNC_MODE becomes TRUE, and then x_RESET_CANsync_CONTROLLER: what the daemon is told next.
+  cansync_Mode next_after_sync_mode() {
+    const std::size_t before = daemon.commands().size();
+    block.x_SYNC_MODE = true;
+    cycle(block, now);
+    block.x_RESET_CANsync_CONTROLLER = true;
+    return command(block, before + 1).mode;
+  }
   MODE_MA block{client};
 };
 
@@ -94,6 +102,37 @@ TEST_F(ModeMaCommands, ASetUpThatIsPastIsNoCommand) {
   command(block, 3);
   block.x_SYNC_MODE = true;
   EXPECT_EQ(command(block, 4).mode, cansync_MODE_SETUP);
+}
+
+// What the block took down and somebody has set up since may be another program's.
+TEST_F(ModeMaCommands, ALineThatIsBackSinceTheOwnResetIsNotSetUp) {
+  set_state(cansync::State::active_master);
+  block.x_RESET_SOFTWARE = true;
+  EXPECT_EQ(command(block, 1).mode, cansync_MODE_RESTART);
+  for (const cansync::State state : {cansync::State::waiting_for_start, cansync::State::active_master}) {
+    set_state(state);
+    cycle(block, now);
+  }
+  EXPECT_EQ(next_after_sync_mode(), cansync_MODE_RESET_CAN);
+}
+
+TEST_F(ModeMaCommands, ALineThatRunsByTheOwnCommandIsNotSetUp) {
+  set_state(cansync::State::active_master);
+  block.x_RESET_SOFTWARE = true;
+  EXPECT_EQ(command(block, 1).mode, cansync_MODE_RESTART);
+  block.x_CANsync_RUN = true;
+  EXPECT_EQ(command(block, 2).mode, cansync_MODE_RUN);
+  EXPECT_EQ(next_after_sync_mode(), cansync_MODE_RESET_CAN);
+}
+
+TEST_F(ModeMaCommands, ALineThatARefusedResetLeftRunningIsNotSetUp) {
+  set_state(cansync::State::active_master);
+  daemon.refuse_modes(gateway_CAUSE_READ_ONLY);
+  block.x_RESET_SOFTWARE = true;
+  EXPECT_EQ(command(block, 1).mode, cansync_MODE_RESTART);
+  ASSERT_TRUE(
+      repeat_until([&] { cycle(block, now); }, [&] { return block.cause() == RefusalCause::read_only; }));
+  EXPECT_EQ(next_after_sync_mode(), cansync_MODE_RESET_CAN);
 }
 
 // "The inputs correspond to commands."

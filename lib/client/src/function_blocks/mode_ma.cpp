@@ -31,12 +31,21 @@ void MODE_MA::rise(BOOL input, BOOL& was, Mode mode) {
 
 /// Enters the command that waits longest, when none is on its way.
 void MODE_MA::next(WORD option_status) {
+  // A line that was down and is set up again may be another program's.
+  if (!is_synchronous(option_status)) {
+    seen_down_ = true;
+  } else if (seen_down_) {
+    own_reset_ = false;
+  }
   while (waiting_count_ > 0 && !slot_.open()) {
     const Mode mode = waiting_.front();
     std::shift_left(waiting_.begin(), waiting_.end(), 1);
     --waiting_count_;
     if (mode == Mode::setup && is_synchronous(option_status) && !own_reset_) continue;
-    if (mode != Mode::reset_can) own_reset_ = mode == Mode::restart;
+    if (mode != Mode::reset_can) {
+      own_reset_ = mode == Mode::restart;
+      seen_down_ = false;
+    }
     enter(mode);
   }
 }
@@ -54,6 +63,8 @@ void MODE_MA::poll() {
   const bool was_open = slot_.open();
   slot_.poll();
   if (!was_open || slot_.open()) return;
+  if (entered_ == Mode::run && slot_.sent()) own_reset_ = false;
+  if (entered_ == Mode::restart && slot_.cause() != RefusalCause::none) own_reset_ = false;
   if (entered_ == Mode::run) {
     run_wanted_ = run_wanted_ && slot_.refused() && slot_.passes();
   } else if (slot_.refused()) {

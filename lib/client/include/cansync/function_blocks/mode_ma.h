@@ -16,12 +16,12 @@ namespace cansync::client::function_blocks {
 /// order in which they rose, in one call x_RESET_CANsync_CONTROLLER, x_RESET_SOFTWARE, x_SYNC_MODE. One that
 /// is refused drops those that wait behind it, and `error` says why. x_SYNC_MODE while the line is set up or
 /// active is no command, because the line may be another program's; it is one after x_RESET_SOFTWARE of this
-/// block. x_CANsync_RUN is given again every 500 ms while it stays
-/// TRUE and the daemon refuses it for what passes (`retry`), because it enables active operation only when
-/// the slaves are ready; what does not pass, as a daemon that changes nothing, ends it. It goes behind every
-/// other command. x_SET_INIT_DATA does nothing, because the initialisation data are the daemon's
-/// configuration file; the reserved inputs x_ASYNC_MODE0 and 1 are refused. The outputs show what the daemon
-/// told last. x_HS_ACTIV is the state start-up (0x0001).
+/// block, until the line is set up or enabled again, by whomever. x_CANsync_RUN is given again every 500 ms
+/// while it stays TRUE and the daemon refuses it for what passes (`retry`), because it enables active
+/// operation only when the slaves are ready; what does not pass, as a daemon that changes nothing, ends it.
+/// It goes behind every other command. x_SET_INIT_DATA does nothing, because the initialisation data are the
+/// daemon's configuration file; the reserved inputs x_ASYNC_MODE0 and 1 are refused. The outputs show what
+/// the daemon told last. x_HS_ACTIV is the state start-up (0x0001).
 class CANSYNC_PUBLIC MODE_MA {
  public:
   BOOL x_RESET_SOFTWARE = false;            ///< the daemon starts the line anew, up to the configured state
@@ -70,7 +70,8 @@ class CANSYNC_PUBLIC MODE_MA {
   std::array<Mode, 3> waiting_ = {};  ///< commands of inputs that rose, each once, oldest first
   std::size_t waiting_count_ = 0;
   Mode entered_ = Mode::stop;  ///< the command on its way, or the last one
-  bool own_reset_ = false;     ///< this block has started the line anew and not set it up since
+  bool own_reset_ = false;     ///< this block has started the line anew, and nobody has set it up since
+  bool seen_down_ = false;     ///< likewise: it was seen not to be set up
   bool run_wanted_ = false;
   std::optional<Clock::time_point> run_given_;
 };
