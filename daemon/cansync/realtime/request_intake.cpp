@@ -135,7 +135,14 @@ void RequestIntake::handle(const SetCursors& request) noexcept {
 }
 
 void RequestIntake::handle(const SetReferenceMapping& request) noexcept {
-  answer_setting(request.id, master_.set_reference_mapping(request.mapping));
+  const auto& now = master_.settings().process.reference_mapping;
+  const auto led = [&](Channel channel) {
+    return lead_ != nullptr && lead_->gives(channel) &&
+           request.mapping[index(channel)] != now[index(channel)];
+  };
+  // The file was looked at for what the lead axis gives: that no doubleword becomes a word, and none is lost.
+  const bool refused = led(Channel::one) || led(Channel::two);
+  answer_setting(request.id, refused ? Refusal::lead_axis : master_.set_reference_mapping(request.mapping));
 }
 
 void RequestIntake::handle(const SetActualMapping& request) noexcept {

@@ -182,6 +182,10 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
     case Refusal::mapping_changed:
       return mapping_changed(request, context);
     case Refusal::lead_axis:
+      if (std::holds_alternative<SetReferenceMapping>(request)) {
+        return "reference mapping: it changes a telegram that the lead axis gives; leave the words of that "
+               "one as they are, or change them in the daemon's file ([lower])";
+      }
       return lead_axis_denial().reason;
     case Refusal::block_size:
       return block_size(request, config);

@@ -139,6 +139,41 @@ TEST(ClusterLoop, AClientMayNotGiveWhatTheLeadAxisGivesAndItsJobsGoBesideThoseOf
   EXPECT_EQ(rig.asker.results[1]->outcome, cansync::Outcome::done);
 }
 
+TEST(ClusterLoop, AClientMayNotChangeTheMappingOfWhatTheLeadAxisGives) {
+  ClusterRig rig;
+  const cansync::ProcessMapping before = rig.cluster_settings.lower.process.reference_mapping;
+  rig.at_interval(1000, [&] {
+    SetReferenceMapping changed{8, before};
+    changed.mapping[1].word = {};
+    changed.mapping[1].word[0] = {true, false, 4};
+    EXPECT_TRUE(rig.lower.requests.try_push(changed));
+    SetReferenceMapping other{9, before};
+    other.mapping[0].word = {};
+    other.mapping[0].word[0] = {true, false, 1};
+    EXPECT_TRUE(rig.lower.requests.try_push(other));
+  });
+  rig.run_until(1200 * rig.times.interval);
+  ASSERT_EQ(rig.terminals.size(), 2u);
+  const auto* refused = std::get_if<Refused>(&rig.terminals[0]);
+  ASSERT_NE(refused, nullptr);
+  EXPECT_EQ(refused->id, 8u);
+  EXPECT_EQ(refused->refusal, cansync::Refusal::lead_axis);
+  EXPECT_NE(std::get_if<CommandDone>(&rig.terminals[1]), nullptr) << "the other telegram is free";
+  const auto& mapping = rig.cluster->lower().settings().process.reference_mapping;
+  EXPECT_EQ(mapping[1], before[1]);
+  EXPECT_NE(mapping[0], before[0]);
+  // Every value still goes down whole.
+  const auto above = by_edge(rig.upper_trace, rig.upper_trace, 0x100 + kNumber, rig.times.interval);
+  unsigned found = 0;
+  for (const auto& [edge, value] : by_edge(rig.lower_trace, rig.upper_trace, 0x180, rig.times.interval)) {
+    if (edge < 1001 || !above.contains(edge)) continue;
+    EXPECT_EQ(value, above.at(edge)) << edge;
+    ++found;
+  }
+  EXPECT_GT(found, 50u);
+  EXPECT_EQ(rig.cluster->lead().counters(cansync::Channel::two).refused, 0u);
+}
+
 TEST(ClusterLoop, EdgesForWhichTheThreadIsTooLateAreSkippedBelowAndNoneFollowsInABurst) {
   ClusterRig rig;
   rig.at(microseconds(1'500'000), [&] { rig.upper_bus->late = microseconds(1700); });
