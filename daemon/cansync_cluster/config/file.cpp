@@ -94,6 +94,7 @@ std::string key_of(const std::string& field, const cansync::GatewaySettings& gat
     return fmt::format("sub_slave.{}.{}", gateway.routes[place()].number.value,
                        field.substr(field.rfind('.') + 1));
   if (field.starts_with("lead[")) return fmt::format("lead.{}.number", place());
+  if (field == "lower.process.too_old_after") return "lower.failsafe.reference_max_intervals";
   return field == "gateway.monitoring" ? "cluster.monitoring_ms" : field;
 }
 

@@ -85,6 +85,16 @@ void check_source(Problems& problems, const ClusterSettings& settings, std::uint
     problems.push_back({field, source_text(source) + ", a doubleword", "a word, as below"});
 }
 
+/// Values of the lead axis are for one interval: what is held after it is an older one in their place.
+void check_hold(Problems& problems, const ClusterSettings& settings) {
+  const auto given = [](const LeadSource& source) { return source.kind != LeadSource::Kind::none; };
+  const ProcessSettings& lower = settings.lower.process;
+  if (std::ranges::none_of(settings.lead, given) || lower.hold_too_old == 0 || lower.too_old_after != 1)
+    return;
+  problems.push_back({"lower.process.too_old_after", "1 where values that are too old are held",
+                      "0, or 2 and more: with 1 the lead axis would repeat old values"});
+}
+
 }  // namespace
 
 std::vector<SettingProblem> check(const ClusterSettings& settings) {
@@ -98,6 +108,7 @@ std::vector<SettingProblem> check(const ClusterSettings& settings) {
   for (std::uint8_t value = 0; value < kValues; ++value) {
     if (settings.lead[value].kind != LeadSource::Kind::none) check_source(problems, settings, value);
   }
+  check_hold(problems, settings);
   const GatewaySettings& gateway = settings.gateway;
   if (gateway.monitoring <= Duration(0) || gateway.monitoring >= gateway.asker_gone) {
     problems.push_back(

@@ -136,6 +136,14 @@ TEST_F(ClusterConfiguration, WhatDoesNotGoTogetherIsRefused) {
   EXPECT_EQ(problems(slave + "[cluster]\nmonitoring_ms = 9000\n"),
             "f.toml:4:17: cluster.monitoring_ms: found 9000 ms; allowed: 1 and more, and shorter than "
             "cluster.asker_gone_ms\n");
+  const std::string hold =
+      "[lower.failsafe]\nreaction = \"hold\"\nhold_intervals = 5\nreference_max_intervals = ";
+  const std::string lead = "[[lead]]\nnumber = 4\nvalue = 1\n";
+  EXPECT_EQ(problems(slave + lead + hold + "1\n"),
+            "f.toml: lower.failsafe.reference_max_intervals: found 1 where values that are too old are "
+            "held; allowed: 0, or 2 and more: with 1 the lead axis would repeat old values\n");
+  EXPECT_EQ(problems(slave + lead + hold + "2\n"), "");
+  EXPECT_EQ(problems(slave + hold + "1\n"), "");
   EXPECT_NE(problems(slave + "[upper.bus]\ninterface = \"can0\"\n").find("upper.sync.input: is \"none\""),
             std::string::npos);
   EXPECT_NE(problems(slave + "[upper.bus]\ninterface = \"can0\"\n[lower.bus]\ninterface = \"can0\"\n"
