@@ -27,8 +27,9 @@ std::optional<SlaveOrderDone> SlaveCommands::take() noexcept {
   }
   SlaveOrder order;
   if (!exchange_.commands.try_pop(order)) return std::nullopt;
-  if (of_cluster_) return SlaveOrderDone{order, SlaveRefusal::of_cluster};
   const auto* mode = std::get_if<SlaveModeOrder>(&order);
+  const bool resets = mode != nullptr && mode->mode == SlaveMode::reset_can;
+  if (of_cluster_ && !resets) return SlaveOrderDone{order, SlaveRefusal::of_cluster};
   if (mode == nullptr) {
     set(order);
     return SlaveOrderDone{order, SlaveRefusal::none};

@@ -14,7 +14,7 @@ namespace cansyncd {
 /// Realtime thread only; realtime safe.
 class SlaveCommands {
  public:
-  /// `of_cluster`: programs may not command it. All must outlive this object.
+  /// `of_cluster`: programs may do no more than reset its controller. All must outlive this object.
   SlaveCommands(cansync::Slave& slave, can::Bus& bus, SlaveExchange& exchange, SlaveTarget target,
                 bool of_cluster) noexcept
       : slave_(slave), bus_(bus), exchange_(exchange), target_(target), of_cluster_(of_cluster) {}

@@ -136,7 +136,17 @@ TEST(SlaveCommandsTest, S17ListeningBeginsAndEndsWhileItRuns) {
   EXPECT_EQ(core.slave.monitored(other)[0], 77u);
 }
 
-TEST(SlaveCommandsTest, TheSlaveOfAClusterTakesNone) {
+TEST(SlaveCommandsTest, TheControllerOfAClustersSlaveMayBeReset) {
+  SlaveRig rig;
+  CoreRig core(rig, true);
+  ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{7, SlaveMode::reset_can}));
+  const auto done = core.commands.take();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->refusal, SlaveRefusal::none);
+  EXPECT_EQ(core.slave.state(), State::active_slave);
+}
+
+TEST(SlaveCommandsTest, TheSlaveOfAClusterTakesNoOther) {
   SlaveRig rig;
   CoreRig core(rig, true);
   ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{7, SlaveMode::stop}));
