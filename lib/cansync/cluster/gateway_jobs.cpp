@@ -55,11 +55,16 @@ void GatewayParameter::forget(Master& lower) noexcept {
 void GatewayParameter::sent_below(const ParameterCommand& command) noexcept {
   const bool same = command.slave == question_.slave && command.sub_slave == question_.sub_slave &&
                     command.number == question_.number;
-  if (same && command.kind != ParameterCommand::Kind::read) forget_answer();
+  if (same && command.kind != ParameterCommand::Kind::read) doubt_answer();
 }
 
 void GatewayParameter::changed_below(SlaveMask slaves) noexcept {
-  if (slaves.has(question_.slave)) forget_answer();
+  if (slaves.has(question_.slave)) doubt_answer();
+}
+
+/// "Done" would be untrue for who gives the write again, and a second write for who did not get the answer.
+void GatewayParameter::doubt_answer() noexcept {
+  if (remembers()) answer_ = ParameterAnswer::refused(ParameterError::unspecified);
 }
 
 void GatewayParameter::at(IntervalNumber now, Master& lower) noexcept {

@@ -28,8 +28,8 @@ struct GatewayTimes {
 /// Each job goes down once and its answer goes up once. A write whose answer the asker did not get comes
 /// again as the same telegram: it is answered from memory and not written again until it counts as gone. The
 /// memory ends before that with any other question, which shows that the answer came (M 3.2.3.7: one at a
-/// time), and when the value below may be another: somebody else writes it, or its slave was away. One that
-/// was refused is asked below again. Realtime safe; not thread safe.
+/// time). When the value below may be another, because somebody else writes it or its slave was away, it
+/// says that nobody knows. One that was refused is asked below again. Realtime safe; not thread safe.
 class GatewayParameter {
  public:
   /// Nothing is open.
@@ -60,6 +60,7 @@ class GatewayParameter {
  private:
   bool is_question(const ParameterRequest& request) const noexcept;
   void forget_answer() noexcept { remembered_until_ = 0; }
+  void doubt_answer() noexcept;
 
   GatewayTimes times_;
   IntervalNumber now_ = 0;

@@ -419,7 +419,7 @@ TEST(ClusterJobs, K13AWriteThatWaitedTooLongBehindOthersIsNotSentAnyMore) {
   EXPECT_TRUE(leaf.applied.empty());
 }
 
-TEST(ClusterJobs, K13TheSameWriteIsGivenAgainWhenTheValueBelowMayBeAnother) {
+TEST(ClusterJobs, K13TheSameWriteIsNeitherDoneNorGivenAgainWhenTheValueBelowMayBeAnother) {
   Levels net;
   net.master.master.startup.status_period = {};
   net.a.cluster.lower.startup.status_period = net.times.interval * 50;
@@ -432,28 +432,35 @@ TEST(ClusterJobs, K13TheSameWriteIsGivenAgainWhenTheValueBelowMayBeAnother) {
     ASSERT_EQ(net.cluster().lower().submit(request), cansync::Refusal::none);
     net.run(20);
   };
-  const auto written = [&](unsigned times) {
-    ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
+  const auto written = [&](ParameterError error, unsigned times) {
+    EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).error, error);
     EXPECT_EQ(leaf.applied.size(), times);
   };
-  written(1);
+  const auto ask_else = [&] { static_cast<void>(net.end_of(net.read(0, kStatusWord))); };
+  written(ParameterError::none, 1);
   below(1, true);
-  written(3);
+  written(ParameterError::unspecified, 2);
+  written(ParameterError::unspecified, 2);
+  ask_else();
+  written(ParameterError::none, 3);
   // Reads and other slaves change nothing.
   below(1, false);
   below(0, true);
-  written(3);
+  written(ParameterError::none, 3);
   const auto responds = [&] { return net.cluster().lower().slave(*SlaveNumber::from(1)).responds; };
   leaf.deaf = true;
   ASSERT_TRUE(net.run_until([&] { return !responds(); }, 1000));
   leaf.deaf = false;
   ASSERT_TRUE(net.run_until(responds, 1000));
-  written(4);
+  written(ParameterError::unspecified, 3);
+  ask_else();
+  written(ParameterError::none, 4);
 }
 
 TEST(ClusterJobs, K13AWriteThatWasRefusedMayBeGivenAgainAtOnce) {
   for (const auto error : {ParameterError::not_available_now, ParameterError::unspecified}) {
     Levels net;
+    net.master.master.startup.status_period = {};
     net.start();
     net.of(kMiddle + 1).refusals = 1;
     net.of(kMiddle + 1).refusal = error;
