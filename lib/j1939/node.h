@@ -165,20 +165,22 @@ class Node {
   /// False: too many messages in packets are under way. `by_itself`: while the one before waits, another is
   /// not sent.
   bool send_provided(const Provided& provided, Address to, bool by_itself = false) noexcept;
+  void send_periodic() noexcept;
+  Time next_periodic() const noexcept;
   void acknowledge(const Message& request, Pgn number, std::uint8_t control) noexcept;
   void take_acknowledgement(const Message& message) noexcept;
   void answer_asked(const Message& message) noexcept;
 
-  // --- sending (node.cpp)
-  bool wants_claims_of_all(const Order& order) const noexcept;
+  // --- sending (node_send.cpp)
   can::Frame frame_for(const Order& order, Address source) const noexcept;
-  void follow_address() noexcept;
-  void send_periodic() noexcept;
-  Time next_periodic() const noexcept;
   void begin_sessions() noexcept;
   void take_ended() noexcept;
   void seen(const HandedOver& entry, Time end_of_frame) noexcept;
   void overtake(std::size_t count) noexcept;
+
+  // --- orders and their ends, and the address (node.cpp)
+  bool wants_claims_of_all(const Order& order) const noexcept;
+  void follow_address() noexcept;
   void end(const Order& order, Outcome outcome, const Answer& rest = {}) noexcept;
   void end_waiting(Outcome outcome) noexcept;
   void end_asked(Outcome outcome) noexcept;

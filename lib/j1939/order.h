@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -30,6 +31,12 @@ struct Order {
   /// of a request the memory for those of its answer. It stays where it is until the order has been answered.
   std::span<std::uint8_t> memory = {};
 };
+
+/// It goes in packets.
+constexpr bool is_long(const Order& order) noexcept {
+  constexpr std::size_t kFrameBytes = 8;
+  return order.kind == OrderKind::send && order.memory.size() > kFrameBytes;
+}
 
 /// Why an order is not taken; nothing was sent.
 enum class Refusal : std::uint8_t {
