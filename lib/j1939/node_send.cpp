@@ -44,7 +44,7 @@ std::optional<can::Frame> Node::next_frame() noexcept {
       consider(Owner::order, i, frame_for(order, kNullAddress));
     }
   }
-  for (std::size_t i = 0; i < TransportSender::kSessions; ++i) {
+  for (std::size_t i = 0; address && i < TransportSender::kSessions; ++i) {
     if (const auto frame = sender_.next_frame(i)) consider(Owner::session, i, *frame);
   }
   return offer_ ? std::optional(offer_->frame) : std::nullopt;
@@ -129,12 +129,12 @@ void Node::controller_emptied() noexcept {
   }
   offer_.reset();
   sender_.drop();
-  // Nothing is sent with the address until it is claimed anew.
+  // Nothing is sent with the address until it is claimed anew: no message that waits begins before.
   receiver_.drop_connections();
   replies_.clear();
-  take_ended();
   claim_.start(now_);
   follow_address();
+  take_ended();
 }
 
 /// Long messages for which there is room now.

@@ -319,6 +319,25 @@ TEST_F(TransportTest, AnEmptiedControllerEndsWhatWasBeingSent) {
   EXPECT_EQ(rig.node.transports(), 0u);
 }
 
+/// The address may be another node's by now.
+TEST_F(TransportTest, AfterAnEmptiedControllerAWaitingMessageWaitsForTheAddressToo) {
+  std::vector<std::uint8_t> second = counting(20);
+  const auto ask = frame(0x18EAFFFE, {0x00, 0xEE, 0x00});
+  for (const Address destination : {kOther, kGlobalAddress}) {
+    ASSERT_EQ(send(1, destination, twenty), Refusal::none);
+    ASSERT_EQ(send(2, destination, second), Refusal::none);
+    (void)rig.pump();
+    rig.node.controller_emptied();
+    EXPECT_EQ(rig.pump(), (std::vector{ask, own_claim(kOwn)}));
+    EXPECT_TRUE(rig.run(milliseconds(249)).empty());
+    const auto begun = rig.run(milliseconds(1));
+    ASSERT_EQ(begun.size(), 1u);
+    EXPECT_EQ(begun[0].data[0], destination == kOther ? 16 : 32) << "RTS or BAM";
+    EXPECT_TRUE(rig.node.cancel(2));
+    (void)rig.pump();
+  }
+}
+
 TEST_F(TransportTest, AnEmptiedControllerEndsWhatWasBeingReceivedUntilTheAddressIsClaimedAnew) {
   (void)rig.hear(frame(0x1CEC8022, {16, 20, 0, 3, 255, 0xF2, 0xFE, 0x00}));
   EXPECT_EQ(rig.node.transports(), 1u);
