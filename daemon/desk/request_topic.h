@@ -125,8 +125,10 @@ class GuardedReader {
     return {gateway::dds::key_of(request), bytes_of(request), whom == Addressee::another_daemon};
   }
   static std::size_t bytes_of(const Sample& request) {
-    if constexpr (requires { request.data._length; }) return request.data._length;
-    return 0;
+    std::size_t bytes = 0;
+    if constexpr (requires { request.data._length; }) bytes += request.data._length;
+    if constexpr (requires { request.long_data._length; }) bytes += request.long_data._length;
+    return bytes;
   }
 
   gateway::dds::KeyGuard guard_;
