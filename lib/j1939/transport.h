@@ -23,7 +23,7 @@ inline constexpr Time kT1 = std::chrono::milliseconds(750);   ///< receiver: bet
 inline constexpr Time kT2 = std::chrono::milliseconds(1250);  ///< receiver: from its CTS to a packet
 inline constexpr Time kT3 = std::chrono::milliseconds(1250);  ///< sender: to CTS or the acknowledgement
 inline constexpr Time kT4 = std::chrono::milliseconds(1050);  ///< sender: held, to the next CTS
-/// Most times one window of packets is asked for again.
+/// Most times a packet is asked for again, and those that follow it in its window.
 inline constexpr unsigned kMostRepeats = 2;
 
 /// Why a connection was broken off (control byte 255).

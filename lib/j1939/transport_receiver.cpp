@@ -80,6 +80,7 @@ TransportReceiver::Session* TransportReceiver::begin(const Identifier& from, Pgn
   session->offset = 0;
   session->offset_wanted = false;
   session->gap = false;
+  session->asked_again = 0;
   session->repeats = 0;
   session->until = now + kT1;
   session->data = memory;
@@ -165,8 +166,10 @@ void TransportReceiver::ask(Session& session, Time now) noexcept {
                               {packets, static_cast<std::uint8_t>(session.next), 0xFF, 0xFF}));
 }
 
-/// What was missed is asked for again, a bounded number of times for each message.
+/// What was missed is asked for again, a bounded number of times for each packet.
 void TransportReceiver::ask_again(Session& session, Time now) noexcept {
+  if (session.asked_again != session.next) session.repeats = 0;
+  session.asked_again = session.next;
   if (session.repeats == kMostRepeats) return break_off(session, AbortReason::too_many_repeats);
   ++session.repeats;
   ask(session, now);

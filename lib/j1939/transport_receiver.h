@@ -70,13 +70,14 @@ class TransportReceiver {
     std::uint8_t priority = 7;
     std::uint32_t size = 0;
     std::uint32_t packets = 0;
-    std::uint8_t most = 255;       ///< packets of one window, as the sender wants it
-    std::uint32_t next = 1;        ///< number of the packet that is waited for; packets + 1 does not occur
-    std::uint32_t window_end = 0;  ///< last one of the window
-    std::uint32_t offset = 0;      ///< extended: what the numbers of packets count from
-    bool offset_wanted = false;    ///< extended: the sender says first which packets follow
-    bool gap = false;              ///< one of the window was missed
-    std::uint8_t repeats = 0;
+    std::uint8_t most = 255;        ///< packets of one window, as the sender wants it
+    std::uint32_t next = 1;         ///< number of the packet that is waited for; packets + 1 does not occur
+    std::uint32_t window_end = 0;   ///< last one of the window
+    std::uint32_t offset = 0;       ///< extended: what the numbers of packets count from
+    bool offset_wanted = false;     ///< extended: the sender says first which packets follow
+    bool gap = false;               ///< one of the window was missed
+    std::uint32_t asked_again = 0;  ///< packet that was asked for again last
+    unsigned repeats = 0;           ///< times it was
     Time until{};
     std::span<std::uint8_t> data;  ///< memory for the message
     std::array<std::uint8_t, kMostBytes> own_memory = {};

@@ -161,8 +161,11 @@ void TransportSender::send_window(Session* session, std::uint32_t first, std::ui
   }
   if (first == 0 || first > session->packets || first > session->highest + 1u)
     return break_off(*session, AbortReason::bad_sequence);
-  if (first <= session->highest && ++session->repeats > kMostRepeats)
-    return break_off(*session, AbortReason::too_many_repeats);
+  if (first <= session->highest) {
+    if (first > session->asked_again) session->repeats = 0;
+    session->asked_again = std::max(session->asked_again, first);
+    if (++session->repeats > kMostRepeats) return break_off(*session, AbortReason::too_many_repeats);
+  }
   session->next = first;
   session->window_end = std::min(first + count - 1u, session->packets);
   session->offset = session->extended ? first - 1 : 0;

@@ -97,14 +97,15 @@ class TransportSender {
     Job job;
     bool extended = false;
     std::uint32_t packets = 0;
-    std::uint32_t next = 1;        ///< packet to be sent
-    std::uint32_t offset = 0;      ///< what the numbers of packets count from
-    std::uint32_t window_end = 0;  ///< last one of the window
-    std::uint32_t highest = 0;     ///< last packet that was ever sent
-    unsigned repeats = 0;
-    bool in_controller = false;  ///< a frame was handed over and not seen yet
-    Time not_before{};           ///< of its next frame
-    Time until = Time::max();    ///< the receiver must have said something
+    std::uint32_t next = 1;         ///< packet to be sent
+    std::uint32_t offset = 0;       ///< what the numbers of packets count from
+    std::uint32_t window_end = 0;   ///< last one of the window
+    std::uint32_t highest = 0;      ///< last packet that was ever sent
+    std::uint32_t asked_again = 0;  ///< furthest packet that was asked for again
+    unsigned repeats = 0;           ///< times that one, or one before it, was
+    bool in_controller = false;     ///< a frame was handed over and not seen yet
+    Time not_before{};              ///< of its next frame
+    Time until = Time::max();       ///< the receiver must have said something
     Ended ended;
   };
 
