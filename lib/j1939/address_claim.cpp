@@ -140,6 +140,12 @@ void AddressClaim::sent(const can::Frame& frame, Time end) noexcept {
   claimed_at_ = end + kClaimTime;
 }
 
+void AddressClaim::unseen(const can::Frame& frame) noexcept {
+  if (state_ != ClaimState::claiming || claimed_at_ != Time::max() || frame != claim_frame()) return;
+  say_ = true;
+  say_not_before_ = now_;
+}
+
 void AddressClaim::advance(Time now) noexcept {
   now_ = now;
   if (state_ == ClaimState::claiming && claimed_at_ <= now) {

@@ -76,6 +76,8 @@ class AddressClaim {
   void handed_over() noexcept;
   /// A frame of its own stood on the bus until `end`.
   void sent(const can::Frame& frame, Time end) noexcept;
+  /// A frame of its own is not waited for any more; nobody knows whether it stood on the bus.
+  void unseen(const can::Frame& frame) noexcept;
 
   /// It is `now`.
   void advance(Time now) noexcept;

@@ -176,6 +176,7 @@ class Node {
   void begin_sessions() noexcept;
   void take_ended() noexcept;
   void seen(const HandedOver& entry, Time end_of_frame) noexcept;
+  void unseen(const HandedOver& entry) noexcept;
   void overtake(std::size_t count) noexcept;
 
   // --- orders and their ends, and the address (node.cpp)

@@ -78,11 +78,18 @@ void Node::handed_over() noexcept {
   handed_over_.push(entry);
 }
 
-/// What follows from a frame that stood on the bus, or is taken to have.
+/// What follows from a frame that stood on the bus.
 void Node::seen(const HandedOver& entry, Time end_of_frame) noexcept {
   if (entry.owner == Owner::claim) claim_.sent(entry.frame, end_of_frame);
   if (entry.owner == Owner::session && sender_.job_at(entry.session) == entry.id)
     sender_.sent(entry.session, end_of_frame);
+}
+
+/// What follows from one of which nobody knows whether it did.
+void Node::unseen(const HandedOver& entry) noexcept {
+  if (entry.owner == Owner::claim) claim_.unseen(entry.frame);
+  if (entry.owner == Owner::session && sender_.job_at(entry.session) == entry.id)
+    sender_.unseen(entry.session, now_);
 }
 
 void Node::echo(const can::Frame& frame, Time end_of_frame) noexcept {
@@ -112,7 +119,7 @@ void Node::overtake(std::size_t count) noexcept {
     HandedOver& entry = handed_over_[i];
     entry.overtaken = true;
     if (entry.owner == Owner::order && !entry.answered) continue;
-    seen(entry, now_);
+    unseen(entry);
     handed_over_.erase(i);
   }
 }

@@ -131,6 +131,15 @@ void TransportSender::sent(std::size_t index, Time end_of_frame) noexcept {
   if (session.step == Step::finished) end(session, SendEnd::done, 0, end_of_frame);
 }
 
+void TransportSender::unseen(std::size_t index, Time now) noexcept {
+  Session& session = sessions_[index];
+  if (session.in_controller && session.job.destination == kGlobalAddress) {
+    end(session, SendEnd::no_answer, 0, {});
+  } else {
+    sent(index, now);
+  }
+}
+
 TransportSender::Session* TransportSender::find(Address destination, Pgn number, bool extended) noexcept {
   for (Session& session : sessions_) {
     const bool open = session.step != Step::free && session.step != Step::over;

@@ -57,8 +57,11 @@ class TransportSender {
   std::optional<can::Frame> next_frame(std::size_t index) const noexcept;
   /// The bus took it at `now`.
   void handed_over(std::size_t index, Time now) noexcept;
-  /// It stood on the bus until `end`, or is known to have been sent.
+  /// It stood on the bus until `end`.
   void sent(std::size_t index, Time end) noexcept;
+  /// It is not waited for any more at `now`, and nobody knows whether it stood on the bus. A broadcast ends as
+  /// `SendEnd::no_answer`; of a connection the receiver says what it has.
+  void unseen(std::size_t index, Time now) noexcept;
 
   /// The receiver asks for packets.
   void clear_to_send(Address from, const can::Frame& frame, Time now) noexcept;

@@ -30,7 +30,17 @@ class LostFrames : public ::testing::Test {
     return frame(0x1CEC8021, {17, count, first, 255, 255, 0xF2, 0xFE, 0x00});
   }
 
+  /// A message in one frame, which is handed over and seen on the bus.
+  void see_another_frame() {
+    ASSERT_EQ(rig.node.submit(
+                  {.id = 2, .number = 0xFEF1, .priority = 3, .timeout = milliseconds(100), .memory = another},
+                  rig.now),
+              Refusal::none);
+    EXPECT_EQ(rig.pump().size(), 1u);
+  }
+
   NodeRig rig;
+  std::vector<std::uint8_t> another = {1};
 };
 
 // --- packets that are asked for again
@@ -81,6 +91,72 @@ TEST_F(LostFrames, WhoAsksForEarlierPacketsThanBeforeGainsNoMoreRepeats) {
   ASSERT_EQ(said.size(), 1u);
   EXPECT_EQ(said[0].data[0], 255);
   EXPECT_EQ(said[0].data[1], 5) << "too many repeats";
+}
+
+// --- own frames that are not seen on the bus
+
+/// A frame of it is handed over and not seen, a later one is.
+TEST_F(LostFrames, ABroadcastOfWhichAFrameWasNotSeenIsNotDone) {
+  std::vector<std::uint8_t> data = counting(20);
+  for (const int unseen : {0, 1, 3}) {
+    ASSERT_EQ(send(1, kGlobalAddress, data), Refusal::none);
+    if (unseen > 0) (void)rig.run(milliseconds(50) * unseen - milliseconds(1));
+    rig.echoes = false;
+    EXPECT_EQ(rig.run(milliseconds(1)).size(), 1u);
+    rig.echoes = true;
+    see_another_frame();
+    const auto all = rig.answers();
+    ASSERT_EQ(all.size(), 2u) << unseen;
+    EXPECT_EQ(all[1].id, 1u);
+    EXPECT_EQ(all[1].outcome, Outcome::no_answer);
+    EXPECT_TRUE(rig.run(seconds(1)).empty()) << "the rest would be of no use";
+  }
+}
+
+TEST_F(LostFrames, ABroadcastWhoseEchoWasDroppedIsNotDone) {
+  std::vector<std::uint8_t> data = counting(20);
+  ASSERT_EQ(send(1, kGlobalAddress, data), Refusal::none);
+  (void)rig.run(milliseconds(149));
+  rig.echoes = false;
+  EXPECT_EQ(rig.run(milliseconds(1)).size(), 1u) << "the last packet";
+  rig.node.echoes_lost();
+  EXPECT_EQ(rig.answers().at(0).outcome, Outcome::no_answer);
+}
+
+/// There the receiver tells what it has.
+TEST_F(LostFrames, AConnectionGoesOnWhenFramesWereNotSeen) {
+  std::vector<std::uint8_t> data = counting(14);
+  for (const bool dropped : {false, true}) {
+    rig.echoes = false;
+    ASSERT_EQ(send(1, kOther, data), Refusal::none);
+    EXPECT_EQ(rig.pump().size(), 1u);
+    if (dropped) {
+      rig.node.echoes_lost();
+    } else {
+      rig.echoes = true;
+      see_another_frame();
+      (void)rig.answers();
+    }
+    rig.echoes = true;
+    EXPECT_EQ(rig.hear(clear_to_send(2, 1)).size(), 2u);
+    (void)rig.hear(frame(0x1CEC8021, {19, 14, 0, 2, 255, 0xF2, 0xFE, 0x00}));
+    EXPECT_EQ(rig.answers().at(0).outcome, Outcome::done);
+  }
+}
+
+/// An address is nobody's by a claim that nobody heard.
+TEST_F(LostFrames, AClaimThatWasNotSeenIsSaidAgain) {
+  NodeRig fresh;
+  fresh.echoes = false;
+  EXPECT_EQ(fresh.pump().size(), 2u) << "the request and the claim";
+  fresh.node.echoes_lost();
+  EXPECT_EQ(fresh.pump(), std::vector{own_claim(kOwn)});
+  (void)fresh.run(milliseconds(250));
+  EXPECT_EQ(fresh.node.claim().state(), ClaimState::claiming);
+  fresh.node.echoes_lost();
+  fresh.echoes = true;
+  (void)fresh.run(milliseconds(250));
+  EXPECT_EQ(fresh.node.claim().state(), ClaimState::claimed);
 }
 
 }  // namespace
