@@ -143,14 +143,7 @@ void Node::advance(Time now) noexcept {
       ++i;
     }
   }
-  for (std::size_t i = 0; i < asked_.size();) {
-    if (asked_[i].until > now) {
-      ++i;
-      continue;
-    }
-    end(asked_[i].order, Outcome::no_answer);
-    asked_.erase(i);
-  }
+  end_unanswered();
   for (std::size_t i = 0; i < waiting_.size();) {
     if (waiting_[i].until > now) {
       ++i;
@@ -163,11 +156,30 @@ void Node::advance(Time now) noexcept {
   take_ended();
 }
 
+/// The requests whose time is over. An answer that is coming in packets then is waited for, and no other:
+/// whoever begins again and again would hold its place.
+void Node::end_unanswered() noexcept {
+  for (std::size_t i = 0; i < asked_.size();) {
+    Open& asked = asked_[i];
+    const bool over = asked.until <= now_;
+    if (over && asked.answer == 0)
+      asked.answer = receiver_.coming(asked.order.number, asked.order.destination);
+    if (!over || receiver_.is_coming(asked.answer)) {
+      ++i;
+      continue;
+    }
+    end(asked.order, Outcome::no_answer);
+    asked_.erase(i);
+  }
+}
+
 Time Node::next_deadline() const noexcept {
   Time next =
       std::min({claim_.next_deadline(), receiver_.next_deadline(), sender_.next_deadline(), next_periodic()});
   for (std::size_t i = 0; i < waiting_.size(); ++i) next = std::min(next, waiting_[i].until);
-  for (std::size_t i = 0; i < asked_.size(); ++i) next = std::min(next, asked_[i].until);
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    if (!receiver_.is_coming(asked_[i].answer)) next = std::min(next, asked_[i].until);
+  }
   for (std::size_t i = 0; i < sending_.size(); ++i) next = std::min(next, sending_[i].open.until);
   for (std::size_t i = 0; i < handed_over_.size(); ++i) {
     const HandedOver& entry = handed_over_[i];

@@ -130,6 +130,7 @@ class Node {
   struct Open {
     Order order;
     Time until{};
+    std::uint64_t answer = 0;  ///< of a request that is on the bus: what was coming at `until`; 0: nothing
   };
   enum class Owner : std::uint8_t { claim, reply, order, session };
   struct Offer {
@@ -185,6 +186,7 @@ class Node {
   void end(const Order& order, Outcome outcome, const Answer& rest = {}) noexcept;
   void end_waiting(Outcome outcome) noexcept;
   void end_asked(Outcome outcome) noexcept;
+  void end_unanswered() noexcept;
   std::size_t open() const noexcept;
 
   NodeSettings settings_;

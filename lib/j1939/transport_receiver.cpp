@@ -67,6 +67,7 @@ TransportReceiver::Session* TransportReceiver::begin(const Identifier& from, Pgn
     return nullptr;
   }
   session->used = true;
+  session->message = ++messages_;
   session->kind = kind;
   session->source = from.source;
   session->own = destination_of(from);
@@ -278,6 +279,18 @@ Time TransportReceiver::next_deadline() const noexcept {
     if (session.used) next = std::min(next, session.until);
   }
   return next;
+}
+
+std::uint64_t TransportReceiver::coming(Pgn number, Address source) const noexcept {
+  for (const Session& session : sessions_) {
+    if (session.used && session.number == number && session.source == source) return session.message;
+  }
+  return 0;
+}
+
+bool TransportReceiver::is_coming(std::uint64_t message) const noexcept {
+  return std::any_of(sessions_.begin(), sessions_.end(),
+                     [&](const Session& one) { return one.used && one.message == message; });
 }
 
 std::size_t TransportReceiver::open() const noexcept {

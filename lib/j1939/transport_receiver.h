@@ -56,6 +56,10 @@ class TransportReceiver {
 
   /// As of now.
   const ReceiverCounters& counters() const noexcept { return counters_; }
+  /// A message of this group that is being put together out of packets of `source`; 0: none.
+  std::uint64_t coming(Pgn number, Address source) const noexcept;
+  /// That message is being put together still.
+  bool is_coming(std::uint64_t message) const noexcept;
   /// Messages that are being put together, 0..kSessions.
   std::size_t open() const noexcept;
 
@@ -63,6 +67,7 @@ class TransportReceiver {
   enum class Kind : std::uint8_t { broadcast, connection, extended };
   struct Session {
     bool used = false;
+    std::uint64_t message = 0;  ///< over 0, each its own
     Kind kind = Kind::connection;
     Address source = 0;
     Address own = 0;  ///< of a connection: to whom it was asked for
@@ -100,6 +105,7 @@ class TransportReceiver {
   std::size_t most_;
   std::vector<std::uint8_t> extended_memory_;  ///< kExtended times `most_`
   ReceiverCounters counters_;
+  std::uint64_t messages_ = 0;  ///< begun so far
 };
 
 }  // namespace j1939

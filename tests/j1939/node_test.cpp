@@ -197,6 +197,54 @@ TEST_F(NodeTest, ARequestThatNobodyAnswersEndsWithItsMonitoringTime) {
   EXPECT_EQ(only_answer().outcome, Outcome::no_answer);
 }
 
+/// A broadcast of 30 packets, 200 ms apart, takes 6 s.
+TEST_F(NodeTest, ARequestWaitsForTheAnswerThatIsComing) {
+  ASSERT_EQ(rig.node.submit(request(1, 0xFEEB, kOther), rig.now), Refusal::none);
+  (void)rig.pump();
+  (void)rig.run(milliseconds(100));
+  (void)rig.hear(frame(0x1CECFF21, {32, 210, 0, 30, 255, 0xEB, 0xFE, 0x00}));
+  for (int i = 1; i <= 30; ++i) {
+    EXPECT_TRUE(rig.answers().empty()) << i;
+    (void)rig.run(milliseconds(200));
+    (void)rig.hear(frame(0x1CEBFF21, {i, 1, 2, 3, 4, 5, 6, 7}));
+  }
+  const Answer answer = only_answer();
+  EXPECT_EQ(answer.outcome, Outcome::done);
+  EXPECT_EQ(answer.size, 210u);
+}
+
+TEST_F(NodeTest, ARequestWaitsForAnAnswerNoLongerThanItIsComing) {
+  const can::Frame announcement = frame(0x1CECFF21, {32, 210, 0, 30, 255, 0xEB, 0xFE, 0x00});
+  ASSERT_EQ(rig.node.submit(request(1, 0xFEEB, kOther), rig.now), Refusal::none);
+  (void)rig.pump();
+  (void)rig.run(milliseconds(1000));
+  (void)rig.hear(announcement);
+  (void)rig.run(milliseconds(749));
+  EXPECT_TRUE(rig.answers().empty());
+  (void)rig.run(milliseconds(1));
+  EXPECT_EQ(only_answer().outcome, Outcome::no_answer) << "T1";
+
+  ASSERT_EQ(rig.node.submit(request(2, 0xFEEB, kOther), rig.now), Refusal::none);
+  (void)rig.pump();
+  (void)rig.hear(announcement);
+  for (int i = 0; i < 5; ++i) {
+    (void)rig.run(milliseconds(500));
+    (void)rig.hear(announcement);
+  }
+  EXPECT_EQ(only_answer().outcome, Outcome::no_answer) << "who begins again and again does not hold it";
+
+  ASSERT_EQ(rig.node.submit(request(3, 0xFEEB, kOther), rig.now), Refusal::none);
+  (void)rig.pump();
+  (void)rig.hear(frame(0x1CECFF22, {32, 210, 0, 30, 255, 0xEB, 0xFE, 0x00}));
+  (void)rig.hear(frame(0x1CECFF21, {32, 210, 0, 30, 255, 0xEC, 0xFE, 0x00}));
+  for (int i = 1; i <= 3; ++i) {
+    (void)rig.run(milliseconds(500));
+    (void)rig.hear(frame(0x1CEBFF22, {i, 1, 2, 3, 4, 5, 6, 7}));
+    (void)rig.hear(frame(0x1CEBFF21, {i, 1, 2, 3, 4, 5, 6, 7}));
+  }
+  EXPECT_EQ(only_answer().outcome, Outcome::no_answer) << "of another node, of another group";
+}
+
 TEST_F(NodeTest, ARequestToAllIsDoneWhenItWasSent) {
   ASSERT_EQ(rig.node.submit(request(1, 0xFEE5, kGlobalAddress), rig.now), Refusal::none);
   EXPECT_EQ(rig.pump(), std::vector{frame(0x18EAFF80, {0xE5, 0xFE, 0x00})});

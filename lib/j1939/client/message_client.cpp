@@ -22,6 +22,8 @@ using std::chrono::steady_clock;
 constexpr milliseconds kLook{20};
 /// From the end of a request's monitoring time to its reply, and from a cancel to it.
 constexpr milliseconds kGrace{5000};
+/// For an answer in packets that is coming when the monitoring time ends: 255 of them, each within T1.
+constexpr milliseconds kLongestAnswer{240'000};
 /// For the monitoring time of a daemon that has not told its own.
 constexpr milliseconds kDefaultMonitoring{1000};
 
@@ -112,10 +114,12 @@ Result MessageClient::request(j1939_MessageKind kind, const Message& message, st
   Begun begun = begin(kind, message, timeout_ms);
   if (begun.not_begun) return *std::move(begun.not_begun);
   const auto by_default = newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;
-  return await_reply(begun.request, timeout_ms != 0
-                                        ? milliseconds(timeout_ms)
-                                        : std::chrono::duration_cast<milliseconds>(
-                                              dds::monitoring_time(message.data.size(), by_default)));
+  const auto monitoring =
+      timeout_ms != 0
+          ? milliseconds(timeout_ms)
+          : std::chrono::duration_cast<milliseconds>(dds::monitoring_time(message.data.size(), by_default));
+  const bool is_answered = kind == j1939_MESSAGE_ASK && message.destination != kGlobalAddress;
+  return await_reply(begun.request, monitoring + (is_answered ? kLongestAnswer : kGrace));
 }
 
 bool MessageClient::may_answer(const gateway::dds::DaemonIdentity& daemon) {
@@ -124,14 +128,14 @@ bool MessageClient::may_answer(const gateway::dds::DaemonIdentity& daemon) {
   return false;
 }
 
-Result MessageClient::await_reply(std::uint64_t request, milliseconds monitoring) {
+Result MessageClient::await_reply(std::uint64_t request, milliseconds longest) {
   const auto daemon = sight_.choice().daemon();
   const auto without_reply = [](std::string reason) {
     Result result;
     result.reason = std::move(reason);
     return result;
   };
-  auto end = steady_clock::now() + monitoring + kGrace;
+  auto end = steady_clock::now() + longest;
   bool cancelled = false;
   while (!cancelled || steady_clock::now() < end) {
     if (auto result = take_reply(request)) return *std::move(result);

@@ -73,7 +73,8 @@ class MessageClient {
 
   /// Sends a message (MESSAGE_SEND) or asks for a group (MESSAGE_ASK), and waits for the reply. `timeout_ms`:
   /// monitoring time, 0 = the daemon's default. When `stop` is set, or no reply has come 5 s after the
-  /// monitoring time, the request is taken back, and the reply says whether that was in time.
+  /// monitoring time (asking one node, 4 min: its answer may be coming in packets), the request is taken back,
+  /// and the reply says whether that was in time.
   Result request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms);
 
   /// Like `request`, without waiting: `look` tells how it ended. Which daemon is asked goes by the last
@@ -116,7 +117,7 @@ class MessageClient {
   std::optional<Result> take_reply(std::uint64_t request);
   void take_replies(const std::function<void(std::uint64_t, const Result&)>& ended);
   void take_state();
-  Result await_reply(std::uint64_t request, std::chrono::milliseconds monitoring);
+  Result await_reply(std::uint64_t request, std::chrono::milliseconds longest);
   void cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon);
   /// Takes the state until `there`, the daemon has gone, or `time` is over.
   void look_until(std::chrono::milliseconds time, const std::function<bool()>& there);
