@@ -75,6 +75,13 @@ constexpr bool is_pgn(Pgn number) noexcept {
   return number <= kLargestPgn && (!has_destination(number) || (number & 0xFF) == 0);
 }
 
+/// Carried by the protocol itself, which alone sends them.
+constexpr bool is_reserved(Pgn number) noexcept {
+  return number == pgn::kTransportControl || number == pgn::kTransportData ||
+         number == pgn::kExtendedTransportControl || number == pgn::kExtendedTransportData ||
+         number == pgn::kAddressClaimed;
+}
+
 /// The group an identifier belongs to: with PDU1 without its destination.
 constexpr Pgn pgn_of(const Identifier& parts) noexcept {
   const Pgn number =

@@ -11,13 +11,6 @@ bool is_extended(const Order& order) noexcept {
   return order.kind == OrderKind::send && order.memory.size() > kMostBytes;
 }
 
-/// Carried by the protocol itself: nobody else may send them.
-constexpr bool is_reserved(Pgn number) noexcept {
-  return number == pgn::kTransportControl || number == pgn::kTransportData ||
-         number == pgn::kExtendedTransportControl || number == pgn::kExtendedTransportData ||
-         number == pgn::kAddressClaimed;
-}
-
 bool can_be_sent(const Order& order) noexcept {
   if (!is_pgn(order.number) || order.priority > 7 || order.destination == kNullAddress) return false;
   if (order.kind == OrderKind::request) return true;

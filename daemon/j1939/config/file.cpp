@@ -9,11 +9,18 @@
 namespace cansyncd {
 namespace {
 
-std::string no_group(j1939::Pgn number) {
-  return fmt::format(
-      "found 0x{:X}, whose lowest byte is the destination's place below PDU format 240; "
-      "allowed: 0x{:X}",
-      number, number & ~0xFFu);
+/// `key` says what a node sends.
+void check_group(j1939::Pgn number, const std::string& key, Findings& findings) {
+  if (!j1939::is_pgn(number))
+    findings.problem(
+        key, fmt::format("found 0x{:X}, whose lowest byte is the destination's place below PDU format 240; "
+                         "allowed: 0x{:X}",
+                         number, number & ~0xFFu));
+  if (j1939::is_reserved(number))
+    findings.problem(
+        key, fmt::format("found 0x{:X}, which the transport protocol or the address claim themselves send; "
+                         "allowed: all but 0xC700, 0xC800, 0xEB00, 0xEC00, 0xEE00",
+                         number));
 }
 
 void finish_pgn_ranges(J1939Draft& draft, Findings& findings) {
@@ -37,8 +44,7 @@ void finish_provided(J1939Draft& draft, Findings& findings) {
     const J1939Draft::Offer& found = draft.provided[n];
     if (!found.given) continue;
     draft.config.provided.push_back(found.provided);
-    if (!j1939::is_pgn(found.provided.number))
-      findings.problem(fmt::format("provide.{}.pgn", n), no_group(found.provided.number));
+    check_group(found.provided.number, fmt::format("provide.{}.pgn", n), findings);
     if (found.provided.period > j1939::Time{0} && found.provided.data.empty())
       findings.problem(fmt::format("provide.{}.period_ms", n),
                        "found without data; allowed: with the bytes that are sent (data)");
@@ -53,8 +59,7 @@ void finish_ecus(J1939Draft& draft, Findings& findings) {
     // Those who were given no identity of their own still need different NAMEs.
     if (found.ecu.name == j1939::NameFields{}) found.ecu.name.identity = 1000 + n;
     draft.config.ecus.push_back(found.ecu);
-    if (!j1939::is_pgn(found.ecu.group))
-      findings.problem(fmt::format("ecu.{}.pgn", n), no_group(found.ecu.group));
+    check_group(found.ecu.group, fmt::format("ecu.{}.pgn", n), findings);
     if (found.ecu.destination == j1939::kNullAddress)
       findings.problem(fmt::format("ecu.{}.destination", n), "found 254; allowed: 0..253, or 255 for all");
   }

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -103,6 +104,14 @@ TEST_F(J1939Configuration, WhatIsWrongNamesItsPlace) {
   EXPECT_NE(problems("[[provide]]\nnumber = 0\npgn = 0xEF01\n").find("f.toml:3"), std::string::npos);
   EXPECT_NE(problems("[[provide]]\nnumber = 0\npgn = 0xFEEB\nperiod_ms = 100\n").find("without data"),
             std::string::npos);
+  for (const char* section : {"provide", "ecu"}) {
+    for (const char* own : {"0xC700", "0xC800", "0xEB00", "0xEC00", "0xEE00"}) {
+      const std::string text = fmt::format("[[{}]]\nnumber = 0\npgn = {}\n", section, own);
+      EXPECT_NE(problems(text).find(fmt::format("f.toml:3:7: {}.0.pgn: found {}, which", section, own)),
+                std::string::npos)
+          << problems(text);
+    }
+  }
   EXPECT_NE(problems("[[receive]]\nnumber = 0\nfirst = 5\nlast = 4\n").find("f.toml:3"), std::string::npos);
   EXPECT_NE(problems("[address]\nfirst_other = 140\nlast_other = 130\n").find("f.toml:2"), std::string::npos);
   EXPECT_NE(problems("[address]\npreferred = 254\n").find("f.toml:2"), std::string::npos);
