@@ -42,9 +42,11 @@ constexpr auto kDaemonRows = std::to_array<DaemonRow>({
             "wakes.")),
     chosen<kOneShot>(
         [](auto& c) -> auto& { return c.bus.one_shot; },
-        word("bus.one_shot",
-             "One-shot mode of the controller, in which no telegram goes out late: enforce = send nothing "
-             "without it, prefer = say so, ignore = do not ask.")),
+        word(
+            "bus.one_shot",
+            "One-shot mode of the controller, in which no telegram goes out late, and one that loses the bus "
+            "to another node's frame is gone: enforce = send nothing without it, prefer = say so, ignore = "
+            "do not ask.")),
     {example(
          "0x40",
          whole_number(

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/bus/socketcan_line.h"
 #include "daemon/protocols.h"
 
 namespace cansyncd {
@@ -157,6 +158,21 @@ TEST(ShippedConfiguration, EachProtocolHasItsNameAsTheFirstOption) {
     EXPECT_EQ(first.key, "bus.protocol");
     EXPECT_EQ(first.choices, protocol->name);
   }
+}
+
+/// Where a frame may lose the bus to another node's at any time, one-shot mode would lose it for good.
+TEST_F(ProtocolOfAFile, OneShotModeIsAdvisedOnlyWhereFramesHaveTheirSlots) {
+  can::LinkFacts facts;
+  facts.present = facts.is_can = true;
+  facts.one_shot = false;
+  const auto advice = [&](const std::string& protocol) {
+    const fs::path file = folder_ / "advice.toml";
+    std::ofstream(file) << "[bus]\nprotocol = \"" << protocol << "\"\ninterface = \"can0\"\n";
+    return one_shot_advice(load_configuration(file.string(), {}, protocols()).daemon.bus, facts);
+  };
+  EXPECT_NE(advice("cansync-master"), "");
+  EXPECT_EQ(advice("j1939"), "");
+  EXPECT_EQ(advice("layer2"), "");
 }
 
 TEST(ShippedConfiguration, TheDefaultFileIsWhatTheProgramPrints) {

@@ -42,7 +42,11 @@ struct SimEcuConfig {
 
 /// Everything.
 struct J1939Config : DaemonConfig {
-  J1939Config() { bus.bits_per_second = 250'000; }
+  J1939Config() {
+    bus.bits_per_second = 250'000;
+    // Frames of other nodes begin at any time: in one-shot mode the weaker is lost.
+    bus.one_shot = OneShot::ignore;
+  }
 
   std::optional<j1939::Address> preferred;  ///< 0..253; nothing: it listens only
   j1939::Address first_other = 128;         ///< 0..253

@@ -67,7 +67,11 @@ inline constexpr int kLongestFrameBits = 160;
 
 /// Everything.
 struct Layer2Config : DaemonConfig {
-  Layer2Config() { bus.bits_per_second = 500'000; }
+  Layer2Config() {
+    bus.bits_per_second = 500'000;
+    // Frames of other nodes begin at any time: in one-shot mode the weaker is lost.
+    bus.one_shot = OneShot::ignore;
+  }
 
   std::vector<layer2::ReceiveRange> receive;  ///< by number, at most RangeFilter::kMostRanges, all in order
   std::uint8_t node_filter = 0;               ///< 1..127: in place of `receive`; 0: none
