@@ -20,6 +20,8 @@ void FairLanes::remove(JobId id) {
   if (where.given) {
     --lane->second.given;
     --together_[where.lane.kind];
+    const auto own = lane->second.given_of.find(where.client);
+    if (--own->second == 0) lane->second.given_of.erase(own);
   } else {
     drop_waiting(lane->second, where.client, id);
   }
@@ -50,8 +52,8 @@ std::vector<LaneTurn> FairLanes::turns(std::span<const JobId> ids) const {
 std::optional<Lane> FairLanes::next_lane() const {
   const auto may_give = [this](const auto& entry) {
     const std::uint8_t kind = entry.first.kind;
-    return !entry.second.turns.empty() && entry.second.given < limits_.at(kind).in_lane &&
-           together_[kind] < limits_[kind].together;
+    return entry.second.given < limits_.at(kind).in_lane && together_[kind] < limits_[kind].together &&
+           next_client(entry.first, entry.second) != entry.second.turns.end();
   };
   const auto after = last_ ? lanes_.upper_bound(*last_) : lanes_.begin();
   auto found = std::find_if(after, lanes_.end(), may_give);
@@ -62,24 +64,33 @@ std::optional<Lane> FairLanes::next_lane() const {
   return found->first;
 }
 
+std::deque<ClientIdentity>::const_iterator FairLanes::next_client(Lane lane, const Queue& queue) const {
+  return std::find_if(queue.turns.begin(), queue.turns.end(), [&](const ClientIdentity& client) {
+    const auto own = queue.given_of.find(client);
+    return own == queue.given_of.end() || own->second < limits_[lane.kind].of_client;
+  });
+}
+
 JobId FairLanes::first_of(Lane lane) const {
   const Queue& queue = lanes_.at(lane);
-  return queue.waiting.at(queue.turns.front()).front();
+  return queue.waiting.at(*next_client(lane, queue)).front();
 }
 
 void FairLanes::given(Lane lane) {
   Queue& queue = lanes_.at(lane);
-  const ClientIdentity client = queue.turns.front();
+  const auto turn = next_client(lane, queue);
+  const ClientIdentity client = *turn;
   const auto own = queue.waiting.find(client);
   jobs_.at(own->second.front()).given = true;
   own->second.pop_front();
-  queue.turns.pop_front();
+  queue.turns.erase(turn);
   if (own->second.empty()) {
     queue.waiting.erase(own);
   } else {
     queue.turns.push_back(client);
   }
   ++queue.given;
+  ++queue.given_of[client];
   ++together_[lane.kind];
   last_ = lane;
 }

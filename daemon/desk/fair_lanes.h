@@ -41,6 +41,8 @@ struct Lane {
 struct LaneLimit {
   unsigned in_lane = 1;                                      ///< of one lane
   unsigned together = std::numeric_limits<unsigned>::max();  ///< of all lanes of the kind
+  unsigned of_client =
+      std::numeric_limits<unsigned>::max();  ///< of one lane and one client, over 0: where one may stay long
 };
 
 /// Whether a request has its turn.
@@ -57,7 +59,8 @@ using LaneLimits = std::vector<LaneLimit>;
 /// In each lane the clients that have requests waiting take turns, one request each; those of one client keep
 /// their order. With `in_lane` requests of a lane given and n other clients waiting in it, a client's first
 /// request there is the (in_lane + n + 1)th to end at the latest, however many the others have. Lanes that
-/// share the limit `together` take turns too. Not thread safe; allocates.
+/// share the limit `together` take turns too. Who has `of_client` of a lane given keeps its turn until one of
+/// them ends, and the others go on. Not thread safe; allocates.
 class FairLanes {
  public:
   /// A lane of a kind that has no limit must not be used.
@@ -93,6 +96,7 @@ class FairLanes {
   struct Queue {
     std::deque<ClientIdentity> turns;  ///< clients with waiting requests, the next in front
     std::map<ClientIdentity, std::deque<JobId>> waiting;
+    std::map<ClientIdentity, unsigned> given_of;  ///< of clients that have some
     unsigned given = 0;
   };
   struct Where {
@@ -102,6 +106,8 @@ class FairLanes {
   };
 
   std::optional<Lane> next_lane() const;
+  /// The client of `turns` that gives next; its end: all have their share.
+  std::deque<ClientIdentity>::const_iterator next_client(Lane lane, const Queue& queue) const;
   JobId first_of(Lane lane) const;
   void given(Lane lane);
   static void drop_waiting(Queue& queue, const ClientIdentity& client, JobId id);

@@ -42,6 +42,15 @@ bool Node::wants_claims_of_all(const Order& order) const noexcept {
   return order.kind == OrderKind::request && order.number == pgn::kAddressClaimed;
 }
 
+bool Node::has_room(const Order& order) const noexcept {
+  // Each open order has room for its answer.
+  if (open() >= kMostOpen) return false;
+  if (order.kind == OrderKind::request) return requests_ < kMostRequests;
+  std::size_t messages = 0;
+  for (std::size_t i = 0; i < waiting_.size(); ++i) messages += waiting_[i].order.kind == OrderKind::send;
+  return messages < queue_;
+}
+
 Refusal Node::submit(const Order& order, Time now) noexcept {
   now_ = std::max(now_, now);
   if (stopped_) return Refusal::stopped;
@@ -50,9 +59,7 @@ Refusal Node::submit(const Order& order, Time now) noexcept {
   if (!can_be_sent(order)) return Refusal::bad_order;
   if (is_extended(order) && order.destination == kGlobalAddress) return Refusal::too_long_for_all;
   if (!claim_.wanted() && !wants_claims_of_all(order)) return Refusal::no_address;
-  // Each open order has room for its answer.
-  if (waiting_.size() >= queue_ || open() >= kMostOpen) return Refusal::queue_full;
-  if (order.kind == OrderKind::request && requests_ >= kMostRequests) return Refusal::queue_full;
+  if (!has_room(order)) return Refusal::queue_full;
   if (waiting_.size() == 0) obstacle_ = Obstacle::none;
   if (order.kind == OrderKind::request) ++requests_;
   waiting_.push({order, now + order.timeout});

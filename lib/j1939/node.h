@@ -32,7 +32,7 @@ struct NodeSettings {
   ClaimSettings claim;
   PgnFilter filter;
   bool between_others = false;  ///< messages in one frame from one other node to another are received too
-  std::uint16_t queue = 64;     ///< orders that may wait to be sent, 1..Node::kMostQueue
+  std::uint16_t queue = 64;     ///< messages that may wait to be sent, 1..Node::kMostQueue
   /// Bytes of a message by the extended transport protocol, in both directions; up to 1785: there is none.
   std::size_t most_bytes = 65'536;
   std::uint8_t window = 16;                      ///< packets of a connection asked for at once, 1..255
@@ -115,7 +115,7 @@ class Node {
   const NodeCounters& counters() const noexcept { return counters_; }
   /// As of now.
   const ReceiverCounters& received_packets() const noexcept { return receiver_.counters(); }
-  /// Orders that wait to be handed over, 0..kMostQueue.
+  /// Orders that wait to be handed over, 0..kMostQueue + kMostRequests.
   std::size_t waiting() const noexcept { return waiting_.size(); }
   /// Another frame may be handed over now: there is a place for it.
   bool has_place() const noexcept { return !handed_over_.full(); }
@@ -182,6 +182,7 @@ class Node {
 
   // --- orders and their ends, and the address (node.cpp)
   bool wants_claims_of_all(const Order& order) const noexcept;
+  bool has_room(const Order& order) const noexcept;
   void follow_address() noexcept;
   void end(const Order& order, Outcome outcome, const Answer& rest = {}) noexcept;
   void end_waiting(Outcome outcome) noexcept;
@@ -196,7 +197,7 @@ class Node {
   FrameQueue replies_;
   TransportReceiver receiver_;
   TransportSender sender_;
-  can::BoundedList<Open, kMostQueue> waiting_;
+  can::BoundedList<Open, kMostQueue + kMostRequests> waiting_;
   can::BoundedList<HandedOver, kMostHandedOver> handed_over_;
   can::BoundedList<Sending, TransportSender::kSessions> sending_;
   can::BoundedList<Open, kMostRequests> asked_;  ///< requests on the bus whose answer is waited for

@@ -13,7 +13,7 @@ namespace j1939 {
 /// By which an order is answered; chosen by whoever gives it, below 2^63.
 using OrderId = std::uint64_t;
 
-/// What an order is for.
+/// What an order is for; from 0 without gaps.
 enum class OrderKind : std::uint8_t {
   send,     ///< a message
   request,  ///< a request for a group (PGN 59904); of one destination also its answer

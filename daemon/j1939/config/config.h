@@ -17,7 +17,7 @@ namespace cansyncd {
 
 /// Sending.
 struct MessageSendConfig {
-  std::uint16_t queue = 64;                 ///< requests that may wait at the realtime thread, 1..64
+  std::uint16_t queue = 64;                 ///< messages that may wait at the realtime thread, 1..64
   std::chrono::milliseconds timeout{1250};  ///< monitoring time of requests that name none, 1..3'600'000
 };
 

@@ -104,7 +104,8 @@ constexpr auto kJ1939Rows = std::to_array<J1939Row>({
     field(
         [](auto& d) -> auto& { return d.config.send.queue; },
         whole_number("send.queue", 1, 64, "requests",
-                     "Requests that may wait to be sent; more wait at their clients' turn, or are refused.")),
+                     "Messages that may wait to be sent, of one client half of them; more wait for their "
+                     "client's turn, or are refused.")),
     duration<std::chrono::milliseconds>(
         [](auto& d) -> auto& { return d.config.send.timeout; },
         whole_number(

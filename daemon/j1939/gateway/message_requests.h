@@ -63,8 +63,12 @@ class MessageRequests {
 
   MessageRequests(const MessageSendConfig& config, std::size_t most) : config_(config), most_(most) {}
 
-  /// All messages share the one queue of the node; clients take turns in it.
-  LaneLimits lane_limits() const { return {{config_.queue, config_.queue}}; }
+  /// All messages share the one queue of the node, all requests for groups its places for them; clients take
+  /// turns in each. What nobody answers stays for up to an hour, so one client has at most half.
+  LaneLimits lane_limits() const {
+    const auto shared = [](unsigned places) { return LaneLimit{places, places, (places + 1) / 2}; };
+    return {shared(config_.queue), shared(j1939::Node::kMostRequests)};
+  }
 
   static std::optional<Change> change_of(const j1939_MessageRequest& sample, const MessageContext& context);
   static gateway::dds::Problem check(const j1939_MessageRequest& sample) { return j1939::dds::check(sample); }
@@ -72,7 +76,7 @@ class MessageRequests {
                                     std::vector<std::uint8_t>& data) const {
     return j1939::dds::to_core(sample, id, config_.timeout, most_, data);
   }
-  static Lane lane_of(const Request& /*request*/) noexcept { return {}; }
+  static Lane lane_of(const Request& request) noexcept { return {request.kind, 0}; }
   static Effect effect_of(const Request& request) noexcept {
     return {Right::operate, request.kind == j1939::OrderKind::send};
   }

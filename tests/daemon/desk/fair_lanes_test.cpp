@@ -182,6 +182,33 @@ TEST(FairLanes, WhatFindsNoRoomKeepsItsTurn) {
   EXPECT_FALSE(lanes.waits(1));
 }
 
+TEST(FairLanes, AClientHasNoMoreThanItsShareOfALane) {
+  FairLanes lanes({{.in_lane = 4, .of_client = 2}});
+  constexpr Lane kOnly{};
+  for (JobId id = 1; id <= 5; ++id) lanes.add(id, client(1), kOnly);
+  std::vector<JobId> given;
+  const auto hand_over = [&] {
+    EXPECT_TRUE(lanes.hand_over([&](JobId id) {
+      given.push_back(id);
+      return true;
+    }));
+  };
+  hand_over();
+  EXPECT_EQ(given, (std::vector<JobId>{1, 2}));
+  for (JobId id = 11; id <= 13; ++id) lanes.add(id, client(2), kOnly);
+  hand_over();
+  EXPECT_EQ(given, (std::vector<JobId>{1, 2, 11, 12}));
+  lanes.remove(12);
+  hand_over();
+  EXPECT_EQ(given, (std::vector<JobId>{1, 2, 11, 12, 13})) << "the first client has its share still";
+  lanes.remove(4);  // waited
+  lanes.remove(1);
+  hand_over();
+  lanes.remove(2);
+  hand_over();
+  EXPECT_EQ(given, (std::vector<JobId>{1, 2, 11, 12, 13, 3, 5}));
+}
+
 TEST(FairLanes, ARemovedRequestIsNeverGiven) {
   Line line;
   for (JobId id = 1; id <= 6; ++id) line.lanes.add(id, client(static_cast<std::uint8_t>(id % 2)), kSlaveOne);
