@@ -138,13 +138,39 @@ TEST_P(SupervisionOfSlave, S12WithoutALimitNothingIsAFault) {
   EXPECT_EQ(supervision_.misses(), 1000u);
 }
 
-TEST_P(SupervisionOfSlave, S11TheFirstFaultStays) {
+TEST_P(SupervisionOfSlave, S11OfTwoFaultsTheGraverIsShownAndEachEndsByItself) {
+  for (const bool sync_lost_first : {true, false}) {
+    supervision_ = SlaveSupervision(settings());
+    lock();
+    supervision_.references(1, true);
+    if (!sync_lost_first) supervision_.references(kMisses, false);
+    edge(kEdges);
+    if (sync_lost_first) supervision_.references(kMisses, false);
+    EXPECT_EQ(supervision_.fault(), SlaveFault::sync_lost);
+    EXPECT_EQ(supervision_.reaction(), SlaveReaction::pulse_inhibit);
+    EXPECT_EQ(supervision_.take_fault(), SlaveFault::sync_lost);
+    EXPECT_EQ(supervision_.take_fault(), SlaveFault::references_missing) << "each is told";
+    EXPECT_EQ(supervision_.take_fault(), SlaveFault::none);
+    const bool first = sync_lost_first;
+    supervision_.acknowledge(first ? SlaveFault::sync_lost : SlaveFault::references_missing);
+    EXPECT_EQ(supervision_.fault(), first ? SlaveFault::references_missing : SlaveFault::sync_lost);
+    EXPECT_EQ(supervision_.reaction(), first ? SlaveReaction::quick_stop : SlaveReaction::pulse_inhibit);
+    supervision_.acknowledge();
+    EXPECT_EQ(supervision_.fault(), SlaveFault::none);
+  }
+}
+
+TEST_P(SupervisionOfSlave, S11OfTwoReactionsTheStrongerIsShown) {
+  SlaveSupervisionSettings other = settings();
+  other.on_sync_lost = SlaveReaction::report;
+  supervision_ = SlaveSupervision(other);
   lock();
   supervision_.references(1, true);
-  edge(kEdges);
   supervision_.references(kMisses, false);
+  edge(kEdges);
   EXPECT_EQ(supervision_.fault(), SlaveFault::sync_lost);
-  EXPECT_EQ(supervision_.take_fault(), SlaveFault::references_missing) << "the newest is told";
+  EXPECT_EQ(supervision_.reaction(), SlaveReaction::quick_stop);
+  EXPECT_EQ(supervision_.reaction_to(SlaveFault::sync_lost), SlaveReaction::report);
 }
 
 INSTANTIATE_TEST_SUITE_P(AllBitRates, SupervisionOfSlave,

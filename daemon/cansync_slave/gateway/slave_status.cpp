@@ -152,8 +152,9 @@ void put_application(const std::string& name, const TakeOver& taken,
 
 bool differs(const SlaveSnapshot& from, const SlaveSnapshot& to) noexcept {
   const auto essence = [](const SlaveSnapshot& of) {
-    return std::tuple(of.state, of.activated, of.synchronized, of.fault, of.status_word, of.sync.state,
-                      of.traffic, of.cluster ? of.cluster->state : cansync::ClusterState::stopped);
+    return std::tuple(of.state, of.activated, of.synchronized, of.fault, of.reaction, of.status_word,
+                      of.sync.state, of.traffic,
+                      of.cluster ? of.cluster->state : cansync::ClusterState::stopped);
   };
   return essence(from) != essence(to);
 }

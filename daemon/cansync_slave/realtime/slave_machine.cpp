@@ -165,17 +165,20 @@ void SlaveMachine::begin_intervals(const SyncFollower::Passed& passed) noexcept 
 void SlaveMachine::watch_faults(can::Time now) noexcept {
   using cansync::SlaveFault;
   supervision_.check(now);
-  if (const SlaveFault found = supervision_.take_fault(); found != SlaveFault::none) {
+  SlaveFault found = supervision_.take_fault();
+  for (; found != SlaveFault::none; found = supervision_.take_fault()) {
     changed_ = true;
-    report(FaultReport{moment(now), found, supervision_.reaction(), false});
+    report(FaultReport{moment(now), found, supervision_.reaction_to(found), false});
   }
-  const SlaveFault standing = supervision_.fault();
-  const bool over = (standing == SlaveFault::sync_lost && supervision_.synchronized()) ||
-                    (standing == SlaveFault::references_missing && fresh_);
-  if (!over) return;
-  supervision_.acknowledge();
+  if (supervision_.synchronized()) end_fault(SlaveFault::sync_lost, now);
+  if (fresh_) end_fault(SlaveFault::references_missing, now);
+}
+
+void SlaveMachine::end_fault(cansync::SlaveFault fault, can::Time now) noexcept {
+  if (!supervision_.stands(fault)) return;
+  supervision_.acknowledge(fault);
   changed_ = true;
-  report(FaultReport{moment(now), standing, cansync::SlaveReaction::report, true});
+  report(FaultReport{moment(now), fault, cansync::SlaveReaction::report, true});
 }
 
 void SlaveMachine::take_releases() noexcept {

@@ -74,6 +74,7 @@ class SlaveMachine {
   void slave_interval(std::uint64_t passed) noexcept;
   void begin_intervals(const SyncFollower::Passed& passed) noexcept;
   void watch_faults(can::Time now) noexcept;
+  void end_fault(cansync::SlaveFault fault, can::Time now) noexcept;
   void take_releases() noexcept;
   void watch_sync() noexcept;
   void tell_synchronized() noexcept;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 namespace cansync {
 
@@ -71,16 +70,26 @@ void SlaveSupervision::forget_references() noexcept {
 }
 
 void SlaveSupervision::raise(SlaveFault fault) noexcept {
-  news_ = fault;
-  if (fault_ == SlaveFault::none) fault_ = fault;
+  news_.add(fault);
+  standing_.add(fault);
 }
 
 SlaveFault SlaveSupervision::take_fault() noexcept {
-  return std::exchange(news_, SlaveFault::none);
+  const SlaveFault found = news_.graver();
+  news_.remove(found);
+  return found;
 }
 
 SlaveReaction SlaveSupervision::reaction() const noexcept {
-  switch (fault_) {
+  SlaveReaction strongest = SlaveReaction::report;
+  for (const SlaveFault fault : {SlaveFault::sync_lost, SlaveFault::references_missing}) {
+    if (stands(fault)) strongest = std::max(strongest, reaction_to(fault));
+  }
+  return strongest;
+}
+
+SlaveReaction SlaveSupervision::reaction_to(SlaveFault fault) const noexcept {
+  switch (fault) {
     case SlaveFault::sync_lost:
       return on_sync_lost_;
     case SlaveFault::references_missing:
@@ -95,8 +104,8 @@ void SlaveSupervision::reset() noexcept {
   seen_ = false;
   locking_ = false;
   synchronized_ = false;
-  fault_ = SlaveFault::none;
-  news_ = SlaveFault::none;
+  standing_ = {};
+  news_ = {};
   missed_references_ = 0;
   forget_references();
 }

@@ -7,7 +7,8 @@
 
 namespace cansync {
 
-/// What a slave does about a fault of the communication; it is the application that does it (O 7.2).
+/// What a slave does about a fault of the communication, the stronger the later; it is the application that
+/// does it (O 7.2).
 enum class SlaveReaction : std::uint8_t {
   report,         ///< nothing but the fault itself
   quick_stop,     ///< stop as fast as the drive can
@@ -76,14 +77,20 @@ class SlaveSupervision {
   /// Intervals in a row without a reference value.
   std::uint32_t misses() const noexcept { return misses_; }
 
-  /// The fault that stands until it is acknowledged; the first one stays.
-  SlaveFault fault() const noexcept { return fault_; }
-  /// What the settings have for the fault that stands; `report` without one.
+  /// The graver of the faults that stand until they are acknowledged: `sync_lost` before
+  /// `references_missing`.
+  SlaveFault fault() const noexcept { return standing_.graver(); }
+  bool stands(SlaveFault fault) const noexcept { return standing_.has(fault); }  ///< That one does.
+  /// The strongest that the settings have for the faults that stand; `report` without one.
   SlaveReaction reaction() const noexcept;
-  /// The fault that was found last, once; `none` when there is no news.
+  /// What the settings have for that fault.
+  SlaveReaction reaction_to(SlaveFault fault) const noexcept;
+  /// A fault that was found, once, the graver first; `none` when there is no news.
   SlaveFault take_fault() noexcept;
-  /// The fault is over; what is still wrong brings it again.
-  void acknowledge() noexcept { fault_ = SlaveFault::none; }
+  /// That fault is over; what is still wrong brings it again.
+  void acknowledge(SlaveFault fault) noexcept { standing_.remove(fault); }
+  /// All are.
+  void acknowledge() noexcept { standing_ = {}; }
 
   /// Time of the last edge.
   Duration last_edge() const noexcept { return last_; }
@@ -96,6 +103,25 @@ class SlaveSupervision {
   void reset() noexcept;
 
  private:
+  struct Faults {
+    bool sync_lost = false;
+    bool references_missing = false;
+    bool has(SlaveFault fault) const noexcept {
+      return (fault == SlaveFault::sync_lost && sync_lost) ||
+             (fault == SlaveFault::references_missing && references_missing);
+    }
+    SlaveFault graver() const noexcept {
+      if (sync_lost) return SlaveFault::sync_lost;
+      return references_missing ? SlaveFault::references_missing : SlaveFault::none;
+    }
+    void add(SlaveFault fault) noexcept { set(fault, true); }
+    void remove(SlaveFault fault) noexcept { set(fault, false); }
+    void set(SlaveFault fault, bool on) noexcept {
+      if (fault == SlaveFault::sync_lost) sync_lost = on;
+      if (fault == SlaveFault::references_missing) references_missing = on;
+    }
+  };
+
   void lose() noexcept;
   void raise(SlaveFault fault) noexcept;
 
@@ -111,8 +137,8 @@ class SlaveSupervision {
   std::uint32_t misses_until_fault_;
   SlaveReaction on_sync_lost_;
   SlaveReaction on_references_missing_;
-  SlaveFault fault_ = SlaveFault::none;
-  SlaveFault news_ = SlaveFault::none;
+  Faults standing_;
+  Faults news_;
   bool seen_ = false;
   bool locking_ = false;
   bool synchronized_ = false;

@@ -135,35 +135,6 @@ TEST(SlaveMachineTest, AReleaseThatWouldStartAfterItsSlotIsNeverSent) {
   EXPECT_TRUE(rig.trace.starts(kActualOne).empty());
 }
 
-sim::Fault missing_edges(std::uint64_t from, std::uint64_t count) {
-  sim::Fault fault;
-  fault.kind = sim::FaultKind::missing_sync;
-  fault.from = from;
-  fault.to = from + count - 1;
-  return fault;
-}
-
-TEST(SlaveMachineTest, OneMissingEdgeIsRunThrough) {
-  SlaveRig rig(cansync::BitRate::mbit1, {missing_edges(1500, 1)});
-  rig.run_until(2000 * rig.times.interval);
-  EXPECT_EQ(rig.snapshot.missing_edges, 1u);
-  EXPECT_TRUE(rig.snapshot.synchronized);
-  EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::none);
-}
-
-TEST(SlaveMachineTest, EdgesMissingForLongerThanTheHoldOverEndSynchronism) {
-  SlaveRig rig(cansync::BitRate::mbit1, {missing_edges(1500, 400)});
-  rig.run_until(1800 * rig.times.interval);
-  EXPECT_FALSE(rig.snapshot.synchronized);
-  EXPECT_EQ(rig.snapshot.status_word, 0x0000);
-  EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::sync_lost);
-  EXPECT_EQ(rig.snapshot.reaction, cansync::SlaveReaction::quick_stop);
-  const auto changes = rig.told<SynchronizedReport>();
-  ASSERT_EQ(changes.size(), 2u);
-  EXPECT_TRUE(changes[0].synchronized);
-  EXPECT_FALSE(changes[1].synchronized);
-}
-
 /// A master that starts anew, and whose SYNC does not reach the slave any more, is answered as on any line
 /// that is set up.
 TEST(SlaveMachineTest, WithoutEdgesAndReferenceValuesCommandsAreAnsweredWithinTheirTime) {
@@ -188,29 +159,6 @@ TEST(SlaveMachineTest, WithoutEdgesAndReferenceValuesCommandsAreAnsweredWithinTh
   }
   EXPECT_GT(answers, 10u);
   EXPECT_EQ(rig.snapshot.responses.late, 0u);
-}
-
-TEST(SlaveMachineTest, MissingReferenceValuesAreAFaultUntilTheyComeAgain) {
-  SlaveRig rig;
-  rig.at(1500 * rig.times.interval, [&rig] {
-    for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{4}}) rig.master->set_reference(value, {});
-  });
-  rig.at(1600 * rig.times.interval,
-         [&rig] { rig.master->set_reference(0, {.kind = sim::ReferenceCurve::Kind::constant}); });
-  rig.run_until(1700 * rig.times.interval);
-  const auto faults = rig.told<FaultReport>();
-  ASSERT_EQ(faults.size(), 2u);
-  EXPECT_EQ(faults[0].fault, cansync::SlaveFault::references_missing);
-  EXPECT_FALSE(faults[0].over);
-  // Ten intervals without: the edge that ends the tenth tells.
-  const auto references = rig.told<ReferencesReport>();
-  IntervalNumber last = 0;
-  for (const ReferencesReport& one : references) {
-    if (one.values.interval[0] < faults[0].when.interval) last = one.values.interval[0];
-  }
-  EXPECT_EQ(faults[0].when.interval - last, 11u);
-  EXPECT_TRUE(faults[1].over);
-  EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::none);
 }
 
 /// Before the intervals follow the input, too: an edge that came while the thread stood still is not the one

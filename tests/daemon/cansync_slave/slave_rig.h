@@ -74,10 +74,20 @@ class WatchedBus : public test::TimedBus {
 
 inline constexpr std::uint8_t kNumber = 5;
 
+/// So many edges stay away.
+inline sim::Fault missing_edges(std::uint64_t from, std::uint64_t count) {
+  sim::Fault fault;
+  fault.kind = sim::FaultKind::missing_sync;
+  fault.from = from;
+  fault.to = from + count - 1;
+  return fault;
+}
+
 struct SlaveRig {
-  /// `phase`: by which the edges stand after those of the slave's own timeline at first.
+  /// `phase`: by which the edges stand after those of the slave's own timeline at first. `supervision`: its
+  /// reactions and its limit for reference values count.
   explicit SlaveRig(cansync::BitRate bit_rate = cansync::BitRate::mbit1, std::vector<sim::Fault> faults = {},
-                    can::Time phase = {})
+                    can::Time phase = {}, const cansync::SlaveSupervisionSettings& supervision = {})
       : rate(bit_rate), times(cansync::slot_times(bit_rate)) {
     sim::MasterNodeSettings settings;
     settings.master.bit_rate = rate;
@@ -108,6 +118,7 @@ struct SlaveRig {
     status.number = machine_settings.status_parameter;
     machine_settings.service.parameters = {status};
     machine_settings.wall_clock = nullptr;
+    machine_settings.supervision = supervision;
     machine_settings.supervision.interval = times.interval;
     machine_settings.supervision.lock_time = 10 * times.interval;
     machine_settings.supervision.edges_until_fault = 2;
