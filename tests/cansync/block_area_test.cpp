@@ -220,6 +220,41 @@ TEST_F(BlockService, S23NothingMovesForTheMonitoringTime) {
   EXPECT_FALSE(slave_.transfer_open());
 }
 
+TEST_F(BlockService, S23TheSameBeginningIsNotAllowedOnceMoreWhenItsBlockIsOver) {
+  for (const bool dies : {false, true}) {
+    const seconds start(dies ? 300 : 100);
+    area().at(start);
+    send(begin(true, 12));
+    area().allow(id());
+    EXPECT_EQ(send(begin(true, 12)), done(0));
+    EXPECT_EQ(send(begin(true, 12)), done(0)) << "its answer was lost";
+    told_.take();
+    if (dies) {
+      service_.set_application(false);
+      service_.set_application(true);
+    } else {
+      area().at(start + seconds(31));
+    }
+    EXPECT_EQ(told_.take(), dies ? "application gone" : "timed out");
+    EXPECT_EQ(send(begin(true, 12)), failed(0, 0x0103));
+    EXPECT_EQ(send(begin(true, 12)), later(0)) << "begun anew";
+    EXPECT_EQ(told_.take(), "download 12 area");
+    send(cancel());
+    told_.take();
+  }
+}
+
+TEST_F(BlockService, S23AnUploadThatIsRefusedAfterItsBeginningGivesNoOldData) {
+  send(begin(false, 6));
+  area().allow(id(), bytes_of(6));
+  send(begin(false, 6));
+  EXPECT_TRUE(area().refuse(id(), TransferError::address_not_allowed));
+  EXPECT_EQ(send(begin(false, 6)), failed(0, 0x0105));
+  EXPECT_EQ(send(get(0, 6)), failed(0, 0x0108));
+  EXPECT_EQ(send(begin(false, 6)), later(0));
+  EXPECT_EQ(told_.take(), "upload 6 area, refused, upload 6 area");
+}
+
 TEST_F(BlockService, S26WithoutAnApplicationAndWhenItDies) {
   service_.set_application(false);
   EXPECT_EQ(send(begin(true, 12)), failed(0, 0x0104));

@@ -82,6 +82,7 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
                                   std::uint32_t value) noexcept override;
   void parameter_dropped() noexcept override;
   BlockAnswer begin_block(const TransferInitialise& initialise) noexcept override;
+  bool block_open() const noexcept override { return !own_block_ || own_->block_open(); }
   BlockAnswer read_block(std::uint16_t offset, std::span<std::uint8_t> out) noexcept override;
   BlockAnswer write_block(std::uint16_t offset, std::span<const std::uint8_t> data) noexcept override;
   void end_block(bool complete) noexcept override;

@@ -1,6 +1,7 @@
 #include "cansync/slave/slave.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "cansync/telegram/reply_payload.h"
 
@@ -42,12 +43,9 @@ bool is_cancel(const TransferInitialise& initialise) noexcept {
 template <class Command>
 std::optional<can::Frame> Slave::serve_transfer(const Command& command) noexcept {
   if (command.slave != settings_.number) return std::nullopt;
-  if (answered_) {
-    const auto* before = std::get_if<Command>(&*answered_);
-    if (before != nullptr && *before == command) {
-      note_answer(false, Answered::transfer);
-      return last_answer_;
-    }
+  if (is_answered(command)) {
+    note_answer(false, Answered::transfer);
+    return last_answer_;
   }
   const TransferReply reply = answer(command);
   note_answer(reply.busy, Answered::transfer);
@@ -57,6 +55,22 @@ std::optional<can::Frame> Slave::serve_transfer(const Command& command) noexcept
     last_answer_ = frame;
   }
   return frame;
+}
+
+/// The answer that it got still stands.
+template <class Command>
+bool Slave::is_answered(const Command& command) noexcept {
+  if (!answered_) return false;
+  const auto* before = std::get_if<Command>(&*answered_);
+  if (before == nullptr || *before != command) return false;
+  if constexpr (std::is_same_v<Command, TransferInitialise>) {
+    if (transfer_open() && !application_.block_open()) {
+      transfer_.phase = OpenBlock::Phase::beginning;
+      answered_.reset();
+      return false;
+    }
+  }
+  return true;
 }
 
 template std::optional<can::Frame> Slave::serve_transfer(const TransferInitialise&) noexcept;

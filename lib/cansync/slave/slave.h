@@ -64,6 +64,10 @@ class SlaveApplication {
   /// same telegram while it answers busy.
   virtual BlockAnswer begin_block(const TransferInitialise& initialise) noexcept = 0;
 
+  /// False: the block begun last is over by itself, and the master has not learnt it yet. The same beginning
+  /// is then asked for again instead of being answered as before.
+  virtual bool block_open() const noexcept { return true; }
+
   /// Fills up to 6 bytes at `offset` of the block begun last; `out` is as long as the block still has bytes.
   virtual BlockAnswer read_block(std::uint16_t offset, std::span<std::uint8_t> out) noexcept = 0;
 
@@ -140,7 +144,7 @@ enum class ActualRelease : std::uint8_t {
 /// process data too.
 /// A command that replaces one answered busy drops the latter, unanswered. A transfer telegram that was
 /// answered well and comes again (its answer was lost) gets the same answer, and the application is not
-/// asked; so does a write whose answer was never on the bus: nothing is written twice. Nothing allocates,
+/// asked, as long as its block is open; so does a write whose answer was never on the bus: nothing is written twice. Nothing allocates,
 /// blocks or throws; not thread safe.
 class Slave {
  public:
@@ -250,6 +254,8 @@ class Slave {
   /// Answers a transfer telegram to this slave; one answered well before gets the remembered answer.
   template <class Command>
   std::optional<can::Frame> serve_transfer(const Command& command) noexcept;
+  template <class Command>
+  bool is_answered(const Command& command) noexcept;
   TransferReply answer(const TransferInitialise& initialise) noexcept;
   TransferReply answer(const UploadBlock& block) noexcept;
   TransferReply answer(const DownloadBlock& block) noexcept;

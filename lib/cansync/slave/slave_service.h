@@ -68,6 +68,7 @@ class SlaveService final : public SlaveApplication {
   BlockAnswer begin_block(const TransferInitialise& initialise) noexcept override {
     return area_.begin(initialise);
   }
+  bool block_open() const noexcept override { return area_.open().id != 0; }
   BlockAnswer read_block(std::uint16_t offset, std::span<std::uint8_t> out) noexcept override {
     return area_.read(offset, out);
   }
