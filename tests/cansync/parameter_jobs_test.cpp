@@ -276,6 +276,31 @@ TEST_F(TakingService, S20WhatIsOpenWhenItsApplicationGoesEndsAsConfiguredAndAWri
   EXPECT_EQ(send(read(403)), error(403, 0xFFFF));
 }
 
+TEST_F(TakingService, S20WhatIsOpenEndsWhenItsNumberIsTakenOverNoMore) {
+  EXPECT_EQ(send(read(400)), busy(400));
+  TakenOver fewer;
+  fewer.numbers.set(400);
+  service_.jobs().take_over(fewer);
+  EXPECT_EQ(send(read(400)), busy(400));
+  EXPECT_EQ(told_.take(), "read 400") << "its number stays";
+  service_.jobs().take_over({});
+  EXPECT_EQ(told_.take(), "dropped 1");
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 7, 0, 0, 0})) << "the table's";
+  service_.jobs().take_over(fewer);
+  send(write_word(400, 9));
+  service_.jobs().take_over({});
+  EXPECT_EQ(send(write_word(400, 9)), error(400, 0xFFFA)) << "nobody knows whether it was taken";
+  EXPECT_EQ(told_.take(), "write 400, dropped 2");
+}
+
+TEST_F(TakingService, S20WhatIsAnsweredStaysSoWhenItsNumberIsTakenOverNoMore) {
+  send(read(400));
+  ASSERT_TRUE(service_.jobs().answer(1, value(3)));
+  service_.jobs().take_over({});
+  EXPECT_EQ(send(read(400)), response({0x01, 0x90, 3, 0, 0, 0}));
+  EXPECT_EQ(told_.take(), "read 400, answered 1");
+}
+
 TEST_F(TakingService, S20AnApplicationThatIsSilentForTheAnswerTimeIsWaitedForNoLonger) {
   service_.jobs().at(std::chrono::seconds(100));
   EXPECT_EQ(send(read(400)), busy(400));

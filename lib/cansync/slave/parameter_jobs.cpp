@@ -121,6 +121,11 @@ void ParameterJobs::set_application(bool present) noexcept {
   if (open_ && !answer_) end_open();
 }
 
+void ParameterJobs::take_over(const TakenOver& taken) noexcept {
+  taken_ = taken;
+  if (open_ && !answer_ && !belongs_to_application(open_->number, open_->sub_slave)) end_open();
+}
+
 void ParameterJobs::at(Duration now) noexcept {
   now_ = now;
   if (!open_) return;

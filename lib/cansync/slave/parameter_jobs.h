@@ -90,8 +90,9 @@ class ParameterJobs {
 
   /// There is one (its lease runs), or there is none (any more): it has taken over nothing then.
   void set_application(bool present) noexcept;
-  /// What the application that is there has taken over; what is open stays its.
-  void take_over(const TakenOver& taken) noexcept { taken_ = taken; }
+  /// What the application that is there has taken over. What is open stays its as long as its number does,
+  /// else it ends as when the application goes.
+  void take_over(const TakenOver& taken) noexcept;
   /// The application's answer, which goes out with the master's next question; `busy` in it counts as not
   /// given. False: that access is not open, or was answered.
   bool answer(std::uint64_t id, const ParameterAnswer& answer) noexcept;
