@@ -199,6 +199,40 @@ TEST_F(BlockService, S25ALastAnswerThatNobodyAskedForAgainEndsWithTheNextBlock) 
   EXPECT_EQ(told_.take(), "done, download 7 area");
 }
 
+/// A download whose last answer was left out.
+TEST_F(BlockService, S25WhatTheMasterDoesNotWaitForIsNotDone) {
+  const auto data = bytes_of(6);
+  const auto up_to_the_last_answer = [&] {
+    send(begin(true, 6));
+    area().allow(id());
+    send(begin(true, 6));
+    send(put(0, data));
+    area().take(id());
+    send(put(0, data), false);
+    told_.take();
+  };
+  up_to_the_last_answer();
+  EXPECT_EQ(send(cancel()), done(0));
+  EXPECT_EQ(told_.take(), "cancelled");
+  EXPECT_EQ(send(cancel()), done(0));
+  EXPECT_EQ(told_.take(), "") << "once";
+
+  up_to_the_last_answer();
+  EXPECT_EQ(send(put(6, data)), failed(6, 0x0108)) << "another telegram than its last";
+  EXPECT_EQ(told_.take(), "cancelled");
+
+  area().at(seconds(100));
+  up_to_the_last_answer();
+  area().at(seconds(131));
+  EXPECT_EQ(told_.take(), "timed out");
+  EXPECT_EQ(send(begin(true, 6)), later(0)) << "nothing stands in the way of the next";
+  send(cancel());
+
+  up_to_the_last_answer();
+  EXPECT_TRUE(slave_.control(ControlCommand::cold_restart));
+  EXPECT_EQ(told_.take(), "cancelled");
+}
+
 TEST_F(BlockService, S23NothingMovesForTheMonitoringTime) {
   area().at(seconds(100));
   send(begin(true, 12));

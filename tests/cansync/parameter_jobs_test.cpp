@@ -188,11 +188,68 @@ TEST_F(ParameterService, S20WhatTheSlaveItselfWouldHaveAnsweredIsNotKeptEither) 
   EXPECT_EQ(told_.take(), "read 500");
 }
 
+/// The answer was fetched and left out, and the master asks no more.
+TEST_F(ParameterService, S20AnAnswerThatWasNeverOnTheBusEndsWithItsTime) {
+  using std::chrono::seconds;
+  for (const bool write : {false, true}) {
+    const can::Frame question = write ? write_word(501, 3) : read(500);
+    const std::string asked = write ? "write 501" : "read 500";
+    const seconds start(write ? 1000 : 100);
+    service_.jobs().at(start);
+    send(question);
+    ASSERT_TRUE(service_.jobs().answer(told_.parameter.id, value(1, !write)));
+    send(question, false);
+    service_.jobs().at(start + seconds(1));
+    EXPECT_EQ(told_.take(), asked);
+    service_.jobs().at(start + seconds(2));
+    EXPECT_EQ(told_.take(), "dropped " + std::to_string(told_.parameter.id));
+    service_.jobs().at(start + seconds(900));
+    EXPECT_EQ(send(question), busy(write ? 501 : 500)) << "a question of its own";
+    EXPECT_EQ(told_.take(), asked);
+    service_.jobs().dropped();
+    told_.take();
+  }
+}
+
+TEST_F(ParameterService, S20AMasterThatStillAsksForItsWriteGetsTheSameAnswerHoweverLongThatTakes) {
+  using std::chrono::seconds;
+  service_.jobs().at(seconds(100));
+  send(write_word(501, 3));
+  ASSERT_TRUE(service_.jobs().answer(1, value(0)));
+  for (int second = 100; second < 110; ++second) {
+    service_.jobs().at(seconds(second));
+    EXPECT_EQ(send(write_word(501, 3), false), response({0x01, 0xF5, 0, 0}));
+  }
+  EXPECT_EQ(told_.take(), "write 501");
+  EXPECT_EQ(send(write_word(501, 3)), response({0x01, 0xF5, 0, 0}));
+  EXPECT_EQ(told_.take(), "answered 1");
+}
+
+TEST_F(ParameterService, S20AWriteOfTheTableWhoseAnswerWasLostIsOneOfItsOwnLater) {
+  using std::chrono::seconds;
+  service_.jobs().at(seconds(100));
+  EXPECT_EQ(send(write_word(400, 9), false), response({0x01, 0x90, 0, 0}));
+  service_.table().set_value(400, 8);
+  send(write_word(400, 9), false);
+  EXPECT_EQ(service_.table().value(400), 8u) << "not written twice";
+  service_.jobs().at(seconds(102));
+  send(write_word(400, 9));
+  EXPECT_EQ(service_.table().value(400), 9u);
+}
+
 TEST_F(ParameterService, S21LeavingSynchronousOperationDropsTheJob) {
   send(read(500));
   EXPECT_TRUE(slave_.control(ControlCommand::cold_restart));
   EXPECT_EQ(told_.take(), "read 500, dropped 1");
   EXPECT_FALSE(service_.jobs().open());
+}
+
+TEST_F(ParameterService, S21LeavingSynchronousOperationDropsWhatWasAnsweredAndNotOnTheBus) {
+  send(read(500));
+  ASSERT_TRUE(service_.jobs().answer(1, value(1, true)));
+  send(read(500), false);
+  EXPECT_TRUE(slave_.control(ControlCommand::cold_restart));
+  EXPECT_EQ(told_.take(), "read 500, dropped 1");
 }
 
 class GreedyService : public ServiceTest {

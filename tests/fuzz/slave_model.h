@@ -48,8 +48,12 @@ class Application final : public cansync::SlaveApplication {
     return answer();
   }
   void parameter_dropped() noexcept override {
-    require(pending_, "what was answered busy alone is dropped, and once");
-    pending_ = false;
+    require(pending_ || unheard_, "what was answered busy or never on the bus alone is dropped, and once");
+    pending_ = unheard_ = false;
+  }
+  void parameter_answered() noexcept override {
+    require(unheard_, "an answer is on the bus once");
+    unheard_ = false;
   }
 
   BlockAnswer begin_block(const cansync::TransferInitialise& initialise) noexcept override {
@@ -98,6 +102,7 @@ class Application final : public cansync::SlaveApplication {
     parameter_.doubleword = (bits & 16) != 0;
     parameter_.value = in_.number<std::uint32_t>();
     pending_ = parameter_.busy;
+    unheard_ = !parameter_.busy;
     return parameter_;
   }
   BlockAnswer block_answer() noexcept {
@@ -133,6 +138,7 @@ class Application final : public cansync::SlaveApplication {
   std::size_t taken_size_ = 0;
   unsigned asked_ = 0;
   bool pending_ = false;
+  bool unheard_ = false;  ///< a parameter answer was not on the bus yet
   bool begun_ = false;
   bool open_ = false;
   bool upload_ = false;

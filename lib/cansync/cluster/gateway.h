@@ -81,6 +81,7 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
   ParameterAnswer write_parameter(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
                                   std::uint32_t value) noexcept override;
   void parameter_dropped() noexcept override;
+  bool keeps_answer() noexcept override { return !own_parameter_ || own_->keeps_answer(); }
   BlockAnswer begin_block(const TransferInitialise& initialise) noexcept override;
   bool block_open() const noexcept override { return !own_block_ || own_->block_open(); }
   BlockAnswer read_block(std::uint16_t offset, std::span<std::uint8_t> out) noexcept override;
@@ -88,6 +89,9 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
   void end_block(bool complete) noexcept override;
   void parameter_answered() noexcept override;
   void transfer_answered() noexcept override;
+  void transfer_dropped() noexcept override {
+    if (own_block_) own_->transfer_dropped();
+  }
   void sync_activated() noexcept override { own_->sync_activated(); }
   void control_word(std::uint16_t word) noexcept override { own_->control_word(word); }
   void action(std::uint8_t command, std::uint8_t data_byte, std::uint16_t data_word) noexcept override {

@@ -107,13 +107,22 @@ void BlockArea::end(bool complete) noexcept {
 }
 
 void BlockArea::sent() noexcept {
-  if (const std::uint64_t id = std::exchange(sending_, 0); id != 0) listener_.block_ended(id, BlockEnd::done);
+  end_sending(BlockEnd::done);
+}
+
+void BlockArea::dropped() noexcept {
+  end_sending(BlockEnd::cancelled);
+}
+
+void BlockArea::end_sending(BlockEnd end) noexcept {
+  if (const std::uint64_t id = std::exchange(sending_, 0); id != 0) listener_.block_ended(id, end);
 }
 
 void BlockArea::at(Duration now) noexcept {
   now_ = now;
-  if (settings_.monitoring.count() != 0 && block_.id != 0 && now - moved_ > settings_.monitoring)
-    fail(TransferError::cancelled_by_slave, BlockEnd::timed_out);
+  if (settings_.monitoring.count() == 0 || now - moved_ <= settings_.monitoring) return;
+  if (block_.id != 0) fail(TransferError::cancelled_by_slave, BlockEnd::timed_out);
+  end_sending(BlockEnd::timed_out);
 }
 
 void BlockArea::fail(TransferError error, BlockEnd end) noexcept {

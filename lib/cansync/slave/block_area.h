@@ -88,7 +88,11 @@ class BlockArea {
   /// The answer was on the bus (`SlaveApplication::transfer_answered`).
   void sent() noexcept;
 
-  /// Tells the time, on any one clock, in every interval; ends a block whose monitoring time is over.
+  /// It was not, and the master waits for it no more (`SlaveApplication::transfer_dropped`).
+  void dropped() noexcept;
+
+  /// Tells the time, on any one clock, in every interval; ends a block whose monitoring time is over, also
+  /// one whose last answer was never on the bus.
   void at(Duration now) noexcept;
 
   // --- of the application; false: that block does not wait for it
@@ -127,6 +131,7 @@ class BlockArea {
   bool waits_for(std::uint64_t id) const noexcept { return id != 0 && block_.id == id; }
   BlockAnswer ask_step(const AskedStep& step) noexcept;
   void fail(TransferError error, BlockEnd end) noexcept;
+  void end_sending(BlockEnd end) noexcept;
   void progress() noexcept { moved_ = now_; }
 
   BlockAreaSettings settings_;

@@ -20,6 +20,7 @@ bool ParameterJobs::belongs_to_application(ParameterNumber number, SubSlave sub)
 }
 
 ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, SubSlave sub) noexcept {
+  questioned_at_ = now_;
   AskedParameter job;
   job.number = number;
   job.element = element;
@@ -46,6 +47,7 @@ ParameterAnswer ParameterJobs::read(ParameterNumber number, Element element, Sub
 
 ParameterAnswer ParameterJobs::write(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
                                      std::uint32_t value) noexcept {
+  questioned_at_ = now_;
   AskedParameter job;
   job.write = true;
   job.number = number;
@@ -103,9 +105,21 @@ ParameterAnswer ParameterJobs::answer_to_open() noexcept {
 void ParameterJobs::dropped() noexcept {
   const std::optional<AskedParameter> gone = std::exchange(open_, std::nullopt);
   if (gone && gone->id != 0) listener_.dropped(gone->id);
+  forget_sending();
 }
 
-/// A new question came, so the answer before was never on the bus, or nobody saw it there.
+/// For how long an answer waits for the master.
+Duration ParameterJobs::keeping() const noexcept {
+  return std::max(settings_.answer_time, kFetchTime);
+}
+
+bool ParameterJobs::keeps_answer() noexcept {
+  if (now_ - questioned_at_ > keeping()) return false;
+  questioned_at_ = now_;
+  return true;
+}
+
+/// A new question came, or none for long, so the answer before was never on the bus, or nobody saw it there.
 void ParameterJobs::forget_sending() noexcept {
   if (const std::uint64_t id = std::exchange(sending_, 0); id != 0) listener_.dropped(id);
 }
@@ -128,11 +142,12 @@ void ParameterJobs::take_over(const TakenOver& taken) noexcept {
 
 void ParameterJobs::at(Duration now) noexcept {
   now_ = now;
+  if (now - questioned_at_ > keeping()) forget_sending();
   if (!open_) return;
   const Duration limit = settings_.answer_time;
   if (!answer_) {
     if (limit.count() != 0 && now - asked_at_ > limit) end_open();
-  } else if (now - answered_at_ > std::max(limit, kFetchTime)) {
+  } else if (now - answered_at_ > keeping()) {
     dropped();  // the master has given up: the same question later is a new one
   }
 }

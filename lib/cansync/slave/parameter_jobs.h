@@ -76,14 +76,16 @@ class ParameterJobs {
   /// The slave's `write_parameter`, likewise.
   ParameterAnswer write(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
                         std::uint32_t value) noexcept;
-  /// The access answered busy last is not wanted any more.
+  /// The access answered busy last is not wanted any more, nor is an answer that was not on the bus.
   void dropped() noexcept;
+  /// The slave's `keeps_answer`: the master asks for its write again within the time of an answer.
+  bool keeps_answer() noexcept;
   /// The answer was on the bus (`SlaveApplication::parameter_answered`).
   void sent() noexcept;
 
   /// Tells the time, on any one clock, in every interval; ends an access whose application took too long,
-  /// or whose answer the master has not asked for in that time, at least a second: the same question later is
-  /// a new one.
+  /// or whose answer the master has not asked for in that time, at least a second, fetched and never on the
+  /// bus or not fetched at all: the same question later is a new one.
   void at(Duration now) noexcept;
 
   // --- of the application
@@ -107,6 +109,7 @@ class ParameterJobs {
   ParameterAnswer without_application(const AskedParameter& job) const noexcept;
   void end_open() noexcept;
   void forget_sending() noexcept;
+  Duration keeping() const noexcept;
 
   ParameterJobsSettings settings_;
   ParameterTable& table_;
@@ -116,6 +119,7 @@ class ParameterJobs {
   Duration now_{};
   Duration asked_at_{};
   Duration answered_at_{};
+  Duration questioned_at_{};  ///< the master's newest question
   std::optional<AskedParameter> open_;
   std::optional<ParameterAnswer> answer_;  ///< of the open access
   std::uint64_t sending_ = 0;              ///< the access whose answer is on its way

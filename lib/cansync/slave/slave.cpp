@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 #include "cansync/telegram/reply_payload.h"
 
@@ -36,6 +37,14 @@ bool is_cancel(const TransferInitialise& initialise) noexcept {
          initialise.address == 0;
 }
 
+bool begins_block(const TransferInitialise& initialise) noexcept {
+  return !is_cancel(initialise);
+}
+template <class Command>
+bool begins_block(const Command&) noexcept {
+  return false;
+}
+
 }  // namespace
 
 // --- uploads and downloads (M 3.2.1.3, "Start of an upload or download" and following)
@@ -47,6 +56,9 @@ std::optional<can::Frame> Slave::serve_transfer(const Command& command) noexcept
     note_answer(false, Answered::transfer);
     return last_answer_;
   }
+  // With a new block the master has gone on, so that it has the answer.
+  if (!begins_block(command)) drop_last_answer();
+  ending_ = false;
   const TransferReply reply = answer(command);
   note_answer(reply.busy, Answered::transfer);
   const can::Frame frame = encode(reply);
@@ -148,6 +160,7 @@ TransferReply Slave::block_done(BlockOffset offset, bool last, const BlockAnswer
   if (last) {
     transfer_ = {};
     application_.end_block(true);
+    ending_ = true;
   }
   return reply;
 }
@@ -195,6 +208,10 @@ void Slave::drop_transfer() noexcept {
   if (begun) application_.end_block(false);
 }
 
+void Slave::drop_last_answer() noexcept {
+  if (std::exchange(ending_, false)) application_.transfer_dropped();
+}
+
 // --- everything else
 
 Slave::Slave(const SlaveSideSettings& settings, SlaveApplication& application) noexcept
@@ -208,8 +225,10 @@ bool Slave::control(ControlCommand command) noexcept {
   state_ = *to;
   if (!is_synchronous(state_)) {
     drop_transfer();
-    if (pending_) application_.parameter_dropped();
+    drop_last_answer();
+    if (pending_ || answered_kind_ == Answered::parameter) application_.parameter_dropped();
     pending_.reset();
+    answered_kind_ = Answered::none;
     sync_activated_ = false;
     sync_mode_.reset();
     written_.reset();
@@ -299,11 +318,14 @@ void Slave::sent(const can::Frame& answer) noexcept {
   if (!response || response->frame != answer) return;
   response.reset();
   ++responses_.sent;
-  if (answered_kind_ == Answered::parameter) {
+  const Answered kind = std::exchange(answered_kind_, Answered::none);
+  if (kind == Answered::parameter) {
     written_.reset();
     application_.parameter_answered();
   }
-  if (answered_kind_ == Answered::transfer) application_.transfer_answered();
+  if (kind != Answered::transfer) return;
+  ending_ = false;
+  application_.transfer_answered();
 }
 
 std::optional<can::Frame> Slave::answer(const Telegram& telegram) noexcept {
@@ -351,7 +373,7 @@ std::optional<can::Frame> Slave::answer(const ReferenceTelegram& telegram) noexc
 
 std::optional<can::Frame> Slave::answer(const ParameterCommand& command) noexcept {
   if (command.slave != settings_.number) return std::nullopt;
-  if (written_ == command) {
+  if (written_ == command && application_.keeps_answer()) {
     note_answer(false, Answered::parameter);
     return written_answer_;
   }

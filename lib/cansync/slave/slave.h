@@ -57,8 +57,13 @@ class SlaveApplication {
   virtual ParameterAnswer write_parameter(ParameterNumber number, Element element, SubSlave sub,
                                           bool doubleword, std::uint32_t value) noexcept = 0;
 
-  /// The parameter access answered busy last is dropped: the master has asked for another one.
+  /// The parameter access answered busy last is dropped: the master has asked for another one. Also when the
+  /// slave leaves synchronous operation, for one whose answer was not on the bus.
   virtual void parameter_dropped() noexcept {}
+
+  /// The write answered last comes again, and its answer was never on the bus. False: that was too long ago,
+  /// and it is a write of its own; else it gets the same answer.
+  virtual bool keeps_answer() noexcept { return true; }
 
   /// Begins a block. For an upload the answer may fix another length, 1..4095 bytes. Asked again with the
   /// same telegram while it answers busy.
@@ -83,6 +88,11 @@ class SlaveApplication {
 
   /// The answer to the newest transfer telegram, other than busy, was on the bus (bit 6 is cleared).
   virtual void transfer_answered() noexcept {}
+
+  /// The answer to the last telegram of a complete block was not on the bus, and the master does not wait for
+  /// it any more: it has cancelled the block or sent what is no part of one, or the slave left synchronous
+  /// operation.
+  virtual void transfer_dropped() noexcept {}
 
   /// The action "SYNC mode: activate" arrived, for the first time or again.
   virtual void sync_activated() noexcept {}
@@ -267,6 +277,7 @@ class Slave {
                            const SlaveApplication::BlockAnswer& answer) noexcept;
   TransferReply refuse(BlockOffset offset, TransferError error) const noexcept;
   void drop_transfer() noexcept;
+  void drop_last_answer() noexcept;
   std::size_t bytes_due() const noexcept;
   void take(const ActionCommand& action) noexcept;
   void take(const ActualTelegram& telegram) noexcept;
@@ -285,7 +296,8 @@ class Slave {
   bool process_data_ = false;      ///< a reference telegram was on the bus since the last edge
   bool had_process_data_ = false;  ///< likewise in the interval before
   std::array<std::optional<SlaveNumber>, kChannels> heard_ = {};
-  Answered answered_kind_ = Answered::none;  ///< whose the newest answer to a command is
+  /// Whose the newest answer to a command is, until it was on the bus.
+  Answered answered_kind_ = Answered::none;
   std::optional<std::uint8_t> sync_mode_;
   IntervalNumber interval_ = 0;
   Values references_ = {};
@@ -297,6 +309,7 @@ class Slave {
   SlaveApplication& application_;
   std::optional<ParameterCommand> pending_;  ///< answered busy
   OpenBlock transfer_;
+  bool ending_ = false;  ///< the last answer to a complete block was not on the bus yet
   ResponseCounters responses_;
   std::optional<ParameterCommand> written_;  ///< a write whose answer was not on the bus yet
   can::Frame written_answer_;                ///< that answer

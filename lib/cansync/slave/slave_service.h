@@ -64,6 +64,7 @@ class SlaveService final : public SlaveApplication {
     return jobs_.write(number, element, sub, doubleword, value);
   }
   void parameter_dropped() noexcept override { jobs_.dropped(); }
+  bool keeps_answer() noexcept override { return jobs_.keeps_answer(); }
   void parameter_answered() noexcept override { jobs_.sent(); }
   BlockAnswer begin_block(const TransferInitialise& initialise) noexcept override {
     return area_.begin(initialise);
@@ -77,6 +78,7 @@ class SlaveService final : public SlaveApplication {
   }
   void end_block(bool complete) noexcept override { area_.end(complete); }
   void transfer_answered() noexcept override { area_.sent(); }
+  void transfer_dropped() noexcept override { area_.dropped(); }
   void sync_activated() noexcept override { listener_.sync_activated(); }
   void control_word(std::uint16_t word) noexcept override { listener_.control_word(word); }
   void action(std::uint8_t command, std::uint8_t data_byte, std::uint16_t data_word) noexcept override {
