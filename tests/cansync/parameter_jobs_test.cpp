@@ -358,6 +358,31 @@ TEST_F(TakingService, S20WhatIsAnsweredStaysSoWhenItsNumberIsTakenOverNoMore) {
   EXPECT_EQ(told_.take(), "read 400, answered 1");
 }
 
+TEST_F(TakingService, S20WhatIsOpenWhenItsApplicationGoesIsAnsweredAsWithoutIt) {
+  SlaveServiceSettings unknown = settings();
+  unknown.jobs.unknown = ParameterError::not_present;
+  for (const bool sub_slave : {false, true}) {
+    ServiceRecord told;
+    SlaveService service(unknown, told);
+    Slave slave(slave_settings(), service);
+    for (const auto command : {ControlCommand::handshake, ControlCommand::take_over_initialisation,
+                               ControlCommand::start_synchronous})
+      EXPECT_TRUE(slave.control(command));
+    const can::Frame question = sub_slave ? command({0x71, 0x90, 1, 0}) : read(399);
+    const can::Frame without = sub_slave ? response({0x21, 0x90, 0xFB, 0xFF, 1, 0}) : error(399, 0xFFFB);
+    const auto ask = [&] { return slave.receive(question, std::chrono::microseconds(400))->frame; };
+    EXPECT_EQ(ask(), without);
+    service.set_application(true);
+    TakenOver taken;
+    taken.numbers.set(399);
+    taken.sub_slaves = true;
+    service.jobs().take_over(taken);
+    EXPECT_EQ(ask(), sub_slave ? response({0x41, 0x90}) : busy(399));
+    service.set_application(false);
+    EXPECT_EQ(ask(), without);
+  }
+}
+
 TEST_F(TakingService, S20AnApplicationThatIsSilentForTheAnswerTimeIsWaitedForNoLonger) {
   service_.jobs().at(std::chrono::seconds(100));
   EXPECT_EQ(send(read(400)), busy(400));

@@ -160,15 +160,18 @@ void ParameterJobs::end_open() noexcept {
 }
 
 ParameterAnswer ParameterJobs::without_application(const AskedParameter& job) const noexcept {
-  const ParameterDefinition* definition =
-      job.sub_slave.value == 0 ? table_.definition(job.number.value()) : nullptr;
-  if (definition == nullptr || definition->by_application)
-    return ParameterAnswer::refused(ParameterError::not_available_now);
-  if (definition->without_application != ParameterError::none)
+  const bool below = job.sub_slave.value != 0;
+  const ParameterDefinition* definition = below ? nullptr : table_.definition(job.number.value());
+  const bool by_application = definition != nullptr
+                                  ? definition->by_application
+                                  : (below ? settings_.sub_slaves : settings_.unknown_numbers);
+  if (by_application) return ParameterAnswer::refused(ParameterError::not_available_now);
+  if (definition != nullptr && definition->without_application != ParameterError::none)
     return ParameterAnswer::refused(definition->without_application);
   // Nobody knows whether a write was taken.
-  return job.write ? ParameterAnswer::refused(ParameterError::not_available_now)
-                   : table_.read(job.number, job.element);
+  if (job.write) return ParameterAnswer::refused(ParameterError::not_available_now);
+  if (definition != nullptr) return table_.read(job.number, job.element);
+  return ParameterAnswer::refused(below ? ParameterError::not_present : settings_.unknown);
 }
 
 bool ParameterJobs::answer(std::uint64_t id, const ParameterAnswer& answer) noexcept {
