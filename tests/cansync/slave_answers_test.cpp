@@ -165,6 +165,20 @@ TEST_F(AnswerTest, S16AnEchoAfterTheEdgeCountsForItsInterval) {
   EXPECT_EQ(slave_.release(Channel::one), ActualRelease::released) << "that of the new interval";
 }
 
+TEST_F(AnswerTest, S16ALateAnswerOfTheIntervalBeforeLeavesTheReleaseOfThisOne) {
+  activate();
+  slave_.on_sync();
+  slave_.release_actual(Channel::one, {});
+  const auto answer = ask(0x100 + kNumber);
+  ASSERT_TRUE(answer);
+  slave_.on_sync();
+  slave_.release_actual(Channel::one, {});
+  EXPECT_FALSE(slave_.may_start(*answer, microseconds(1010))) << "of the interval before";
+  EXPECT_EQ(one().late, 1u);
+  EXPECT_EQ(slave_.release(Channel::one), ActualRelease::released);
+  EXPECT_TRUE(ask(0x100 + kNumber));
+}
+
 // --- what other slaves say
 
 TEST_F(AnswerTest, S17MonitoredValuesCarryTheirIntervalAndTheChannelItsSlave) {

@@ -296,7 +296,8 @@ bool Slave::may_start(const SlaveAnswer& answer, Duration since_sync) noexcept {
       ++responses_.late;
     } else {
       ++counters_[channel].late;
-      release_[channel] = ActualRelease::late;
+      // Else it is of an interval before, and this one's release waits still.
+      if (release_[channel] == ActualRelease::built) release_[channel] = ActualRelease::late;
     }
     return false;
   }
