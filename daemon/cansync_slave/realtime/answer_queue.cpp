@@ -9,27 +9,43 @@ void AnswerQueue::add(const Answer& answer) noexcept {
     ++counters_.failed;
     return;
   }
-  answers_[(first_ + size_) % kRoom] = answer;
-  ++size_;
+  answers_[size_++] = answer;
+}
+
+/// None overtakes another of its slot.
+bool AnswerQueue::first_of_slot(unsigned place) const noexcept {
+  for (unsigned before = 0; before < place; ++before) {
+    if (answers_[before].answer.slot == answers_[place].answer.slot) return false;
+  }
+  return true;
 }
 
 can::Time AnswerQueue::next_deadline() const noexcept {
-  if (size_ == 0) return can::Time::max();
-  return answers_[first_].edge + answers_[first_].answer.window.earliest;
+  can::Time earliest = can::Time::max();
+  for (unsigned place = 0; place < size_; ++place) {
+    if (first_of_slot(place)) earliest = std::min(earliest, begin(place));
+  }
+  return earliest;
 }
 
 std::optional<can::Frame> AnswerQueue::next(can::Time now, cansync::Slave& slave) noexcept {
-  while (due(now)) {
-    const Answer& answer = answers_[first_];
-    if (slave.may_start(answer.answer, now - answer.edge)) return answer.answer.frame;
-    pop();
+  for (unsigned place = 0; place < size_;) {
+    const Answer& answer = answers_[place];
+    if (!first_of_slot(place) || begin(place) > now) {
+      ++place;
+    } else if (slave.may_start(answer.answer, now - answer.edge)) {
+      handed_ = place;
+      return answer.answer.frame;
+    } else {
+      remove(place);
+    }
   }
   return std::nullopt;
 }
 
 void AnswerQueue::handed_over(can::SendResult result, can::Time now) noexcept {
-  if (size_ == 0) return;
-  const Answer& answer = answers_[first_];
+  if (handed_ >= size_) return;
+  const Answer& answer = answers_[handed_];
   if (result != can::SendResult::queued) {
     ++counters_.failed;  // never again: the next turn would be another one's slot
   } else {
@@ -42,11 +58,12 @@ void AnswerQueue::handed_over(can::SendResult result, can::Time now) noexcept {
       counters_.margin_least = first ? margin : std::min(counters_.margin_least, margin);
     }
   }
-  pop();
+  remove(handed_);
+  handed_ = 0;
 }
 
-void AnswerQueue::pop() noexcept {
-  first_ = (first_ + 1) % kRoom;
+void AnswerQueue::remove(unsigned place) noexcept {
+  std::copy(answers_.begin() + place + 1, answers_.begin() + size_, answers_.begin() + place);
   --size_;
 }
 

@@ -11,8 +11,8 @@
 
 namespace cansyncd {
 
-/// The answers of a slave on their way to the bus: each goes out in its window, or not at all. Realtime
-/// thread only; realtime safe.
+/// The answers of a slave on their way to the bus: each goes out in its window, or not at all. One that has
+/// to wait for its window holds up those of its own slot alone. Realtime thread only; realtime safe.
 class AnswerQueue {
  public:
   /// An answer and when it was asked for.
@@ -41,11 +41,15 @@ class AnswerQueue {
   /// More requests than that cannot end within one slot.
   static constexpr unsigned kRoom = 4;
 
-  void pop() noexcept;
+  can::Time begin(unsigned place) const noexcept {
+    return answers_[place].edge + answers_[place].answer.window.earliest;
+  }
+  bool first_of_slot(unsigned place) const noexcept;
+  void remove(unsigned place) noexcept;
 
-  std::array<Answer, kRoom> answers_ = {};
-  unsigned first_ = 0;
+  std::array<Answer, kRoom> answers_ = {};  ///< oldest first
   unsigned size_ = 0;
+  unsigned handed_ = 0;  ///< place of the answer that `next` gave last
   AnswerCounters counters_;
 };
 

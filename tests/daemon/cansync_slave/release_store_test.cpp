@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cansync/settings/timing.h"
+#include "silent_application.h"
 
 namespace cansyncd {
 namespace {
@@ -10,25 +11,6 @@ namespace {
 using cansync::Channel;
 using cansync::LeadAxis;
 using cansync::LeadSource;
-
-/// What a slave's master asks for is nothing here.
-class Nobody final : public cansync::SlaveApplication {
- public:
-  cansync::ParameterAnswer read_parameter(cansync::ParameterNumber, cansync::Element,
-                                          cansync::SubSlave) noexcept override {
-    return {};
-  }
-  cansync::ParameterAnswer write_parameter(cansync::ParameterNumber, cansync::Element, cansync::SubSlave,
-                                           bool, std::uint32_t) noexcept override {
-    return {};
-  }
-  BlockAnswer begin_block(const cansync::TransferInitialise&) noexcept override { return {}; }
-  BlockAnswer read_block(std::uint16_t, std::span<std::uint8_t>) noexcept override { return {}; }
-  BlockAnswer write_block(std::uint16_t, std::span<const std::uint8_t>) noexcept override { return {}; }
-  void end_block(bool) noexcept override {}
-  void control_word(std::uint16_t) noexcept override {}
-  void action(std::uint8_t, std::uint8_t, std::uint16_t) noexcept override {}
-};
 
 /// A gateway whose lower reference values 0 and 4 are its actual values 0 and 1.
 class ReleaseForTheLowerBus : public testing::Test {
@@ -61,7 +43,7 @@ class ReleaseForTheLowerBus : public testing::Test {
     return update ? std::optional(update->value[0]) : std::nullopt;
   }
 
-  Nobody nobody;
+  test::SilentApplication nobody;
   cansync::Slave slave{{}, nobody};
   LeadAxis axis{sources(), cansync::BitRate::mbit1, std::chrono::microseconds(50), cansync::Duration{0}};
   ReleaseStore store{&axis};
