@@ -22,7 +22,7 @@ void ReleaseStore::take(const ReleaseOrder& order, cansync::Slave& slave) noexce
   waiting.left = order.intervals;
   waiting.in_slave = false;
   if (order.intervals == 0) {
-    // Withdrawn; what the slave has for the running interval ends with it.
+    slave.withdraw_actual(order.channel);
     for_lead_[index(order.channel)] = 0;
     return;
   }

@@ -31,6 +31,13 @@ cansync::UpperSync followed(sync_line::LockState state) noexcept {
   return cansync::UpperSync::lost;
 }
 
+/// A restart may have entered active operation again.
+bool leaves_active(State before, const SlaveOrder& order) noexcept {
+  const auto* mode = std::get_if<SlaveModeOrder>(&order);
+  return cansync::is_active(before) && mode != nullptr && mode->mode != SlaveMode::run &&
+         mode->mode != SlaveMode::reset_can;
+}
+
 }  // namespace
 
 SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, SlaveExchange& exchange)
@@ -108,7 +115,7 @@ void SlaveMachine::take_command(can::Time now) noexcept {
     references_.words = word_mask(settings.reference_mapping);
     if (const auto* listen = std::get_if<SlaveListenOrder>(&done->order))
       monitored_[listen->other.value()].words = listen->mapping ? word_mask(*listen->mapping) : 0;
-    if (!cansync::is_active(slave_.state())) releases_.drop();
+    if (leaves_active(before, done->order)) releases_.drop();
     tell_synchronized();
   }
   if (slave_.state() != before) report(SlaveStateReport{moment(now), before, slave_.state()});

@@ -268,6 +268,13 @@ void Slave::release_actual(Channel channel, const Values& values) noexcept {
   release_[index(channel)] = ActualRelease::released;
 }
 
+void Slave::withdraw_actual(Channel channel) noexcept {
+  ActualRelease& release = release_[index(channel)];
+  if (release != ActualRelease::released) return;
+  ++counters_[index(channel)].not_asked;
+  release = ActualRelease::none;
+}
+
 std::optional<SlaveAnswer> Slave::receive(const can::Frame& frame, Duration since_sync) noexcept {
   const Decoded decoded = decode(frame);
   const auto* telegram = std::get_if<Telegram>(&decoded);

@@ -123,7 +123,7 @@ struct ActualCounters {
   std::uint64_t asked = 0;         ///< reference telegrams that named this slave
   std::uint64_t not_released = 0;  ///< of those: nothing was released, so there was no answer
   std::uint64_t released = 0;      ///< releases of the application
-  std::uint64_t not_asked = 0;     ///< of those: the interval ended, or another release came, before
+  std::uint64_t not_asked = 0;     ///< of those: withdrawn, replaced, or the interval ended, before
   std::uint64_t late = 0;          ///< answers left out because they would have started after their slot
   std::uint64_t sent = 0;          ///< answers that were on the bus
   std::uint64_t lost = 0;          ///< answers handed over and not on the bus by the next edge but one
@@ -187,6 +187,8 @@ class Slave {
   /// M 3.2.3.5): `values` 0..3 for channel one, 4..7 for channel two. One release is good for one telegram. A
   /// reference telegram that asks for actual values that are not released gets no answer.
   void release_actual(Channel channel, const Values& values) noexcept;
+  /// What was released for this interval, and not asked for yet, is not sent.
+  void withdraw_actual(Channel channel) noexcept;
   /// What has become of the release of this interval.
   ActualRelease release(Channel channel) const noexcept { return release_[index(channel)]; }
 

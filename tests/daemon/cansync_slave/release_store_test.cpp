@@ -82,5 +82,20 @@ TEST_F(ReleaseForTheLowerBus, GivesNothingOverIntervalsThatWereSkipped) {
   EXPECT_FALSE(given(Channel::one));
 }
 
+/// A withdrawal after the edge that began the running interval.
+TEST_F(ReleaseForTheLowerBus, WhatIsWithdrawnIsNotSentInTheRunningIntervalEither) {
+  release(0b0011, 7, 8);
+  edge();
+  EXPECT_EQ(slave.release(Channel::one), cansync::ActualRelease::released);
+  release(0b0011, 7, 8, 0);
+  EXPECT_EQ(slave.release(Channel::one), cansync::ActualRelease::none);
+  cansync::ReferenceTelegram asks;
+  asks.polled = 0;
+  EXPECT_FALSE(slave.receive(asks, std::chrono::microseconds(400)));
+  edge();
+  EXPECT_EQ(store.unused(Channel::one), 1u);
+  EXPECT_EQ(slave.counters(Channel::one).not_released, 1u);
+}
+
 }  // namespace
 }  // namespace cansyncd

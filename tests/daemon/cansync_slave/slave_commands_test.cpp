@@ -89,6 +89,26 @@ TEST(SlaveCommandsTest, S4ARestartGoesAsFarAsTheConfigurationSaysAndSetUpIsReach
   EXPECT_EQ(rig.snapshot.state, State::active_slave);
 }
 
+TEST(SlaveCommandsTest, S16ARestartLeavesNothingReleasedThatWasReleasedBefore) {
+  CommandRig rig;
+  const can::Time interval = rig.times.interval;
+  rig.at(1490 * interval, [&rig] {
+    for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{4}}) rig.master->set_reference(value, {});
+  });
+  rig.at(1499 * interval, [&rig] {
+    for (const auto channel : {cansync::Channel::one, cansync::Channel::two})
+      EXPECT_TRUE(rig.exchange.releases.try_push({channel, {7, 8, 0, 0}, 0x03, 900}));
+  });
+  rig.order(1505 * interval, SlaveModeOrder{1, SlaveMode::restart});
+  rig.at(1510 * interval,
+         [&rig] { rig.master->set_reference(0, {.kind = sim::ReferenceCurve::Kind::constant}); });
+  rig.run(1600 * interval);
+  EXPECT_EQ(rig.snapshot.state, State::active_slave);
+  EXPECT_EQ(rig.snapshot.unused[0], 1u);
+  EXPECT_EQ(rig.snapshot.unused[1], 1u);
+  EXPECT_TRUE(rig.trace.starts(cansync::identifier::actual_one + kNumber).empty());
+}
+
 // S18: any time; in force with the next interval at the latest.
 TEST(SlaveCommandsTest, S18AMappingIsInForceWithTheNextInterval) {
   CommandRig rig;
