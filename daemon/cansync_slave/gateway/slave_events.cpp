@@ -88,8 +88,8 @@ struct SlaveWords {
   std::optional<EventText> operator()(const FaultReport& report) const {
     if (report.fault == cansync::SlaveFault::sync_lost) return std::nullopt;  // sync_lost has told it
     if (report.over)
-      return EventText{gateway_SEVERITY_INFO, "references_back", -1, "reference values come again",
-                       report.when};
+      return EventText{gateway_SEVERITY_INFO, "references_back", -1,
+                       "reference values come again, or the slave left run", report.when};
     return EventText{
         gateway_SEVERITY_ERROR, "references_missing", -1,
         fmt::format(

@@ -115,7 +115,11 @@ void SlaveMachine::take_command(can::Time now) noexcept {
     references_.words = word_mask(settings.reference_mapping);
     if (const auto* listen = std::get_if<SlaveListenOrder>(&done->order))
       monitored_[listen->other.value()].words = listen->mapping ? word_mask(*listen->mapping) : 0;
-    if (leaves_active(before, done->order)) releases_.drop();
+    if (leaves_active(before, done->order)) {
+      releases_.drop();
+      supervision_.forget_references();
+      end_fault(cansync::SlaveFault::references_missing, now);
+    }
     tell_synchronized();
   }
   if (slave_.state() != before) report(SlaveStateReport{moment(now), before, slave_.state()});

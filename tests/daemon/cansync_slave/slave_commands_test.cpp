@@ -109,6 +109,30 @@ TEST(SlaveCommandsTest, S16ARestartLeavesNothingReleasedThatWasReleasedBefore) {
   EXPECT_TRUE(rig.trace.starts(cansync::identifier::actual_one + kNumber).empty());
 }
 
+/// The master stops giving reference values, or gives them, when it likes while the slave is not active.
+TEST(SlaveCommandsTest, S12WithoutActiveOperationNoReferenceValueIsMissing) {
+  for (const bool fault_stands : {false, true}) {
+    CommandRig rig;
+    const can::Time interval = rig.times.interval;
+    rig.at((fault_stands ? 1470 : 1498) * interval, [&rig] {
+      for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{4}})
+        rig.master->set_reference(value, {});
+    });
+    rig.order(1500 * interval, SlaveModeOrder{1, SlaveMode::setup});
+    rig.order(1550 * interval, SlaveModeOrder{2, SlaveMode::run});
+    rig.run(1600 * interval);
+    ASSERT_EQ(rig.answers.size(), 2u);
+    EXPECT_EQ(rig.snapshot.state, State::active_slave);
+    EXPECT_EQ(rig.snapshot.fault, cansync::SlaveFault::none);
+    EXPECT_EQ(rig.snapshot.missing_in_row, 0u);
+    const auto faults = rig.told<FaultReport>();
+    ASSERT_EQ(faults.size(), fault_stands ? 2u : 0u);
+    if (!fault_stands) continue;
+    EXPECT_TRUE(faults[1].over);
+    EXPECT_EQ(faults[1].when.bus / interval, 1500);
+  }
+}
+
 // S18: any time; in force with the next interval at the latest.
 TEST(SlaveCommandsTest, S18AMappingIsInForceWithTheNextInterval) {
   CommandRig rig;
