@@ -31,6 +31,12 @@ cansync::UpperSync followed(sync_line::LockState state) noexcept {
   return cansync::UpperSync::lost;
 }
 
+/// Intervals that have passed; over so many it does not matter.
+std::uint32_t with_more(std::uint32_t intervals, std::uint64_t more) noexcept {
+  constexpr std::uint64_t kMost = cansync::SlaveSupervision::kMostMissing;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(intervals, kMost) + std::min(more, kMost));
+}
+
 /// A restart may have entered active operation again.
 bool leaves_active(State before, const SlaveOrder& order) noexcept {
   const auto* mode = std::get_if<SlaveModeOrder>(&order);
@@ -164,8 +170,12 @@ void SlaveMachine::begin_intervals(const SyncFollower::Passed& passed) noexcept 
   edge_ = passed.edge;
   if (tap_ != nullptr) tap_->edge(passed.edge, bus_.now());
   fresh_ = slave_.reference_fresh(Channel::one) || slave_.reference_fresh(Channel::two);
+  // Edges that are found at once are those of a thread that stood still: what is missing says the input.
+  const std::uint64_t more = passed.count - 1;
+  supervision_.run_through(more);
   const std::uint32_t intervals = supervision_.edge(passed.edge, slave_.sync_activated());
-  if (cansync::is_active(slave_.state())) (void)supervision_.references(intervals, fresh_);
+  if (cansync::is_active(slave_.state()))
+    (void)supervision_.references(intervals == 0 ? 0 : with_more(intervals, more), fresh_);
   heard_others_ = false;
   releases_.interval_ends(slave_, passed.count);
   slave_interval(passed.count);

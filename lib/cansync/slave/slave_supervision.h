@@ -49,6 +49,11 @@ class SlaveSupervision {
   /// turn.
   std::uint32_t edge(Duration now, bool activated) noexcept;
 
+  /// So many edges before the next one did not stay away: nobody was told of each.
+  void run_through(std::uint64_t edges) noexcept {
+    if (seen_) last_ += interval_ * static_cast<std::int64_t>(edges);
+  }
+
   /// Notices at `now` that edges stay away.
   void check(Duration now) noexcept {
     if (synchronized_ && now - last_ > silence_) lose();

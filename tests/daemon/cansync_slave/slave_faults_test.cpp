@@ -97,5 +97,21 @@ TEST(SlaveMachineTest, EdgesAndReferenceValuesThatStayAwayAreTwoFaultsWithTheirO
   EXPECT_LT(faults[2].when.bus, faults[3].when.bus);
 }
 
+/// Frames tell a thread of each edge that it slept through; without them it finds the edges all at once.
+TEST(SlaveMachineTest, AThreadThatStoodStillForLessThanTheHoldOverHasLostNoEdge) {
+  cansync::SlaveSupervisionSettings supervision;
+  supervision.misses_until_fault = 0;
+  SlaveRig rig(cansync::BitRate::mbit1, {}, {}, supervision);
+  const can::Time interval = rig.times.interval;
+  references_at(rig, 1500 * interval, false);
+  rig.at(1550 * interval + interval / 2,
+         [&rig, interval] { rig.bus->stand_still(rig.bus->now() + 10 * interval); });
+  rig.run_until(1700 * interval);
+  EXPECT_TRUE(rig.snapshot.synchronized);
+  EXPECT_EQ(rig.snapshot.missing_edges, 0u);
+  EXPECT_TRUE(rig.told<FaultReport>().empty());
+  ASSERT_EQ(rig.told<SynchronizedReport>().size(), 1u);
+}
+
 }  // namespace
 }  // namespace cansyncd

@@ -56,10 +56,6 @@ class WatchedBus : public test::TimedBus {
     return true;
   }
 
- private:
-  void woken(can::Wake wake) noexcept override {
-    if (wake == can::Wake::frame && late > can::Time{0}) stand_still(behind_.now() + late);
-  }
   /// Virtual time goes on only while somebody waits without a frame.
   void stand_still(can::Time until) {
     while (true) {
@@ -67,6 +63,11 @@ class WatchedBus : public test::TimedBus {
       while (behind_.receive(frame)) kept_.push_back(frame);
       if (behind_.wait_until(until) != can::Wake::frame) return;
     }
+  }
+
+ private:
+  void woken(can::Wake wake) noexcept override {
+    if (wake == can::Wake::frame && late > can::Time{0}) stand_still(behind_.now() + late);
   }
 
   std::vector<can::ReceivedFrame> kept_;
