@@ -48,6 +48,7 @@ struct ActionReport {
   Moment when;
   SlaveAction kind = SlaveAction::user;
   cansync::ActionCommand action;
+  std::uint64_t number = 0;  ///< counted since the start
 };
 
 /// The slave went from one operating state to another.
@@ -90,9 +91,8 @@ struct OwnNumberReport {
   std::uint32_t identifier = 0;
 };
 
-using SlaveSideReport =
-    std::variant<ReferencesReport, MonitoredReport, ActionReport, SlaveStateReport, SynchronizedReport,
-                 LockReport, InputReport, FaultReport, OwnNumberReport>;
+using SlaveSideReport = std::variant<ReferencesReport, MonitoredReport, SlaveStateReport, SynchronizedReport,
+                                     LockReport, InputReport, FaultReport, OwnNumberReport>;
 
 /// Actual values that an application releases, for one telegram.
 struct ReleaseOrder {
@@ -267,12 +267,14 @@ struct SlaveExchange {
         commands(kCommands),
         done(kCommands),
         reports(report_queue),
+        actions(kActions),
         jobs(kJobs) {}
 
   static constexpr std::size_t kReleases = 64;
   static constexpr std::size_t kOrders = 16;
   /// Of `commands`, and so many answers at most: the desk hands on no more before it has those.
   static constexpr std::size_t kCommands = 16;
+  static constexpr std::size_t kActions = 256;
   static constexpr std::size_t kJobs = 64;  ///< one parameter job and one block are open at a time
 
   rt::SpscRing<ReleaseOrder> releases;    ///< gateway -> realtime
@@ -280,7 +282,11 @@ struct SlaveExchange {
   rt::SpscRing<SlaveOrder> commands;      ///< gateway -> realtime
   rt::SpscRing<SlaveOrderDone> done;      ///< realtime -> gateway
   rt::SpscRing<SlaveSideReport> reports;  ///< realtime -> gateway, lossy
-  rt::SpscRing<ServiceReport> jobs;       ///< realtime -> gateway, lossy: what is lost ends by its time
+  /// realtime -> gateway, lossy; of its own, so that process data take no room from a control word
+  rt::SpscRing<ActionReport> actions;
+  /// The newest control word for which `actions` had no room; written before what comes after it.
+  rt::LatestValue<ActionReport> lost_control_word;
+  rt::SpscRing<ServiceReport> jobs;  ///< realtime -> gateway, lossy: what is lost ends by its time
   rt::LatestValue<SlaveSnapshot> status;
   rt::LatestValue<can::LinkFacts> link;  ///< of the thread that watches the interface
   rt::WakeSignal gateway_wake;           ///< signalled when anything above was written for the gateway

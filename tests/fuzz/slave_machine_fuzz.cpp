@@ -302,6 +302,9 @@ class MachineRun {
     SlaveSideReport report;
     while (exchange_->reports.try_pop(report)) {
     }
+    ActionReport action;
+    while (exchange_->actions.try_pop(action)) {
+    }
     SlaveOrderDone done;
     while (exchange_->done.try_pop(done)) ++done_;
     ServiceReport told;

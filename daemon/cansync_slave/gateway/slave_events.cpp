@@ -23,7 +23,6 @@ struct SlaveWords {
 
   std::optional<EventText> operator()(const ReferencesReport&) const { return std::nullopt; }
   std::optional<EventText> operator()(const MonitoredReport&) const { return std::nullopt; }
-  std::optional<EventText> operator()(const ActionReport&) const { return std::nullopt; }
 
   std::optional<EventText> operator()(const SlaveStateReport& report) const {
     return EventText{gateway_SEVERITY_INFO, "state_changed", -1,

@@ -32,9 +32,9 @@ cansync_slave_ActionKind to_idl(SlaveAction kind) noexcept {
   return cansync_slave_ACTION_USER;
 }
 
-cansync_slave_ActionReceived action_received(const ActionReport& report, std::uint64_t number) noexcept {
+cansync_slave_ActionReceived action_received(const ActionReport& report) noexcept {
   cansync_slave_ActionReceived sample = {};
-  sample.number = number;
+  sample.number = report.number;
   sample.time = report.when.wall_clock.count();
   sample.interval = report.when.interval;
   sample.kind = to_idl(report.kind);
@@ -53,6 +53,7 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       identity_(identity),
       releases_(participant, signal_, events_, identity, exchange),
       application_(participant, signal_, events_, identity, config.status_parameter, exchange),
+      action_reports_(exchange),
       commands_(participant, signal_, events_, trail_, SlaveRequests(), identity,
                 !config.dds.security.empty()),
       references_(participant, 0, &signal_),
@@ -86,6 +87,7 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
     releases_.set_read_only(config_.access.read_only);
     application_.set_read_only(config_.access.read_only);
   }
+  take_actions();
   const bool more = take_reports(now);
   take_jobs();
   take_done(now);
@@ -109,6 +111,10 @@ bool SlaveGateway::take_reports(SteadyTime now) {
     publish(report, now);
   }
   return true;
+}
+
+void SlaveGateway::take_actions() {
+  action_reports_.take([this](const ActionReport& report) { (void)actions_.write(action_received(report)); });
 }
 
 void SlaveGateway::take_jobs() {
@@ -155,8 +161,6 @@ void SlaveGateway::publish(const SlaveSideReport& report, SteadyTime now) {
         cansync_slave::dds::references_received(references->values, snapshot_.lost_references));
   } else if (const auto* monitored = std::get_if<MonitoredReport>(&report)) {
     publish_monitored(monitored->slave, monitored->values);
-  } else if (const auto* action = std::get_if<ActionReport>(&report)) {
-    (void)actions_.write(action_received(*action, ++action_number_));
   } else if (const auto event = event_of(report, config_)) {
     events_.publish(*event, now);
   }
@@ -195,6 +199,7 @@ void SlaveGateway::end() {
   const SteadyTime now = steady_clock::now();
   while (take_reports(now)) {
   }  // the realtime thread has ended: the ring grows no more
+  take_actions();
   take_jobs();
   take_done(now);
   posted_.publish(events_, now);

@@ -8,6 +8,7 @@
 #include "cansync_slave.h"
 #include "daemon/cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
+#include "daemon/cansync_slave/gateway/action_reports.h"
 #include "daemon/cansync_slave/gateway/application_gate.h"
 #include "daemon/cansync_slave/gateway/release_gate.h"
 #include "daemon/cansync_slave/gateway/slave_requests.h"
@@ -48,6 +49,7 @@ class SlaveGateway final : public GatewayBase<SlaveRoleConfig, SlaveExchange> {
   bool take_reports(SteadyTime now);
   void publish(const SlaveSideReport& report, SteadyTime now);
   void publish_monitored(cansync::SlaveNumber slave, const cansync_slave::ReceivedValues& values);
+  void take_actions();
   void take_jobs();
   SlaveContext context(SteadyTime now) const;
   /// Tells first what a command has changed, then its reply.
@@ -59,6 +61,7 @@ class SlaveGateway final : public GatewayBase<SlaveRoleConfig, SlaveExchange> {
   const DaemonIdentity identity_;
   ReleaseGate releases_;
   ApplicationGate application_;
+  ActionReports action_reports_;
   JobDesk<SlaveRequests> commands_;
   gateway::dds::Writer<cansync_slave_ReferencesReceived> references_;
   gateway::dds::Writer<cansync_slave_MonitoredValues> monitored_;
@@ -67,8 +70,7 @@ class SlaveGateway final : public GatewayBase<SlaveRoleConfig, SlaveExchange> {
   gateway::dds::Writer<cansync_slave_BlockJob> block_jobs_;
   gateway::dds::Writer<cansync_slave_SlaveSideStatus> status_;
 
-  SlaveSnapshot snapshot_;  ///< newest
-  std::uint64_t action_number_ = 0;
+  SlaveSnapshot snapshot_;        ///< newest
   std::string told_application_;  ///< of the newest status
   SteadyTime next_status_;
   cansync_slave_SlaveSideStatus told_status_ = {};  ///< newest

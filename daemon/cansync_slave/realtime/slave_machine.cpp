@@ -310,8 +310,12 @@ void SlaveMachine::take_actual(const cansync::ActualTelegram& telegram, std::uin
 void SlaveMachine::take_action(const cansync::ActionCommand& action, can::Time end) noexcept {
   const auto kind = desk_.take_action();
   if (!kind) return;
-  ++snapshot_.actions;
-  report(ActionReport{moment(end), *kind, action});
+  const ActionReport told{moment(end), *kind, action, ++snapshot_.actions};
+  pending_ = true;
+  if (!exchange_.actions.try_push(told)) {
+    ++snapshot_.lost_reports;
+    if (*kind == SlaveAction::control_word) exchange_.lost_control_word.write(told);
+  }
   tell_synchronized();
 }
 

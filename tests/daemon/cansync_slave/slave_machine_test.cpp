@@ -34,9 +34,9 @@ TEST_P(SlaveAtEveryRate, LocksIsActivatedAndTakesReferenceValues) {
     EXPECT_EQ(references[i].values.values[0], references[i - 2].values.values[0] + 1);
     EXPECT_EQ(references[i].values.interval[0], references[i - 2].values.interval[0] + 1);
   }
-  const auto actions = rig.told<ActionReport>();
-  ASSERT_FALSE(actions.empty());
-  EXPECT_EQ(actions[0].kind, SlaveAction::sync_mode);
+  ASSERT_FALSE(rig.actions.empty());
+  EXPECT_EQ(rig.actions[0].kind, SlaveAction::sync_mode);
+  EXPECT_EQ(rig.actions[0].number, 1u);
 }
 
 TEST_P(SlaveAtEveryRate, AskedAndNotReleasedIsNoTelegram) {

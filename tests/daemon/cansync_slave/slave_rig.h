@@ -141,6 +141,8 @@ struct SlaveRig {
     loop->run();
     SlaveSideReport report;
     while (exchange.reports.try_pop(report)) reports.push_back(report);
+    ActionReport action;
+    while (exchange.actions.try_pop(action)) actions.push_back(action);
   }
   template <class Report>
   std::vector<Report> told() const {
@@ -162,6 +164,7 @@ struct SlaveRig {
   std::unique_ptr<DeadlineLoop<SlaveMachine>> loop;
   SlaveSnapshot snapshot;
   std::vector<SlaveSideReport> reports;
+  std::vector<ActionReport> actions;
 };
 
 }  // namespace cansyncd::test
