@@ -156,7 +156,9 @@ constexpr auto kSlaveRoleRows = std::to_array<SlaveRoleRow>({
                 "longer ones.")),
     field(
         [](auto& d) -> auto& { return d.config.slave.block_limit; },
-        whole_number("slave.block_limit", 1, 4095, "bytes", "Longest block that is taken.")),
+        whole_number(
+            "slave.block_limit", 1, 4095, "bytes",
+            "Longest block that the master may ask for. An upload whose length it leaves to the slave is as long as the application says.")),
     field(
         [](auto& d) -> auto& { return d.config.slave.full_length; },
         boolean("slave.full_length",
