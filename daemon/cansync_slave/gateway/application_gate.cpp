@@ -129,7 +129,8 @@ gateway::dds::Problem ApplicationGate::problem_of(const Sample& sample, Writer w
                   "its writer has taken over nothing; let the program say that it is present first"};
   if (gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) !=
       gateway::dds::Addressee::this_daemon)
-    return Denial{gateway_CAUSE_OTHER_DAEMON, "meant for another start of the daemon"};
+    return Denial{gateway_CAUSE_OTHER_DAEMON,
+                  "meant for another start of the daemon; answer the jobs of this one, which name it"};
   return std::nullopt;
 }
 

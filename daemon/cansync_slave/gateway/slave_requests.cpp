@@ -139,11 +139,13 @@ gateway::dds::Problem SlaveRequests::refusal(const SlaveOrderDone& done, const R
     case SlaveRefusal::no_controller:
       return Denial{
           gateway_CAUSE_BUS_UNAVAILABLE,
-          "the controller cannot be reset: its interface is missing or down, or its driver does not do it"};
+          "the controller cannot be reset: its interface is missing or down, or its driver does not do it; set "
+          "the interface up, or use its restart-ms"};
     case SlaveRefusal::reset_under_way:
       break;
   }
-  return Denial{gateway_CAUSE_QUEUE_FULL, "the controller is being reset"};
+  return Denial{gateway_CAUSE_QUEUE_FULL,
+                "the controller is being reset; ask again when that reset is answered"};
 }
 
 std::string_view SlaveRequests::name(Outcome outcome) noexcept {
