@@ -158,15 +158,20 @@ void ApplicationGate::take_over(const Sample& sample, Writer writer, SteadyTime 
   (void)flush();
 }
 
+void ApplicationGate::set_read_only(bool read_only, SteadyTime now) {
+  read_only_ = read_only;
+  if (read_only) lost("is not heard while access.read_only is set", true, now);
+}
+
 /// True: nothing waits any more.
 bool ApplicationGate::flush() {
   if (waiting_ && exchange_.orders.try_push(*waiting_)) waiting_.reset();
   return !waiting_;
 }
 
-void ApplicationGate::lost(const char* how, bool given_up, SteadyTime now) {
+void ApplicationGate::lost(const char* how, bool wanted, SteadyTime now) {
   if (owner_ == 0) return;
-  EventText event{given_up ? gateway_SEVERITY_INFO : gateway_SEVERITY_ERROR, "application_lost", -1,
+  EventText event{wanted ? gateway_SEVERITY_INFO : gateway_SEVERITY_ERROR, "application_lost", -1,
                   fmt::format("{} {}: the slave answers without it, as configured", name_, how),
                   std::nullopt};
   event.client = name_;

@@ -41,8 +41,8 @@ class ApplicationGate {
   /// Looks who is silent, and tells of refusals that are over. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
 
-  /// No application is let in from now on, or it is.
-  void set_read_only(bool read_only) noexcept { read_only_ = read_only; }
+  /// No application is let in from now on, and the one that is there is none any more; or one is let in again.
+  void set_read_only(bool read_only, SteadyTime now);
 
   /// The application, as it names itself; empty: none.
   const std::string& name() const noexcept { return name_; }
@@ -56,7 +56,8 @@ class ApplicationGate {
   void take(const Sample& sample, const dds_sample_info_t& info, SteadyTime now);
   gateway::dds::Problem problem_of(const Sample& sample, Writer writer) const;
   void take_over(const Sample& sample, Writer writer, SteadyTime now);
-  void lost(const char* how, bool given_up, SteadyTime now);
+  /// `wanted`: somebody has said so.
+  void lost(const char* how, bool wanted, SteadyTime now);
   void refuse(const gateway::dds::Denial& denial, SteadyTime now);
   bool flush();
 

@@ -63,7 +63,7 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       block_jobs_(participant, 0, &signal_),
       status_(participant, 0, &signal_) {
   releases_.set_read_only(config.access.read_only);
-  application_.set_read_only(config.access.read_only);
+  application_.set_read_only(config.access.read_only, steady_clock::now());
   commands_.set_read_by_all(common_.gateway_writer());
 }
 
@@ -85,7 +85,7 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
   if (take_access(now)) {
     releases_.set_read_only(config_.access.read_only);
-    application_.set_read_only(config_.access.read_only);
+    application_.set_read_only(config_.access.read_only, now);
   }
   take_actions();
   const bool more = take_reports(now);

@@ -120,9 +120,32 @@ TEST_F(ApplicationGateTest, WhatIsWrongReachesNobody) {
   ASSERT_TRUE(order<TakeOver>());
   say(cansync_slave_ANSWER_PARAMETER, {}, {9});
   EXPECT_TRUE(no_order()) << "meant for another start of the daemon";
-  gate_.set_read_only(true);
+  gate_.set_read_only(true, now_);
+  ASSERT_TRUE(order<TakeOver>());
   say(cansync_slave_ANSWER_PARAMETER);
   EXPECT_TRUE(no_order()) << "read-only";
+}
+
+TEST_F(ApplicationGateTest, ADaemonThatBecomesReadOnlyHasNoApplicationAnyMoreAndSaysWhy) {
+  say(cansync_slave_ANSWER_PRESENT, {400});
+  ASSERT_TRUE(order<TakeOver>());
+  gate_.set_read_only(true, now_);
+  const auto gone = order<TakeOver>();
+  ASSERT_TRUE(gone);
+  EXPECT_FALSE(gone->present);
+  EXPECT_EQ(gate_.name(), "");
+  auto told = journal_.with("EVENT", "application_lost");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].message.find("access.read_only"), std::string::npos) << told[0].message;
+  say(cansync_slave_ANSWER_PRESENT, {400});
+  (void)gate_.tick(now_ + 3s);
+  EXPECT_TRUE(no_order());
+  EXPECT_EQ(journal_.with("EVENT", "application_lost").size(), 1u);
+  gate_.set_read_only(false, now_);
+  say(cansync_slave_ANSWER_PRESENT, {400});
+  const auto back = order<TakeOver>();
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(back->present);
 }
 
 TEST_F(ApplicationGateTest, TheStatusWordIsNobodysElse) {
