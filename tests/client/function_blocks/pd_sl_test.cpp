@@ -119,6 +119,30 @@ TEST_F(PdCommSl, EachReferenceTelegramFillsItsHalf) {
   EXPECT_EQ(block.a_WR_VALUES_RECEIVED[0], 300);
 }
 
+// Without SYNC there are no intervals to tell telegrams apart by.
+TEST_F(PdCommSl, TelegramsAreReceivedWithoutIntervalsToo) {
+  PD_COMM_SL block(connection);
+  PD_COMM_READ_SL read(connection);
+  read.si_SL_NR = 7;
+  daemon->monitored(7, 1, 60, 0);
+  for (const std::uint32_t first : {100u, 200u, 200u}) {
+    daemon->references(1, first, 0);
+    ASSERT_TRUE(call_until(block, [&] { return block.si_WRC1_RECEIVED == 1; })) << first;
+    EXPECT_EQ(block.a_WR_VALUES_RECEIVED[3], static_cast<DINT>(first) + 3);
+    EXPECT_EQ(block.si_WRC2_RECEIVED, 0);
+    daemon->references(2, first, 0);
+    ASSERT_TRUE(call_until(block, [&] { return block.si_WRC2_RECEIVED == 2; })) << first;
+    EXPECT_EQ(block.si_WRC1_RECEIVED, 0);
+    block.call();
+    EXPECT_EQ(block.si_WRC1_RECEIVED, 0);
+    EXPECT_EQ(block.si_WRC2_RECEIVED, 0);
+  }
+  read.call();
+  daemon->monitored(7, 1, 70, 0);
+  ASSERT_TRUE(call_until(read, [&] { return read.si_RD_SL_NR1_RECEIVED == 1; }));
+  EXPECT_EQ(read.a_RD_VALUES[0], 70);
+}
+
 // "A value of 5 indicates that actual values 0 to 3 are valid, whereas any other value indicates that actual
 // values 0 to 3 are not valid."
 TEST_F(PdCommSl, FiveReleasesATelegramOnceForEachCall) {

@@ -41,13 +41,16 @@ class FakeSlaveDaemon : public FakeDaemon {
   }
 
   void tell() { (void)status_writer_.write(status); }
+  /// Each telegram comes a microsecond after the one before.
   void references(std::uint8_t telegram, std::uint32_t first, std::uint64_t interval) {
     put(telegram, first, interval, references_);
+    references_.receive_time += 1000;
     (void)references_writer_.write(references_);
   }
   void monitored(std::uint8_t slave, std::uint8_t telegram, std::uint32_t first, std::uint64_t interval) {
     monitored_[slave].slave = slave;
     put(telegram, first, interval, monitored_[slave]);
+    monitored_[slave].receive_time += 1000;
     (void)monitored_writer_.write(monitored_[slave]);
   }
   void action(cansync_slave_ActionKind kind, std::uint8_t command, std::uint8_t byte, std::uint16_t word) {

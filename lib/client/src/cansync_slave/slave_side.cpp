@@ -19,14 +19,16 @@ namespace {
 
 /// Steps kept for a block that is not called, as many as the daemon keeps.
 constexpr std::size_t kSteps = 100;
-/// Takes what a sample brought. A telegram is a new one when its interval is another one than that known; of
-/// the first sample `arrived` says which are.
+/// Takes what a sample brought. A telegram is a new one when its interval is another one than that known, or
+/// when it came with this sample at another time: without SYNC there are no intervals. Of the first sample
+/// `arrived` says which are.
 template <class Sample>
 unsigned fresh_telegrams(SlaveSide::Telegrams& known, const Sample& sample, unsigned arrived) {
   unsigned fresh = known.known ? 0 : arrived;
   for (unsigned telegram = 0; telegram < 2; ++telegram) {
     if (((sample.ever >> telegram) & 1u) == 0) continue;
-    const bool other = known.interval[telegram] != sample.interval[telegram];
+    const bool came = ((sample.arrived >> telegram) & 1u) != 0 && known.time != sample.receive_time;
+    const bool other = came || known.interval[telegram] != sample.interval[telegram];
     if (known.known && other) fresh |= 1u << telegram;
     known.interval[telegram] = sample.interval[telegram];
     if (((fresh >> telegram) & 1u) == 0) continue;
@@ -35,6 +37,7 @@ unsigned fresh_telegrams(SlaveSide::Telegrams& known, const Sample& sample, unsi
       known.values[i] = static_cast<std::int32_t>(sample.raw[i]);
   }
   known.known = true;
+  known.time = sample.receive_time;
   return fresh;
 }
 

@@ -32,8 +32,9 @@ class SlaveSide {
   struct Telegrams {
     std::array<std::int32_t, 8> values = {};
     std::array<std::uint64_t, 2> count = {};  ///< of telegram 1, 2
-    bool known = false;                       ///< a sample came: the intervals mean something
+    bool known = false;                       ///< a sample came: intervals and time mean something
     std::array<std::uint64_t, 2> interval = {};
+    std::int64_t time = 0;                     ///< of the newest telegram
     std::array<std::uint8_t, 8> mapping = {};  ///< of another slave
   };
   /// The newest of a kind of actions.
