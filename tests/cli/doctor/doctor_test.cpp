@@ -347,6 +347,20 @@ TEST(Doctor, ADriverWithoutOneShotHasNothingToSet) {
   EXPECT_EQ(find(diagnose(in), "one-shot"), nullptr);
 }
 
+TEST(Doctor, OneShotIsForLinesWithSlots) {
+  DoctorInput in = healthy();
+  in.status->master.reset();
+  put(in.status->realtime.sync_state, "");
+  in.link.one_shot = false;
+  EXPECT_EQ(find(diagnose(in), "one-shot")->level, Level::ok);
+  in.link.one_shot = true;
+  const auto findings = diagnose(in);
+  EXPECT_EQ(find(findings, "one-shot")->level, Level::warning);
+  EXPECT_NE(find(findings, "one-shot")->remedy.find("one-shot off"), std::string::npos);
+  put(in.status->realtime.sync_state, "locked");  // a slave's
+  EXPECT_EQ(find(diagnose(in), "one-shot")->level, Level::ok);
+}
+
 TEST(Doctor, ASamplePointAsNearAsAControllerComesIsWell) {
   DoctorInput in = healthy();
   in.link.timing->sample_point = 625;  // 10 of 16 quanta

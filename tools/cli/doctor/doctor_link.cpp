@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "can/bit_timing.h"
@@ -153,9 +154,23 @@ void look_at_restart(const DoctorInput& in, FindingList& out) {
     out.ok("restart-ms", fmt::format("{} ms after bus-off the kernel restarts it", *in.link.restart_ms));
 }
 
-/// Without one-shot a frame that nobody acknowledges is repeated for ever, and goes out late.
+/// A line with SYNC has slots: nothing else begins at the time of a telegram, and none loses the arbitration.
+bool has_slots(const DoctorInput& in) {
+  return !in.status || in.status->master || !std::string_view(in.status->realtime.sync_state).empty();
+}
+
+/// Without one-shot a frame that nobody acknowledges is repeated for ever, and goes out late; with it, one
+/// that loses the arbitration is not sent.
 void look_at_one_shot(const DoctorInput& in, FindingList& out) {
   if (!in.link.one_shot) return;
+  if (!has_slots(in)) {
+    if (*in.link.one_shot)
+      out.warning("one-shot", "on: a frame that loses the arbitration is not sent",
+                  set_link(in.interface_name, "one-shot off"));
+    else
+      out.ok("one-shot", "off: a frame that loses the arbitration is sent after the other");
+    return;
+  }
   if (*in.link.one_shot)
     out.ok("one-shot", "on: no telegram goes out late");
   else if (in.link.can_one_shot.value_or(true))
