@@ -80,7 +80,7 @@ struct ReferenceUpdate {
   std::uint32_t release_intervals =
       1;  ///< intervals in a row in which the telegram is released; 1 = exactly once
   bool takes_over =
-      false;  ///< from another giver: what the one before gave is forgotten, also when this one is refused
+      false;  ///< from another giver: what the one before gave for later is forgotten, also when this is refused
   std::uint64_t mapping_number =
       1;  ///< of the reference mapping the values were made for; 1: that of the settings
   /// First interval in which the values are too old for their release to begin; 0: they never are.

@@ -26,7 +26,7 @@ class ProcessData {
   /// `listener` must outlive this object; `settings`, which must have passed `check`, is copied.
   ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept;
 
-  /// Forgets reference values and what was asked; actual values stay.
+  /// Ends what is released, forgets what was given for later, and what was asked. Values keep their numbers.
   void stop() noexcept;
 
   /// A new interval: automatic cursors rise. Returns the slaves that were asked in the last interval and sent
