@@ -19,7 +19,7 @@ LABELS = re.compile("unsanitized|end_to_end|kernel")  # what tools/test runs of 
 def targets(root):
     """What tools/test builds of the preset `dev` when it builds not everything."""
     with open(os.path.join(root, "tools/test"), encoding="utf-8") as file:
-        return re.search(r"^ +build dev ((?!all$).*)$", file.read(), re.M)[1].split()
+        return re.search(r"^ *build dev ((?!all$).*)$", file.read(), re.M)[1].split()
 
 
 def built(build, wanted):
