@@ -135,11 +135,12 @@ TEST_F(NodeTest, TheQueueIsBounded) {
 }
 
 TEST_F(NodeTest, MessagesThatWaitLeaveRoomForRequestsAndTheOtherWayRound) {
-  for (OrderId id = 1; id <= Node::kMostQueue; ++id)
-    ASSERT_EQ(rig.node.submit(message(id, 0xFEF1, 1), rig.now), Refusal::none);
+  Order one = message(0, 0xFEF1, 1);  // its memory is for all
+  for (one.id = 1; one.id <= Node::kMostQueue; ++one.id)
+    ASSERT_EQ(rig.node.submit(one, rig.now), Refusal::none);
   for (OrderId id = 101; id <= 100 + Node::kMostRequests; ++id)
     ASSERT_EQ(rig.node.submit(request(id, 0xFEE5, kOther), rig.now), Refusal::none);
-  EXPECT_EQ(rig.node.submit(message(99, 0xFEF1, 1), rig.now), Refusal::queue_full);
+  EXPECT_EQ(rig.node.submit(one, rig.now), Refusal::queue_full);
   EXPECT_EQ(rig.node.submit(request(199, 0xFEE5, kOther), rig.now), Refusal::queue_full);
   EXPECT_EQ(rig.pump().size(), Node::kMostQueue + Node::kMostRequests);
 }
