@@ -162,12 +162,16 @@ class EngineersHour(unittest.TestCase):
 
     def records(self):
         path = os.path.join(self.line.folder.name, "run.csv")
-        self.types("set", "0=100", "--seconds", 0.2)
-        with self.line.start("set", "0=100", "--seconds", LONG) as writer:
-            try:
-                self.types("record", path, "winder", "--duration", 0.5, says="missing")
-            finally:
-                end(writer)
+        with self.line.start("record", path, "winder", "--duration", 0.5) as recorder:
+            wait_for("the recording has begun", lambda: os.path.exists(path))
+            self.types("timing", "--seconds", 1)  # longer than asked for, and nothing to record yet
+            with self.line.start("set", "0=100", "--seconds", LONG) as writer:
+                try:
+                    _, told = recorder.communicate(timeout=LONG)
+                finally:
+                    end(writer)
+        self.assertEqual(recorder.returncode, 0, told.decode())
+        self.assertIn("missing", told.decode())
         with open(path, encoding="utf-8") as file:
             rows = file.read().splitlines()
         self.assertTrue(rows[0].startswith("time,seconds,receive_time_ns,interval,slave,name,position [mm]"), rows[0])

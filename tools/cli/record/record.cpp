@@ -20,6 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr auto kWritingPeriod = std::chrono::milliseconds(100);  // from one writing to the next
 constexpr std::size_t kMostWaiting = 65536;                      // samples; 32 slaves fill that in some 30 s
+constexpr auto kFirstRow = std::chrono::seconds(10);             // how long --duration waits for it
 
 /// The arguments as they were typed.
 struct RecordTexts {
@@ -98,9 +99,27 @@ struct Recorded {
   std::string_view ended;  ///< duration, full, signal or daemon_gone
 };
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+/// The time of a recording: from the first row on, because the daemon's values are not there at once.
+class RecordTime {
+ public:
+  explicit RecordTime(double duration) : duration_(duration) {}
+
+  void rows_are_there() { begun_ = true; }
+
+  /// To be asked again and again: until there is a row it begins anew, for as long as one is waited for.
+  double seconds() {
+    const auto now = Clock::now();
+    if (!begun_ && now - asked_ < kFirstRow) start_ = now;
+    return std::chrono::duration<double>(now - start_).count();
+  }
+  std::chrono::duration<double> left() { return std::chrono::duration<double>(duration_ - seconds()); }
+
+ private:
+  double duration_;  // s
+  bool begun_ = false;
+  Clock::time_point asked_ = Clock::now();
+  Clock::time_point start_ = asked_;
+};
 
 Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std::uint64_t every,
                 double duration) {
@@ -108,16 +127,14 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
   Recorded recorded;
   RecordRows rows(plan, every);
   RecordProgress progress;
-  const auto start = Clock::now();
+  RecordTime time(duration);
   Samples samples(client);
   Restarts restarts(client);
   while (recorded.ended.empty()) {
-    const auto left = std::chrono::duration<double>(duration - seconds_since(start));
-    const auto next =
-        Clock::now() + std::min<Clock::duration>(kWritingPeriod, std::chrono::ceil<Clock::duration>(left));
-    if (wait_until(next))
+    const auto left = std::chrono::ceil<Clock::duration>(time.left());
+    if (wait_until(Clock::now() + std::min<Clock::duration>(kWritingPeriod, left)))
       recorded.ended = "signal";
-    else if (seconds_since(start) >= duration)
+    else if (time.left().count() <= 0)
       recorded.ended = "duration";
     else if (restarts.gone() || !client.several_daemons().empty())
       recorded.ended = "daemon_gone";
@@ -131,11 +148,12 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
       rows.restarted(wall_clock());
     }
     if (!file.write(rows.lines(!recorded.ended.empty()))) recorded.ended = "full";
-    progress.update(seconds_since(start), rows.counts());
+    if (rows.counts().rows > 0) time.rows_are_there();
+    progress.update(time.seconds(), rows.counts());
   }
   recorded.counts = rows.counts();
   recorded.dropped = samples.dropped();
-  recorded.seconds = seconds_since(start);
+  recorded.seconds = time.seconds();
   return recorded;
 }
 
@@ -219,7 +237,8 @@ void add_record_verb(CLI::App& app, Verb& chosen) {
       ->type_name("NAMES");
   verb->add_option("--every", texts->every, "each Nth row of a slave, 1..1000000 (default 1)")
       ->type_name("N");
-  verb->add_option("--duration", texts->duration, "how long (default: until Ctrl-C)")->type_name("SECONDS");
+  verb->add_option("--duration", texts->duration, "how long, from the first row on (default: until Ctrl-C)")
+      ->type_name("SECONDS");
   auto* size = verb->add_option("--max-size", texts->size,
                                 "end when the file has so many bytes, such as 64K, 100M or 2G, from 4096 on")
                    ->type_name("SIZE");
