@@ -90,8 +90,9 @@ struct MasterEvent {
     slave_checked,         ///< slave; detail: parameters that have their value
     slave_check_failed,    ///< slave; detail: parameter number, `expected`, `found` and `outcome`
     slave_released,        ///< slave: no longer held out; detail: 1 = by command, unchecked
-    slave_status_refused,  ///< slave: answers the read of its status word with an error, so whether it is
-                           ///< synchronized cannot be known; detail: parameter number; found: the code
+    slave_status_refused,  ///< slave: answers the read of its status word with an error (found: the code), or
+    ///< for 5 s with busy (outcome `timeout`) or with no word (`no_answer`), so whether
+    ///< it is synchronized cannot be known; detail: parameter number
   };
   Code code;
   std::optional<SlaveNumber> slave;

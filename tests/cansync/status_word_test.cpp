@@ -58,6 +58,47 @@ TEST(StatusWord, AnErrorIsToldOnceWithItsCodeUntilTheSlaveGivesIt) {
   EXPECT_EQ(rig.told.count(Code::slave_status_refused), 2u);
 }
 
+// M 3.2.1.4: whether the slave is synchronized cannot be known from "busy", nor from an answer without a value.
+TEST(StatusWord, ASlaveThatIsBusyOrGivesNoValueForFiveSecondsIsToldOnce) {
+  using Answer = Telegram (*)(const ParameterCommand&);
+  const auto without_value = [](const ParameterCommand& asked) -> Telegram {
+    return ParameterReply{asked.slave, asked.number, false, false, 0, {}};
+  };
+  for (const auto& [answer, outcome] : {std::pair<Answer, Outcome>{&MasterRig::busy_reply, Outcome::timeout},
+                                        std::pair<Answer, Outcome>{without_value, Outcome::no_answer}}) {
+    SCOPED_TRACE(name(outcome));
+    MasterRig rig(settings_for(2));
+    bool gives_it = false;
+    rig.answer = [&, answer = answer](const Telegram& telegram) -> std::optional<Telegram> {
+      const auto* command = std::get_if<ParameterCommand>(&telegram);
+      if (command != nullptr && command->slave == slave(1) && command->number.value() == 301 && !gives_it)
+        return answer(*command);
+      return MasterRig::status_only(telegram);
+    };
+    rig.set_up();
+    rig.run(4900);
+    EXPECT_EQ(rig.told.count(Code::slave_status_refused), 0u) << "it may need a while";
+    rig.run(10000);
+    ASSERT_EQ(rig.told.count(Code::slave_status_refused), 1u);
+    const MasterEvent event =
+        *std::find_if(rig.told.events.begin(), rig.told.events.end(),
+                      [](const MasterEvent& each) { return each.code == Code::slave_status_refused; });
+    EXPECT_EQ(event.slave, slave(1));
+    EXPECT_EQ(event.detail, 301u);
+    EXPECT_EQ(event.outcome, outcome);
+    EXPECT_TRUE(rig.master.slave(slave(1)).responds);
+    EXPECT_FALSE(rig.master.slave(slave(1)).status_known);
+    gives_it = true;
+    rig.run(1000);
+    EXPECT_TRUE(rig.master.slave(slave(1)).synchronized);
+    gives_it = false;
+    rig.run(4900);
+    EXPECT_EQ(rig.told.count(Code::slave_status_refused), 1u);
+    rig.run(1000);
+    EXPECT_EQ(rig.told.count(Code::slave_status_refused), 2u);
+  }
+}
+
 // M 3.2.3.7: another parameter number is a change of the job, and the slave forgets the one it was busy with.
 TEST(StatusWord, IsNotReadFromASlaveThatIsBusyWithAJob) {
   MasterRig rig(settings_for(2));

@@ -54,6 +54,20 @@ std::string check_failed_text(const std::string& who, const cansync::MasterEvent
       event.slave->value());
 }
 
+std::string status_refused_text(const std::string& who, const cansync::MasterEvent& event,
+                                const Config& config) {
+  constexpr const char* kRemedy =
+      "set startup.status_parameter, or the slave's status_parameter, to the number in the drive's parameter "
+      "list";
+  const std::string parameter = parameter_label(config, event.slave->value(), event.detail);
+  if (event.outcome == cansync::Outcome::slave_error)
+    return fmt::format("{} refuses its status word, {}, with error 0x{:04X}; {}", who, parameter, event.found,
+                       kRemedy);
+  return fmt::format("{} does not give its status word, {}: it answers {}; {}", who, parameter,
+                     event.outcome == cansync::Outcome::timeout ? "busy for 5 s" : "without a value for 5 s",
+                     kRemedy);
+}
+
 std::string text_of(const cansync::MasterEvent& event, const Config& config) {
   const std::string who = event.slave ? slave_label(config, event.slave->value()) : std::string("a slave");
   switch (event.code) {
@@ -69,10 +83,7 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
     case Code::slave_check_failed:
       return check_failed_text(who, event, config);
     case Code::slave_status_refused:
-      return fmt::format(
-          "{} refuses its status word, {}, with error 0x{:04X}; set startup.status_parameter, or the "
-          "slave's status_parameter, to the number in the drive's parameter list",
-          who, parameter_label(config, event.slave->value(), event.detail), event.found);
+      return status_refused_text(who, event, config);
     case Code::slave_released:
       return who + (event.detail != 0 ? " is released by command, unchecked" : " is released");
     case Code::slave_synchronized:

@@ -16,7 +16,8 @@ constexpr std::uint16_t kSynchronizedBit = 0x8000;
 constexpr Duration kLostPeriod = std::chrono::seconds(1);
 constexpr Duration kRecheck = std::chrono::milliseconds(100);
 
-/// A slave that now gives its status word and now refuses it is told of once in so long.
+/// A slave that now gives its status word and now refuses it is told of once in so long; so long may it answer
+/// without one.
 constexpr Duration kRefusedAgain = std::chrono::seconds(5);
 
 /// A reply that names no code, or 0, is refused all the same.
@@ -58,7 +59,7 @@ void Supervision::begin(IntervalNumber now) noexcept {
     status_[i].synchronized = false;
     status_[i].status_known = false;
     status_[i].status_error = 0;
-    refused_[i].reset();
+    refused_[i] = {};
     silence_[i] = 0;
     change(slave, SlaveEvent::begun);
     suspect_again_[i] = now;
@@ -140,10 +141,14 @@ void Supervision::sent(const Telegram& telegram) noexcept {
 
 void Supervision::answered(const ParameterReply& reply) noexcept {
   const SlaveNumber slave = reply.slave;
-  if (reply.busy) return;
   if (reply.error) return status_refused(slave, refusal_code(reply));
-  const auto answer = read_answer(reply);
-  if (answer) take_status(slave, static_cast<std::uint16_t>(answer->value & 0xFFFF));
+  const auto answer = reply.busy ? std::nullopt : read_answer(reply);
+  if (answer) return take_status(slave, static_cast<std::uint16_t>(answer->value & 0xFFFF));
+  StatusRefusal& refused = refused_[slave.value()];
+  if (!refused.wordless_since) refused.wordless_since = now_;
+  if (refused.wordless_told || now_ - *refused.wordless_since < refused_again_) return;
+  refused.wordless_told = true;
+  tell_refused(slave, reply.busy ? Outcome::timeout : Outcome::no_answer);
 }
 
 void Supervision::came(SlaveNumber slave, std::uint16_t status_word) noexcept {
@@ -154,6 +159,8 @@ void Supervision::came(SlaveNumber slave, std::uint16_t status_word) noexcept {
 
 void Supervision::take_status(SlaveNumber slave, std::uint16_t word) noexcept {
   SlaveStatus& status = at(slave);
+  refused_[slave.value()].wordless_since.reset();
+  refused_[slave.value()].wordless_told = false;
   const bool gives_it_again = std::exchange(status.status_error, std::uint16_t{0}) != 0;
   const bool changed = gives_it_again || !status.status_known || word != status.status_word;
   status.status_word = word;
@@ -172,13 +179,17 @@ void Supervision::status_refused(SlaveNumber slave, std::uint16_t code) noexcept
   if (status.status_error == code) return;
   const bool edge = std::exchange(status.status_error, code) == 0;
   listener_.slave_status(slave, status);
-  std::optional<IntervalNumber>& told = refused_[slave.value()];
-  if (!edge || (told && now_ - *told < refused_again_)) return;
+  if (edge) tell_refused(slave, Outcome::slave_error);
+}
+
+void Supervision::tell_refused(SlaveNumber slave, Outcome outcome) noexcept {
+  std::optional<IntervalNumber>& told = refused_[slave.value()].told;
+  if (told && now_ - *told < refused_again_) return;
   told = now_;
   MasterEvent event{MasterEvent::Code::slave_status_refused, slave,
                     settings_.slaves[slave.value()].status_parameter};
-  event.found = code;
-  event.outcome = Outcome::slave_error;
+  event.found = outcome == Outcome::slave_error ? status(slave).status_error : 0;
+  event.outcome = outcome;
   listener_.event(event);
 }
 
@@ -259,7 +270,7 @@ void Supervision::forget(SlaveNumber slave) noexcept {
   status.synchronized = false;
   status.status_known = false;
   status.status_error = 0;
-  refused_[slave.value()].reset();
+  refused_[slave.value()] = {};
   ++status.times_lost;
   take(slave, SlaveEvent::gone);
 }

@@ -112,6 +112,13 @@ class Supervision {
   const SlaveStatus& status(SlaveNumber slave) const noexcept { return status_[slave.value()]; }
 
  private:
+  /// How a slave does not give its status word.
+  struct StatusRefusal {
+    std::optional<IntervalNumber> told;            ///< when last
+    std::optional<IntervalNumber> wordless_since;  ///< it answers with neither a word nor an error
+    bool wordless_told = false;
+  };
+
   SlaveStatus& at(SlaveNumber slave) noexcept { return status_[slave.value()]; }
   std::optional<SlaveNumber> next_due(SlaveMask left_alone) noexcept;
   bool due(SlaveNumber slave) const noexcept;
@@ -126,6 +133,7 @@ class Supervision {
   void synchronized_again(SlaveNumber slave) noexcept;
   void take_status(SlaveNumber slave, std::uint16_t word) noexcept;
   void status_refused(SlaveNumber slave, std::uint16_t code) noexcept;
+  void tell_refused(SlaveNumber slave, Outcome outcome) noexcept;
   void end_check(SlaveNumber slave) noexcept;
 
   const MasterSettings& settings_;
@@ -140,8 +148,8 @@ class Supervision {
   std::array<SlaveStatus, kSlaves> status_ = {};
   std::array<IntervalNumber, kSlaves> next_read_ = {};
   std::array<std::uint8_t, kSlaves> silence_ = {};
-  std::array<IntervalNumber, kSlaves> activated_ = {};               ///< when last
-  std::array<std::optional<IntervalNumber>, kSlaves> refused_ = {};  ///< when told that it refuses its status
+  std::array<IntervalNumber, kSlaves> activated_ = {};  ///< when last
+  std::array<StatusRefusal, kSlaves> refused_ = {};
   SlaveMask to_activate_;
   SlaveMask first_round_;
   SlaveMask responding_;

@@ -66,7 +66,7 @@ DoctorInput healthy() {
   client::SlaveStatus slave{};
   put(slave.name, "winder");
   put(slave.state, "released");
-  slave.responds = slave.synchronized = true;
+  slave.responds = slave.status_known = slave.synchronized = true;
   slave.last_seen = 4990;
   status.slaves = {slave};
   status.gateway.data_model = 4;
@@ -423,6 +423,25 @@ TEST(Doctor, ASlaveThatRefusesItsStatusWordIsAnErrorWithTheSettingThatMendsIt) {
             "slave 3 'feeder' refuses its status word, parameter 301, with error 0xFFFB: whether it is "
             "synchronized cannot be known");
   EXPECT_NE(found->remedy.find("startup.status_parameter"), std::string::npos);
+}
+
+TEST(Doctor, ASlaveThatAnswersWithoutItsStatusWordIsToldLikeOneThatRefusesIt) {
+  DoctorInput in = healthy();
+  client::SlaveStatus slave = {};
+  slave.slave = 3;
+  put(slave.name, "feeder");
+  slave.status_parameter = 301;
+  slave.responds = true;
+  in.status->slaves.push_back(slave);
+  const auto findings = diagnose(in);
+  const Finding* found = find(findings, "status word");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->found,
+            "slave 3 'feeder' answers, but has not given its status word, parameter 301: whether it is "
+            "synchronized cannot be known");
+  EXPECT_NE(found->remedy.find("startup.status_parameter"), std::string::npos);
+  in.status->slaves.back().status_known = true;
+  EXPECT_EQ(find(diagnose(in), "status word"), nullptr);
 }
 
 TEST(Doctor, WithoutADaemonSaysWhatItCouldNotSee) {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-/// Words for a slave that refuses its status word.
+/// Words for a slave that does not give its status word.
 namespace cansync::cli {
 
 /// What mends it.
@@ -13,12 +13,20 @@ inline constexpr const char* kStatusRefusalRemedy =
     "set startup.status_parameter, or the slave's status_parameter, to the number in the drive's parameter "
     "list; then restart cansyncd";
 
-/// Which slave refuses which parameter, and how.
+/// It answers, and its status word was refused with an error or never came.
+inline bool lacks_status_word(const client::SlaveStatus& slave) {
+  return slave.status_error != 0 || (slave.responds && !slave.status_known);
+}
+
+/// Which slave lacks which parameter, and how.
 inline std::string status_refusal(const client::SlaveStatus& slave) {
-  return fmt::format(
-      "slave {} '{}' refuses its status word, parameter {}, with error 0x{:04X}: whether it is "
-      "synchronized cannot be known",
-      slave.slave, slave.name, slave.status_parameter, slave.status_error);
+  const std::string how =
+      slave.status_error != 0
+          ? fmt::format("refuses its status word, parameter {}, with error 0x{:04X}", slave.status_parameter,
+                        slave.status_error)
+          : fmt::format("answers, but has not given its status word, parameter {}", slave.status_parameter);
+  return fmt::format("slave {} '{}' {}: whether it is synchronized cannot be known", slave.slave, slave.name,
+                     how);
 }
 
 }  // namespace cansync::cli

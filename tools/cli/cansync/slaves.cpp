@@ -124,14 +124,14 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   FaultWords faults(session);
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
-    if (slave.status_error != 0)
+    if (lacks_status_word(slave))
       refusals.push_back(status_refusal(slave) + "; mend: " + kStatusRefusalRemedy);
     const std::string fault = faults.of(slave);
     if (session.json()) {
       session.output().object(slave_object(slave, fault, asked));
       continue;
     }
-    styles.push_back(!fault.empty() || slave.status_error != 0 ? Style::bad : Style::plain);
+    styles.push_back(!fault.empty() || lacks_status_word(slave) ? Style::bad : Style::plain);
     add_slave_row(table, slave, fault, asked);
   }
   if (!session.json()) session.output().table(table, styles);

@@ -69,6 +69,8 @@ bool look_at_slave(const client::MasterStatus& master, const client::SlaveStatus
     out.error(
         kTopic, slave_called(slave) + " is held out: its return parameters are not right",
         fmt::format("cansync events says which; put them right, then: cansync release {}", slave.slave));
+  } else if (lacks_status_word(slave)) {
+    out.error("status word", status_refusal(slave), kStatusRefusalRemedy);
   } else if (!slave.synchronized) {
     out.error(kTopic, fmt::format("{} answers, but is not synchronized", slave_called(slave)),
               "check its SYNC line and cable, and SYNC above; the drive's own display says more");
@@ -87,12 +89,7 @@ void look_at_slaves(const DaemonStatus& status, FindingList& out) {
   if (!is_in(master, kLineActive) && !is_in(master, kLineInSetUp)) return;
   bool well = true;
   for (const client::SlaveStatus& slave : status.slaves) {
-    if (slave.status_error != 0) {
-      out.error("status word", status_refusal(slave), kStatusRefusalRemedy);
-      well = false;
-    } else if (!look_at_slave(master, slave, out)) {
-      well = false;
-    }
+    if (!look_at_slave(master, slave, out)) well = false;
     if (const auto fault = status.faults.find(slave.slave); fault != status.faults.end() && slave.responds) {
       out.error(
           "drive fault", fmt::format("{}: {}", slave_called(slave), fault->second),

@@ -153,13 +153,20 @@ TEST(EventTexts, OfSlavesThatComeAndGo) {
   EXPECT_NE(told(failed).text.find("expected 5 (0x5), slave error 0xFFFC;"), std::string::npos);
   failed.outcome = cansync::Outcome::timeout;
   EXPECT_NE(told(failed).text.find("expected 5 (0x5), timeout;"), std::string::npos);
-  cansync::MasterEvent refused{Code::slave_status_refused, slave, 301, 0, 0xFFFB};
+  cansync::MasterEvent refused{Code::slave_status_refused,   slave, 301, 0, 0xFFFB,
+                               cansync::Outcome::slave_error};
   EXPECT_EQ(told(refused).severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(
       told(refused).text,
       "slave 2 'winder' refuses its status word, parameter 301, with error 0xFFFB; set "
       "startup.status_parameter, or the slave's status_parameter, to the number in the drive's parameter "
       "list");
+  refused.outcome = cansync::Outcome::timeout;
+  EXPECT_NE(
+      told(refused).text.find("does not give its status word, parameter 301: it answers busy for 5 s; set "),
+      std::string::npos);
+  refused.outcome = cansync::Outcome::no_answer;
+  EXPECT_NE(told(refused).text.find(": it answers without a value for 5 s; set "), std::string::npos);
 }
 
 TEST(EventTexts, TheSyncLineIsToldWithItsRemedy) {
