@@ -98,7 +98,7 @@ struct J1939Exchange {
   /// longest message.
   J1939Exchange(std::size_t request_queue, std::size_t report_queue, std::size_t most_bytes)
       : requests(request_queue),
-        done(request_queue + j1939::Node::kMostOpen),
+        done(request_queue + j1939::kMostOpen),
         messages(report_queue),
         long_data(kLongMessages + kLongest * pieces_of(most_bytes)) {}
 

@@ -1,93 +1,223 @@
 #include "j1939/node.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace j1939 {
 namespace {
 
-/// By the extended transport protocol, which knows no broadcast.
-bool is_extended(const Order& order) noexcept {
-  return order.kind == OrderKind::send && order.memory.size() > kMostBytes;
-}
+/// The highest control byte of an acknowledgement (PGN 59392): cannot respond now.
+constexpr std::uint8_t kLastAcknowledgement = 3;
 
-bool can_be_sent(const Order& order) noexcept {
-  if (!is_pgn(order.number) || order.priority > 7 || order.destination == kNullAddress) return false;
-  if (order.kind == OrderKind::request) return true;
-  if (is_reserved(order.number)) return false;
-  return has_destination(order.number) || order.destination == kGlobalAddress || is_long(order);
+constexpr Pgn pgn_at(std::span<const std::uint8_t> data, std::size_t at) noexcept {
+  return Pgn{data[at]} | Pgn{data[at + 1]} << 8 | Pgn{data[at + 2]} << 16;
 }
 
 }  // namespace
 
 Node::Node(NodeSettings settings)
     : settings_(std::move(settings)),
-      due_(settings_.provided.size(), Time::max()),
-      queue_(std::clamp<std::size_t>(settings_.queue, 1, kMostQueue)),
       claim_(settings_.claim),
       receiver_(settings_.window, settings_.most_bytes, replies_),
-      sender_(settings_.spacing, replies_) {}
+      outbox_({settings_.queue, settings_.most_bytes, settings_.spacing}, claim_, replies_, receiver_,
+              counters_),
+      provider_(std::move(settings_.provided), claim_, replies_, outbox_) {}
 
 void Node::start(Time now) noexcept {
   now_ = now;
+  outbox_.time_is(now);
   claim_.start(now);
   follow_address();
 }
 
-std::size_t Node::open() const noexcept {
-  return waiting_.size() + handed_over_.size() + sending_.size() + asked_.size() + answers_.size();
+std::optional<Node::Delivery> Node::receive(const can::Frame& frame, Time end) noexcept {
+  now_ = std::max(now_, end);
+  outbox_.time_is(end);
+  if (!frame.extended || frame.remote || frame.error) {
+    ++counters_.foreign;
+    return std::nullopt;
+  }
+  ++counters_.frames;
+  const auto delivery = receive_frame(frame, parse(frame.id), end);
+  follow_address();
+  outbox_.follow_packets();
+  return delivery;
 }
 
-bool Node::wants_claims_of_all(const Order& order) const noexcept {
-  return order.kind == OrderKind::request && order.number == pgn::kAddressClaimed;
+std::optional<Node::Delivery> Node::receive_frame(const can::Frame& frame, const Identifier& from,
+                                                  Time end) noexcept {
+  const Pgn number = pgn_of(from);
+  const Address destination = destination_of(from);
+  const bool for_us = destination == kGlobalAddress || (claim_.wanted() && destination == *claim_.wanted());
+  if (number != pgn::kAddressClaimed && claim_.wanted() && from.source == *claim_.wanted())
+    claim_.own_address_used(end);
+  if (number == pgn::kTransportControl || number == pgn::kExtendedTransportControl) {
+    if (for_us && from.source < kNullAddress && frame.dlc == 8) transport_control(frame, from, end);
+    return std::nullopt;
+  }
+  if (number == pgn::kTransportData || number == pgn::kExtendedTransportData) {
+    if (!for_us) return std::nullopt;
+    const auto message = receiver_.packet(from, frame, end);
+    return message ? deliver(*message) : std::nullopt;
+  }
+  if (!for_us && !settings_.between_others) return std::nullopt;
+  last_ = frame;
+  return deliver({number, from.priority, from.source, destination, Transport::frame, end,
+                  std::span<const std::uint8_t>(last_.data.data(), std::min<std::size_t>(frame.dlc, 8))});
 }
 
-bool Node::has_room(const Order& order) const noexcept {
-  // Each open order has room for its answer.
-  if (open() >= kMostOpen) return false;
-  if (order.kind == OrderKind::request) return requests_ < kMostRequests;
-  std::size_t messages = 0;
-  for (std::size_t i = 0; i < waiting_.size(); ++i) messages += waiting_[i].order.kind == OrderKind::send;
-  return messages < queue_;
+bool Node::wanted(Pgn number, Address source) const noexcept {
+  return number == pgn::kCommandedAddress || settings_.filter.match(number, source) ||
+         outbox_.requested().waits_for(number, source);
+}
+
+void Node::transport_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
+  const bool broadcast = destination_of(from) == kGlobalAddress;
+  const bool extended = pgn_of(from) == pgn::kExtendedTransportControl;
+  const auto control = static_cast<Control>(frame.data[0]);
+  if (broadcast) {
+    // Only what somebody wants takes a place.
+    if (!extended && control == Control::bam && wanted(pgn_in(frame), from.source))
+      receiver_.announce(from, frame, end);
+    return;
+  }
+  if (extended) return extended_control(frame, from, end);
+  switch (control) {
+    case Control::rts:
+      if (may_begin(frame, from, pgn::kTransportControl))
+        receiver_.request(from, frame, *claim_.address(), end);
+      break;
+    case Control::cts:
+      outbox_.packets().clear_to_send(from.source, frame, end);
+      break;
+    case Control::acknowledged:
+      outbox_.packets().acknowledged(from.source, frame, false, end);
+      break;
+    case Control::abort:
+      outbox_.packets().aborted(from.source, frame, false);
+      receiver_.aborted(from.source, pgn_in(frame), false);
+      break;
+    default:
+      break;
+  }
+}
+
+void Node::extended_control(const can::Frame& frame, const Identifier& from, Time end) noexcept {
+  switch (static_cast<Control>(frame.data[0])) {
+    case Control::extended_rts:
+      if (may_begin(frame, from, pgn::kExtendedTransportControl))
+        receiver_.request_extended(from, frame, *claim_.address(), end);
+      break;
+    case Control::extended_offset:
+      receiver_.offset(from, frame, end);
+      break;
+    case Control::extended_cts:
+      outbox_.packets().extended_clear_to_send(from.source, frame, end);
+      break;
+    case Control::extended_acknowledged:
+      outbox_.packets().acknowledged(from.source, frame, true, end);
+      break;
+    case Control::abort:
+      outbox_.packets().aborted(from.source, frame, true);
+      receiver_.aborted(from.source, pgn_in(frame), true);
+      break;
+    default:
+      break;
+  }
+}
+
+/// Somebody here takes what a connection is asked for; who asks is told when not.
+bool Node::may_begin(const can::Frame& frame, const Identifier& from, Pgn by) noexcept {
+  if (!claim_.address()) return false;
+  if (wanted(pgn_in(frame), from.source)) return true;
+  replies_.push(abort_frame(*claim_.address(), from.source, pgn_in(frame), AbortReason::no_resources, by));
+  return false;
+}
+
+std::optional<Node::Delivery> Node::deliver(const Message& message) noexcept {
+  const bool for_us =
+      message.destination == kGlobalAddress || message.destination == claim_.wanted().value_or(kNullAddress);
+  if (for_us) take(message);
+  const auto range = settings_.filter.match(message.number, message.source);
+  if (!range) return std::nullopt;
+  if (for_us) ++counters_.taken;
+  return Delivery{message, *range};
+}
+
+void Node::take(const Message& message) noexcept {
+  ++counters_.messages;
+  switch (message.number) {
+    case pgn::kAddressClaimed:
+      if (message.data.size() == 8) claim_.claim_received(message.source, name_of(message.data), message.end);
+      break;
+    case pgn::kCommandedAddress:
+      if (message.data.size() == 9)
+        (void)claim_.commanded(name_of(message.data), message.data[8], message.end);
+      break;
+    case pgn::kRequest:
+      if (message.data.size() >= 3) take_request(message);
+      break;
+    case pgn::kAcknowledgement:
+      if (message.data.size() == 8) take_acknowledgement(message);
+      break;
+    default:
+      break;
+  }
+  outbox_.requested().answered(message);
+}
+
+void Node::take_request(const Message& message) noexcept {
+  const Pgn number = pgn_at(message.data, 0);
+  if (number == pgn::kAddressClaimed) {
+    claim_.claim_requested(message.end);
+  } else {
+    provider_.requested(message, number);
+  }
+}
+
+void Node::take_acknowledgement(const Message& message) noexcept {
+  const std::uint8_t control = message.data[0];
+  const Address whose = message.data[4];
+  if (control > kLastAcknowledgement) return;
+  // Of old nodes, which leave the address out, it is that of the destination or all ones.
+  if (whose != kGlobalAddress && (!claim_.wanted() || whose != *claim_.wanted())) return;
+  outbox_.requested().acknowledged(message, pgn_at(message.data, 5), control);
 }
 
 Refusal Node::submit(const Order& order, Time now) noexcept {
   now_ = std::max(now_, now);
-  if (stopped_) return Refusal::stopped;
-  if (order.kind == OrderKind::send && order.memory.size() > std::max(kMostBytes, settings_.most_bytes))
-    return Refusal::too_long;
-  if (!can_be_sent(order)) return Refusal::bad_order;
-  if (is_extended(order) && order.destination == kGlobalAddress) return Refusal::too_long_for_all;
-  if (!claim_.wanted() && !wants_claims_of_all(order)) return Refusal::no_address;
-  if (!has_room(order)) return Refusal::queue_full;
-  if (waiting_.size() == 0) obstacle_ = Obstacle::none;
-  if (order.kind == OrderKind::request) ++requests_;
-  waiting_.push({order, now + order.timeout});
-  begin_sessions();
-  return Refusal::none;
+  return outbox_.submit(order, now);
 }
 
 bool Node::cancel(OrderId id) noexcept {
-  for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    if (waiting_[i].order.id != id) continue;
-    end(waiting_[i].order, Outcome::cancelled);
-    waiting_.erase(i);
-    return true;
-  }
-  for (std::size_t i = 0; i < asked_.size(); ++i) {
-    if (asked_[i].order.id != id) continue;
-    end(asked_[i].order, Outcome::cancelled);
-    asked_.erase(i);
-    return true;
-  }
-  for (std::size_t i = 0; i < sending_.size(); ++i) {
-    if (sending_[i].internal || sending_[i].open.order.id != id) continue;
-    if (!sender_.cancel(sending_[i].id)) continue;
-    end(sending_[i].open.order, Outcome::cancelled);
-    sending_.erase(i);
-    return true;
-  }
-  return false;
+  return outbox_.cancel(id);
+}
+
+std::optional<can::Frame> Node::next_frame() noexcept {
+  return outbox_.next_frame();
+}
+
+void Node::handed_over() noexcept {
+  outbox_.handed_over();
+}
+
+void Node::echo(const can::Frame& frame, Time end) noexcept {
+  outbox_.echo(frame, end);
+}
+
+void Node::echoes_lost() noexcept {
+  outbox_.echoes_lost();
+}
+
+void Node::controller_emptied() noexcept {
+  outbox_.controller_emptied();
+  // Nothing is sent with the address until it is claimed anew: no message that waits begins before.
+  receiver_.drop_connections();
+  replies_.clear();
+  claim_.start(now_);
+  follow_address();
+  outbox_.follow_packets();
 }
 
 /// With another address, or none, nothing that was begun with the old one can go on.
@@ -97,150 +227,36 @@ void Node::follow_address() noexcept {
     if (own_) {
       receiver_.drop_connections();
       replies_.clear();
-      offer_.reset();
-      end_asked(Outcome::address_lost);
-      for (; sending_.size() != 0; sending_.erase(0)) {
-        (void)sender_.cancel(sending_[0].id);
-        if (!sending_[0].internal) end(sending_[0].open.order, Outcome::address_lost);
-      }
+      outbox_.address_changed();
       replies_.clear();
-      (void)sender_.take_ended();
     }
     own_ = wanted;
   }
-  if (!wanted && claim_.state() == ClaimState::cannot_claim) end_waiting(Outcome::address_lost);
+  if (!wanted && claim_.state() == ClaimState::cannot_claim) outbox_.no_address_to_come();
 }
 
 void Node::advance(Time now) noexcept {
   now_ = now;
+  outbox_.time_is(now);
   claim_.advance(now);
   follow_address();
-  send_periodic();
+  provider_.advance(now);
   receiver_.advance(now);
-  sender_.advance(now);
-  for (std::size_t i = 0; i < sending_.size();) {
-    if (sending_[i].open.until > now) {
-      ++i;
-      continue;
-    }
-    const bool begun = sender_.begun(sending_[i].id);
-    (void)sender_.cancel(sending_[i].id);
-    if (!sending_[i].internal) {
-      end(sending_[i].open.order, begun ? Outcome::no_answer : Outcome::timeout,
-          {.obstacle = begun ? Obstacle::none : obstacle_});
-    }
-    sending_.erase(i);
-  }
-  for (std::size_t i = 0; i < handed_over_.size();) {
-    HandedOver& entry = handed_over_[i];
-    if (entry.owner == Owner::order && !entry.answered && entry.open.until <= now) {
-      end(entry.open.order, Outcome::no_answer);
-      entry.answered = true;
-    }
-    if (entry.owner == Owner::order && entry.answered && entry.overtaken) {
-      handed_over_.erase(i);
-    } else {
-      ++i;
-    }
-  }
-  end_unanswered();
-  for (std::size_t i = 0; i < waiting_.size();) {
-    if (waiting_[i].until > now) {
-      ++i;
-      continue;
-    }
-    const bool claiming = claim_.state() == ClaimState::claiming && obstacle_ == Obstacle::none;
-    end(waiting_[i].order, Outcome::timeout, {.obstacle = obstacle_, .claiming = claiming});
-    waiting_.erase(i);
-  }
-  take_ended();
-}
-
-/// The requests whose time is over. An answer that is coming in packets then is waited for, and no other:
-/// whoever begins again and again would hold its place.
-void Node::end_unanswered() noexcept {
-  for (std::size_t i = 0; i < asked_.size();) {
-    Open& asked = asked_[i];
-    const bool over = asked.until <= now_;
-    if (over && asked.answer == 0)
-      asked.answer = receiver_.coming(asked.order.number, asked.order.destination);
-    if (!over || receiver_.is_coming(asked.answer)) {
-      ++i;
-      continue;
-    }
-    end(asked.order, Outcome::no_answer);
-    asked_.erase(i);
-  }
+  outbox_.advance(now);
 }
 
 Time Node::next_deadline() const noexcept {
-  Time next =
-      std::min({claim_.next_deadline(), receiver_.next_deadline(), sender_.next_deadline(), next_periodic()});
-  for (std::size_t i = 0; i < waiting_.size(); ++i) next = std::min(next, waiting_[i].until);
-  for (std::size_t i = 0; i < asked_.size(); ++i) {
-    if (!receiver_.is_coming(asked_[i].answer)) next = std::min(next, asked_[i].until);
-  }
-  for (std::size_t i = 0; i < sending_.size(); ++i) next = std::min(next, sending_[i].open.until);
-  for (std::size_t i = 0; i < handed_over_.size(); ++i) {
-    const HandedOver& entry = handed_over_[i];
-    if (entry.owner == Owner::order && !entry.answered) next = std::min(next, entry.open.until);
-  }
-  return next;
+  return std::min({claim_.next_deadline(), receiver_.next_deadline(), outbox_.next_deadline(),
+                   provider_.next_deadline(now_)});
 }
 
 std::optional<Answer> Node::take_answer() noexcept {
-  if (answers_.size() == 0) return std::nullopt;
-  const Answer answer = answers_[0];
-  answers_.erase(0);
-  return answer;
+  return outbox_.answers().take();
 }
 
 void Node::stop() noexcept {
-  stopped_ = true;
-  for (; handed_over_.size() != 0; handed_over_.erase(0)) {
-    const HandedOver& entry = handed_over_[0];
-    if (entry.owner == Owner::order && !entry.answered) end(entry.open.order, Outcome::no_answer);
-  }
-  for (; sending_.size() != 0; sending_.erase(0)) {
-    (void)sender_.cancel(sending_[0].id);
-    if (!sending_[0].internal) end(sending_[0].open.order, Outcome::stopped);
-  }
-  end_asked(Outcome::stopped);
-  end_waiting(Outcome::stopped);
-}
-
-void Node::end_waiting(Outcome outcome) noexcept {
-  for (std::size_t i = 0; i < waiting_.size();) {
-    if (outcome == Outcome::address_lost && wants_claims_of_all(waiting_[i].order)) {
-      ++i;
-      continue;
-    }
-    end(waiting_[i].order, outcome);
-    waiting_.erase(i);
-  }
-}
-
-void Node::end_asked(Outcome outcome) noexcept {
-  for (; asked_.size() != 0; asked_.erase(0)) end(asked_[0].order, outcome);
-}
-
-void Node::end(const Order& order, Outcome outcome, const Answer& rest) noexcept {
-  if (order.kind == OrderKind::request) --requests_;
-  Answer answer = rest;
-  answer.id = order.id;
-  answer.outcome = outcome;
-  answers_.push(answer);
-  switch (outcome) {
-    case Outcome::done:
-      break;
-    case Outcome::refused:
-    case Outcome::aborted:
-    case Outcome::no_answer:
-      ++counters_.unanswered;
-      break;
-    default:
-      ++counters_.not_sent;
-  }
+  provider_.stop();
+  outbox_.stop();
 }
 
 }  // namespace j1939

@@ -52,8 +52,8 @@ class NodeRun {
     while (!in_.empty()) {
       step();
       take_answers();
-      require(node_.waiting() <= Node::kMostQueue + Node::kMostRequests, "the queue is bounded");
-      require(node_.handed_over_count() <= Node::kMostHandedOver, "so is what stands in the controller");
+      require(node_.waiting() <= kMostMessages + kMostRequests, "the queue is bounded");
+      require(node_.handed_over_count() <= kMostHandedOver, "so is what stands in the controller");
       require(node_.transports() <= TransportReceiver::kSessions + TransportSender::kSessions,
               "so are messages in packets");
     }

@@ -129,29 +129,28 @@ TEST_F(NodeTest, WhatCannotBeSentIsRefused) {
 }
 
 TEST_F(NodeTest, TheQueueIsBounded) {
-  for (OrderId id = 1; id <= Node::kMostQueue; ++id)
+  for (OrderId id = 1; id <= kMostMessages; ++id)
     ASSERT_EQ(rig.node.submit(message(id, 0xFEF1, 1), rig.now), Refusal::none);
   EXPECT_EQ(rig.node.submit(message(99, 0xFEF1, 1), rig.now), Refusal::queue_full);
 }
 
 TEST_F(NodeTest, MessagesThatWaitLeaveRoomForRequestsAndTheOtherWayRound) {
   Order one = message(0, 0xFEF1, 1);  // its memory is for all
-  for (one.id = 1; one.id <= Node::kMostQueue; ++one.id)
-    ASSERT_EQ(rig.node.submit(one, rig.now), Refusal::none);
-  for (OrderId id = 101; id <= 100 + Node::kMostRequests; ++id)
+  for (one.id = 1; one.id <= kMostMessages; ++one.id) ASSERT_EQ(rig.node.submit(one, rig.now), Refusal::none);
+  for (OrderId id = 101; id <= 100 + kMostRequests; ++id)
     ASSERT_EQ(rig.node.submit(request(id, 0xFEE5, kOther), rig.now), Refusal::none);
   EXPECT_EQ(rig.node.submit(one, rig.now), Refusal::queue_full);
   EXPECT_EQ(rig.node.submit(request(199, 0xFEE5, kOther), rig.now), Refusal::queue_full);
-  EXPECT_EQ(rig.pump().size(), Node::kMostQueue + Node::kMostRequests);
+  EXPECT_EQ(rig.pump().size(), kMostMessages + kMostRequests);
 }
 
 TEST_F(NodeTest, RequestsAreBounded) {
-  for (OrderId id = 1; id <= Node::kMostRequests; ++id)
+  for (OrderId id = 1; id <= kMostRequests; ++id)
     ASSERT_EQ(rig.node.submit(request(id, 0xFEE5, kOther), rig.now), Refusal::none);
   EXPECT_EQ(rig.node.submit(request(99, 0xFEE5, kOther), rig.now), Refusal::queue_full);
-  EXPECT_EQ(rig.pump().size(), Node::kMostRequests);
+  EXPECT_EQ(rig.pump().size(), kMostRequests);
   (void)rig.hear(frame(0x18FEE521, {7}));
-  EXPECT_EQ(rig.answers().size(), Node::kMostRequests) << "one answer is the answer to all";
+  EXPECT_EQ(rig.answers().size(), kMostRequests) << "one answer is the answer to all";
   EXPECT_EQ(rig.node.submit(request(99, 0xFEE5, kOther), rig.now), Refusal::none);
 }
 

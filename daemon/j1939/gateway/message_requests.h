@@ -67,7 +67,7 @@ class MessageRequests {
   /// turns in each. What nobody answers stays for up to an hour, so one client has at most half.
   LaneLimits lane_limits() const {
     const auto shared = [](unsigned places) { return LaneLimit{places, places, (places + 1) / 2}; };
-    return {shared(config_.queue), shared(j1939::Node::kMostRequests)};
+    return {shared(config_.queue), shared(j1939::kMostRequests)};
   }
 
   static std::optional<Change> change_of(const j1939_MessageRequest& sample, const MessageContext& context);

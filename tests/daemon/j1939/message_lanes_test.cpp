@@ -56,7 +56,7 @@ TEST(MessageLanes, NoMoreAreAskedThanTheNodeWaitsFor) {
   for (JobId id = 1; id <= 4 * kOpen; ++id)
     desk.add(id, static_cast<std::uint8_t>(id % 4), j1939::OrderKind::request);
   desk.hand_over();
-  EXPECT_EQ(desk.given.size(), j1939::Node::kMostRequests);
+  EXPECT_EQ(desk.given.size(), j1939::kMostRequests);
 }
 
 TEST(MessageLanes, TheShortestQueueStillTakesOne) {

@@ -1,0 +1,369 @@
+#include "j1939/outbox.h"
+
+#include "j1939/message.h"
+
+namespace j1939 {
+namespace {
+
+/// For the node's own long answers: the receiver may hold it, but not for ever.
+constexpr Time kLongestAnswer = std::chrono::seconds(60);
+
+/// By the extended transport protocol, which knows no broadcast.
+bool is_extended(const Order& order) noexcept {
+  return order.kind == OrderKind::send && order.memory.size() > kMostBytes;
+}
+
+bool can_be_sent(const Order& order) noexcept {
+  if (!is_pgn(order.number) || order.priority > 7 || order.destination == kNullAddress) return false;
+  if (order.kind == OrderKind::request) return true;
+  if (is_reserved(order.number)) return false;
+  return has_destination(order.number) || order.destination == kGlobalAddress || is_long(order);
+}
+
+/// A node without an address may ask for those of the others.
+bool wants_claims_of_all(const Order& order) noexcept {
+  return order.kind == OrderKind::request && order.number == pgn::kAddressClaimed;
+}
+
+can::Frame frame_for(const Order& order, Address source) noexcept {
+  can::Frame frame;
+  frame.extended = true;
+  if (order.kind == OrderKind::request) {
+    frame.id = compose(identifier_of(pgn::kRequest, order.priority, order.destination, source));
+    frame.dlc = 3;
+    for (unsigned i = 0; i < 3; ++i) frame.data[i] = static_cast<std::uint8_t>(order.number >> 8 * i);
+    return frame;
+  }
+  frame.id = compose(identifier_of(order.number, order.priority, order.destination, source));
+  frame.dlc = static_cast<std::uint8_t>(order.memory.size());
+  std::copy(order.memory.begin(), order.memory.end(), frame.data.begin());
+  return frame;
+}
+
+}  // namespace
+
+Outbox::Outbox(const OutboxSettings& settings, AddressClaim& claim, FrameQueue& replies,
+               const TransportReceiver& receiver, NodeCounters& counters) noexcept
+    : settings_(settings),
+      claim_(claim),
+      replies_(replies),
+      counters_(counters),
+      sender_(settings.spacing, replies),
+      answers_(counters),
+      requested_(answers_, receiver) {
+  settings_.messages = std::clamp<std::size_t>(settings_.messages, 1, kMostMessages);
+}
+
+std::size_t Outbox::open() const noexcept {
+  return waiting_.size() + handed_over_.size() + sending_.size() + requested_.size() + answers_.size();
+}
+
+bool Outbox::has_room(const Order& order) const noexcept {
+  // Each open order has room for its answer.
+  if (open() >= kMostOpen) return false;
+  if (order.kind == OrderKind::request) return answers_.requests() < kMostRequests;
+  std::size_t messages = 0;
+  for (std::size_t i = 0; i < waiting_.size(); ++i) messages += waiting_[i].order.kind == OrderKind::send;
+  return messages < settings_.messages;
+}
+
+Refusal Outbox::submit(const Order& order, Time now) noexcept {
+  time_is(now);
+  if (stopped_) return Refusal::stopped;
+  if (order.kind == OrderKind::send && order.memory.size() > std::max(kMostBytes, settings_.most_bytes))
+    return Refusal::too_long;
+  if (!can_be_sent(order)) return Refusal::bad_order;
+  if (is_extended(order) && order.destination == kGlobalAddress) return Refusal::too_long_for_all;
+  if (!claim_.wanted() && !wants_claims_of_all(order)) return Refusal::no_address;
+  if (!has_room(order)) return Refusal::queue_full;
+  if (waiting_.size() == 0) obstacle_ = Obstacle::none;
+  answers_.begin(order);
+  waiting_.push({order, now + order.timeout});
+  begin_sessions();
+  return Refusal::none;
+}
+
+bool Outbox::cancel(OrderId id) noexcept {
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    if (waiting_[i].order.id != id) continue;
+    answers_.end(waiting_[i].order, Outcome::cancelled);
+    waiting_.erase(i);
+    return true;
+  }
+  if (requested_.cancel(id)) return true;
+  for (std::size_t i = 0; i < sending_.size(); ++i) {
+    if (sending_[i].internal || sending_[i].open.order.id != id) continue;
+    if (!sender_.cancel(sending_[i].id)) continue;
+    answers_.end(sending_[i].open.order, Outcome::cancelled);
+    sending_.erase(i);
+    return true;
+  }
+  return false;
+}
+
+std::optional<can::Frame> Outbox::next_frame() noexcept {
+  offer_.reset();
+  if (handed_over_.full()) return std::nullopt;
+  if (const auto frame = claim_.next_frame()) {
+    offer_ = Offer{Owner::claim, 0, *frame};
+    return *frame;
+  }
+  if (const auto frame = replies_.front(); frame && claim_.address()) {
+    offer_ = Offer{Owner::reply, 0, *frame};
+    return *frame;
+  }
+  // As on the bus: the lowest identifier goes first, of equal ones the older order.
+  const auto consider = [&](Owner owner, std::size_t index, const can::Frame& frame) {
+    if (!offer_ || frame.id < offer_->frame.id) offer_ = Offer{owner, index, frame};
+  };
+  const auto address = claim_.address();
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    const Order& order = waiting_[i].order;
+    if (is_long(order)) continue;
+    if (address) {
+      consider(Owner::order, i, frame_for(order, *address));
+    } else if (wants_claims_of_all(order)) {
+      consider(Owner::order, i, frame_for(order, kNullAddress));
+    }
+  }
+  for (std::size_t i = 0; address && i < TransportSender::kSessions; ++i) {
+    if (const auto frame = sender_.next_frame(i)) consider(Owner::session, i, *frame);
+  }
+  return offer_ ? std::optional(offer_->frame) : std::nullopt;
+}
+
+void Outbox::handed_over() noexcept {
+  if (!offer_ || handed_over_.full()) return;
+  const Offer offer = *offer_;
+  offer_.reset();
+  obstacle_ = Obstacle::none;
+  HandedOver entry;
+  entry.frame = offer.frame;
+  entry.owner = offer.owner;
+  switch (offer.owner) {
+    case Owner::claim:
+      claim_.handed_over();
+      break;
+    case Owner::reply:
+      replies_.pop();
+      break;
+    case Owner::order:
+      entry.open = waiting_[offer.index];
+      waiting_.erase(offer.index);
+      break;
+    case Owner::session:
+      entry.session = offer.index;
+      entry.id = sender_.job_at(offer.index);
+      sender_.handed_over(offer.index, now_);
+      break;
+  }
+  handed_over_.push(entry);
+}
+
+/// What follows from a frame that stood on the bus.
+void Outbox::seen(const HandedOver& entry, Time end_of_frame) noexcept {
+  if (entry.owner == Owner::claim) claim_.sent(entry.frame, end_of_frame);
+  if (entry.owner == Owner::session && sender_.job_at(entry.session) == entry.id)
+    sender_.sent(entry.session, end_of_frame);
+}
+
+/// What follows from one of which nobody knows whether it did.
+void Outbox::unseen(const HandedOver& entry) noexcept {
+  if (entry.owner == Owner::claim) claim_.unseen(entry.frame);
+  if (entry.owner == Owner::session && sender_.job_at(entry.session) == entry.id)
+    sender_.unseen(entry.session, now_);
+}
+
+void Outbox::echo(const can::Frame& frame, Time end_of_frame) noexcept {
+  ++counters_.sent;
+  std::size_t found = 0;
+  while (found < handed_over_.size() && handed_over_[found].frame != frame) ++found;
+  if (found == handed_over_.size()) return;
+  const HandedOver entry = handed_over_[found];
+  handed_over_.erase(found);
+  seen(entry, end_of_frame);
+  if (entry.owner == Owner::order && !entry.answered) {
+    const Order& order = entry.open.order;
+    if (order.kind == OrderKind::request && order.destination != kGlobalAddress) {
+      requested_.add(entry.open);
+    } else {
+      answers_.end(order, Outcome::done, {.sent = end_of_frame});
+    }
+  }
+  overtake(found);
+  follow_packets();
+}
+
+/// The `count` frames handed over first: no echo of theirs is waited for; orders keep their places until
+/// they are answered.
+void Outbox::overtake(std::size_t count) noexcept {
+  for (std::size_t i = count; i-- > 0;) {
+    HandedOver& entry = handed_over_[i];
+    entry.overtaken = true;
+    if (entry.owner == Owner::order && !entry.answered) continue;
+    unseen(entry);
+    handed_over_.erase(i);
+  }
+}
+
+void Outbox::echoes_lost() noexcept {
+  overtake(handed_over_.size());
+  follow_packets();
+}
+
+bool Outbox::send_own(Pgn number, std::uint8_t priority, Address to,
+                      std::span<const std::uint8_t> data) noexcept {
+  if (sending_.full() || !sender_.has_room(to)) return false;
+  const std::uint64_t id = ++jobs_;
+  sender_.begin({id, number, priority, *claim_.address(), to, data}, now_);
+  sending_.push({{{}, now_ + kLongestAnswer}, id, true});
+  return true;
+}
+
+/// Long messages for which there is room now.
+void Outbox::begin_sessions() noexcept {
+  const auto address = claim_.address();
+  if (!address) return;
+  for (std::size_t i = 0; i < waiting_.size() && !sending_.full();) {
+    const OpenOrder open = waiting_[i];
+    if (!is_long(open.order) || !sender_.has_room(open.order.destination)) {
+      ++i;
+      continue;
+    }
+    const std::uint64_t id = ++jobs_;
+    sender_.begin(
+        {id, open.order.number, open.order.priority, *address, open.order.destination, open.order.memory},
+        now_);
+    sending_.push({open, id, false});
+    waiting_.erase(i);
+  }
+}
+
+void Outbox::follow_packets() noexcept {
+  while (const auto ended = sender_.take_ended()) {
+    for (std::size_t i = 0; i < sending_.size(); ++i) {
+      if (sending_[i].id != ended->id) continue;
+      const Sending sending = sending_[i];
+      sending_.erase(i);
+      if (sending.internal) break;
+      const Outcome outcome = ended->end == SendEnd::done      ? Outcome::done
+                              : ended->end == SendEnd::aborted ? Outcome::aborted
+                                                               : Outcome::no_answer;
+      answers_.end(sending.open.order, outcome, {.sent = ended->sent, .code = ended->reason});
+      break;
+    }
+  }
+  begin_sessions();
+}
+
+void Outbox::controller_emptied() noexcept {
+  end_handed_over();
+  offer_.reset();
+  sender_.drop();
+}
+
+void Outbox::address_changed() noexcept {
+  offer_.reset();
+  requested_.end_all(Outcome::address_lost);
+  end_sending(Outcome::address_lost);
+  (void)sender_.take_ended();
+}
+
+void Outbox::advance(Time now) noexcept {
+  now_ = now;
+  sender_.advance(now);
+  advance_sending();
+  advance_handed_over();
+  requested_.advance(now);
+  advance_waiting();
+  follow_packets();
+}
+
+void Outbox::advance_sending() noexcept {
+  for (std::size_t i = 0; i < sending_.size();) {
+    if (sending_[i].open.until > now_) {
+      ++i;
+      continue;
+    }
+    const bool begun = sender_.begun(sending_[i].id);
+    (void)sender_.cancel(sending_[i].id);
+    if (!sending_[i].internal) {
+      answers_.end(sending_[i].open.order, begun ? Outcome::no_answer : Outcome::timeout,
+                   {.obstacle = begun ? Obstacle::none : obstacle_});
+    }
+    sending_.erase(i);
+  }
+}
+
+void Outbox::advance_handed_over() noexcept {
+  for (std::size_t i = 0; i < handed_over_.size();) {
+    HandedOver& entry = handed_over_[i];
+    if (entry.owner == Owner::order && !entry.answered && entry.open.until <= now_) {
+      answers_.end(entry.open.order, Outcome::no_answer);
+      entry.answered = true;
+    }
+    if (entry.owner == Owner::order && entry.answered && entry.overtaken) {
+      handed_over_.erase(i);
+    } else {
+      ++i;
+    }
+  }
+}
+
+void Outbox::advance_waiting() noexcept {
+  for (std::size_t i = 0; i < waiting_.size();) {
+    if (waiting_[i].until > now_) {
+      ++i;
+      continue;
+    }
+    const bool claiming = claim_.state() == ClaimState::claiming && obstacle_ == Obstacle::none;
+    answers_.end(waiting_[i].order, Outcome::timeout, {.obstacle = obstacle_, .claiming = claiming});
+    waiting_.erase(i);
+  }
+}
+
+Time Outbox::next_deadline() const noexcept {
+  Time next = std::min(sender_.next_deadline(), requested_.next_deadline());
+  for (std::size_t i = 0; i < waiting_.size(); ++i) next = std::min(next, waiting_[i].until);
+  for (std::size_t i = 0; i < sending_.size(); ++i) next = std::min(next, sending_[i].open.until);
+  for (std::size_t i = 0; i < handed_over_.size(); ++i) {
+    const HandedOver& entry = handed_over_[i];
+    if (entry.owner == Owner::order && !entry.answered) next = std::min(next, entry.open.until);
+  }
+  return next;
+}
+
+void Outbox::stop() noexcept {
+  stopped_ = true;
+  end_handed_over();
+  end_sending(Outcome::stopped);
+  requested_.end_all(Outcome::stopped);
+  end_waiting(Outcome::stopped);
+}
+
+void Outbox::end_handed_over() noexcept {
+  for (; handed_over_.size() != 0; handed_over_.erase(0)) {
+    const HandedOver& entry = handed_over_[0];
+    if (entry.owner == Owner::order && !entry.answered) answers_.end(entry.open.order, Outcome::no_answer);
+  }
+}
+
+void Outbox::end_sending(Outcome outcome) noexcept {
+  for (; sending_.size() != 0; sending_.erase(0)) {
+    (void)sender_.cancel(sending_[0].id);
+    if (!sending_[0].internal) answers_.end(sending_[0].open.order, outcome);
+  }
+}
+
+void Outbox::end_waiting(Outcome outcome) noexcept {
+  for (std::size_t i = 0; i < waiting_.size();) {
+    if (outcome == Outcome::address_lost && wants_claims_of_all(waiting_[i].order)) {
+      ++i;
+      continue;
+    }
+    answers_.end(waiting_[i].order, outcome);
+    waiting_.erase(i);
+  }
+}
+
+}  // namespace j1939

@@ -1,0 +1,85 @@
+#include "j1939/provider.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace j1939 {
+namespace {
+
+/// Control bytes of an acknowledgement (PGN 59392).
+constexpr std::uint8_t kNegative = 1;
+constexpr std::uint8_t kCannotRespond = 3;
+
+}  // namespace
+
+Provider::Provider(std::vector<Provided> provided, const AddressClaim& claim, FrameQueue& replies,
+                   Outbox& outbox)
+    : provided_(std::move(provided)),
+      due_(provided_.size(), Time::max()),
+      claim_(claim),
+      replies_(replies),
+      outbox_(outbox) {}
+
+void Provider::requested(const Message& request, Pgn number) noexcept {
+  if (!claim_.address() || request.source >= kNullAddress) return;
+  const auto found = std::find_if(provided_.begin(), provided_.end(),
+                                  [number](const Provided& each) { return each.number == number; });
+  if (found == provided_.end()) return acknowledge(request, number, kNegative);
+  if (found->data.empty()) return;
+  const bool for_all = request.destination == kGlobalAddress;
+  if (!send(*found, for_all ? kGlobalAddress : request.source, false))
+    acknowledge(request, number, kCannotRespond);
+}
+
+/// False: too many messages in packets are under way. `by_itself`: while the one before waits, another is
+/// not sent.
+bool Provider::send(const Provided& provided, Address to, bool by_itself) noexcept {
+  if (provided.data.size() > 8)
+    return outbox_.send_own(provided.number, provided.priority, to, provided.data);
+  can::Frame frame;
+  frame.extended = true;
+  frame.id = compose(identifier_of(provided.number, provided.priority, to, *claim_.address()));
+  frame.dlc = static_cast<std::uint8_t>(provided.data.size());
+  std::copy(provided.data.begin(), provided.data.end(), frame.data.begin());
+  if (!by_itself || !replies_.has(frame.id)) replies_.push(frame);
+  return true;
+}
+
+void Provider::advance(Time now) noexcept {
+  for (std::size_t i = 0; i < provided_.size(); ++i) {
+    const Provided& provided = provided_[i];
+    if (provided.period <= Time{0} || provided.data.empty()) continue;
+    Time& due = due_[i];
+    if (stopped_ || !claim_.address()) {
+      due = Time::max();
+      continue;
+    }
+    if (due == Time::max()) due = now;
+    if (due > now) continue;
+    (void)send(provided, kGlobalAddress, true);
+    due += ((now - due) / provided.period + 1) * provided.period;
+  }
+}
+
+Time Provider::next_deadline(Time now) const noexcept {
+  Time next = Time::max();
+  if (stopped_ || !claim_.address()) return next;
+  for (std::size_t i = 0; i < provided_.size(); ++i) {
+    if (provided_[i].period > Time{0} && !provided_[i].data.empty())
+      next = std::min(next, due_[i] == Time::max() ? now : due_[i]);
+  }
+  return next;
+}
+
+/// Requests to all are never answered so: every node would.
+void Provider::acknowledge(const Message& request, Pgn number, std::uint8_t control) noexcept {
+  if (request.destination == kGlobalAddress) return;
+  replies_.push(frame_of(
+      identifier_of(pgn::kAcknowledgement, 6, kGlobalAddress, *claim_.address()),
+      std::array<std::uint8_t, 8>{control, 0xFF, 0xFF, 0xFF, request.source,
+                                  static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8),
+                                  static_cast<std::uint8_t>(number >> 16)}));
+}
+
+}  // namespace j1939
