@@ -26,7 +26,7 @@ import run_uml  # noqa: E402  (its folder is named above)
 
 COMMAND_LIMIT = 7200  # seconds; one step: building on a busy machine takes the longest
 LIMIT = int(os.environ.get("CANSYNC_UML_LIMIT", "900"))  # seconds from power-on to power-off; two minutes are usual
-BOOTS = 2  # what is wrong fails again; what a busy machine has held up for too long does not
+BOOTS = 2  # what is wrong fails again; what a busy machine has held up for too long does not; tools/test ends with it
 MEMORY = 640  # MiB
 IMAGE = 2048  # MiB, sparse
 # What a gateway PC has, and what the tests look with.
@@ -181,6 +181,13 @@ def boot(work, number, lines):
         return 1
 
 
+def tell_repeated(what):
+    """For the last line of tools/test."""
+    if path := os.environ.get("CANSYNC_REPEATED"):
+        with open(path, "a", encoding="utf-8") as file:
+            print(what, file=file)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", 1)[0])
     parser.add_argument("--keep", type=pathlib.Path, help="folder that keeps packages and root file system")
@@ -207,6 +214,8 @@ def main():
             with stage("boot it and run the tests inside"):
                 code = boot(work, number, options.lines)
             if code == 0:
+                if number > 1:
+                    tell_repeated("the tests of the packages inside the booted machine")
                 break
     sys.exit(code)
 

@@ -18,6 +18,7 @@ for i in $(seq 17); do
   printf '%d/17 Testing: %s%d\\nOutput:\\n' $i "${4//|/_}." $i
   printf 'Test time =  %d.50 sec\\n' $i
 done
+[ -z "${REPEATED:-}" ] || echo "$REPEATED" >>"$CANSYNC_REPEATED"
 [ "$4" != kernel ] || exit "${KERNEL_STATUS:-0}"
 """
 
@@ -55,6 +56,11 @@ class EndOfToolsTest(unittest.TestCase):
         self.assertEqual(slowest[0].split()[0], "17.5")
         self.assertTrue(slowest[0].endswith(" (dev)"), slowest[0])
         self.assertEqual(slowest[-1].split()[0], "3.5")
+
+    def test_last_line_names_what_passed_only_when_it_was_repeated(self):
+        status, lines = self.run_tests("--quick", REPEATED="the boot")
+        self.assertEqual(status, 0)
+        self.assertEqual(lines[-1], "tools/test: passed in 0 min; only when repeated: the boot")
 
     def test_last_line_names_the_step_that_failed(self):
         status, lines = self.run_tests(KERNEL_STATUS="8")
