@@ -3,16 +3,21 @@
 #include <unistd.h>
 
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
 namespace cansync::client {
 namespace {
 
-std::string file(const std::string& name, const std::string& text) {
-  const std::string path = testing::TempDir() + "/" + std::to_string(getpid()) + name;
-  std::ofstream(path) << text;
-  return path;
+/// What a file of this name with this text says; the file is gone after.
+Signals signals_of(const std::string& name, const std::string& text) {
+  struct File {
+    std::string path;
+    ~File() { std::filesystem::remove(path); }
+  } file{testing::TempDir() + "/" + std::to_string(getpid()) + name};
+  std::ofstream(file.path) << text;
+  return Signals::read(file.path);
 }
 
 const std::string kTable = R"(
@@ -54,7 +59,7 @@ const std::string kDbc =
 
 TEST(Signals, FramesAreNamedByATableAndByADbcFile) {
   const std::array<std::uint8_t, 4> data = {0x10, 0x01, 0x01, 0x07};  // 16#0110 * 0.5
-  const auto table = Signals::read(file("motor.toml", kTable)).decode(0x123, false, data);
+  const auto table = signals_of("motor.toml", kTable).decode(0x123, false, data);
   ASSERT_TRUE(table);
   EXPECT_EQ(table->name, "Motor");
   ASSERT_EQ(table->signals.size(), 3u);
@@ -62,13 +67,13 @@ TEST(Signals, FramesAreNamedByATableAndByADbcFile) {
   EXPECT_DOUBLE_EQ(table->signals[0].value, 136.0);
   EXPECT_EQ(table->signals[1].word, "run");
   EXPECT_EQ(table->signals[2].name, "Load");
-  const Signals dbc = Signals::read(file("motor.dbc", kDbc));
+  const Signals dbc = signals_of("motor.dbc", kDbc);
   EXPECT_DOUBLE_EQ(dbc.decode(0x123, false, data)->signals.at(0).value, 136.0);
   EXPECT_FALSE(dbc.decode(0x123, true, data));
 }
 
 TEST(Signals, AGroupOfAnySourceAndWhatIsNotAvailable) {
-  const Signals names = Signals::read(file("engine.dbc", kDbc));  // 16#18F004FE: group 16#F004 of source 254
+  const Signals names = signals_of("engine.dbc", kDbc);  // 16#18F004FE: group 16#F004 of source 254
   const std::array<std::uint8_t, 8> data = {0xFF, 12};
   const auto engine = names.decode_group(0xF004, 0x21, data);
   ASSERT_TRUE(engine);
@@ -78,7 +83,7 @@ TEST(Signals, AGroupOfAnySourceAndWhatIsNotAvailable) {
 }
 
 TEST(Signals, BytesOfNamesAndUnits) {
-  const Signals names = Signals::read(file("motor.toml", kTable));
+  const Signals names = signals_of("motor.toml", kTable);
   const EncodedMessage motor = names.encode("Motor", {{"Speed", 136.0}, {"Mode", "run"}, {"Load", 7.0}});
   EXPECT_EQ(motor.identifier, 0x123u);
   EXPECT_FALSE(motor.extended);
@@ -89,7 +94,7 @@ TEST(Signals, BytesOfNamesAndUnits) {
 }
 
 TEST(Signals, WhatCannotBeIsRefusedWithWhatIsAllowed) {
-  const Signals names = Signals::read(file("motor.toml", kTable));
+  const Signals names = signals_of("motor.toml", kTable);
   const auto refusal = [](auto&& act) {
     try {
       act();
@@ -108,10 +113,9 @@ TEST(Signals, WhatCannotBeIsRefusedWithWhatIsAllowed) {
   EXPECT_NE(of("Motor", {{"Load", 1.0}, {"Brake", 1.0}}).find("with the others"), std::string::npos);
   EXPECT_NE(of("Motor", {{"Load", 1.0}, {"Mode", "stop"}}).find("with the others"), std::string::npos);
   EXPECT_NE(refusal([] { (void)Signals::read("/nowhere.dbc"); }).find("cannot be read"), std::string::npos);
-  EXPECT_NE(refusal([] { (void)Signals::read(file("bad.dbc", "BO_ 1 A: 8 X\n SG_ S 0|8\n")); }).find(":2:8:"),
+  EXPECT_NE(refusal([] { (void)signals_of("bad.dbc", "BO_ 1 A: 8 X\n SG_ S 0|8\n"); }).find(":2:8:"),
             std::string::npos);
-  EXPECT_NE(refusal([] { (void)Signals::read(file("bad.toml", "[x]\n")); }).find("[[message]]"),
-            std::string::npos);
+  EXPECT_NE(refusal([] { (void)signals_of("bad.toml", "[x]\n"); }).find("[[message]]"), std::string::npos);
 }
 
 }  // namespace
