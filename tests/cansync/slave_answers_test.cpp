@@ -179,6 +179,20 @@ TEST_F(AnswerTest, S16ALateAnswerOfTheIntervalBeforeLeavesTheReleaseOfThisOne) {
   EXPECT_TRUE(ask(0x100 + kNumber));
 }
 
+TEST_F(AnswerTest, S16TheFirstAnswerKeepsTheSlotsOfALineThatRuns) {
+  slave_.on_sync();
+  EXPECT_FALSE(ask(0x100 + kNumber, 340)) << "it takes no part yet";
+  set_up();
+  ParameterCommand read;
+  read.slave = *SlaveNumber::from(kNumber);
+  read.number = *ParameterNumber::from(301);
+  const auto answer = slave_.receive(encode(read), microseconds(576));
+  ASSERT_TRUE(answer);
+  const SlotTimes& times = slot_times(SlaveSideSettings{}.bit_rate);
+  EXPECT_EQ(answer->window, (StartWindow{times.interval, times.interval + times.response}))
+      << "not beside the actual values of another";
+}
+
 // --- what other slaves say
 
 TEST_F(AnswerTest, S17MonitoredValuesCarryTheirIntervalAndTheChannelItsSlave) {

@@ -283,9 +283,10 @@ std::optional<SlaveAnswer> Slave::receive(const can::Frame& frame, Duration sinc
 }
 
 std::optional<SlaveAnswer> Slave::receive(const Telegram& telegram, Duration since_sync) noexcept {
-  if (!is_synchronous(state_)) return std::nullopt;
   const auto* reference = std::get_if<ReferenceTelegram>(&telegram);
+  // Also before this slave takes part: its first answer keeps the slots.
   if (reference != nullptr) process_data_ = true;
+  if (!is_synchronous(state_)) return std::nullopt;
   const std::optional<can::Frame> frame = answer(telegram);
   if (!frame) return std::nullopt;
   const AnswerSlot slot = reference != nullptr ? actual_slot(reference->channel) : AnswerSlot::response;
