@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
@@ -104,21 +106,20 @@ class RecordTime {
  public:
   explicit RecordTime(double duration) : duration_(duration) {}
 
-  void rows_are_there() { begun_ = true; }
-
-  /// To be asked again and again: until there is a row it begins anew, for as long as one is waited for.
-  double seconds() {
-    const auto now = Clock::now();
-    if (!begun_ && now - asked_ < kFirstRow) start_ = now;
-    return std::chrono::duration<double>(now - start_).count();
+  void rows_are_there() {
+    if (!std::exchange(begun_, true)) start_ = Clock::now();
   }
-  std::chrono::duration<double> left() { return std::chrono::duration<double>(duration_ - seconds()); }
+
+  /// Since the first row; without one since none is waited for any longer.
+  double seconds() const {
+    return std::max(0.0, std::chrono::duration<double>(Clock::now() - start_).count());
+  }
+  std::chrono::duration<double> left() const { return std::chrono::duration<double>(duration_ - seconds()); }
 
  private:
   double duration_;  // s
   bool begun_ = false;
-  Clock::time_point asked_ = Clock::now();
-  Clock::time_point start_ = asked_;
+  Clock::time_point start_ = Clock::now() + kFirstRow;
 };
 
 Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std::uint64_t every,
