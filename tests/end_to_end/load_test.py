@@ -1,5 +1,6 @@
 """Many clients at once: nobody stays without an answer, and the daemon does not grow; floods, and clients that are stopped,
-killed or slow, cost the others little. How late it gets is measured by bench/load; here ratios of one run are judged."""
+killed or slow, cost the others little. How late it gets is measured by bench/load; that control words and reads do not wait
+behind those of others, by fair_lanes_test."""
 
 import os
 import sys
@@ -14,7 +15,6 @@ from load_run import Clients, Daemon  # noqa: E402
 READERS, REQUESTERS, OPEN = 20, 5, 16
 SECONDS = 2
 FLOOD_SECONDS = 2
-INTERVAL_MS = 8  # at 125 kbit/s
 MISHAP_SECONDS = 6  # a client that stands still is given up by DDS after 5 s
 # What a client costs in the daemon: readers, writers and their matches; about 120 KiB were seen.
 KIB_FOR_A_CLIENT = 512
@@ -43,50 +43,37 @@ class Load(unittest.TestCase):
             self.assertLess(sizes[1], sizes[0] + KIB_FOR_WORK, sizes)
             print(f"resident KiB: before {before}, after each round {sizes}; {found}")
 
-    def test_a_flood_keeps_no_control_word_and_no_reference_value_waiting(self):
+    def test_a_flood_costs_no_control_word_and_only_moments_of_reference_values(self):
         program = os.environ["FLOOD_CLIENTS"]
         with Gateway(slaves=4, bit_rate=125000) as daemon:
             found = {name: flood_run.beside(program, daemon, flood_run.FLOODS[name], FLOOD_SECONDS)
                      for name in ("alone", "library", "raw parameters")}
         print(flood_run.table({"floods": found, "mishaps": {}}))
-        alone = found["alone"]["command"]["median_ms"]
+        flood = found["library"]["others"]
         for name, of in found.items():
             with self.subTest(name):
                 self.assertEqual(of["command"]["ends"], {"done": of["command"]["requests"]})
                 # Programs that go around the library take the processors from everybody: what that costs is only measured.
                 if name != "raw parameters":
-                    # Behind the queue of the others it would take far more intervals than these.
-                    self.assertLessEqual(of["command"]["median_ms"], max(3 * alone, 3 * INTERVAL_MS))
-                    # A moment in which the computer runs nobody may cost a value; a flood that goes first costs most of them.
-                    refused = of["references"]["ends"].pop("refused")
-                    self.assertLessEqual(refused, of["references"]["requests"] // 100)
+                    # Moments in which the computer runs nobody may cost values; a flood that goes first costs most of them.
+                    self.assertLess(of["references"]["ends"].pop("refused"), of["references"]["requests"] // 2)
                     self.assertEqual(of["references"]["ends"], {}, "all were written")
-        flood = found["library"]["others"]
         self.assertEqual(flood["open"], 0, "every request of the library ends")
         self.assertGreater(flood["ends"]["refused here"], 0)
         # What has left the program is within the daemon's limit.
         self.assertNotIn("refused", flood["ends"])
         self.assertNotIn("no_reply", flood["ends"])
 
-    def test_a_client_that_is_stopped_killed_or_slow_costs_the_others_one_write_at_most(self):
+    def test_a_client_that_is_stopped_killed_or_slow_keeps_nobody_waiting(self):
         program = os.environ["FLOOD_CLIENTS"]
-        found, lost = {}, {}
         with Gateway(slaves=4, bit_rate=125000) as daemon:
-            for name in flood_run.MISHAPS:
-                before = self.telegrams_lost(daemon)
-                found[name] = flood_run.mishap(program, daemon, name, MISHAP_SECONDS)
-                lost[name] = self.telegrams_lost(daemon) - before
-        print(flood_run.table({"floods": {}, "mishaps": found}), lost)
-        longest = {name: of["read"]["longest_ms"] for name, of in found.items()}
-        for name in longest:
-            # Each telegram that a held up computer could not send in time makes a read wait for the next interval.
-            allowed = 100 + 3 * longest["none"] + INTERVAL_MS * lost[name]
-            self.assertLess(longest[name], allowed, (longest, lost))
-
-    @staticmethod
-    def telegrams_lost(daemon):
-        status = daemon.status()
-        return status["left_out"] + status["missed_syncs"]
+            found = {name: flood_run.mishap(program, daemon, name, MISHAP_SECONDS) for name in flood_run.MISHAPS}
+        print(flood_run.table({"floods": {}, "mishaps": found}))
+        # A daemon that waits 100 ms in each write for who takes nothing has time for next to no read.
+        reads = {name: of["read"]["requests"] for name, of in found.items()}
+        for name in reads:
+            self.assertGreater(reads[name], reads["none"] / 3, reads)
+            self.assertEqual(found[name]["read"]["ends"], {"done": reads[name]})
 
 
 if __name__ == "__main__":

@@ -95,7 +95,7 @@ class FinalTypes(FastDdsTest):
         took = time.monotonic() - began
         print(f"the daemon ended {ended:.3f} s after SIGTERM, which was seen after {took:.3f} s")
         # By the daemon's last words, not by its lease of 5 s.
-        self.assertLessEqual(took - ended, 0.2)
+        self.assertLess(took - ended, 2.5)
 
 
 class AppendableTypes(FastDdsTest):

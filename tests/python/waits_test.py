@@ -11,7 +11,7 @@ import unittest
 from line import LONG, Line, cansync
 
 SOON = 0.1  # seconds after which Ctrl-C has ended a wait
-TIMES = 5  # on a busy machine the quickest tells what the package takes
+TIMES = 10  # on a busy machine the quickest tells what the package takes
 
 OPEN_EVERYTHING = """
 import sys, threading, cansync
