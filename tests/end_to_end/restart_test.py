@@ -66,6 +66,15 @@ class Restart(unittest.TestCase):
             self.gateway.process = subprocess.Popen([CANSYNCD, self.gateway.config], stdout=log, stderr=log)
         self.gateway.wait_active()
 
+    @staticmethod
+    def last_row(path):
+        """The last whole line of a recording; its heading, and what it says of a restart, are none."""
+        if not os.path.exists(path):
+            return None
+        with open(path, encoding="utf-8") as file:
+            line = file.read().rpartition("\n")[0].rpartition("\n")[2]
+        return line if line[:1].isdigit() else None
+
     def test_everything_that_follows_says_so(self):
         path = os.path.join(self.folder, "line.csv")
         recording = self.follow("record", path)
@@ -73,7 +82,7 @@ class Restart(unittest.TestCase):
         events = self.follow("events", "--follow")
         waiting = self.follow("wait", "bus-off")
         setting = self.follow("set", "0=5000")
-        wait_for("they have begun", lambda: os.path.exists(path) and watching.wrote() and events.wrote())
+        wait_for("they have begun", lambda: self.last_row(path) and watching.wrote() and events.wrote())
         wait_for("the values are taken", lambda: self.gateway.status()["reference_release"][0]["writer"] != "")
         self.restart()
         for follower in (recording, watching, events, waiting, setting):
@@ -82,6 +91,7 @@ class Restart(unittest.TestCase):
         wait_for("an empty line between the rows of both starts", lambda: "\n\n" in watching.wrote())
         self.assertIsNone(waiting.process.poll())
 
+        wait_for("the recording goes on", lambda: self.last_row(path))
         recording.process.send_signal(signal.SIGINT)
         wait_for("the recording ends", lambda: recording.process.poll() is not None)
         with open(path, encoding="utf-8", newline="") as file:

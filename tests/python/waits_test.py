@@ -22,7 +22,8 @@ stream = line.follow(cansync.Event)
 references = line.references()
 references.give(1, [1], release_intervals=1000)
 job = line.submit_upload(3, 0x1000, 1 << 20)
-threading.Thread(target=lambda: list(line.follow(cansync.Timing)), daemon=True).start()
+timings = line.follow(cansync.Timing)  # here: a thread that comes to it later finds the line closed, and says so
+threading.Thread(target=lambda: list(timings), daemon=True).start()
 def wait():
     try:
         job.result()
@@ -97,7 +98,7 @@ class Waits(unittest.TestCase):
         self.assertEqual(self.end("", 0), "")
         self.assertEqual(self.end("sys.exit(3)", 3), "")
         self.assertIn("ZeroDivisionError", self.end("1 / 0", 1))
-        self.assertEqual(self.end("del line, kept, stream, references, job", 0), "")
+        self.assertEqual(self.end("del line, kept, stream, timings, references, job", 0), "")
         self.assertEqual(self.end("line.close()", 0), "")
 
     def test_what_is_dropped_is_closed(self):
