@@ -10,6 +10,7 @@
 #include "cli/base/restarts.h"
 #include "cli/base/verb_groups.h"
 #include "cli/record/record_file.h"
+#include "cli/record/record_time.h"
 #include "cli/record/recording.h"
 #include "cli/record/verbs.h"
 #include "cli/text/column_help.h"
@@ -22,7 +23,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr auto kWritingPeriod = std::chrono::milliseconds(100);  // from one writing to the next
 constexpr std::size_t kMostWaiting = 65536;                      // samples; 32 slaves fill that in some 30 s
-constexpr auto kFirstRow = std::chrono::seconds(10);             // how long --duration waits for it
 
 /// The arguments as they were typed.
 struct RecordTexts {
@@ -101,41 +101,20 @@ struct Recorded {
   std::string_view ended;  ///< duration, full, signal or daemon_gone
 };
 
-/// The time of a recording: from the first row on, because the daemon's values are not there at once.
-class RecordTime {
- public:
-  explicit RecordTime(double duration) : duration_(duration) {}
-
-  void rows_are_there() {
-    if (!std::exchange(begun_, true)) start_ = Clock::now();
-  }
-
-  /// Since the first row; without one since none is waited for any longer.
-  double seconds() const {
-    return std::max(0.0, std::chrono::duration<double>(Clock::now() - start_).count());
-  }
-  std::chrono::duration<double> left() const { return std::chrono::duration<double>(duration_ - seconds()); }
-
- private:
-  double duration_;  // s
-  bool begun_ = false;
-  Clock::time_point start_ = Clock::now() + kFirstRow;
-};
-
 Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std::uint64_t every,
                 double duration) {
   client::Client& client = session.client();
   Recorded recorded;
   RecordRows rows(plan, every);
   RecordProgress progress;
-  RecordTime time(duration);
+  RecordTime time(std::chrono::duration<double>(duration), Clock::now());
   Samples samples(client);
   Restarts restarts(client);
   while (recorded.ended.empty()) {
-    const auto left = std::chrono::ceil<Clock::duration>(time.left());
+    const auto left = std::chrono::ceil<Clock::duration>(time.left(Clock::now()));
     if (wait_until(Clock::now() + std::min<Clock::duration>(kWritingPeriod, left)))
       recorded.ended = "signal";
-    else if (time.left().count() <= 0)
+    else if (time.left(Clock::now()).count() <= 0)
       recorded.ended = "duration";
     else if (restarts.gone() || !client.several_daemons().empty())
       recorded.ended = "daemon_gone";
@@ -149,12 +128,12 @@ Recorded record(Session& session, const RecordPlan& plan, RecordFile& file, std:
       rows.restarted(wall_clock());
     }
     if (!file.write(rows.lines(!recorded.ended.empty()))) recorded.ended = "full";
-    if (rows.counts().rows > 0) time.rows_are_there();
-    progress.update(time.seconds(), rows.counts());
+    if (rows.counts().rows > 0) time.rows_are_there(Clock::now());
+    progress.update(time.seconds(Clock::now()), rows.counts());
   }
   recorded.counts = rows.counts();
   recorded.dropped = samples.dropped();
-  recorded.seconds = time.seconds();
+  recorded.seconds = time.seconds(Clock::now());
   return recorded;
 }
 
