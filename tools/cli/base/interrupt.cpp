@@ -12,8 +12,17 @@ using Clock = std::chrono::steady_clock;
 std::atomic<bool> pending = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only use lock-free atomics");
 
+// Of Clock, in its own counts; the program has not been continued: 0.
+std::atomic<Clock::rep> continued = 0;
+static_assert(std::atomic<Clock::rep>::is_always_lock_free,
+              "a signal handler may only use lock-free atomics");
+
 void on_signal(int) {
   pending.store(true);
+}
+
+void on_continue(int) {
+  continued.store(Clock::now().time_since_epoch().count());
 }
 
 }  // namespace
@@ -26,10 +35,19 @@ void install_interrupt_handlers() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = on_continue;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGCONT, &action, nullptr);
 }
 
 const std::atomic<bool>& interrupt_flag() noexcept {
   return pending;
+}
+
+bool just_continued() noexcept {
+  constexpr auto kFoundAgain = std::chrono::seconds(10);
+  const auto at = continued.load();
+  return at != 0 && Clock::now() < Clock::time_point(Clock::duration(at)) + kFoundAgain;
 }
 
 bool wait_until(std::chrono::steady_clock::time_point instant) {

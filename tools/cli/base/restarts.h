@@ -31,15 +31,15 @@ class Restarts {
     if (const std::string who = client_.several_daemons(); !who.empty()) throw client::SeveralDaemons(who);
   }
 
-  /// True when the daemon has gone and none came within a second: while a line is set up anew there is none.
-  /// Waits so long, or until a signal came.
+  /// True when the daemon has gone and none came within a second: while a line is set up anew there is none. A
+  /// program that was just continued finds it again later. Waits so long, or until a signal came.
   bool gone() const {
     constexpr auto kComesBack = std::chrono::seconds(1);
     constexpr auto kLook = std::chrono::milliseconds(20);
     const auto end = std::chrono::steady_clock::now() + kComesBack;
     while (!client_.daemon_present()) {
-      if (std::chrono::steady_clock::now() >= end || wait_until(std::chrono::steady_clock::now() + kLook))
-        return true;
+      const auto now = std::chrono::steady_clock::now();
+      if ((now >= end && !just_continued()) || wait_until(now + kLook)) return true;
     }
     return false;
   }

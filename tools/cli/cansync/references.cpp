@@ -248,11 +248,11 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
       break;
     }
     if (problem.empty() && !client.daemon_present()) problem = "the daemon has gone (" + client.place() + ")";
-    if (!problem.empty()) {
+    if (!problem.empty() && !just_continued()) {
       reply = {client::ReplyCode::no_reply, problem};
       break;
     }
-    ++samples;
+    if (problem.empty()) ++samples;
     if (Clock::now() >= start + kWordOfDaemon) look();
     complaints.tell(session.output());
     // A late turn is not caught up.

@@ -94,7 +94,7 @@ client::Reply stream_actual(SlaveClient& client, ReleaseWriter& writer,
       pace.seconds ? start + std::chrono::duration_cast<Clock::duration>(length) : Clock::time_point::max();
   for (auto next = start; next < end;) {
     (void)client.receive(std::chrono::milliseconds(0), {});
-    if (!client.daemon_present())
+    if (!client.daemon_present() && !just_continued())
       return {client::ReplyCode::no_reply, "the daemon has gone (" + client.place() + ")"};
     if (writer.daemon_restarted())
       return {client::ReplyCode::no_reply,
@@ -104,7 +104,7 @@ client::Reply stream_actual(SlaveClient& client, ReleaseWriter& writer,
       const TelegramToRelease& telegram = telegrams[number - 1u];
       if (telegram.valid == 0) continue;
       std::string problem = writer.write(number, telegram.raw, telegram.valid, pace.wait);
-      if (!problem.empty()) return {client::ReplyCode::no_reply, std::move(problem)};
+      if (!problem.empty() && !just_continued()) return {client::ReplyCode::no_reply, std::move(problem)};
     }
     ++samples;
     next = std::max(next + pace.period, Clock::now());  // a late turn is not caught up
