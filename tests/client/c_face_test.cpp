@@ -9,6 +9,7 @@
 #include "client/child.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 /// Runs the C programs of this folder, linked with the shared library, against the fake daemon.
 namespace {
@@ -44,7 +45,7 @@ TEST(CFace, EveryCheckOfTheCProgramHolds) {
 
 /// True when the daemon has got the value.
 bool comes(const FakeDaemon& daemon, std::int32_t value) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   while (std::chrono::steady_clock::now() < end) {
     const auto got = daemon.references();
     if (std::count(got.begin(), got.end(), value) != 0) return true;

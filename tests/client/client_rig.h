@@ -7,13 +7,14 @@
 #include <mutex>
 
 #include "dds/participant.h"
+#include "support/long_wait.h"
 
 /// What the tests of the client share.
 namespace cansync::client {
 
 /// Of a client that looks for the daemon at `place`.
 inline Options options_for(const gateway::dds::ParticipantOptions& place,
-                           std::chrono::milliseconds wait = std::chrono::seconds(20)) {
+                           std::chrono::milliseconds wait = gateway::kLongWait) {
   return {.domain = place.domain,
           .bus = place.partition,
           .interface = place.interface,
@@ -37,7 +38,7 @@ class Watched {
   template <class Condition>
   bool wait(Condition&& condition) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, std::chrono::seconds(20), [&] { return condition(value_); });
+    return changed_.wait_for(lock, gateway::kLongWait, [&] { return condition(value_); });
   }
   T get() {
     const std::lock_guard lock(mutex_);

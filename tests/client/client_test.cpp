@@ -13,6 +13,7 @@
 #include "client/client_rig.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 namespace cansync::client {
 namespace {
@@ -260,7 +261,7 @@ TEST_F(ClientTest, OpenJobsOfEveryKindEndWhenTheDaemonGoesAndTheNextOneServes) {
   EXPECT_EQ(command.wait().code, ReplyCode::no_reply);
 
   daemon_.emplace(places_.here);
-  const auto end = std::chrono::steady_clock::now() + seconds(20);
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   ParameterReply reply = client_->read(0, 1);
   while (!reply.ok() && std::chrono::steady_clock::now() < end) {
     // Ended by the client itself, until the new daemon is found; none waits for an answer that cannot come.
@@ -334,7 +335,7 @@ TEST_F(ClientTest, SubscriptionsHearWhatIsKnownAndWhatComes) {
   EXPECT_TRUE(seen.wait([](const auto& map) { return map.contains(1) && map.at(1) == 11; }));
   daemon_->publish_actual(2, 22);
   EXPECT_TRUE(seen.wait([](const auto& map) { return map.contains(2); }));
-  ASSERT_TRUE(client_->actual_values(2, seconds(20)).has_value());
+  ASSERT_TRUE(client_->actual_values(2, gateway::kLongWait).has_value());
   EXPECT_EQ(client_->actual_values(2)->raw[0], 22u);
   EXPECT_EQ(client_->actual_values(3, milliseconds(0)), std::nullopt);
 
@@ -368,7 +369,7 @@ TEST_F(ClientTest, WeakerReferenceWriterChangesNothingUntilTheStrongerReleases) 
   };
   // The daemon's thread takes references; a request that is answered afterwards is the fence.
   const auto written_until = [&](ReferenceWriter& writer, std::int32_t value) {
-    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (!seen(value) && std::chrono::steady_clock::now() < end) {
       EXPECT_EQ(writer.write(1, {value, 0, 0, 0}, 1), "");
       (void)client_->read(0, 1);

@@ -10,6 +10,7 @@
 #include "client/client_rig.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 /// Requests are for one start of the daemon, and the program knows which.
 namespace cansync::client {
@@ -35,7 +36,7 @@ class OneDaemon : public ::testing::Test {
   /// Asks until the reply fits; the last one.
   template <class Fits>
   ParameterReply read_until(Fits&& fits) {
-    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     ParameterReply reply = client_.read(0, 1);
     while (!fits(reply) && std::chrono::steady_clock::now() < end) {
       std::this_thread::yield();

@@ -9,6 +9,7 @@
 
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 namespace cansync::client {
 namespace {
@@ -20,7 +21,7 @@ class RepeaterTest : public ::testing::Test {
  protected:
   /// True when the daemon has got `value` so often.
   bool comes(std::int32_t value, std::ptrdiff_t times) const {
-    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (std::chrono::steady_clock::now() < end) {
       const auto got = daemon->references();
       if (std::count(got.begin(), got.end(), value) >= times) return true;
@@ -31,7 +32,7 @@ class RepeaterTest : public ::testing::Test {
 
   template <class Condition>
   static bool eventually_true(Condition&& condition) {
-    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (!condition()) {
       if (std::chrono::steady_clock::now() > end) return false;
       std::this_thread::yield();
@@ -45,7 +46,7 @@ class RepeaterTest : public ::testing::Test {
                                    .bus = places.there.partition,
                                    .client_name = "repeater",
                                    .xml = places.there.xml,
-                                   .wait = seconds(20)});
+                                   .wait = gateway::kLongWait});
 };
 
 TEST_F(RepeaterTest, RepeatsTheNewestValueAndStops) {
@@ -59,7 +60,7 @@ TEST_F(RepeaterTest, RepeatsTheNewestValueAndStops) {
   repeater.stop();
   // The telegram is given up, and nothing comes any more. A reply comes after what was written before.
   EXPECT_TRUE(comes(8, 5));
-  const auto end = std::chrono::steady_clock::now() + seconds(20);
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   while (daemon->references_given_up() == 0 && std::chrono::steady_clock::now() < end)
     std::this_thread::yield();
   EXPECT_EQ(daemon->references_given_up(), 1);

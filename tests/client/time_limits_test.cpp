@@ -14,6 +14,7 @@
 #include "client/client_rig.h"
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 /// Every request ends within its monitoring time and the grace, whatever becomes of its reply.
 namespace cansync::client {
@@ -87,7 +88,7 @@ TEST_F(ImpatientClient, EveryKindOfRequestEndsWhenTheDaemonAnswersNothing) {
     constexpr milliseconds kGiven(600);
     constexpr seconds kSlack(5);  // of a machine that has much to do
     const auto reply =
-        job.wait_for(std::chrono::duration_cast<milliseconds>(begun + seconds(20) - Clock::now()));
+        job.wait_for(std::chrono::duration_cast<milliseconds>(begun + gateway::kLongWait - Clock::now()));
     const auto after = Clock::now() - begun;
     ASSERT_TRUE(reply.has_value()) << "is open still";
     EXPECT_EQ(reply->code, ReplyCode::no_reply);
@@ -116,7 +117,7 @@ TEST_F(ImpatientClient, ATransferThatStandsStillIsCancelledAndSaysSo) {
                                                           .data = {1, 2, 3},
                                                           .timeout_ms = 50});
   for (const TransferJob& job : {up, down}) {
-    const std::optional<TransferReply> reply = job.wait_for(seconds(20));
+    const std::optional<TransferReply> reply = job.wait_for(gateway::kLongWait);
     ASSERT_TRUE(reply.has_value()) << "is open still";
     EXPECT_EQ(reply->code, ReplyCode::timeout);
     EXPECT_EQ(reply->speaker, Speaker::client);
@@ -128,7 +129,7 @@ TEST_F(ImpatientClient, ATransferThatStandsStillIsCancelledAndSaysSo) {
 
 TEST_F(ImpatientClient, ACommandThatIsNotSentIsCancelledAndSaysSo) {
   const std::optional<CommandReply> reply =
-      client_.broadcast({.slave_mask = 1, .action = FakeDaemon::kSilentAction}).wait_for(seconds(20));
+      client_.broadcast({.slave_mask = 1, .action = FakeDaemon::kSilentAction}).wait_for(gateway::kLongWait);
   ASSERT_TRUE(reply.has_value()) << "is open still";
   EXPECT_EQ(reply->code, ReplyCode::timeout);
   EXPECT_EQ(reply->speaker, Speaker::client);
@@ -171,8 +172,8 @@ TEST_F(ImpatientClient, WaitForATransferOrCommandEndsLikewise) {
         .wait(never);
   });
   auto command = std::async(std::launch::async, [&] { return client_.mode(Mode::run).wait(); });
-  EXPECT_EQ(transfer.wait_for(seconds(20)), std::future_status::ready);
-  EXPECT_EQ(command.wait_for(seconds(20)), std::future_status::ready);
+  EXPECT_EQ(transfer.wait_for(gateway::kLongWait), std::future_status::ready);
+  EXPECT_EQ(command.wait_for(gateway::kLongWait), std::future_status::ready);
   stands.reset();  // whoever waits still is let go
   EXPECT_EQ(transfer.get().code, ReplyCode::no_reply);
   EXPECT_EQ(command.get().code, ReplyCode::no_reply);

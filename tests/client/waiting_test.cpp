@@ -9,6 +9,7 @@
 
 #include "client/fake_daemon.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 /// The ways to wait: for a state, with a callback, with a future; and who an error comes from.
 namespace cansync::client {
@@ -24,7 +25,7 @@ class WaitingTest : public ::testing::Test {
             .bus = places.there.partition,
             .client_name = "waiting",
             .xml = places.there.xml,
-            .wait = seconds(20)};
+            .wait = gateway::kLongWait};
   }
   TwoPlaces places;
   std::optional<FakeDaemon> daemon{std::in_place, places.here};
@@ -33,7 +34,7 @@ class WaitingTest : public ::testing::Test {
 
 TEST_F(WaitingTest, ForAStateThatIsThereAndOneThatNeverComes) {
   const auto active =
-      client->wait_status([](const MasterStatus& s) { return s.option_status == 0x80; }, seconds(20));
+      client->wait_status([](const MasterStatus& s) { return s.option_status == 0x80; }, gateway::kLongWait);
   ASSERT_TRUE(active);
   EXPECT_EQ(text(client->gateway_status().bus), places.here.partition);
   EXPECT_TRUE(

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "support/long_wait.h"
+
 /// A program under test with its output. Ends it when the test leaves it running.
 class Program {
  public:
@@ -56,7 +58,7 @@ class Program {
   /// Reads what the program writes until `text` stands anywhere in it; false when the program ends before, or
   /// has not written it after 60 s.
   bool says(const std::string& text) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (text_.find(text) == std::string::npos) {
       if (std::chrono::steady_clock::now() > end || !read_more()) return false;
     }
@@ -79,8 +81,6 @@ class Program {
   const std::string& text() const { return text_; }
 
  private:
-  static constexpr std::chrono::seconds kPatience{60};
-
   static std::vector<char*> pointers(std::vector<std::string>& strings) {
     std::vector<char*> out;
     out.reserve(strings.size() + 1);
@@ -91,7 +91,8 @@ class Program {
 
   bool read_more() {
     pollfd ready{output_, POLLIN, 0};
-    if (::poll(&ready, 1, static_cast<int>(std::chrono::milliseconds(kPatience).count())) <= 0) return false;
+    if (::poll(&ready, 1, static_cast<int>(std::chrono::milliseconds(gateway::kLongWait).count())) <= 0)
+      return false;
     std::array<char, 4096> buffer{};
     const ssize_t count = ::read(output_, buffer.data(), buffer.size());
     if (count <= 0) return false;

@@ -25,7 +25,7 @@ namespace fastdds_client {
 namespace fast = eprosima::fastdds::dds;
 
 /// How long anything may take before the test has failed.
-constexpr std::chrono::seconds kLong{60};
+constexpr std::chrono::seconds kLong{120};
 
 /// Wakes whoever waits, when any endpoint has news.
 class News : public fast::DataReaderListener, public fast::DataWriterListener {

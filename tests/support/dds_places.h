@@ -8,6 +8,7 @@
 #include "dds/reply_partition.h"
 #include "dds/signal.h"
 #include "support/free_domain.h"
+#include "support/long_wait.h"
 
 /// Two places in one process that see each other over the loopback network only, like two programs: `here`
 /// and `there` have their own Cyclone domain each, with the same number on the network.
@@ -43,7 +44,7 @@ inline gateway::dds::Partitions replies_to_all(const gateway::dds::ParticipantOp
 /// Waits until `condition` holds, asking after each raise of `signal`; false when it does not within 20 s.
 template <class Condition>
 bool eventually(gateway::dds::DataSignal& signal, Condition&& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   while (!condition()) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());

@@ -27,6 +27,7 @@
 #include "dds/signal.h"
 #include "kept_journal.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 namespace cansyncd {
 
@@ -110,7 +111,7 @@ class TestClient {
   template <class T, class Again, class Fits>
   std::optional<T> ask_for(Again&& again, Fits&& fits) {
     constexpr int kPatience = 20;
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (std::chrono::steady_clock::now() < end) {
       again();
       (void)signal_.wait(kPatience);
@@ -277,7 +278,7 @@ class GatewayRig {
   }
   std::optional<Request> next_request() {
     Request request;
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (!exchange.requests.try_pop(request)) {
       if (std::chrono::steady_clock::now() > end) return std::nullopt;
       std::this_thread::yield();

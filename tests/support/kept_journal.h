@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/service/journal.h"
+#include "support/long_wait.h"
 
 namespace cansyncd {
 
@@ -51,7 +52,7 @@ class KeptJournal : public JournalSink {
   std::vector<Entry> wait_for(std::string_view name, std::string_view value, std::size_t count = 1) const {
     std::unique_lock lock(mutex_);
     std::vector<Entry> found;
-    written_.wait_for(lock, std::chrono::seconds(20), [&] {
+    written_.wait_for(lock, gateway::kLongWait, [&] {
       found.clear();
       for (const Entry& entry : entries_) {
         if (entry.field(name) == value) found.push_back(entry);

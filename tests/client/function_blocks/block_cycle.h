@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "dds/participant.h"
+#include "support/long_wait.h"
 
 /// What the tests of all function blocks share.
 namespace cansync::client::function_blocks {
@@ -16,7 +17,7 @@ inline Options options_at(const gateway::dds::ParticipantOptions& place) {
           .interface = place.interface,
           .client_name = "blocks",
           .xml = place.xml,
-          .wait = std::chrono::seconds(20)};
+          .wait = gateway::kLongWait};
 }
 
 /// Calls a block as a PLC program does, with the time of the test.

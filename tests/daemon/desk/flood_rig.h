@@ -16,6 +16,7 @@
 #include "dds/participant.h"
 #include "good_requests.h"
 #include "support/gateway_rig.h"
+#include "support/long_wait.h"
 
 namespace cansyncd {
 
@@ -114,8 +115,6 @@ class FloodRig {
   std::uint64_t journal_entries() const { return journal_.entries(); }
 
  private:
-  static constexpr std::chrono::seconds kPatience{60};
-
   testing::AssertionResult serve_other() {
     const std::uint64_t number = ++others_;
     other_.write(good_read(number, 2));
@@ -139,13 +138,13 @@ class FloodRig {
   }
   template <class Condition>
   testing::AssertionResult serve_until(const char* what, Condition&& condition) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (!condition()) {
       if (std::chrono::steady_clock::now() > end) {
         return testing::AssertionFailure()
-               << what << " did not come within " << kPatience.count() << " s: asked by the other " << others_
-               << ", answered up to " << other_done_ << "; written by the flood " << flood_.written()
-               << ", answered " << answered_ << "; last read " << last_read_
+               << what << " did not come within " << gateway::kLongWait.count() << " s: asked by the other "
+               << others_ << ", answered up to " << other_done_ << "; written by the flood "
+               << flood_.written() << ", answered " << answered_ << "; last read " << last_read_
                << (read_code_ ? " answered" : " open") << ", last command "
                << (command_code_ ? "answered" : "open");
       }

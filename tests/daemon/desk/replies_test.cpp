@@ -8,6 +8,7 @@
 #include "daemon/desk/dropped_replies.h"
 #include "daemon/desk/gateway_replies.h"
 #include "support/dds_places.h"
+#include "support/long_wait.h"
 
 namespace cansyncd {
 namespace {
@@ -69,7 +70,7 @@ struct Outbox {
   bool until(gateway::dds::DataSignal& changed, Condition&& condition,
              std::chrono::seconds ahead = std::chrono::seconds(0)) {
     // Acknowledgements raise nothing: the gateway looks every 10 ms while something waits.
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (std::chrono::steady_clock::now() < end) {
       box.retry(std::chrono::steady_clock::now() + ahead);
       if (condition()) return true;

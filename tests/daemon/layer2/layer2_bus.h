@@ -14,6 +14,7 @@
 #include "layer2/dds/convert.h"
 #include "support/dds_places.h"
 #include "support/kept_journal.h"
+#include "support/long_wait.h"
 
 namespace cansyncd {
 
@@ -48,25 +49,23 @@ inline layer2::client::Options options_for(const TwoPlaces& places) {
   options.bus = places.there.partition;
   options.xml = places.there.xml;
   options.client_name = "tester";
-  options.wait = std::chrono::seconds(20);
+  options.wait = gateway::kLongWait;
   return options;
 }
 
 /// A bus of general frames with a client.
 class Layer2BusTest : public testing::Test {
  protected:
-  static constexpr std::chrono::seconds kLong{20};  ///< the computer may be slow
-
   void start(Layer2File file) {
     segment_.emplace(std::move(file), journal_, gateway::dds::Participant(places_.here));
     segment_->start();
     client_.emplace(options_for(places_));
   }
   void start() { start(file_for(places_)); }
-  /// Asks again and again, at most `kLong`.
+  /// Asks again and again, at most `kLongWait`.
   template <class Check>
   static bool comes_true(const Check& check) {
-    const auto end = std::chrono::steady_clock::now() + kLong;
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (!check()) {
       if (std::chrono::steady_clock::now() >= end) return false;
     }

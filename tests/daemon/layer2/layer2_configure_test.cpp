@@ -35,14 +35,14 @@ TEST_F(Layer2Configure, SectionsTakeThePlaceOfThoseInForce) {
                             "[[mapped]]\nnumber = 0\nidentifier = 0x310\noutput = true\n")
                 .code,
             gateway_REPLY_DONE);
-  const auto timers = client_->timers(kLong);
+  const auto timers = client_->timers(gateway::kLongWait);
   ASSERT_EQ(timers.size(), 1u);
   EXPECT_EQ(timers[0].number, 5);
   EXPECT_TRUE(comes_true([&] {
     const auto objects = client_->objects(milliseconds(100));
     return !objects.empty() && objects[0].number == 3;
   }));
-  EXPECT_TRUE(client_->image(kLong)) << "there is an image now";
+  EXPECT_TRUE(client_->image(gateway::kLongWait)) << "there is an image now";
   EXPECT_TRUE(comes_true([&] {
     client_.emplace(options_for(places_));
     const auto status = client_->status(milliseconds(1000));

@@ -187,7 +187,7 @@ TEST_F(Layer2Sequence, ADeadlineThatHasPassedSendsNothing) {
   SendResult result = client_->send(frames, 0, {.deadline = wall_clock_now() - 1});
   EXPECT_EQ(result.cause, gateway_CAUSE_STALE) << result.reason;
   EXPECT_EQ(result.sent, 0u);
-  const auto later = std::chrono::nanoseconds(kLong).count();
+  const auto later = std::chrono::nanoseconds(gateway::kLongWait).count();
   EXPECT_EQ(client_->send(frames, 0, {.deadline = wall_clock_now() + later}).code, gateway_REPLY_DONE);
 }
 

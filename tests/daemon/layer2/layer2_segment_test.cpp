@@ -18,6 +18,7 @@
 #include "daemon/layer2/layer2_bus.h"
 #include "daemon/layer2/segment/layer2_protocol.h"
 #include "dds/bounded_text.h"
+#include "support/long_wait.h"
 
 namespace cansyncd {
 namespace {
@@ -87,7 +88,7 @@ TEST_F(Layer2Bus, L5L12L22ControlOverDds) {
   EXPECT_EQ(control(layer2_CONTROL_START_TIMER, 4).cause, gateway_CAUSE_FIELD);
   EXPECT_EQ(control(layer2_CONTROL_START_TIMER, 17).reason, "number 17: no such timer; allowed 1..16");
   EXPECT_EQ(control(layer2_CONTROL_RESET_OVERFLOW, 0).code, gateway_REPLY_DONE);
-  const auto timers = client_->timers(seconds(20));
+  const auto timers = client_->timers(gateway::kLongWait);
   ASSERT_EQ(timers.size(), 1u);
   EXPECT_EQ(timers[0].number, 3);
   EXPECT_EQ(timers[0].content.identifier, 0x80u);
@@ -125,7 +126,7 @@ TEST_F(Layer2Bus, WhatWasReceivedBeforeTheStopIsPublished) {
   client_.emplace(options_for(places_));
   // The gateway may know of the client's reader later than the client of the gateway's writer.
   bool heard = false;
-  const auto end = std::chrono::steady_clock::now() + seconds(20);
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   while (!heard && std::chrono::steady_clock::now() < end) {
     ASSERT_TRUE(exchange.frames.try_push({data_frame(0x200, {}), can::Time{0}, 0}));
     ASSERT_TRUE(
@@ -185,11 +186,11 @@ TEST_F(Layer2Bus, TellsItsState) {
   start();
   EXPECT_EQ(client_->send(data_frame(0x123, {1}), 0).code, gateway_REPLY_DONE);
   std::optional<layer2_FrameStatus> status;
-  const auto end = std::chrono::steady_clock::now() + seconds(20);
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   // The sample of the start has no counts yet.
   do {
     client_.emplace(options_for(places_));
-    status = client_->status(seconds(20));
+    status = client_->status(gateway::kLongWait);
   } while (std::chrono::steady_clock::now() < end && (!status || status->sent == 0));
   ASSERT_TRUE(status);
   EXPECT_GT(status->time, 0);

@@ -16,6 +16,7 @@
 #include "look_alike.h"
 #include "support/dds_places.h"
 #include "support/kept_journal.h"
+#include "support/long_wait.h"
 
 /// Programs that are on the bus's topics and match nothing of them.
 namespace cansyncd {
@@ -63,7 +64,7 @@ class IncompatibleRig {
 
   /// Goes through time until so many programs are told; false when they are not in 20 s.
   bool until(std::uint32_t programs) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     do {
       now_ += IncompatiblePeers::kAgain;
       (void)peers.step(now_);
