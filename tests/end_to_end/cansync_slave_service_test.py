@@ -49,6 +49,7 @@ number = 500
 format = "doubleword"
 value = 0x89ABCDEF
 """
+CANCELLED = 0x0103  # nothing of the block moved for the slave's monitoring time
 READ_OF_THE_TABLE = "019007000000"
 READ_OF_THE_APPLICATION = "019037000000"
 
@@ -190,12 +191,20 @@ class Application(unittest.TestCase):
         # What is written is not what is read: a write that came before the application would change the table's value.
         with Slave(TABLE + jobs("parameter = 400", "parameter = 500\nvalue = 9"), "answer_time_ms = 500") as slave, \
                 slave.serve() as serving:
-            slave.wait_for_answers("the application answers", READ_OF_THE_APPLICATION)
             before = slave.wait_for_status("it is shown")["jobs_dropped"]
-            serving.send_signal(signal.SIGSTOP)
-            # Its open read of 400 is the table's now, what is open of 500 an error.
-            slave.wait_for_answers("answered without it", READ_OF_THE_TABLE, "21F4FAFF0000")
-            slave.wait_for_status("its job is dropped", lambda s: s["jobs_dropped"] > before)
+
+            def stands_still():
+                serving.send_signal(signal.SIGCONT)
+                slave.wait_for_answers("the application answers", READ_OF_THE_APPLICATION)
+                serving.send_signal(signal.SIGSTOP)
+                # Its open read of 400 is the table's now, what is open of 500 an error.
+                slave.wait_for_answers("answered without it", READ_OF_THE_TABLE, "21F4FAFF0000")
+                answered = slave.wait_for_status("it is shown")["interval"]
+                later = slave.wait_for_status("a later one is shown", lambda s: s["interval"] > answered)
+                # None is where the application was missed on a slow machine while nothing was asked of it.
+                return later["jobs_dropped"] > before
+
+            wait_for("its job is dropped", stands_still)
             # Its liveliness ends as soon as the daemon's patience.
             slave.wait_for_event("application_lost", "has gone without giving up", "is silent")
             serving.kill()
@@ -282,6 +291,8 @@ class Blocks(unittest.TestCase):
             done, refused = set(), set()
             while len(done | refused) < 17:
                 found = serving.next_object()
+                if found["error_code"] == CANCELLED:  # the machine was too slow for it; the master tries again
+                    continue
                 self.assertIn(found["error_code"], (0, 0x0104))
                 (refused if found["error_code"] else done).add(found["number"])
             self.assertEqual((len(done), len(refused)), (16, 1))

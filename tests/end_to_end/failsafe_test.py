@@ -66,7 +66,8 @@ class WriterLost(FailsafeTest):
         process.send_signal(signal.SIGCONT)
         self.given_by(process)
         self.release("they are released", lambda release: release["state"] == "released")
-        wait_for("its second beginning is told", lambda: self.beginnings(process) == 2)
+        # More than two where the machine is so slow that the writer is missed once more.
+        wait_for("its second beginning is told", lambda: self.beginnings(process) >= 2)
 
     def test_a_stronger_writer_takes_over_until_it_dies(self):
         weak = self.start_set("0=700", "--strength", 2)

@@ -78,6 +78,12 @@ class Verb(subprocess.Popen):
         options.setdefault("bufsize", 0)
         super().__init__([CANSYNC, *map(str, arguments)], **options)
 
+    def __exit__(self, kind, *rest):
+        # A test that failed must not wait for what it would have ended: that would hide why.
+        if kind is not None:
+            self.kill()
+        super().__exit__(kind, *rest)
+
     def wait(self, timeout=None):
         """As that of Popen, but never without a limit; the end of a `with` waits by this one, too."""
         return super().wait(LONG if timeout is None else timeout)

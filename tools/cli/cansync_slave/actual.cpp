@@ -84,6 +84,18 @@ ReleasePace parse_release_pace(const ActualTexts& texts, std::uint64_t interval_
   return pace;
 }
 
+/// Releases the values of each telegram that has some; empty, or why it did not go.
+std::string release_once(ReleaseWriter& writer, const std::array<TelegramToRelease, 2>& telegrams,
+                         std::uint32_t wait) {
+  for (const std::uint8_t number : {std::uint8_t{1}, std::uint8_t{2}}) {
+    const TelegramToRelease& telegram = telegrams[number - 1u];
+    if (telegram.valid == 0) continue;
+    if (std::string problem = writer.write(number, telegram.raw, telegram.valid, wait); !problem.empty())
+      return problem;
+  }
+  return {};
+}
+
 /// Releases until the time is over or Ctrl-C came.
 client::Reply stream_actual(SlaveClient& client, ReleaseWriter& writer,
                             const std::array<TelegramToRelease, 2>& telegrams, const ReleasePace& pace,
@@ -94,19 +106,14 @@ client::Reply stream_actual(SlaveClient& client, ReleaseWriter& writer,
       pace.seconds ? start + std::chrono::duration_cast<Clock::duration>(length) : Clock::time_point::max();
   for (auto next = start; next < end;) {
     (void)client.receive(std::chrono::milliseconds(0), {});
-    if (!client.daemon_present() && !just_continued())
-      return {client::ReplyCode::no_reply, "the daemon has gone (" + client.place() + ")"};
     if (writer.daemon_restarted())
       return {client::ReplyCode::no_reply,
               "the daemon was started anew: no value is released to it; look at the line, then call `cansync "
               "actual` again"};
-    for (const std::uint8_t number : {std::uint8_t{1}, std::uint8_t{2}}) {
-      const TelegramToRelease& telegram = telegrams[number - 1u];
-      if (telegram.valid == 0) continue;
-      std::string problem = writer.write(number, telegram.raw, telegram.valid, pace.wait);
-      if (!problem.empty() && !just_continued()) return {client::ReplyCode::no_reply, std::move(problem)};
-    }
-    ++samples;
+    std::string problem = client.daemon_present() ? release_once(writer, telegrams, pace.wait)
+                                                  : "the daemon has gone (" + client.place() + ")";
+    if (!problem.empty() && !just_continued()) return {client::ReplyCode::no_reply, std::move(problem)};
+    if (problem.empty()) ++samples;
     next = std::max(next + pace.period, Clock::now());  // a late turn is not caught up
     if (wait_until(std::min(next, end))) break;
   }
