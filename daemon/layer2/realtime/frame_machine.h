@@ -67,6 +67,7 @@ class FrameMachine {
   can::Time next_status_{};
   std::size_t unanswered_ = 0;            ///< orders taken whose answer was not pushed yet
   std::optional<layer2::OrderId> reset_;  ///< that asked for the reset under way
+  std::uint64_t known_lost_ = 0;          ///< of what the controller lost: until it was taken back last
   ImageSnapshot image_;
   OutputImage outputs_;
   can::Time next_image_{};

@@ -80,6 +80,32 @@ TEST(FrameMachine, ADroppedEchoIsMissedByItsOwnFrameAlone) {
     EXPECT_EQ(rig.answer_to(id).answer.outcome, Outcome::done) << id;
 }
 
+// H 5.2: the overrun bits stand until the controlling computer takes them back.
+TEST(FrameMachine, L22L24FramesThatTheControllerLostAreForgottenWithTheOverflowBits) {
+  for (const layer2::Control how : {layer2::Control::reset_overflow, layer2::Control::reset_controller}) {
+    Rig rig;
+    std::vector<layer2::BusFault> faults;
+    const auto look_at = [&](milliseconds when) {
+      rig.bus.script.emplace(when, [&] { faults.push_back(layer2::bus_fault(rig.status().facts)); });
+    };
+    const auto lost_at = [&](milliseconds when, std::uint64_t frames) {
+      rig.bus.script.emplace(when, [&rig, frames] { rig.bus.status_on_top.dropped = frames; });
+    };
+    lost_at(milliseconds(10), 3);
+    look_at(milliseconds(1500));
+    rig.bus.script.emplace(milliseconds(1510), [&rig, how] {
+      EXPECT_TRUE(rig.exchange.requests.try_push(layer2::ControlOrder{.id = 1, .what = how}));
+    });
+    look_at(milliseconds(3000));
+    lost_at(milliseconds(3010), 4);
+    look_at(milliseconds(4500));
+    rig.run_until(milliseconds(5000));
+    using layer2::BusFault;
+    EXPECT_EQ(faults, (std::vector{BusFault::overflow, BusFault::off, BusFault::overflow}));
+    EXPECT_EQ(rig.status().controller.dropped, 4u);
+  }
+}
+
 TEST(FrameMachine, WhatKeepsTheControllerFromSendingIsTheReasonOfATimeoutBehindIt) {
   std::vector<std::pair<can::ControllerStatus, layer2::Obstacle>> cases(4);
   cases[0].second = layer2::Obstacle::none;  // earlier frames
