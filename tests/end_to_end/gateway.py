@@ -177,8 +177,10 @@ class Gateway(Place):
             file.write(self._toml(bit_rate) + extra)
         # Without realtime priority a machine that idles wakes the daemon later than the usual margin of 50 us, again and
         # again, and commands wait for the next interval until one is met.
+        # What is late on the way can cost the answer to a write, too: here none ends for it.
         self.options = ["--set", "command_channel.command_timeout_ms=30000", "--set", "bus.send_margin_us=100",
-                        *options]
+                        "--set", "command_channel.parameter_timeout_ms=30000",
+                        "--set", "command_channel.repeat_unanswered_writes=true", *options]
         self.process = None
 
     def _toml(self, bit_rate):
