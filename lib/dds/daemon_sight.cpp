@@ -45,6 +45,49 @@ void DaemonSight::look() {
   const dds_return_t count = dds_get_matched_publications(statuses_.handle(), matched.data(), matched.size());
   const auto there = std::min(static_cast<std::size_t>(std::max(count, 0)), matched.size());
   choice_.look(steady_clock::now(), std::span(matched).first(there));
+  if (choice_.view() != DaemonChoice::View::one) reached_ = 0;
+}
+
+void DaemonSight::look_until_reached(const ClientOptions& options, DataSignal& signal) {
+  constexpr std::chrono::seconds kMost{1};
+  const auto end = steady_clock::now() + kMost;
+  look();
+  while (choice_.view() == DaemonChoice::View::one && !reached()) {
+    if (options.stopped() || steady_clock::now() >= end) return;
+    (void)signal.wait(kLookMs);
+    signal.clear();
+    look();
+  }
+}
+
+dds_instance_handle_t DaemonSight::participant_of_daemon() const {
+  if (choice_.view() != DaemonChoice::View::one) return 0;
+  return participant_of_writer(statuses_.handle(), choice_.living().front());
+}
+
+bool DaemonSight::is_read(const WriterBase& writer) const {
+  const auto daemon = participant_of_daemon();
+  return daemon != 0 && is_read_by(writer, daemon);
+}
+
+bool DaemonSight::is_written(const ReaderBase& reader) const {
+  const auto daemon = participant_of_daemon();
+  return daemon != 0 && is_written_by(reader, daemon);
+}
+
+bool DaemonSight::reached() {
+  if (choice_.view() != DaemonChoice::View::one) return false;
+  const DaemonChoice::Place place = choice_.living().front();
+  if (reached_ == place) return true;
+  const auto daemon = participant_of_daemon();
+  const bool all =
+      daemon != 0 &&
+      std::all_of(ways_.requests.begin(), ways_.requests.end(),
+                  [&](const WriterBase* way) { return !way->permitted() || is_read_by(*way, daemon); }) &&
+      std::all_of(ways_.replies.begin(), ways_.replies.end(),
+                  [&](const ReaderBase* way) { return is_written_by(*way, daemon); });
+  reached_ = all ? place : 0;
+  return all;
 }
 
 std::string DaemonSight::names_of_living() const {
@@ -99,6 +142,11 @@ std::optional<DaemonSight::Obstacle> DaemonSight::obstacle() {
       return Obstacle{true, "the daemon has gone"};
     case View::one:
       break;
+  }
+  if (!reached()) {
+    return Obstacle{false,
+                    "the daemon has just come, and not all of its topics are known here yet; nothing was "
+                    "sent; try again"};
   }
   if (!choice_.to_be_told()) return std::nullopt;
   return refused(

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "dds/daemon_choice.h"
 #include "dds/endpoint.h"
@@ -57,18 +59,27 @@ class DaemonSight {
     std::string reason;
   };
 
+  /// Endpoints of this program over which a daemon is asked and answers. What its identity may not write does
+  /// not count.
+  struct Ways {
+    std::vector<const WriterBase*> requests;
+    std::vector<const ReaderBase*> replies;
+  };
+
   /// `participant` and `signal` must outlive the object. Throws SetupError.
   DaemonSight(const Participant& participant, DataSignal& signal, std::string bus);
 
-  /// Waits until exactly one daemon is seen and `matched()` is true, looking again whenever `signal` rises.
-  /// Throws NoDaemon when `options.wait` is over, `options.stop` is set or several daemons serve the bus.
-  /// `protocol`: what the daemon's file must say of bus.protocol, empty: any; `other_topics`: endpoints are
-  /// matched that a daemon of another data model has, too.
+  /// Waits until exactly one daemon is seen, all `ways` lead to it and `matched()` is true, looking again
+  /// whenever `signal` rises. The endpoints of `ways` must outlive the object. Throws NoDaemon when
+  /// `options.wait` is over, `options.stop` is set or several daemons serve the bus. `protocol`: what the
+  /// daemon's file must say of bus.protocol, empty: any; `other_topics`: endpoints are matched that a daemon
+  /// of another data model has, too.
   template <class Matched, class OtherTopics>
-  void find(const ClientOptions& options, DataSignal& signal, std::string_view protocol, Matched&& matched,
-            OtherTopics&& other_topics) {
+  void find(const ClientOptions& options, DataSignal& signal, std::string_view protocol, Ways ways,
+            Matched&& matched, OtherTopics&& other_topics) {
+    ways_ = std::move(ways);
     const auto end = std::chrono::steady_clock::now() + options.wait;
-    while (!newest_ || !matched() || choice_.view() != DaemonChoice::View::one) {
+    while (!newest_ || !matched() || !reached()) {
       if (choice_.view() == DaemonChoice::View::several) throw NoDaemon(obstacle()->reason);
       if (options.stopped() || std::chrono::steady_clock::now() >= end)
         throw NoDaemon(absent(options, protocol, other_topics()));
@@ -81,8 +92,18 @@ class DaemonSight {
   /// Takes what the daemons tell of themselves, and looks whom requests are for.
   void look();
 
-  /// Why no request may be sent now; nothing: one may.
+  /// The same, waiting at most a second for all ways to a daemon that has just come. Ends when
+  /// `options.stop` is set.
+  void look_until_reached(const ClientOptions& options, DataSignal& signal);
+
+  /// Why no request may be sent now; nothing: one may. A request that is written before the daemon's reader
+  /// is known reaches nobody.
   std::optional<Obstacle> obstacle();
+
+  /// Requests are for one daemon, and it reads what the writer writes.
+  bool is_read(const WriterBase& writer) const;
+  /// Requests are for one daemon, and it writes what the reader reads.
+  bool is_written(const ReaderBase& reader) const;
 
   /// Which daemon serves the bus, as it told last; nothing before the first time.
   const std::optional<gateway_GatewayStatus>& newest() const noexcept { return newest_; }
@@ -92,6 +113,10 @@ class DaemonSight {
   static constexpr int kLookMs = 20;
 
  private:
+  /// Requests are for one daemon, and every way leads to it.
+  bool reached();
+  /// The participant of the daemon whom requests are for; 0: there is none, or several are.
+  dds_instance_handle_t participant_of_daemon() const;
   std::string names_of_living() const;
   std::string absent(const ClientOptions& options, std::string_view protocol, bool other_topics) const;
 
@@ -100,6 +125,8 @@ class DaemonSight {
   Reader<gateway_GatewayStatus> statuses_;
   DaemonChoice choice_;  ///< a place is the writer of a status
   std::optional<gateway_GatewayStatus> newest_;
+  Ways ways_;
+  DaemonChoice::Place reached_ = 0;  ///< to which all ways led; 0: none
 };
 
 }  // namespace gateway::dds

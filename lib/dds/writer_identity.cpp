@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <iterator>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "dds/process_facts.h"
 
@@ -37,6 +39,25 @@ std::string client_name(const dds_qos_t* qos) {
   return printable_part({static_cast<const char*>(value), size});
 }
 
+/// The participant of what Cyclone told of an endpoint, which is freed; 0: it told nothing.
+dds_instance_handle_t participant_of(dds_builtintopic_endpoint_t* endpoint) {
+  const Endpoint owned(endpoint);
+  return owned ? owned->participant_instance_handle : 0;
+}
+
+/// Is one of the endpoints that are matched with `endpoint` of the participant? `list` and `data` are those
+/// functions of Cyclone that name them and tell of one.
+template <class List, class Data>
+bool any_of_participant(dds_entity_t endpoint, dds_instance_handle_t participant, List list, Data data) {
+  constexpr std::size_t kMost = 64;
+  std::vector<dds_instance_handle_t> matched(kMost);
+  const dds_return_t count = list(endpoint, matched.data(), matched.size());
+  matched.resize(std::min(kMost, static_cast<std::size_t>(std::max(count, 0))));
+  return std::any_of(matched.begin(), matched.end(), [&](dds_instance_handle_t one) {
+    return participant_of(data(endpoint, one)) == participant;
+  });
+}
+
 }  // namespace
 
 std::optional<WriterIdentity> identify_writer(const Participant& participant, dds_entity_t reader,
@@ -60,6 +81,20 @@ std::string program_of(const Participant& participant, const dds_builtintopic_en
   if (who.empty()) who = "an unknown program";
   if (who.size() > kLongest) who.resize(kLongest);
   return who;
+}
+
+dds_instance_handle_t participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer) {
+  return participant_of(dds_get_matched_publication_data(reader, writer));
+}
+
+bool is_read_by(const WriterBase& writer, dds_instance_handle_t participant) {
+  return any_of_participant(writer.handle(), participant, dds_get_matched_subscriptions,
+                            dds_get_matched_subscription_data);
+}
+
+bool is_written_by(const ReaderBase& reader, dds_instance_handle_t participant) {
+  return any_of_participant(reader.handle(), participant, dds_get_matched_publications,
+                            dds_get_matched_publication_data);
 }
 
 }  // namespace gateway::dds

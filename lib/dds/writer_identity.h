@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "dds/endpoint.h"
 #include "dds/participant.h"
 
 namespace gateway::dds {
@@ -24,5 +25,15 @@ std::string program_of(const Participant& participant, const dds_builtintopic_en
 /// is shortened, and control characters are taken out of it. Any thread; asks DDS, so not in a hurry.
 std::optional<WriterIdentity> identify_writer(const Participant& participant, dds_entity_t reader,
                                               dds_instance_handle_t writer);
+
+/// The participant, by its instance handle, of a writer that is matched with `reader`; 0: it is matched no
+/// more. This and the next two: any thread; they ask DDS, and wait for a write in progress.
+dds_instance_handle_t participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer);
+
+/// Is a reader of the participant matched with the writer? DDS finds the endpoints of a program one by one,
+/// so that one topic may know a program of which another has not heard yet.
+bool is_read_by(const WriterBase& writer, dds_instance_handle_t participant);
+/// Is a writer of the participant matched with the reader?
+bool is_written_by(const ReaderBase& reader, dds_instance_handle_t participant);
 
 }  // namespace gateway::dds

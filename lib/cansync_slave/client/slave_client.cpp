@@ -42,7 +42,7 @@ SlaveClient::SlaveClient(const Options& options, bool only_new)
       commands_(participant_, 0, &signal_),
       sight_(participant_, signal_, options.bus) {
   sight_.find(
-      options, signal_, "cansync-slave", [this] { return matched(); },
+      options, signal_, "cansync-slave", {}, [this] { return matched(); },
       [this] { return status_.matched() != 0; });
 }
 
@@ -78,7 +78,7 @@ SlaveClient::Commanded SlaveClient::command(cansync_slave_SlaveCommand wanted) {
   if (!commands_.permitted())
     return {0, gateway::dds::no_right(gateway::dds::topic_info<cansync_slave_SlaveCommand>.name, "engineer"),
             gateway_CAUSE_RIGHT};
-  if (commands_.matched() == 0 || command_replies_.matched() == 0)
+  if (!sight_.is_read(commands_) || !sight_.is_written(command_replies_))
     return {0, "the daemon takes no commands; it may have just come, or is older than this program",
             gateway_CAUSE_OTHER_DAEMON};
   std::copy(identity_.begin(), identity_.end(), std::begin(wanted.client));

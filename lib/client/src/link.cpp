@@ -287,11 +287,8 @@ Link::Place Link::place_of(dds_entity_t reader, dds_instance_handle_t writer) {
   if (places_.size() >= kMost) places_.clear();
   const auto known = places_.find(writer);
   if (known != places_.end()) return known->second;
-  dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(reader, writer);
-  if (data == nullptr) return 0;
-  const Place place = data->participant_instance_handle;
-  dds_builtintopic_free_endpoint(data);
-  places_.emplace(writer, place);
+  const Place place = dds::participant_of_writer(reader, writer);
+  if (place != 0) places_.emplace(writer, place);
   return place;
 }
 

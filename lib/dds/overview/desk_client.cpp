@@ -35,7 +35,7 @@ DeskClient::DeskClient(const ClientOptions& options)
   std::copy(std::begin(own.v), std::end(own.v), key.begin());
   own_ = process_facts(participant_, key);
   sight_.find(
-      options, signal_, "", [] { return true; }, [] { return false; });
+      options, signal_, "", {}, [] { return true; }, [] { return false; });
 }
 
 template <class Condition>
@@ -112,19 +112,23 @@ DeskClient::Ended DeskClient::end(std::uint64_t job) {
   const auto refused = [](gateway_RefusalCause cause, std::string reason) {
     return Ended{true, gateway_REPLY_REFUSED, cause, std::move(reason), ""};
   };
+  const auto hindered = [this, &refused]() -> std::optional<Ended> {
+    const auto obstacle = sight_.obstacle();
+    if (!obstacle) return std::nullopt;
+    if (obstacle->gone) return Ended{false, gateway_REPLY_DONE, gateway_CAUSE_NONE, obstacle->reason, ""};
+    return refused(gateway_CAUSE_OTHER_DAEMON, obstacle->reason);
+  };
   if (!ends.requests.permitted())
     return refused(gateway_CAUSE_RIGHT,
                    "the identity has no right to end requests of others, which engineers have; nothing was "
                    "sent");
-  if (!wait(kForAMatch, [&] { return ends.requests.matched() != 0 && ends.replies.matched() != 0; }))
+  if (auto problem = hindered()) return *problem;
+  if (!wait(kForAMatch, [&] { return sight_.is_read(ends.requests) && sight_.is_written(ends.replies); }))
     return refused(
         gateway_CAUSE_KIND,
         "the daemon does not take it: it is older than this program, or its bus takes no requests; "
         "nothing was sent");
-  if (auto obstacle = sight_.obstacle()) {
-    if (obstacle->gone) return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, obstacle->reason, ""};
-    return refused(gateway_CAUSE_OTHER_DAEMON, obstacle->reason);
-  }
+  if (auto problem = hindered()) return *problem;
   gateway_JobEnd request = {};
   std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
   request.request = 1;

@@ -49,14 +49,13 @@ MessageClient::MessageClient(const Options& options)
       requests_(participant_, 0, &signal_),
       cancels_(participant_, 0, &signal_) {
   sight_.find(
-      options, signal_, "j1939", [this] { return matched(); }, [this] { return status_.matched() != 0; });
+      options, signal_, "j1939", {.requests = {&requests_, &cancels_}, .replies = {&replies_}},
+      [this] { return matched(); }, [this] { return status_.matched() != 0; });
 }
 
 bool MessageClient::matched() const noexcept {
-  return replies_.matched() != 0 && batches_.matched() != 0 && status_.matched() != 0 &&
-         tables_.matched() != 0 && faults_.matched() != 0 &&
-         (requests_.matched() != 0 || !requests_.permitted()) &&
-         (cancels_.matched() != 0 || !cancels_.permitted());
+  return batches_.matched() != 0 && status_.matched() != 0 && tables_.matched() != 0 &&
+         faults_.matched() != 0;
 }
 
 std::optional<Result> MessageClient::obstacle() {
@@ -110,7 +109,7 @@ Begun MessageClient::begin(j1939_MessageKind kind, const Message& message, std::
 }
 
 Result MessageClient::request(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms) {
-  sight_.look();
+  sight_.look_until_reached(options_, signal_);
   Begun begun = begin(kind, message, timeout_ms);
   if (begun.not_begun) return *std::move(begun.not_begun);
   const auto by_default = newest_ ? milliseconds(newest_->send_timeout) : kDefaultMonitoring;

@@ -63,14 +63,10 @@ FrameClient::FrameClient(const Options& options)
       object_requests_(participant_, 0, &signal_),
       cancels_(participant_, 0, &signal_) {
   sight_.find(
-      options, signal_, "layer2", [this] { return matched(); }, [this] { return status_.matched() != 0; });
-}
-
-bool FrameClient::matched() const noexcept {
-  return replies_.matched() != 0 && control_replies_.matched() != 0 && batches_.matched() != 0 &&
-         status_.matched() != 0 && (requests_.matched() != 0 || !requests_.permitted()) &&
-         (controls_.matched() != 0 || !controls_.permitted()) &&
-         (cancels_.matched() != 0 || !cancels_.permitted());
+      options, signal_, "layer2",
+      {.requests = {&requests_, &controls_, &cancels_}, .replies = {&replies_, &control_replies_}},
+      [this] { return batches_.matched() != 0 && status_.matched() != 0; },
+      [this] { return status_.matched() != 0; });
 }
 
 std::optional<SendResult> FrameClient::obstacle() {
@@ -114,15 +110,19 @@ Begun FrameClient::begin_control(const layer2_ControlRequest& wanted) {
 }
 
 Begun FrameClient::begin_object(const layer2_ObjectRequest& wanted) {
-  if (object_requests_.matched() != 0 && object_replies_.matched() != 0)
-    return begin(object_requests_, wanted);
+  if (auto problem = obstacle()) return {0, *std::move(problem)};
+  if (objects_reached()) return begin(object_requests_, wanted);
   return {0, SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_WRONG_STATE,
                         "no daemon reads requests to message objects yet; try again, or update the daemon"}};
 }
 
+bool FrameClient::objects_reached() const {
+  return !object_requests_.permitted() ||
+         (sight_.is_read(object_requests_) && sight_.is_written(object_replies_));
+}
+
 void FrameClient::wait_for_objects() {
-  wait_until(kDefaultMonitoring,
-             [&] { return object_requests_.matched() != 0 && object_replies_.matched() != 0; });
+  wait_until(kDefaultMonitoring, [&] { return objects_reached(); });
 }
 
 SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
@@ -131,12 +131,12 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, 
 
 SendResult FrameClient::send(std::span<const can::Frame> frames, std::uint32_t timeout_ms,
                              const SendChoice& choice) {
-  sight_.look();
+  sight_.look_until_reached(options_, signal_);
   return await(begin_send(frames, timeout_ms, choice), monitoring_of(timeout_ms));
 }
 
 SendResult FrameClient::control(const layer2_ControlRequest& wanted) {
-  sight_.look();
+  sight_.look_until_reached(options_, signal_);
   return await(begin_control(wanted), kDefaultMonitoring);
 }
 
@@ -300,8 +300,8 @@ SendResult FrameClient::configure(std::string_view toml) {
 
 SendResult FrameClient::object(const layer2_ObjectRequest& wanted) {
   wait_for_objects();
-  sight_.look();
-  return await(begin(object_requests_, wanted), kDefaultMonitoring);
+  sight_.look_until_reached(options_, signal_);
+  return await(begin_object(wanted), kDefaultMonitoring);
 }
 
 std::vector<layer2_ObjectStatus> FrameClient::objects(milliseconds time) {

@@ -162,7 +162,8 @@ class FrameClient {
   std::string place() const { return participant_.place(); }
 
  private:
-  bool matched() const noexcept;
+  /// The daemon reads requests to message objects, and answers them; or this program may not ask.
+  bool objects_reached() const;
   /// Why no request may be sent now, with its code; nothing: one may.
   std::optional<SendResult> obstacle();
   std::optional<SendResult> take_reply(std::uint64_t request);
