@@ -259,7 +259,7 @@ class FakeDaemon {
       answer(transfer_writer_, cansync::dds::transfer_refused(key, {gateway_CAUSE_QUEUE_FULL, "queue full"}));
       return;
     }
-    (void)progress_writer_.write(cansync::dds::transfer_progress(key, request.length / 2, request.length));
+    answer(progress_writer_, cansync::dds::transfer_progress(key, request.length / 2, request.length));
     if (request.address == kEndlessAddress) {
       open_transfers_.push_back(key);
       return;

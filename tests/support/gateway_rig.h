@@ -154,9 +154,14 @@ class TestClient {
     return count != DDS_RETCODE_PRECONDITION_NOT_MET;
   }
 
-  /// Waits until the gateway's side is matched on every topic.
+  /// Waits until the gateway's side is matched on every topic, and knows every reader here.
   bool wait_for_gateway() {
+    // DDS tells of readers in their order: who writes to this one knows those before it.
+    gateway::dds::Reader<gateway_GatewayStatus> last(participant_, &signal_);
+    bool known = false;
     return eventually(signal_, [&] {
+      known = last.take([](const gateway_GatewayStatus&) {}) > 0 || known;
+      if (!known) return false;
       return std::apply([](const auto&... inbox) { return ((inbox.reader.matched() > 0) && ...); },
                         inboxes_) &&
              std::apply([](const auto&... out) { return ((out.matched() > 0) && ...); }, writers_);

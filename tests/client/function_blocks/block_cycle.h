@@ -30,10 +30,10 @@ void cycle(Block& block, Clock::time_point now) {
   }
 }
 
-/// Calls `step` until `condition` holds; false when it does not within a minute.
+/// Calls `step` until `condition` holds; false when it does not within `kLongWait`.
 template <class Step, class Condition>
 bool repeat_until(Step&& step, Condition&& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
   for (step(); !condition(); step()) {
     if (std::chrono::steady_clock::now() > end) return false;
   }

@@ -57,6 +57,14 @@ class FakeDaemon {
     return sample;
   }
 
+  /// Writes once a client is known to read it: DDS finds its readers one by one, and what is written before
+  /// may be lost.
+  template <class Sample>
+  static void write_to_client(gateway::dds::Writer<Sample>& writer, const Sample& sample) {
+    EXPECT_TRUE(repeat_until(std::this_thread::yield, [&] { return writer.matched() != 0; }));
+    (void)writer.write(sample);
+  }
+
   gateway::dds::Participant participant_;
   gateway::dds::DaemonIdentity identity_ = {};
   /// Of replies.

@@ -42,7 +42,7 @@ class FakeFrameDaemon : public FakeDaemon {
     batch.lost = lost;
     batch.frames._buffer = frames.data();
     batch.frames._length = batch.frames._maximum = static_cast<std::uint32_t>(frames.size());
-    (void)batch_writer_.write(batch);
+    write_to_client(batch_writer_, batch);
   }
 
   std::vector<layer2_SendRequest> sends;
@@ -82,15 +82,15 @@ class FakeFrameDaemon : public FakeDaemon {
     const auto who = reply_to<layer2_ObjectReply>(request, content.code, "");
     std::copy(std::begin(who.client), std::end(who.client), std::begin(content.client));
     content.request = request.request;
-    (void)object_writer_.write(content);
+    write_to_client(object_writer_, content);
   }
-  void tell(const layer2_ObjectStatus& object) { (void)object_status_.write(object); }
-  void tell(const layer2_ProcessImage& image) { (void)image_writer_.write(image); }
+  void tell(const layer2_ObjectStatus& object) { write_to_client(object_status_, object); }
+  void tell(const layer2_ProcessImage& image) { write_to_client(image_writer_, image); }
   void reply(const layer2_SendRequest& request, gateway_ReplyCode code, std::string_view reason = {}) {
-    (void)send_writer_.write(reply_to<layer2_SendReply>(request, code, reason));
+    write_to_client(send_writer_, reply_to<layer2_SendReply>(request, code, reason));
   }
   void reply(const layer2_ControlRequest& request, gateway_ReplyCode code, std::string_view reason = {}) {
-    (void)control_writer_.write(reply_to<layer2_ControlReply>(request, code, reason));
+    write_to_client(control_writer_, reply_to<layer2_ControlReply>(request, code, reason));
   }
 
   layer2_FrameStatus status = {};

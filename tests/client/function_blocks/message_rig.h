@@ -51,7 +51,7 @@ class FakeMessageDaemon : public FakeDaemon {
     batch.lost = lost;
     batch.messages._buffer = &received;
     batch.messages._length = batch.messages._maximum = 1;
-    (void)batch_writer_.write(batch);
+    write_to_client(batch_writer_, batch);
   }
 
   /// As many frames of a byte that counts, in full batches.
@@ -71,7 +71,7 @@ class FakeMessageDaemon : public FakeDaemon {
       batch.number = ++batches_;
       batch.messages._buffer = &messages[at];
       batch.messages._length = batch.messages._maximum = std::min<unsigned>(j1939_MESSAGE_BATCH, count - at);
-      (void)batch_writer_.write(batch);
+      write_to_client(batch_writer_, batch);
     }
   }
 
@@ -87,7 +87,7 @@ class FakeMessageDaemon : public FakeDaemon {
     });
   }
   void reply(const j1939_MessageRequest& request, gateway_ReplyCode code, std::string_view reason = {}) {
-    (void)reply_writer_.write(reply_to<j1939_MessageReply>(request, code, reason));
+    write_to_client(reply_writer_, reply_to<j1939_MessageReply>(request, code, reason));
   }
 
   j1939_NodeStatus node = {};

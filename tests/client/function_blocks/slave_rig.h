@@ -45,13 +45,13 @@ class FakeSlaveDaemon : public FakeDaemon {
   void references(std::uint8_t telegram, std::uint32_t first, std::uint64_t interval) {
     put(telegram, first, interval, references_);
     references_.receive_time += 1000;
-    (void)references_writer_.write(references_);
+    write_to_client(references_writer_, references_);
   }
   void monitored(std::uint8_t slave, std::uint8_t telegram, std::uint32_t first, std::uint64_t interval) {
     monitored_[slave].slave = slave;
     put(telegram, first, interval, monitored_[slave]);
     monitored_[slave].receive_time += 1000;
-    (void)monitored_writer_.write(monitored_[slave]);
+    write_to_client(monitored_writer_, monitored_[slave]);
   }
   void action(cansync_slave_ActionKind kind, std::uint8_t command, std::uint8_t byte, std::uint16_t word) {
     cansync_slave_ActionReceived sample = {};
@@ -60,7 +60,7 @@ class FakeSlaveDaemon : public FakeDaemon {
     sample.command = command;
     sample.data_byte = byte;
     sample.data_word = word;
-    (void)action_writer_.write(sample);
+    write_to_client(action_writer_, sample);
   }
   cansync_slave_ParameterJob job(std::uint64_t number, cansync_slave_JobStep step) const {
     cansync_slave_ParameterJob sample = {};
@@ -70,7 +70,7 @@ class FakeSlaveDaemon : public FakeDaemon {
     gateway::dds::set_daemon(identity_, sample);
     return sample;
   }
-  void write(const cansync_slave_ParameterJob& sample) { (void)job_writer_.write(sample); }
+  void write(const cansync_slave_ParameterJob& sample) { write_to_client(job_writer_, sample); }
   cansync_slave_BlockJob block(std::uint64_t number, cansync_slave_BlockStep step) const {
     cansync_slave_BlockJob sample = {};
     sample.job = number;
@@ -83,7 +83,7 @@ class FakeSlaveDaemon : public FakeDaemon {
   void write(cansync_slave_BlockJob sample, std::vector<std::uint8_t> data = {}) {
     sample.data._buffer = data.data();
     sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(data.size());
-    (void)block_writer_.write(sample);
+    write_to_client(block_writer_, sample);
   }
 
   /// What applications have said, and their data; signs of presence apart.
@@ -145,10 +145,10 @@ class FakeSlaveDaemon : public FakeDaemon {
       other.slave = sample.other;
       std::copy(std::begin(sample.actual_mapping), std::end(sample.actual_mapping),
                 std::begin(other.mapping));
-      (void)monitored_writer_.write(other);
+      write_to_client(monitored_writer_, other);
     }
     tell();
-    (void)reply_writer_.write(reply);
+    write_to_client(reply_writer_, reply);
   }
 
   static void set(const std::array<std::uint8_t, 8>& from, std::uint8_t (&to)[8]) {
