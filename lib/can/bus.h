@@ -72,6 +72,9 @@ struct ControllerStatus {
   Delivery delivery = Delivery::normal;
   std::uint64_t unacknowledged = 0;  ///< frames handed over that were never on the bus
 
+  /// Received frames that nobody got, whoever had no room for them.
+  std::uint64_t lost_frames() const noexcept { return overruns + dropped; }
+
   friend bool operator==(const ControllerStatus&, const ControllerStatus&) = default;
 };
 

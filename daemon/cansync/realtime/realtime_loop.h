@@ -136,7 +136,7 @@ class RealtimeLoop {
   std::array<std::uint64_t, cansync::kSlots> left_out_ = {};
   can::Time next_second_{};
   BusWatch watch_;
-  std::uint64_t overruns_before_ = 0;  ///< and drops, when the running second began
+  std::uint64_t lost_frames_ = 0;  ///< of the controller, when the running second began
   can::Frame last_sent_;
   bool looked_ = false;        ///< for frames, since the last sleep
   bool echo_due_ = false;      ///< `last_sent_` was not seen on the bus yet

@@ -78,7 +78,7 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
   }
   exchange_.timing.write(timing);
   reporter_.written();
-  overruns_before_ = watch_.status().overruns + watch_.status().dropped;
+  lost_frames_ = watch_.status().lost_frames();
   next_second_ = std::max(next_second_ + kSecond, now);
   clock_.adjust(bus_);
 }
@@ -86,7 +86,7 @@ void RealtimeLoop::publish_timing(can::Time now) noexcept {
 /// Overrun: in the running second.
 std::uint16_t RealtimeLoop::cansync_status() const noexcept {
   const can::ControllerStatus& controller = watch_.status();
-  return interface_status({.lost_frames = controller.overruns + controller.dropped != overruns_before_,
+  return interface_status({.lost_frames = controller.lost_frames() != lost_frames_,
                            .heard_others = heard_others_,
                            .echo_due = echo_due_,
                            .last_send = watch_.last_send()},

@@ -99,7 +99,7 @@ void SlaveMachine::advance(can::Time now) noexcept {
   snapshot_.bus_load = load_.take(now);
   snapshot_.traffic = frames_ != 0;
   frames_ = 0;
-  lost_frames_ = snapshot_.controller.overruns + snapshot_.controller.dropped;
+  lost_frames_ = snapshot_.controller.lost_frames();
 }
 
 /// The slave's own application enables it (M 3.2.3.3).
@@ -384,12 +384,11 @@ void SlaveMachine::fill_snapshot(can::Time now) noexcept {
     for (const auto channel : {cansync::Channel::one, cansync::Channel::two})
       snapshot_.cluster->lead[index(channel)] = cluster_->lead().counters(channel);
   }
-  snapshot_.cansync_status =
-      interface_status({.lost_frames = controller.overruns + controller.dropped != lost_frames_,
-                        .heard_others = heard_others_,
-                        .echo_due = echo_due_,
-                        .last_send = last_send_},
-                       controller.state);
+  snapshot_.cansync_status = interface_status({.lost_frames = controller.lost_frames() != lost_frames_,
+                                               .heard_others = heard_others_,
+                                               .echo_due = echo_due_,
+                                               .last_send = last_send_},
+                                              controller.state);
 }
 
 void SlaveMachine::publish(can::Time now) noexcept {

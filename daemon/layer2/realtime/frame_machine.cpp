@@ -9,11 +9,6 @@
 namespace cansyncd {
 namespace {
 
-/// Frames that were lost before anybody could take them, since the interface is there.
-std::uint64_t lost_frames(const can::ControllerStatus& controller) noexcept {
-  return controller.overruns + controller.dropped;
-}
-
 /// Requests taken at once: the work they make must not keep frames waiting.
 constexpr unsigned kRequestsAtOnce = 32;
 constexpr can::Time kStatusPeriod = std::chrono::milliseconds(100);
@@ -89,7 +84,7 @@ void FrameMachine::take_outputs() noexcept {
 void FrameMachine::control(const layer2::ControlOrder& order, can::Time now) noexcept {
   changed_ = true;
   if (order.what == layer2::Control::write_image) take_outputs();  // given before its order
-  if (order.what == layer2::Control::reset_overflow) known_lost_ = lost_frames(watch_.controller());
+  if (order.what == layer2::Control::reset_overflow) known_lost_ = watch_.controller().lost_frames();
   if (order.what != layer2::Control::reset_controller) {
     const layer2::Refusal refusal = module_.control(order, now);
     answer({{.id = order.id}, refusal, {}});
@@ -109,7 +104,7 @@ void FrameMachine::finish_reset(can::ResetResult result) noexcept {
   layer2::Refusal refusal = layer2::Refusal::none;
   if (result == can::ResetResult::not_permitted) refusal = layer2::Refusal::not_permitted;
   if (result == can::ResetResult::unavailable) refusal = layer2::Refusal::no_controller;
-  if (result == can::ResetResult::done) known_lost_ = lost_frames(watch_.controller());
+  if (result == can::ResetResult::done) known_lost_ = watch_.controller().lost_frames();
   answer({{.id = *reset_}, refusal, {}});
   reset_.reset();
 }
@@ -193,7 +188,7 @@ void FrameMachine::take_snapshot() noexcept {
   snapshot_.facts.bus_off = controller.state == can::ControllerState::bus_off;
   snapshot_.facts.stopped =
       controller.state == can::ControllerState::stopped || controller.link != can::LinkState::up;
-  snapshot_.facts.receive_overrun = lost_frames(controller) != known_lost_;
+  snapshot_.facts.receive_overrun = controller.lost_frames() != known_lost_;
   snapshot_.facts.transmit_errors = controller.transmit_errors;
   snapshot_.facts.receive_errors = controller.receive_errors;
   const layer2::Timers& timers = module_.timers();
