@@ -117,8 +117,25 @@ TEST_F(Recording, RowsAreHeldBackUntilTheIntervalIsOver) {
   rows.take(sample(0, 8, 1));
   EXPECT_EQ(rows.lines(false), "");
   rows.take(sample(0, 12, 1));
+  EXPECT_EQ(rows.lines(false), "") << "more of what waits may come";
   EXPECT_NE(rows.lines(false).find(",8,0,unwinder,"), std::string::npos);
   EXPECT_NE(rows.lines(true).find(",12,0,unwinder,"), std::string::npos);
+}
+
+// What waits in DDS is given slave by slave; half of it may be here when rows are written.
+TEST_F(Recording, RowsStandInTheOrderOfIntervalsAlsoWhenASlaveComesLate) {
+  const RecordPlan plan(slaves, {}, false);
+  RecordRows rows(plan, 1);
+  rows.take(sample(0, 4, 1));
+  rows.take(sample(3, 7, 1));
+  for (const std::uint64_t interval : {12u, 16u, 20u}) rows.take(sample(0, interval, 1));
+  std::string all = rows.lines(false);
+  rows.take(sample(3, 15, 1));
+  all += rows.lines(false) + rows.lines(true);
+  ASSERT_EQ(std::count(all.begin(), all.end(), '\n'), 4) << all;
+  EXPECT_LT(all.find(",12,0,"), all.find(",15,3,")) << all;
+  EXPECT_LT(all.find(",15,3,"), all.find(",16,0,")) << all;
+  EXPECT_LT(all.find(",16,0,"), all.find(",20,0,")) << all;
 }
 
 TEST_F(Recording, TakesEachNthRowOfASlave) {

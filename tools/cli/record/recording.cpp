@@ -149,12 +149,14 @@ bool RecordRows::of_new_start(const client::ActualValues& sample) const {
 }
 
 std::string RecordRows::lines(bool all) {
-  return std::exchange(before_, {}) + take_lines(all);
+  std::string out = std::exchange(before_, {}) + take_lines(all);
+  newest_before_ = newest_;
+  return out;
 }
 
 std::string RecordRows::take_lines(bool all) {
   std::string out;
-  while (!open_.empty() && (all || open_.begin()->first.first + kSettled < newest_)) {
+  while (!open_.empty() && (all || open_.begin()->first.first + kSettled < newest_before_)) {
     const auto& [place, row] = *open_.begin();
     Seen& seen = seen_[place.second];
     if (seen.rows++ % every_ == 0) out += line(place, row);
@@ -174,7 +176,7 @@ void RecordRows::begin_again(std::int64_t now) {
     seen.row.reset();
     seen.interval.fill(kNone);
   }
-  newest_ = 0;
+  newest_ = newest_before_ = 0;
 }
 
 std::string RecordRows::line(const Place& place, const Row& row) {

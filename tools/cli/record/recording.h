@@ -72,7 +72,9 @@ class RecordRows {
   /// Interval numbers begin again, and a comment says so: before the first sample with a lower number when
   /// one has come, else here. No turns are missing in between.
   void restarted(std::int64_t now);
-  /// The lines that are complete, each with its end. With `all`: those of the newest intervals too.
+  /// The lines that are complete, each with its end: of intervals that were over at the call before, because
+  /// DDS gives what waits slave by slave, and the half of it may be here. With `all`: those of the newest
+  /// intervals too.
   std::string lines(bool all);
   const RecordCounts& counts() const noexcept { return counts_; }
 
@@ -100,6 +102,7 @@ class RecordRows {
   std::map<unsigned, Seen> seen_;
   std::map<Place, Row> open_;
   std::uint64_t newest_ = 0;
+  std::uint64_t newest_before_ = 0;  ///< at the last call of `lines`
   std::array<std::int32_t, 2> polling_ = {};
   std::uint64_t round_ = 0;  ///< intervals of automatic polling until a slave's next turn
   std::optional<std::int64_t> first_time_;
