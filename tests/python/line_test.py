@@ -185,7 +185,7 @@ class Topics(OnALine):
         self.assertTrue(any(status.reference_release[0].strength == 3
                             for status in self.line.follow(cansync.MasterStatus, timeout=LONG)))
 
-    def test_events_tell_the_past_first(self):
+    def test_events_of_the_past_are_told(self):
         # A computer that stands still adds warnings of its own, so this asks for the one event alone.
         found = next(event for event in self.line.follow(cansync.Event, timeout=LONG)
                      if event.code == "all_synchronized")
