@@ -145,36 +145,33 @@ class Completion(VerbTest):
         try:
             self.await_text(terminal, "ready> ")
             os.write(terminal, f"source {os.path.abspath(COMPLETIONS)}; echo loa''ded\n".encode())
-            self.await_text(terminal, "loaded\r\n")
-            os.write(terminal, b"cansync rea\t")
-            self.await_text(terminal, "cansync read ")
-            for _ in range(10):  # on a loaded machine the daemon is not always found in time
-                os.write(terminal, b"win\t")
-                if "winder " in self.read_for(terminal, 3):
-                    return
-                os.write(terminal, b"\x7f\x7f\x7f")
-            self.fail("TAB did not complete the slave's name")
+            self.await_text(terminal, "loaded\r\nready> ")
+            self.assertEqual(self.completed(terminal, "cansync rea\t"), "cansync read ")
+            deadline = time.monotonic() + LONG
+            # A loaded machine takes longer than the search may. Each try is a line of its own.
+            while (line := self.completed(terminal, "cansync read win\t")) != "cansync read winder ":
+                self.assertEqual(line, "cansync read win")
+                self.assertLess(time.monotonic(), deadline, "TAB did not complete the slave's name")
         finally:
             shell.kill()
             shell.wait(LONG)
             os.close(terminal)
 
-    def read_for(self, terminal, seconds):
-        """What comes until a blank ends a word, at most that long."""
-        shown = ""
-        deadline = time.monotonic() + seconds
-        while time.monotonic() < deadline and not shown.endswith(" "):
-            if select.select([terminal], [], [], 0.1)[0]:
-                shown += os.read(terminal, 65536).decode()
-        return shown
+    def completed(self, terminal, typed):
+        """The line after the keys `typed`, said by the shell itself: ^A and ^E put it between quotes behind an echo."""
+        os.write(terminal, typed.encode() + b"'\x01echo 'line: \x05\n")
+        shown = self.await_text(terminal, "\nready> ")
+        return re.findall(r"\nline: (.*)\r", shown)[-1]
 
     def await_text(self, terminal, wanted):
+        """What came until `wanted` did."""
         shown = ""
         deadline = time.monotonic() + LONG
-        while wanted not in shown:
+        while not shown.endswith(wanted):
             self.assertLess(time.monotonic(), deadline, f"{wanted!r} is not in {shown!r}")
             if select.select([terminal], [], [], 0.1)[0]:
                 shown += os.read(terminal, 65536).decode()
+        return shown
 
 
 if __name__ == "__main__":
