@@ -19,6 +19,9 @@
 
 namespace cansync::client::function_blocks {
 
+/// Since when a made-up daemon reads requests: DDS finds the endpoints of a program one by one.
+enum class Reads { at_once, later };
+
 /// What a daemon of any protocol says, when the test wants it; it has no bus. Each object is a start of its
 /// own.
 class FakeDaemon {

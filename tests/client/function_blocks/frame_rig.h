@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,11 +18,14 @@ namespace cansync::client::function_blocks {
 /// Says what a daemon at 500 kbit/s would say, when the test wants it. Each object is a start of its own.
 class FakeFrameDaemon : public FakeDaemon {
  public:
-  explicit FakeFrameDaemon(const gateway::dds::ParticipantOptions& place) : FakeDaemon(place, "layer2") {
+  explicit FakeFrameDaemon(const gateway::dds::ParticipantOptions& place, Reads reads = Reads::at_once)
+      : FakeDaemon(place, "layer2") {
+    if (reads == Reads::at_once) read_sends();
     bus.bit_rate = 500'000;
     status.running = true;
     tell();
   }
+  void read_sends() { send_reader_.emplace(participant_); }
   void tell() {
     tell_bus();
     (void)status_writer_.write(status);
@@ -53,11 +57,13 @@ class FakeFrameDaemon : public FakeDaemon {
   std::vector<std::vector<std::uint8_t>> outputs;  ///< of the process image
   bool answers = true;                             ///< every request is done at once
   void take() {
-    (void)send_reader_.take([this](const layer2_SendRequest& sample) {
-      expect_meant(sample);
-      sends.push_back(sample);
-      if (answers) reply(sample, gateway_REPLY_DONE);
-    });
+    if (send_reader_) {
+      (void)send_reader_->take([this](const layer2_SendRequest& sample) {
+        expect_meant(sample);
+        sends.push_back(sample);
+        if (answers) reply(sample, gateway_REPLY_DONE);
+      });
+    }
     (void)control_reader_.take([this](const layer2_ControlRequest& sample) {
       controls.push_back(sample);
       configured.emplace_back(reinterpret_cast<const char*>(sample.data._buffer), sample.data._length);
@@ -105,7 +111,7 @@ class FakeFrameDaemon : public FakeDaemon {
   gateway::dds::Writer<layer2_ProcessImage> image_writer_{participant_};
   gateway::dds::Reader<layer2_ObjectRequest> object_reader_{participant_};
   gateway::dds::Reader<layer2_ImageOutputs> outputs_reader_{participant_};
-  gateway::dds::Reader<layer2_SendRequest> send_reader_{participant_};
+  std::optional<gateway::dds::Reader<layer2_SendRequest>> send_reader_;
   gateway::dds::Reader<layer2_ControlRequest> control_reader_{participant_};
   std::uint64_t batches_ = 0;
 };

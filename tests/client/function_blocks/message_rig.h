@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -24,12 +25,15 @@ class FakeMessageDaemon : public FakeDaemon {
     std::vector<std::uint8_t> data;
   };
 
-  explicit FakeMessageDaemon(const gateway::dds::ParticipantOptions& place) : FakeDaemon(place, "j1939") {
+  explicit FakeMessageDaemon(const gateway::dds::ParticipantOptions& place, Reads reads = Reads::at_once)
+      : FakeDaemon(place, "j1939") {
+    if (reads == Reads::at_once) read_requests();
     tell_bus();
     node.address = 0x21;
     claim("claimed");
   }
 
+  void read_requests() { request_reader_.emplace(participant_); }
   void claim(std::string_view state) {
     gateway::dds::copy_text(state, node.claim_state);
     (void)node_writer_.write(node);
@@ -78,7 +82,8 @@ class FakeMessageDaemon : public FakeDaemon {
   std::vector<Asked> asked;
   bool answers = true;  ///< every request is done at once
   void take() {
-    (void)request_reader_.take([this](const j1939_MessageRequest& sample) {
+    if (!request_reader_) return;
+    (void)request_reader_->take([this](const j1939_MessageRequest& sample) {
       expect_meant(sample);
       Asked& one = asked.emplace_back();
       one.sample = sample;
@@ -98,7 +103,7 @@ class FakeMessageDaemon : public FakeDaemon {
   gateway::dds::Writer<j1939_FaultList> fault_writer_{participant_};
   gateway::dds::Writer<j1939_MessageBatch> batch_writer_{participant_};
   gateway::dds::Writer<j1939_MessageReply> reply_writer_{participant_, clients_, nullptr};
-  gateway::dds::Reader<j1939_MessageRequest> request_reader_{participant_};
+  std::optional<gateway::dds::Reader<j1939_MessageRequest>> request_reader_;
   std::uint64_t batches_ = 0;
 };
 

@@ -188,6 +188,22 @@ TEST_F(CansendSaeJ1939, J10AfterARestartTheFirstFrameIsRefused) {
   send_until(1);
 }
 
+// A request that nobody is known to read reaches nobody.
+TEST_F(CansendSaeJ1939, J10AMessageWaitsUntilTheNewDaemonIsKnownToReadMessages) {
+  daemon.reset();
+  daemon.emplace(places.here, Reads::later);
+  const auto call = [&] {
+    block.Snd = true;
+    block.call();
+  };
+  ASSERT_TRUE(repeat_until(call, [&] { return block.error().find("started anew") != std::string::npos; }));
+  ASSERT_TRUE(repeat_until(call, [&] { return block.RETVAL == module_code::done; })) << block.error();
+  for (int i = 0; i < 10; ++i) block.call();
+  daemon->read_requests();
+  EXPECT_TRUE(call_until(block, [&] { return daemon->asked.size() == 1; })) << block.error();
+  EXPECT_EQ(block.failures(), 0u);
+}
+
 class CanrcvSaeJ1939 : public MessageBlockTest {
  protected:
   CANRCV_SAE_J1939 block{connection};
