@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -42,7 +43,13 @@ class FakeDaemon {
   static constexpr std::uint32_t kEndlessAddress = 0xDEAD00;
   static constexpr std::uint32_t kSilentAction = 199;
 
-  explicit FakeDaemon(const gateway::dds::ParticipantOptions& options) : participant_(options) {
+  /// Since when it reads requests for parameters: DDS finds the endpoints of a program one by one.
+  enum class ReadsParameters { at_once, later };
+
+  explicit FakeDaemon(const gateway::dds::ParticipantOptions& options,
+                      ReadsParameters reads = ReadsParameters::at_once)
+      : participant_(options), reads_parameters_(reads == ReadsParameters::at_once) {
+    if (reads_parameters_) parameter_reader_.emplace(participant_, &signal_);
     static std::atomic<std::uint8_t> starts = 0;
     identity_[0] = ++starts;
     for (const unsigned slave : {0u, 1u, 2u, 3u}) settings_.slaves[slave].configured = true;
@@ -56,6 +63,12 @@ class FakeDaemon {
   }
   FakeDaemon(const FakeDaemon&) = delete;
   FakeDaemon& operator=(const FakeDaemon&) = delete;
+
+  /// Reads requests for parameters from now on.
+  void read_parameters() {
+    reads_parameters_ = true;
+    signal_.raise();
+  }
 
   /// Modes are taken down and refused for this cause from now on.
   void refuse_modes(gateway_RefusalCause cause) { mode_refusal_ = cause; }
@@ -194,7 +207,8 @@ class FakeDaemon {
       const auto answer_mine = [&](const auto& request) {
         if (is_mine(request)) answer(request, limits);
       };
-      (void)parameter_reader_.take(answer_mine);
+      if (reads_parameters_ && !parameter_reader_) parameter_reader_.emplace(participant_, &signal_);
+      if (parameter_reader_) (void)parameter_reader_->take(answer_mine);
       (void)transfer_reader_.take(answer_mine);
       (void)command_reader_.take(answer_mine);
       (void)cancel_reader_.take([&](const gateway_JobCancel& cancel) {
@@ -330,8 +344,9 @@ class FakeDaemon {
   cansync::MasterSettings settings_;
   std::array<std::uint8_t, 16> identity_ = {};
   gateway::dds::Participant participant_;
+  std::atomic<bool> reads_parameters_;
   gateway::dds::DataSignal signal_;
-  gateway::dds::Reader<cansync_ParameterRequest> parameter_reader_{participant_, &signal_};
+  std::optional<gateway::dds::Reader<cansync_ParameterRequest>> parameter_reader_;
   gateway::dds::Reader<cansync_TransferRequest> transfer_reader_{participant_, &signal_};
   gateway::dds::Reader<cansync_Command> command_reader_{participant_, &signal_};
   gateway::dds::Reader<gateway_JobCancel> cancel_reader_{participant_, &signal_};

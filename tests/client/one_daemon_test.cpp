@@ -65,6 +65,40 @@ TEST_F(OneDaemon, ARestartThatTheProgramDidNotNoticeIsToldBeforeAnythingIsAsked)
   EXPECT_EQ(second.value, 0u) << "what was written before is not there";
 }
 
+// DDS finds the endpoints of a program one by one; who records all topics reads requests, too.
+TEST_F(OneDaemon, ARequestIsNotWrittenBeforeTheDaemonItselfIsKnownToReadIt) {
+  const gateway::dds::Participant recorder(places_.here);
+  gateway::dds::DataSignal signal;
+  gateway::dds::Reader<cansync_ParameterRequest> requests(recorder, &signal);
+  std::size_t recorded = 0;
+  const auto record = [&] { (void)requests.take([&](const cansync_ParameterRequest&) { ++recorded; }); };
+  (void)read_until([&](const Reply&) {
+    record();
+    return recorded != 0;
+  });
+  ASSERT_NE(recorded, 0u);
+
+  daemon_.reset();
+  daemon_.emplace(places_.here, FakeDaemon::ReadsParameters::later);
+  wait_until_known(*daemon_);
+  EXPECT_EQ(client_.read(0, 1).cause, RefusalCause::other_daemon);
+  record();
+  recorded = 0;
+  for (int i = 0; i < 10; ++i) {
+    wait_until_known(*daemon_);
+    const ParameterReply reply = client_.read(0, 1, 50);
+    EXPECT_EQ(reply.code, ReplyCode::no_daemon) << reply.reason;
+    EXPECT_NE(reply.reason.find("nothing was sent"), std::string::npos) << reply.reason;
+  }
+  daemon_->read_parameters();
+  EXPECT_TRUE(read_until([](const Reply& reply) { return reply.ok(); }).ok());
+  EXPECT_TRUE(eventually(signal, [&] {
+    record();
+    return recorded >= daemon_->requests();
+  }));
+  EXPECT_EQ(recorded, daemon_->requests());
+}
+
 TEST_F(OneDaemon, AProgramThatHearsOfRestartsIsNotHeldUp) {
   std::atomic<int> restarts = 0;
   const Subscription told = client_.on_restart([&](const GatewayStatus&) { ++restarts; });

@@ -1,10 +1,10 @@
 #include "client/src/link.h"
 
 #include <fmt/format.h>
-#include <sys/random.h>
 
 #include <algorithm>
 
+#include "dds/daemon_sight.h"
 #include "dds/incompatible.h"
 #include "dds/reply_partition.h"
 #include "dds/security.h"
@@ -13,16 +13,6 @@
 
 namespace cansync::client::detail {
 namespace {
-
-/// 16 random bytes: no two clients have the same.
-std::array<std::uint8_t, 16> random_identity() {
-  std::array<std::uint8_t, 16> identity;
-  // So few bytes never come in part.
-  if (getrandom(identity.data(), identity.size(), 0) != static_cast<ssize_t>(identity.size())) {
-    throw SetupError("the system gave no random numbers for the client's identity");
-  }
-  return identity;
-}
 
 dds::ParticipantOptions participant_options(const Options& options) {
   return {options.domain,   options.bus, options.interface,  options.xml,
@@ -59,7 +49,9 @@ Link::Requests::Requests(const dds::Participant& participant, const Identity& id
 }
 
 Link::Link(const Options& options)
-    : options_(options), identity_(random_identity()), participant_(participant_options(options)) {
+    : options_(options),
+      identity_(dds::random_client_identity()),
+      participant_(participant_options(options)) {
   gateway_.set_first_look([this](const GatewayStatus& status, dds_instance_handle_t writer) {
     heard_.push_back({writer, dds::daemon_of(status)});
   });
@@ -255,18 +247,28 @@ std::string Link::not_permitted(std::string_view topic) const {
       dds::security_subject(options_.security), topic);
 }
 
-bool Link::everything_matched(std::size_t daemons) {
-  if (gateway_.heard() < daemons) return false;
+bool Link::everything_matched(const std::vector<Place>& daemons) {
+  if (gateway_.heard() < daemons.size()) return false;
   if (!requests_) return true;
-  // A daemon has a second writer for whom it has answered.
-  const auto heard_by = [&](const auto& reader) { return matched_places(reader.handle()).size() >= daemons; };
+  if (master_.heard() < daemons.size()) return false;
+  if (daemons == reached_) return true;
+  const auto of_all = [&](auto&& is_matched) {
+    return std::all_of(daemons.begin(), daemons.end(), is_matched);
+  };
   // What the identity may not write will never be matched.
-  const auto hear = [&](const auto& writer) { return !writer.permitted() || writer.matched() >= daemons; };
+  const auto hear = [&](const dds::WriterBase& writer) {
+    return !writer.permitted() || of_all([&](Place daemon) { return dds::is_read_by(writer, daemon); });
+  };
+  const auto heard_by = [&](const dds::ReaderBase& reader) {
+    return of_all([&](Place daemon) { return dds::is_written_by(reader, daemon); });
+  };
   const Requests& all = *requests_;
-  return hear(all.parameter_writer) && hear(all.transfer_writer) && hear(all.command_writer) &&
-         hear(all.cancel_writer) && (!all.engineer_writer || hear(*all.engineer_writer)) &&
-         heard_by(all.parameter_reader) && heard_by(all.transfer_reader) && heard_by(all.command_reader) &&
-         master_.heard() >= daemons;
+  const bool reached = hear(all.parameter_writer) && hear(all.transfer_writer) && hear(all.command_writer) &&
+                       hear(all.cancel_writer) && (!all.engineer_writer || hear(*all.engineer_writer)) &&
+                       heard_by(all.parameter_reader) && heard_by(all.transfer_reader) &&
+                       heard_by(all.command_reader);
+  if (reached) reached_ = daemons;
+  return reached;
 }
 
 std::vector<Link::Place> Link::matched_places(dds_entity_t reader) {
@@ -328,7 +330,7 @@ void Link::receive() {
     end_overdue_jobs();
     // A request is written only when every daemon hears it, and its reply gets here: one that has just
     // started may be known by half of its topics.
-    const bool reachable = !alive.empty() && everything_matched(alive.size());
+    const bool reachable = !alive.empty() && everything_matched(alive);
     const std::lock_guard lock(mutex_);
     present_ = !alive.empty();
     reachable_ = reachable;

@@ -146,8 +146,9 @@ class Link : public std::enable_shared_from_this<Link> {
   Place place_of(dds_entity_t reader, dds_instance_handle_t writer);
   /// Looks which daemon requests are for; `matched` are there.
   void choose_daemon(const std::vector<Place>& matched);
-  /// True when all of so many daemons hear what is written on every topic, and have been heard.
-  bool everything_matched(std::size_t daemons);
+  /// True when all of these daemons hear what is written on every topic, and have been heard. Other programs
+  /// that read requests do not count.
+  bool everything_matched(const std::vector<Place>& daemons);
   std::string not_found(std::chrono::milliseconds waited) const;
   std::string not_told(std::string_view topic) const;
   std::string other_protocol() const;
@@ -187,6 +188,7 @@ class Link : public std::enable_shared_from_this<Link> {
   std::chrono::steady_clock::time_point looked_at_time_;
   std::vector<Heard> heard_;                       // since the last look
   std::map<dds_instance_handle_t, Place> places_;  // of writers that are matched
+  std::vector<Place> reached_;                     // daemons of which every topic is known
   std::atomic<bool> stop_ = false;
   std::thread receiver_;
 };
