@@ -8,7 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
-from help_text import helps
+from help_text import help_of
 
 from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, metrics, wait_for
@@ -120,7 +120,7 @@ class SlaveRole(DaemonTest):
     def test_the_table_is_explained(self):
         lines = self.place.run("references", "--count", 2).stdout.decode().splitlines()
         self.assertEqual(len(lines), 3)
-        self.assertEqual(re.split("  *", lines[0].strip()), list(helps(CANSYNC)["references"].explained("Columns")))
+        self.assertEqual(re.split("  *", lines[0].strip()), list(help_of(CANSYNC, "references").explained("Columns")))
 
     def test_verbs_of_another_protocol_say_so(self):
         result = self.place.run("slaves", "--timeout", 1)

@@ -11,7 +11,7 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
-from help_text import helps
+from help_text import help_of, helps
 
 from gateway import CANSYNC, LONG
 from names_test import PROFILE, PROFILES
@@ -86,7 +86,7 @@ class Columns(VerbTest):
         return "VALUE n" if heading == "position" or heading.startswith("VALUE ") else heading
 
     def test_every_line_of_the_status_is_explained(self):
-        explained = helps(CANSYNC)["status"].explained("Lines")
+        explained = help_of(CANSYNC, "status").explained("Lines")
         labels = set()
         for line in self.text("status").splitlines():
             labels.add(re.sub(r"^(reference telegram|reference value) \d$", r"\1", line[:22].strip()))

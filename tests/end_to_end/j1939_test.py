@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
-from help_text import helps
+from help_text import help_of
 
 from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
@@ -172,7 +172,7 @@ class Messages(DaemonTest):
     def test_the_tables_are_explained(self):
         for verb, arguments in (("messages", ("--count", 1)), ("addresses", ()), ("faults", ())):
             heading = self.place.run(verb, *arguments).stdout.decode().splitlines()[0]
-            self.assertEqual(re.split("  *", heading.strip()), list(helps(CANSYNC)[verb].explained("Columns")))
+            self.assertEqual(re.split("  *", heading.strip()), list(help_of(CANSYNC, verb).explained("Columns")))
 
     def test_what_is_wrong_is_told(self):
         for arguments, words in ((("transmit", "FEF1"), "PGN: found"), (("transmit", "40000"), "00000..3FFFF"), (("transmit", "0EF21"), "by --to"),

@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
-from help_text import helps
+from help_text import help_of
 
 from json_schemas import expect
 from gateway import CANSYNC, CANSYNCD, LONG, Place, end, metrics, wait_for
@@ -142,7 +142,7 @@ class Frames(DaemonTest):
         wait_for("it is stopped", lambda: not self.timer()["running"])
         self.assertEqual(self.one("can", "start-timer", "4", code=3)["cause"], "field")
         lines = self.place.run("can", "timers").stdout.decode().splitlines()
-        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can timers"].explained("Columns")))
+        self.assertEqual(re.split("  +", lines[0].strip()), list(help_of(CANSYNC, "can timers").explained("Columns")))
 
     def test_many_frames_are_sent_by_one_call(self):
         before = self.one("status")["sent"]
@@ -165,7 +165,7 @@ class Frames(DaemonTest):
         self.assertEqual((receive["queue"], receive["not_published"]), ("receive", 0))
         self.assertEqual(receive["overflowed"], receive["lost"] != lost, "nothing was lost since")
         lines = self.place.run("can", "queues").stdout.decode().splitlines()
-        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can queues"].explained("Columns")))
+        self.assertEqual(re.split("  +", lines[0].strip()), list(help_of(CANSYNC, "can queues").explained("Columns")))
         self.assertRegex(lines[1], r"^send +\d+ +400 +\d+ +20 +no +0 +-$")
 
     def script(self, action, text, *options, code=0):
@@ -212,7 +212,7 @@ class Frames(DaemonTest):
             file.flush()
             lines = self.place.run("can", "dump", "--count", 1, "--dbc", file.name).stdout.decode().splitlines()
             found = json.loads(self.place.run("can", "dump", "--count", 1, "--dbc", file.name, "--json").stdout)
-        self.assertEqual(re.split("  *", lines[0].strip()), list(helps(CANSYNC)["can dump"].explained("Columns")))
+        self.assertEqual(re.split("  *", lines[0].strip()), list(help_of(CANSYNC, "can dump").explained("Columns")))
         self.assertRegex(lines[1], r" ([0-9A-F]{2}) 07 +Engine: Counter \d+, Oil -36.5 \u00b0C \(cold\)$")
         self.assertEqual((found["message"], found["signals"][1]), ("Engine", {"name": "Oil", "raw": 7, "value": -36.5, "unit": "\u00b0C", "word": "cold"}))
         with tempfile.NamedTemporaryFile("w", suffix=".dbc") as file:
@@ -260,7 +260,7 @@ class Frames(DaemonTest):
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(words, result.stderr)
         lines = self.place.run("can", "objects").stdout.decode().splitlines()
-        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can objects"].explained("Columns")))
+        self.assertEqual(re.split("  +", lines[0].strip()), list(help_of(CANSYNC, "can objects").explained("Columns")))
 
     def test_the_process_image_at_the_terminal(self):
         self.assertEqual(self.one("can", "image", "write", "4", "0102", "FF")["result"], "done")
@@ -285,7 +285,7 @@ class Frames(DaemonTest):
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(words, result.stderr)
         lines = self.place.run("can", "image").stdout.decode().splitlines()
-        self.assertEqual(re.split("  +", lines[0].strip()), list(helps(CANSYNC)["can image"].explained("Columns")))
+        self.assertEqual(re.split("  +", lines[0].strip()), list(help_of(CANSYNC, "can image").explained("Columns")))
 
     def test_a_file_changes_the_configuration_that_runs(self):
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
@@ -369,7 +369,7 @@ class Frames(DaemonTest):
     def test_the_table_is_explained(self):
         lines = self.place.run("can", "dump", "--count", 2).stdout.decode().splitlines()
         self.assertEqual(len(lines), 3)
-        self.assertEqual(re.split("  *", lines[0].strip()), list(helps(CANSYNC)["can dump"].explained("Columns")))
+        self.assertEqual(re.split("  *", lines[0].strip()), list(help_of(CANSYNC, "can dump").explained("Columns")))
         self.assertRegex(lines[1], r"^\d{4}-\d\d-\d\d [\d:.]+ +18DAF110 +2 +1 +[0-9A-F]{2} 07$")
 
     def test_the_configuration_is_checked(self):

@@ -57,12 +57,18 @@ class Help:
 
 
 @functools.cache
+def help_of(program, words):
+    """The help of one verb ("read", "can dump"); asked once, for a sanitized program starts slowly."""
+    return Help(program, *words.split())
+
+
+@functools.cache
 def helps(program):
-    """The help of the program under "", and of each of its verbs ("read", "can dump"); asked once, for a sanitized program starts slowly."""
-    found = {"": Help(program)}
-    waiting = [(verb,) for verb in found[""].verbs]
+    """The help of the program under "", and of each of its verbs."""
+    found = {"": help_of(program, "")}
+    waiting = list(found[""].verbs)
     while waiting:
         words = waiting.pop(0)
-        told = found[" ".join(words)] = Help(program, *words)
-        waiting = [(*words, verb) for verb in told.verbs] + waiting
+        told = found[words] = help_of(program, words)
+        waiting = [f"{words} {verb}" for verb in told.verbs] + waiting
     return found
