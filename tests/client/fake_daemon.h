@@ -90,6 +90,11 @@ class FakeDaemon {
     const std::lock_guard lock(mutex_);
     return references_;
   }
+  /// Intervals for which the newest of them is to be released.
+  std::uint32_t released_for() const {
+    const std::lock_guard lock(mutex_);
+    return released_for_;
+  }
   int references_gone() const {
     const std::lock_guard lock(mutex_);
     return references_gone_;
@@ -336,6 +341,7 @@ class FakeDaemon {
             refused_.push_back(values.value[0]);
           } else {
             references_.push_back(values.value[0]);
+            released_for_ = values.release_intervals;
           }
         },
         [&](const cansync_ReferenceValues&) { ++references_gone_; });
@@ -376,6 +382,7 @@ class FakeDaemon {
   mutable std::mutex mutex_;
   std::vector<cansync_Command> commands_;
   std::vector<std::int32_t> references_;
+  std::uint32_t released_for_ = 0;
   int references_gone_ = 0;
   int given_up_ = 0;
   std::vector<std::int32_t> refused_;

@@ -1,4 +1,5 @@
 #include <cansync/reference_repeater.h>
+#include <cansync/topics.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,6 +69,29 @@ TEST_F(RepeaterTest, RepeatsTheNewestValueAndStops) {
   repeater.set(1, {9, 0, 0, 0}, 1);
   EXPECT_TRUE(client.read(0, 1).ok());
   EXPECT_EQ(daemon->references().size(), after);
+}
+
+TEST(ReleaseIntervals, AreThreePeriods) {
+  EXPECT_EQ(release_intervals_for(milliseconds(20), milliseconds(1)), 60u);
+  EXPECT_EQ(release_intervals_for(milliseconds(3), milliseconds(2)), 5u);
+  EXPECT_EQ(release_intervals_for(std::chrono::microseconds(100), milliseconds(8)), 1u);
+  EXPECT_EQ(release_intervals_for(std::chrono::hours(10'000), milliseconds(1)), UINT32_MAX);
+}
+
+// Else a program that gives values every 20 ms would leave most intervals of 1 ms without any.
+TEST_F(RepeaterTest, ValuesAreReleasedForThreePeriodsOrAsLongAsTheProgramSays) {
+  const std::chrono::nanoseconds interval(client.master_status().interval_length);
+  {
+    ReferenceRepeater repeater(client, 25 * std::chrono::duration_cast<std::chrono::microseconds>(interval));
+    repeater.set(1, {7, 0, 0, 0}, 1);
+    EXPECT_TRUE(comes(7, 1));
+    EXPECT_EQ(daemon->released_for(), 75u);
+  }
+  ReferenceRepeater repeater(client, milliseconds(1), 0, 4);
+  repeater.set(1, {8, 0, 0, 0}, 1);
+  EXPECT_TRUE(comes(8, 1));
+  EXPECT_EQ(daemon->released_for(), 4u);
+  EXPECT_THROW(ReferenceRepeater(client, seconds(100)), SetupError);
 }
 
 TEST_F(RepeaterTest, ATelegramWithoutValidValuesIsNotWritten) {

@@ -1,6 +1,9 @@
 #include <cansync/reference_repeater.h>
+#include <cansync/topics.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -12,12 +15,33 @@ namespace cansync::client {
 namespace {
 
 constexpr std::chrono::microseconds kShortest(100);
+constexpr std::uint32_t kMostIntervals = 1000;  // the daemon's limit of release_intervals
+
+std::uint32_t needed(std::chrono::microseconds period, std::uint64_t interval_ns) {
+  return release_intervals_for(period, std::chrono::nanoseconds(std::max<std::uint64_t>(interval_ns, 1)));
+}
 
 }  // namespace
 
 struct ReferenceRepeater::Impl {
   Impl(Client& client, std::chrono::microseconds every, std::int32_t strength, std::uint32_t intervals)
-      : writer(client, strength), period(std::max(every, kShortest)), release_intervals(intervals) {}
+      : writer(client, strength),
+        period(std::max(every, kShortest)),
+        wanted_release(intervals),
+        interval_length(client.master_status().interval_length),
+        followed(client.on_master_status(
+            [this](const MasterStatus& status) { interval_length = status.interval_length; })) {
+    if (const auto most = needed(period, interval_length); wanted_release == 0 && most > kMostIntervals) {
+      throw SetupError(fmt::format(
+          "reference values every {} us have to be released for {} intervals, so that two late ones leave no "
+          "gap; allowed: {}: give them more often, or name release_intervals",
+          period.count(), most, kMostIntervals));
+    }
+  }
+
+  std::uint32_t release_intervals() const {
+    return wanted_release != 0 ? wanted_release : std::min(needed(period, interval_length), kMostIntervals);
+  }
 
   void run() {
     auto next = std::chrono::steady_clock::now();
@@ -30,7 +54,7 @@ struct ReferenceRepeater::Impl {
       const std::array<RepeatedTelegram, 2> now = telegrams;
       lock.unlock();
       std::string failed = write_turn(now, [&](std::uint8_t telegram, const RepeatedTelegram& values) {
-        return writer.write(telegram, values.value, values.valid, release_intervals);
+        return writer.write(telegram, values.value, values.valid, release_intervals());
       });
       const ReferenceStanding seen = writer.standing();
       lock.lock();
@@ -58,7 +82,9 @@ struct ReferenceRepeater::Impl {
 
   ReferenceWriter writer;
   const std::chrono::microseconds period;
-  const std::uint32_t release_intervals;
+  const std::uint32_t wanted_release;          ///< 0: what the period needs
+  std::atomic<std::uint64_t> interval_length;  ///< ns; a daemon that was started anew may have another
+  const Subscription followed;
   std::mutex mutex;
   std::condition_variable changed;
   std::array<RepeatedTelegram, 2> telegrams;

@@ -10,6 +10,15 @@
 
 namespace cansync::client {
 
+/// Intervals in a row, 1 and more, for which values that are given every `period` have to be released so that
+/// two late ones leave no gap: three periods. `interval`: over 0 (MasterStatus.interval_length, ns).
+constexpr std::uint32_t release_intervals_for(std::chrono::nanoseconds period,
+                                              std::chrono::nanoseconds interval) noexcept {
+  constexpr int kPeriods = 3;
+  const auto intervals = (kPeriods * period.count() + interval.count() - 1) / interval.count();
+  return intervals < 1 ? 1 : static_cast<std::uint32_t>(intervals < UINT32_MAX ? intervals : UINT32_MAX);
+}
+
 /// Gives the newest reference values again and again at a rate, from a thread of its own: for speeds and
 /// torques whose program works slower than the line. Not for positions that must change in every interval:
 /// those are written one for each interval (ReferenceWriter, `from_interval`).
@@ -20,11 +29,12 @@ namespace cansync::client {
 class CANSYNC_PUBLIC ReferenceRepeater {
  public:
   /// `period`: 100 us and more, shorter counts as 100 us. `strength` as in ReferenceWriter;
-  /// `release_intervals`: for how many intervals in a row each writing releases the values, so that being
-  /// late now and then leaves no gap. Waits at most 2 s for the daemon; throws NoDaemon, SetupError,
-  /// std::system_error.
+  /// `release_intervals`: for how many intervals in a row each writing releases the values; 0: three periods
+  /// (`release_intervals_for`, at most 1000). With less than a period there are intervals without values,
+  /// and drives that need them fault. Waits at most 2 s for the daemon; throws NoDaemon, SetupError (also when
+  /// three periods are more than 1000 intervals), std::system_error.
   ReferenceRepeater(Client& client, std::chrono::microseconds period, std::int32_t strength = 0,
-                    std::uint32_t release_intervals = 1);
+                    std::uint32_t release_intervals = 0);
   /// Stops.
   ~ReferenceRepeater();
   ReferenceRepeater(const ReferenceRepeater&) = delete;
