@@ -34,7 +34,9 @@ ProcessFacts facts_of(const dds_qos_t* qos) {
   facts.program = told_property(qos, "__ProcessName");
   const std::string process = told_property(qos, "__Pid", "fastdds.physical_data.process");
   (void)std::from_chars(process.data(), process.data() + process.size(), facts.process);
-  facts.host = told_property(qos, "__Hostname", "fastdds.physical_data.host");
+  // Fast DDS puts a number of its own behind the name.
+  const std::string host = told_property(qos, "__Hostname", "fastdds.physical_data.host");
+  facts.host = host.substr(0, host.find(':'));
   return facts;
 }
 
