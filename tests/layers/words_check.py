@@ -4,7 +4,8 @@
   words_check.py ROOT         exit 1 and one line per violation, when there is any in ROOT
   words_check.py --self-test  plants each kind of violation and expects it to be found
 
-Looked at are the texts of lib, daemon and tools, and the documents; comments are free. The table in docs/cansync-protocol.md
+Looked at are the texts of lib, daemon and tools, the documents, and the headers that are installed but for those of the function
+blocks, which speak as the manuals do; other comments are free. The table in docs/cansync-protocol.md
 ("words for the operating states") has both; that document and those of the manuals' rules may quote the manuals.
 """
 import os
@@ -22,6 +23,7 @@ WORDS = {
 FOUND = re.compile("|".join(f"({word})" for word in WORDS), re.IGNORECASE)
 LITERALS = re.compile(r'R"\(.*?\)"|"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', re.DOTALL)
 DOCUMENTS = ("README.md", "docs", "config", "systemd", "packaging")
+INSTALLED = "lib/client/include"
 QUOTES = {"docs/cansync-protocol.md", "docs/cansync-conformance.md", "docs/cansync-slave.md", "docs/cansync-cluster.md"}
 
 
@@ -41,7 +43,7 @@ def problems(sources, documents):
     for path, text in sorted(documents.items()):
         if path not in QUOTES:
             # Wrapped lines belong together; comment marks stand between them.
-            found += said(path, re.sub(r"\n[#.\\\" ]*", " ", text))
+            found += said(path, re.sub(r"\n[#.\\\"/* ]*", " ", text))
     return found
 
 
@@ -56,6 +58,9 @@ def documents_of(root):
                     whole = os.path.join(folder, name)
                     with open(whole, encoding="utf-8") as file:
                         files[os.path.relpath(whole, root)] = file.read()
+    for path, text in load(root, (INSTALLED,)).items():
+        if "/function_blocks/" not in path:
+            files[path] = text
     return files
 
 
@@ -65,6 +70,7 @@ def self_test():
         ({"lib/a.cpp": 'f(R"(while the line is\nwaiting for start)");'}, {}),
         ({}, {"docs/a.md": "The line stays in set-up."}),
         ({}, {"config/a.toml": "# as long as it is\n# waiting for start"}),
+        ({}, {"lib/client/include/a.h": "/// Enables active\n/// operation."}),
     ):
         if len(problems(sources, documents)) != 1:
             sys.exit(f"{sources} {documents}: found {problems(sources, documents)} instead of one violation")

@@ -210,7 +210,7 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
     return fmt::format(
         "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the same "
         "domain and interface in its [dds] section? A daemon with DDS Security is not seen without an "
-        "identity (--security)",
+        "identity (the option security)",
         place, options_.bus, options_.bus);
   }
   const std::vector<GatewayStatus> known = gateway_.known();

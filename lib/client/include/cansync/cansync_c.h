@@ -63,7 +63,7 @@ CANSYNC_C_API int cansync_connect(cansync_client* client, const cansync_options*
 
 /* The line as the daemon told it last. */
 typedef struct cansync_line_status {
-  uint16_t option_status;       /* w_OPTION_STATUS: 0x0080 active operation */
+  uint16_t option_status;       /* w_OPTION_STATUS: 0x0080 run */
   uint16_t interface_status;    /* w_CANsync_STATUS */
   char state[64];               /* option_status in words */
   uint32_t bit_rate;            /* bit/s */
@@ -78,7 +78,7 @@ typedef struct cansync_line_status {
  * CANSYNC_INVALID: `out` is NULL. */
 CANSYNC_C_API int cansync_get_status(cansync_client* client, cansync_line_status* out) CANSYNC_C_NOEXCEPT;
 
-/* Waits until the line is in active operation and every configured slave is synchronized. CANSYNC_TIMEOUT. */
+/* Waits until the line is in run and every configured slave is synchronized. CANSYNC_TIMEOUT. */
 CANSYNC_C_API int cansync_wait_active(cansync_client* client, uint32_t timeout_ms) CANSYNC_C_NOEXCEPT;
 
 /* The slave with this number (decimal, or hexadecimal with 0x) or name. CANSYNC_INVALID. */
@@ -193,9 +193,8 @@ CANSYNC_C_API int cansync_broadcast(cansync_client* client, uint32_t priority, u
                                     uint32_t action, uint32_t data_byte,
                                     uint32_t data_word) CANSYNC_C_NOEXCEPT;
 
-/* Modes of the line, for cansync_set_mode(). SETUP sets up synchronous operation, RUN enables active
- * operation, STOP leaves synchronous operation, RESET_CAN leaves bus-off, RESTART starts the line anew up
- * to the configured state. The numbers stay. */
+/* Modes of the line, for cansync_set_mode(). SETUP sets the line up, RUN lets it run, STOP stops it,
+ * RESET_CAN leaves bus-off, RESTART starts the line anew up to the configured state. The numbers stay. */
 enum cansync_mode_command {
   CANSYNC_MODE_SETUP = 0,
   CANSYNC_MODE_RUN = 1,

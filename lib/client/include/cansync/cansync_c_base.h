@@ -66,11 +66,10 @@ enum cansync_cause {
       17, /* the slave's drive profile forbids it: read-only, outside its limits, wider than its format */
   CANSYNC_CAUSE_READ_ONLY = 18, /* the daemon changes neither drive nor line (access.read_only) */
   CANSYNC_CAUSE_RIGHT = 19, /* the client lacks a right of DDS Security, or the daemon one of the system */
-  CANSYNC_CAUSE_WRONG_STATE = 20, /* the line is not in set-up or active operation */
-  CANSYNC_CAUSE_SLAVE_LOST = 21,  /* the slave does not answer */
-  CANSYNC_CAUSE_SLAVE_HELD = 22,  /* the slave is held out: release it first */
-  CANSYNC_CAUSE_SLAVES_MISSING =
-      23, /* active operation needs slaves that have not reported; force goes without them */
+  CANSYNC_CAUSE_WRONG_STATE = 20,     /* the line is not in setup or run */
+  CANSYNC_CAUSE_SLAVE_LOST = 21,      /* the slave does not answer */
+  CANSYNC_CAUSE_SLAVE_HELD = 22,      /* the slave is held out: release it first */
+  CANSYNC_CAUSE_SLAVES_MISSING = 23,  /* run needs slaves that have not reported; force goes without them */
   CANSYNC_CAUSE_BUS_UNAVAILABLE = 24, /* the interface is missing or down, or its driver does not do it */
   CANSYNC_CAUSE_STOPPING = 25,        /* the daemon is about to end: ask the next one */
   CANSYNC_CAUSE_OTHER_DAEMON =

@@ -75,7 +75,7 @@ enum cansync_slave_fault {
 /* State of the slave, as the daemon told last. */
 typedef struct cansync_slave_state {
   uint32_t slave_number;        /* 0..31 */
-  uint32_t option_status;       /* w_OPTION_STATUS: 0x0003 waits, 0x0013 set-up, 0x0020 active */
+  uint32_t option_status;       /* w_OPTION_STATUS: 0x0003 stop, 0x0013 setup, 0x0020 run */
   uint32_t cansync_status;      /* w_CANsync_STATUS */
   uint32_t status_word;         /* as the master reads it; bit 15: synchronized */
   int activated;                /* the master has activated SYNC operation */
@@ -160,7 +160,7 @@ CANSYNC_C_API int cansync_application_take_up(cansync_application* application,
                                               int32_t strength) CANSYNC_C_NOEXCEPT;
 
 /* Commands to the slave itself; each waits at most 3 s for its reply.
- * CANSYNC_MODE_... of <cansync/cansync_c.h>; from waiting for start first set-up, then run. */
+ * CANSYNC_MODE_... of <cansync/cansync_c.h>; from stop first setup, then run. */
 CANSYNC_C_API int cansync_application_set_mode(cansync_application* application, int mode) CANSYNC_C_NOEXCEPT;
 /* Register bytes of WRC1, WRC2 and of RDC1, RDC2; in force with the next interval at the latest. */
 CANSYNC_C_API int cansync_application_set_mapping(cansync_application* application,

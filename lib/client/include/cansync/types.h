@@ -37,9 +37,9 @@ using RealtimeStatus = gateway_RealtimeStatus;
 
 /// Modes of the line, for `Client::mode`; the numbers stay.
 enum class Mode : std::uint8_t {
-  setup,      ///< sets up synchronous operation
-  run,        ///< enables active operation
-  stop,       ///< leaves synchronous operation
+  setup,      ///< sets the line up
+  run,        ///< lets the line run
+  stop,       ///< stops the line
   reset_can,  ///< leaves bus-off
   restart,    ///< starts the line anew, up to the configured state
 };
@@ -138,10 +138,10 @@ enum class RefusalCause : std::uint8_t {
   profile,          ///< the drive profile forbids it: read-only, outside its limits, wider than its format
   read_only,        ///< the daemon changes neither drive nor line (access.read_only)
   right,            ///< this program lacks a right of DDS Security, or the daemon one of the system
-  wrong_state,      ///< the line is not in set-up or active operation
+  wrong_state,      ///< the line is not in setup or run
   slave_lost,       ///< the slave does not answer
   slave_held,       ///< the slave is held out: release it first
-  slaves_missing,   ///< active operation needs slaves that have not reported
+  slaves_missing,   ///< run needs slaves that have not reported
   bus_unavailable,  ///< the interface is missing or down, or its driver does not do it
   stopping,         ///< the daemon is about to end
   other_daemon,     ///< meant for another start of the daemon; a new request names the one that is there
