@@ -17,6 +17,7 @@ set_target_properties(cansync_shared PROPERTIES OUTPUT_NAME cansync EXPORT_NAME 
 target_include_directories(cansync_shared INTERFACE
   $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/idl>
   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_compile_features(cansync_shared INTERFACE cxx_std_20)
 add_library(cansync::cansync ALIAS cansync_shared)
 
 install(TARGETS cansync_shared EXPORT cansyncTargets

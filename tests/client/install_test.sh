@@ -52,6 +52,7 @@ cp -r "$prefix/include" "$work/planted"
 sed -i '1a #include "gateway.h"' "$work/planted/cansync/export.h"
 data_model "$work/planted" "$work/planted/cansync/client.h" | grep -q '/cansync/gateway.h$'
 for model in cansync cansync_slave gateway j1939 layer2; do [ -f "$prefix/share/cansync/idl/$model.idl" ]; done
+for example in "$here"/../../tools/examples/*.{c,cpp,xml}; do cmp "$example" "$prefix/share/cansync/examples/${example##*/}"; done
 
 # A domain of this test's own is not needed: nobody serves a bus of this name.
 domain=$((1 + $$ % 100))

@@ -9,13 +9,15 @@ import unittest
 from gateway import LONG, Gateway, wait_for
 
 EXAMPLES = os.environ["EXAMPLES"]
+ROOT = os.path.join(os.path.dirname(__file__), "..", "..")
 
 
 class Examples(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         # The computer may stall for seconds: a drive without reference values must not fault.
-        options = ("--set", "dds.interval_topic=true", "--set", "sim.missing_references=0")
+        options = ("--set", "dds.interval_topic=true", "--set", "sim.missing_references=0",
+                   "--set", "process.poll_without_reference=true")
         cls.gateway = cls.enterClassContext(Gateway(slaves=3, options=options))
 
     def start(self, name, *arguments):
@@ -52,6 +54,23 @@ class Examples(unittest.TestCase):
         leading.kill()
         out = self.run_example("lead_axis", 300, 1)
         self.assertEqual(re.findall(r"^slave (\d): -?\d+ increments behind$", out, re.MULTILINE), ["0", "1", "2"])
+
+    def test_first_clients_read_show_and_move(self):
+        for name in ("first_client", "first_client_c"):
+            with self.subTest(name):
+                status, *shown, moved = self.run_example(name, 1).splitlines()
+                self.assertRegex(status, "^parameter 301: 0x[0-9A-F]{4}$")
+                self.assertEqual(len(shown), 10)
+                for line in shown:
+                    self.assertRegex(line, r"^value 0: -?\d+, in its unit: \S+$")
+                self.assertGreater(int(moved.removeprefix("value 0 moved by ")), 0)
+
+    def test_first_clients_stand_in_their_page(self):
+        with open(os.path.join(ROOT, "docs", "client-library.md"), encoding="utf-8") as file:
+            page = file.read()
+        for name in ("first_client.cpp", "first_client.c"):
+            with open(os.path.join(ROOT, "tools", "examples", name), encoding="utf-8") as file:
+                self.assertIn("\n" + file.read() + "```", page, f"the page shows another {name}")
 
     def test_parameter_batch_reads_and_writes(self):
         out = self.run_example("parameter_batch", 1, "1000=4711", "103", "1000", "0x3E9=0x10")
@@ -109,6 +128,8 @@ class Examples(unittest.TestCase):
 
     def test_without_a_daemon_every_example_says_where_it_looked(self):
         for name, arguments in (
+            ("first_client", ("1",)),
+            ("first_client_c", ("1",)),
             ("lead_axis", ("60", "1")),
             ("parameter_batch", ("1", "103")),
             ("data_logger", ("1",)),

@@ -16,12 +16,15 @@ EXAMPLES = ROOT / "tools/examples"
 class Documents(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.gateway = cls.enterClassContext(Line())
+        cls.gateway = cls.enterClassContext(Line("--set", "process.poll_without_reference=true"))
 
     def test_every_block_of_the_document_runs(self):
         text = (ROOT / "docs/python.md").read_text(encoding="utf-8")
         blocks = re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
-        self.assertEqual(len(blocks), len(re.findall(r"^```", text, re.MULTILINE)) // 2)
+        # A whole program is no block; it is run below.
+        program = (EXAMPLES / "first_client.py").read_text(encoding="utf-8")
+        self.assertIn(f"```py\n{program}```", text)
+        self.assertEqual(len(blocks) + 1, len(re.findall(r"^```", text, re.MULTILINE)) // 2)
         here = f'connect("{self.gateway.bus}", domain={self.gateway.domain}, timeout={LONG}, profiles="{PROFILES}")'
         shown = ""
         for block in blocks:
@@ -72,6 +75,12 @@ class Documents(unittest.TestCase):
         self.assertEqual({len(row.split(",")) for row in rows}, {13})
         self.assertEqual({row.split(",")[1] for row in rows}, {"0", "1", "2", "3"})
 
+    def test_the_first_client_reads_shows_and_moves(self):
+        status, *shown, moved = self.run_example("first_client.py", "winder").splitlines()
+        self.assertRegex(status, "^parameter 301: 0x[0-9A-F]{4}$")
+        self.assertEqual(len(shown), 10)
+        self.assertGreater(int(moved.removeprefix("value 0 moved by ")), 0)
+
     def test_the_batch_reads_and_writes(self):
         out = self.run_example("parameter_batch.py", "winder", "403=0x10", "403", "103")
         self.assertEqual(out.splitlines(), ["403=0x10: done", "403 = 16", "103 = 1"])
@@ -79,8 +88,9 @@ class Documents(unittest.TestCase):
         self.assertEqual([line.split(": ")[1] for line in out.splitlines()], ["daemon", "daemon"])
 
     def test_without_a_daemon_they_say_so(self):
-        # Both at once: each looks for 5 s.
-        examples = [self.start("data_logger.py", "nobody", "1"), self.start("parameter_batch.py", "nobody", "1", "1")]
+        # All at once: each looks for 5 s.
+        examples = [self.start(name, "nobody", *arguments) for name, *arguments in (
+            ("data_logger.py", "1"), ("parameter_batch.py", "1", "1"), ("first_client.py", "1"))]
         for _, err in [self.finish(example, 1) for example in examples]:
             self.assertIn("no daemon found", err)
 

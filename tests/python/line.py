@@ -20,11 +20,11 @@ PROFILES = ROOT / "config/profiles"
 class Line(Gateway):
     """Four drives, of which number 1 is called winder; 0 and 1 have the profile of the simulated drive."""
 
-    def __init__(self):
+    def __init__(self, *options):
         profile = PROFILES / "simulated-drive.toml"
         # The computer may stall for seconds: a drive without reference values must not fault.
         super().__init__(options=("--set", f"slave.0.profile={profile}", "--set", f"slave.1.profile={profile}",
-                                  "--set", "sim.missing_references=0"))
+                                  "--set", "sim.missing_references=0", *options))
 
     def connect(self, **options):
         return cansync.connect(self.bus, domain=self.domain, profiles=str(PROFILES), timeout=LONG, **options)
