@@ -88,6 +88,8 @@ class ByName(Named):
         self.addCleanup(self.gateway.environment.pop, "NO_COLOR")
         shown, _ = self.gateway.run_on_terminal("slaves")
         self.assertNotIn("\x1b[31m", shown)
+        given = self.gateway.run("set", "0=0", "--seconds", "0.2")
+        self.assertIn("in fault: slave0: a drive in fault follows no reference values", given.stderr)
         self.run_verb("control", 0, 0x87)
 
     def test_every_parameter_in_a_table(self):

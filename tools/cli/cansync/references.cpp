@@ -1,3 +1,4 @@
+#include <cansync/reference_repeater.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +13,7 @@
 #include "cli/base/interrupt.h"
 #include "cli/base/own_process.h"
 #include "cli/base/verb_groups.h"
+#include "cli/cansync/fault_words.h"
 #include "cli/cansync/reference_effect.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/words.h"
@@ -24,7 +26,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint16_t kSettingUp = 0x0043;   // w_OPTION_STATUS: setting up as master
 constexpr std::int64_t kMostIntervals = 1000;  // the daemon's default limit of release_intervals
-constexpr double kPeriodsReleased = 3.0;       // so that two late samples leave no gap
 
 /// The arguments as they were typed; empty: not given.
 struct SetTexts {
@@ -110,14 +111,16 @@ Pace parse_pace(const SetTexts& texts, const client::MasterStatus& status) {
     pace.release = static_cast<std::uint32_t>(parse_integer(texts.release, "--release", 1, 1'000'000));
     return pace;
   }
-  const double interval = static_cast<double>(std::max<std::uint64_t>(status.interval_length, 1));
-  const double needed = std::ceil(kPeriodsReleased * 1e9 / rate / interval);
-  if (needed > static_cast<double>(kMostIntervals))
+  const std::chrono::nanoseconds interval(std::max<std::uint64_t>(status.interval_length, 1));
+  pace.release = client::release_intervals_for(pace.period, interval);
+  if (pace.release > kMostIntervals) {
+    const auto longest = static_cast<double>(std::chrono::nanoseconds(interval * kMostIntervals).count());
+    const double periods = client::release_intervals_for(interval, interval);
     throw UsageError(fmt::format(
         "--rate: found '{}'; allowed without --release: {:.3g} Hz and more, so that a sample need not be "
         "released for over {} intervals",
-        texts.rate, kPeriodsReleased * 1e9 / interval / static_cast<double>(kMostIntervals), kMostIntervals));
-  pace.release = static_cast<std::uint32_t>(needed);
+        texts.rate, periods * 1e9 / longest, kMostIntervals));
+  }
   return pace;
 }
 
@@ -135,6 +138,26 @@ void warn(Output& output, const Telegrams& telegrams, const client::MasterStatus
       output.remark(
           fmt::format("reference value {} is in no telegram, so it has no effect; see `cansync map`", value));
   }
+}
+
+/// Says which drives will not move, as far as their profiles tell.
+void warn_of_faults(Session& session) {
+  constexpr std::chrono::milliseconds kMost(500);  // values are waited for
+  FaultWords faults(session);
+  std::vector<std::string> names;
+  for (const client::SlaveStatus& slave : session.client().slaves(kMost))
+    if (slave.responds && !faults.of(slave).empty()) names.emplace_back(client::text(slave.name));
+  if (names.empty()) return;
+  constexpr std::size_t kShown = 5;
+  if (names.size() > kShown + 1) {
+    const std::string more = fmt::format("{} more", names.size() - kShown);
+    names.resize(kShown);
+    names.push_back(more);
+  }
+  session.output().remark(
+      fmt::format("in fault: {}: a drive in fault follows no reference values until it is acknowledged; see "
+                  "`cansync doctor`",
+                  fmt::join(names, ", ")));
 }
 
 /// Collects warnings and errors that the daemon tells while values are given: it is the only answer there is.
@@ -284,6 +307,7 @@ ExitCode set_verb(Session& session, const SetTexts& texts) {
   const Telegrams telegrams = parse_telegrams(texts, status);
   const Pace pace = parse_pace(texts, status);
   warn(session.output(), telegrams, status);
+  if (status.option_status == kActiveMaster) warn_of_faults(session);
   announce(session.output(), texts, pace, strength);
   return stream(session, telegrams, pace, strength);
 }
@@ -312,10 +336,10 @@ void add_reference_verb(CLI::App& app, Verb& chosen) {
   set->add_option("--seconds", texts->seconds, "end after this time (default: Ctrl-C ends)")->type_name("S");
   set->footer(
       "Values 0..3 go out in telegram WRC1, 4..7 in WRC2; other values of the same telegram keep what they "
-      "had. When\n"
-      "the command ends, the telegrams are given up: a weaker writer takes over, or they are sent no more "
-      "and the slaves\n"
-      "notice.\n"
+      "had. They\n"
+      "are for every slave of the line; which follow, their control words decide. When the command ends, the "
+      "telegrams are\n"
+      "given up: a weaker writer takes over, or they are sent no more, and drives that had values fault.\n"
       "Example: cansync set 0=1000 4=50 --seconds 10");
   set->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return set_verb(session, *texts); }; });
