@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "client/src/reference_turn.h"
+#include "text/counts.h"
 
 namespace cansync::client {
 namespace {
@@ -33,9 +34,9 @@ struct ReferenceRepeater::Impl {
             [this](const MasterStatus& status) { interval_length = status.interval_length; })) {
     if (const auto most = needed(period, interval_length); wanted_release == 0 && most > kMostIntervals) {
       throw SetupError(fmt::format(
-          "reference values every {} us have to be released for {} intervals, so that two late ones leave no "
+          "reference values every {} us have to be released for {}, so that two late ones leave no "
           "gap; allowed: {}: give them more often, or name release_intervals",
-          period.count(), most, kMostIntervals));
+          period.count(), text::counted(most, "interval"), kMostIntervals));
     }
   }
 
