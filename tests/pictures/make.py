@@ -48,7 +48,7 @@ class DemoLine(Gateway):
         self.environment["CANSYNC_PROFILES"] = PROFILES
         with open(os.path.join(SOURCE, "config", "demo.toml"), encoding="utf-8") as file:
             text = file.read()
-        text = re.sub(r"(?m)^(\[\[slave\]\]\nnumber = \d+)$", rf'\1\nprofile = "{PROFILES}/simulated-drive.toml"', text)
+        text = text.replace('profile = "simulated-drive"', f'profile = "{PROFILES}/simulated-drive.toml"')
         return text.replace('name = "demo"', f'name = "{self.bus}"', 1) + f"\n[dds]\ndomain = {self.domain}\n"
 
     def lead(self, seconds):
