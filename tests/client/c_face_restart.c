@@ -36,10 +36,10 @@ static void give_until_told(int32_t first, const char* why) {
 static void check_that_nothing_is_given(int32_t first) {
   cansync_parameter parameter;
   const time_t end = time(NULL) + 30;
+  /* One is told of the restart before every topic of the daemon is known. */
   int result = cansync_read(client, 0, 1, 0, &parameter);
-  while ((result == CANSYNC_NO_REPLY || result == CANSYNC_NO_DAEMON) && time(NULL) < end)
-    result = cansync_read(client, 0, 1, 0, &parameter);
-  CHECK(cansync_read(client, 0, 1, 0, &parameter) == CANSYNC_DONE);
+  while (result != CANSYNC_DONE && time(NULL) < end) result = cansync_read(client, 0, 1, 0, &parameter);
+  CHECK(result == CANSYNC_DONE);
   for (int i = 0; i < 100 && failures == 0; i++) {
     CHECK(give(1, first) == CANSYNC_TAKE_UP);
     CHECK(give(2, first) == CANSYNC_TAKE_UP); /* one standing for both telegrams */
