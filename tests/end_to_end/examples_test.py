@@ -65,6 +65,12 @@ class Examples(unittest.TestCase):
                     self.assertRegex(line, r"^value 0: -?\d+, in its unit: \S+$")
                 self.assertGreater(int(moved.removeprefix("value 0 moved by ")), 0)
 
+    def test_first_clients_take_no_slave_for_another(self):
+        for name in ("first_client", "first_client_c"):
+            for slave in ("256", "nobody"):
+                process = self.start(name, slave)
+                self.assertEqual(self.finish(process, code=1), "")
+
     def test_first_clients_stand_in_their_page(self):
         with open(os.path.join(ROOT, "docs", "client-library.md"), encoding="utf-8") as file:
             page = file.read()

@@ -32,11 +32,12 @@ int main(int argc, char** argv) {
   if (argc != 4) return fprintf(stderr, "usage: %s DOMAIN BUS SLAVE\n", argv[0]), 1;
   const cansync_options options = {
       .domain = (uint32_t)atoi(argv[1]), .bus = argv[2], .client_name = "first client"};
-  uint32_t slave = (uint32_t)atoi(argv[3]);
+  uint32_t slave;
   cansync_client* client = cansync_new();
   cansync_parameter status;
   /* cansync_last_error() says who refused, or where it was looked for a daemon, and the remedy. */
   if (cansync_connect(client, &options) != CANSYNC_DONE ||
+      cansync_find_slave(client, argv[3], &slave) != CANSYNC_DONE ||
       cansync_read(client, slave, 301, 0, &status) != CANSYNC_DONE)
     return failed(client, cansync_last_error(client));
   printf("parameter 301: 0x%04X\n", (unsigned)status.value);
@@ -66,7 +67,7 @@ int main(int argc, char** argv) {
   if (cansync_get_actual_values(client, slave, 1000, &after) != CANSYNC_DONE)
     return failed(client, cansync_last_error(client));
   printf("value 0 moved by %" PRId32 "\n", (int32_t)(after.raw[0] - before.raw[0]));
-  cansync_free(
-      client); /* gives them up: a drive that had reference values and gets none any more faults after a while */
+  /* Gives them up: a drive that had reference values and gets none any more faults after a while. */
+  cansync_free(client);
   return 0;
 }

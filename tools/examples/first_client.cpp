@@ -22,10 +22,13 @@ void check(const Reply& reply) {
 
 int main(int argc, char** argv) try {
   if (argc != 4) return std::fprintf(stderr, "usage: %s DOMAIN BUS SLAVE\n", argv[0]), 1;
-  const auto slave = static_cast<std::uint8_t>(std::atoi(argv[3]));
   Client client = Client::connect({.domain = static_cast<std::uint32_t>(std::atoi(argv[1])),
                                    .bus = argv[2],
                                    .client_name = "first client"});
+
+  const SlaveLookup found = client.find_slave(argv[3]);
+  if (!found.slave) throw std::runtime_error(found.problem);
+  const std::uint8_t slave = *found.slave;
 
   const ParameterReply status = client.read(slave, 301);
   check(status);

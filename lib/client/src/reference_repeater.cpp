@@ -16,7 +16,6 @@ namespace cansync::client {
 namespace {
 
 constexpr std::chrono::microseconds kShortest(100);
-constexpr std::uint32_t kMostIntervals = 1000;  // the daemon's limit of release_intervals
 
 std::uint32_t needed(std::chrono::microseconds period, std::uint64_t interval_ns) {
   return release_intervals_for(period, std::chrono::nanoseconds(std::max<std::uint64_t>(interval_ns, 1)));
@@ -32,16 +31,18 @@ struct ReferenceRepeater::Impl {
         interval_length(client.master_status().interval_length),
         followed(client.on_master_status(
             [this](const MasterStatus& status) { interval_length = status.interval_length; })) {
-    if (const auto most = needed(period, interval_length); wanted_release == 0 && most > kMostIntervals) {
+    if (const auto most = needed(period, interval_length);
+        wanted_release == 0 && most > kMostReleaseIntervals) {
       throw SetupError(fmt::format(
           "reference values every {} us have to be released for {}, so that two late ones leave no "
           "gap; allowed: {}: give them more often, or name release_intervals",
-          period.count(), text::counted(most, "interval"), kMostIntervals));
+          period.count(), text::counted(most, "interval"), kMostReleaseIntervals));
     }
   }
 
   std::uint32_t release_intervals() const {
-    return wanted_release != 0 ? wanted_release : std::min(needed(period, interval_length), kMostIntervals);
+    return wanted_release != 0 ? wanted_release
+                               : std::min(needed(period, interval_length), kMostReleaseIntervals);
   }
 
   void run() {

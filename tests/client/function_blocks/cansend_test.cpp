@@ -181,15 +181,7 @@ TEST_F(Cansend, L27AfterARestartTheFirstFrameIsRefused) {
 // A request that nobody is known to read reaches nobody.
 TEST_F(Cansend, L27AFrameWaitsUntilTheNewDaemonIsKnownToReadFrames) {
   CANSEND block(connection);
-  daemon.reset();
-  daemon.emplace(places.here, Reads::later);
-  const auto call = [&] {
-    block.Snd = true;
-    block.call();
-  };
-  ASSERT_TRUE(repeat_until(call, [&] { return block.error().find("started anew") != std::string::npos; }));
-  ASSERT_TRUE(repeat_until(call, [&] { return block.RETVAL == module_code::done; })) << block.error();
-  for (int i = 0; i < 10; ++i) block.call();
+  restart_unread(block);
   daemon->read_sends();
   EXPECT_TRUE(call_until(block, [&] { return daemon->sends.size() == 1; })) << block.error();
   EXPECT_EQ(block.failures(), 0u);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <iterator>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <thread>
 
@@ -93,6 +94,21 @@ class BlockTest : public ::testing::Test {
           std::this_thread::yield();
         },
         condition);
+  }
+
+  /// Starts the daemon anew without its reader of requests, and calls the block until it has taken something
+  /// to send.
+  template <class Block>
+  void restart_unread(Block& block) {
+    daemon.reset();
+    daemon.emplace(places.here, Reads::later);
+    const auto call = [&] {
+      block.Snd = true;
+      block.call();
+    };
+    ASSERT_TRUE(repeat_until(call, [&] { return block.error().find("started anew") != std::string::npos; }));
+    ASSERT_TRUE(repeat_until(call, [&] { return !block.Snd; })) << block.error();
+    for (int i = 0; i < 10; ++i) block.call();
   }
 
   TwoPlaces places;

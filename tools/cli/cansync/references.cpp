@@ -24,8 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint16_t kSettingUp = 0x0043;   // w_OPTION_STATUS: setting up as master
-constexpr std::int64_t kMostIntervals = 1000;  // the daemon's default limit of release_intervals
+constexpr std::uint16_t kSettingUp = 0x0043;  // w_OPTION_STATUS: setting up as master
 
 /// The arguments as they were typed; empty: not given.
 struct SetTexts {
@@ -113,13 +112,14 @@ Pace parse_pace(const SetTexts& texts, const client::MasterStatus& status) {
   }
   const std::chrono::nanoseconds interval(std::max<std::uint64_t>(status.interval_length, 1));
   pace.release = client::release_intervals_for(pace.period, interval);
-  if (pace.release > kMostIntervals) {
-    const auto longest = static_cast<double>(std::chrono::nanoseconds(interval * kMostIntervals).count());
+  if (pace.release > client::kMostReleaseIntervals) {
+    const auto longest =
+        static_cast<double>(std::chrono::nanoseconds(interval * client::kMostReleaseIntervals).count());
     const double periods = client::release_intervals_for(interval, interval);
     throw UsageError(fmt::format(
         "--rate: found '{}'; allowed without --release: {:.3g} Hz and more, so that a sample need not be "
         "released for over {} intervals",
-        texts.rate, periods * 1e9 / longest, kMostIntervals));
+        texts.rate, periods * 1e9 / longest, client::kMostReleaseIntervals));
   }
   return pace;
 }

@@ -10,6 +10,9 @@
 
 namespace cansync::client {
 
+/// More intervals in a row no daemon releases a value, unless its file says otherwise.
+inline constexpr std::uint32_t kMostReleaseIntervals = 1000;
+
 /// Intervals in a row, 1 and more, for which values that are given every `period` have to be released so that
 /// two late ones leave no gap: three periods. `interval`: over 0 (MasterStatus.interval_length, ns).
 constexpr std::uint32_t release_intervals_for(std::chrono::nanoseconds period,
@@ -30,9 +33,9 @@ class CANSYNC_PUBLIC ReferenceRepeater {
  public:
   /// `period`: 100 us and more, shorter counts as 100 us. `strength` as in ReferenceWriter;
   /// `release_intervals`: for how many intervals in a row each writing releases the values; 0: three periods
-  /// (`release_intervals_for`, at most 1000). With less than a period there are intervals without values,
+  /// (`release_intervals_for`, at most `kMostReleaseIntervals`). With less than a period there are intervals without values,
   /// and drives that need them fault. Waits at most 2 s for the daemon; throws NoDaemon, SetupError (also when
-  /// three periods are more than 1000 intervals), std::system_error.
+  /// three periods are more than that), std::system_error.
   ReferenceRepeater(Client& client, std::chrono::microseconds period, std::int32_t strength = 0,
                     std::uint32_t release_intervals = 0);
   /// Stops.
