@@ -31,6 +31,7 @@
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/reply_partition.h"
+#include "dds/request_key.h"
 
 namespace {
 

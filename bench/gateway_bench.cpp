@@ -6,7 +6,7 @@
 #include <exception>
 
 #include "bench/answering_bus.h"
-#include "daemon/cansync/config/file.h"
+#include "cansync/config/file.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "daemon/cansync/realtime/realtime_loop.h"

@@ -10,10 +10,10 @@
 #include <thread>
 
 #include "bench/measured_bus.h"
+#include "cansync/config/file.h"
 #include "cansync/settings/timing.h"
 #include "daemon/bus/bus_choice.h"
 #include "daemon/cansync/bus/bus_plan.h"
-#include "daemon/cansync/config/file.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
 #include "daemon/loop/sync_line.h"

@@ -21,6 +21,12 @@ void describe(CLI::App& app, Arguments& arguments) {
   auto* dbc = app.add_option("--print-dbc", arguments.dbc,
                              "Print the bus of this configuration file as a DBC file, for other CAN tools")
                   ->type_name("FILE");
+  auto* last_good =
+      app.add_option(
+             "--last-good", arguments.last_good,
+             "Keep each configuration that has run in this folder, and start with the newest right one "
+             "when CONFIG is wrong")
+          ->type_name("DIR");
   app.add_option("--trace", arguments.trace,
                  "Log of the simulated bus in candump's format; --set sim.trace=FILE")
       ->type_name("FILE");
@@ -35,6 +41,7 @@ void describe(CLI::App& app, Arguments& arguments) {
   app.add_flag("--print-options-man", arguments.print_options_man,
                "Print the options' part of the man page cansync.toml(5)");
   config->excludes(check);
+  last_good->excludes(check)->excludes(dbc);
   config->excludes(dbc);
   check->excludes(dbc);
   app.footer(

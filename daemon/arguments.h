@@ -13,6 +13,7 @@ namespace cansyncd {
 struct Arguments {
   std::vector<std::string> config;  ///< files to run with, one for each bus
   std::vector<std::string> check;   ///< files to check instead
+  std::string last_good;            ///< folder of configurations that have run
   std::string dbc;                  ///< file to print as DBC instead
   std::string trace;
   std::string domain;

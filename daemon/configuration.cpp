@@ -13,12 +13,23 @@
 
 #include "config/document.h"
 #include "config/settings.h"
-#include "daemon/options/rows.h"
+#include "daemon_config/rows.h"
 
 namespace cansyncd {
 namespace {
 
 constexpr auto kBus = std::to_array<config::Section>({{"bus", "", ""}});
+
+/// Where `adapter` of a file is given as option bus.adapter, for itself or in a level; of the whole file when
+/// it is not.
+config::Position place_of_pin(const std::string& path, const std::string& adapter) {
+  for (const config::Node& node : config::read_document(path).nodes) {
+    if (node.kind != config::Node::Kind::value || node.path.size() < 2 || node.name() != "adapter") continue;
+    const auto* text = config::scalar<std::string>(node.value);
+    if (text != nullptr && *text == adapter) return node.where;
+  }
+  return {path, 0, 0};
+}
 
 /// The protocol that is chosen; null with what is wrong with the choice.
 struct Choice {
@@ -62,17 +73,20 @@ Choice choose(const config::Document& document, std::span<const std::string> ove
 
 }  // namespace
 
-LoadedConfig load_configuration(const std::string& path, std::span<const std::string> overrides,
+LoadedConfig load_configuration(const config::Source& source, std::span<const std::string> overrides,
                                 Protocols protocols) {
   // A file that cannot be read, or is not TOML, is told by the protocol's own reader.
-  Choice choice = choose(protocol_alone(config::read_document(path)), overrides, protocols);
+  // Read once: what is checked is what runs, and what is kept of it.
+  const config::Source whole = source.text ? source : config::read_source(source.path);
+  Choice choice = choose(protocol_alone(config::read_document(whole)), overrides, protocols);
   LoadedConfig loaded;
   if (choice.protocol != nullptr) {
-    loaded = choice.protocol->load(path, overrides);
+    loaded = choice.protocol->load(whole, overrides);
   } else {
     loaded.problems = std::move(choice.problems);
   }
-  loaded.path = path;
+  loaded.path = whole.path;
+  loaded.text = whole.text;
   return loaded;
 }
 
@@ -124,6 +138,24 @@ std::vector<config::Problem> check_together(std::span<const LoadedConfig> files)
         return config.sim.trace.empty() ? std::nullopt : std::optional(config.sim.trace);
       },
       "each bus writes a file of its own");
+  return problems;
+}
+
+std::vector<config::Problem> check_adapters(std::span<const LoadedConfig> files,
+                                            const std::vector<can::InterfaceAdapter>& there) {
+  std::vector<config::Problem> problems;
+  for (const LoadedConfig& file : files) {
+    for (const DaemonConfig& config : file.served()) {
+      const std::string& adapter = config.bus.adapter;
+      if (adapter.empty()) continue;
+      const auto found = can::interfaces_of(can::read_pin(adapter).pin, there);
+      if (found.size() < 2) continue;
+      problems.push_back({place_of_pin(file.path, adapter), "bus.adapter",
+                          fmt::format("found \"{}\", which the adapters of {} have; allowed: what only one "
+                                      "has, such as a channel or the path of its port, too",
+                                      adapter, fmt::join(found, " and "))});
+    }
+  }
   return problems;
 }
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <list>
 #include <memory>
@@ -13,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/host_watch.h"
+#include "daemon/segment/bus_network.h"
 #include "daemon/segment/bus_participants.h"
 #include "daemon/segment/segment.h"
 #include "daemon/service/bus_prefix.h"
@@ -22,6 +26,7 @@
 #include "daemon/service/service_log.h"
 #include "daemon/service/signal_wait.h"
 #include "rt/thread_stack.h"
+#include "text/counts.h"
 
 namespace cansyncd {
 namespace {
@@ -42,11 +47,19 @@ void tell_changes(const ReloadPlan& plan, const ServiceLog& log) {
 
 /// One bus of the process.
 struct Bus {
-  Bus(const LoadedConfig& from, JournalSink& to) : config(from), journal(to), log(from.daemon.bus.name, to) {}
+  Bus(const LoadedConfig& from, JournalSink& to)
+      : config(from), journal(to), log(from.daemon.bus.name, to), network(from.served()) {}
   const LoadedConfig& config;
   JournalSink& journal;
   const ServiceLog log;
   std::unique_ptr<Segment> segment;
+  std::optional<ConfigurationWatch> watch;
+  BusNetwork network;
+
+  /// Tells the segment what is true around it.
+  void tell_surroundings() {
+    segment->set_surroundings({watch ? watch->reason() : std::string(), network.place(), network.taken_by()});
+  }
 };
 /// None of them moves: a segment is made when its place is there.
 using Buses = std::list<Bus>;
@@ -108,8 +121,77 @@ bool set_up_anew(Bus& bus, ReloadPlan& plan) {
   return true;
 }
 
-void reload(Bus& bus, std::span<const std::string> overrides) {
+std::int64_t wall_seconds() {
+  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+void keep(const Bus& bus, const KeptConfigurations& kept, const std::string& text) {
+  if (const auto failed = kept.keep(bus.config.path, text)) {
+    bus.log.say(LogPriority::warning, "configuration_not_kept",
+                fmt::format("the configuration is not kept for a start with a wrong file: {}", *failed));
+  }
+}
+
+/// Says what is left out of a file that the configuration names, and what that costs.
+void tell_left_out(const Bus& bus, const std::vector<config::Problem>& problems, EventCode code,
+                   std::string_view cost) {
+  const std::size_t shown = std::min(problems.size(), config::kProblemsShown);
+  for (std::size_t i = 0; i < shown; ++i)
+    bus.segment->post({gateway_SEVERITY_ERROR, code, -1, fmt::format("{}: {}", cost, to_string(problems[i])),
+                       std::nullopt});
+  if (problems.size() > shown)
+    bus.segment->post(
+        {gateway_SEVERITY_ERROR, code, -1,
+         fmt::format("{}: and {}", cost, text::counted(problems.size() - shown, "more problem")),
+         std::nullopt});
+}
+
+/// Compares the file with what runs from the start on, and says with what the bus has started.
+void watch_from_start(Bus& bus, const Continuity& continuity) {
+  if (!continuity.load) return;
+  const LoadedConfig& file = bus.config;
+  if (file.kept_since.empty()) keep(bus, continuity.kept, file.text.value_or(""));
+  bus.watch.emplace(file, continuity.load, wall_seconds());
+  (void)bus.watch->look();
+  tell_left_out(bus, file.profile_problems, "profile_unusable",
+                "no names of parameters and no limits for writes");
+  tell_left_out(bus, file.script_problems, "fault_left_out", "a fault of the script is left out");
+  if (!file.kept_since.empty())
+    bus.segment->post(
+        {gateway_SEVERITY_ERROR, "configuration_last_good", -1, bus.watch->reason(), std::nullopt});
+}
+
+/// Says so when the file on disk has become another than the one that runs, or the same.
+void look_at_file(Bus& bus) {
+  if (!bus.watch || !bus.watch->look()) return;
+  bus.tell_surroundings();
+  if (!bus.watch->differs()) {
+    bus.segment->post({gateway_SEVERITY_INFO, "configuration_agrees", -1,
+                       bus.config.path + " is the configuration that runs", std::nullopt});
+  } else {
+    bus.segment->post({bus.watch->wrong() ? gateway_SEVERITY_ERROR : gateway_SEVERITY_WARNING,
+                       "configuration_differs", -1, bus.watch->reason(), std::nullopt});
+  }
+}
+
+/// What a reload has made of the file, `text` before it.
+void reloaded(Bus& bus, const ReloadPlan& plan, const std::string& text, const Continuity& continuity) {
+  if (!bus.segment) return;
+  bus.tell_surroundings();  // it may be another segment
+  if (!bus.watch) return;
+  if (plan.problems.empty()) {
+    const bool completely = plan.needs_restart.empty() && plan.needs_set_up.empty();
+    bus.watch->taken(text, completely ? "" : not_taken(plan), wall_seconds());
+    if (completely) keep(bus, continuity.kept, text);
+  }
+  look_at_file(bus);
+  bus.tell_surroundings();
+}
+
+void reload(Bus& bus, std::span<const std::string> overrides, const Continuity& continuity) {
   const std::string& path = bus.config.path;
+  const std::string text = config::read_source(path).text.value_or("");
   ReloadPlan plan = bus.segment->plan_reload(overrides);
   if (!plan.problems.empty()) {
     bus.log.say(
@@ -124,12 +206,13 @@ void reload(Bus& bus, std::span<const std::string> overrides) {
     plan.apply();
   }
   if (bus.segment) bus.segment->tell_reload(plan);
+  reloaded(bus, plan, text, continuity);
 }
 
 /// All of them; one that cannot be had any more ends, and the others go on. Throws when that was the last.
-void reload(Buses& buses, std::span<const std::string> overrides) {
+void reload(Buses& buses, std::span<const std::string> overrides, const Continuity& continuity) {
   service::reloading();
-  for (Bus& bus : buses) reload(bus, overrides);
+  for (Bus& bus : buses) reload(bus, overrides, continuity);
   buses.remove_if([](const Bus& bus) { return bus.segment == nullptr; });
   if (buses.empty()) throw std::runtime_error("no bus is left after the reload");
   service::ready();
@@ -142,19 +225,32 @@ std::vector<Heartbeat::Progress> progress(const Buses& buses) {
   return all;
 }
 
+std::vector<Segment*> segments_of(const Buses& buses) {
+  std::vector<Segment*> all;
+  for (const Bus& bus : buses) all.push_back(bus.segment.get());
+  return all;
+}
+
 /// Until SIGTERM or SIGINT.
-void serve(Buses& buses, const SignalWait& signals, std::span<const std::string> overrides,
-           const ServiceLog& log) {
+void serve(Buses& buses, const SignalWait& signals, std::span<const std::string> overrides, HostWatch& host,
+           const ServiceLog& log, const Continuity& continuity) {
   Heartbeat heartbeat(service::watchdog());
   while (true) {
-    const std::optional<int> number = signals.wait(heartbeat.period());
+    const std::optional<int> number = signals.wait(std::min<std::chrono::microseconds>(
+        heartbeat.period().value_or(HostWatch::kPeriod), HostWatch::kPeriod));
     if (!number) {
       if (heartbeat.look(progress(buses))) service::alive();
+      for (Bus& bus : buses) {
+        look_at_file(bus);
+        if (bus.network.look()) bus.tell_surroundings();
+      }
+      host.step(segments_of(buses));
       continue;
     }
     if (*number == SIGHUP) {
-      reload(buses, overrides);
+      reload(buses, overrides, continuity);
       heartbeat = Heartbeat(service::watchdog());  // what was set up anew counts from 0
+      host.look_again(segments_of(buses));
       continue;
     }
     if (*number == SIGUSR1) {
@@ -166,7 +262,9 @@ void serve(Buses& buses, const SignalWait& signals, std::span<const std::string>
       continue;
     }
     log.say(LogPriority::notice, "daemon_stopping",
-            *number == SIGTERM ? "stopping: SIGTERM" : "stopping: SIGINT");
+            host.shuts_down()    ? "stopping: the computer shuts down"
+            : *number == SIGTERM ? "stopping: SIGTERM"
+                                 : "stopping: SIGINT");
     service::stopping();
     return;
   }
@@ -187,14 +285,21 @@ void for_bus(const Buses& buses, const Bus& bus, const Step& step) {
 /// those that run already end with it.
 void start(Buses& buses) {
   std::vector<const DaemonConfig*> configs;
+  std::vector<NetworkPlace> places;
   for (const Bus& bus : buses) {
-    for (const DaemonConfig& served : bus.config.served()) configs.push_back(&served);
+    for (const DaemonConfig& served : bus.config.served()) {
+      configs.push_back(&served);
+      places.push_back(bus.network.place());
+    }
   }
-  std::vector<gateway::dds::Participant> participants = bus_participants(configs);
-  std::span<gateway::dds::Participant> left(participants);
+  std::vector<BusParticipant> participants = bus_participants(configs, places);
+  auto next = participants.begin();
   for (Bus& bus : buses) {
-    const auto own = left.first(bus.config.served().size());
-    left = left.subspan(own.size());
+    std::vector<gateway::dds::Participant> own;
+    for (std::size_t i = 0; i < bus.config.served().size(); ++i, ++next) {
+      if (!next->taken_by.empty()) bus.network.set_taken_by(next->taken_by);
+      own.push_back(std::move(next->participant));
+    }
     for_bus(buses, bus, [&] { bus.segment = bus.config.make_segment(bus.journal, own); });
   }
   for (const Bus& bus : buses) for_bus(buses, bus, [&] { bus.segment->start(); });
@@ -208,7 +313,8 @@ std::string names_of(std::span<const LoadedConfig> files) {
 
 }  // namespace
 
-int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string> overrides) {
+int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string> overrides,
+               const Continuity& continuity) {
   const SignalWait signals;
   const bool small_stacks = rt::set_default_stack_size(kThreadStack);
   BusPrefix with_names(process_journal());
@@ -224,8 +330,13 @@ int run_daemon(std::span<const LoadedConfig> files, std::span<const std::string>
     Buses buses;
     for (const LoadedConfig& file : files) buses.emplace_back(file, journal);
     start(buses);
+    for (Bus& bus : buses) {
+      watch_from_start(bus, continuity);
+      bus.tell_surroundings();
+    }
     service::ready();
-    serve(buses, signals, overrides, log);
+    HostWatch host;  // a shutdown waits for it, that is until every line is stopped
+    serve(buses, signals, overrides, host, log, continuity);
     for (const Bus& bus : buses) bus.segment->stop();
   } catch (const std::exception& error) {
     log.cannot_run(error.what());

@@ -6,7 +6,7 @@
 
 #include "can/bus.h"
 #include "can/frame_filter.h"
-#include "daemon/config/daemon_config.h"
+#include "daemon_config/daemon_config.h"
 #include "sim/fault_protocol.h"
 #include "sim/node.h"
 

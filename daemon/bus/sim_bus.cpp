@@ -3,8 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include "sim/fault_script.h"
-
 namespace cansyncd {
 namespace {
 
@@ -23,10 +21,9 @@ std::unique_ptr<sim::TraceFile> open_trace(const BusPlan& plan) {
 
 }  // namespace
 
-std::vector<config::Problem> check_fault_script(const DaemonConfig& config,
-                                                const sim::FaultProtocol& protocol) {
+sim::FaultScript fault_script(const DaemonConfig& config, const sim::FaultProtocol& protocol) {
   if (config.bus.kind != BusKind::simulated || config.sim.fault_script.empty()) return {};
-  return sim::load_fault_script(config.sim.fault_script, protocol).errors;
+  return sim::load_fault_script(config.sim.fault_script, protocol);
 }
 
 SimBus::SimBus(BusPlan plan) : trace_(open_trace(plan)) {

@@ -2,27 +2,25 @@
 
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "can/bus.h"
-#include "config/problem.h"
 #include "daemon/bus/bus_plan.h"
+#include "sim/fault_script.h"
 #include "sim/line.h"
 #include "sim/trace_file.h"
 #include "sync/sync_wire.h"
 
 namespace cansyncd {
 
-/// Everything wrong with the fault script that `config` names; empty when there is none. Main thread.
-std::vector<config::Problem> check_fault_script(const DaemonConfig& config,
-                                                const sim::FaultProtocol& protocol);
+/// The fault script that `config` names for its simulated bus; an empty one when there is none. Main thread.
+sim::FaultScript fault_script(const DaemonConfig& config, const sim::FaultProtocol& protocol);
 
 /// The simulated line of a plan in real time: nodes, faults and trace. Built on the main thread;
 /// afterwards `bus` belongs to the realtime thread.
 class SimBus {
  public:
-  /// Throws std::system_error when the trace file cannot be opened. The fault script must have passed
-  /// `check_fault_script`.
+  /// Throws std::system_error when the trace file cannot be opened. Faults of
+  /// the script that have errors are left out.
   explicit SimBus(BusPlan plan);
 
   can::Bus& bus() noexcept { return *line_; }

@@ -5,13 +5,15 @@
 #include <stdexcept>
 #include <utility>
 
-#include "daemon/bus/bit_timing_check.h"
+#include "daemon/bus/adapter_text.h"
+#include "daemon_config/bit_timing_check.h"
 
 namespace cansyncd {
 namespace {
 
 can::LinkWatch::Settings watch_settings(const BusConfig& bus) {
-  return {bus.interface, bus.bits_per_second, bus.one_shot == OneShot::enforce};
+  return {bus.interface, bus.bits_per_second, bus.one_shot == OneShot::enforce,
+          can::read_pin(bus.adapter).pin};
 }
 
 }  // namespace
@@ -28,6 +30,7 @@ std::string interface_refusal(const BusConfig& bus, const can::LinkFacts& facts)
   const std::string& name = bus.interface;
   if (!facts.present) return "";
   if (!facts.is_can) return fmt::format("{} is no CAN interface; give another one as bus.interface", name);
+  if (!can::matches(can::read_pin(bus.adapter).pin, facts.adapter)) return wrong_adapter_text(bus, facts);
   const std::uint32_t wanted = bus.bits_per_second;
   if (facts.timing && facts.timing->bits_per_second != wanted) {
     return fmt::format("{} is set to {} bit/s, bus.bit_rate is {}; set it with: {}", name,

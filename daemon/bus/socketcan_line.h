@@ -10,7 +10,7 @@
 #include "can/link_watch.h"
 #include "can/socketcan_bus.h"
 #include "daemon/bus/bus_plan.h"
-#include "daemon/config/daemon_config.h"
+#include "daemon_config/daemon_config.h"
 
 namespace cansyncd {
 
@@ -33,8 +33,8 @@ std::string one_shot_advice(const BusConfig& bus, const can::LinkFacts& facts);
 /// `bus` belongs to the realtime thread.
 class SocketcanLine {
  public:
-  /// Throws std::system_error when the kernel has no SocketCAN, std::runtime_error when the interface is set
-  /// up with another bit rate, is not in the one-shot mode that is demanded, or is none for CAN.
+  /// Throws std::system_error when the kernel has no SocketCAN, std::runtime_error when the interface has
+  /// another adapter than bus.adapter allows, is set up with another bit rate, is not in the one-shot mode that is demanded, or is none for CAN.
   explicit SocketcanLine(const BusPlan& plan);
   ~SocketcanLine() { stop(); }
   SocketcanLine(const SocketcanLine&) = delete;

@@ -85,6 +85,13 @@ struct SetActualMapping {
   cansync::ProcessMapping mapping = {};
 };
 
+/// Changes the limits of one reference value. One reply.
+struct SetReferenceLimits {
+  cansync::JobId id = 0;
+  std::uint8_t value = 0;
+  cansync::ReferenceLimits limits;
+};
+
 /// Lets a slave that is held out be used again. One reply.
 struct ReleaseSlave {
   cansync::JobId id = 0;
@@ -95,10 +102,10 @@ struct ReleaseSlave {
 /// A request of the gateway. Those with a JobId get exactly one `Terminal`. A transfer's data belongs to the
 /// realtime thread from the push until its terminal was popped. ReferenceUpdate is answered only when it is
 /// refused (`ReferenceRefused`).
-using Request =
-    std::variant<cansync::ParameterRequest, cansync::TransferRequest, cansync::ControlWordRequest,
-                 cansync::BroadcastRequest, cansync::ReferenceUpdate, Cancel, StopRelease, ModeRequest,
-                 SetPolling, SetCursors, SetReferenceMapping, SetActualMapping, ReleaseSlave>;
+using Request = std::variant<cansync::ParameterRequest, cansync::TransferRequest, cansync::ControlWordRequest,
+                             cansync::BroadcastRequest, cansync::ReferenceUpdate, Cancel, StopRelease,
+                             ModeRequest, SetPolling, SetCursors, SetReferenceMapping, SetActualMapping,
+                             SetReferenceLimits, ReleaseSlave>;
 
 // --- realtime thread -> gateway: never lost
 
@@ -157,6 +164,7 @@ struct ReferenceRefused {
   Moment when;
   cansync::Channel channel = cansync::Channel::one;
   cansync::Refusal refusal = cansync::Refusal::none;
+  cansync::LimitViolation beyond = {};  ///< of Refusal::beyond_limit
 };
 
 /// SYNC edges were skipped because the thread came too late; none is made up for.
@@ -268,6 +276,9 @@ struct MasterSnapshot {
   cansync::SlaveMask responding;
   cansync::SlaveMask synchronized;
   cansync::SlaveMask released;
+  cansync::SlaveMask wrong;      ///< held: not the drive expected
+  cansync::SlaveMask duplicate;  ///< two drives answer
+  cansync::SlaveMask unknown;    ///< answer and are not configured
   std::uint32_t open_parameter_jobs = 0;
   std::uint32_t open_transfers = 0;
   std::uint64_t missed_syncs = 0;
@@ -275,7 +286,13 @@ struct MasterSnapshot {
   SyncSnapshot sync;
   std::array<cansync::ReleaseStatus, cansync::kChannels> release = {};  ///< of the reference values
   std::array<bool, cansync::kChannels> lead_axis = {};  ///< the lead axis of a cluster gives them
-  bool second_master = false;                           ///< another master has sent within the last seconds
+  bool second_master = false;                           ///< another master has sent within the last 3 s
+  std::uint32_t second_master_identifier = 0;           ///< of its newest frame; 0: none, or a SYNC
+  can::Time second_master_since{0};                     ///< wall clock; 0: no other master sends
+  cansync::BusAccess access = cansync::BusAccess::granted;
+  bool waits_for_command = false;  ///< because another master was on the bus
+  bool waits_for_upper_sync =
+      false;  ///< the lower bus of a cluster, whose upper bus has no SYNC that is followed
   can::TimestampSource timestamps = can::TimestampSource::thread;
 };
 

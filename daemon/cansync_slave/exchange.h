@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "can/bus.h"
+#include "can/job_ending.h"
 #include "can/link_facts.h"
 #include "cansync/cluster/cluster.h"
 #include "cansync/settings/mode.h"
@@ -193,6 +194,7 @@ enum class SlaveRefusal : std::uint8_t {
 struct SlaveOrderDone {
   SlaveOrder order;
   SlaveRefusal refusal = SlaveRefusal::none;
+  std::optional<can::JobKnown> stopped = {};  ///< the slave was stopped before its end: what is known of it
 };
 
 using ApplicationOrder = std::variant<TakeOver, JobAnswer, BlockReply>;

@@ -15,20 +15,24 @@ constexpr std::chrono::seconds kWindow{1};
 std::string line_of(const Requester& who, const Change& change, const std::string& before,
                     const std::string& result) {
   std::string line(change.action);
-  if (change.slave >= 0) line += fmt::format(" slave {}", change.slave);
+  if (change.slave >= 0) line += " " + change.slave_text();
   if (!change.what.empty()) line += " " + change.what;
   return fmt::format("{} = {} (before: {}) by {}: {}", line, change.new_value, before, who.label, result);
 }
 
 }  // namespace
 
-std::string data_text(const std::uint8_t* data, std::size_t size) {
+std::string Change::slave_text() const {
+  if (slave < 0) return "";
+  return slave_name.empty() ? fmt::format("slave {}", slave)
+                            : fmt::format("slave {} '{}'", slave, slave_name);
+}
+
+std::string hash_text(const std::uint8_t* data, std::size_t size) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest = {};
   unsigned length = 0;
-  if (EVP_Digest(data, size, digest.data(), &length, EVP_sha256(), nullptr) != 1) {
-    return text::counted(size, "byte");
-  }
-  std::string text = fmt::format("{}, SHA-256 ", text::counted(size, "byte"));
+  if (EVP_Digest(data, size, digest.data(), &length, EVP_sha256(), nullptr) != 1) return {};
+  std::string text = "SHA-256 ";
   for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
   return text;
 }

@@ -15,15 +15,20 @@ namespace cansyncd {
 /// A change that a client asked for, in words. Its fields may be out of range: refused requests are recorded
 /// too.
 struct Change {
-  std::string_view action;  ///< stable word; a literal
-  int slave = -1;           ///< number, whatever a client gave; -1: none
-  std::string what;         ///< which parameter, address or slaves; may be empty
-  std::string new_value;    ///< what was asked for
-  int parameter = -1;       ///< number, whatever a client gave; -1: none
+  std::string_view action;      ///< stable word; a literal
+  int slave = -1;               ///< number, whatever a client gave; -1: none
+  std::string what;             ///< which parameter, address or slaves; may be empty
+  std::string new_value;        ///< what was asked for
+  int parameter = -1;           ///< number, whatever a client gave; -1: none
+  bool hashed = false;          ///< the SHA-256 of the request's data is recorded behind `new_value`
+  std::string slave_name = {};  ///< its configured name; empty: none
+
+  /// "slave 3 'winder'"; empty without a slave.
+  std::string slave_text() const;
 };
 
-/// "12 bytes, SHA-256 0123…": which data was downloaded.
-std::string data_text(const std::uint8_t* data, std::size_t size);
+/// "SHA-256 0123…": which data a request had; empty when the cryptographic library fails.
+std::string hash_text(const std::uint8_t* data, std::size_t size);
 
 /// Who gave a request.
 struct Requester {
@@ -53,7 +58,7 @@ class AuditTrail {
   };
 
   /// `journal` and `events` must outlive the object. `slaves`: events name slaves below this number alone.
-  AuditTrail(JournalSink& journal, EventPublisher& events, std::string bus, int slaves)
+  AuditTrail(JournalSink& journal, EventSink& events, std::string bus, int slaves)
       : journal_(journal), events_(events), bus_(std::move(bus)), slaves_(slaves) {}
 
   /// A request that had been accepted ended. `before`: the value it replaced, or would have.
@@ -79,7 +84,7 @@ class AuditTrail {
   bool may_record_refusal(SteadyTime now);
 
   JournalSink& journal_;
-  EventPublisher& events_;
+  EventSink& events_;
   std::string bus_;
   int slaves_;
   SteadyTime window_;

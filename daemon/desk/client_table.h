@@ -2,6 +2,7 @@
 
 #include <dds/dds.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -31,13 +32,17 @@ struct ClientEntry {
   bool gone = false;
 };
 
-/// The participants that have a request writer matched with one of our readers. Gateway thread only.
+/// The participants that have a request writer matched with one of our readers. When DDS was moved to another
+/// network, those of before count for a while yet: they find the new readers one by one. Gateway thread only.
 class LivingPlaces {
  public:
+  /// For so long those count that were there before DDS was moved: longer than a lease.
+  static constexpr std::chrono::seconds kFindAgain{10};
+
   /// Looks again when a writer of one of `readers` came or went since the last call (the first call looks
   /// always). Returns whether it looked.
-  bool look(std::span<const dds_entity_t> readers, PlaceFinder& finder);
-  bool has(const Place& place) const { return places_.contains(place); }
+  bool look(std::span<const dds_entity_t> readers, PlaceFinder& finder, SteadyTime now);
+  bool has(const Place& place) const { return places_.contains(place) || before_.contains(place); }
   const std::set<Place>& all() const noexcept { return places_; }
   /// How often it looked.
   std::uint64_t looks() const noexcept { return looks_; }
@@ -46,6 +51,7 @@ class LivingPlaces {
 
  private:
   struct Seen {
+    dds_entity_t reader = 0;
     std::uint32_t current = 0;
     std::uint32_t total = 0;
     friend bool operator==(const Seen&, const Seen&) = default;
@@ -53,6 +59,8 @@ class LivingPlaces {
   std::vector<Seen> seen_;
   std::vector<std::vector<dds_instance_handle_t>> writers_;  ///< by reader
   std::set<Place> places_;
+  std::set<Place> before_;  ///< those of before a move
+  SteadyTime before_until_;
   std::uint64_t looks_ = 0;
 };
 

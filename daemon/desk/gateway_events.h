@@ -84,8 +84,19 @@ class FaultRow {
   SteadyTime last_;
 };
 
+/// Takes events, to tell them. Gateway thread only.
+class EventSink {
+ public:
+  EventSink() = default;
+  EventSink(const EventSink&) = delete;
+  EventSink& operator=(const EventSink&) = delete;
+  virtual ~EventSink() = default;
+  /// Tells `event`. False: it is told in a sum, later.
+  virtual bool publish(const EventText& event, SteadyTime now) = 0;
+};
+
 /// Numbers events, publishes them and writes each to the journal. Gateway thread only.
-class EventPublisher {
+class EventPublisher final : public EventSink {
  public:
   /// `journal` must outlive the publisher; `bus` is the field BUS. Throws gateway::dds::SetupError.
   EventPublisher(const gateway::dds::Participant& participant, JournalSink& journal, std::string bus)
@@ -97,7 +108,7 @@ class EventPublisher {
   void set_interval(std::uint64_t interval) noexcept { interval_ = interval; }
 
   /// Publishes `event` unless events of its kind come too fast. False: it is told in a sum, later.
-  bool publish(const EventText& event, SteadyTime now);
+  bool publish(const EventText& event, SteadyTime now) override;
 
   /// Writes `event` to the journal alone, unbounded: for what clients are told in sums.
   void record(const EventText& event);

@@ -215,7 +215,7 @@ class ReplyOutbox {
     std::size_t waiting_data = 0;  ///< bytes
     std::size_t under_way = 0;     ///< bytes that were written, until all are acknowledged
     unsigned replies = 0;          ///< that these are
-    bool heard = false;            ///< its reader was matched once
+    dds_entity_t heard = 0;        ///< writer that its reader was matched with once; 0: none
     bool stood_still = false;      ///< it lost replies, and has acknowledged nothing since
     bool gone = false;
     SteadyTime used;       ///< the last reply came
@@ -238,8 +238,9 @@ class ReplyOutbox {
     count_acknowledged(client);
     while (!client.waiting.empty()) {
       const Item& item = client.waiting.front();
-      client.heard = client.heard || has_reader(*client.writer);
-      if (!client.heard) {
+      const dds_entity_t writer = client.writer->handle();  // another one after a change of the network
+      if (client.heard != writer && has_reader(writer)) client.heard = writer;
+      if (client.heard != writer) {
         if (now < item.give_up) return;
         if (!client.gone) ++dropped_;
         pop(client);
@@ -285,10 +286,9 @@ class ReplyOutbox {
     }
   }
 
-  static bool has_reader(const Writer& writer) {
+  static bool has_reader(dds_entity_t writer) {
     dds_publication_matched_status_t status = {};
-    return dds_get_publication_matched_status(writer.handle(), &status) == DDS_RETCODE_OK &&
-           status.total_count > 0;
+    return dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK && status.total_count > 0;
   }
 
   static bool acknowledged(const Client& client) {
@@ -313,7 +313,7 @@ class ReplyOutbox {
       if (!ends_.end(std::move(client.writer))) break;
       dropped_ += std::exchange(client.replies, 0);
       under_way_ -= std::exchange(client.under_way, 0);
-      client.heard = false;
+      client.heard = 0;
       client.stood_still = true;
     }
     return fits();

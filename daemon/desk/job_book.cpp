@@ -24,6 +24,13 @@ Requester who_of(std::string_view name, const RequestKey& key, const Place& plac
   return who;
 }
 
+JobId JobBook::first_id(const gateway::dds::DaemonIdentity& daemon) noexcept {
+  constexpr std::size_t kBytes = 5;
+  JobId id = 1;
+  for (std::size_t i = 0; i < kBytes; ++i) id = id << 8 | daemon[i];
+  return id;
+}
+
 JobBook::Admission JobBook::admit(const RequestKey& key,
                                   const std::pair<ClientEntry*, ClientTable::Admission>& entered,
                                   std::int64_t written, std::int64_t now, std::chrono::milliseconds max_age) {

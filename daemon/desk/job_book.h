@@ -15,6 +15,7 @@
 #include "daemon/desk/fair_lanes.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_replies.h"
+#include "dds/daemon_identity.h"
 #include "dds/denial.h"
 #include "dds/request_key.h"
 #include "dds/topic.h"
@@ -28,6 +29,10 @@ Requester who_of(std::string_view name, const gateway::dds::RequestKey& key, con
 /// of what they ask for. Gateway thread only.
 class JobBook {
  public:
+  /// Numbers of jobs are counted from one that this start has for itself: a number that was read before a
+  /// restart is no job of this start.
+  explicit JobBook(const gateway::dds::DaemonIdentity& daemon) noexcept : next_id_(first_id(daemon)) {}
+
   /// Most open requests of one client: no client can take the queues from the others.
   static constexpr unsigned kPerClient = gateway::dds::kOpenRequests;
   /// Most bytes of all open transfers together, and of those of one client.
@@ -53,6 +58,10 @@ class JobBook {
 
   /// Why the client cannot have one more request with `bytes` of data; nothing when it can.
   gateway::dds::Problem no_room(const ClientEntry& client, std::size_t bytes) const;
+
+  /// The first number of a start: 2^40..2^41 - 1, by the random bytes of its identity. Below 2^53, which JSON
+  /// and scripts hold as a whole number.
+  static JobId first_id(const gateway::dds::DaemonIdentity& daemon) noexcept;
 
   /// A number that no request had before.
   JobId next_id() noexcept { return next_id_++; }
@@ -85,7 +94,7 @@ class JobBook {
   ClientTable clients_;
   std::map<Key, JobId> open_;  ///< requests of clients that are not answered
   std::size_t bytes_ = 0;
-  JobId next_id_ = 1;
+  JobId next_id_;
 };
 
 }  // namespace cansyncd

@@ -115,7 +115,7 @@ void JobDesk<P>::make_way_for(const Request& newer, const Context& context) {
 
 template <RequestProtocol P>
 void JobDesk<P>::look_for_clients(const Context& context) {
-  for (const ClientIdentity& identity : book_.clients().mark_gone(readers_.look(places_))) {
+  for (const ClientIdentity& identity : book_.clients().mark_gone(readers_.look(places_, context.now))) {
     const ClientEntry client = *book_.clients().find(identity);
     if (client.open == 0) {
       forget(identity, context.now);
@@ -177,7 +177,10 @@ std::string JobDesk<P>::before(const Job& job) {
 template <RequestProtocol P>
 void JobDesk<P>::record_end(const Job& job, Outcome outcome, const Context& context) {
   std::optional<Change> change = job.change;
-  if (change && !job.data.empty()) change->new_value = data_text(job.data.data(), job.data.size());
+  if (change && change->hashed && !job.data.empty()) {
+    if (const std::string hash = hash_text(job.data.data(), job.data.size()); !hash.empty())
+      change->new_value += ", " + hash;
+  }
   if constexpr (GivesOwn<P>) {
     if (job.topic == kOwn) change = Change{"configuration", -1, "", protocol_.text(job.request, context)};
   }

@@ -57,7 +57,7 @@ std::string JobDesk<P>::open_text(const Job& job, const Context& context) const 
   }
   if (!job.change) return "a request that only reads";
   std::string text(job.change->action);
-  if (job.change->slave >= 0) text += fmt::format(" to slave {}", job.change->slave);
+  if (job.change->slave >= 0) text += " to " + job.change->slave_text();
   for (const std::string& part : {job.change->what, job.change->new_value}) {
     if (!part.empty()) text += ' ' + part;
   }

@@ -28,6 +28,7 @@ JobDesk<P>::JobDesk(const gateway::dds::Participant& participant, gateway::dds::
       events_(events),
       audit_(audit),
       rejections_(events),
+      book_(daemon),
       lanes_(protocol_.lane_limits()) {}
 
 template <RequestProtocol P>
@@ -187,7 +188,9 @@ ClientEntry* JobDesk<P>::admit(Job& job, std::int64_t written, const Context& co
         context.now);
     if (job.change) {
       audit_.refused(job.who, *job.change, AuditTrail::kNotKnown,
-                     {gateway_CAUSE_IDENTITY, "the identity of another program"}, context.now);
+                     {gateway_CAUSE_IDENTITY,
+                      "client: the identity of another program; choose an identity at random at every start"},
+                     context.now);
     }
     return nullptr;
   }

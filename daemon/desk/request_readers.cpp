@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <vector>
 
 #include "daemon/desk/job_book.h"
 #include "dds/malformed.h"
@@ -10,8 +11,11 @@
 
 namespace cansyncd {
 
-const LivingPlaces& RequestReaders::look(PlaceFinder& places) {
-  if (living_.look(handles_, places)) {
+const LivingPlaces& RequestReaders::look(PlaceFinder& places, SteadyTime now) {
+  std::vector<dds_entity_t> handles;
+  handles.reserve(endpoints_.size());
+  for (const gateway::dds::ReaderBase* endpoint : endpoints_) handles.push_back(endpoint->handle());
+  if (living_.look(handles, places, now)) {
     for (std::size_t i = 0; i < guards_.size(); ++i) guards_[i]->keep(living_.writers(i));
   }
   return living_;

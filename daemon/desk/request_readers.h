@@ -9,7 +9,8 @@
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_replies.h"
 #include "daemon/desk/rejections.h"
-#include "dds/key_guard.h"
+#include "dds/endpoint.h"
+#include "dds/guard/key_guard.h"
 
 namespace cansyncd {
 
@@ -21,13 +22,13 @@ class RequestReaders {
   static constexpr std::size_t kRefusedAtOnce = 16;
 
   /// Both must outlive the object. No reader may be added after the first `look`.
-  void add(dds_entity_t reader, gateway::dds::KeyGuard& guard) {
-    handles_.push_back(reader);
+  void add(const gateway::dds::ReaderBase& reader, gateway::dds::KeyGuard& guard) {
+    endpoints_.push_back(&reader);
     guards_.push_back(&guard);
   }
 
   /// Looks which participants have a writer of requests; guards forget the others.
-  const LivingPlaces& look(PlaceFinder& places);
+  const LivingPlaces& look(PlaceFinder& places, SteadyTime now);
 
   /// As they were when it looked.
   const LivingPlaces& living() const noexcept { return living_; }
@@ -37,7 +38,7 @@ class RequestReaders {
   void count_dropped(Rejections& rejections, EventPublisher& events, SteadyTime now);
 
  private:
-  std::vector<dds_entity_t> handles_;
+  std::vector<const gateway::dds::ReaderBase*> endpoints_;
   std::vector<gateway::dds::KeyGuard*> guards_;  ///< by reader
   LivingPlaces living_;
 };

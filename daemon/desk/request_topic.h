@@ -20,7 +20,7 @@
 #include "daemon/desk/request_readers.h"
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
-#include "dds/key_guard.h"
+#include "dds/guard/key_guard.h"
 #include "dds/reply_partition.h"
 #include "dds/request_key.h"
 #include "dds/signal.h"
@@ -90,7 +90,7 @@ class GuardedReader {
       : guard_([own = setup.daemon](const void* sample) { return content_of(sample, own); }, setup.signal),
         reader_(setup.participant, topic, &setup.signal, &guard_),
         right_(right) {
-    setup.readers.add(reader_.handle(), guard_);
+    setup.readers.add(reader_, guard_);
   }
 
   /// Takes a batch: `take(sample, place, written)`, the time in ns of the client's clock. True: there may be

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -13,9 +15,12 @@
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/gateway_thread.h"
 #include "daemon/desk/second_daemon.h"
+#include "daemon/gateway/gateway_network.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/new_configuration.h"
+#include "daemon/service/pending_restart.h"
+#include "daemon/service/surroundings.h"
 #include "daemon/status/bus_events.h"
 #include "daemon/status/common_status.h"
 #include "daemon/status/metrics_desk.h"
@@ -68,10 +73,26 @@ class GatewayBase {
     exchange_.gateway_wake.signal();
   }
 
+  /// Publishes what is true around the bus. Any thread; returns at once.
+  void set_surroundings(const Surroundings& surroundings) {
+    new_surroundings_.give(surroundings);
+    exchange_.gateway_wake.signal();
+  }
+
   /// Takes over what can change while running; everything else in `config` is ignored. Any thread; returns at
   /// once.
   void reload(const Config& config) {
     new_configuration_.give(config);
+    exchange_.gateway_wake.signal();
+  }
+
+  /// A line that is no simulation is in operation. Any thread.
+  bool in_run() const noexcept { return in_run_.load(std::memory_order_relaxed); }
+
+  /// Shows what waits for a restart, and publishes an event when that has changed. Any thread; returns at
+  /// once.
+  void set_pending_restart(const PendingRestart& pending) {
+    new_pending_restart_.give(pending);
     exchange_.gateway_wake.signal();
   }
 
@@ -87,8 +108,19 @@ class GatewayBase {
         common_(participant, events_, config, protocol, identity),
         second_daemon_(participant, signal_, events_, config.bus.name, identity),
         trail_(journal, events_, config.bus.name, slaves),
+        network_(participant, events_, common_),
         thread_(
-            exchange.gateway_wake, signal_, [this](bool samples_may_wait) { return pass(samples_may_wait); },
+            exchange.gateway_wake, signal_,
+            [this](bool samples_may_wait) {
+              if (const auto around = new_surroundings_.take()) take_surroundings(*around);
+              // What has come is taken before its reader goes.
+              if (network_.due(std::chrono::steady_clock::now())) {
+                (void)pass(true);
+                network_.move(std::chrono::steady_clock::now());
+                samples_may_wait = true;
+              }
+              return pass(samples_may_wait);
+            },
             [this] { end(); }) {}
   ~GatewayBase() = default;
 
@@ -118,13 +150,22 @@ class GatewayBase {
 
   /// Tells as events what changed of bus and controller.
   void tell_bus(const can::ControllerStatus& from, const can::ControllerStatus& to, SteadyTime now) {
-    for (const EventText& event : bus_events(from, to, config_.bus)) events_.publish(event, now);
+    for (const EventText& event : bus_events(from, to, config_.bus, link())) events_.publish(event, now);
+  }
+
+  /// The interface as the thread that watches it found it last: not older than what the realtime thread
+  /// reports of it.
+  const can::LinkFacts& link() {
+    if (exchange_.link.read(link_)) common_.set_link(link_);
+    return link_;
   }
 
   /// Publishes the status of every protocol; `jobs`: the desk of the requests. Returns when to call again.
   template <class Jobs>
   SteadyTime tell_common(const CommonSnapshot& snapshot, const Jobs& jobs, SteadyTime now) {
-    if (can::LinkFacts link; exchange_.link.read(link)) common_.set_link(link);
+    link();
+    in_run_.store(snapshot.in_run && config_.bus.kind != BusKind::simulated, std::memory_order_relaxed);
+    if (const auto pending = new_pending_restart_.take()) take_pending_restart(*pending, now);
     common_.set_clients(jobs.clients(), jobs.rejections());
     common_.set_snapshot(snapshot);
     return common_.step(now);
@@ -151,9 +192,29 @@ class GatewayBase {
   AuditTrail trail_;
   std::optional<MetricsDesk> metrics_;  ///< from `start` to `stop`
   NewConfiguration<Config> new_configuration_;
+  NewConfiguration<Surroundings> new_surroundings_;
+  NewConfiguration<PendingRestart> new_pending_restart_;
   PostedEvents posted_;
 
  private:
+  void take_surroundings(const Surroundings& around) {
+    common_.set_surroundings(around);
+    network_.set(around.network, std::chrono::steady_clock::now());
+  }
+
+  void take_pending_restart(const PendingRestart& pending, SteadyTime now) {
+    if (!common_.set_pending_restart(pending) || pending.reason.empty()) return;
+    events_.publish({gateway_SEVERITY_WARNING,
+                     "restart_pending",
+                     -1,
+                     pending.reason + ": restart the daemon when the line may stop",
+                     {}},
+                    now);
+  }
+
+  std::atomic<bool> in_run_{false};
+  can::LinkFacts link_;
+  GatewayNetwork network_;
   GatewayThread thread_;
 };
 

@@ -5,8 +5,8 @@
 
 #include "can/bus.h"
 #include "can/passing_bus.h"
-#include "daemon/config/flight_triggers.h"
 #include "daemon/loop/moment.h"
+#include "daemon_config/flight_triggers.h"
 #include "rt/flight_recorder.h"
 
 namespace cansyncd {

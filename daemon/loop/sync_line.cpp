@@ -100,6 +100,11 @@ bool SyncLine::take_frame(const can::ReceivedFrame& received, sync_line::PhaseLo
   return true;
 }
 
+bool SyncLine::is_others(const can::ReceivedFrame& received) const noexcept {
+  return config_.output == SyncOutput::can && !received.own &&
+         sync_line::is_software_sync(received.frame, config_.can_identifier);
+}
+
 void SyncLine::follow(sync_line::PhaseLock& lock) noexcept {
   sync_line::Input* const input = clock_ ? clock_.get() : input_.get();
   if (input == nullptr) return;

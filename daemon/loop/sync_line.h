@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "can/bus.h"
-#include "daemon/config/daemon_config.h"
+#include "daemon_config/daemon_config.h"
 #include "sync/gpio.h"
 #include "sync/input.h"
 #include "sync/phase_lock.h"
@@ -40,12 +40,16 @@ class SyncLine {
   void begin(can::Bus& bus) noexcept;
   /// Makes the edge, as far as software has a part in it.
   void edge(can::Bus& bus) noexcept;
+  /// The edge is a frame on the bus.
+  bool makes_frame() const noexcept { return config_.output == SyncOutput::can; }
   /// Whether SYNC is to run; a hardware clock is switched by it.
   void run(bool running) noexcept;
   /// Returns the electrical line to its idle level when it is not there.
   void idle() noexcept;
   /// Takes a frame off the bus when it is a software SYNC of this line; true: it is nothing for the master.
   bool take_frame(const can::ReceivedFrame& received, sync_line::PhaseLock* lock) noexcept;
+  /// A software SYNC of another master: the line makes its own under this identifier.
+  bool is_others(const can::ReceivedFrame& received) const noexcept;
   /// Hands the edges that the input has seen to the phase lock.
   void follow(sync_line::PhaseLock& lock) noexcept;
 

@@ -4,10 +4,10 @@
 #include <string>
 
 #include "can/bus.h"
-#include "daemon/config/daemon_config.h"
 #include "daemon/loop/flight_tap.h"
 #include "daemon/recorder/flight_writer.h"
 #include "daemon/service/journal.h"
+#include "daemon_config/daemon_config.h"
 #include "rt/flight_recorder.h"
 
 namespace cansyncd {

@@ -40,7 +40,7 @@ struct DeadlineParts {
 ///
 /// - the types `File` (LoadedFile), `Exchange`, `Gateway` (made with `given(file)`, the exchange, the
 ///   participant and the journal), `Machine` (made with its settings, a bus and the exchange);
-/// - `load(path, overrides)`: reads and checks completely; `build(settings, path)`: makes a file of settings;
+/// - `load(source, overrides)`: reads and checks completely; `build(settings, path)`: makes a file of settings;
 /// - `bus_plan(config)`, `exchange(config)`, `given(file)`;
 /// - `machine_settings(config, tap, sync)`: `tap` is the flight recorder's, or null; `sync` are SyncSources;
 /// - `words(config)`: what is served, in the words of the log; `check_text(config)`: in those of `--check`.
@@ -82,11 +82,16 @@ class DeadlineSegment final : public Segment {
   Heartbeat::Progress progress() const noexcept override { return {loop_.wake_ups(), gateway_.passes()}; }
   bool record() noexcept override { return flight_.request(); }
   void post(const EventText& event) override { gateway_.post(event); }
+  void set_surroundings(const Surroundings& surroundings) override {
+    gateway_.set_surroundings(surroundings);
+  }
+  bool in_run() const noexcept override { return gateway_.in_run(); }
+  void set_pending_restart(const PendingRestart& pending) override { gateway_.set_pending_restart(pending); }
 
   /// Every option that can change does so by itself.
   ReloadPlan plan_reload(std::span<const std::string> overrides) override {
     File wanted = Parts::load(file_.path, overrides);
-    if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
+    if (auto wrong = refused_by_reload(wanted); !wrong.empty()) return {true, std::move(wrong), {}, {}, {}};
     config::Changes changes =
         config::compare(file_.settings, wanted.settings, [](const config::Setting&) { return true; });
     File merged = Parts::build(std::move(changes.merged), file_.path);
@@ -116,10 +121,11 @@ class DeadlineSegment final : public Segment {
 
 /// `ProtocolInfo::load` of such a protocol.
 template <class Parts>
-LoadedConfig load_for_deadline_segment(const std::string& path, std::span<const std::string> overrides) {
-  const auto file = std::make_shared<typename Parts::File>(Parts::load(path, overrides));
+LoadedConfig load_for_deadline_segment(const config::Source& source, std::span<const std::string> overrides) {
+  const auto file = std::make_shared<typename Parts::File>(Parts::load(source, overrides));
   LoadedConfig loaded;
   loaded.problems = file->problems;
+  loaded.script_problems = file->script_problems;
   loaded.daemon = file->config;
   if (!loaded.problems.empty()) return loaded;
   loaded.check_text = Parts::check_text(file->config);

@@ -8,12 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "config/document.h"
 #include "config/option.h"
 #include "config/print.h"
 #include "config/problem.h"
-#include "daemon/config/daemon_config.h"
 #include "daemon/segment/segment.h"
 #include "daemon/service/journal.h"
+#include "daemon_config/daemon_config.h"
 #include "dds/participant.h"
 
 /// What a protocol is to the daemon. A new one is a folder `daemon/NAME/` with its own CMakeLists.txt that
@@ -26,6 +27,14 @@ struct LoadedConfig {
   /// Everything found wrong, in the order of the file. Not empty: of the rest only the path and the bus's
   /// name are there.
   std::vector<config::Problem> problems;
+  /// Of drive profiles that are missing or wrong: the daemon runs without their names and limits.
+  std::vector<config::Problem> profile_problems;
+  /// Of the fault script of a simulated bus: the daemon runs without the faults that these are in.
+  std::vector<config::Problem> script_problems;
+  std::optional<std::string> text;  ///< of the file, as it was read; nothing: it could not be
+  /// Since when a configuration is known that runs in place of the file, "2026-11-27 21:04:53 UTC"; empty: it
+  /// is the file's own.
+  std::string kept_since;
   DaemonConfig daemon;  ///< the daemon's part; defaults when the file is wrong
   /// The daemon's part for each bus, of a file that is for several; empty: it is for one, `daemon`.
   std::vector<DaemonConfig> buses;
@@ -51,13 +60,13 @@ struct LoadedConfig {
 struct ProtocolInfo {
   std::string_view name;  ///< value of `bus.protocol`: a literal of lower-case letters, digits and '-'
 
-  /// Every option of its files: the daemon's rows (daemon/options/rows.h), with `rows::protocol_option`
+  /// Every option of its files: the daemon's rows (lib/daemon_config/rows.h), with `rows::protocol_option`
   /// first, and its own. What stands in no row is refused by the reader, with line and column.
   const config::Table& (*options)();
 
   /// Reads and checks a file completely, also what stands behind it (other files, rights). `overrides` are
   /// "KEY=VALUE" and win over the file. Never throws for a wrong file.
-  LoadedConfig (*load)(const std::string& path, std::span<const std::string> overrides);
+  LoadedConfig (*load)(const config::Source& source, std::span<const std::string> overrides);
 
   /// What docs/configuration.md, a file with every option at its default, and cansync.toml(5) say of it
   /// before they tell its options.

@@ -26,4 +26,21 @@ void Segment::tell_reload(const ReloadPlan& plan) {
   }
 }
 
+void Segment::tell_inhibitors(const InhibitorState& before, const InhibitorState& now) {
+  if (!now.refused.empty() && now.refused != before.refused) {
+    post({gateway_SEVERITY_WARNING,
+          "sleep_not_inhibited",
+          -1,
+          "this computer may sleep or be switched off while the line is in run: logind refuses the locks: " +
+              now.refused,
+          {}});
+  } else if (now.held && !before.refused.empty()) {
+    post({gateway_SEVERITY_INFO,
+          "sleep_inhibited",
+          -1,
+          "logind keeps this computer from sleeping while the line is in run",
+          {}});
+  }
+}
+
 }  // namespace cansyncd

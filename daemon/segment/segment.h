@@ -9,7 +9,10 @@
 #include "config/problem.h"
 #include "daemon/desk/event_text.h"
 #include "daemon/service/heartbeat.h"
+#include "daemon/service/inhibitors.h"
 #include "daemon/service/journal.h"
+#include "daemon/service/pending_restart.h"
+#include "daemon/service/surroundings.h"
 
 namespace cansyncd {
 
@@ -66,6 +69,17 @@ class Segment {
 
   /// Publishes an event on every bus of the segment.
   virtual void post(const EventText& event) = 0;
+
+  /// Publishes what is true around every bus of the segment. Also after `start` alone.
+  virtual void set_surroundings(const Surroundings& surroundings) = 0;
+  /// Shows on every bus of the segment what waits for a restart, and publishes an event when that has changed.
+  virtual void set_pending_restart(const PendingRestart& pending) = 0;
+
+  /// A line of the segment, on a bus that is not simulated, is in operation.
+  virtual bool in_run() const noexcept = 0;
+
+  /// Publishes an event when the computer may no longer be kept from sleeping, or may be again.
+  void tell_inhibitors(const InhibitorState& before, const InhibitorState& now);
 
   /// Tells clients what of `plan` was not taken: a refused file, options that need a restart.
   void tell_reload(const ReloadPlan& plan);

@@ -42,19 +42,22 @@ std::optional<std::string> security_problem(const DdsConfig& config) {
 
 }  // namespace
 
-std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
-                                                const std::vector<config::Setting>& settings,
-                                                const std::string& path, const sim::FaultProtocol& faults) {
+void check_surroundings(const DaemonConfig& config, const std::vector<config::Setting>& settings,
+                        const std::string& path, const sim::FaultProtocol& faults,
+                        std::vector<config::Problem>& problems,
+                        std::vector<config::Problem>& script_problems) {
   if (config.bus.kind != BusKind::simulated && !config.sim.trace.empty()) {
-    return {{place_of("sim.trace", settings, path), "sim.trace",
-             fmt::format("found with bus.interface = \"{0}\"; allowed: with the simulated bus alone. A CAN "
-                         "interface is logged with: candump -L {0}",
-                         config.bus.interface)}};
+    problems.push_back({place_of("sim.trace", settings, path), "sim.trace",
+                        fmt::format("found with bus.interface = \"{0}\"; allowed: with the simulated bus "
+                                    "alone. A CAN interface is logged with: candump -L {0}",
+                                    config.bus.interface)});
+    return;
   }
-  std::vector<config::Problem> problems = check_fault_script(config, faults);
+  sim::FaultScript script = fault_script(config, faults);
+  auto& taker = script.refused() ? problems : script_problems;
+  taker.insert(taker.end(), script.errors.begin(), script.errors.end());
   if (auto wrong = security_problem(config.dds))
     problems.push_back({place_of("dds.security", settings, path), "dds.security", *std::move(wrong)});
-  return problems;
 }
 
 rt::RealtimeSettings realtime_settings(const RealtimeConfig& config) {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "config/settings.h"
-#include "daemon/config/daemon_config.h"
 #include "daemon/loop/sync_line.h"
 #include "daemon/service/service_log.h"
+#include "daemon_config/daemon_config.h"
 #include "rt/realtime_thread.h"
 #include "sim/fault_protocol.h"
 #include "sim/trace_file.h"
@@ -19,18 +19,19 @@
 /// alike. Main thread.
 namespace cansyncd {
 
-/// What a file says of the system around it, and what is wrong with that: a trace of a bus that is not
-/// simulated, the fault script (`faults`: what scripts know of the protocol), the daemon's identity for DDS
-/// Security, which must be allowed to write GatewayStatus. Empty: nothing.
-std::vector<config::Problem> check_surroundings(const DaemonConfig& config,
-                                                const std::vector<config::Setting>& settings,
-                                                const std::string& path, const sim::FaultProtocol& faults);
+/// Checks what a file says of the system around it: a trace of a bus that is not simulated, the fault script
+/// (`faults`: what scripts know of the protocol), the daemon's identity for DDS Security, which must be allowed
+/// to write GatewayStatus. What is wrong is added to `problems`, what only costs a fault to `script_problems`.
+void check_surroundings(const DaemonConfig& config, const std::vector<config::Setting>& settings,
+                        const std::string& path, const sim::FaultProtocol& faults,
+                        std::vector<config::Problem>& problems,
+                        std::vector<config::Problem>& script_problems);
 
 /// A file as it was read, with that checked, too, unless something is wrong already.
 template <class File>
 File checked(File file, const sim::FaultProtocol& faults) {
   if (file.problems.empty())
-    file.problems = check_surroundings(file.config, file.settings, file.path, faults);
+    check_surroundings(file.config, file.settings, file.path, faults, file.problems, file.script_problems);
   return file;
 }
 

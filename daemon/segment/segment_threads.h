@@ -7,10 +7,10 @@
 
 #include "can/link_facts.h"
 #include "daemon/bus/bus_choice.h"
-#include "daemon/config/daemon_config.h"
 #include "daemon/recorder/flight_desk.h"
 #include "daemon/segment/segment_start.h"
 #include "daemon/service/service_log.h"
+#include "daemon_config/daemon_config.h"
 #include "rt/realtime_thread.h"
 
 namespace cansyncd {

@@ -9,19 +9,9 @@
 
 #include <cstdlib>
 
+#include "text/visible.h"
+
 namespace cansyncd {
-namespace {
-
-/// Texts come from clients too: what could end a field or colour a terminal becomes '?'.
-std::string harmless(std::string text) {
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7F) c = '?';
-  }
-  return text;
-}
-
-}  // namespace
 
 // systemd names device and inode of the journal's stream; a standard error that was turned elsewhere
 // differs.
@@ -39,13 +29,13 @@ void Journal::write(LogPriority priority, EventCode event, const std::string& me
   constexpr std::size_t kOwn = 5;
   std::vector<std::string> texts;
   texts.reserve(fields.size() + kOwn);
-  texts.push_back("MESSAGE=" + harmless(message));
+  texts.push_back("MESSAGE=" + text::visible(message));
   texts.push_back(fmt::format("PRIORITY={}", static_cast<unsigned>(priority)));
   texts.emplace_back("SYSLOG_IDENTIFIER=cansyncd");
   texts.push_back(fmt::format("MESSAGE_ID={}", event.message_id()));
   texts.push_back(fmt::format("EVENT={}", event.word()));
   for (const JournalField& field : fields) {
-    if (!field.value.empty()) texts.push_back(fmt::format("{}={}", field.name, harmless(field.value)));
+    if (!field.value.empty()) texts.push_back(fmt::format("{}={}", field.name, text::visible(field.value)));
   }
   std::vector<iovec> parts;
   parts.reserve(texts.size());

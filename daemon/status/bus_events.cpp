@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "can/bus_names.h"
-#include "daemon/bus/bit_timing_check.h"
+#include "daemon/bus/adapter_text.h"
+#include "daemon_config/bit_timing_check.h"
 
 namespace cansyncd {
 namespace {
@@ -28,7 +29,7 @@ gateway_EventSeverity severity_of(can::ControllerState state) {
   return gateway_SEVERITY_INFO;
 }
 
-EventText link_event(const can::ControllerStatus& to, const BusConfig& bus) {
+EventText link_event(const can::ControllerStatus& to, const BusConfig& bus, const can::LinkFacts& link) {
   switch (to.link) {
     case can::LinkState::up:
       return event(gateway_SEVERITY_INFO, "interface_up", fmt::format("{} is up again", bus.interface));
@@ -38,6 +39,8 @@ EventText link_event(const can::ControllerStatus& to, const BusConfig& bus) {
           fmt::format("there is no CAN interface {}, nothing is sent; plug the adapter in, or load its "
                       "driver",
                       bus.interface));
+    case can::LinkState::wrong_adapter:
+      return event(gateway_SEVERITY_ERROR, "wrong_adapter", wrong_adapter_text(bus, link));
     case can::LinkState::wrong_bit_rate:
       return event(
           gateway_SEVERITY_ERROR, "wrong_bit_rate",
@@ -52,9 +55,9 @@ EventText link_event(const can::ControllerStatus& to, const BusConfig& bus) {
     case can::LinkState::down:
       break;
   }
-  return event(
-      gateway_SEVERITY_ERROR, "interface_down",
-      fmt::format("{} is down, nothing is sent; set it up with: {}", bus.interface, bit_rate_command(bus)));
+  return event(gateway_SEVERITY_ERROR, "interface_down",
+               fmt::format("{} is down, nothing is sent; set it up with: {}", bus.interface,
+                           set_up_command(bus, link)));
 }
 
 EventText delivery_event(can::Delivery to, const BusConfig& bus) {
@@ -80,9 +83,9 @@ EventText delivery_event(can::Delivery to, const BusConfig& bus) {
 }  // namespace
 
 std::vector<EventText> bus_events(const can::ControllerStatus& from, const can::ControllerStatus& to,
-                                  const BusConfig& bus) {
+                                  const BusConfig& bus, const can::LinkFacts& link) {
   std::vector<EventText> events;
-  if (from.link != to.link) events.push_back(link_event(to, bus));
+  if (from.link != to.link) events.push_back(link_event(to, bus, link));
   if (from.delivery != to.delivery) events.push_back(delivery_event(to.delivery, bus));
   if (from.state != to.state) {
     events.push_back(event(severity_of(to.state), "controller_changed",

@@ -3,14 +3,15 @@
 #include <vector>
 
 #include "can/bus.h"
-#include "daemon/config/daemon_config.h"
+#include "can/link_facts.h"
 #include "daemon/desk/event_text.h"
+#include "daemon_config/daemon_config.h"
 
 namespace cansyncd {
 
-/// What is to be told when a bus changes from one state to another; may be empty. Allocates; not for the
-/// realtime thread.
+/// What is to be told when a bus changes from one state to another; may be empty. `link`: its interface as it
+/// was found last. Allocates; not for the realtime thread.
 std::vector<EventText> bus_events(const can::ControllerStatus& from, const can::ControllerStatus& to,
-                                  const BusConfig& bus);
+                                  const BusConfig& bus, const can::LinkFacts& link);
 
 }  // namespace cansyncd

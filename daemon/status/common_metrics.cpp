@@ -50,8 +50,9 @@ void state_of_link(const MetricsSource& from, MetricSamples& to) {
   using can::LinkState;
   add_states(to, "",
              std::array{name(LinkState::up), name(LinkState::down), name(LinkState::missing),
-                        name(LinkState::wrong_bit_rate), name(LinkState::not_one_shot),
-                        name(can::Delivery::unacknowledged), name(can::Delivery::not_emptied)},
+                        name(LinkState::wrong_adapter), name(LinkState::wrong_bit_rate),
+                        name(LinkState::not_one_shot), name(can::Delivery::unacknowledged),
+                        name(can::Delivery::not_emptied)},
              text(bus_of(from).link_state));
 }
 
@@ -63,6 +64,18 @@ void sync_state(const MetricsSource& from, MetricSamples& to) {
                         std::string_view(sync_line::name(LockState::holdover)),
                         std::string_view(sync_line::name(LockState::lost))},
              text(realtime_of(from).sync_state));
+}
+
+void configuration_differs(const MetricsSource& from, MetricSamples& to) {
+  to.add({}, std::uint64_t{!text(gateway_of(from).configuration_reason).empty()});
+}
+
+void restart_pending(const MetricsSource& from, MetricSamples& to) {
+  to.add({}, std::uint64_t{text(gateway_of(from).restart_reason).empty() ? 0u : 1u});
+}
+
+void network_missing(const MetricsSource& from, MetricSamples& to) {
+  to.add({}, std::uint64_t{!text(gateway_of(from).network_reason).empty()});
 }
 
 void write_failures(const MetricsSource& from, MetricSamples& to) {
@@ -90,7 +103,7 @@ constexpr MetricFamily kCommonFamilies[] = {
     {"cansync_bus_off_restarts", MetricType::counter, "", "BusStatus.restarts",
      "Times the controller left bus-off."},
     {"cansync_send_queue_full", MetricType::counter, "", "BusStatus.queue_full",
-     "Telegrams left out because the send queue was full."},
+     "Times the send queue had no room: a CANsync telegram is left out then, other frames are tried again."},
     {"cansync_controller_overruns", MetricType::counter, "", "BusStatus.overruns",
      "Frames the controller had no room for."},
     {"cansync_frames_dropped", MetricType::counter, "", "BusStatus.dropped_frames",
@@ -122,6 +135,15 @@ constexpr MetricFamily kCommonFamilies[] = {
     {"cansync_read_only", MetricType::gauge, "", "GatewayStatus.read_only",
      "1 when changes are refused, else 0."},
     {"cansync_secured", MetricType::gauge, "", "GatewayStatus.secured", "1 when DDS Security is on, else 0."},
+    {"cansync_identity_time_left_seconds", MetricType::gauge, "", "GatewayStatus.identity_time_left",
+     "Time until the identity of DDS Security ends; 0 when it has ended, or DDS Security is off."},
+    {"cansync_configuration_differs", MetricType::gauge, "", "GatewayStatus.configuration_reason",
+     "1 when another configuration than the file on disk is in force, else 0.", configuration_differs},
+    {"cansync_network_missing", MetricType::gauge, "", "GatewayStatus.network_reason",
+     "1 when DDS is on lo and not on the interface of the configuration, else 0.", network_missing},
+    {"cansync_restart_pending", MetricType::gauge, "", "GatewayStatus.restart_reason",
+     "1 when the program or a library on disk was replaced since the start of the daemon, else 0.",
+     restart_pending},
     {"cansync_metrics_write_failures", MetricType::counter, "", "(no topic)",
      "Times this file could not be written.", write_failures},
 };

@@ -14,6 +14,7 @@ namespace cansyncd {
 namespace {
 
 using gateway::dds::copy_text;
+using gateway::dds::text;
 
 /// Of this computer; empty when the system does not tell.
 std::string_view host_name(std::array<char, 256>& memory) noexcept {
@@ -65,7 +66,6 @@ gateway_GatewayStatus lasting_gateway(const DaemonConfig& config, std::string_vi
   std::copy(identity.begin(), identity.end(), std::begin(status.daemon));
   copy_text(host_name(memory), status.host);
   status.process = static_cast<std::uint32_t>(getpid());
-  if (config.dds.xml.empty()) copy_text(config.dds.interface, status.dds_interface);
   status.secured = !config.dds.security.empty();
   return status;
 }
@@ -76,6 +76,7 @@ gateway_BusStatus lasting_bus(const BusConfig& config, std::uint16_t sample_poin
   status.bit_rate = config.bits_per_second;
   status.sample_point_wanted = sample_point;
   status.restart_time = -1;
+  copy_text(config.adapter, status.adapter_wanted);
   return status;
 }
 
@@ -107,6 +108,9 @@ CommonStatus::CommonStatus(const gateway::dds::Participant& participant, EventPu
                            const DaemonConfig& config, const ProtocolFacts& protocol,
                            const DaemonIdentity& identity)
     : peers_(participant, events),
+      events_(events),
+      security_(config.dds.security),
+      identity_(security_.empty() ? std::nullopt : gateway::dds::identity_end(security_)),
       follows_(config.sync.input != SyncInput::none || config.sync.output == SyncOutput::phc),
       gateway_(participant),
       bus_(participant),
@@ -115,6 +119,7 @@ CommonStatus::CommonStatus(const gateway::dds::Participant& participant, EventPu
   bus_.sample = lasting_bus(config.bus, protocol.sample_point_wanted);
   realtime_.sample = lasting_realtime(config.sync);
   set_access(config.access);
+  set_network(participant.options(), "");
 }
 
 void CommonStatus::set_realtime(const rt::RealtimeSettings& wanted, const rt::Grants& granted) noexcept {
@@ -136,6 +141,30 @@ void CommonStatus::set_access(const AccessConfig& access) noexcept {
   gateway_.dirty = true;
 }
 
+void CommonStatus::set_surroundings(const Surroundings& surroundings) noexcept {
+  copy_text(surroundings.configuration_reason, gateway_.sample.configuration_reason);
+  copy_text(surroundings.name_taken_by, gateway_.sample.name_taken_by);
+  gateway_.dirty = true;
+}
+
+void CommonStatus::set_network(const gateway::dds::ParticipantOptions& where,
+                               std::string_view reason) noexcept {
+  const bool local = where.xml.empty() && where.interface == "lo";
+  copy_text(where.xml.empty() ? std::string_view(where.interface) : "", gateway_.sample.dds_interface);
+  copy_text(local ? "local" : "joined", gateway_.sample.network);
+  copy_text(reason, gateway_.sample.network_reason);
+  gateway_.dirty = true;
+}
+
+bool CommonStatus::set_pending_restart(const PendingRestart& pending) noexcept {
+  const gateway_GatewayStatus before = gateway_.sample;
+  copy_text(pending.installed_version, gateway_.sample.installed_version);
+  copy_text(pending.reason, gateway_.sample.restart_reason);
+  const bool changed = text(before.restart_reason) != text(gateway_.sample.restart_reason);
+  gateway_.dirty = gateway_.dirty || changed;
+  return changed;
+}
+
 void CommonStatus::set_clients(std::size_t clients, const RejectionCounts& rejections) noexcept {
   gateway_GatewayStatus& status = gateway_.sample;
   status.clients = static_cast<std::uint32_t>(clients);
@@ -155,6 +184,7 @@ void CommonStatus::set_link(const can::LinkFacts& link) noexcept {
   status.sample_point = link.timing ? link.timing->sample_point : 0u;
   status.restart_time = link.restart_ms ? static_cast<std::int32_t>(*link.restart_ms) : -1;
   status.queue_length = link.queue_length;
+  copy_text(can::text_of(link.adapter), status.adapter);
   bus_.dirty = true;
 }
 
@@ -197,7 +227,19 @@ void CommonStatus::fill_realtime() noexcept {
   status.lost_reports = snapshot_.lost_reports;
 }
 
+void CommonStatus::look_at_identity(SteadyTime now) {
+  if (!identity_.is_used()) return;
+  const auto wall = std::chrono::system_clock::now();
+  if (now >= identity_due_) {
+    identity_due_ = now + IdentityWatch::kPeriod;
+    if (const auto event = identity_.look(wall, gateway::dds::identity_end(security_)))
+      events_.publish(*event, now);
+  }
+  gateway_.sample.identity_time_left = identity_.time_left(wall).count();
+}
+
 SteadyTime CommonStatus::step(SteadyTime now) {
+  look_at_identity(now);
   const std::optional<SteadyTime> look = peers_.step(now);
   gateway_.dirty = gateway_.dirty || peers_.count() != gateway_.sample.incompatible;
   gateway_.sample.incompatible = peers_.count();

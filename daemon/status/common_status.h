@@ -3,16 +3,20 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "can/bus.h"
 #include "can/link_facts.h"
-#include "daemon/config/daemon_config.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/rejections.h"
 #include "daemon/loop/sync_snapshot.h"
 #include "daemon/service/daemon_identity.h"
+#include "daemon/service/pending_restart.h"
+#include "daemon/service/surroundings.h"
+#include "daemon/status/identity_watch.h"
 #include "daemon/status/incompatible_peers.h"
+#include "daemon_config/daemon_config.h"
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "gateway.h"
@@ -33,6 +37,7 @@ struct CommonSnapshot {
   SyncSnapshot sync;
   std::uint64_t missed_syncs = 0;
   std::uint64_t lost_reports = 0;
+  bool in_run = false;  ///< a stop of this computer would stop a machine
 };
 
 /// The samples as they are known; after the first `step` they were told.
@@ -59,6 +64,13 @@ class CommonStatus {
 
   /// Who may do what from now on.
   void set_access(const AccessConfig& access) noexcept;
+
+  /// What is true around the bus from now on.
+  void set_surroundings(const Surroundings& surroundings) noexcept;
+  /// Where DDS is from now on; `reason`: why not where it is to be, empty: it is there.
+  void set_network(const gateway::dds::ParticipantOptions& where, std::string_view reason) noexcept;
+  /// What waits for a restart. False: that is what was shown before.
+  bool set_pending_restart(const PendingRestart& pending) noexcept;
 
   /// How many clients there are, and what of them was rejected.
   void set_clients(std::size_t clients, const RejectionCounts& rejections) noexcept;
@@ -92,10 +104,15 @@ class CommonStatus {
     SteadyTime published;
   };
 
+  void look_at_identity(SteadyTime now);
   void fill_bus() noexcept;
   void fill_realtime() noexcept;
 
   IncompatiblePeers peers_;
+  EventPublisher& events_;
+  const std::string security_;  ///< folder of the identity
+  IdentityWatch identity_;
+  SteadyTime identity_due_{};
   const bool follows_;  ///< the timeline follows something
   Topic<gateway_GatewayStatus> gateway_;
   Topic<gateway_BusStatus> bus_;

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "daemon/config/daemon_config.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/metrics_file.h"
+#include "daemon_config/daemon_config.h"
 
 namespace cansyncd {
 

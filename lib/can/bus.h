@@ -37,6 +37,7 @@ enum class LinkState : std::uint8_t {
   up,
   down,            ///< there, but not set up
   missing,         ///< no such interface now
+  wrong_adapter,   ///< another adapter than the configured one has this name: nothing is sent or received
   wrong_bit_rate,  ///< set up with another bit rate than the configured one: nothing is sent
   not_one_shot,    ///< not in one-shot mode, which the configuration demands: nothing is sent
 };

@@ -26,6 +26,8 @@ std::string_view name(LinkState state) noexcept {
       return "down";
     case LinkState::missing:
       return "missing";
+    case LinkState::wrong_adapter:
+      return "wrong-adapter";
     case LinkState::wrong_bit_rate:
       return "wrong-bit-rate";
     case LinkState::not_one_shot:

@@ -1,6 +1,9 @@
 #include "can/candump.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <ctime>
 #include <optional>
 
 namespace can {
@@ -38,11 +41,19 @@ class Writer {
   std::size_t size_ = 0;
 };
 
-std::optional<unsigned> hex_digit(char c) {
-  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
-  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
-  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
-  return std::nullopt;
+constexpr unsigned kNoDigit = 0xFF;
+
+constexpr auto kHexDigits = [] {
+  std::array<std::uint8_t, 256> digits{};
+  digits.fill(kNoDigit);
+  for (unsigned i = 0; i < 10; ++i) digits['0' + i] = static_cast<std::uint8_t>(i);
+  for (unsigned i = 0; i < 6; ++i) digits['A' + i] = digits['a' + i] = static_cast<std::uint8_t>(10 + i);
+  return digits;
+}();
+
+/// 0 to 15, or `kNoDigit`.
+unsigned hex_digit(char c) {
+  return kHexDigits[static_cast<std::uint8_t>(c)];
 }
 
 bool is_digit(char c) {
@@ -75,9 +86,9 @@ std::variant<Frame, CandumpError> parse_identifier(std::string_view text, std::s
   Frame frame;
   std::size_t digits = 0;
   while (at < text.size() && digits <= 8) {
-    const auto digit = hex_digit(text[at]);
-    if (!digit) break;
-    frame.id = (frame.id << 4) | *digit;
+    const unsigned digit = hex_digit(text[at]);
+    if (digit == kNoDigit) break;
+    frame.id = (frame.id << 4) | digit;
     ++digits;
     ++at;
   }
@@ -117,29 +128,60 @@ std::optional<CandumpError> parse_data(std::string_view text, std::size_t at, Fr
     return std::nullopt;
   }
   for (; at < text.size(); at += 2) {
-    const auto high = hex_digit(text[at]);
-    if (!high) return error(text, at, "a hexadecimal digit");
+    // As cansend takes them: a '.' between two bytes, and behind the eighth the code of a length over 8.
+    if (text[at] == '.' && frame.dlc > 0 && at + 1 < text.size()) ++at;
+    if (frame.dlc == 8 && text[at] == '_' && at + 2 == text.size() && hex_digit(text[at + 1]) > 8 &&
+        hex_digit(text[at + 1]) != kNoDigit)
+      return std::nullopt;
+    const unsigned high = hex_digit(text[at]);
+    if (high == kNoDigit) return error(text, at, "a hexadecimal digit");
     if (frame.dlc == 8) return CandumpError{at + 1, "more than 8 data bytes"};
-    const auto low = at + 1 < text.size() ? hex_digit(text[at + 1]) : std::nullopt;
-    if (!low) return error(text, at + 1, "the second hexadecimal digit of a byte");
-    frame.data[frame.dlc++] = static_cast<std::uint8_t>((*high << 4) | *low);
+    const unsigned low = at + 1 < text.size() ? hex_digit(text[at + 1]) : kNoDigit;
+    if (low == kNoDigit) return error(text, at + 1, "the second hexadecimal digit of a byte");
+    frame.data[frame.dlc++] = static_cast<std::uint8_t>((high << 4) | low);
   }
   return std::nullopt;
 }
 
-// "(seconds.micros)"; `at` ends behind the ')'.
+// "2009-02-13 23:31:30", in the time zone of this computer; nothing: it is none.
+std::optional<std::uint64_t> take_date(std::string_view line, std::size_t& at) {
+  constexpr std::string_view kForm = "dddd-dd-dd dd:dd:dd";
+  const std::string_view text = line.substr(at, kForm.size());
+  for (std::size_t i = 0; i < kForm.size(); ++i)
+    if (i >= text.size() || (kForm[i] == 'd' ? !is_digit(text[i]) : text[i] != kForm[i])) return std::nullopt;
+  const auto number = [text](std::size_t from, std::size_t digits) {
+    return static_cast<int>(*take_decimal(text, from, digits));
+  };
+  std::tm date = {};
+  date.tm_year = number(0, 4) - 1900;
+  date.tm_mon = number(5, 2) - 1;
+  date.tm_mday = number(8, 2);
+  date.tm_hour = number(11, 2);
+  date.tm_min = number(14, 2);
+  date.tm_sec = number(17, 2);
+  date.tm_isdst = -1;
+  const std::time_t seconds = std::mktime(&date);
+  if (seconds < 0) return std::nullopt;
+  at += kForm.size();
+  return static_cast<std::uint64_t>(seconds);
+}
+
+// "(seconds.micros)", with nine digits of nanoseconds, or with a date; `at` ends behind the ')'.
 std::variant<std::chrono::microseconds, CandumpError> parse_time(std::string_view line, std::size_t& at) {
   if (line.empty() || line[0] != '(') return error(line, 0, "'(' before the time stamp");
   at = 1;
-  const auto seconds = take_decimal(line, at, 12);
+  auto seconds = take_date(line, at);
+  if (!seconds) seconds = take_decimal(line, at, 12);
   if (!seconds) return error(line, at, "the seconds of the time stamp");
   if (at >= line.size() || line[at] != '.') return error(line, at, "'.' after the seconds");
-  const std::size_t fraction = ++at;
-  const auto micros = take_decimal(line, at, 6);
-  if (!micros || at - fraction != 6) return error(line, at, "six digits of microseconds");
-  if (at >= line.size() || line[at] != ')') return error(line, at, "')' after six digits of microseconds");
+  const std::size_t begin = ++at;
+  const auto fraction = take_decimal(line, at, 9);
+  const std::size_t digits = at - begin;
+  if (!fraction || (digits != 6 && digits != 9))
+    return error(line, at, "six digits of microseconds, or nine of nanoseconds");
+  if (at >= line.size() || line[at] != ')') return error(line, at, "')' after the time stamp");
   ++at;
-  return std::chrono::microseconds(*seconds * 1'000'000 + *micros);
+  return std::chrono::microseconds(*seconds * 1'000'000 + (digits == 9 ? *fraction / 1000 : *fraction));
 }
 
 // The next word after spaces; `at` ends behind it, `begin` is where it starts.
@@ -190,8 +232,75 @@ std::variant<Frame, CandumpError> parse_candump_frame(std::string_view text) {
   return result;
 }
 
+namespace {
+
+// The bytes of a line of the screen; `at` stands behind the length, as many are to come.
+std::optional<CandumpError> parse_screen_bytes(std::string_view line, std::size_t at, unsigned length,
+                                               Frame& frame) {
+  std::size_t begin = 0;
+  std::string_view word = take_word(line, at, begin);
+  frame.dlc = static_cast<std::uint8_t>(length);
+  if (word == "remote" && !frame.error) {
+    frame.remote = true;
+    length = 0;
+    word = take_word(line, at, begin);
+    if (word == "request") word = take_word(line, at, begin);
+  }
+  for (unsigned i = 0; i < length; ++i, word = take_word(line, at, begin)) {
+    const unsigned high = word.empty() ? kNoDigit : hex_digit(word[0]);
+    const unsigned low = word.size() == 2 ? hex_digit(word[1]) : kNoDigit;
+    if (high == kNoDigit || low == kNoDigit) return error(line, begin, "a byte of two hexadecimal digits");
+    frame.data[i] = static_cast<std::uint8_t>((high << 4) | low);
+  }
+  // Behind them candump may show characters, or what an error frame says.
+  if (!word.empty() && word.front() != '\'' && word != "ERRORFRAME")
+    return error(line, begin, "the end of the line");
+  return std::nullopt;
+}
+
+// A line as candump shows it on a screen; nothing: it is none.
+std::optional<std::variant<CandumpLine, CandumpError>> parse_screen_line(std::string_view line) {
+  if (line.find('[') == line.npos) return std::nullopt;
+  CandumpLine result;
+  std::size_t at = std::min(line.find_first_not_of(' '), line.size());
+  if (at < line.size() && line[at] == '(') {
+    std::size_t end = 0;
+    const auto time = parse_time(line.substr(at), end);
+    if (!std::holds_alternative<std::chrono::microseconds>(time)) return std::nullopt;
+    result.time = std::get<std::chrono::microseconds>(time);
+    at += end;
+  }
+  std::size_t begin = 0;
+  result.interface = take_word(line, at, begin);
+  std::string_view word = take_word(line, at, begin);
+  while (word == "RX" || word == "TX" || word == "-") word = take_word(line, at, begin);
+  const std::string identifier = std::string(word) + '#';
+  const std::size_t identifier_begin = begin;
+  const std::string_view length = take_word(line, at, begin);
+  if (!is_interface_name(result.interface) || length.size() < 3 || length.front() != '[' ||
+      length.back() != ']')
+    return std::nullopt;
+  if (length.size() == 4)
+    return CandumpError{begin + 1, "CAN FD frames ('" + std::string(length) + "') are not supported"};
+  if (length.size() != 3 || length[1] < '0' || length[1] > '8')
+    return CandumpError{begin + 1, "expected a length of [0] to [8], found '" + std::string(length) + "'"};
+  std::size_t ignored = 0;
+  auto frame = parse_identifier(identifier, ignored);
+  if (auto* wrong = std::get_if<CandumpError>(&frame))
+    return CandumpError{identifier_begin + wrong->column, wrong->message};
+  if (ignored != identifier.size())
+    return error(line, identifier_begin + ignored - 1, "a space behind the identifier");
+  result.frame = std::get<Frame>(frame);
+  if (auto wrong = parse_screen_bytes(line, at, static_cast<unsigned>(length[1] - '0'), result.frame))
+    return *wrong;
+  return result;
+}
+
+}  // namespace
+
 std::variant<CandumpLine, CandumpError> parse_candump_line(std::string_view line) {
   while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.remove_suffix(1);
+  if (auto screen = parse_screen_line(line)) return *screen;
   CandumpLine result;
   std::size_t at = 0;
   auto time = parse_time(line, at);

@@ -10,9 +10,11 @@
 
 #include "can/frame.h"
 
-/// One line of the text log that `candump -L` writes: `(seconds.micros) interface identifier#data`.
+/// One line of what candump writes. The text log that `candump -L` writes: `(seconds.micros) interface identifier#data`;
+/// stamps may have nine digits of nanoseconds (-N), or a date (-tA), which is taken in this computer's time zone.
 /// An identifier of 3 digits is standard, of 8 digits extended; `R` instead of data marks a remote frame;
-/// bit 29 of an 8-digit identifier an error frame.
+/// bit 29 of an 8-digit identifier an error frame. And what `candump` shows on a screen:
+/// `(seconds.micros)  interface  identifier  [length]  bytes`, where the time may be missing.
 namespace can {
 
 /// Longest interface name, in characters, that readers of the log take.
@@ -42,7 +44,8 @@ std::size_t write_candump_line(std::chrono::microseconds time, std::string_view 
 /// True when `name` can stand as the interface of a line: 1..15 printable characters without a space.
 bool is_interface_name(std::string_view name) noexcept;
 
-/// Parses one line, with or without its line feed; a last word `R` or `T` (direction) is allowed.
+/// Parses one line of either form, with or without its line feed; a last word `R` or `T` (direction) is allowed
+/// in the log, what candump adds behind the bytes on a screen. Without a time stamp the time is 0.
 std::variant<CandumpLine, CandumpError> parse_candump_line(std::string_view line);
 
 /// Parses the frame alone, as `identifier#data`.

@@ -14,7 +14,7 @@ class LinkBoard {
  public:
   /// Index and state of the interface, as they go together.
   struct Link {
-    std::uint32_t index = 0;  ///< 0: missing
+    std::uint32_t index = 0;  ///< 0: missing, or one that must not be used
     LinkState state = LinkState::missing;
   };
   /// State of the controller as the driver tells it when asked.

@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "can/adapter/adapter.h"
 #include "can/bus.h"
 
 namespace can {
@@ -36,6 +37,7 @@ struct LinkFacts {
   std::optional<bool> one_shot;  ///< each frame is tried once; nothing: no real controller
   std::optional<bool>
       can_one_shot;  ///< its driver has that mode; nothing: the kernel does not tell (before 5.17)
+  Adapter adapter;   ///< the hardware behind it; netlink says nothing of it
   friend bool operator==(const LinkFacts&, const LinkFacts&) = default;
 };
 

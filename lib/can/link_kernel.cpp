@@ -15,6 +15,7 @@
 #include <span>
 #include <system_error>
 
+#include "can/adapter/adapters.h"
 #include "system/descriptor.h"
 
 namespace can {
@@ -82,7 +83,9 @@ class NetlinkKernel final : public LinkKernel {
     request.add(IFLA_EXT_MASK, &filter, sizeof(filter));
     int error = 0;
     const auto answer = ask(request, error);
-    return read_link_message(answer, name).value_or(LinkFacts{});
+    LinkFacts facts = read_link_message(answer, name).value_or(LinkFacts{});
+    if (facts.is_can) facts.adapter = adapter(name, facts.index);
+    return facts;
   }
 
   void wait(std::chrono::milliseconds most) noexcept override {
@@ -123,6 +126,13 @@ class NetlinkKernel final : public LinkKernel {
   }
 
  private:
+  /// Read from sysfs once for each interface that comes: an index is not used for two.
+  const Adapter& adapter(const std::string& name, std::uint32_t index) noexcept {
+    if (index != adapter_index_ || !adapter_.known()) adapter_ = adapter_of(name, index);
+    adapter_index_ = index;
+    return adapter_;
+  }
+
   int change(LinkRequest& request) noexcept {
     int error = 0;
     ask(request, error);
@@ -160,6 +170,8 @@ class NetlinkKernel final : public LinkKernel {
   sys::Descriptor changes_;
   sys::Descriptor interrupt_;
   std::uint32_t sequence_ = 0;
+  std::uint32_t adapter_index_ = 0;  ///< interface that `adapter_` is that of
+  Adapter adapter_;
   alignas(nlmsghdr) std::array<std::byte, 32768> answer_ = {};
 };
 

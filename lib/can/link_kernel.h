@@ -15,7 +15,7 @@ class LinkKernel {
  public:
   virtual ~LinkKernel() = default;
 
-  /// What the kernel knows of interface `name` now; not present when there is none or it does not answer
+  /// What the kernel knows of interface `name` now, and the adapter behind it; not present when there is none or it does not answer
   /// within a second.
   virtual LinkFacts read(const std::string& name) noexcept = 0;
 

@@ -20,19 +20,30 @@ ResetResult outcome_of(int error) noexcept {
 
 }  // namespace
 
-LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool one_shot) noexcept {
+LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool one_shot,
+                     const AdapterPin& adapter) noexcept {
   if (!facts.present || !facts.is_can) return LinkState::missing;
+  if (!matches(adapter, facts.adapter)) return LinkState::wrong_adapter;
   if (!facts.up) return LinkState::down;
   if (facts.timing && facts.timing->bits_per_second != bits_per_second) return LinkState::wrong_bit_rate;
   if (one_shot && !facts.one_shot.value_or(true)) return LinkState::not_one_shot;
   return LinkState::up;
 }
 
+LinkState LinkWatch::state_of(const LinkFacts& facts) const noexcept {
+  return link_state(facts, settings_.bits_per_second, settings_.one_shot, settings_.adapter);
+}
+
 void LinkWatch::publish(const LinkFacts& facts, std::uint32_t era) {
+  // First: who learns of the state by the board finds here what it comes from.
+  if (told_ && facts != last_told_) told_(facts);
+  if (told_) last_told_ = facts;
   board_.set_bit_rate(facts.timing ? facts.timing->bits_per_second : 0);
   board_.set_one_shot(facts.one_shot.value_or(false));
-  board_.set_link(
-      {facts.is_can ? facts.index : 0, link_state(facts, settings_.bits_per_second, settings_.one_shot)});
+  const LinkState state = state_of(facts);
+  // What another adapter receives is that of another line: the bus is not opened on it.
+  const bool usable = facts.is_can && state != LinkState::wrong_adapter;
+  board_.set_link({usable ? facts.index : 0, state});
   LinkBoard::Controller controller;
   controller.state = facts.state.value_or(ControllerState::error_active);
   controller.transmit_errors = counter(facts.transmit_errors);
@@ -43,9 +54,9 @@ void LinkWatch::publish(const LinkFacts& facts, std::uint32_t era) {
 /// A bus-off controller that nobody restarts is restarted; in every other state it is stopped and started,
 /// which clears its error counters and its queue. A virtual interface has nothing to reset.
 ResetResult LinkWatch::reset(const LinkFacts& facts) {
-  if (link_state(facts, settings_.bits_per_second) == LinkState::missing || !facts.up) {
+  const LinkState state = state_of(facts);
+  if (state == LinkState::missing || state == LinkState::wrong_adapter || !facts.up)
     return ResetResult::unavailable;
-  }
   if (!facts.state) return ResetResult::done;
   if (*facts.state == ControllerState::bus_off && facts.restart_ms.value_or(0) == 0) {
     return outcome_of(kernel_.restart(facts.index));
@@ -72,13 +83,12 @@ LinkFacts LinkWatch::look() {
 
 void LinkWatch::run(const std::stop_token& stop, const std::function<void(const LinkFacts&)>& told) {
   const std::stop_callback wake(stop, [this] { kernel_.interrupt(); });
-  LinkFacts before;
-  for (bool first = true; !stop.stop_requested(); first = false) {
-    const LinkFacts facts = look();
-    if (first || facts != before) told(facts);
-    before = facts;
+  told_ = told;
+  while (!stop.stop_requested()) {
+    look();
     kernel_.wait(kPeriod);
   }
+  told_ = nullptr;
 }
 
 }  // namespace can

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -19,6 +20,7 @@ class LinkWatch {
     std::string interface;              ///< its name; it may come, go, and come back as another one
     std::uint32_t bits_per_second = 0;  ///< the bit rate it must have
     bool one_shot = false;              ///< it must be in one-shot mode, when it is a real controller
+    AdapterPin adapter = {};            ///< which adapter it must have
   };
 
   /// Both must outlive the watch.
@@ -30,20 +32,25 @@ class LinkWatch {
   LinkFacts look();
 
   /// Looks whenever something has changed, and once a second, until `stop`; `told` is called with every
-  /// reading that differs from the one before, on this thread.
+  /// reading that differs from the one before, on this thread, before the board has it.
   void run(const std::stop_token& stop, const std::function<void(const LinkFacts&)>& told);
 
  private:
+  /// What stands in the way on an interface with these facts.
+  LinkState state_of(const LinkFacts& facts) const noexcept;
   void publish(const LinkFacts& facts, std::uint32_t era);
   ResetResult reset(const LinkFacts& facts);
 
   LinkKernel& kernel_;
   LinkBoard& board_;
   Settings settings_;
+  std::function<void(const LinkFacts&)> told_;  ///< while `run` does
+  std::optional<LinkFacts> last_told_;
 };
 
 /// What stands in the way of a bus of `bits_per_second` on an interface; with `one_shot`, also a real
-/// controller that repeats frames.
-LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool one_shot = false) noexcept;
+/// controller that repeats frames; and an adapter that `adapter` does not allow.
+LinkState link_state(const LinkFacts& facts, std::uint32_t bits_per_second, bool one_shot = false,
+                     const AdapterPin& adapter = {}) noexcept;
 
 }  // namespace can

@@ -9,7 +9,11 @@ namespace {
 
 constexpr std::uint32_t kByteOrder = 0x1A2B3C4D;
 constexpr std::uint32_t kInterfaceDescription = 1;
+constexpr std::uint32_t kObsoletePacket = 2;
+constexpr std::uint32_t kSimplePacket = 3;
 constexpr std::uint32_t kEnhancedPacket = 6;
+constexpr unsigned kLinkTypeCooked = 113;
+constexpr unsigned kLinkTypeCooked2 = 276;
 constexpr std::size_t kBlockFrame = 12;  // type, and the length before and behind the content
 constexpr std::size_t kPseudoHeader = 8;
 
@@ -33,12 +37,21 @@ std::uint64_t micros_of(std::uint64_t part, std::uint64_t units) {
   return part / (units / 1'000'000);
 }
 
-// The frame of a packet of LINKTYPE_CAN_SOCKETCAN; nothing for a CAN FD frame or one that is cut off.
+constexpr std::size_t kClassicPacket = kPseudoHeader + 8;
+constexpr std::size_t kFlexiblePacket = kPseudoHeader + 64;
+
+/// The size of a packet tells CAN FD from CAN 2.0; the flag counts where it does not, for kernels leave what they
+/// like in the unused bytes of a classic frame.
+bool is_flexible(std::string_view packet) {
+  if (packet.size() == kClassicPacket) return false;
+  return packet.size() == kFlexiblePacket || (packet.size() > 5 && (byte_of(packet, 5) & 0x04) != 0);
+}
+
+// The frame of a packet of LINKTYPE_CAN_SOCKETCAN; nothing for one that is cut off.
 std::optional<Frame> frame_of(std::string_view packet) {
   if (packet.size() < kPseudoHeader) return std::nullopt;
   const unsigned length = byte_of(packet, 4);
-  const bool flexible = (byte_of(packet, 5) & 0x04) != 0;
-  if (flexible || length > 8 || packet.size() - kPseudoHeader < length) return std::nullopt;
+  if (length > 8 || packet.size() - kPseudoHeader < length) return std::nullopt;
   const std::uint32_t id = (byte_of(packet, 0) << 24) | (byte_of(packet, 1) << 16) |
                            (byte_of(packet, 2) << 8) | byte_of(packet, 3);
   Frame frame;
@@ -99,7 +112,9 @@ std::optional<PcapngReader::Item> PcapngReader::next() {
     std::optional<Item> item;
     if (section) item = take_section(content);
     if (type == kInterfaceDescription) item = take_interface(content);
-    if (type == kEnhancedPacket) item = take_packet(content);
+    if (type == kEnhancedPacket) item = take_enhanced_packet(content);
+    if (type == kObsoletePacket) item = take_obsolete_packet(content);
+    if (type == kSimplePacket) item = take_simple_packet(content);
     if (item) return item;
   }
   buffer_.erase(0, at_);
@@ -145,35 +160,70 @@ std::optional<PcapngError> PcapngReader::take_interface(std::string_view content
     content.remove_prefix(std::min(content.size(), (size + 3) / 4 * 4));
   }
   interfaces_.push_back(interface);
-  if (!interface.can)
-    return failed("interface " + interface.name + " has link type " + std::to_string(link_type) + "; only " +
-                  std::to_string(kLinkTypeSocketcan) + " (CAN) is read, its packets are left out");
+  if (!interface.can) {
+    const bool cooked = link_type == kLinkTypeCooked || link_type == kLinkTypeCooked2;
+    return failed("interface " + interface.name + " has link type " + std::to_string(link_type) +
+                  (cooked ? " (Linux cooked capture, as of the interface 'any')" : "") + "; only " +
+                  std::to_string(kLinkTypeSocketcan) + " (CAN) is read, its packets are left out" +
+                  (cooked ? "; capture the CAN interface itself" : ""));
+  }
   if (interface.units == 0) return failed("interface " + interface.name + " has an unusable time resolution");
   return std::nullopt;
 }
 
-std::optional<PcapngReader::Item> PcapngReader::take_packet(std::string_view content) {
+std::optional<PcapngReader::Item> PcapngReader::take_enhanced_packet(std::string_view content) {
   if (content.size() < 20) return failed("a packet that is too short");
-  const std::uint32_t number = get32(content);
+  const std::uint64_t stamp = (std::uint64_t{get32(content.substr(4))} << 32) | get32(content.substr(8));
+  const std::uint32_t captured = get32(content.substr(12));
+  if (captured > content.size() - 20) return failed("a packet longer than its block");
+  return take_packet(get32(content), stamp, content.substr(20, captured));
+}
+
+std::optional<PcapngReader::Item> PcapngReader::take_obsolete_packet(std::string_view content) {
+  if (content.size() < 20) return failed("a packet that is too short");
+  const std::uint64_t stamp = (std::uint64_t{get32(content.substr(4))} << 32) | get32(content.substr(8));
+  const std::uint32_t captured = get32(content.substr(12));
+  if (captured > content.size() - 20) return failed("a packet longer than its block");
+  return take_packet(get16(content), stamp, content.substr(20, captured));
+}
+
+// It is of the first interface, and as long as its block but for the padding.
+std::optional<PcapngReader::Item> PcapngReader::take_simple_packet(std::string_view content) {
+  if (content.size() < 4) return failed("a packet that is too short");
+  if (interfaces_.empty()) return failed("a packet of interface 0, which is not described");
+  if (!interfaces_.front().can) return std::nullopt;
+  CandumpLine line;
+  line.time = newest_;
+  line.interface = interfaces_.front().name;
+  if (auto wrong = take_frame(content.substr(4, get32(content)), line)) return *wrong;
+  return line;
+}
+
+std::optional<PcapngError> PcapngReader::take_frame(std::string_view packet, CandumpLine& line) {
+  if (is_flexible(packet)) return failed("a CAN FD frame, which is no CAN 2.0 frame");
+  const auto frame = frame_of(packet);
+  if (!frame) return failed("a packet that is no CAN 2.0 frame");
+  line.frame = *frame;
+  return std::nullopt;
+}
+
+std::optional<PcapngReader::Item> PcapngReader::take_packet(std::uint32_t number, std::uint64_t stamp,
+                                                            std::string_view packet) {
   if (number >= interfaces_.size())
     return failed("a packet of interface " + std::to_string(number) + ", which is not described");
   const Interface& interface = interfaces_[number];
   if (!interface.can || interface.units == 0) return std::nullopt;
-  const std::uint64_t stamp = (std::uint64_t{get32(content.substr(4))} << 32) | get32(content.substr(8));
-  const std::uint32_t captured = get32(content.substr(12));
-  if (captured > content.size() - 20) return failed("a packet longer than its block");
-  const auto frame = frame_of(content.substr(20, captured));
-  if (!frame) return failed("a packet that is no CAN 2.0 frame");
+  CandumpLine line;
+  if (auto wrong = take_frame(packet, line)) return *wrong;
   // What a log can name: see `parse_candump_line`.
   constexpr std::uint64_t kLatest = 999'999'999'999;
   const std::uint64_t seconds =
       std::min(stamp / interface.units, kLatest) + static_cast<std::uint64_t>(interface.offset);
   if (seconds > kLatest) return failed("a time stamp out of range");
-  CandumpLine line;
   line.time =
       std::chrono::microseconds(seconds * 1'000'000 + micros_of(stamp % interface.units, interface.units));
   line.interface = interface.name;
-  line.frame = *frame;
+  newest_ = line.time;
   return line;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -24,8 +25,8 @@ struct PcapngError {
 };
 
 /// Takes the bytes of a capture in any pieces and gives its CAN frames. Both byte orders, several sections,
-/// every time stamp resolution; blocks other than section header, interface description and enhanced packet
-/// are passed over. Holds no more than one block, `kLongestBlock` bytes, and the interfaces of the section,
+/// every time stamp resolution; blocks other than section header, interface description and packets (enhanced,
+/// simple and the obsolete form) are passed over. A simple packet has no time stamp and gets the one before. Holds no more than one block, `kLongestBlock` bytes, and the interfaces of the section,
 /// at most `kMostInterfaces`.
 class PcapngReader {
  public:
@@ -54,7 +55,11 @@ class PcapngReader {
   std::optional<PcapngError> failed(std::string_view what, bool fatal = false);
   std::optional<PcapngError> take_section(std::string_view content);
   std::optional<PcapngError> take_interface(std::string_view content);
-  std::optional<Item> take_packet(std::string_view content);
+  std::optional<Item> take_enhanced_packet(std::string_view content);
+  std::optional<Item> take_obsolete_packet(std::string_view content);
+  std::optional<Item> take_simple_packet(std::string_view content);
+  std::optional<Item> take_packet(std::uint32_t number, std::uint64_t stamp, std::string_view packet);
+  std::optional<PcapngError> take_frame(std::string_view packet, CandumpLine& line);
   void take_option(Interface& interface, std::uint16_t code, std::string_view value) const;
 
   std::string buffer_;
@@ -63,6 +68,7 @@ class PcapngReader {
   bool stopped_ = false;
   std::uint64_t blocks_ = 0;
   std::vector<Interface> interfaces_;
+  std::chrono::microseconds newest_{};  ///< stamp of the packet before
 };
 
 }  // namespace can

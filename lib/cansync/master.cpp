@@ -6,15 +6,14 @@
 #include "cansync/channel/command_channel.h"
 #include "cansync/process_data/process_data.h"
 #include "cansync/settings/timing.h"
+#include "cansync/supervision/answer_balance.h"
+#include "cansync/supervision/sole_master.h"
 #include "cansync/supervision/strays.h"
 #include "cansync/supervision/supervision.h"
 #include "cansync/telegram/telegram.h"
 
 namespace cansync {
 namespace {
-
-/// A second master counts as gone after so long without its telegrams.
-constexpr Duration kSecondMasterQuiet = std::chrono::seconds(3);
 
 Channel channel_of(Slot slot) noexcept {
   return slot == Slot::reference_one ? Channel::one : Channel::two;
@@ -36,7 +35,8 @@ struct Master::Impl {
         times(slot_times(given.bit_rate)),
         supervision(settings, told),
         process(settings, told),
-        command_channel(settings, supervision, told) {}
+        command_channel(settings, supervision, told),
+        sole(given.startup.listen, times.interval) {}
 
   MasterSettings settings;
   MasterListener& listener;
@@ -44,12 +44,14 @@ struct Master::Impl {
   Supervision supervision;
   ProcessData process;
   CommandChannel command_channel;
+  SoleMaster sole;
   Strays strays;
+  AnswerBalance balance;
+  std::array<std::optional<SlaveNumber>, kChannels> polled = {};  ///< for actual values in this interval
   State state = State::start_up;
   IntervalNumber now = 0;
+  bool edge = false;  ///< the interval has begun with one
   MasterCounters counters;
-  IntervalNumber second_master_seen = 0;
-  std::uint64_t second_master_row = 0;  ///< its telegrams since it was reported; 0: there is none
   /// The newest telegram of a slot, by which its echo is known.
   struct Taken {
     can::Frame frame;
@@ -63,18 +65,24 @@ struct Master::Impl {
 
   void second_master(std::uint32_t identifier) noexcept {
     ++counters.second_master;
-    second_master_seen = now;
-    if (++second_master_row == 1) {
-      listener.event({MasterEvent::Code::second_master, std::nullopt, identifier});
+    const bool was_silent = !sole.granted();
+    const bool first = sole.heard(identifier);
+    const bool tolerated = is_active(state) && settings.startup.on_second_master == OnSecondMaster::report;
+    if (tolerated && !was_silent) sole.accept();
+    const bool ends = is_synchronous(state) && !sole.granted();
+    if (first || ends) {
+      listener.event({.code = MasterEvent::Code::second_master,
+                      .slave = std::nullopt,
+                      .detail = identifier,
+                      .found = static_cast<std::uint32_t>(sole.access())});
     }
+    if (ends) enter(State::start_up, ControlCommand::cold_restart);
   }
 
   void watch_second_master() noexcept {
-    if (second_master_row == 0) return;
-    const auto quiet = static_cast<Duration::rep>(now - second_master_seen) * times.interval;
-    if (quiet <= kSecondMasterQuiet) return;
-    const auto telegrams = static_cast<std::uint32_t>(std::min<std::uint64_t>(second_master_row, UINT32_MAX));
-    second_master_row = 0;
+    const std::uint64_t row = sole.pass_interval();
+    if (row == 0) return;
+    const auto telegrams = static_cast<std::uint32_t>(std::min<std::uint64_t>(row, UINT32_MAX));
     listener.event({MasterEvent::Code::second_master_gone, std::nullopt, telegrams});
   }
 
@@ -105,9 +113,29 @@ struct Master::Impl {
     return false;
   }
 
+  /// A question went to this slave.
+  void asked(unsigned place, std::optional<SlaveNumber> slave) noexcept {
+    if (place < kChannels) polled[place] = slave;
+    if (!slave) return;
+    balance.asked(place, *slave, now, supervision.given_up().has(*slave));
+    supervision.asked(*slave);
+  }
+
+  /// Is there one drive of this number, and is it known?
+  void weigh(const Telegram& telegram) noexcept {
+    // While another master asks, answers say nothing of who is there.
+    if (!is_synchronous(state) || sole.other()) return;
+    const Strays::Origin from = Strays::origin(telegram);
+    supervision.came(from.slave);
+    const bool fits =
+        from.place < kChannels ? polled[from.place] == from.slave : command_channel.fits_last(telegram);
+    if (!balance.answered(from.place, from.slave, now, fits)) supervision.answered_twice(from.slave);
+  }
+
   /// A telegram of a slave: somebody takes it, or it is counted by what is wrong with it.
   void take_or_count(const can::Frame& frame, const Telegram& telegram, Duration since_sync) noexcept {
     const auto* actual = std::get_if<ActualTelegram>(&telegram);
+    weigh(telegram);
     const auto asked = actual != nullptr ? process.asked(actual->channel) : command_channel.asked();
     if (deliver(telegram, since_sync)) return strays.taken(frame, telegram);
     ++counters.unexpected;
@@ -119,11 +147,13 @@ struct Master::Impl {
     state = to;
     if (!is_synchronous(to)) {
       if (const auto asked = command_channel.asked()) strays.given_up(*asked);
-      command_channel.end_all(Outcome::master_stopped);
+      command_channel.end_all();
+      sole.accept_nobody();
     }
     if (!is_active(to)) process.stop();
     if (is_synchronous(to) && !is_synchronous(from)) {
       supervision.begin(now);
+      balance.begin();
       command_channel.begin();
     }
     listener.state_changed(from, to, command);
@@ -138,6 +168,7 @@ Master::~Master() = default;
 
 void Master::begin_interval(IntervalNumber n) noexcept {
   impl_->now = n;
+  impl_->edge = true;
   ++impl_->counters.intervals;
   impl_->supervision.begin_interval(n, is_active(impl_->state));
   const auto missed = impl_->process.begin_interval(n);
@@ -147,13 +178,17 @@ void Master::begin_interval(IntervalNumber n) noexcept {
     impl_->supervision.missed_actual(*slave);
     impl_->strays.missed(channel, *slave);
   }
+  impl_->polled = {};
   impl_->command_channel.begin_interval(n);
   impl_->watch_second_master();
 }
 
 void Master::pass_interval(IntervalNumber n) noexcept {
   impl_->now = n;
+  impl_->edge = false;
   impl_->command_channel.pass_interval(n);
+  // Reference values grow older all the same.
+  if (is_active(impl_->state)) static_cast<void>(impl_->process.begin_interval(n));
   impl_->watch_second_master();
 }
 
@@ -177,6 +212,7 @@ Duration Master::planned_start(Slot slot) const noexcept {
 std::optional<can::Frame> Master::take(Slot slot) noexcept {
   Impl::Taken& taken = impl_->taken[static_cast<unsigned>(slot)];
   taken.planned = impl_->on_timeline(planned_start(slot));
+  if (!impl_->edge || !impl_->sole.granted()) return std::nullopt;
   if (slot == Slot::command) {
     if (!is_synchronous(impl_->state)) return std::nullopt;
     // Taking the next command gives up the answer to the last one.
@@ -193,8 +229,11 @@ void Master::sent(Slot slot) noexcept {
   ++impl_->counters.telegrams_sent;
   if (slot == Slot::command) {
     impl_->command_channel.sent();
+    impl_->asked(kChannels, impl_->command_channel.asked());
   } else {
-    impl_->process.sent(channel_of(slot));
+    const Channel channel = channel_of(slot);
+    impl_->process.sent(channel);
+    impl_->asked(index(channel), impl_->process.asked(channel));
   }
 }
 
@@ -232,8 +271,24 @@ void Master::receive(const can::Frame& frame, Duration since_sync) noexcept {
   impl_->take_or_count(frame, *std::get_if<Telegram>(&decoded), since_sync);
 }
 
+void Master::other_sync() noexcept {
+  impl_->second_master(0);
+}
+
 bool Master::second_master() const noexcept {
-  return impl_->second_master_row != 0;
+  return impl_->sole.other();
+}
+
+std::uint32_t Master::second_master_identifier() const noexcept {
+  return impl_->sole.other_identifier();
+}
+
+BusAccess Master::access() const noexcept {
+  return impl_->sole.access();
+}
+
+bool Master::silent() const noexcept {
+  return is_synchronous(impl_->state) && !impl_->sole.granted();
 }
 
 // --- requests
@@ -241,6 +296,14 @@ bool Master::second_master() const noexcept {
 void Master::bus_lost() noexcept {
   impl_->supervision.bus_lost();
   impl_->command_channel.bus_lost();
+}
+
+void Master::bus_away() noexcept {
+  impl_->sole.bus_away();
+}
+
+void Master::bus_returned() noexcept {
+  impl_->sole.bus_returned();
 }
 
 Refusal Master::submit(const ParameterRequest& request) noexcept {
@@ -281,6 +344,13 @@ Refusal Master::control(ControlCommand command, bool force) noexcept {
       !impl_->supervision.missing(impl_->settings.startup.enable).empty()) {
     return Refusal::slaves_missing;
   }
+  if (command == ControlCommand::start_synchronous) {
+    // From active operation, too: what was accepted there is not accepted in set-up.
+    const BusAccess access = impl_->sole.unforced();
+    if (access != BusAccess::granted && !force)
+      return access == BusAccess::other_master ? Refusal::other_master : Refusal::listening;
+    if (access != BusAccess::granted) impl_->sole.accept();
+  }
   if (command != ControlCommand::reset_can) impl_->enter(*to, command);
   return Refusal::none;
 }
@@ -305,6 +375,12 @@ Refusal Master::set_polling(Channel channel, const Cursor& cursor) noexcept {
   const Refusal refusal = impl_->process.set_polling(channel, cursor);
   if (refusal == Refusal::none) impl_->settings.process.polling[index(channel)] = cursor;
   return refusal;
+}
+
+void Master::set_reference_limits(std::uint8_t value, const ReferenceLimits& limits) noexcept {
+  if (value >= kValues) return;
+  impl_->process.set_reference_limits(value, limits);
+  impl_->settings.process.reference_limits[value] = limits;
 }
 
 void Master::set_maximum_slave(SlaveNumber slave) noexcept {
@@ -343,6 +419,12 @@ const ActualValues& Master::actual(SlaveNumber slave) const noexcept {
 }
 const ReleaseStatus& Master::release(Channel channel) const noexcept {
   return impl_->process.release(channel);
+}
+SlaveMask Master::duplicate_slaves() const noexcept {
+  return impl_->supervision.duplicates();
+}
+SlaveMask Master::unknown_slaves() const noexcept {
+  return impl_->supervision.unknown();
 }
 const MasterCounters& Master::counters() const noexcept {
   impl_->counters.references_not_released = impl_->process.not_released();

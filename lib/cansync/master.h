@@ -11,6 +11,7 @@
 #include "cansync/settings/mode.h"
 #include "cansync/settings/settings.h"
 #include "cansync/supervision/slave_state.h"
+#include "cansync/supervision/sole_master.h"
 #include "cansync/supervision/strays.h"
 #include "cansync/telegram/mapping.h"
 #include "cansync/telegram/numbers.h"
@@ -29,32 +30,6 @@ struct ActualValues {
   std::array<IntervalNumber, kChannels> interval = {};  ///< interval in which each telegram came last
   std::array<std::uint64_t, kChannels> count = {};      ///< telegrams so far; 0 = never
   std::uint8_t words = 0;  ///< bit n: value n came as its low word alone, 16 bits
-};
-
-/// What is known of one slave (M 3.2.2.7).
-struct SlaveStatus {
-  bool configured = false;
-  bool responds = false;            ///< bit 0 of the slave status
-  bool synchronized = false;        ///< bit 1: bit 15 of its status word
-  std::uint16_t status_word = 0;    ///< last status word read
-  bool status_known = false;        ///< a status word was read since the slave last began to respond
-  std::uint16_t status_error = 0;   ///< code with which it refused its status word last; 0: it gave it
-  IntervalNumber last_seen = 0;     ///< interval of its last telegram of any kind
-  std::uint64_t answers = 0;        ///< to commands, since the start of the master
-  std::uint64_t unanswered = 0;     ///< commands without an answer
-  std::uint64_t missed_actual = 0;  ///< asked for actual values, none came in that interval
-  std::uint64_t slow_answers = 0;   ///< later than tRSPTO
-  Duration last_response{0};        ///< end of the command to end of the answer, of the last answer
-  Duration longest_response{0};
-  SlaveState state = SlaveState::absent;
-  std::uint64_t times_lost = 0;      ///< stopped answering, alone or because the bus was gone
-  std::uint64_t times_returned = 0;  ///< answered again
-  std::uint64_t jobs_ended = 0;      ///< jobs that ended because it stopped answering
-
-  /// Slave status register: bit 0 responds, bit 1 synchronized.
-  constexpr std::uint16_t slave_register() const noexcept {
-    return static_cast<std::uint16_t>((responds ? 1u : 0u) | (synchronized ? 2u : 0u));
-  }
 };
 
 /// Counters since the start of the master.
@@ -79,17 +54,22 @@ struct MasterEvent {
     slave_synchronized,      ///< slave
     slave_not_synchronized,  ///< slave
     all_synchronized,
-    references_stopped,    ///< detail: channel 1 or 2
-    references_released,   ///< detail: channel 1 or 2
-    references_too_old,    ///< detail: channel 1 or 2; expected: newer ones within so many intervals, 0:
-                           ///< release before `ReferenceUpdate::too_old_from`
-    references_held,       ///< still released for a limited time; detail: channel 1 or 2
-    second_master,         ///< detail: identifier of its first frame
-    second_master_gone,    ///< nothing of it for 3 s; detail: how many frames there were
-    slave_returned,        ///< slave: answers again
-    slave_checked,         ///< slave; detail: parameters that have their value
-    slave_check_failed,    ///< slave; detail: parameter number, `expected`, `found` and `outcome`
-    slave_released,        ///< slave: no longer held out; detail: 1 = by command, unchecked
+    references_stopped,   ///< detail: channel 1 or 2
+    references_released,  ///< detail: channel 1 or 2
+    references_too_old,   ///< detail: channel 1 or 2; expected: newer ones within so many intervals, 0:
+                          ///< release before `ReferenceUpdate::too_old_from`
+    references_held,      ///< still released for a limited time; detail: channel 1 or 2
+    second_master,        ///< detail: identifier of its first frame, 0: a SYNC; found: `BusAccess` since then
+    second_master_gone,   ///< nothing of it for 3 s; detail: how many frames there were
+    slave_returned,       ///< slave: answers again
+    slave_checked,        ///< slave; detail: parameters that have their value
+    slave_check_failed,   ///< slave; detail: parameter number, `expected`, `found` and `outcome`
+    slave_released,       ///< slave: no longer held out; detail: 1 = by command, unchecked
+    slave_identified,     ///< slave: the drive expected; detail: parameters that have their value
+    wrong_drive,      ///< slave: not the drive expected; detail: parameter number, `expected`, `found` and
+                      ///< `outcome`
+    duplicate_slave,  ///< slave: it answers more often than it is asked, so there are two drives
+    unknown_slave,    ///< slave: answers and is not configured
     slave_status_refused,  ///< slave: answers the read of its status word with an error (found: the code), or
     ///< for 5 s with busy (outcome `timeout`) or with no word (`no_answer`), so whether
     ///< it is synchronized cannot be known; detail: parameter number
@@ -100,9 +80,37 @@ struct MasterEvent {
   std::uint32_t expected = 0;       ///< raw value
   std::uint32_t found = 0;          ///< raw value; with Outcome::slave_error the slave's code
   Outcome outcome = Outcome::done;  ///< done: `found` is another value
+  friend bool operator==(const MasterEvent&, const MasterEvent&) = default;
 };
 /// A stable word for a code, e.g. "slave_lost"; the text lives as long as the program.
 std::string_view name(MasterEvent::Code code) noexcept;
+
+/// What is known of one slave (M 3.2.2.7).
+struct SlaveStatus {
+  bool configured = false;
+  bool responds = false;            ///< bit 0 of the slave status
+  bool synchronized = false;        ///< bit 1: bit 15 of its status word
+  std::uint16_t status_word = 0;    ///< last status word read
+  bool status_known = false;        ///< a status word was read since the slave last began to respond
+  std::uint16_t status_error = 0;   ///< code with which it refused its status word last; 0: it gave it
+  IntervalNumber last_seen = 0;     ///< interval of its last telegram of any kind
+  std::uint64_t answers = 0;        ///< to commands, since the start of the master
+  std::uint64_t unanswered = 0;     ///< commands without an answer
+  std::uint64_t missed_actual = 0;  ///< asked for actual values, none came in that interval
+  std::uint64_t slow_answers = 0;   ///< later than tRSPTO
+  Duration last_response{0};        ///< end of the command to end of the answer, of the last answer
+  Duration longest_response{0};
+  SlaveState state = SlaveState::absent;
+  std::optional<MasterEvent> held;   ///< in state `held`: the event that says why
+  std::uint64_t times_lost = 0;      ///< stopped answering, alone or because the bus was gone
+  std::uint64_t times_returned = 0;  ///< answered again
+  std::uint64_t jobs_ended = 0;      ///< jobs that ended because it stopped answering
+
+  /// Slave status register: bit 0 responds, bit 1 synchronized.
+  constexpr std::uint16_t slave_register() const noexcept {
+    return static_cast<std::uint16_t>((responds ? 1u : 0u) | (synchronized ? 2u : 0u));
+  }
+};
 
 /// Receives what the master has to tell. Called from inside the master's functions, on their thread; must not
 /// allocate, lock, throw, or call the master.
@@ -126,6 +134,9 @@ class MasterListener {
   virtual void command_done(JobId id, Outcome outcome) noexcept = 0;
   /// Something for the journal has happened; `event` lives during the call.
   virtual void event(const MasterEvent& event) noexcept = 0;
+  /// Reference values were due and are refused whole, because one is beyond a limit; said for each update.
+  /// Without need to know: nothing happens.
+  virtual void reference_beyond_limit(Channel /*channel*/, const LimitViolation& /*beyond*/) noexcept {}
 };
 
 /// The CANsync master, sans-IO: it is told what happened and when, and asked what to send.
@@ -150,8 +161,8 @@ class Master {
 
   /// SYNC edge number `n` was produced. Numbers rise; a jump means missed edges.
   void begin_interval(IntervalNumber n) noexcept;
-  /// Instead, while there is no synchronous operation: interval `n` passes without an edge. What is given now
-  /// has its time from now on.
+  /// Instead, while there is no synchronous operation or the master is `silent`: interval `n` passes without
+  /// an edge. What is given now has its time from now on.
   void pass_interval(IntervalNumber n) noexcept;
 
   /// When to hand over this slot's telegram, after SYNC: some margin before its latest start. In set-up,
@@ -180,9 +191,17 @@ class Master {
   /// A frame of somebody else arrived at `since_sync` (after the running interval's edge).
   void receive(const can::Frame& frame, Duration since_sync) noexcept;
 
+  /// A SYNC that is not the master's own was on the bus: another master sends.
+  void other_sync() noexcept;
+
   /// The interface is gone or down: no slave responds until it has answered again, and then it is activated
   /// anew. The state stays, and so do open jobs.
   void bus_lost() noexcept;
+
+  /// Nothing can be received: from now on the master is silent.
+  void bus_away() noexcept;
+  /// Frames can be received again: the master listens anew before its next frame.
+  void bus_returned() noexcept;
 
   // --- requests: a refusal means nothing was done
 
@@ -198,8 +217,10 @@ class Master {
   /// Ends an open job as `cancelled`; a running transfer is cancelled on the slave first.
   Refusal cancel(JobId id) noexcept;
 
-  /// Lets a slave that is held out be used again: with `force` at once if it is synchronized, else by going
-  /// through its list once more. A slave that is not synchronized is activated again.
+  /// Lets a slave that is held out be used again. Without `force` what tells who it is, and its list of
+  /// parameters, are gone through again. With `force` the slave counts as the drive expected, also when two
+  /// drives answer, until it is lost or loses SYNC; one that is synchronized is released immediately. A slave that is not synchronized is
+  /// activated again.
   Refusal release(SlaveNumber slave, bool force) noexcept;
 
   /// Withdraws reference values not yet sent; the telegram is no longer released until new ones come. With
@@ -207,7 +228,9 @@ class Master {
   /// has stopped is not taken up again.
   void stop_release(Channel channel, std::uint32_t hold = 0) noexcept;
 
-  /// Gives a command of the control register. `enable_active` obeys the enable rule unless `force`.
+  /// Gives a command of the control register. `enable_active` obeys the enable rule unless `force`;
+  /// `start_synchronous` is refused as `listening` or `other_master` while the master may not send, unless
+  /// `force`, which accepts another master that is there until it is gone.
   /// Leaving synchronous operation ends every open job as `master_stopped`.
   Refusal control(ControlCommand command, bool force = false) noexcept;
 
@@ -221,6 +244,9 @@ class Master {
   /// Which slave a reference telegram asks for actual values (M 4.19). `slave_not_configured`: nothing is
   /// changed.
   Refusal set_polling(Channel channel, const Cursor& cursor) noexcept;
+  /// What reference value `value`, 0..7, may be. A release of values that are beyond minimum or maximum now
+  /// ends.
+  void set_reference_limits(std::uint8_t value, const ReferenceLimits& limits) noexcept;
   /// Automatic numbers, of polling and of the command channel, rise up to this slave and begin again at 0.
   void set_maximum_slave(SlaveNumber slave) noexcept;
   /// Which slaves each kind of job serves (M 4.6). `slave_not_configured`: a fixed slave is not, and all
@@ -244,10 +270,22 @@ class Master {
   const ActualValues& actual(SlaveNumber slave) const noexcept;
   /// Whether the reference values of a telegram are released, and if not, why.
   const ReleaseStatus& release(Channel channel) const noexcept;
+  /// Slaves as which two drives answer, until they are lost, released without force, or set-up begins.
+  SlaveMask duplicate_slaves() const noexcept;
+  /// Slaves that have answered since set-up began and are not configured; none without the census.
+  SlaveMask unknown_slaves() const noexcept;
   /// Counters as of this call; the reference goes on changing, so whoever wants a difference copies it.
   const MasterCounters& counters() const noexcept;
   /// Another master has sent within the last 3 s.
   bool second_master() const noexcept;
+  /// CAN identifier of the newest frame of another master; 0: there is none, or that was a SYNC.
+  std::uint32_t second_master_identifier() const noexcept;
+  /// Whether the master may send. In set-up, and in active operation that was told to stop, another master
+  /// ends synchronous operation: cold restart.
+  BusAccess access() const noexcept;
+  /// In synchronous operation, but neither a SYNC edge nor a frame may be sent: give `pass_interval` instead
+  /// of `begin_interval`.
+  bool silent() const noexcept;
   /// Waiting and running ones of all slaves, 0..`CommandChannelSettings::parameter_queue`.
   std::size_t open_parameter_jobs() const noexcept;
   /// Waiting and running ones of all slaves, 0..`CommandChannelSettings::transfer_queue`.

@@ -122,9 +122,35 @@ std::string_view name(Outcome outcome) noexcept {
       return "slave held out";
     case Outcome::replaced:
       return "replaced";
+    case Outcome::taken:
+      return "taken by the slave, no final answer";
   }
   return "unknown outcome";
 }
+
+namespace {
+
+/// Of the refusals that reference values alone meet.
+std::string_view name_of_values_refusal(Refusal refusal) noexcept {
+  switch (refusal) {
+    case Refusal::interval_passed:
+      return "interval passed or too far ahead";
+    case Refusal::release_too_long:
+      return "release too long";
+    case Refusal::nothing_valid:
+      return "valid mask out of range";
+    case Refusal::too_old:
+      return "too old";
+    case Refusal::mapping_changed:
+      return "made for another mapping";
+    case Refusal::lead_axis:
+      return "given by the lead axis";
+    default:
+      return "unknown refusal";
+  }
+}
+
+}  // namespace
 
 std::string_view name(Refusal refusal) noexcept {
   switch (refusal) {
@@ -154,12 +180,6 @@ std::string_view name(Refusal refusal) noexcept {
       return "queue full";
     case Refusal::wrong_state:
       return "wrong state";
-    case Refusal::interval_passed:
-      return "interval passed or too far ahead";
-    case Refusal::release_too_long:
-      return "release too long";
-    case Refusal::nothing_valid:
-      return "valid mask out of range";
     case Refusal::slaves_missing:
       return "slaves missing";
     case Refusal::unknown_job:
@@ -176,14 +196,15 @@ std::string_view name(Refusal refusal) noexcept {
       return "slave held out";
     case Refusal::not_held:
       return "not held out";
-    case Refusal::too_old:
-      return "too old";
-    case Refusal::mapping_changed:
-      return "made for another mapping";
-    case Refusal::lead_axis:
-      return "given by the lead axis";
+    case Refusal::listening:
+      return "the master still listens";
+    case Refusal::other_master:
+      return "another master sends";
+    case Refusal::beyond_limit:
+      return "beyond a limit";
+    default:
+      return name_of_values_refusal(refusal);
   }
-  return "unknown refusal";
 }
 
 std::string_view name(State state) noexcept {
@@ -260,6 +281,12 @@ std::string_view name(SlaveEvent event) noexcept {
       return "check passed";
     case SlaveEvent::check_failed:
       return "check failed";
+    case SlaveEvent::asked_who:
+      return "asked who";
+    case SlaveEvent::wrong_drive:
+      return "wrong drive";
+    case SlaveEvent::duplicated:
+      return "duplicated";
   }
   return "unknown event";
 }
@@ -306,6 +333,14 @@ std::string_view name(MasterEvent::Code code) noexcept {
       return "slave_checked";
     case MasterEvent::Code::slave_check_failed:
       return "slave_check_failed";
+    case MasterEvent::Code::slave_identified:
+      return "slave_identified";
+    case MasterEvent::Code::wrong_drive:
+      return "wrong_drive";
+    case MasterEvent::Code::duplicate_slave:
+      return "duplicate_slave";
+    case MasterEvent::Code::unknown_slave:
+      return "unknown_slave";
     case MasterEvent::Code::slave_released:
       return "slave_released";
     case MasterEvent::Code::slave_status_refused:

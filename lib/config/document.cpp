@@ -2,11 +2,14 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <sstream>
 #include <utility>
 #include <variant>
 
 #include "config/toml_guard.h"
+#include "text/foreign_file.h"
 #include "text/text_file.h"
 
 namespace config {
@@ -147,19 +150,119 @@ Document parse_document(std::string_view toml, const std::string& file, const Wo
     if (!document.problems.empty()) document.nodes.clear();
   } catch (const toml::parse_error& error) {
     document.nodes.clear();
-    document.problems.push_back(
-        {position(error.source(), file), "",
-         std::string(wording.no_toml) + parser_text(error) + "; allowed: " + std::string(wording.allowed)});
+    const Position where = position(error.source(), file);
+    // What is of another kind altogether is already none in its first line.
+    const std::string recognized = where.line <= 1 ? text::recognized_in_place_of_own(toml) : std::string();
+    document.problems.push_back({where, "",
+                                 std::string(wording.no_toml) +
+                                     (recognized.empty() ? parser_text(error) : recognized) +
+                                     "; allowed: " + std::string(wording.allowed)});
   }
   return document;
 }
 
-Document read_document(const std::string& file, const Wording& wording) {
+namespace {
+
+/// Lines of a text, which can be made blank without moving the others.
+class SectionText {
+ public:
+  explicit SectionText(std::string_view text) : text_(text) {
+    for (std::size_t at = 0; at < text_.size();) {
+      lines_.push_back(at);
+      at = std::min(text_.find('\n', at), text_.size() - 1) + 1;
+    }
+  }
+
+  const std::string& text() const noexcept { return text_; }
+
+  /// The line, from 0, in which the section of `line` begins: that of its [header], or 0.
+  std::size_t begin_of(std::size_t line) const {
+    line = std::min(line, lines_.size() - 1);
+    while (line > 0 && !is_header(line)) --line;
+    return line;
+  }
+
+  /// The text without the section that begins in `line`; the same text when nothing is in it.
+  SectionText without(std::size_t line) const {
+    SectionText out = *this;
+    std::size_t next = line + 1;
+    while (next < lines_.size() && !is_header(next)) ++next;
+    const std::size_t end = next < lines_.size() ? lines_[next] : text_.size();
+    std::replace_if(
+        out.text_.begin() + static_cast<std::ptrdiff_t>(lines_[line]),
+        out.text_.begin() + static_cast<std::ptrdiff_t>(end), [](char c) { return c != '\n'; }, ' ');
+    return out;
+  }
+
+ private:
+  bool is_header(std::size_t line) const {
+    const std::size_t at = text_.find_first_not_of(" \t", lines_[line]);
+    return at != text_.npos && text_[at] == '[';
+  }
+
+  std::string text_;
+  std::vector<std::size_t> lines_;  ///< where each begins
+};
+
+Document read_and_parse(const Source& source, const Wording& wording,
+                        Document (*parse)(std::string_view, const std::string&, const Wording&)) {
+  const std::string& file = source.path;
+  if (source.text) return parse(*source.text, file, wording);
   const auto content = text::read_file(file);
   if (const auto* problem = std::get_if<text::FileProblem>(&content)) {
     return {{}, {{{file, 0, 0}, "", std::string(wording.unreadable) + problem->text}}};
   }
-  return parse_document(std::get<std::string>(content), file, wording);
+  return parse(std::get<std::string>(content), file, wording);
+}
+
+}  // namespace
+
+Document parse_document_in_part(std::string_view toml, const std::string& file, const Wording& wording) {
+  Document document = parse_document(toml, file, wording);
+  if (document.problems.empty() || toml.empty()) return document;
+  SectionText text(toml);
+  std::vector<Problem> left_out;
+  while (!document.problems.empty()) {
+    const Problem& first = document.problems.front();
+    left_out.push_back(first);
+    const std::size_t line = first.where.line;
+    if (line == 0 || left_out.size() > kMostDamagedSections) return {{}, std::move(left_out)};
+    // What does not end shows in the header of the next section: the one without which more can be read is to
+    // blame.
+    const std::size_t own = text.begin_of(line - 1);
+    SectionText without_own = text.without(own);
+    Document rest = parse_document(without_own.text(), file, wording);
+    const auto reach = [](const Document& one) {
+      return one.problems.empty() ? UINT32_MAX : one.problems.front().where.line;
+    };
+    if (own > 0 && reach(rest) != UINT32_MAX) {
+      SectionText without_previous = text.without(text.begin_of(own - 1));
+      Document other = parse_document(without_previous.text(), file, wording);
+      if (reach(other) > reach(rest)) {
+        without_own = std::move(without_previous);
+        rest = std::move(other);
+      }
+    }
+    if (without_own.text() == text.text()) return {{}, std::move(left_out)};
+    text = std::move(without_own);
+    document = std::move(rest);
+  }
+  document.problems = std::move(left_out);
+  return document;
+}
+
+Source read_source(const std::string& path) {
+  auto content = text::read_file(path);
+  if (auto* text = std::get_if<std::string>(&content)) return {path, std::move(*text)};
+  return path;
+}
+
+Document read_document(const Source& source, const Wording& wording) {
+  return read_and_parse(source, wording, parse_document);
+}
+
+Document read_document_in_part(const Source& source, const Wording& wording) {
+  return read_and_parse(source, wording, parse_document_in_part);
 }
 
 std::optional<Value> parse_value(const std::string& text) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "config/problem.h"
@@ -39,7 +40,8 @@ struct Node {
 /// A TOML file as a flat list; what belongs to a section follows it, sorted by key.
 struct Document {
   std::vector<Node> nodes;
-  std::vector<Problem> problems;  ///< the file cannot be read or is not TOML; `nodes` is empty then
+  /// The file cannot be read or is not TOML; `nodes` is empty then, but with `parse_document_in_part`.
+  std::vector<Problem> problems;
 };
 
 /// How the problems of a kind of file are worded. All must be literals.
@@ -49,11 +51,36 @@ struct Wording {
   std::string_view allowed = "[section], [[section]], key = value, # comment";
 };
 
-/// Reads `file`, a regular file of up to text::kFileLimit bytes.
-Document read_document(const std::string& file, const Wording& wording = {});
+/// A file by its path, with its text when that is already there: as it was read, or as it was at another time.
+struct Source {
+  // Implicit: a path alone is a file that is still to be read.
+  Source(std::string file) : path(std::move(file)) {}
+  Source(const char* file) : path(file) {}
+  Source(std::string file, std::optional<std::string> content)
+      : path(std::move(file)), text(std::move(content)) {}
+
+  std::string path;                 ///< what positions name, and relative paths in the file start from
+  std::optional<std::string> text;  ///< nothing: still to be read
+};
+
+/// The file with its text as it is on disk now; without one when it cannot be read.
+Source read_source(const std::string& path);
+
+/// Reads `source`; without a text its file, a regular one of up to text::kFileLimit bytes.
+Document read_document(const Source& source, const Wording& wording = {});
 
 /// Reads TOML text; `file` is what positions name.
 Document parse_document(std::string_view toml, const std::string& file, const Wording& wording = {});
+
+/// Most sections that `parse_document_in_part` leaves out.
+inline constexpr std::size_t kMostDamagedSections = 64;
+
+/// The same of a file of which every section counts by itself: one that is not TOML is left out whole, and
+/// is among the problems. Without nodes when there is nothing but damage, or more than `kMostDamagedSections`.
+Document parse_document_in_part(std::string_view toml, const std::string& file, const Wording& wording = {});
+
+/// Reads `source` so; without a text its file, as `read_document`.
+Document read_document_in_part(const Source& source, const Wording& wording = {});
 
 /// Reads one value in TOML's notation; nothing when it is none.
 std::optional<Value> parse_value(const std::string& text);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "config/shown.h"
+#include "text/given_name.h"
 
 namespace config {
 namespace {
@@ -39,17 +40,6 @@ std::string choices_text(const Option& option, std::string_view last) {
   return out;
 }
 
-bool is_number(std::string_view text) {
-  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
-  if (text.empty()) return false;
-  if (text.starts_with("0x") || text.starts_with("0X")) {
-    text.remove_prefix(2);
-    return !text.empty() &&
-           std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isxdigit(c); });
-  }
-  return std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
-}
-
 bool is_identifier(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return (c < 0x80 && std::isalnum(c) != 0) || c == '_' || c == '.' || c == '-';
@@ -60,7 +50,7 @@ bool is_name(std::string_view text) {
   const bool printable =
       std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
   const bool blank_edge = text.starts_with(' ') || text.ends_with(' ');
-  return printable && !blank_edge && !is_number(text);
+  return printable && !blank_edge && text::is_given_name(text);
 }
 
 bool takes_string(const Option& option, const Value& value) {
@@ -148,8 +138,8 @@ std::string allowed(const Option& option) {
     case OptionType::name: {
       const std::string reserved =
           option.choices.empty() ? "" : fmt::format("none of {}, ", choices_text(option, ", "));
-      return fmt::format("a string of {}..{} bytes, no number, no control character, {}no blank at its ends",
-                         option.minimum, option.maximum, reserved);
+      return fmt::format("a string of {}..{} bytes, {}, no control character, {}no blank at its ends",
+                         option.minimum, option.maximum, text::kGivenNameWords, reserved);
     }
     case OptionType::integer:
       return (option.choices.empty() ? fmt::format("{}..{}", option.minimum, option.maximum)

@@ -6,6 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "text/visible.h"
+
 namespace config {
 
 std::string to_string(const Problem& problem) {
@@ -15,7 +17,7 @@ std::string to_string(const Problem& problem) {
   }
   if (!out.empty()) out += ": ";
   if (!problem.key.empty()) out += problem.key + ": ";
-  return out + problem.text;
+  return text::visible(out + problem.text, "\n\t");
 }
 
 std::string problems_text(const std::vector<Problem>& problems) {
@@ -34,6 +36,12 @@ std::string problems_text(const std::vector<Problem>& problems) {
     out += "and " + std::to_string(problems.size() - kProblemsShown) + " more problems\n";
   }
   return out;
+}
+
+std::string problems_message(const std::vector<Problem>& problems) {
+  std::string text = problems_text(problems);
+  if (!text.empty()) text.pop_back();
+  return text;
 }
 
 void sort_by_place(std::vector<Problem>& problems) {

@@ -22,7 +22,7 @@ struct Problem {
   std::string text;
 };
 
-/// "FILE:LINE:COLUMN: KEY: TEXT".
+/// "FILE:LINE:COLUMN: KEY: TEXT", with control characters of the file as "\x1b".
 std::string to_string(const Problem& problem);
 
 /// Most problems that are told one by one.
@@ -30,6 +30,8 @@ inline constexpr std::size_t kProblemsShown = 20;
 
 /// The problems for people, one a line, at most `kProblemsShown` and then how many more there are.
 std::string problems_text(const std::vector<Problem>& problems);
+/// The same without the end of the last line, as the words of an error.
+std::string problems_message(const std::vector<Problem>& problems);
 
 /// Brings problems into the order of the file; those of one place keep theirs.
 void sort_by_place(std::vector<Problem>& problems);

@@ -295,8 +295,8 @@ void override_setting(Settings& settings, std::string_view assignment, const Tab
   settings.items.push_back(std::move(setting));
 }
 
-Settings read_settings(const std::string& path, std::span<const std::string> overrides, const Table& table) {
-  Settings settings = resolve(read_document(path), table);
+Settings read_settings(const Source& source, std::span<const std::string> overrides, const Table& table) {
+  Settings settings = resolve(read_document(source), table);
   for (const std::string& assignment : overrides) override_setting(settings, assignment, table);
   return settings;
 }

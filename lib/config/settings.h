@@ -37,8 +37,8 @@ Settings resolve(const Document& document, const Table& table);
 /// notation; strings may go without quotes.
 void override_setting(Settings& settings, std::string_view assignment, const Table& table);
 
-/// The settings of the file `path`, with `overrides` ("KEY=VALUE" of --set), which win over it. Never throws
+/// The settings of the file `source`, with `overrides` ("KEY=VALUE" of --set), which win over it. Never throws
 /// for a wrong file: its problems are in the result.
-Settings read_settings(const std::string& path, std::span<const std::string> overrides, const Table& table);
+Settings read_settings(const Source& source, std::span<const std::string> overrides, const Table& table);
 
 }  // namespace config

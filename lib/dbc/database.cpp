@@ -4,6 +4,8 @@
 #include <bit>
 #include <tuple>
 
+#include "dbc/foreign_text.h"
+
 namespace dbc {
 namespace {
 
@@ -25,6 +27,8 @@ double number_of(const Signal& signal, std::uint64_t raw) noexcept {
       return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw)));
     case NumberKind::float64:
       return std::bit_cast<double>(raw);
+    case NumberKind::text:
+      break;
   }
   return 0.0;
 }
@@ -41,7 +45,24 @@ auto place_of(const Message& message) noexcept {
   return std::make_tuple(message.extended, message.identifier);
 }
 
+/// The characters of a text that lies in `data`.
+std::string characters_of(const Signal& signal, std::span<const std::uint8_t> data) {
+  const auto bytes = data.subspan(signal.start / kByteBits, signal.length / kByteBits);
+  const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return as_utf8(all.substr(0, all.find('\0')));
+}
+
 }  // namespace
+
+bool lies_in(const Signal& signal, std::size_t bytes) noexcept {
+  // The last byte: a signal that begins at its highest bit goes on to lower bits and later bytes.
+  const std::size_t bits = signal.length;
+  const std::size_t first = signal.start / kByteBits;
+  const std::size_t in_first =
+      signal.little_endian ? kByteBits - signal.start % kByteBits : signal.start % kByteBits + 1;
+  const std::size_t more = bits > in_first ? (bits - in_first + kByteBits - 1) / kByteBits : 0;
+  return first + more < bytes;
+}
 
 std::optional<std::uint64_t> raw_bits(const Signal& signal, std::span<const std::uint8_t> data) noexcept {
   std::uint64_t raw = 0;
@@ -67,17 +88,29 @@ std::optional<std::uint64_t> raw_bits(const Signal& signal, std::span<const std:
   return raw;
 }
 
+bool is_chosen(const Message& message, const Signal& signal, std::span<const std::uint8_t> data) noexcept {
+  for (const Signal* one = &signal; one->chosen_by;) {
+    const Choice& choice = *one->chosen_by;
+    one = &message.signals[choice.multiplexor];
+    const auto raw = raw_bits(*one, data);
+    const auto fits = [&raw](const auto& range) { return *raw >= range.first && *raw <= range.second; };
+    if (!raw || std::none_of(choice.ranges.begin(), choice.ranges.end(), fits)) return false;
+  }
+  return true;
+}
+
 std::vector<Reading> read_signals(const Message& message, std::span<const std::uint8_t> data) {
-  std::optional<std::uint64_t> choice;
-  for (const Signal& signal : message.signals)
-    if (signal.chooses) choice = raw_bits(signal, data);
   std::vector<Reading> readings;
   for (const Signal& signal : message.signals) {
-    if (signal.chosen_by && signal.chosen_by != choice) continue;
+    if (!lies_in(signal, data.size()) || !is_chosen(message, signal, data)) continue;
+    if (signal.kind == NumberKind::text) {
+      readings.push_back({&signal, 0, 0.0, {}, characters_of(signal, data)});
+      continue;
+    }
     const auto raw = raw_bits(signal, data);
     if (!raw) continue;
     readings.push_back(
-        {&signal, *raw, number_of(signal, *raw) * signal.factor + signal.offset, word_of(signal, *raw)});
+        {&signal, *raw, number_of(signal, *raw) * signal.factor + signal.offset, word_of(signal, *raw), {}});
   }
   return readings;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -14,8 +15,14 @@
 /// realtime thread.
 namespace dbc {
 
-/// How the bits of a signal are a number.
-enum class NumberKind : std::uint8_t { unsigned_integer, signed_integer, float32, float64 };
+/// How the bits of a signal are a number; `text`: whole bytes, which are characters.
+enum class NumberKind : std::uint8_t { unsigned_integer, signed_integer, float32, float64, text };
+
+/// Which raw values of another signal of the message a signal is there with.
+struct Choice {
+  std::size_t multiplexor = 0;                                  ///< in Message::signals
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;  ///< lowest and highest raw value of each
+};
 
 /// A part of a message.
 struct Signal {
@@ -23,15 +30,14 @@ struct Signal {
   std::string unit;  ///< UTF-8; may be empty
   unsigned start =
       0;  ///< bit in the file's own count: bit 0 is the lowest of byte 0, bit 8 the lowest of byte 1
-  unsigned length = 1;  ///< bits, 1..64
+  unsigned length = 1;  ///< bits, 1..64; of a text 8..14280, whole bytes
   bool little_endian =
       true;  ///< `start` is the lowest bit; false: the highest, and it goes on to lower bits and later bytes
   NumberKind kind = NumberKind::unsigned_integer;
-  double factor = 1.0;   ///< value = raw * factor + offset
-  double offset = 0.0;   ///< in `unit`
-  bool chooses = false;  ///< its raw value says which of the others are there (multiplexor)
-  std::optional<std::uint64_t>
-      chosen_by;  ///< it is there when the multiplexor has this raw value; nothing: always
+  double factor = 1.0;              ///< value = raw * factor + offset
+  double offset = 0.0;              ///< in `unit`
+  bool chooses = false;             ///< its raw value says which of the others are there (multiplexor)
+  std::optional<Choice> chosen_by;  ///< nothing: it is there always. No chain of choices returns to its begin
   std::vector<std::pair<std::int64_t, std::string>> words;  ///< raw values that have a name
 };
 
@@ -47,18 +53,25 @@ struct Message {
 /// The value of a signal in a message that came.
 struct Reading {
   const Signal* signal = nullptr;  ///< lives as long as its message
-  std::uint64_t raw = 0;           ///< its bits
-  double value = 0.0;              ///< in the signal's unit
+  std::uint64_t raw = 0;           ///< its bits; 0 of a text
+  double value = 0.0;              ///< in the signal's unit; 0 of a text
   std::string_view word;           ///< the name of this raw value; empty: it has none
+  std::string text;                ///< of a text: its bytes before the first 0, UTF-8
 };
 
-/// The bits of a signal in `data`, which may be shorter than its message; nothing when not all of them are
-/// there.
+/// Do all bits of the signal lie in a message of so many bytes?
+bool lies_in(const Signal& signal, std::size_t bytes) noexcept;
+
+/// The bits of a signal that is no text in `data`, which may be shorter than its message; nothing when not all
+/// of them are there.
 std::optional<std::uint64_t> raw_bits(const Signal& signal, std::span<const std::uint8_t> data) noexcept;
 
-/// The signals that are in `data`, in the order of the file: those whose bits are all there and that the
-/// multiplexor, if there is one, chooses.
+/// The signals that are in `data`, in the order of the file: those whose bits are all there and that their
+/// multiplexors, if they have any, choose.
 std::vector<Reading> read_signals(const Message& message, std::span<const std::uint8_t> data);
+
+/// Do the multiplexors of the signal, in these data, choose it?
+bool is_chosen(const Message& message, const Signal& signal, std::span<const std::uint8_t> data) noexcept;
 
 /// The messages of a file.
 class Database {

@@ -1,7 +1,10 @@
 #include "dbc/encode.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -47,6 +50,8 @@ std::pair<double, double> numbers_of(const Signal& signal) noexcept {
               std::ldexp(1.0, static_cast<int>(signal.length) - 1) - 1};
     case NumberKind::float32:
       return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};
+    case NumberKind::text:
+      return {0.0, 0.0};
     case NumberKind::float64:
       break;
   }
@@ -62,6 +67,16 @@ std::uint64_t whole_bits(const Signal& signal, double number) noexcept {
                     : static_cast<std::uint64_t>(number) & ones(signal.length);
 }
 
+/// A whole number whose value is its raw value.
+bool is_plain_integer(const Signal& signal) noexcept {
+  return signal.kind <= NumberKind::signed_integer && signal.factor == 1.0 && signal.offset == 0.0;
+}
+
+std::int64_t signed_of(const Signal& signal, std::uint64_t raw) noexcept {
+  const unsigned unused = kMostBits - signal.length;
+  return static_cast<std::int64_t>(raw << unused) >> unused;
+}
+
 }  // namespace
 
 std::pair<double, double> range_of(const Signal& signal) noexcept {
@@ -72,6 +87,7 @@ std::pair<double, double> range_of(const Signal& signal) noexcept {
 }
 
 std::optional<std::uint64_t> raw_of(const Signal& signal, double value) noexcept {
+  if (signal.kind == NumberKind::text) return std::nullopt;
   const double number = (value - signal.offset) / signal.factor;
   if (!std::isfinite(value) || !std::isfinite(number)) return std::nullopt;
   const auto [lowest, highest] = numbers_of(signal);
@@ -85,6 +101,27 @@ std::optional<std::uint64_t> raw_of(const Signal& signal, double value) noexcept
   return whole_bits(signal, rounded);
 }
 
+std::optional<std::uint64_t> raw_of_digits(const Signal& signal, std::string_view digits) noexcept {
+  const auto whole_of = [digits](auto number) -> std::optional<decltype(number)> {
+    const auto end = digits.data() + digits.size();
+    const auto read = std::from_chars(digits.data(), end, number);
+    return read.ec == std::errc() && read.ptr == end ? std::optional(number) : std::nullopt;
+  };
+  // A double cannot tell whole numbers of over 53 bits one from the other.
+  if (is_plain_integer(signal)) {
+    if (signal.kind == NumberKind::unsigned_integer) {
+      if (const auto number = whole_of(std::uint64_t{0}))
+        return *number <= ones(signal.length) ? number : std::nullopt;
+    } else if (const auto number = whole_of(std::int64_t{0})) {
+      const std::int64_t highest = static_cast<std::int64_t>(ones(signal.length) >> 1);
+      if (*number > highest || *number < -highest - 1) return std::nullopt;
+      return static_cast<std::uint64_t>(*number) & ones(signal.length);
+    }
+  }
+  const auto number = whole_of(0.0);
+  return number ? raw_of(signal, *number) : std::nullopt;
+}
+
 std::optional<std::uint64_t> raw_of(const Signal& signal, std::string_view word) noexcept {
   const auto found = std::find_if(signal.words.begin(), signal.words.end(),
                                   [word](const auto& one) { return one.second == word; });
@@ -93,15 +130,51 @@ std::optional<std::uint64_t> raw_of(const Signal& signal, std::string_view word)
 }
 
 bool write_bits(const Signal& signal, std::uint64_t raw, std::span<std::uint8_t> data) noexcept {
-  bool inside = true;
-  for_each_bit(signal, [&](std::size_t byte, unsigned, unsigned) { inside = inside && byte < data.size(); });
-  if (!inside) return false;
+  if (signal.kind == NumberKind::text || !lies_in(signal, data.size())) return false;
   for_each_bit(signal, [&](std::size_t byte, unsigned bit, unsigned place) {
     const auto one = static_cast<std::uint8_t>(1u << bit);
     const bool set = ((raw >> place) & 1) != 0;
     data[byte] = static_cast<std::uint8_t>(set ? data[byte] | one : data[byte] & ~one);
   });
   return true;
+}
+
+void choose(const Message& message, const Signal& signal, std::span<std::uint8_t> data) noexcept {
+  for (const Signal* one = &signal; one->chosen_by;) {
+    const Choice& choice = *one->chosen_by;
+    one = &message.signals[choice.multiplexor];
+    const auto raw = raw_bits(*one, data);
+    const auto fits = [&raw](const auto& range) { return *raw >= range.first && *raw <= range.second; };
+    if (raw && std::none_of(choice.ranges.begin(), choice.ranges.end(), fits))
+      (void)write_bits(*one, choice.ranges.front().first, data);
+  }
+}
+
+namespace {
+
+bool is_close(std::string_view digits, double value, double distance) noexcept {
+  double read = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), read);
+  return std::abs(read - value) <= distance;
+}
+
+}  // namespace
+
+std::string value_text(const Reading& reading) {
+  const Signal& signal = *reading.signal;
+  if (signal.kind == NumberKind::text) return reading.text;
+  if (is_plain_integer(signal))
+    return signal.kind == NumberKind::unsigned_integer ? fmt::format("{}", reading.raw)
+                                                       : fmt::format("{}", signed_of(signal, reading.raw));
+  constexpr int kMostDigits = 17;
+  const bool whole = signal.kind <= NumberKind::signed_integer;
+  const double step = std::abs(signal.factor) / 1000;  // an offset of half a step is not rounded away
+  for (int digits = whole ? 10 : 6; digits < kMostDigits; ++digits) {
+    std::string text = fmt::format("{:.{}g}", reading.value, digits);
+    if (raw_of_digits(signal, text) == reading.raw && (!whole || is_close(text, reading.value, step)))
+      return text;
+  }
+  return fmt::format("{:.{}g}", reading.value, kMostDigits);
 }
 
 }  // namespace dbc

@@ -5,6 +5,8 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <list>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -12,7 +14,7 @@
 #include <vector>
 
 #include "dds/entity.h"
-#include "dds/key_guard.h"
+#include "dds/guard/topic_guard.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 #include "dds/topic.h"
@@ -22,14 +24,15 @@ namespace gateway::dds {
 /// Partitions of an endpoint that is not in that of its participant's bus.
 using Partitions = std::vector<std::string>;
 
-/// A topic and its reader or writer, without the type.
+/// A topic and its reader or writer, without the type. When its participant moves, it is made anew there: its
+/// handle changes.
 class EndpointBase {
  public:
-  dds_entity_t handle() const noexcept { return endpoint_.get(); }
+  dds_entity_t handle() const noexcept { return made_->entities.endpoint.get(); }
 
   /// How many readers (of a writer) or writers (of a reader) are matched now, as DDS told last. Never waits:
   /// asking DDS would wait for a write in progress.
-  std::uint32_t matched() const noexcept { return matches_->count; }
+  std::uint32_t matched() const noexcept { return made_->matches.count; }
 
  protected:
   /// What the listener of an endpoint knows.
@@ -41,23 +44,38 @@ class EndpointBase {
     }
   };
 
-  EndpointBase(Entity topic, DataSignal* signal)
-      : topic_(std::move(topic)), matches_(std::make_unique<Matches>()) {
-    matches_->signal = signal;
-  }
-  Matches* matches() const noexcept { return matches_.get(); }
-  dds_entity_t topic() const noexcept { return topic_.get(); }
-  void set_endpoint(Entity endpoint, Entity group) noexcept {
-    endpoint_ = std::move(endpoint);
-    group_ = std::move(group);
-  }
+  /// What it is for DDS.
+  struct Entities {
+    Entity topic;  // declared first: the endpoint goes before its topic
+    Entity group;  // publisher or subscriber of an endpoint with partitions of its own
+    Entity endpoint;
+  };
+
+  /// How it is made at a participant; throws SetupError.
+  using Make = std::function<Entities(const Participant& participant, Matches& matches)>;
+
+  /// Throws SetupError.
+  EndpointBase(const Participant& participant, DataSignal* signal, Make make);
 
  private:
-  Entity
-      topic_;  // declared first: the endpoint goes before its topic, and before what its listener writes to
-  std::unique_ptr<Matches> matches_;
-  Entity group_;  // publisher or subscriber of an endpoint with partitions of its own
-  Entity endpoint_;
+  /// Keeps its place while the endpoint moves.
+  class Made final : public Movable {
+   public:
+    Made(const Participant& participant, DataSignal* signal, Make make);
+    ~Made() override;
+    Made(const Made&) = delete;
+    Made& operator=(const Made&) = delete;
+    void move_to(const Participant& participant, std::list<Entity>& left) override;
+
+    Matches matches;  // declared before what its listener writes to it
+    Entities entities;
+
+   private:
+    const Make make_;
+    const std::shared_ptr<Movables> movables_;
+  };
+
+  std::unique_ptr<Made> made_;
 };
 
 /// Reader without the type.
@@ -71,8 +89,12 @@ class ReaderBase : public EndpointBase {
  protected:
   /// Throws SetupError. `signal` is raised when data arrives or a writer comes, goes or dies. `guard`, if
   /// there is one, bounds the keys and must outlive the reader.
-  ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal, KeyGuard* guard,
+  ReaderBase(const Participant& participant, const TopicInfo& info, DataSignal* signal, TopicGuard* guard,
              const Partitions& partitions);
+
+ private:
+  static Entities make_reader(const Participant& participant, const TopicInfo& info, TopicGuard* guard,
+                              const Partitions& partitions, Matches& matches);
 };
 
 /// Reads one topic. Entities are thread safe in Cyclone; take from one thread at a time.
@@ -81,14 +103,14 @@ class Reader : public ReaderBase {
  public:
   /// Creates the topic and a reader with the table's QoS. `signal` and `guard` (nullptr: none) must outlive
   /// the reader. Throws SetupError.
-  explicit Reader(const Participant& participant, DataSignal* signal = nullptr, KeyGuard* guard = nullptr)
+  explicit Reader(const Participant& participant, DataSignal* signal = nullptr, TopicGuard* guard = nullptr)
       : ReaderBase(participant, topic_info<T>, signal, guard, {}) {}
   /// In other partitions than that of the bus.
   Reader(const Participant& participant, const Partitions& partitions, DataSignal* signal)
       : ReaderBase(participant, topic_info<T>, signal, nullptr, partitions) {}
   /// Of another topic of the same type.
   Reader(const Participant& participant, const TopicInfo& topic, DataSignal* signal,
-         KeyGuard* guard = nullptr)
+         TopicGuard* guard = nullptr)
       : ReaderBase(participant, topic, signal, guard, {}) {}
 
   /// Takes the oldest samples in order with their information (who wrote it, when, and whether it is data or
@@ -154,14 +176,18 @@ class WriterBase : public EndpointBase {
   /// Throws SetupError. `signal` is raised when a reader comes or goes.
   WriterBase(const Participant& participant, const TopicInfo& info, std::int32_t strength, DataSignal* signal,
              std::string_view name, const Partitions& partitions);
+
+ private:
+  static Entities make_writer(const Participant& participant, const TopicInfo& info, std::int32_t strength,
+                              const std::string& name, const Partitions& partitions, Matches& matches);
 };
 
 /// Writes one topic. Any thread may write.
 template <class T>
 class Writer : public WriterBase {
  public:
-  /// Creates the topic and a writer with the table's QoS. `strength`: with exclusive ownership the living
-  /// writer with the highest wins. `signal` (nullptr: none) is raised when a reader comes or goes. `name`:
+  /// Creates the topic and a writer with the table's QoS. `strength`: where one writer has
+  /// the topic, a stronger one takes it over. `signal` (nullptr: none) is raised when a reader comes or goes. `name`:
   /// what readers are told of who writes; may be empty. Throws SetupError.
   explicit Writer(const Participant& participant, std::int32_t strength = 0, DataSignal* signal = nullptr,
                   std::string_view name = {})

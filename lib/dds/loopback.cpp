@@ -13,7 +13,6 @@
 #include <system_error>
 
 #include "dds/entity.h"
-#include "dds/loopback_ports.h"
 
 namespace gateway::dds {
 namespace {
@@ -34,15 +33,14 @@ std::optional<std::uint32_t> open_port(int descriptor) {
 
 }  // namespace
 
-void keep_to_loopback(std::uint32_t domain) {
-  const std::uint32_t first = kFirstPort + kPortsOfDomain * domain;
+void keep_to_loopback(std::uint32_t first_port, std::uint32_t ports) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
     const std::string name = entry.path().filename().string();
     int descriptor = -1;
     if (std::from_chars(name.data(), name.data() + name.size(), descriptor).ec != std::errc()) continue;
     const auto port = open_port(descriptor);
-    if (!port || *port < first || *port >= first + kPortsOfDomain) continue;
+    if (!port || *port < first_port || *port >= first_port + ports) continue;
     constexpr char kDevice[] = "lo";
     if (::setsockopt(descriptor, SOL_SOCKET, SO_BINDTODEVICE, kDevice, sizeof kDevice) != 0) {
       throw SetupError(

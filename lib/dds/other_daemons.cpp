@@ -8,16 +8,15 @@
 #include <string_view>
 
 #include "dds/bounded_text.h"
+#include "text/visible.h"
 
 namespace gateway::dds {
 namespace {
 
 /// Printable ASCII of what a peer says.
 std::string printable(std::string_view said) {
-  std::string out(said.empty() ? "(not told)" : said);
-  std::replace_if(
-      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c > 0x7E; }, '?');
-  return out;
+  constexpr std::size_t kLongest = 255;  // of a name in DDS
+  return ::text::visible_ascii(said.empty() ? "(not told)" : said, kLongest);
 }
 
 std::string own_name(const gateway_GatewayStatus& status) {
@@ -44,7 +43,8 @@ OtherDaemons::News OtherDaemons::look() {
       return other.writer == info.publication_handle;
     });
     if (known != there_.end()) return;
-    there_.push_back({info.publication_handle, identity, own_name(status)});
+    there_.push_back(
+        {info.publication_handle, identity, own_name(status), printable(text(status.host)), status.process});
     news.came.push_back(there_.back());
   });
   std::erase_if(there_, [&](const OtherDaemon& other) {
@@ -57,7 +57,7 @@ OtherDaemons::News OtherDaemons::look() {
   return news;
 }
 
-std::vector<std::string> names_in_use(std::span<const Participant> buses) {
+std::vector<std::optional<OtherDaemon>> names_in_use(std::span<const Participant> buses) {
   using Clock = std::chrono::steady_clock;
   DataSignal signal;
   std::vector<OtherDaemons> others;
@@ -81,10 +81,11 @@ std::vector<std::string> names_in_use(std::span<const Participant> buses) {
     signal.clear();
     for (OtherDaemons& bus : others) (void)bus.look();
   }
-  std::vector<std::string> names;
-  names.reserve(others.size());
-  for (const OtherDaemons& bus : others) names.push_back(bus.there().empty() ? "" : bus.there().front().name);
-  return names;
+  std::vector<std::optional<OtherDaemon>> first;
+  first.reserve(others.size());
+  for (const OtherDaemons& bus : others)
+    first.push_back(bus.there().empty() ? std::nullopt : std::optional(bus.there().front()));
+  return first;
 }
 
 }  // namespace gateway::dds

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,7 +20,9 @@ namespace gateway::dds {
 struct OtherDaemon {
   dds_instance_handle_t writer = 0;  ///< of its status
   DaemonIdentity identity = {};
-  std::string name;  ///< "cansyncd 0.1.0, process 1234 on host plc7"
+  std::string name;           ///< "cansyncd 0.1.0, process 1234 on host plc7"
+  std::string host;           ///< "plc7"; empty: it was not told
+  std::uint32_t process = 0;  ///< its number there
 };
 
 /// Sees the other daemons of a bus by their GatewayStatus. A daemon that was killed before this object was
@@ -53,9 +56,9 @@ class OtherDaemons {
 };
 
 /// Looks which of these buses a daemon serves already, before one is started: at most `kLongestLook` for all
-/// of them, and `kShortLook` when no other program is in their domains. The name of one daemon for each bus,
-/// in their order; empty: none was found. Throws SetupError.
-std::vector<std::string> names_in_use(std::span<const Participant> buses);
+/// of them, and `kShortLook` when no other program is in their domains. One daemon for each bus, in their
+/// order; nothing: none was found. Throws SetupError.
+std::vector<std::optional<OtherDaemon>> names_in_use(std::span<const Participant> buses);
 inline constexpr std::chrono::milliseconds kShortLook{100};
 inline constexpr std::chrono::milliseconds kLongestLook{300};
 

@@ -7,10 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <list>
 #include <map>
 #include <mutex>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -28,7 +33,8 @@ namespace {
 /// Several can be the same domain on the network.
 struct Domain {
   Entity entity;
-  std::uint32_t id = 0;  ///< in this process
+  std::uint32_t id = 0;    ///< in this process
+  std::uint32_t port = 0;  ///< of one that serves on `lo`, the only one; else 0
   unsigned users = 0;
 };
 
@@ -81,8 +87,9 @@ void expect_descriptors(const ParticipantOptions& options) {
   }
 }
 
-/// Opens the domain under this number of this process. A negative DDS return code when that cannot be done.
-dds_entity_t open_domain(const ParticipantOptions& options, std::uint32_t id) {
+/// Opens the domain under this number of this process; instead of the entity a negative DDS return code when
+/// that cannot be done, and the port of `Domain`.
+std::pair<dds_entity_t, std::uint32_t> open_domain(const ParticipantOptions& options, std::uint32_t id) {
   const auto open = [&](std::uint32_t place) {
     std::string text = configuration(options, place);
     if (id != options.domain) {
@@ -92,28 +99,29 @@ dds_entity_t open_domain(const ParticipantOptions& options, std::uint32_t id) {
     }
     return dds_create_domain(id, text.c_str());
   };
-  if (!on_loopback(options) || !options.serves) return open(0);
+  if (!on_loopback(options) || !options.serves) return {open(0), 0};
   for (std::uint32_t place = 0; place < kPlaces; ++place) {
     const std::uint32_t port =
         serving_port(options.domain, index_of_place(place_owner(buses_of(options)), place));
     if (!is_free(port)) continue;
     const dds_entity_t handle = open(place);
     // Another program may have taken it in between.
-    if (handle >= 0 || is_free(port)) return handle;
+    if (handle >= 0 || is_free(port)) return {handle, port};
   }
-  return DDS_RETCODE_OUT_OF_RESOURCES;
+  return {DDS_RETCODE_OUT_OF_RESOURCES, 0};
 }
 
 /// One participant's share of a domain; the last one closes it.
 class DomainShare {
  public:
   explicit DomainShare(const ParticipantOptions& options)
-      : key_(fmt::format("{} {}", options.domain, configuration(options))) {
+      : key_(fmt::format("{} {} {}", options.domain, options.link, configuration(options))) {
     OpenDomains& open = open_domains();
     const std::lock_guard lock(open.mutex);
     if (const auto known = open.domain.find(key_); known != open.domain.end()) {
       ++known->second.users;
       id_ = known->second.id;
+      port_ = known->second.port;
       return;
     }
     id_ = options.domain;
@@ -126,7 +134,7 @@ class DomainShare {
     if (open.has(id_)) id_ = kMaximumDomain + 1;
     while (open.has(id_)) ++id_;
     expect_descriptors(options);
-    const dds_entity_t handle = open_domain(options, id_);
+    const auto [handle, port] = open_domain(options, id_);
     if (handle < 0) {
       fail_at(
           options, "creating the DDS domain", handle,
@@ -136,7 +144,8 @@ class DomainShare {
                             text_of(places_taken(options.domain)))
               : "check the given Cyclone DDS configuration");
     }
-    open.domain[key_] = {Entity(handle), id_, 1};
+    port_ = port;
+    open.domain[key_] = {Entity(handle), id_, port, 1};
   }
   ~DomainShare() {
     OpenDomains& open = open_domains();
@@ -149,10 +158,13 @@ class DomainShare {
 
   /// Its number in this process.
   std::uint32_t id() const noexcept { return id_; }
+  /// The only one it listens at, of one that serves on `lo`; else 0.
+  std::uint32_t port() const noexcept { return port_; }
 
  private:
   std::string key_;
   std::uint32_t id_ = 0;
+  std::uint32_t port_ = 0;
 };
 
 void check_options(const ParticipantOptions& options) {
@@ -219,8 +231,12 @@ std::string configuration(const ParticipantOptions& options, std::uint32_t place
   // Without hashes of keys, other implementations do not take Cyclone's word that an endpoint has gone, and
   // notice it when its lease is over. No sample is larger than a transfer's.
   constexpr std::string_view kServes =
-      "<Internal><GenerateKeyhash>true</GenerateKeyhash><MaxSampleSize>17 MiB</MaxSampleSize><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 "
-      "MiB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>";
+      "<Internal><GenerateKeyhash>true</GenerateKeyhash><MaxSampleSize>17 "
+      "MiB</MaxSampleSize><Watermarks><WhcHigh>64 MiB</WhcHigh><WhcHighInit>64 "
+      "MiB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>{}</Internal>";
+  // Cyclone ends each receiving thread by a packet to itself, which never comes by an interface that is gone;
+  // the one that waits for all sockets it ends without.
+  constexpr std::string_view kOneReceiver = "<MultipleReceiveThreads>false</MultipleReceiveThreads>";
   const bool loopback = options.interface == "lo";
   const auto discovery = [&] {
     if (options.serves) return serving_discovery(options.domain, buses_of(options), place);
@@ -228,7 +244,7 @@ std::string configuration(const ParticipantOptions& options, std::uint32_t place
                                           : asking_all_discovery(options.domain);
   };
   return fmt::format(kFrame, options.interface, loopback ? "false" : "default", loopback ? discovery() : "",
-                     options.serves ? kServes : "");
+                     options.serves ? fmt::format(kServes, loopback ? "" : kOneReceiver) : "");
 }
 
 /// What is one participant on the network.
@@ -246,7 +262,13 @@ struct Participant::Shared {
                     "program, and do the files of " +
                         options.security + " fit together?");
     }
-    if (on_loopback(options)) keep_to_loopback(options.domain);
+    if (!on_loopback(options)) return;
+    // Others of a program that serves may be on a network.
+    if (domain.port() != 0) {
+      keep_to_loopback(domain.port(), 1);
+    } else {
+      keep_to_loopback(kFirstPort + kPortsOfDomain * options.domain, kPortsOfDomain);
+    }
   }
   Mismatches mismatches;  // declared before what is listened to
   DomainShare domain;     // declared before its participant: goes after it
@@ -254,10 +276,23 @@ struct Participant::Shared {
 };
 
 struct Participant::Impl {
-  ParticipantOptions options;
-  std::shared_ptr<Shared> shared;  // declared before its publisher and subscriber: goes after them
-  Entity publisher;
-  Entity subscriber;
+  /// What moves.
+  struct Place {
+    ParticipantOptions options;
+    std::shared_ptr<Shared> shared;  // declared before its publisher and subscriber: goes after them
+    Entity publisher;
+    Entity subscriber;
+  };
+
+  explicit Impl(Place at) : place(std::move(at)) {}
+
+  std::mutex mutex;  ///< of `place`, which other threads may ask for while it moves
+  Place place;
+  std::shared_ptr<Movables> movables = std::make_shared<Movables>();
+  std::vector<std::future<void>> leaving;  ///< each deletes what was before a move
+
+  /// Throws SetupError.
+  static Place make_place(const ParticipantOptions& options, std::shared_ptr<Shared> shared);
 };
 
 Participant::Participant(const ParticipantOptions& options) {
@@ -266,17 +301,22 @@ Participant::Participant(const ParticipantOptions& options) {
 }
 
 Participant::Participant(const ParticipantOptions& options, std::shared_ptr<Shared> shared)
-    : impl_(std::make_unique<Impl>(Impl{options, std::move(shared), {}, {}})) {
-  const dds_entity_t participant = handle();
+    : impl_(std::make_unique<Impl>(Impl::make_place(options, std::move(shared)))) {}
+
+Participant::Impl::Place Participant::Impl::make_place(const ParticipantOptions& options,
+                                                       std::shared_ptr<Shared> shared) {
+  Place place{options, std::move(shared), {}, {}};
+  const dds_entity_t participant = place.shared->participant.get();
   const Qos qos(dds_create_qos());
-  const char* partition = impl_->options.partition.c_str();
+  const char* partition = place.options.partition.c_str();
   dds_qset_partition(qos.get(), 1, &partition);
   const dds_entity_t publisher = dds_create_publisher(participant, qos.get(), nullptr);
-  if (publisher < 0) fail("creating the DDS publisher", publisher, "check the bus name");
-  impl_->publisher = Entity(publisher);
+  if (publisher < 0) fail_at(options, "creating the DDS publisher", publisher, "check the bus name");
+  place.publisher = Entity(publisher);
   const dds_entity_t subscriber = dds_create_subscriber(participant, qos.get(), nullptr);
-  if (subscriber < 0) fail("creating the DDS subscriber", subscriber, "check the bus name");
-  impl_->subscriber = Entity(subscriber);
+  if (subscriber < 0) fail_at(options, "creating the DDS subscriber", subscriber, "check the bus name");
+  place.subscriber = Entity(subscriber);
+  return place;
 }
 
 Participant::~Participant() = default;
@@ -284,20 +324,79 @@ Participant::Participant(Participant&&) noexcept = default;
 Participant& Participant::operator=(Participant&&) noexcept = default;
 
 Participant Participant::once_more() const {
-  return Participant(impl_->options, impl_->shared);
+  const std::lock_guard lock(impl_->mutex);
+  return Participant(impl_->place.options, impl_->place.shared);
+}
+
+void Participant::move_to(const std::string& interface, const std::string& link) const {
+  ParticipantOptions options = impl_->place.options;
+  options.interface = interface;
+  options.link = link;
+  check_options(options);
+  Impl::Place place = Impl::make_place(options, std::make_shared<Shared>(options));
+  {
+    const std::lock_guard lock(impl_->mutex);
+    std::swap(place, impl_->place);
+  }
+  // A writer waits up to a second for readers that have not acknowledged everything, and those of an interface
+  // that is gone never do.
+  struct Left {
+    Impl::Place place;
+    std::list<Entity> endpoints;  // go before their place, the first at first
+  };
+  auto left = std::make_shared<Left>();
+  left->place = std::move(place);
+  const std::exception_ptr failed = impl_->movables->move_to(*this, left->endpoints);
+  std::erase_if(impl_->leaving, [](const std::future<void>& one) {
+    return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
+  // Should there be no thread for it, it is deleted here.
+  try {
+    impl_->leaving.push_back(
+        std::async(std::launch::async, [left = std::move(left)]() mutable { left.reset(); }));
+  } catch (const std::system_error&) {
+  }
+  if (failed) std::rethrow_exception(failed);
+}
+
+const std::shared_ptr<Movables>& Participant::movables() const noexcept {
+  return impl_->movables;
+}
+
+void Movables::add(Movable& one) {
+  const std::lock_guard lock(mutex_);
+  all_.push_back(&one);
+}
+
+void Movables::remove(Movable& one) noexcept {
+  const std::lock_guard lock(mutex_);
+  all_.remove(&one);
+}
+
+std::exception_ptr Movables::move_to(const Participant& participant, std::list<Entity>& left) {
+  const std::lock_guard lock(mutex_);
+  std::exception_ptr failed;
+  for (Movable* one : all_) {
+    try {
+      one->move_to(participant, left);
+    } catch (const SetupError&) {
+      if (!failed) failed = std::current_exception();
+    }
+  }
+  return failed;
 }
 
 const ParticipantOptions& Participant::options() const noexcept {
-  return impl_->options;
+  return impl_->place.options;
 }
 dds_entity_t Participant::handle() const noexcept {
-  return impl_->shared->participant.get();
+  return impl_->place.shared->participant.get();
 }
 dds_entity_t Participant::publisher() const noexcept {
-  return impl_->publisher.get();
+  return impl_->place.publisher.get();
 }
 dds_entity_t Participant::subscriber() const noexcept {
-  return impl_->subscriber.get();
+  return impl_->place.subscriber.get();
 }
 std::uint32_t Participant::others() const noexcept {
   const Entity reader(dds_create_reader(handle(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr));
@@ -312,15 +411,15 @@ std::uint32_t Participant::others() const noexcept {
 }
 
 std::uint64_t Participant::mismatches() const noexcept {
-  return impl_->shared->mismatches.count;
+  return impl_->place.shared->mismatches.count;
 }
 
 std::uint64_t Participant::type_mismatches() const noexcept {
-  return impl_->shared->mismatches.of_types;
+  return impl_->place.shared->mismatches.of_types;
 }
 
 std::string Participant::place() const {
-  return place_of(impl_->options);
+  return place_of(impl_->place.options);
 }
 
 std::vector<Participant> participants(std::vector<ParticipantOptions> options) {
@@ -341,13 +440,13 @@ std::vector<Participant> participants(std::vector<ParticipantOptions> options) {
       return network(each.options()) == network(one);
     });
     made.push_back(Participant(
-        one, known == made.end() ? std::make_shared<Participant::Shared>(one) : known->impl_->shared));
+        one, known == made.end() ? std::make_shared<Participant::Shared>(one) : known->impl_->place.shared));
   }
   return made;
 }
 
 void Participant::fail(const std::string& what, dds_return_t code, const std::string& remedy) const {
-  fail_at(impl_->options, what, code, remedy);
+  fail_at(impl_->place.options, what, code, remedy);
 }
 
 }  // namespace gateway::dds

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
+#include <list>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -11,6 +14,8 @@ namespace gateway::dds {
 
 /// Domains above this have no room for unicast discovery ports below 65536.
 inline constexpr std::uint32_t kMaximumDomain = 230;
+
+class Participant;
 
 /// Where topics are looked for and offered.
 struct ParticipantOptions {
@@ -30,6 +35,36 @@ struct ParticipantOptions {
   bool final_types = false;
   /// With `serves`: all its buses, this one among them; else not empty: it looks for all. Empty: this one.
   std::vector<std::string> all_partitions;
+  /// What the interface is: another text is another one, such as after a change of its address.
+  std::string link = {};
+};
+
+/// What is made anew when its participant moves.
+class Movable {
+ public:
+  virtual ~Movable() = default;
+  /// Makes it anew at `participant`. What it was before goes into `left`, to be deleted in this order. Throws
+  /// SetupError, and is nothing for DDS then.
+  virtual void move_to(const Participant& participant, std::list<Entity>& left) = 0;
+
+ protected:
+  Movable() = default;
+  Movable(const Movable&) = default;
+  Movable& operator=(const Movable&) = default;
+};
+
+/// Everything of a participant that moves with it. Any thread.
+class Movables {
+ public:
+  void add(Movable& one);
+  /// Waits for a move in progress.
+  void remove(Movable& one) noexcept;
+  /// Moves all, in the order in which they were made. Returns the first SetupError; null: there was none.
+  std::exception_ptr move_to(const Participant& participant, std::list<Entity>& left);
+
+ private:
+  std::mutex mutex_;
+  std::list<Movable*> all_;
 };
 
 /// The Cyclone DDS configuration for these options: the interface alone; on `lo` no multicast, so that it
@@ -57,6 +92,17 @@ class Participant {
   /// The same participant of DDS with a publisher and a subscriber of its own, for who takes the place of
   /// what has this one. Throws SetupError.
   Participant once_more() const;
+
+  /// Becomes another participant of DDS, on this interface, with every reader and writer that was made with
+  /// it; what late readers are to be told is told again. To the others that is one that has left and one that
+  /// has come. What was not taken from readers is lost. What was before is deleted by a thread of its own,
+  /// which the destructor waits for. Throws SetupError: nothing has changed when the interface cannot be used,
+  /// else some readers and writers are without function until the next move. By the thread that alone uses the
+  /// readers and writers; not with `xml`.
+  void move_to(const std::string& interface, const std::string& link) const;
+
+  /// What moves with it.
+  const std::shared_ptr<Movables>& movables() const noexcept;
 
   const ParticipantOptions& options() const noexcept;
   dds_entity_t handle() const noexcept;

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "dds/entity.h"
+#include "text/visible.h"
 
 namespace gateway::dds {
 namespace {
@@ -44,10 +45,7 @@ ProcessFacts facts_of(const dds_qos_t* qos) {
 
 std::string printable_part(std::string_view text) {
   constexpr std::size_t kLongest = 40;
-  std::string out(text.substr(0, kLongest));
-  std::replace_if(
-      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c > 0x7E; }, '?');
-  return out;
+  return text::visible_ascii(text, kLongest);
 }
 
 ProcessFacts process_facts(const Participant& participant, const std::array<std::uint8_t, 16>& key) {

@@ -9,7 +9,7 @@
 
 namespace gateway::dds {
 
-/// The first 40 bytes of what a peer says, '?' for all that is not printable ASCII. Any thread.
+/// The beginning of what a peer says, as printable ASCII of at most 40 bytes; any other byte as "\x1b". Any thread.
 std::string printable_part(std::string_view text);
 
 /// What a participant says of its process; each empty or 0 when it says nothing. Not checked, but shortened,

@@ -2,6 +2,7 @@
 
 #include <dds/dds.h>
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,17 @@ struct SecurityFiles {
 /// expired, issued or signed by another authority, or gives no right on the bus (partition). Nothing: they
 /// can be used. Any thread.
 std::optional<std::string> security_problem(const std::string& folder, const std::string& partition);
+
+/// The first of the files of an identity that ends.
+struct IdentityEnd {
+  std::string file;  ///< a certificate, or the permissions
+  std::chrono::system_clock::time_point at;
+  bool is_authority = false;  ///< the certificate of an authority: a new identity does not help
+};
+
+/// When the identity of this folder ends: the first of its certificate, those of both authorities and the
+/// permissions. What cannot be read has no end; nothing: none can be. Any thread; reads files.
+std::optional<IdentityEnd> identity_end(const std::string& folder);
 
 /// "CN=bob,OU=viewer,O=cansync"; empty when the certificate cannot be read.
 std::string security_subject(const std::string& folder);

@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <ctime>
 #include <memory>
 #include <vector>
 
@@ -66,11 +68,17 @@ Certificate read_certificate(const std::string& path) {
   return Certificate(in ? PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr) : nullptr);
 }
 
-Problem check_certificate(const std::string& path, const X509* certificate) {
+constexpr const char* kRenew =
+    "renew it where the authorities are (cansync-security renew DIR NAME), and copy the folder DIR/NAME here";
+constexpr const char* kNewAuthorities =
+    "an authority cannot be renewed: make new ones (cansync-security init), and new identities for the daemon and all "
+    "clients";
+
+/// `remedy`: of one that has expired.
+Problem check_certificate(const std::string& path, const X509* certificate, const char* remedy) {
   if (certificate == nullptr) return fmt::format("{}: holds no certificate (PEM)", path);
   if (X509_cmp_current_time(X509_get0_notAfter(certificate)) < 0) {
-    return fmt::format("{}: expired on {}; make a new one: cansync-security add", path,
-                       date_text(X509_get0_notAfter(certificate)));
+    return fmt::format("{}: expired on {}; {}", path, date_text(X509_get0_notAfter(certificate)), remedy);
   }
   if (X509_cmp_current_time(X509_get0_notBefore(certificate)) > 0) {
     return fmt::format("{}: valid from {} on; is the clock of this computer right?", path,
@@ -124,6 +132,27 @@ std::vector<std::string> elements(std::string_view xml, const std::string& tag) 
   return out;
 }
 
+using Instant = std::chrono::system_clock::time_point;
+
+std::optional<Instant> end_of(const X509* certificate) {
+  tm end = {};
+  if (certificate == nullptr || ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &end) != 1)
+    return std::nullopt;
+  return std::chrono::system_clock::from_time_t(timegm(&end));
+}
+
+/// The earliest end that a permissions document names: "2036-01-31T12:00:00Z".
+std::optional<Instant> end_of(const std::string& permissions) {
+  std::optional<Instant> first;
+  for (const std::string& text : elements(permissions, "not_after")) {
+    tm end = {};
+    if (::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%SZ", &end) == nullptr) continue;
+    const Instant at = std::chrono::system_clock::from_time_t(timegm(&end));
+    if (!first || at < *first) first = at;
+  }
+  return first;
+}
+
 bool any_fits(const std::vector<std::string>& patterns, const std::string& text) {
   return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
     return ::fnmatch(pattern.c_str(), text.c_str(), 0) == 0;
@@ -163,9 +192,10 @@ Problem check_files(const SecurityFiles& files, const std::string& partition) {
   const Certificate identity_ca = read_certificate(files.identity_ca);
   const Certificate permissions_ca = read_certificate(files.permissions_ca);
   const Certificate certificate = read_certificate(files.certificate);
-  if (auto problem = check_certificate(files.identity_ca, identity_ca.get())) return problem;
-  if (auto problem = check_certificate(files.permissions_ca, permissions_ca.get())) return problem;
-  if (auto problem = check_certificate(files.certificate, certificate.get())) return problem;
+  if (auto problem = check_certificate(files.identity_ca, identity_ca.get(), kNewAuthorities)) return problem;
+  if (auto problem = check_certificate(files.permissions_ca, permissions_ca.get(), kNewAuthorities))
+    return problem;
+  if (auto problem = check_certificate(files.certificate, certificate.get(), kRenew)) return problem;
   if (X509_verify(certificate.get(), X509_get0_pubkey(identity_ca.get())) != 1) {
     return fmt::format(
         "{}: was not issued by identity_ca.pem; use the folder as `cansync-security add` made it",
@@ -181,6 +211,8 @@ Problem check_files(const SecurityFiles& files, const std::string& partition) {
           path);
     }
   }
+  if (const auto end = end_of(*permissions); end && *end <= std::chrono::system_clock::now())
+    return fmt::format("{}: its validity has ended; {}", files.permissions, kRenew);
   return check_permissions(files.permissions, *permissions, subject_of(certificate.get()), partition);
 }
 
@@ -190,6 +222,24 @@ std::optional<std::string> security_problem(const std::string& folder, const std
   auto problem = check_files(SecurityFiles(folder), partition);
   ERR_clear_error();
   return problem;
+}
+
+std::optional<IdentityEnd> identity_end(const std::string& folder) {
+  const SecurityFiles files(folder);
+  std::optional<IdentityEnd> first;
+  const auto take = [&first](const std::string& file, std::optional<Instant> at, bool is_authority) {
+    if (at && (!first || *at < first->at)) first = IdentityEnd{file, *at, is_authority};
+  };
+  const Certificate permissions_ca = read_certificate(files.permissions_ca);
+  // Of those that end together the identity is named: it can be renewed.
+  take(files.certificate, end_of(read_certificate(files.certificate).get()), false);
+  const auto permissions =
+      permissions_ca ? signed_text(files.permissions, permissions_ca.get()) : std::nullopt;
+  if (permissions) take(files.permissions, end_of(*permissions), false);
+  take(files.identity_ca, end_of(read_certificate(files.identity_ca).get()), true);
+  take(files.permissions_ca, end_of(permissions_ca.get()), true);
+  ERR_clear_error();
+  return first;
 }
 
 std::string security_subject(const std::string& folder) {

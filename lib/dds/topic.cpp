@@ -10,7 +10,7 @@ Qos common(const TopicQos& qos) {
   dds_qset_history(out.get(), qos.keep_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST, qos.depth);
   dds_qset_durability(out.get(),
                       qos.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_ownership(out.get(), qos.exclusive ? DDS_OWNERSHIP_EXCLUSIVE : DDS_OWNERSHIP_SHARED);
+  dds_qset_ownership(out.get(), DDS_OWNERSHIP_SHARED);
   return out;
 }
 
@@ -22,7 +22,7 @@ Qos reader_qos(const TopicInfo& topic) {
   Qos qos = common(topic.qos);
   if (topic.qos.transient_local && topic.qos.depth > 1)
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kWriters * topic.qos.depth);
-  if (topic.qos.exclusive) dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, topic.qos.lease);
+  if (topic.qos.owned) dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, topic.qos.lease);
   if (topic.qos.max_samples > 0) {
     dds_qset_resource_limits(qos.get(), topic.qos.max_samples, topic.qos.max_instances,
                              topic.qos.max_samples_per_instance);
@@ -32,7 +32,7 @@ Qos reader_qos(const TopicInfo& topic) {
 
 Qos writer_qos(const TopicInfo& topic, std::int32_t strength) {
   Qos qos = common(topic.qos);
-  if (topic.qos.exclusive) {
+  if (topic.qos.owned) {
     dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, topic.qos.offered_lease);
     dds_qset_ownership_strength(qos.get(), strength);
     // A writer that leaves gives its keys up; disposing of them would take them from the others too.

@@ -16,10 +16,12 @@ inline constexpr std::uint32_t kOpenRequests = 64;
 /// QoS of one topic, for its readers and writers alike unless said otherwise.
 struct TopicQos {
   bool reliable = true;
-  bool keep_all = false;                        ///< true: requests and replies; false: keep last `depth`
-  std::int32_t depth = 1;                       ///< samples kept per key
-  bool transient_local = false;                 ///< late readers get the last `depth` samples
-  bool exclusive = false;                       ///< exclusive ownership, automatic liveliness
+  bool keep_all = false;         ///< true: requests and replies; false: keep last `depth`
+  std::int32_t depth = 1;        ///< samples kept per key
+  bool transient_local = false;  ///< late readers get the last `depth` samples
+  /// One writer has it at a time, as the daemon decides by strength: automatic liveliness. Ownership is shared:
+  /// with the exclusive one of DDS a reader would not see who waits, and of equal strengths GUIDs would decide.
+  bool owned = false;
   dds_duration_t lease = DDS_INFINITY;          ///< liveliness lease a reader asks for (ns)
   dds_duration_t offered_lease = DDS_INFINITY;  ///< liveliness lease our writers offer (ns)
   /// Keep all: most samples, keys and samples per key a reader holds until they are taken; a writer that
@@ -78,10 +80,10 @@ constexpr TopicQos events() {
   return {.depth = 100, .transient_local = true};
 }
 
-/// Strongest living writer wins; a reader asks for signs of life at least every second. Values may be written
+/// What one writer has at a time; a reader asks for signs of life at least every second. Values may be written
 /// for intervals ahead, as many as the master keeps waiting.
-constexpr TopicQos exclusive() {
-  return {.depth = 16, .exclusive = true, .lease = DDS_SECS(1), .offered_lease = DDS_MSECS(500)};
+constexpr TopicQos owned() {
+  return {.depth = 16, .owned = true, .lease = DDS_SECS(1), .offered_lease = DDS_MSECS(500)};
 }
 
 /// No peer can make a reader grow without end. A client's samples have room for as many requests as it may
@@ -117,7 +119,7 @@ using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
 /// QoS for a reader of the topic.
 Qos reader_qos(const TopicInfo& topic);
-/// QoS for a writer of the topic; `strength` (0 and more, the highest wins) counts with exclusive ownership.
+/// QoS for a writer of the topic; `strength` (0 and more): where one writer has it, a stronger one takes it over.
 Qos writer_qos(const TopicInfo& topic, std::int32_t strength = 0);
 
 }  // namespace gateway::dds

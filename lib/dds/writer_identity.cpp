@@ -66,6 +66,7 @@ std::optional<WriterIdentity> identify_writer(const Participant& participant, dd
   if (!endpoint) return std::nullopt;
   WriterIdentity identity;
   (void)dds_qget_ownership_strength(endpoint->qos, &identity.strength);
+  std::copy(std::begin(endpoint->key.v), std::end(endpoint->key.v), identity.guid.begin());
   identity.who = program_of(participant, *endpoint);
   return identity;
 }

@@ -2,6 +2,7 @@
 
 #include <dds/dds.h>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,7 +15,8 @@ namespace gateway::dds {
 /// Who is behind a writer, as far as it tells.
 struct WriterIdentity {
   std::string who;  ///< e.g. "'lead axis' (lead_axis, process 1234 on host plc7)"; at most 127 bytes
-  std::int32_t strength = 0;  ///< of its ownership
+  std::int32_t strength = 0;               ///< of its ownership
+  std::array<std::uint8_t, 16> guid = {};  ///< of DDS; all 0: not known
 };
 
 /// The program that an endpoint belongs to, in words like `WriterIdentity::who`; never empty. Any thread;

@@ -22,16 +22,46 @@ std::optional<Name> ClaimTable::at(Address address) const noexcept {
   return address < kAddresses ? names_[address] : std::nullopt;
 }
 
+namespace {
+
+can::Frame request_for_all() noexcept {
+  return frame_of(identifier_of(pgn::kRequest, 6, kGlobalAddress, kNullAddress),
+                  std::array<std::uint8_t, 3>{0x00, 0xEE, 0x00});
+}
+
+}  // namespace
+
 void AddressClaim::start(Time now) noexcept {
   now_ = now;
   ask_ = true;
   if (!settings_.preferred) return;
   name_twice_ = false;
   claim(address_ <= 253 ? address_ : *settings_.preferred);
+  if (settings_.ask_time <= Time{0}) return;
+  asking_ = true;
+  asked_until_ = Time::max();
+  say_ = false;
+}
+
+bool AddressClaim::own_name_heard() const noexcept {
+  for (unsigned i = 0; i < ClaimTable::kAddresses; ++i) {
+    if (table_.at(static_cast<Address>(i)) == settings_.name) return true;
+  }
+  return false;
+}
+
+/// The answers are there: another's address is left to it.
+void AddressClaim::claim_what_is_free(Time now) noexcept {
+  name_twice_ = own_name_heard();
+  if (!name_twice_ && !table_.at(address_)) return claim(address_);
+  const auto other = another();
+  if (other) return claim(*other);
+  give_up(now);
 }
 
 void AddressClaim::claim(Address address) noexcept {
   address_ = address;
+  asking_ = false;
   state_ = ClaimState::claiming;
   claimed_at_ = Time::max();
   say_ = true;
@@ -46,6 +76,7 @@ Time AddressClaim::answer_delay() const noexcept {
 }
 
 void AddressClaim::give_up(Time now) noexcept {
+  asking_ = false;
   state_ = ClaimState::cannot_claim;
   address_ = kNullAddress;
   claimed_at_ = Time::max();
@@ -90,7 +121,7 @@ void AddressClaim::claim_received(Address source, Name name, Time now) noexcept 
 }
 
 void AddressClaim::claim_requested(Time now) noexcept {
-  if (state_ == ClaimState::listening || say_) return;
+  if (state_ == ClaimState::listening || asking_ || say_) return;
   say_ = true;
   say_not_before_ = now + (state_ == ClaimState::cannot_claim ? answer_delay() : Time{0});
 }
@@ -120,8 +151,7 @@ can::Frame AddressClaim::claim_frame() const noexcept {
 
 std::optional<can::Frame> AddressClaim::next_frame() const noexcept {
   if (ask_) {
-    return frame_of(identifier_of(pgn::kRequest, 6, kGlobalAddress, kNullAddress),
-                    std::array<std::uint8_t, 3>{0x00, 0xEE, 0x00});
+    return request_for_all();
   }
   if (say_ && say_not_before_ <= now_) return claim_frame();
   return std::nullopt;
@@ -136,11 +166,16 @@ void AddressClaim::handed_over() noexcept {
 }
 
 void AddressClaim::sent(const can::Frame& frame, Time end) noexcept {
+  if (asking_ && asked_until_ == Time::max() && frame == request_for_all())
+    asked_until_ = end + settings_.ask_time;
+  if (asking_) return;
   if (state_ != ClaimState::claiming || claimed_at_ != Time::max() || frame != claim_frame()) return;
   claimed_at_ = end + kClaimTime;
 }
 
 void AddressClaim::unseen(const can::Frame& frame) noexcept {
+  if (asking_ && asked_until_ == Time::max() && frame == request_for_all()) ask_ = true;
+  if (asking_) return;
   if (state_ != ClaimState::claiming || claimed_at_ != Time::max() || frame != claim_frame()) return;
   say_ = true;
   say_not_before_ = now_;
@@ -148,6 +183,7 @@ void AddressClaim::unseen(const can::Frame& frame) noexcept {
 
 void AddressClaim::advance(Time now) noexcept {
   now_ = now;
+  if (asking_ && asked_until_ <= now) claim_what_is_free(now);
   if (state_ == ClaimState::claiming && claimed_at_ <= now) {
     state_ = ClaimState::claimed;
     claimed_at_ = Time::max();
@@ -157,6 +193,7 @@ void AddressClaim::advance(Time now) noexcept {
 Time AddressClaim::next_deadline() const noexcept {
   Time next = Time::max();
   if (state_ == ClaimState::claiming && claimed_at_ > now_) next = claimed_at_;
+  if (asking_) next = asked_until_;
   if (say_ && say_not_before_ > now_) next = std::min(next, say_not_before_);
   return next;
 }
@@ -166,7 +203,7 @@ std::optional<Address> AddressClaim::address() const noexcept {
 }
 
 std::optional<Address> AddressClaim::wanted() const noexcept {
-  const bool has = state_ == ClaimState::claiming || state_ == ClaimState::claimed;
+  const bool has = (state_ == ClaimState::claiming && !asking_) || state_ == ClaimState::claimed;
   return has ? std::optional(address_) : std::nullopt;
 }
 

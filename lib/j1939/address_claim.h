@@ -12,9 +12,10 @@ namespace j1939 {
 
 /// How far a controller application has got with its address.
 enum class ClaimState : std::uint8_t {
-  listening,     ///< was given no address: receives only
-  claiming,      ///< its claim is to be sent, or was sent less than 250 ms ago
-  claimed,       ///< has its address
+  listening,  ///< was given no address: receives only
+  claiming,   ///< the answers to its request are waited for, its claim is to be sent, or was sent less than
+              ///< 250 ms ago
+  claimed,    ///< has its address
   cannot_claim,  ///< lost its address and found no other: may send nothing but that
 };
 
@@ -26,6 +27,9 @@ struct ClaimSettings {
       128;                   ///< 0..253: with an arbitrary address in its NAME, the first it may take instead
   Address last_other = 247;  ///< at least `first_other`
   bool takes_commands = true;  ///< another may command it to an address (PGN 65240)
+  /// From its request for all addresses on the bus to its own claim: who has answered by then keeps its
+  /// address, however weak its NAME. 0: it claims at once, and contests.
+  Time ask_time{0};
 };
 
 /// Who has claimed which address, as was heard.
@@ -58,7 +62,8 @@ class AddressClaim {
   /// Nothing is claimed before `start`.
   explicit AddressClaim(const ClaimSettings& settings) noexcept : settings_(settings) {}
 
-  /// Asks all for their addresses and claims its own; again, when the controller forgot what it was given.
+  /// Asks all for their addresses and claims its own after `ClaimSettings::ask_time`; again, when the
+  /// controller forgot what it was given.
   void start(Time now) noexcept;
 
   /// Another claims `source` (or says with kNullAddress that it has none).
@@ -101,6 +106,8 @@ class AddressClaim {
 
  private:
   void claim(Address address) noexcept;
+  void claim_what_is_free(Time now) noexcept;
+  bool own_name_heard() const noexcept;
   void give_up(Time now) noexcept;
   std::optional<Address> another() const noexcept;
   can::Frame claim_frame() const noexcept;
@@ -110,11 +117,13 @@ class AddressClaim {
   ClaimTable table_;
   ClaimState state_ = ClaimState::listening;
   Address address_ = kNullAddress;
-  bool ask_ = false;               ///< the request for all addresses is to be sent
-  bool say_ = false;               ///< the claim, or that it cannot, is to be sent
-  Time say_not_before_{};          ///< of `say_`
-  Time claimed_at_ = Time::max();  ///< claiming, and its claim was on the bus: end of kClaimTime
-  Time defended_ = Time::min();    ///< when it last claimed against an intruder
+  bool ask_ = false;                ///< the request for all addresses is to be sent
+  bool asking_ = false;             ///< its own claim waits for the answers
+  Time asked_until_ = Time::max();  ///< asking, and the request was on the bus: end of `ask_time`
+  bool say_ = false;                ///< the claim, or that it cannot, is to be sent
+  Time say_not_before_{};           ///< of `say_`
+  Time claimed_at_ = Time::max();   ///< claiming, and its claim was on the bus: end of kClaimTime
+  Time defended_ = Time::min();     ///< when it last claimed against an intruder
   Time now_{};
   bool name_twice_ = false;
   std::uint64_t losses_ = 0;

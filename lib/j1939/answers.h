@@ -20,6 +20,11 @@ inline constexpr std::size_t kMostHandedOver = 8;
 inline constexpr std::size_t kMostOpen =
     kMostMessages + kMostRequests + kMostHandedOver + TransportSender::kSessions;
 
+using can::JobKnown;
+
+/// The outcome of an order without a final answer (can/job_ending.h). Pure; realtime safe.
+Outcome outcome_of(JobKnown known, JobEnd end) noexcept;
+
 /// The one answer to each order, until it is taken. Whoever takes an order sees to it that no more than
 /// kMostOpen are open. Realtime safe; one thread.
 class Answers {
@@ -31,6 +36,8 @@ class Answers {
   void begin(const Order& order) noexcept;
   /// It ended; `rest`: what else there is to say.
   void end(const Order& order, Outcome outcome, const Answer& rest = {}) noexcept;
+  /// It ended without a final answer.
+  void end(const Order& order, JobKnown known, JobEnd end, Answer rest = {}) noexcept;
   /// The oldest answer that was not taken yet.
   std::optional<Answer> take() noexcept;
 

@@ -46,6 +46,17 @@ constexpr NameFields fields_of(Name name) noexcept {
           (name >> 63) != 0};
 }
 
+/// Loses against every other NAME: an arbitrary address, and every field at its largest, "not available".
+inline constexpr Name kWeakestName = compose({.identity = 0x1FFFFF,
+                                              .manufacturer = 0x7FF,
+                                              .ecu_instance = 7,
+                                              .function_instance = 0x1F,
+                                              .function = 0xFF,
+                                              .vehicle_system = 0x7F,
+                                              .vehicle_system_instance = 0xF,
+                                              .industry_group = 7,
+                                              .arbitrary_address = true});
+
 /// The NAME in the first eight bytes; `bytes` has them.
 constexpr Name name_of(std::span<const std::uint8_t> bytes) noexcept {
   Name name = 0;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "can/job_ending.h"
 #include "can/obstacle.h"
 #include "j1939/identifier.h"
 
@@ -49,6 +50,7 @@ enum class Refusal : std::uint8_t {
   stopped,           ///< the node has been stopped
 };
 
+using can::JobEnd;
 using can::Obstacle;
 
 /// How an order ended.
@@ -56,11 +58,11 @@ enum class Outcome : std::uint8_t {
   done,          ///< the message stood on the bus whole, or was acknowledged, or the request was answered
   refused,       ///< the other node answered that it will not (`code`: control byte of PGN 59392)
   aborted,       ///< the receiver broke the connection off (`code`: its reason)
-  no_answer,     ///< begun, but not seen on the bus or not answered in time
+  no_answer,     ///< begun, but not seen on the bus whole, or not answered, before its end
   timeout,       ///< nothing of it was handed over in time; it will not be sent
-  cancelled,     ///< taken back; of a long message a part may have been sent
-  address_lost,  ///< the node lost its address
-  stopped,       ///< the node was stopped; of a long message a part may have been sent
+  cancelled,     ///< taken back before anything of it was handed over
+  address_lost,  ///< the node lost its address before anything of it was handed over
+  stopped,       ///< the node was stopped before anything of it was handed over
 };
 
 /// The one answer to an order that was taken.
@@ -70,6 +72,7 @@ struct Answer {
   Time sent{};                         ///< done: end of the last frame, or of the answer
   Obstacle obstacle = Obstacle::none;  ///< timeout: what kept it from the bus
   bool claiming = false;               ///< timeout: nothing did, the address was still being claimed
+  JobEnd ended_by = JobEnd::time;      ///< no_answer: what ended it
   std::uint8_t code = 0;               ///< refused, aborted
   std::uint32_t size = 0;              ///< request, done: bytes of the answer, in the order's memory
 };

@@ -86,15 +86,16 @@ Refusal Outbox::submit(const Order& order, Time now) noexcept {
 bool Outbox::cancel(OrderId id) noexcept {
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     if (waiting_[i].order.id != id) continue;
-    answers_.end(waiting_[i].order, Outcome::cancelled);
+    answers_.end(waiting_[i].order, JobKnown::not_sent, JobEnd::cancelled);
     waiting_.erase(i);
     return true;
   }
   if (requested_.cancel(id)) return true;
   for (std::size_t i = 0; i < sending_.size(); ++i) {
     if (sending_[i].internal || sending_[i].open.order.id != id) continue;
+    const JobKnown known = known_of(sending_[i]);
     if (!sender_.cancel(sending_[i].id)) continue;
-    answers_.end(sending_[i].open.order, Outcome::cancelled);
+    answers_.end(sending_[i].open.order, known, JobEnd::cancelled);
     sending_.erase(i);
     return true;
   }
@@ -257,15 +258,15 @@ void Outbox::follow_packets() noexcept {
 }
 
 void Outbox::controller_emptied() noexcept {
-  end_handed_over();
+  end_handed_over(JobEnd::unanswered);
   offer_.reset();
   sender_.drop();
 }
 
 void Outbox::address_changed() noexcept {
   offer_.reset();
-  requested_.end_all(Outcome::address_lost);
-  end_sending(Outcome::address_lost);
+  requested_.end_all(JobEnd::lost);
+  end_sending(JobEnd::lost);
   (void)sender_.take_ended();
 }
 
@@ -285,11 +286,11 @@ void Outbox::advance_sending() noexcept {
       ++i;
       continue;
     }
-    const bool begun = sender_.begun(sending_[i].id);
+    const JobKnown known = known_of(sending_[i]);
     (void)sender_.cancel(sending_[i].id);
     if (!sending_[i].internal) {
-      answers_.end(sending_[i].open.order, begun ? Outcome::no_answer : Outcome::timeout,
-                   {.obstacle = begun ? Obstacle::none : obstacle_});
+      answers_.end(sending_[i].open.order, known, JobEnd::time,
+                   {.obstacle = known == JobKnown::not_sent ? obstacle_ : Obstacle::none});
     }
     sending_.erase(i);
   }
@@ -299,7 +300,7 @@ void Outbox::advance_handed_over() noexcept {
   for (std::size_t i = 0; i < handed_over_.size();) {
     HandedOver& entry = handed_over_[i];
     if (entry.owner == Owner::order && !entry.answered && entry.open.until <= now_) {
-      answers_.end(entry.open.order, Outcome::no_answer);
+      answers_.end(entry.open.order, JobKnown::handed_over, JobEnd::time);
       entry.answered = true;
     }
     if (entry.owner == Owner::order && entry.answered && entry.overtaken) {
@@ -317,7 +318,8 @@ void Outbox::advance_waiting() noexcept {
       continue;
     }
     const bool claiming = claim_.state() == ClaimState::claiming && obstacle_ == Obstacle::none;
-    answers_.end(waiting_[i].order, Outcome::timeout, {.obstacle = obstacle_, .claiming = claiming});
+    answers_.end(waiting_[i].order, JobKnown::not_sent, JobEnd::time,
+                 {.obstacle = obstacle_, .claiming = claiming});
     waiting_.erase(i);
   }
 }
@@ -335,35 +337,41 @@ Time Outbox::next_deadline() const noexcept {
 
 void Outbox::stop() noexcept {
   stopped_ = true;
-  end_handed_over();
-  end_sending(Outcome::stopped);
-  requested_.end_all(Outcome::stopped);
-  end_waiting(Outcome::stopped);
+  end_handed_over(JobEnd::stopped);
+  end_sending(JobEnd::stopped);
+  requested_.end_all(JobEnd::stopped);
+  end_waiting(JobEnd::stopped);
 }
 
-void Outbox::end_handed_over() noexcept {
+void Outbox::end_handed_over(JobEnd end) noexcept {
   for (; handed_over_.size() != 0; handed_over_.erase(0)) {
     const HandedOver& entry = handed_over_[0];
-    if (entry.owner == Owner::order && !entry.answered) answers_.end(entry.open.order, Outcome::no_answer);
+    if (entry.owner == Owner::order && !entry.answered)
+      answers_.end(entry.open.order, JobKnown::handed_over, end);
   }
 }
 
-void Outbox::end_sending(Outcome outcome) noexcept {
+void Outbox::end_sending(JobEnd end) noexcept {
   for (; sending_.size() != 0; sending_.erase(0)) {
+    const JobKnown known = known_of(sending_[0]);
     (void)sender_.cancel(sending_[0].id);
-    if (!sending_[0].internal) answers_.end(sending_[0].open.order, outcome);
+    if (!sending_[0].internal) answers_.end(sending_[0].open.order, known, end);
   }
 }
 
-void Outbox::end_waiting(Outcome outcome) noexcept {
+void Outbox::end_waiting(JobEnd end) noexcept {
   for (std::size_t i = 0; i < waiting_.size();) {
-    if (outcome == Outcome::address_lost && wants_claims_of_all(waiting_[i].order)) {
+    if (end == JobEnd::lost && wants_claims_of_all(waiting_[i].order)) {
       ++i;
       continue;
     }
-    answers_.end(waiting_[i].order, outcome);
+    answers_.end(waiting_[i].order, JobKnown::not_sent, end);
     waiting_.erase(i);
   }
+}
+
+JobKnown Outbox::known_of(const Sending& sending) const noexcept {
+  return sender_.begun(sending.id) ? JobKnown::handed_over : JobKnown::not_sent;
 }
 
 }  // namespace j1939

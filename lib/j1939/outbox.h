@@ -60,7 +60,7 @@ class Outbox {
   /// What was begun with an address that the node has no longer ends.
   void address_changed() noexcept;
   /// There is no address, and none to come: nothing that needs one waits any longer.
-  void no_address_to_come() noexcept { end_waiting(Outcome::address_lost); }
+  void no_address_to_come() noexcept { end_waiting(JobEnd::lost); }
   /// It is `now`, or later: nothing is done.
   void time_is(Time now) noexcept { now_ = std::max(now_, now); }
   /// Ends the orders whose message in packets has ended, and begins those for which there is room.
@@ -118,9 +118,10 @@ class Outbox {
   void advance_sending() noexcept;
   void advance_handed_over() noexcept;
   void advance_waiting() noexcept;
-  void end_waiting(Outcome outcome) noexcept;
-  void end_sending(Outcome outcome) noexcept;
-  void end_handed_over() noexcept;
+  void end_waiting(JobEnd end) noexcept;
+  void end_sending(JobEnd end) noexcept;
+  JobKnown known_of(const Sending& sending) const noexcept;
+  void end_handed_over(JobEnd end) noexcept;
 
   OutboxSettings settings_;
   AddressClaim& claim_;

@@ -52,15 +52,15 @@ void Requested::acknowledged(const Message& message, Pgn number, std::uint8_t co
 bool Requested::cancel(OrderId id) noexcept {
   for (std::size_t i = 0; i < asked_.size(); ++i) {
     if (asked_[i].open.order.id != id) continue;
-    answers_.end(asked_[i].open.order, Outcome::cancelled);
+    answers_.end(asked_[i].open.order, JobKnown::handed_over, JobEnd::cancelled);
     asked_.erase(i);
     return true;
   }
   return false;
 }
 
-void Requested::end_all(Outcome outcome) noexcept {
-  for (; asked_.size() != 0; asked_.erase(0)) answers_.end(asked_[0].open.order, outcome);
+void Requested::end_all(JobEnd end) noexcept {
+  for (; asked_.size() != 0; asked_.erase(0)) answers_.end(asked_[0].open.order, JobKnown::handed_over, end);
 }
 
 void Requested::advance(Time now) noexcept {
@@ -73,7 +73,7 @@ void Requested::advance(Time now) noexcept {
       ++i;
       continue;
     }
-    answers_.end(order, Outcome::no_answer);
+    answers_.end(order, JobKnown::handed_over, JobEnd::time);
     asked_.erase(i);
   }
 }

@@ -32,10 +32,10 @@ class Requested {
   void answered(const Message& message) noexcept;
   /// The node `message.source` acknowledged a request for `number` with this control byte of PGN 59392.
   void acknowledged(const Message& message, Pgn number, std::uint8_t control) noexcept;
-  /// Takes one back, which is answered so. False: there is none.
+  /// Waits for the answer of one no more; its request was on the bus. False: there is none.
   bool cancel(OrderId id) noexcept;
-  /// Ends every one so.
-  void end_all(Outcome outcome) noexcept;
+  /// Ends every one for this reason.
+  void end_all(JobEnd end) noexcept;
 
   /// Ends those whose time is over at `now`. An answer that is coming in packets then is waited for, and no
   /// other: whoever begins again and again would hold its place.

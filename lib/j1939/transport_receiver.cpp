@@ -192,6 +192,11 @@ void TransportReceiver::aborted(Address source, Pgn number, bool extended) noexc
   if (session != nullptr && session->number == number) give_up(*session);
 }
 
+void TransportReceiver::cleared_to_send(Address source, Pgn number, bool extended, Time now) noexcept {
+  Session* session = find(source, extended ? Kind::extended : Kind::connection);
+  if (session != nullptr && session->number == number) session->until = now + kT2;
+}
+
 std::optional<Message> TransportReceiver::packet(const Identifier& from, const can::Frame& frame,
                                                  Time end) noexcept {
   const bool broadcast = destination_of(from) == kGlobalAddress;

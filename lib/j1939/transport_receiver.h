@@ -44,6 +44,9 @@ class TransportReceiver {
   void offset(const Identifier& from, const can::Frame& frame, Time now) noexcept;
   /// `source` breaks its connection off; `extended`: that of the extended form.
   void aborted(Address source, Pgn number, bool extended) noexcept;
+  /// Of a connection that this receiver only listens to: its destination clears `source` to send, or holds it;
+  /// packets or another such message follow within kT2.
+  void cleared_to_send(Address source, Pgn number, bool extended, Time now) noexcept;
   /// A packet, for all or for this node. The message that it completes, whose data stay until the next call.
   std::optional<Message> packet(const Identifier& from, const can::Frame& frame, Time end) noexcept;
   /// This node has lost its address: ends the connections to it without a word.

@@ -121,9 +121,9 @@ std::optional<ObjectAnswer> ObjectOrders::take_answer() noexcept {
       case JobState::under_way:
         if (stopped_) {
           const bool handed = objects_.place(number) == JobPlace::in_controller;
-          answer.outcome = handed ? Outcome::no_answer : Outcome::stopped;
+          answer.outcome = outcome_of(handed ? JobKnown::handed_over : JobKnown::not_sent, JobEnd::stopped);
         } else if (open.until <= now_) {
-          answer.outcome = Outcome::no_answer;
+          answer.outcome = outcome_of(JobKnown::handed_over, JobEnd::time);
         } else {
           continue;
         }
@@ -134,7 +134,8 @@ std::optional<ObjectAnswer> ObjectOrders::take_answer() noexcept {
         break;
       case JobState::timed_out:
         // What was handed over and is gone from the controller may have been sent.
-        answer.outcome = open.until == Time::max() ? Outcome::timeout : Outcome::no_answer;
+        answer.outcome =
+            outcome_of(open.until == Time::max() ? JobKnown::not_sent : JobKnown::handed_over, JobEnd::time);
         if (answer.outcome == Outcome::timeout) answer.obstacle = obstacle_;
         break;
       case JobState::aborted:

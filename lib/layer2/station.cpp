@@ -28,6 +28,22 @@ std::uint32_t arbitration(const can::Frame& frame) noexcept {
 
 }  // namespace
 
+Outcome outcome_of(JobKnown known, JobEnd end) noexcept {
+  switch (can::ending_of(known, end)) {
+    case can::JobEnding::timeout:
+      return Outcome::timeout;
+    case can::JobEnding::cancelled:
+      return Outcome::cancelled;
+    case can::JobEnding::stopped:
+      return Outcome::stopped;
+    case can::JobEnding::no_answer:
+    case can::JobEnding::lost:
+    case can::JobEnding::taken:
+      break;
+  }
+  return Outcome::no_answer;
+}
+
 Station::Station(const StationSettings& settings)
     : filter_(settings.filter),
       node_(settings.node),
@@ -90,7 +106,7 @@ bool Station::cancel(OrderId id) noexcept {
   for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
     for (std::size_t i = 0; i < queue->size(); ++i) {
       if ((*queue)[i].id != id) continue;
-      end_waiting((*queue)[i], Outcome::cancelled);
+      end_waiting((*queue)[i], outcome_of(JobKnown::not_sent, JobEnd::cancelled));
       queue->erase(i);
       return true;
     }
@@ -208,7 +224,7 @@ void Station::lose_piece(OrderId id) noexcept {
   for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
     for (std::size_t i = queue->size(); i-- > 0;) {
       if ((*queue)[i].id != id) continue;
-      end((*queue)[i], Outcome::no_answer);
+      end((*queue)[i], outcome_of(JobKnown::handed_over, JobEnd::unanswered));
       queue->erase(i);
     }
   }
@@ -241,7 +257,7 @@ void Station::controller_emptied() noexcept {
     const Open frame = handed_over_[0];
     handed_over_.erase(0);
     if (frame.piece) lose_piece(frame.id);
-    if (!frame.answered) end(frame, Outcome::no_answer);
+    if (!frame.answered) end(frame, outcome_of(JobKnown::handed_over, JobEnd::unanswered));
   }
 }
 
@@ -252,7 +268,7 @@ void Station::advance(Time now) noexcept {
       if ((*queue)[i].until <= now) {
         const Open order = (*queue)[i];
         queue->erase(i);
-        end_waiting(order, Outcome::timeout);
+        end_waiting(order, outcome_of(JobKnown::not_sent, JobEnd::time));
       } else {
         ++i;
       }
@@ -266,7 +282,7 @@ void Station::end_handed_over(Time now) noexcept {
   for (std::size_t i = 0; i < handed_over_.size();) {
     Open& order = handed_over_[i];
     if (!order.answered && order.until <= now) {
-      end(order, Outcome::no_answer);
+      end(order, outcome_of(JobKnown::handed_over, JobEnd::time));
       order.answered = true;
     }
     if (order.answered && order.overtaken) {
@@ -297,7 +313,7 @@ void Station::stop() noexcept {
   stopped_ = true;
   controller_emptied();
   for (BoundedQueue<Open>* queue : {&high_, &normal_}) {
-    while (!queue->empty()) end(queue->pop(), Outcome::stopped);
+    while (!queue->empty()) end(queue->pop(), outcome_of(JobKnown::not_sent, JobEnd::stopped));
   }
 }
 

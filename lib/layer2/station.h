@@ -9,6 +9,7 @@
 
 #include "can/bounded_list.h"
 #include "can/frame.h"
+#include "can/job_ending.h"
 #include "can/obstacle.h"
 #include "layer2/bounded_queue.h"
 #include "layer2/range_filter.h"
@@ -89,6 +90,8 @@ enum class Refusal : std::uint8_t {
   object_frame,      ///< the frame is of another width than the object, or no data frame
 };
 
+using can::JobEnd;
+using can::JobKnown;
 using can::Obstacle;
 
 /// How an order ended.
@@ -102,6 +105,9 @@ enum class Outcome : std::uint8_t {
   displaced,  ///< deleted for a newer one, because the queue was full; it will not be sent
   deleted,    ///< the queues were emptied before it was handed over; it will not be sent
 };
+
+/// The outcome of an order without its echo (can/job_ending.h). Pure; realtime safe.
+Outcome outcome_of(JobKnown known, JobEnd end) noexcept;
 
 /// The one answer to an order that was taken.
 struct Answer {

@@ -14,6 +14,8 @@ namespace profile {
 struct NamedProfile {
   std::shared_ptr<const Profile> profile;  ///< null: none
   std::string problem;                     ///< with a remedy; empty when there is one
+  /// "FILE:LINE:COLUMN: what is wrong, and what is left out for it"; empty: nothing is.
+  std::vector<std::string> left_out = {};
 };
 
 /// How a program's users help themselves, for problems.
@@ -22,12 +24,12 @@ struct Remedies {
   std::string_view file;    ///< takes a file whatever the daemon uses, e.g. "--profile"; empty: nothing does
 };
 
-/// Reads the file. Throws std::runtime_error that names everything wrong with it.
-std::shared_ptr<const Profile> load(const std::string& path);
+/// Reads the file. Throws std::runtime_error that names everything wrong with it when nothing can be used.
+NamedProfile load(const std::string& path);
 
 /// The profile of a name, in `folder` (empty: none) or a standard one, or of a file. Throws
-/// std::runtime_error that names everything wrong with it, or where it was looked for.
-std::shared_ptr<const Profile> load_typed(const std::string& name_or_path, const std::string& folder);
+/// std::runtime_error that names everything wrong with it when nothing can be used, or where it was looked for.
+NamedProfile load_typed(const std::string& name_or_path, const std::string& folder);
 
 /// The profile `name` in the first of `folders` that has it; a problem when its file is not the one whose
 /// SHA-256 is `hash`.

@@ -160,6 +160,7 @@ class Reader {
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
   Reading read(const config::Document& document) {
+    problems_ = document.problems;
     const Content root(document, nullptr);
     Profile profile;
     for (const Node* node : root.nodes()) {
@@ -197,6 +198,7 @@ class Reader {
   }
 
   void parameter(const Content& content, Profile& profile) {
+    const std::size_t before = problems_.size();
     Fields fields(content, "parameter", problems_);
     Parameter parameter = read_parameter(fields);
     if (fields.has("number")) unique(fields, "number", std::to_string(parameter.number), content, numbers_);
@@ -205,7 +207,7 @@ class Reader {
       unique(fields, "tells", fmt::format("\"{}\"", tells_word(parameter.tells)), content, tells_);
     if (parameter.actual_value)
       unique(fields, "actual_value", std::to_string(*parameter.actual_value), content, actual_values_);
-    profile.parameters.push_back(std::move(parameter));
+    if (problems_.size() == before) profile.parameters.push_back(std::move(parameter));
   }
 
   /// A problem when something is there twice.
@@ -222,7 +224,7 @@ class Reader {
     config::sort_by_place(problems_);
     Reading reading;
     reading.problems = std::move(problems_);
-    if (!reading.problems.empty()) return reading;
+    if (profile.name.empty() || profile.parameters.empty()) return reading;
     std::sort(profile.parameters.begin(), profile.parameters.end(),
               [](const Parameter& a, const Parameter& b) { return a.number < b.number; });
     reading.profile = std::move(profile);
@@ -245,8 +247,8 @@ Reading failed(const std::string& file, std::string text) {
 }  // namespace
 
 Reading parse(std::string_view toml, const std::string& file) {
-  config::Document document = config::parse_document(toml, file, kWording);
-  if (!document.problems.empty()) return {std::nullopt, std::move(document.problems)};
+  const config::Document document = config::parse_document_in_part(toml, file, kWording);
+  if (document.nodes.empty() && !document.problems.empty()) return {std::nullopt, document.problems};
   Reading reading = Reader(file).read(document);
   if (reading.profile) {
     reading.profile->hash = sha256(toml);

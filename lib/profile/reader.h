@@ -15,15 +15,15 @@ namespace profile {
 /// Most bytes of a profile: one that names every number takes about half of it.
 inline constexpr std::size_t kFileLimit = std::size_t{2} * 1024 * 1024;
 
-/// What came of reading a profile: a profile, or everything that is wrong with it in the order of the file.
+/// What came of reading a profile.
 struct Reading {
-  std::optional<Profile> profile;
-  std::vector<config::Problem> problems;
+  std::optional<Profile> profile;         ///< nothing: it has no name, or no parameter that can be used
+  std::vector<config::Problem> problems;  ///< everything that is wrong, in the order of the file
 };
 
 /// Reads TOML text; `file` is what problems name. Everything that can be wrong with a profile is found here:
 /// unknown keys, types, names, numbers and names that are there twice, limits against each other and the
-/// format, scaling.
+/// format, scaling. A parameter with a problem is left out whole: half of it would write wrong values.
 Reading parse(std::string_view toml, const std::string& file);
 
 /// Reads the regular file `path` of at most `kFileLimit` bytes. Beside what `parse` finds: a file that cannot

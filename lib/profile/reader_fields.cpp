@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "text/visible.h"
+
 namespace profile {
 
 bool is_name(std::string_view text) noexcept {
@@ -196,8 +198,7 @@ std::string Fields::found(std::string_view key) const {
   if (node->value.kind == config::Value::Kind::list) return "a value of type array";
   const auto* quoted = config::scalar<std::string>(node->value);
   std::string text = quoted != nullptr ? *quoted : node->value.text;
-  std::replace_if(text.begin(), text.end(), is_control, '?');
-  if (text.size() > kShown) text = text.substr(0, kShown) + "...";
+  text = text::visible(text.substr(0, kShown)) + (text.size() > kShown ? "..." : "");
   return quoted != nullptr ? "\"" + text + "\"" : text;
 }
 

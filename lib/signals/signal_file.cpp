@@ -10,20 +10,44 @@
 #include "signals/signal_table.h"
 
 namespace signals {
+namespace {
 
-std::variant<dbc::Database, std::string> read_signal_file(std::string_view content, const std::string& file) {
+/// Remarks on a table that are kept.
+constexpr std::size_t kMostRemarks = 10'000;
+
+}  // namespace
+
+std::variant<SignalFile, std::string> read_signal_file(std::string_view content, const std::string& file) {
+  SignalFile out;
   if (file.ends_with(".toml")) {
-    auto table = read_signal_table(content, file);
-    if (auto* database = std::get_if<dbc::Database>(&table)) return std::move(*database);
-    return config::problems_text(std::get<std::vector<config::Problem>>(table));
+    SignalTable table = read_signal_table(content, file);
+    if (table.database.messages().empty())
+      return table.problems.empty()
+                 ? fmt::format("{}: found no message; allowed: a table with at least one [[message]]", file)
+                 : config::problems_message(table.problems);
+    out.database = std::move(table.database);
+    for (const config::Problem& problem : table.problems) {
+      if (out.remarks.size() == kMostRemarks) {
+        ++out.more_remarks;
+        continue;
+      }
+      const bool signal = problem.key.starts_with("signal.");
+      const bool message = problem.key.starts_with("message.");
+      out.remarks.push_back(config::to_string(problem) + "; " +
+                            (signal    ? "the signal"
+                             : message ? "the message"
+                                       : "this section") +
+                            " is left out");
+    }
+    return out;
   }
-  auto read = dbc::read_database(content);
-  if (auto* database = std::get_if<dbc::Database>(&read)) return std::move(*database);
-  std::string text;
-  for (const dbc::Problem& problem : std::get<std::vector<dbc::Problem>>(read))
-    text += fmt::format("{}{}:{}:{}: {}", text.empty() ? "" : "\n", file, problem.line, problem.column,
-                        problem.text);
-  return text;
+  dbc::File read = dbc::read_database(content);
+  if (!read.refused.empty()) return fmt::format("{}: {}", file, read.refused);
+  out.database = std::move(read.database);
+  for (const dbc::Remark& remark : read.remarks)
+    out.remarks.push_back(fmt::format("{}:{}:{}: {}", file, remark.line, remark.column, remark.text));
+  out.more_remarks = read.more_remarks;
+  return out;
 }
 
 }  // namespace signals

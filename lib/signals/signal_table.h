@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "config/problem.h"
@@ -12,10 +11,15 @@
 /// write it by hand. Allocates; main thread.
 namespace signals {
 
+/// What of a table can be used, and what was left out.
+struct SignalTable {
+  dbc::Database database;
+  std::vector<config::Problem> problems;  ///< in the order of the file
+};
+
 /// Reads a table: [[message]] with name, identifier or pgn, extended, length; [[signal]] with message, name,
-/// start, length and more (docs/signals.md). `file` is what positions name. Problems: in the order of the
-/// file.
-std::variant<dbc::Database, std::vector<config::Problem>> read_signal_table(std::string_view toml,
-                                                                            const std::string& file);
+/// start, length and more (docs/signals.md). `file` is what positions name. A message or signal with a problem
+/// is left out whole, and so are the signals of such a message and those that such a signal chooses.
+SignalTable read_signal_table(std::string_view toml, const std::string& file);
 
 }  // namespace signals

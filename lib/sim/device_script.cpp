@@ -165,6 +165,24 @@ class TableReader {
   std::vector<Problem>& errors_;
 };
 
+/// Reads up to `kMostTables` tables of one kind; those with an error are left out.
+template <class Table>
+void read_tables(const config::Document& document, const std::vector<const Node*>& sections,
+                 std::vector<Problem>& errors, std::vector<Table>& tables, Table (TableReader::*read)()) {
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    if (i == kMostTables) {
+      errors.push_back({sections[i]->where, "",
+                        fmt::format("found {} tables [[{}]]; allowed: {}", sections.size(),
+                                    sections[i]->name(), kMostTables)});
+      return;
+    }
+    const std::size_t before = errors.size();
+    const Content content(document, sections[i]);
+    Table table = (TableReader(content, errors).*read)();
+    if (errors.size() == before) tables.push_back(std::move(table));
+  }
+}
+
 DeviceScript read_script(config::Document document) {
   DeviceScript script;
   script.errors = std::move(document.problems);
@@ -177,17 +195,9 @@ DeviceScript read_script(config::Document document) {
            fmt::format("{} is unknown here; allowed: tables [[answer]] and [[periodic]]",
                        known ? node->name() + " without double brackets" : node->name())});
   }
-  for (const Node* section : root.each("answer"))
-    script.device.answers.push_back(TableReader(Content(document, section), script.errors).read_answer());
-  for (const Node* section : root.each("periodic"))
-    script.device.periods.push_back(TableReader(Content(document, section), script.errors).read_period());
-  for (const std::string_view kind : {"answer", "periodic"}) {
-    const auto tables = root.each(kind);
-    if (tables.size() > kMostTables)
-      script.errors.push_back(
-          {tables[kMostTables]->where, "",
-           fmt::format("found {} tables [[{}]]; allowed: {}", tables.size(), kind, kMostTables)});
-  }
+  read_tables(document, root.each("answer"), script.errors, script.device.answers, &TableReader::read_answer);
+  read_tables(document, root.each("periodic"), script.errors, script.device.periods,
+              &TableReader::read_period);
   config::sort_by_place(script.errors);
   return script;
 }
@@ -195,11 +205,11 @@ DeviceScript read_script(config::Document document) {
 }  // namespace
 
 DeviceScript parse_device_script(std::string_view toml, const std::string& file) {
-  return read_script(config::parse_document(toml, file, kWording));
+  return read_script(config::parse_document_in_part(toml, file, kWording));
 }
 
 DeviceScript load_device_script(const std::string& path) {
-  return read_script(config::read_document(path, kWording));
+  return read_script(config::read_document_in_part(path, kWording));
 }
 
 }  // namespace sim

@@ -11,10 +11,15 @@
 /// has every key. Allocates; main thread.
 namespace sim {
 
-/// What a device does, or all that is wrong with its script.
+/// What a device does, and all that is wrong with its script.
 struct DeviceScript {
-  DeviceSettings device;
-  std::vector<config::Problem> errors;  ///< in the order of the file
+  DeviceSettings device;                ///< of the tables without an error
+  std::vector<config::Problem> errors;  ///< in the order of the file; a table with one is left out whole
+
+  /// Nothing of the file can be used.
+  bool refused() const noexcept {
+    return device.answers.empty() && device.periods.empty() && !errors.empty();
+  }
 };
 
 /// Reads a script that is in memory; `file` is named in errors.

@@ -307,13 +307,12 @@ FaultScript read_faults(config::Document document, const FaultProtocol& protocol
   }
   for (const Node* section : root.each("fault")) {
     const Content table(document, section);
-    script.faults.push_back(FaultReader(table, protocol, script.errors).read());
+    const std::size_t errors = script.errors.size();
+    const Fault fault = FaultReader(table, protocol, script.errors).read();
+    if (script.errors.size() > errors) continue;
+    script.faults.push_back(fault);
     const Node* kind = table.find("kind");
     script.places.push_back(kind != nullptr ? kind->where : section->where);
-  }
-  if (!script.errors.empty()) {
-    script.faults.clear();
-    script.places.clear();
   }
   config::sort_by_place(script.errors);
   return script;
@@ -323,11 +322,11 @@ FaultScript read_faults(config::Document document, const FaultProtocol& protocol
 
 FaultScript parse_fault_script(std::string_view toml, const std::string& file,
                                const FaultProtocol& protocol) {
-  return read_faults(config::parse_document(toml, file, kWording), protocol);
+  return read_faults(config::parse_document_in_part(toml, file, kWording), protocol);
 }
 
 FaultScript load_fault_script(const std::string& path, const FaultProtocol& protocol) {
-  return read_faults(config::read_document(path, kWording), protocol);
+  return read_faults(config::read_document_in_part(path, kWording), protocol);
 }
 
 }  // namespace sim

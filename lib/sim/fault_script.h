@@ -11,11 +11,14 @@
 /// Fault scripts: TOML files with one table `[[fault]]` for each fault. docs/fault-scripts.md has every key.
 namespace sim {
 
-/// The faults of a script, or all that is wrong with it.
+/// The faults of a script, and all that is wrong with it.
 struct FaultScript {
-  std::vector<Fault> faults;             ///< in the order of the file; empty when there are errors
+  std::vector<Fault> faults;             ///< those without an error, in the order of the file
   std::vector<config::Position> places;  ///< where the value of each fault's key `kind` stands
-  std::vector<config::Problem> errors;   ///< in the order of the file
+  std::vector<config::Problem> errors;   ///< in the order of the file; a table with one is left out whole
+
+  /// Nothing of the file can be used.
+  bool refused() const noexcept { return faults.empty() && !errors.empty(); }
 };
 
 /// Parses a script that is already in memory; `file` is named in errors, `protocol` has the words for nodes

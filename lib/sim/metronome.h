@@ -1,11 +1,15 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 
 #include "can/bus.h"
 #include "sim/node.h"
 
 namespace sim {
+
+/// What an interval of fault scripts lasts on a bus without SYNC.
+inline constexpr can::Time kFaultInterval = std::chrono::milliseconds(1);
 
 /// Makes edges at a fixed interval and sends nothing: on a line whose protocol has no SYNC the intervals of
 /// fault scripts are counted by it.

@@ -8,4 +8,8 @@ std::string_view build_text() noexcept {
   return CANSYNC_VERSION " (" CANSYNC_BUILD_COMMIT ", " CANSYNC_BUILD_TYPE ")";
 }
 
+std::string_view package_version() noexcept {
+  return CANSYNC_BUILD_PACKAGE;
+}
+
 }  // namespace text

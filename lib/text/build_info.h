@@ -9,4 +9,7 @@ namespace text {
 /// version of the package, and the build type.
 std::string_view build_text() noexcept;
 
+/// Version of the package that the program was built for, as "0.1.0-1"; empty: it was built for none.
+std::string_view package_version() noexcept;
+
 }  // namespace text

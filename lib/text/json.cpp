@@ -2,13 +2,41 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace text {
+namespace {
+
+/// DEL and the controls of C1, which JSON allows and some terminals obey, as escapes of the same value.
+std::string without_high_controls(std::string json) {
+  if (json.find_first_of("\x7F\xC2") == std::string::npos) return json;
+  std::string out;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(json[i]);
+    const unsigned next = i + 1 < json.size() ? static_cast<unsigned char>(json[i + 1]) : 0;
+    if (byte == 0x7F)
+      out += "\\u007f";
+    else if (byte == 0xC2 && next < 0xA0)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(json[++i]));
+    else
+      out += json[i];
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string json_string(std::string_view text) {
+  const auto plain = [](char c) { return c >= 0x20 && c < 0x7F && c != '"' && c != '\\'; };
+  if (std::all_of(text.begin(), text.end(), plain)) {
+    std::string out;
+    out.reserve(text.size() + 2);
+    return out.append(1, '"').append(text).append(1, '"');
+  }
   using nlohmann::json;
-  return json(text).dump(-1, ' ', false, json::error_handler_t::replace);
+  return without_high_controls(json(text).dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 std::string json_number(double number) {

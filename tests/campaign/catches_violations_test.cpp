@@ -7,6 +7,7 @@
 #include "course.h"
 #include "invariants.h"
 #include "mutants.h"
+#include "small/small_course.h"
 
 namespace cansyncd::campaign {
 namespace {
@@ -32,19 +33,52 @@ TEST_P(BrokenVariant, IsCaught) {
          << seen;
 }
 
-std::string mutant_name(const testing::TestParamInfo<Mutant>& mutant) {
+template <class Kind>
+std::string name_of(const testing::TestParamInfo<Kind>& mutant) {
   std::string name = mutant.param.name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(All, BrokenVariant, testing::ValuesIn(mutants().begin(), mutants().end()),
-                         mutant_name);
+                         name_of<Mutant>);
 
 TEST(Invariants, EachIsShownToFailByABrokenVariant) {
   for (const Invariant& invariant : invariants()) {
     EXPECT_TRUE(std::any_of(mutants().begin(), mutants().end(), [&](const Mutant& mutant) {
       return std::string(mutant.caught_by) == invariant.name;
     })) << invariant.name;
+  }
+}
+
+class BrokenVariantOfSmall : public testing::TestWithParam<SmallMutant> {};
+
+TEST_P(BrokenVariantOfSmall, IsCaught) {
+  const SmallMutant& mutant = GetParam();
+  std::string seen;
+  for (std::uint64_t seed = 1; seed <= kMostSchedules; ++seed) {
+    const std::unique_ptr<Tamper> tamper = mutant.make();
+    const SmallVerdict verdict = mutant.course->play(seed, tamper.get(), {});
+    if (!verdict.violation) continue;
+    if (verdict.violation->invariant == mutant.caught_by) return;
+    seen += " " + std::to_string(seed) + ": " + verdict.violation->invariant + ": " +
+            verdict.violation->what + "\n";
+  }
+  FAIL() << mutant.name << " is not seen by " << mutant.caught_by << " in " << kMostSchedules
+         << " schedules; others that saw it:\n"
+         << seen;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BrokenVariantOfSmall,
+                         testing::ValuesIn(small_mutants().begin(), small_mutants().end()),
+                         name_of<SmallMutant>);
+
+TEST(Invariants, OfSmallCoursesEachIsShownToFailByABrokenVariant) {
+  for (const SmallCourse* course : small_courses()) {
+    for (const char* invariant : course->invariants) {
+      EXPECT_TRUE(std::any_of(small_mutants().begin(), small_mutants().end(), [&](const SmallMutant& mutant) {
+        return mutant.course == course && std::string(mutant.caught_by) == invariant;
+      })) << invariant;
+    }
   }
 }
 

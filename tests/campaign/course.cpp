@@ -60,11 +60,13 @@ Course::Course(const Plan& plan, Tamper* tamper, std::function<void(const std::s
       recovery_(plan),
       line_(std::make_unique<sim::Line>(line_settings(), drives_of(plan))),
       exchange_(plan.sizes),
+      words_(plan, exchange_, witness_.sent, verdict_.coverage, tamper),
       bus_(plan, *line_, witness_),
-      loop_(plan.settings, loop_settings(plan, bus_, tamper), below_loop(bus_, tamper), exchange_),
-      player_({plan, exchange_, *line_, witness_, ledger_, parameters_, memories_, recovery_,
+      loop_(tamper != nullptr ? tamper->settings(plan.settings) : plan.settings,
+            loop_settings(plan, bus_, tamper), below_loop(bus_, tamper), exchange_),
+      player_({plan, exchange_, *line_, witness_, ledger_, parameters_, memories_, words_, recovery_,
                verdict_.coverage, tamper, tell_}),
-      scene_{plan, witness_, ledger_, parameters_, memories_, recovery_} {
+      scene_{plan, witness_, ledger_, parameters_, memories_, recovery_, words_} {
   witness_.follow(*line_);
   witness_.on_wait = [this](can::Time) { waits(); };
   if (tell_) {
@@ -77,6 +79,7 @@ Course::Course(const Plan& plan, Tamper* tamper, std::function<void(const std::s
   Dice dice(plan.seed ^ 0xD41FE);
   for (std::size_t i = 0; i < line_->node_count(); ++i) {
     parameters_.powered_on(drive(i));
+    words_.powered_on(drive(i));
     memories_.watch(drive(i), dice);
   }
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
@@ -169,6 +172,7 @@ void Course::look_at_drives(bool all) {
     sim::Drive& cycled = drive(plan_.power_cycles[next_cycle_++].slave);
     cycled.restart();
     parameters_.powered_on(cycled);
+    words_.powered_on(cycled);
     verdict_.coverage.met(Coverage::Met::power_cycles);
   }
   for (std::size_t i = 0; i < line_->node_count(); ++i) {
@@ -229,6 +233,7 @@ void Course::finish() {
   if (exchange_.master.read(snapshot)) scene_.before = std::exchange(scene_.now, snapshot);
   player_.read(true);
   player_.take_back();
+  words_.all_ended(line_->now());
   // What was handed to the controller before may still come; what comes later nobody has sent.
   static_cast<void>(bus_.wait_until(bus_.now() + (kLatestIntervals + 2) * plan_.interval()));
   witness_.forget_interval();

@@ -78,6 +78,7 @@ class Course {
   Recovery recovery_;
   std::unique_ptr<sim::Line> line_;
   Exchange exchange_;
+  WordTruth words_;
   StageBus bus_;
   RealtimeLoop loop_;
   Player player_;

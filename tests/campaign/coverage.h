@@ -27,8 +27,10 @@ class Coverage {
     downloads_done,
     writes_done,
     reads_done,
+    changes_told,   ///< entries of the audit trail that were compared
+    values_before,  ///< that name the value before
   };
-  static constexpr std::size_t kMet = 11;
+  static constexpr std::size_t kMet = 13;
 
   void met(Met what, std::uint64_t times = 1) noexcept { met_[static_cast<std::size_t>(what)] += times; }
   void ended(cansync::Outcome outcome) noexcept { ++outcomes_[static_cast<std::size_t>(outcome)]; }
@@ -88,8 +90,9 @@ class Coverage {
 
  private:
   static constexpr std::array<std::string_view, kMet> kNames = {
-      "bus_off",     "edges_skipped", "ring_full",      "gateway_hung", "power_cycles", "stopped_early",
-      "left_active", "uploads_done",  "downloads_done", "writes_done",  "reads_done"};
+      "bus_off",       "edges_skipped", "ring_full",    "gateway_hung",   "power_cycles",
+      "stopped_early", "left_active",   "uploads_done", "downloads_done", "writes_done",
+      "reads_done",    "changes_told",  "values_before"};
   static constexpr cansync::Outcome kWanted[] = {
       cansync::Outcome::done,      cansync::Outcome::slave_error,    cansync::Outcome::timeout,
       cansync::Outcome::no_answer, cansync::Outcome::word_expected,  cansync::Outcome::doubleword_expected,

@@ -61,6 +61,18 @@ Verdict a_transferred_block_equals_the_memory(const Scene& scene) {
   return complaint(scene.memories.complaint());
 }
 
+Verdict every_word_is_what_the_drives_have(const Scene& scene) {
+  return complaint(scene.words.wrong_word());
+}
+
+Verdict every_change_has_one_entry_that_names_it(const Scene& scene) {
+  return complaint(scene.words.wrong_entry());
+}
+
+Verdict the_value_before_was_there(const Scene& scene) {
+  return complaint(scene.words.wrong_before());
+}
+
 Verdict queues_are_bounded(const Scene& scene) {
   const cansync::CommandChannelSettings& channel = scene.plan.settings.command_channel;
   const auto open = [&](Job::Kind kind) {
@@ -166,8 +178,16 @@ Verdict reference_values_are_of_who_may_give_them(const Scene& scene) {
   return complaint(scene.witness.references.giver_complaint());
 }
 
+Verdict a_writer_keeps_its_telegram_until_a_stronger_one_comes(const Scene& scene) {
+  return complaint(scene.witness.references.owner_complaint());
+}
+
 Verdict no_release_begins_with_old_values(const Scene& scene) {
   return complaint(scene.witness.references.age_complaint());
+}
+
+Verdict no_released_value_is_beyond_its_limits_or_steps(const Scene& scene) {
+  return complaint(scene.witness.references.limit_complaint());
 }
 
 Verdict a_word_that_stops_is_sent_in_two_intervals(const Scene& scene) {
@@ -261,6 +281,9 @@ constexpr Invariant kInvariants[] = {
     {"one_terminal_reply_per_request", &one_terminal_reply_per_request},
     {"a_written_parameter_holds_what_was_confirmed", &a_written_parameter_holds_what_was_confirmed},
     {"a_transferred_block_equals_the_memory", &a_transferred_block_equals_the_memory},
+    {"every_word_is_what_the_drives_have", &every_word_is_what_the_drives_have},
+    {"every_change_has_one_entry_that_names_it", &every_change_has_one_entry_that_names_it},
+    {"the_value_before_was_there", &the_value_before_was_there},
     {"queues_are_bounded", &queues_are_bounded},
     {"every_telegram_is_well_formed", &every_telegram_is_well_formed},
     {"no_telegram_outside_its_slot", &no_telegram_outside_its_slot},
@@ -270,7 +293,10 @@ constexpr Invariant kInvariants[] = {
     {"no_value_is_fresh_that_is_not", &no_value_is_fresh_that_is_not},
     {"reference_values_are_released_as_often_as_allowed", &reference_values_are_released_as_often_as_allowed},
     {"reference_values_are_of_who_may_give_them", &reference_values_are_of_who_may_give_them},
+    {"a_writer_keeps_its_telegram_until_a_stronger_one_comes",
+     &a_writer_keeps_its_telegram_until_a_stronger_one_comes},
     {"no_release_begins_with_old_values", &no_release_begins_with_old_values},
+    {"no_released_value_is_beyond_its_limits_or_steps", &no_released_value_is_beyond_its_limits_or_steps},
     {"a_word_that_stops_is_sent_in_two_intervals", &a_word_that_stops_is_sent_in_two_intervals},
     {"counters_are_consistent", &counters_are_consistent},
     {"back_in_normal_operation_in_time", &back_in_normal_operation_in_time},

@@ -1,8 +1,6 @@
 // The fault campaign: seeded random schedules of faults and jobs in virtual time. docs/reliability.md.
 #include <algorithm>
-#include <atomic>
 #include <charconv>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <mutex>
@@ -11,6 +9,8 @@
 #include <vector>
 
 #include "course.h"
+#include "schedules.h"
+#include "small/small_course.h"
 
 namespace {
 
@@ -21,6 +21,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::uint64_t intervals = 0;
   std::uint64_t jobs = std::max(1u, std::thread::hardware_concurrency());
+  const SmallCourse* course = nullptr;  ///< null: the great one
   bool one = false;
   bool help = false;
 };
@@ -31,6 +32,7 @@ constexpr const char* kUsage =
     "  --schedules N  how many schedules (10000); number k has seed S + k\n"
     "  --seed S       first seed (1)\n"
     "  --one SEED     exactly that schedule, and everything that happens in words\n"
+    "  --course NAME  instead of the great course: other_master, which_drive\n"
     "  --jobs N       threads (as many as there are processors); the result does not depend on it\n"
     "  --intervals N  length of each schedule's part with faults (0: 150 to 600, drawn)\n";
 
@@ -40,12 +42,23 @@ bool number(const char* text, std::uint64_t& value) {
   return error == std::errc() && rest == end;
 }
 
+const SmallCourse* course_of(const std::string& name) {
+  for (const SmallCourse* course : small_courses()) {
+    if (name == course->name) return course;
+  }
+  return nullptr;
+}
+
 bool parse(int argc, char** argv, Options& options) {
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i];
     if (name == "--help") {
       options.help = true;
       return true;
+    }
+    if (name == "--course" && i + 1 < argc && (options.course = course_of(argv[i + 1])) != nullptr) {
+      ++i;
+      continue;
     }
     std::uint64_t* value = nullptr;
     if (name == "--schedules") value = &options.schedules;
@@ -54,7 +67,8 @@ bool parse(int argc, char** argv, Options& options) {
     if (name == "--intervals") value = &options.intervals;
     options.one = options.one || name == "--one";
     if (value == nullptr || i + 1 == argc || !number(argv[++i], *value)) {
-      std::fprintf(stderr, "fault_campaign: %s: unknown option, or no whole number from 0 on behind it\n%s",
+      std::fprintf(stderr,
+                   "fault_campaign: %s: unknown option, or no course or whole number from 0 on behind it\n%s",
                    name.c_str(), kUsage);
       return false;
     }
@@ -78,60 +92,35 @@ int run_one(const Options& options) {
   return 1;
 }
 
-/// All schedules, shared out among threads.
+/// All schedules of the great course, shared out among threads.
 class Campaign {
  public:
   explicit Campaign(const Options& options) : options_(options), digests_(options.schedules) {}
 
   int run(const char* program) {
-    const auto begun = std::chrono::steady_clock::now();
-    std::vector<std::thread> threads;
-    const std::uint64_t wanted = std::max<std::uint64_t>(1, std::min(options_.jobs, options_.schedules));
-    for (std::uint64_t i = 0; i < wanted; ++i) threads.emplace_back([this] { work(); });
-    for (std::thread& thread : threads) thread.join();
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
-    return report(program, took.count());
+    return report(program,
+                  share_out(options_.schedules, options_.jobs, [this](std::uint64_t k) { play(k); }));
   }
 
  private:
-  struct Failure {
-    std::uint64_t seed = 0;
-    Violation violation;
-  };
-
-  void work() {
-    for (std::uint64_t k = next_++; k < options_.schedules; k = next_++) {
-      const Plan plan = draw_plan(options_.seed + k, options_.intervals);
-      const Verdict verdict = Course(plan, nullptr, {}).run();
-      digests_[k] = verdict.digest;
-      const std::lock_guard lock(mutex_);
-      intervals_ += verdict.intervals;
-      coverage_.add(verdict.coverage);
-      if (verdict.allowed != 0) {
-        slowest_ =
-            std::max(slowest_, static_cast<double>(verdict.took) / static_cast<double>(verdict.allowed));
-      }
-      if (verdict.violation) failures_.push_back({plan.seed, *verdict.violation});
+  void play(std::uint64_t k) {
+    const Plan plan = draw_plan(options_.seed + k, options_.intervals);
+    const Verdict verdict = Course(plan, nullptr, {}).run();
+    digests_[k] = verdict.digest;
+    const std::lock_guard lock(mutex_);
+    intervals_ += verdict.intervals;
+    coverage_.add(verdict.coverage);
+    if (verdict.allowed != 0) {
+      slowest_ = std::max(slowest_, static_cast<double>(verdict.took) / static_cast<double>(verdict.allowed));
     }
+    if (verdict.violation) failures_.push_back({plan.seed, *verdict.violation});
   }
 
   int report(const char* program, double seconds) {
-    constexpr std::size_t kShown = 20;
-    std::sort(failures_.begin(), failures_.end(),
-              [](const Failure& a, const Failure& b) { return a.seed < b.seed; });
-    for (std::size_t i = 0; i < std::min(failures_.size(), kShown); ++i) {
-      const Failure& failure = failures_[i];
-      std::printf("VIOLATED in interval %llu: %s: %s\n  again: %s --one %llu",
-                  static_cast<unsigned long long>(failure.violation.interval),
-                  failure.violation.invariant.c_str(), failure.violation.what.c_str(), program,
-                  static_cast<unsigned long long>(failure.seed));
-      if (options_.intervals != 0) {
-        std::printf(" --intervals %llu", static_cast<unsigned long long>(options_.intervals));
-      }
-      std::printf("\n");
-    }
-    std::uint64_t digest = 0;
-    for (const std::uint64_t one : digests_) digest = (digest ^ one) * 0x100000001B3u + (digest >> 29);
+    const std::string length =
+        options_.intervals != 0 ? " --intervals " + std::to_string(options_.intervals) : std::string();
+    print_failures(failures_, std::string(program) + " --one ", length);
+    const std::uint64_t digest = joined(digests_);
     std::printf("%s", coverage_.text().c_str());
     std::printf("%llu schedules, %llu intervals, %.1f s; slowest recovery took %.0f %% of its bound\n",
                 static_cast<unsigned long long>(options_.schedules),
@@ -143,14 +132,12 @@ class Campaign {
 
   /// So many schedules meet everything there is to meet.
   bool everything_met() const {
-    constexpr std::uint64_t kEnough = 2000;
     if (options_.schedules < kEnough) return true;
     for (const std::string& name : coverage_.missing()) std::printf("NEVER MET: %s\n", name.c_str());
     return coverage_.missing().empty();
   }
 
   const Options& options_;
-  std::atomic<std::uint64_t> next_{0};
   std::vector<std::uint64_t> digests_;
   std::mutex mutex_;
   std::uint64_t intervals_ = 0;
@@ -167,6 +154,10 @@ int main(int argc, char** argv) {
   if (options.help) {
     std::printf("%s", kUsage);
     return 0;
+  }
+  if (options.course != nullptr) {
+    if (options.one) return play_small_one(*options.course, options.seed);
+    return play_small(*options.course, options.schedules, options.seed, options.jobs, argv[0]);
   }
   return options.one ? run_one(options) : Campaign(options).run(argv[0]);
 }

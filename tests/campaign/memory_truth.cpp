@@ -12,6 +12,13 @@ constexpr std::size_t kEndedKept = 8;
 /// A telegram of a transfer that has ended may be on its way for so long.
 constexpr std::uint64_t kSettling = kLatestIntervals + 6;
 
+/// It says that the drive has nothing of the download.
+bool nothing_written(cansync::Outcome outcome) {
+  using cansync::Outcome;
+  return outcome == Outcome::cancelled || outcome == Outcome::master_stopped ||
+         outcome == Outcome::slave_lost || outcome == Outcome::timeout;
+}
+
 std::string transfer_text(cansync::JobId id) {
   return "transfer " + std::to_string(id);
 }
@@ -48,6 +55,17 @@ std::optional<cansync::TransferRequest> MemoryTruth::draw(cansync::JobId id, can
   request.data = *transfer.data;
   open_.emplace(id, std::move(transfer));
   return request;
+}
+
+std::optional<MemoryTruth::Facts> MemoryTruth::facts(cansync::JobId id, const sim::Drive& drive) const {
+  const auto found = open_.find(id);
+  if (found == open_.end()) return std::nullopt;
+  const Transfer& transfer = found->second;
+  const auto contents = drive.memory().contents().subspan(transfer.place * kPlaceBytes, kPlaceBytes);
+  const auto held =
+      memories_.at(transfer.slave).held.begin() + static_cast<std::ptrdiff_t>(transfer.place * kPlaceBytes);
+  return Facts{std::equal(transfer.given.begin(), transfer.given.end(), contents.begin()),
+               std::equal(contents.begin(), contents.end(), held)};
 }
 
 void MemoryTruth::check_end(const Transfer& transfer, const cansync::TransferResult& result,
@@ -88,7 +106,7 @@ void MemoryTruth::answered(cansync::JobId id, const cansync::TransferResult& res
     const auto held = memory.held.begin() + static_cast<std::ptrdiff_t>(transfer.place * kPlaceBytes);
     if (transfer.download && result.outcome == cansync::Outcome::done) {
       std::copy(transfer.given.begin(), transfer.given.end(), held);
-    } else if (transfer.download) {
+    } else if (transfer.download && !nothing_written(result.outcome)) {
       place.written = transfer.given;
       place.settled = now + kSettling;
     }

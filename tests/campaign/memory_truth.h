@@ -30,6 +30,14 @@ class MemoryTruth {
   std::optional<cansync::TransferRequest> draw(cansync::JobId id, cansync::SlaveNumber slave, bool download,
                                                std::uint32_t bytes, std::uint8_t address_step, Dice& dice);
 
+  /// What the drive has of an open download.
+  struct Facts {
+    bool has_all = false;    ///< every byte
+    bool untouched = false;  ///< the memory is as it was
+  };
+  /// Nothing when the transfer is not open.
+  std::optional<Facts> facts(cansync::JobId id, const sim::Drive& drive) const;
+
   /// The transfer ended in interval `now`; `refused`: it was not taken at all.
   void answered(cansync::JobId id, const cansync::TransferResult& result, bool refused,
                 const sim::Drive& drive, std::uint64_t now);

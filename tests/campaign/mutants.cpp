@@ -1,10 +1,12 @@
 #include "mutants.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "cansync/settings/timing.h"
 #include "cansync/telegram/telegram.h"
@@ -164,6 +166,19 @@ class WrongWrittenValue final : public Tamper {
   }
 };
 
+/// Says of requests of one kind that they were cancelled where it is not known whether the drive has them.
+template <class Done>
+class BoldCancel final : public Tamper {
+ public:
+  void terminals(std::vector<Terminal>& popped) override {
+    for (Terminal& terminal : popped) {
+      auto* const done = std::get_if<Done>(&terminal);
+      if (done != nullptr && done->result.outcome == cansync::Outcome::no_answer)
+        done->result.outcome = cansync::Outcome::cancelled;
+    }
+  }
+};
+
 class WrongDownload final : public Tamper {
  public:
   can::SendResult send(const can::Frame& frame) noexcept override {
@@ -258,11 +273,39 @@ class AnyStart final : public Tamper {
   void sample(ReferenceSample& sample, const DaemonIdentity& start) override { sample.daemon = start; }
 };
 
+/// Of equal strengths the one that comes takes over, as it does by chance when GUIDs decide.
+class EqualTakesOver final : public Tamper {
+ public:
+  void strength(std::int32_t& strength) override { ++strength; }
+};
+
 /// Values always come as fresh ones.
 class FreshByName final : public Tamper {
  public:
   void sample(ReferenceSample& sample, const DaemonIdentity& /*start*/) override {
     sample.written = now().count();
+  }
+};
+
+/// Any reference value is taken.
+class NoLimits final : public Tamper {
+ public:
+  cansync::MasterSettings settings(const cansync::MasterSettings& of_plan) override {
+    cansync::MasterSettings settings = of_plan;
+    settings.process.reference_limits = {};
+    return settings;
+  }
+};
+
+/// Steps may be twice as long.
+class LongSteps final : public Tamper {
+ public:
+  cansync::MasterSettings settings(const cansync::MasterSettings& of_plan) override {
+    cansync::MasterSettings settings = of_plan;
+    for (cansync::ReferenceLimits& limits : settings.process.reference_limits) {
+      if (limits.max_step != cansync::ReferenceLimits::kNone) limits.max_step *= 2;
+    }
+    return settings;
   }
 };
 
@@ -288,6 +331,7 @@ constexpr const char* kBlock = "a_transferred_block_equals_the_memory";
 constexpr const char* kFresh = "no_value_is_fresh_that_is_not";
 
 constexpr const char* kGiver = "reference_values_are_of_who_may_give_them";
+constexpr const char* kLimits = "no_released_value_is_beyond_its_limits_or_steps";
 constexpr const char* kAge = "no_release_begins_with_old_values";
 
 constexpr Mutant kMutants[] = {
@@ -303,6 +347,8 @@ constexpr Mutant kMutants[] = {
     {"lost answer", kReply, &make<LostAnswer>},
     {"invented confirmation", kParameter, &make<InventedConfirmation>},
     {"wrong value written", kParameter, &make<WrongWrittenValue>},
+    {"a write that was sent is called cancelled", kParameter, &make<BoldCancel<ParameterDone>>},
+    {"a download that was begun is called cancelled", kBlock, &make<BoldCancel<TransferDone>>},
     {"wrong byte downloaded", kBlock, &make<WrongDownload>},
     {"wrong byte uploaded", kBlock, &make<WrongUpload>},
     {"old actual value as fresh", kFresh, &make<StaleValue>},
@@ -311,15 +357,25 @@ constexpr Mutant kMutants[] = {
     {"unheard stop", kGiver, &make<UnheardStop>},
     {"take over that ends nothing", kGiver, &make<NoTakeOver>},
     {"values for any start", kGiver, &make<AnyStart>},
+    {"an equal writer takes over", "a_writer_keeps_its_telegram_until_a_stronger_one_comes",
+     &make<EqualTakesOver>},
     {"fresh by name", kAge, &make<FreshByName>},
+    {"any reference value", kLimits, &make<NoLimits>},
+    {"steps twice as long", kLimits, &make<LongSteps>},
     {"word that stops waits", "a_word_that_stops_is_sent_in_two_intervals", &make<WaitingStop>},
     {"deaf after the faults", "back_in_normal_operation_in_time", &make<Deaf>},
 };
 
 }  // namespace
 
-std::span<const Mutant> mutants() noexcept {
-  return kMutants;
+std::span<const Mutant> mutants() {
+  static const std::vector<Mutant> all = [] {
+    std::vector<Mutant> joined(std::begin(kMutants), std::end(kMutants));
+    const std::span<const Mutant> words = word_mutants();
+    joined.insert(joined.end(), words.begin(), words.end());
+    return joined;
+  }();
+  return all;
 }
 
 }  // namespace cansyncd::campaign

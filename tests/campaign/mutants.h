@@ -15,7 +15,10 @@ struct Mutant {
   std::unique_ptr<Tamper> (*make)(const Plan& plan);
 };
 
+/// Those that say something else than what is so.
+std::span<const Mutant> word_mutants() noexcept;
+
 /// All of them; every invariant is named at least once.
-std::span<const Mutant> mutants() noexcept;
+std::span<const Mutant> mutants();
 
 }  // namespace cansyncd::campaign

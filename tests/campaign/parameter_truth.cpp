@@ -82,8 +82,9 @@ void ParameterTruth::answered(const cansync::ParameterRequest& request,
                                           return write.first == request.id;
                                         }) != 0;
   if (!watched) return;
+  // "Cancelled", "master stopped" and "slave lost" say that the drive has nothing.
   const bool unknown = result.outcome == Outcome::no_answer || result.outcome == Outcome::timeout ||
-                       result.outcome == Outcome::cancelled || result.outcome == Outcome::master_stopped;
+                       result.outcome == Outcome::taken;
   if (result.outcome == Outcome::done) {
     for (const std::uint32_t value : at->held) add(at->past, value);
     if (!doubtful && request.id > at->before_power_on) {

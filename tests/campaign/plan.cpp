@@ -72,6 +72,8 @@ void draw_master(Dice& dice, Plan& plan) {
   settings.startup.enable = dice.chance(750) ? cansync::EnableRule::all_synchronized
                                              : static_cast<cansync::EnableRule>(dice.below(3));
   settings.startup.status_period = dice.between(10, 150) * plan.interval();
+  // To the master a bus that gives every frame twice is a line of two drives a number; which_drive_test has those.
+  settings.startup.on_duplicate = cansync::OnDuplicate::report;
   settings.startup.lost_after = static_cast<std::uint8_t>(dice.between(1, 5));
   settings.process.maximum_slave = *SlaveNumber::from(numbers.back());
   settings.process.reference_mapping = draw_reference_mapping(dice);
@@ -172,6 +174,25 @@ void draw_writers_and_stops(Plan& plan) {
   if (dice.chance(300)) plan.settings.command_channel.control_word = {Cursor::Kind::nobody, {}};
 }
 
+/// Limits of the first value of each telegram, in steps from one update to the next.
+void draw_limits(Plan& plan) {
+  constexpr std::int64_t kUpdate = 0x1'0001;
+  Dice dice(plan.seed ^ 0x11317);
+  if (!dice.chance(250)) return;
+  // While values of another writer are refused the hold of a lost one goes on: whose values are right then
+  // depends on what was refused.
+  plan.writers.hold = 0;
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    cansync::ReferenceLimits& limits = plan.settings.process.reference_limits[channel * cansync::kWords];
+    const auto updates = [&](std::uint64_t least, std::uint64_t most) {
+      return static_cast<std::int64_t>(dice.between(least, most)) * kUpdate;
+    };
+    if (dice.chance(700)) limits.max_step = updates(2, 60);
+    if (dice.chance(300)) limits.minimum = updates(1, 40);
+    if (dice.chance(300)) limits.maximum = updates(100, 2'000);
+  }
+}
+
 bool moves_telegrams(FaultKind kind) noexcept {
   return kind == FaultKind::late || kind == FaultKind::corrupted || kind == FaultKind::duplicated ||
          kind == FaultKind::inject;
@@ -246,6 +267,7 @@ Plan draw_plan(std::uint64_t seed, std::uint64_t intervals) {
   draw_disturbances(dice, plan);
   draw_mix(dice, plan.mix);
   draw_writers_and_stops(plan);
+  draw_limits(plan);
   return plan;
 }
 

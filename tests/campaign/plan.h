@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "can/bus.h"
+#include "cansync/config/config.h"
 #include "cansync/settings/settings.h"
 #include "cansync/sim/drive.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "dice.h"
 #include "sim/faults.h"

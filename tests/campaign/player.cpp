@@ -26,6 +26,7 @@ Player::Player(const Stage& stage) : stage_(stage), dice_(stage.plan.seed ^ 0x91
                                        stage.tamper);
   writers_->on_event = stage.tell;
   stage.witness.references.set_hold(stage.plan.writers.hold);
+  stage.witness.references.set_limits(stage.plan.settings.process.reference_limits);
   stage.witness.references.set_maximum_age(stage.plan.writers.maximum_age);
 }
 
@@ -40,7 +41,10 @@ bool Player::hangs() const noexcept {
 bool Player::push(const Request& request, const Job* job, const std::string& text) {
   const bool pushed = stage_.exchange.requests.try_push(request);
   if (!pushed) stage_.coverage.met(Coverage::Met::ring_full);
-  if (pushed && job != nullptr) stage_.ledger.opened(*job);
+  if (pushed && job != nullptr) {
+    stage_.ledger.opened(*job);
+    stage_.words.pushed(job->id, request);
+  }
   if (stage_.tell) {
     const std::string id = job != nullptr ? "request " + std::to_string(job->id) + ": " : "";
     stage_.tell(id + text + (pushed ? "" : " (no room)"));
@@ -109,8 +113,17 @@ void Player::settle(const Job& job, const Terminal& terminal) {
           " bytes";
   }
   if (stage_.tell) stage_.tell("answer " + std::to_string(job.id) + ": " + how);
+  settle_words(job, terminal);
   if (job.kind == Job::Kind::parameter) settle_parameter(job, terminal);
   if (job.kind == Job::Kind::transfer) settle_transfer(job, terminal);
+}
+
+void Player::settle_words(const Job& job, const Terminal& terminal) {
+  std::optional<MemoryTruth::Facts> memory;
+  const sim::Drive* drive = job.kind == Job::Kind::transfer ? drive_of(job.slave) : nullptr;
+  if (drive != nullptr) memory = stage_.memories.facts(job.id, *drive);
+  const bool doubtful = stage_.plan.doubtful_answers(job.pushed, stage_.line.intervals());
+  stage_.words.ended(terminal, memory, doubtful, state_, stage_.line.now());
 }
 
 void Player::settle_parameter(const Job& job, const Terminal& terminal) {
@@ -153,6 +166,7 @@ void Player::take_back() {
 // --- one interval
 
 void Player::act(std::uint64_t tick, const MasterSnapshot& now) {
+  state_ = now.state;
   ReferenceTruth& references = stage_.witness.references;
   if (stage_.exchange.requests.size() == 0) {
     references.all_taken();
@@ -223,6 +237,7 @@ void Player::withdraw() {
 
 void Player::ask_for_mode(Mode mode, bool force) {
   const Job job = new_job(Job::Kind::mode);
+  stage_.witness.references.mode_asked();
   if (push(ModeRequest{job.id, mode, force}, &job, "mode " + std::to_string(static_cast<int>(mode)))) {
     mode_jobs_.insert(job.id);
   }
@@ -251,6 +266,13 @@ void Player::mend(std::uint64_t tick, const MasterSnapshot& now) {
     const Job job = new_job(Job::Kind::setting);
     cursors_reset_ = push(SetCursors{job.id, cansync::Cursor{}, cansync::Cursor{}, cansync::Cursor{}}, &job,
                           "all cursors automatic");
+  }
+  // Else the values of the writers may have gone too far from those sent last.
+  if (limits_lifted_ < cansync::kChannels) {
+    stage_.witness.references.set_limits({});
+    const Job job = new_job(Job::Kind::setting);
+    const auto value = static_cast<std::uint8_t>(limits_lifted_ * cansync::kWords);
+    limits_lifted_ += push(SetReferenceLimits{job.id, value, {}}, &job, "no limits") ? 1u : 0u;
   }
   if (!mode_jobs_.empty() || tick % 4 != 0) return;
   if (!cansync::is_synchronous(now.state)) {

@@ -20,6 +20,7 @@
 #include "sim/line.h"
 #include "tamper.h"
 #include "witness.h"
+#include "word_truth.h"
 #include "writers.h"
 
 namespace cansyncd::campaign {
@@ -33,6 +34,7 @@ struct Stage {
   Ledger& ledger;
   ParameterTruth& parameters;
   MemoryTruth& memories;
+  WordTruth& words;
   Recovery& recovery;
   Coverage& coverage;
   Tamper* tamper;  ///< null: none
@@ -70,6 +72,7 @@ class Player {
   bool push(const Request& request, const Job* job, const std::string& text);
   void answered(const Terminal& terminal);
   void settle(const Job& job, const Terminal& terminal);
+  void settle_words(const Job& job, const Terminal& terminal);
   void settle_parameter(const Job& job, const Terminal& terminal);
   void settle_transfer(const Job& job, const Terminal& terminal);
   sim::Drive* drive_of(cansync::SlaveNumber slave);
@@ -109,6 +112,7 @@ class Player {
   unsigned writer_ = 0;                                    ///< client that writes reference values
   std::uint64_t writer_back_ = 0;                          ///< it is gone until this interval
   std::uint64_t mapping_number_ = 1;                       ///< as last told
+  cansync::State state_ = cansync::State::start_up;        ///< likewise
   std::array<bool, cansync::kChannels> withdrawing_ = {};  ///< there was no room for it yet
   std::unique_ptr<Writers> writers_;                       ///< null: there is one, and no gate
   std::vector<std::pair<std::uint64_t, cansync::ControlWordRequest>> held_back_;  ///< by a tamper, until when
@@ -117,6 +121,7 @@ class Player {
   std::size_t next_probe_ = 0;
   bool probes_well_ = true;
   bool cursors_reset_ = false;
+  unsigned limits_lifted_ = 0;     ///< telegrams of which the limits were lifted
   std::uint64_t hung_ = 0;         ///< intervals
   std::uint64_t reset_again_ = 0;  ///< not before this tick
 };

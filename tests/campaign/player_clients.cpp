@@ -126,6 +126,7 @@ void Player::ask_stop_word() {
   const std::uint64_t later = stage_.tamper != nullptr ? stage_.tamper->held_back(request) : 0;
   if (later != 0) {
     stage_.ledger.opened(job);
+    stage_.words.pushed(job.id, request);
     held_back_.emplace_back(stage_.line.intervals() + later, request);
     return;
   }

@@ -19,6 +19,22 @@ void ReferenceTruth::look_at_giver(const Update& update) {
   }
 }
 
+void ReferenceTruth::look_at_limits(const cansync::ReferenceTelegram& telegram) {
+  const cansync::ReferenceLimits& limits = limits_[index(telegram.channel) * cansync::kWords];
+  const std::uint32_t raw = telegram.word[0] | (std::uint32_t{telegram.word[1]} << 16);
+  const std::int64_t number = cansync::number_of(raw, false, true);
+  const auto last = std::exchange(sent_[index(telegram.channel)], number);
+  const auto beyond = [&](const std::string& limit) {
+    note(limit_complaint_, telegram.word[0], "are released with " + std::to_string(number) + ", " + limit);
+  };
+  if (number < limits.minimum) beyond("minimum " + std::to_string(limits.minimum));
+  if (number > limits.maximum) beyond("maximum " + std::to_string(limits.maximum));
+  if (mode_asked_ || !last) return;
+  const std::int64_t step = number > *last ? number - *last : *last - number;
+  if (step > limits.max_step)
+    beyond("max_step " + std::to_string(limits.max_step) + ", after " + std::to_string(*last));
+}
+
 /// Values for a later interval may wait for it.
 void ReferenceTruth::look_at_age(const Update& update, std::uint64_t now, can::Time at) {
   if (maximum_age_.count() == 0 || !update.origin.written || now == update.from) return;
@@ -31,6 +47,7 @@ void ReferenceTruth::look_at_age(const Update& update, std::uint64_t now, can::T
 
 void ReferenceTruth::released(const cansync::ReferenceTelegram& telegram, std::uint64_t now, can::Time at) {
   if (telegram.words == 0) return;  // asks for actual values alone
+  look_at_limits(telegram);
   Update& update = updates_[telegram.word[0] % kKnown];
   const std::uint32_t number = update.number;
   if (number == 0 || update.channel != telegram.channel || number % kKnown != telegram.word[0]) {
@@ -42,6 +59,11 @@ void ReferenceTruth::released(const cansync::ReferenceTelegram& telegram, std::u
   look_at_giver(update);
   if (update.count == 0) {
     update.first = now;
+    auto& follows_lost = follows_lost_[index(update.channel)];
+    if (follows_lost == update.origin.program) {
+      follows_lost.reset();
+      taken_over(update.channel, update.origin.program);
+    }
     look_at_age(update, now, at);
   }
   if (++update.count > update.intervals) {

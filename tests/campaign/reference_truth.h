@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "can/bus.h"
 #include "cansync/channel/jobs.h"
+#include "cansync/settings/reference_limits.h"
 #include "cansync/telegram/telegram.h"
 
 namespace cansyncd::campaign {
@@ -49,9 +51,16 @@ class ReferenceTruth {
   }
   /// A sample of the program came through: nothing that others gave before may come any more.
   void taken_over(cansync::Channel channel, unsigned program) noexcept {
+    if (follows_lost_[index(channel)] == program) return;
+    follows_lost_[index(channel)].reset();
     for (unsigned other = 0; other < kPrograms; ++other) {
       if (other != program) ended_[index(channel)][other] = last_;
     }
+  }
+  /// Likewise, behind a writer that was lost: the hold of its values goes on until some of the program can be
+  /// released.
+  void follows_lost(cansync::Channel channel, unsigned program) noexcept {
+    follows_lost_[index(channel)] = program;
   }
   /// The gateway had room for every stop it wanted.
   void stops_handed_on() noexcept { ended_handed_on_ = ended_; }
@@ -62,17 +71,32 @@ class ReferenceTruth {
   void all_taken() noexcept {
     in_force_ = withdrawn_;
     ended_in_force_ = ended_handed_on_;
+    if (std::exchange(mode_asked_, false)) sent_ = {};
   }
+  /// Limits of the first value of each telegram, which has 32 bits and a sign.
+  void set_limits(const cansync::AllReferenceLimits& limits) noexcept { limits_ = limits; }
+  /// A mode was asked for: active operation may begin again at any time from now on.
+  void mode_asked() noexcept { mode_asked_ = true; }
+
   /// The master is not in active operation, and has taken everything: nothing given before may come again.
   void left_active() noexcept { in_force_ = withdrawn_ = {last_, last_}; }
 
   /// The master released this telegram in interval `now`, at `at`. Notes when it must not.
   void released(const cansync::ReferenceTelegram& telegram, std::uint64_t now, can::Time at);
 
+  /// A telegram came to another writer than the rule says.
+  void complain_of_owner(const std::string& what) {
+    if (owner_complaint_.empty()) owner_complaint_ = "a telegram " + what;
+  }
+
+  /// What was wrong first with who had a telegram; empty: nothing.
+  const std::string& owner_complaint() const noexcept { return owner_complaint_; }
   /// What was wrong first with how often values are released; empty: nothing.
   const std::string& complaint() const noexcept { return complaint_; }
   /// Likewise with who gave them.
   const std::string& giver_complaint() const noexcept { return giver_complaint_; }
+  /// Likewise with their limits.
+  const std::string& limit_complaint() const noexcept { return limit_complaint_; }
   /// Likewise with their age.
   const std::string& age_complaint() const noexcept { return age_complaint_; }
 
@@ -93,6 +117,7 @@ class ReferenceTruth {
     if (complaint.empty()) complaint = "reference values of update " + std::to_string(number) + " " + what;
   }
   void complain(std::uint32_t number, const std::string& what) { note(complaint_, number, what); }
+  void look_at_limits(const cansync::ReferenceTelegram& telegram);
   void look_at_giver(const Update& update);
   void look_at_age(const Update& update, std::uint64_t now, can::Time at);
 
@@ -103,10 +128,16 @@ class ReferenceTruth {
   Ended ended_ = {};            ///< by channel and program: no later update than this one
   Ended ended_handed_on_ = {};  ///< as far as the gateway has said so
   Ended ended_in_force_ = {};   ///< as far as the realtime thread has taken it
+  std::array<std::optional<unsigned>, cansync::kChannels> follows_lost_ = {};
   can::Time maximum_age_{0};
   std::uint32_t hold_ = 0;
   std::string complaint_;
   std::string giver_complaint_;
+  std::string limit_complaint_;
+  std::string owner_complaint_;
+  cansync::AllReferenceLimits limits_ = {};
+  bool mode_asked_ = false;
+  std::array<std::optional<std::int64_t>, cansync::kChannels> sent_ = {};  ///< first value of each telegram
   std::string age_complaint_;
 };
 

@@ -12,6 +12,7 @@
 #include "plan.h"
 #include "recovery.h"
 #include "witness.h"
+#include "word_truth.h"
 
 namespace cansyncd::campaign {
 
@@ -29,6 +30,7 @@ struct Scene {
   const ParameterTruth& parameters;
   const MemoryTruth& memories;
   const Recovery& recovery;
+  const WordTruth& words;
   MasterSnapshot before;  ///< at the end of the interval before
   MasterSnapshot now;     ///< at the end of this one
   std::vector<ActualSeen> actual;

@@ -85,6 +85,7 @@ void Witness::handed_over(const can::Frame& frame, can::Time now, can::SendResul
     if (const auto* action = std::get_if<cansync::ActionCommand>(&*hand_over.telegram)) {
       stops.handed_over(*action);
     }
+    sent.handed_over(*hand_over.telegram);
   }
   handed.push_back(hand_over);
 }
@@ -116,6 +117,11 @@ void Witness::frame(const sim::TracedFrame& traced) noexcept {
   if (traced.sender.kind != sim::Sender::Kind::master) return;
   const can::Time since = last_edge ? traced.start - last_edge->made : traced.start;
   frames.push_back({traced.frame, since, line_->intervals()});
+  if (traced.frame.id == cansync::identifier::action) {
+    const auto telegram = telegram_in(traced.frame);
+    const auto* action = telegram ? std::get_if<cansync::ActionCommand>(&*telegram) : nullptr;
+    if (action != nullptr) sent.on_bus(*action);
+  }
   const std::uint32_t channel = traced.frame.id & kChannelMask;
   if (channel != cansync::identifier::reference_one && channel != cansync::identifier::reference_two) return;
   // The newest one: what was handed to a controller that went to bus-off is never sent.

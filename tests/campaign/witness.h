@@ -12,6 +12,7 @@
 #include "daemon/cansync/exchange.h"
 #include "plan.h"
 #include "reference_truth.h"
+#include "sent_truth.h"
 #include "sim/line.h"
 #include "stage_bus.h"
 #include "stop_truth.h"
@@ -90,6 +91,7 @@ class Witness final : public BusObserver, private sim::TraceSink {
   std::uint64_t frames_seen = 0;  ///< frames on the bus
   ReferenceTruth references;
   StopTruth stops;
+  SentTruth sent;
 
   void forget_interval() noexcept {
     handed.clear();

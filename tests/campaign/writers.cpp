@@ -106,17 +106,11 @@ void Writers::settle_down(std::uint64_t interval, std::uint64_t mapping_number) 
   }
 }
 
-/// DDS lets nobody else's samples through. One that has died counts until that is noticed.
-const Writers::Program* Writers::strongest(Channel channel) const noexcept {
-  const Program* found = nullptr;
-  for (const Program& program : programs_) {
-    if (program.handle == 0 || !program.holds[index(channel)]) continue;
-    if (found == nullptr || program.strength > found->strength ||
-        (program.strength == found->strength && program.handle < found->handle)) {
-      found = &program;
-    }
-  }
-  return found;
+const Writers::Program* Writers::of(WriterHandle writer) const noexcept {
+  const auto found = std::find_if(programs_.begin(), programs_.end(), [writer](const Program& program) {
+    return writer != 0 && program.handle == writer;
+  });
+  return found == programs_.end() ? nullptr : &*found;
 }
 
 void Writers::write(unsigned number, Channel channel, std::uint64_t interval, bool steady) {
@@ -151,9 +145,10 @@ void Writers::give_up(unsigned number, Channel channel) {
 }
 
 void Writers::send(Sample written, Channel channel) {
-  if (strongest(channel)->handle != written.sample.writer) return;
   auto& kept = samples_[index(channel)];
-  if (kept.size() == kKept) kept.pop_front();
+  const auto same = [&](const Sample& one) { return one.sample.writer == written.sample.writer; };
+  if (std::count_if(kept.begin(), kept.end(), same) == kKept)
+    kept.erase(std::find_if(kept.begin(), kept.end(), same));
   kept.push_back(std::move(written));
 }
 
@@ -167,7 +162,8 @@ void Writers::gateway(const MasterSnapshot& now) {
   }
   for (const WriterHandle handle : std::exchange(dead_, {})) {
     for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
-      if (gate_.owner(channel) == handle) gate_.lost(channel, steady());
+      gate_.arbiter(channel).forget(handle);
+      if (gate_.owner(channel) == handle) gate_.lost(channel, wall(), steady());
     }
   }
   gate_.tick(steady());
@@ -178,16 +174,36 @@ void Writers::gateway(const MasterSnapshot& now) {
 void Writers::deliver(const Sample& sample) {
   ReferenceSample seen = sample.sample;
   const Channel channel = seen.telegram == 1 ? Channel::one : Channel::two;
-  if (seen.given_up) {
-    truth_.gave_up(channel, sample.program);
-  } else if (gate_.owner(index(channel)) != 0 || plan_.writers.hold == 0) {
-    // The hold of a lost writer's values goes on until there are others that can be taken.
-    truth_.taken_over(channel, sample.program);
-  }
   if (tamper_ != nullptr) tamper_->sample(seen, kThisStart);
+  const WriterHandle before = gate_.owner(index(channel));
+  // Of a program that starts anew and waits, it says nothing of the values that it gave before it died.
+  if (seen.given_up && before == seen.writer) truth_.gave_up(channel, sample.program);
   current_ = &sample;
+  handed_on_ = false;
   gate_.take(seen, wall(), steady());
   current_ = nullptr;
+  judge(before, sample);
+  if (gate_.owner(index(channel)) != sample.sample.writer) return;
+  if (before == 0 && plan_.writers.hold != 0)
+    truth_.follows_lost(channel, sample.program);
+  else
+    truth_.taken_over(channel, sample.program);
+}
+
+/// The rule, with the strengths that the programs have: what the gate asks for may be tampered with.
+void Writers::judge(WriterHandle before, const Sample& sample) {
+  const WriterHandle writer = sample.sample.writer;
+  const Program* const owner = of(before);
+  const Program* const other = of(writer);
+  if (owner == nullptr || other == nullptr || before == writer || sample.sample.given_up) return;
+  const WriterHandle after = gate_.owner(sample.sample.telegram - 1u);
+  if (other->strength > owner->strength) {
+    if (after != writer)
+      truth_.complain_of_owner("did not come to the stronger program " + std::to_string(sample.program));
+  } else if (after != before || handed_on_) {
+    truth_.complain_of_owner("was taken by program " + std::to_string(sample.program) +
+                             ", which is no stronger than the writer that has it");
+  }
 }
 
 void Writers::refused(const ReferenceRefused& report) {
@@ -206,6 +222,7 @@ std::string Writers::hand_on(const Request& request) {
   update.value.fill(ReferenceTruth::value_of(number));
   if (tamper_ != nullptr) tamper_->update(update);
   if (!exchange_.requests.try_push(update)) return kFull;
+  handed_on_ = true;
   truth_.pushed(number, update,
                 {current_->program, current_->of_daemon_before, can::Time(current_->sample.written)});
   if (on_event) {
@@ -220,16 +237,17 @@ void Writers::tell(const EventText& event, SteadyTime /*now*/) {
   if (on_event) on_event("event " + event.text);
 }
 
-ReferenceSurroundings::Writer Writers::identify(WriterHandle writer) {
-  for (const Program& program : programs_) {
-    if (program.handle == writer) return {"program " + std::to_string(writer), program.strength};
-  }
-  return {"a program that has left", 0};
+gateway::dds::WriterIdentity Writers::identify(WriterHandle writer) {
+  const Program* const program = of(writer);
+  if (program == nullptr) return {"a program that has left"};
+  std::int32_t strength = program->strength;
+  const bool has_owner = current_ != nullptr && gate_.owner(current_->sample.telegram - 1u) != 0;
+  if (tamper_ != nullptr && has_owner) tamper_->strength(strength);
+  return {"program " + std::to_string(writer), strength};
 }
 
 bool Writers::left(WriterHandle writer) {
-  return std::none_of(programs_.begin(), programs_.end(),
-                      [writer](const Program& program) { return program.handle == writer; });
+  return of(writer) == nullptr;
 }
 
 }  // namespace cansyncd::campaign

@@ -17,10 +17,9 @@
 
 namespace cansyncd::campaign {
 
-/// The programs that give reference values, and what DDS does between them and the gate: samples of the
-/// strongest living writer that holds a telegram come through, the last few are kept while the gateway hangs,
-/// and a writer that died is noticed a lease later. Some of the programs wrote to the daemon before and go
-/// on.
+/// The programs that give reference values, and what DDS does between them and the gate: the last few samples of
+/// each are kept while the gateway hangs, and a writer that died is noticed a lease later. Some of the programs
+/// wrote to the daemon before and go on. Notes when the gate takes a telegram from a writer that keeps it.
 class Writers final : private ReferenceSurroundings {
  public:
   /// All must outlive the object; `tamper` may be null.
@@ -39,7 +38,7 @@ class Writers final : private ReferenceSurroundings {
   void refused(const ReferenceRefused& report);
 
  private:
-  static constexpr std::size_t kKept = 16;  ///< of a telegram, as the topic's QoS says
+  static constexpr std::size_t kKept = 16;  ///< of a telegram of each, as the topic's QoS says
 
   struct Program {
     WriterHandle handle = 0;  ///< as DDS knows it; 0: not at all
@@ -61,15 +60,15 @@ class Writers final : private ReferenceSurroundings {
   void give_up(unsigned number, cansync::Channel channel);
   void send(Sample written, cansync::Channel channel);
   void deliver(const Sample& sample);
-  const Program* strongest(cansync::Channel channel) const noexcept;
+  const Program* of(WriterHandle writer) const noexcept;
+  void judge(WriterHandle before, const Sample& sample);
   std::int64_t wall() noexcept { return line_.now().count(); }
   SteadyTime steady() noexcept { return SteadyTime(line_.now()); }
 
   // ReferenceSurroundings
   std::string hand_on(const Request& request) override;
   void tell(const EventText& event, SteadyTime now) override;
-  Writer identify(WriterHandle writer) override;
-  bool yielded(WriterHandle /*owner*/) override { return true; }
+  gateway::dds::WriterIdentity identify(WriterHandle writer) override;
   bool left(WriterHandle writer) override;
 
   const Plan& plan_;
@@ -83,6 +82,7 @@ class Writers final : private ReferenceSurroundings {
   std::array<std::deque<Sample>, cansync::kChannels> samples_;  ///< not yet taken by the gateway
   std::vector<WriterHandle> dead_;                              ///< not yet told to it
   const Sample* current_ = nullptr;                             ///< that the gate is looking at
+  bool handed_on_ = false;                                      ///< values of it
   ReferenceGate gate_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <ctime>
 #include <initializer_list>
 #include <random>
 #include <string>
@@ -85,6 +86,74 @@ TEST(CandumpParser, ReadsEachKindAsItWasWritten) {
   }
 }
 
+// The lines are those of candump(1) with -t a, -x, -a and without a stamp.
+TEST(CandumpParser, ReadsWhatCandumpShowsOnAScreen) {
+  const auto parsed = [](std::string_view text) {
+    const auto line = can::parse_candump_line(text);
+    if (const auto* wrong = std::get_if<can::CandumpError>(&line))
+      ADD_FAILURE() << text << ": " << wrong->message;
+    return std::holds_alternative<can::CandumpLine>(line) ? std::get<can::CandumpLine>(line)
+                                                          : can::CandumpLine();
+  };
+  const can::CandumpLine stamped = parsed(" (1700000000.123456)  can0  123   [3]  11 22 A3\n");
+  EXPECT_EQ(stamped.time, microseconds(1'700'000'000'123'456));
+  EXPECT_EQ(stamped.interface, "can0");
+  EXPECT_EQ(stamped.frame, data_frame(0x123, {0x11, 0x22, 0xA3}));
+  EXPECT_EQ(parsed("  can0  12345678   [1]  AB").frame, extended(data_frame(0x12345678, {0xAB})));
+  EXPECT_EQ(parsed("  can0  123   [0] ").frame, data_frame(0x123, {}));
+  EXPECT_EQ(parsed("  can0  123   [0]  remote request").frame, remote(data_frame(0x123, {})));
+  EXPECT_EQ(parsed("  can0  RX - -  123   [2]  41 42   'AB'").frame, data_frame(0x123, {0x41, 0x42}));
+  EXPECT_EQ(parsed("  can0  20000008   [8]  00 00 00 00 00 00 00 00   ERRORFRAME").frame,
+            error(data_frame(0x008, {0, 0, 0, 0, 0, 0, 0, 0})));
+  const auto wrong = [](std::string_view text) {
+    const auto line = can::parse_candump_line(text);
+    return std::holds_alternative<can::CandumpError>(line) ? std::get<can::CandumpError>(line).message : "";
+  };
+  EXPECT_EQ(wrong("  can0  123#45  [2]  11 22"), "expected a space behind the identifier, found '#'");
+  EXPECT_NE(wrong("  can0  20000008  [4]  remote request").find("two hexadecimal digits"), std::string::npos)
+      << "an error frame is no request";
+  EXPECT_NE(wrong("  can0  123  [0]  remote request of").find("the end of the line"), std::string::npos);
+  EXPECT_NE(wrong("  can0  123  [12]  11 22 33 44 55 66 77 88 99 00 11 22").find("CAN FD frames ('[12]')"),
+            std::string::npos);
+  EXPECT_NE(wrong("  can0  123  [9]  11").find("[0] to [8]"), std::string::npos);
+  EXPECT_NE(wrong("  can0  123  [3]  11 22").find("a byte"), std::string::npos);
+  EXPECT_NE(wrong("  can0  123  [1]  11 22").find("the end of the line"), std::string::npos);
+}
+
+TEST(CandumpParser, StampsMayHaveNanosecondsOrADate) {
+  const auto time_of = [](std::string_view line) {
+    const auto parsed = can::parse_candump_line(line);
+    if (const auto* wrong = std::get_if<can::CandumpError>(&parsed)) ADD_FAILURE() << wrong->message;
+    return std::holds_alternative<can::CandumpLine>(parsed) ? std::get<can::CandumpLine>(parsed).time
+                                                            : microseconds(-1);
+  };
+  EXPECT_EQ(time_of("(1594172461.968006789) can0 123#00"), microseconds(1'594'172'461'968'006));
+  std::tm date = {};
+  date.tm_year = 109;
+  date.tm_mon = 1;
+  date.tm_mday = 13;
+  date.tm_hour = 23;
+  date.tm_min = 31;
+  date.tm_sec = 30;
+  date.tm_isdst = -1;
+  EXPECT_EQ(time_of(" (2009-02-13 23:31:30.000001)  can0  123   [1]  11"),
+            microseconds(std::mktime(&date) * 1'000'000 + 1));
+  for (const std::string_view wrong : {"(1.1234567) can0 123#", "(2009-02-13 23:31.000001) can0 123#"})
+    EXPECT_TRUE(std::holds_alternative<can::CandumpError>(can::parse_candump_line(wrong))) << wrong;
+}
+
+// As cansend takes them: lib.h of can-utils has the notation.
+TEST(CandumpParser, BytesMayHaveDotsBetweenThemAndAnEighthALengthCode) {
+  const auto parsed = [](std::string_view text) { return can::parse_candump_frame(text); };
+  EXPECT_EQ(std::get<can::Frame>(parsed("123#11.22.A3")), data_frame(0x123, {0x11, 0x22, 0xA3}));
+  EXPECT_EQ(std::get<can::Frame>(parsed("123#1122.A3")), data_frame(0x123, {0x11, 0x22, 0xA3}));
+  EXPECT_EQ(std::get<can::Frame>(parsed("123#1122334455667788_F")),
+            data_frame(0x123, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
+  for (const std::string_view wrong :
+       {"123#.11", "123#11.", "123#11..22", "123#1.122", "123#11_9", "123#1122334455667788_8"})
+    EXPECT_TRUE(std::holds_alternative<can::CandumpError>(parsed(wrong))) << wrong;
+}
+
 TEST(CandumpParser, TakesLowerCaseAndADirection) {
   const auto parsed = can::parse_candump_line("(1.000002)  vcan0 58f#aB T\r\n");
   ASSERT_TRUE(std::holds_alternative<can::CandumpLine>(parsed));
@@ -115,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Lines, CandumpParserErrors,
                                          Wrong{"(x.000000) can0 123#", 2, "the seconds"},
                                          Wrong{"(1,000000) can0 123#", 3, "'.' after"},
                                          Wrong{"(1.00000) can0 123#", 9, "six digits"},
-                                         Wrong{"(1.0000000) can0 123#", 10, "')' after six"},
+                                         Wrong{"(1.0000000) can0 123#", 11, "or nine of nanoseconds"},
                                          Wrong{"(1.000000)", 11, "interface name"},
                                          Wrong{"(1.000000) name_of_16_chars_ 123#", 12, "1 to 15 characters"},
                                          Wrong{"(1.000000) can0", 16, "found 0 digits"},

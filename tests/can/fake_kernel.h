@@ -155,9 +155,10 @@ class FakeLinks final : public LinkKernel {
   unsigned interrupts = 0;
   std::vector<std::string> asked;
   std::function<void(bool)> on_set_up = [](bool) {};
+  std::function<void()> on_wait = [] {};
 
   LinkFacts read(const std::string&) noexcept override { return facts; }
-  void wait(std::chrono::milliseconds) noexcept override {}
+  void wait(std::chrono::milliseconds) noexcept override { on_wait(); }
   void interrupt() noexcept override { ++interrupts; }
   int restart(std::uint32_t index) noexcept override {
     asked.push_back("restart " + std::to_string(index));

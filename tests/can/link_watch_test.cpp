@@ -8,6 +8,7 @@
 #include <linux/rtnetlink.h>
 
 #include <cstring>
+#include <stop_token>
 #include <vector>
 
 #include "fake_kernel.h"
@@ -219,6 +220,61 @@ TEST(LinkWatch, SaysWhyItCannotReset) {
   rig.links.asked.clear();
   EXPECT_EQ(rig.reset(), ResetResult::not_permitted);
   EXPECT_EQ(rig.links.asked, std::vector<std::string>{"down 5"}) << "not half";
+}
+
+LinkFacts with_serial(char serial) {
+  LinkFacts facts = can0();
+  facts.adapter.serial = {serial};
+  return facts;
+}
+
+TEST(LinkWatch, AnotherAdapterIsNeitherUsedNorReset) {
+  Rig rig;
+  LinkWatch watch{rig.links, rig.board, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
+  rig.links.facts = with_serial('A');
+  watch.look();
+  EXPECT_EQ(rig.board.link().state, LinkState::up);
+  EXPECT_EQ(rig.board.link().index, 5u);
+
+  for (const LinkFacts& wrong : {with_serial('B'), can0()}) {
+    rig.links.facts = wrong;
+    rig.links.facts.up = false;
+    watch.look();
+    EXPECT_EQ(rig.board.link().state, LinkState::wrong_adapter) << "also while it is down";
+    EXPECT_EQ(rig.board.link().index, 0u) << "nothing of another line is received";
+    rig.links.facts.up = true;
+    rig.links.facts.state = ControllerState::bus_off;
+    rig.board.want_reset(++rig.resets);
+    watch.look();
+    EXPECT_EQ(rig.board.reset_result(rig.resets), ResetResult::unavailable);
+    EXPECT_TRUE(rig.links.asked.empty()) << "it is the controller of another line";
+  }
+  rig.links.facts = with_serial('A');
+  watch.look();
+  EXPECT_EQ(rig.board.link().state, LinkState::up);
+}
+
+/// What an event is made of must be there before the realtime thread can report it.
+TEST(LinkWatch, TellsWhatItFoundBeforeTheBoardHasIt) {
+  FakeLinks links;
+  LinkBoard board;
+  LinkWatch watch{links, board, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
+  std::stop_source stop;
+  std::vector<LinkState> board_had;
+  std::vector<char> found;
+  unsigned looks = 0;
+  links.on_wait = [&] {
+    if (++looks == 2) links.facts = with_serial('B');
+    if (looks == 4) stop.request_stop();
+  };
+  links.facts = with_serial('A');
+  watch.run(stop.get_token(), [&](const LinkFacts& facts) {
+    board_had.push_back(board.link().state);
+    found.push_back(facts.adapter.serial.front());
+  });
+  EXPECT_EQ(found, (std::vector<char>{'A', 'B'})) << "each change once";
+  EXPECT_EQ(board_had, (std::vector{LinkState::missing, LinkState::up}));
+  EXPECT_EQ(board.link().state, LinkState::wrong_adapter);
 }
 
 TEST(LinkWatch, AVirtualInterfaceHasNothingToReset) {

@@ -175,6 +175,19 @@ TEST(SocketcanBus, AnInterfaceThatReturnsIsBoundAgainWithItsFilters) {
   EXPECT_EQ(rig.bus.send(frame(0x105)), SendResult::queued);
 }
 
+TEST(SocketcanBus, OnAnotherAdapterNothingIsSentOrReceived) {
+  Rig rig;
+  LinkWatch watch{rig.links, rig.board, {"can0", 1'000'000, false, read_pin("serial=A").pin}};
+  rig.links.facts.index = 9;
+  watch.look();
+  EXPECT_EQ(rig.bus.status().link, LinkState::wrong_adapter);
+  rig.arrive(0x105);
+  EXPECT_TRUE(rig.next().empty());
+  EXPECT_EQ(rig.bus.send(frame(0x105)), SendResult::interface_down);
+  EXPECT_EQ(rig.kernel.calls["send"], 0u);
+  EXPECT_EQ(rig.kernel.bound, std::vector<int>{5}) << "not bound to it";
+}
+
 TEST(SocketcanBus, ABindThatFailsIsTriedAgain) {
   Rig rig(LinkFacts{});
   rig.kernel.bind_result = -ENODEV;

@@ -31,6 +31,7 @@ inline MasterSettings settings_for(unsigned count, BitRate rate = BitRate::mbit1
   settings.process.maximum_slave = slave(count - 1);
   // The rig's slaves answer what a test is about; open_transfers_test has this switched on.
   settings.command_channel.cancel_at_start = false;
+  settings.startup.census = false;  // who_is_there_test has this switched on
   for (unsigned i = 0; i < count; ++i) settings.slaves[i].configured = true;
   return settings;
 }
@@ -43,6 +44,7 @@ struct Recorder : MasterListener {
   std::map<JobId, TransferResult> transfers;
   std::map<JobId, Outcome> commands;
   std::vector<MasterEvent> events;
+  std::vector<LimitViolation> beyond_limits;
   std::map<JobId, std::uint32_t> progress;
   std::map<unsigned, SlaveStatus> statuses;  ///< the newest of each slave
   unsigned terminal = 0;
@@ -63,6 +65,9 @@ struct Recorder : MasterListener {
   }
   void command_done(JobId id, Outcome outcome) noexcept override { once(commands, id, outcome); }
   void event(const MasterEvent& event) noexcept override { events.push_back(event); }
+  void reference_beyond_limit(Channel, const LimitViolation& beyond) noexcept override {
+    beyond_limits.push_back(beyond);
+  }
 
   unsigned count(MasterEvent::Code code) const {
     unsigned n = 0;
@@ -91,6 +96,8 @@ class MasterRig {
   std::function<std::optional<Telegram>(const Telegram&)> answer = [](const Telegram& t) {
     return status_only(t);
   };
+  /// What a second drive of the same number answers to a command, right after the first.
+  std::function<std::optional<Telegram>(const ParameterCommand&)> second_answer;
   /// Every telegram sent in the last interval, in slot order.
   std::vector<Telegram> sent;
   /// The next interval's command is left out.
@@ -139,8 +146,10 @@ class MasterRig {
   void step() {
     sent.clear();
     master.begin_interval(next_interval++);
-    if (response_)
-      master.receive(encode(*std::exchange(response_, std::nullopt)), std::chrono::microseconds(150));
+    for (auto* response : {&response_, &second_response_}) {
+      if (*response)
+        master.receive(encode(*std::exchange(*response, std::nullopt)), std::chrono::microseconds(150));
+    }
     for (const Slot slot : {Slot::reference_one, Slot::reference_two, Slot::command}) run_slot(slot);
   }
   void run(unsigned intervals) {
@@ -197,14 +206,19 @@ class MasterRig {
       if (reply) master.receive(encode(*reply), std::chrono::microseconds(500));
       return;
     }
+    const auto* command = std::get_if<ParameterCommand>(&sent.back());
+    const auto second = second_answer && command != nullptr ? second_answer(*command) : std::nullopt;
     if (is_active(master.state())) {
       response_ = reply;
-    } else if (reply) {
-      master.receive(encode(*reply), std::chrono::microseconds(700));
+      second_response_ = second;
+      return;
     }
+    if (reply) master.receive(encode(*reply), std::chrono::microseconds(700));
+    if (second) master.receive(encode(*second), std::chrono::microseconds(800));
   }
 
   std::optional<Telegram> response_;
+  std::optional<Telegram> second_response_;
 };
 
 }  // namespace cansync::test

@@ -27,7 +27,7 @@ void expect_names(Enum last) {
   for (unsigned i = 0; i < count; ++i) {
     const std::string_view text = name(static_cast<Enum>(i));
     EXPECT_FALSE(text.empty());
-    EXPECT_FALSE(text.starts_with("unknown_") || text.starts_with("unknown decode") ||
+    EXPECT_FALSE(text.starts_with("unknown_event") || text.starts_with("unknown decode") ||
                  text.starts_with("unknown outcome") || text.starts_with("unknown refusal"))
         << i;
     EXPECT_TRUE(names.insert(text).second) << text;
@@ -44,10 +44,13 @@ TEST(Names, UnexpectedTelegrams) {
   EXPECT_EQ(static_cast<unsigned>(Unexpected::unasked) + 1, kUnexpectedKinds);
 }
 TEST(Names, Outcomes) {
-  expect_names(Outcome::replaced);
+  expect_names(Outcome::taken);
 }
 TEST(Names, Refusals) {
-  expect_names(Refusal::lead_axis);
+  expect_names(Refusal::beyond_limit);
+}
+TEST(Names, BusAccesses) {
+  expect_names(BusAccess::other_master);
 }
 TEST(Names, Events) {
   expect_names(MasterEvent::Code::slave_status_refused);
@@ -55,8 +58,8 @@ TEST(Names, Events) {
 TEST(Names, SlaveStates) {
   expect_names(SlaveState::held);
   EXPECT_EQ(static_cast<unsigned>(SlaveState::held) + 1, kSlaveStates);
-  expect_names(SlaveEvent::check_failed);
-  EXPECT_EQ(static_cast<unsigned>(SlaveEvent::check_failed) + 1, kSlaveEvents);
+  expect_names(SlaveEvent::duplicated);
+  EXPECT_EQ(static_cast<unsigned>(SlaveEvent::duplicated) + 1, kSlaveEvents);
 }
 
 // One word for one state: of the code, and of the table in the document.

@@ -154,7 +154,7 @@ TEST_F(OpenTransfer, ASlaveThatWasAwayIsToldBeforeItsNextTransfer) {
   rig->run(30);
   memory.dead = true;
   rig->run_until([this] { return rig->told.transfers.contains(id); }, 20);
-  EXPECT_EQ(rig->told.transfers[id].outcome, Outcome::slave_lost);
+  EXPECT_EQ(rig->told.transfers[id].outcome, Outcome::no_answer);
   EXPECT_TRUE(memory.slave.transfer_open());
   memory.dead = false;
   memory.asked.clear();

@@ -140,6 +140,31 @@ TEST_F(ParameterJobs, AnUnansweredWriteIsNeverSentTwice) {
   EXPECT_EQ(asked.size(), 1u);
 }
 
+// The slave answers the first write an interval late, and refuses the second.
+TEST_F(ParameterJobs, ALateAnswerConfirmsNoOtherWriteOfTheSameParameter) {
+  std::optional<Telegram> late;
+  script = [&](const ParameterCommand& c) -> std::optional<Telegram> {
+    if (asked.size() > 1) return MasterRig::error_reply(c, ParameterError::wrong_format);
+    late = MasterRig::written_reply(c);
+    return std::nullopt;
+  };
+  start();
+  const auto write = [&](JobId id, std::uint32_t value) {
+    return rig->master.submit(ParameterRequest{
+        .id = id, .write = true, .number = parameter(2), .format = ParameterFormat::word, .value = value});
+  };
+  ASSERT_EQ(write(1, 7), Refusal::none);
+  ASSERT_EQ(write(2, 8), Refusal::none);
+  rig->run_until([this] { return rig->told.parameters.contains(1); }, 20);
+  EXPECT_EQ(rig->told.parameters.at(1).outcome, Outcome::no_answer);
+  rig->run(1);
+  EXPECT_EQ(asked.size(), 1u) << "the answer of the first may still come";
+  rig->master.receive(encode(*late), std::chrono::microseconds(500));
+  rig->run_until([this] { return rig->told.parameters.contains(2); }, 20);
+  EXPECT_EQ(rig->told.parameters.at(2).outcome, Outcome::slave_error);
+  EXPECT_EQ(asked.size(), 2u);
+}
+
 TEST_F(ParameterJobs, AnUnansweredWriteIsRepeatedWhenTheSettingSaysSo) {
   settings.command_channel.repeat_unanswered_writes = true;
   script = [this](const ParameterCommand& c) {
@@ -250,6 +275,90 @@ TEST_F(ParameterJobs, QueueIsBoundedAndCancelEndsJobsOnce) {
   EXPECT_EQ(rig->told.parameters.at(1).outcome, Outcome::cancelled);
   EXPECT_EQ(rig->told.parameters.at(3).outcome, Outcome::cancelled);
   EXPECT_EQ(rig->master.open_parameter_jobs(), 2u);
+  EXPECT_EQ(rig->master.submit(ParameterRequest{.id = 5, .number = parameter(1)}), Refusal::none)
+      << "one has ended";
+}
+
+/// Ctrl-C while the drive is busy for seconds: the drive has the value, so nobody is told "cancelled".
+TEST_F(ParameterJobs, AWriteThatTheSlaveHasIsNotCancelled) {
+  constexpr ParameterFormat kWord = ParameterFormat::word;
+  bool busy = false;
+  script = [&busy](const ParameterCommand& c) -> std::optional<Telegram> {
+    if (!busy && c.kind != Kind::read) return std::nullopt;
+    return MasterRig::busy_reply(c);
+  };
+  settings.startup.lost_after = 255;
+  settings.command_channel.repeat_unanswered_writes = true;
+  start();
+  const auto cancelled = [this](JobId id, unsigned intervals, bool write) {
+    static_cast<void>(rig->master.submit(ParameterRequest{.id = id,
+                                                          .write = write,
+                                                          .number = parameter(static_cast<unsigned>(id)),
+                                                          .format = kWord,
+                                                          .value = 9}));
+    rig->run(intervals);
+    EXPECT_EQ(rig->master.cancel(id), Refusal::none);
+    return rig->told.parameters.at(id).outcome;
+  };
+  EXPECT_EQ(cancelled(1, 0, true), Outcome::cancelled) << "not sent";
+  EXPECT_EQ(cancelled(2, 3, true), Outcome::no_answer) << "sent, and not answered";
+  EXPECT_EQ(cancelled(3, 3, false), Outcome::cancelled) << "a read changes nothing";
+  busy = true;
+  EXPECT_EQ(cancelled(4, 3, true), Outcome::taken) << "the slave is busy with it";
+  ASSERT_EQ(rig->master.submit(ParameterRequest{
+                .id = 5, .write = true, .number = parameter(5), .format = kWord, .value = 9}),
+            Refusal::none);
+  rig->run(3);
+  EXPECT_EQ(rig->master.control(ControlCommand::cold_restart), Refusal::none);
+  EXPECT_EQ(rig->told.parameters.at(5).outcome, Outcome::taken) << "the master stops";
+}
+
+/// A write that is sent again is another one. The answer that was lost may have been "done".
+TEST_F(ParameterJobs, AnErrorAfterALostAnswerDoesNotSayThatTheSlaveHasNothing) {
+  const ParameterRequest write{
+      .write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 9};
+  const auto error = [](const ParameterCommand& c) {
+    return MasterRig::error_reply(c, ParameterError::not_available_now);
+  };
+  settings.startup.lost_after = 255;
+  script = [&](const ParameterCommand& c) -> std::optional<Telegram> {
+    if (asked.size() == 2) return std::nullopt;
+    return asked.size() < 2 ? MasterRig::busy_reply(c) : error(c);
+  };
+  const ParameterResult result = run(write);
+  EXPECT_EQ(result.outcome, Outcome::taken);
+  EXPECT_EQ(result.error, ParameterError::none);
+  EXPECT_EQ(asked.size(), 3u);
+  asked.clear();
+  rig->told.parameters.clear();
+  script = [&](const ParameterCommand& c) -> std::optional<Telegram> {
+    return asked.size() < 3 ? MasterRig::busy_reply(c) : error(c);
+  };
+  EXPECT_EQ(run(write).outcome, Outcome::slave_error) << "every answer came";
+}
+
+TEST_F(ParameterJobs, AnErrorOfAWriteThatWasRepeatedDoesNotSayThatTheSlaveHasNothing) {
+  settings.command_channel.repeat_unanswered_writes = true;
+  script = [this](const ParameterCommand& c) -> std::optional<Telegram> {
+    if (asked.size() < 2) return std::nullopt;
+    return MasterRig::error_reply(c, ParameterError::not_available_now);
+  };
+  EXPECT_EQ(run({.write = true, .number = parameter(2), .format = ParameterFormat::word, .value = 9}).outcome,
+            Outcome::no_answer);
+  EXPECT_EQ(asked.size(), 2u);
+}
+
+/// A busy answer to the read that asks for the format says nothing of the write that follows.
+TEST_F(ParameterJobs, AWriteAfterABusyReadOfItsFormatIsNotSentTwice) {
+  script = [this](const ParameterCommand& c) -> std::optional<Telegram> {
+    if (c.kind != Kind::read) return std::nullopt;
+    return asked.size() < 3 ? MasterRig::busy_reply(c) : MasterRig::word_reply(c, 1);
+  };
+  settings.startup.lost_after = 255;
+  EXPECT_EQ(run({.write = true, .number = parameter(2), .value = 7}).outcome, Outcome::no_answer);
+  EXPECT_EQ(std::count_if(asked.begin(), asked.end(),
+                          [](const ParameterCommand& c) { return c.kind != Kind::read; }),
+            1);
 }
 
 }  // namespace

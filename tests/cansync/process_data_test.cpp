@@ -105,6 +105,8 @@ TEST(ProcessData, BadUpdatesAreRefused) {
             Refusal::release_too_long);
   for (int i = 0; i < 16; ++i) ASSERT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none);
   EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::queue_full);
+  rig->step();
+  EXPECT_EQ(rig->master.submit(ReferenceUpdate{.valid_mask = 1}), Refusal::none) << "closer to its interval";
 }
 
 TEST(ProcessData, AutomaticPollingRisesOneSlavePerIntervalAndBothChannelsMayAskOthers) {

@@ -297,7 +297,7 @@ TEST_F(Returns, AnUnansweredTelegramOfTheListIsSentAgainAndSilenceMakesItLostAga
 
 TEST_F(Returns, ALongListLeavesTheJobsOfClientsTheirIntervalsAndIsNotStarvedByThem) {
   std::vector<std::pair<unsigned, std::uint32_t>> list;
-  for (unsigned i = 0; i < kReturnParameters; ++i) list.emplace_back(100 + i, 0);
+  for (unsigned i = 0; i < kListedParameters; ++i) list.emplace_back(100 + i, 0);
   wants(1, OnReturn::check, list);
   settings.command_channel.minimum_share = 8;
   start();
@@ -318,7 +318,7 @@ TEST_F(Returns, ALongListLeavesTheJobsOfClientsTheirIntervalsAndIsNotStarvedByTh
         return state(1) == SlaveState::released;
       },
       1000);
-  EXPECT_LE(intervals, (kReturnParameters + 2) * 8);
+  EXPECT_LE(intervals, (kListedParameters + 2) * 8);
   EXPECT_GE(rig->told.parameters.size(), intervals * 3 / 4);
 }
 

@@ -36,19 +36,26 @@ def tests_of(source):
     return found
 
 
-def differences(document, sources, exists=lambda path: False, last=0, letter="H"):
-    there = {pair for source in sources for pair in tests_of(source)}
+def tests_in(folder, kinds):
+    """Pairs of suite and name of every test below `folder` in files of these kinds."""
+    return {pair for kind in kinds for path in folder.rglob(kind) for pair in tests_of(path.read_text(encoding="utf-8"))}
+
+
+def problems_of_row(rest, there, exists):
+    """What is wrong with what stands beside a rule; `there`: pairs of suite and name of the tests there are."""
+    tests, scripts = NAMED.findall(rest), SCRIPT.findall(rest)
+    found = [f"there is no {script}" for script in scripts if not exists(script)]
+    if not tests and not scripts and not REASON.search(rest):
+        found.append("no test is named")
+    return found + [f"there is no test {'.'.join(pair)}" for pair in tests if pair not in there]
+
+
+def differences(document, there, exists=lambda path: False, last=0, letter="H"):
     beside = {}
     found = []
     for rules, rest in ROW.findall(document):
         tests = NAMED.findall(rest)
-        scripts = SCRIPT.findall(rest)
-        found += [f"{rules}: there is no {script}" for script in scripts if not exists(script)]
-        if not tests and not scripts and not REASON.search(rest):
-            found.append(f"{rules}: no test is named")
-        for pair in tests:
-            if pair not in there:
-                found.append(f"{rules}: there is no test {'.'.join(pair)}")
+        found += [f"{rules}: {problem}" for problem in problems_of_row(rest, there, exists)]
         for rule in rules.split(", "):
             beside.setdefault(rule, set()).update(tests)
     found += [f"{letter}{row} has no row" for row in range(1, last + 1) if f"{letter}{row}" not in beside]
@@ -63,23 +70,23 @@ def differences(document, sources, exists=lambda path: False, last=0, letter="H"
 def self_test():
     good = "| S1 | text | `A.S1Does` |\n| S2, S3 | text | `A.Other` |\n"
     source = "TEST(A, S1Does) {}\nTEST_F(A, Other) {}\n"
-    assert differences(good, [source]) == []
-    assert len(differences(good, ["TEST(A, S1Does) {}"])) == 1
-    assert len(differences(good, [source + "TEST_P(B, S3More) {}"])) == 1
-    assert len(differences(good + "| S5 | text | `tests/a.py` |\n", [source])) == 1
-    assert differences(good + "| S5 | text | `tests/a.py` |\n", [source], lambda path: True) == []
-    assert len(differences(good + "| S4 | text | |\n", [source])) == 1
+    assert differences(good, tests_of(source)) == []
+    assert len(differences(good, tests_of("TEST(A, S1Does) {}"))) == 1
+    assert len(differences(good, tests_of(source + "TEST_P(B, S3More) {}"))) == 1
+    assert len(differences(good + "| S5 | text | `tests/a.py` |\n", tests_of(source))) == 1
+    assert differences(good + "| S5 | text | `tests/a.py` |\n", tests_of(source), lambda path: True) == []
+    assert len(differences(good + "| S4 | text | |\n", tests_of(source))) == 1
     python = "class A(B):\n    def test_one(self):\n"
     row = "| H1 | text | `A.test_one` |\n"
-    assert differences(row, [python], last=1) == []
-    assert len(differences(row, [python], last=2)) == 1
-    assert len(differences(row, ["class C:\n    def test_one(self):\n"], last=1)) == 1
-    assert differences("| H1 | text | declined: nobody can want it |\n", [], last=1) == []
-    assert len(differences("| H1 | text | declined: no |\n", [], last=1)) == 1
+    assert differences(row, tests_of(python), last=1) == []
+    assert len(differences(row, tests_of(python), last=2)) == 1
+    assert len(differences(row, tests_of("class C:\n    def test_one(self):\n"), last=1)) == 1
+    assert differences("| H1 | text | declined: nobody can want it |\n", set(), last=1) == []
+    assert len(differences("| H1 | text | declined: no |\n", set(), last=1)) == 1
     row = "| L1 | text | not yet: nobody has built it |\n"
-    assert differences(row, [], last=1, letter="L") == []
-    assert len(differences(row, [], last=2, letter="L")) == 1
-    assert len(differences(row, ["TEST(A, L2Does) {}"], letter="L")) == 1
+    assert differences(row, set(), last=1, letter="L") == []
+    assert len(differences(row, set(), last=2, letter="L")) == 1
+    assert len(differences(row, tests_of("TEST(A, L2Does) {}"), letter="L")) == 1
     assert NOT_YET.findall(row) == ["L1"]
     print("each difference is found")
 
@@ -91,9 +98,8 @@ def main(arguments):
     word = arguments[2] if len(arguments) > 2 else "0"
     letter, last = (word[0], int(word[1:])) if word[0].isalpha() else ("H", int(word))
     kinds = ("*_test.cpp", "*_test.py") if last else ("*_test.cpp",)
-    sources = [path.read_text() for kind in kinds for path in sorted(tests.rglob(kind))]
     text = document.read_text()
-    found = differences(text, sources, lambda script: (tests.parent / script).is_file(), last, letter)
+    found = differences(text, tests_in(tests, kinds), lambda script: (tests.parent / script).is_file(), last, letter)
     not_yet = len([row for rows in NOT_YET.findall(text) for row in rows.split(", ")])
     print("\n".join(found) or f"{len(ROW.findall(text))} rows agree with their tests, {not_yet} of them not met yet")
     return 1 if found else 0

@@ -17,7 +17,8 @@ void change(ProcessMapping& mapping, std::uint8_t value) {
 SettingsInForce all_changed() {
   SettingsInForce all;
   // A setting that is added does not compile here: change it below, too.
-  auto& [reference_mapping, actual_mapping, polling, maximum_slave, control_word, parameter, transfer] = all;
+  auto& [reference_mapping, actual_mapping, polling, maximum_slave, control_word, parameter, transfer,
+         reference_limits] = all;
   change(reference_mapping, 7);
   for (unsigned i = 0; i < kSlaves; ++i) change(actual_mapping[i], static_cast<std::uint8_t>(i % kValues));
   change(polling[0], 1);
@@ -26,6 +27,7 @@ SettingsInForce all_changed() {
   change(control_word, 3);
   change(parameter, 4);
   change(transfer, 5);
+  for (unsigned i = 0; i < kValues; ++i) reference_limits[i].maximum = 100 + i;
   return all;
 }
 

@@ -58,6 +58,29 @@ TEST(StatusWord, AnErrorIsToldOnceWithItsCodeUntilTheSlaveGivesIt) {
   EXPECT_EQ(rig.told.count(Code::slave_status_refused), 2u);
 }
 
+TEST(StatusWord, OfASlaveThatRefusesItIsReadUnderTheNumberOfItsParameterList) {
+  constexpr unsigned kOfTheDrive = 400;
+  const auto synchronized = [](unsigned number) {
+    MasterSettings settings = settings_for(2);
+    settings.slaves[1].status_parameter = static_cast<std::uint16_t>(number);
+    MasterRig rig(settings);
+    rig.answer = [](const Telegram& telegram) -> std::optional<Telegram> {
+      const auto* command = std::get_if<ParameterCommand>(&telegram);
+      if (command == nullptr || command->slave != slave(1) || command->kind != ParameterCommand::Kind::read)
+        return MasterRig::status_only(telegram);
+      if (command->number.value() != kOfTheDrive)
+        return MasterRig::error_reply(*command, ParameterError::not_present);
+      return MasterRig::word_reply(*command, 0x8000);
+    };
+    rig.set_up();
+    rig.run(1000);
+    EXPECT_EQ(rig.told.count(Code::slave_status_refused), number == kOfTheDrive ? 0u : 1u);
+    return rig.master.slave(slave(1)).synchronized;
+  };
+  EXPECT_FALSE(synchronized(301));
+  EXPECT_TRUE(synchronized(kOfTheDrive));
+}
+
 // M 3.2.1.4: whether the slave is synchronized cannot be known from "busy", nor from an answer without a value.
 TEST(StatusWord, ASlaveThatIsBusyOrGivesNoValueForFiveSecondsIsToldOnce) {
   using Answer = Telegram (*)(const ParameterCommand&);

@@ -261,7 +261,8 @@ TEST_F(Transfers, CancelTellsTheSlaveAndEndsOnce) {
   EXPECT_EQ(rig->told.transfers.at(2).outcome, Outcome::cancelled);
   EXPECT_EQ(rig->master.cancel(1), Refusal::none);
   rig->run(3);
-  EXPECT_EQ(rig->told.transfers.at(1).outcome, Outcome::cancelled);
+  EXPECT_EQ(rig->told.transfers.at(1).outcome, Outcome::no_answer) << "a part of it is in the slave";
+  EXPECT_GT(rig->told.transfers.at(1).bytes, 0u);
   EXPECT_EQ(memory->asked.back(), Telegram(cancel_transfer(slave(2))));
   const std::size_t asked = memory->asked.size();
   rig->run(20);

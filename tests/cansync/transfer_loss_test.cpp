@@ -168,6 +168,75 @@ TEST_F(LostAnswers, ADownloadGoesOnWhereTheSlaveSaysItStands) {
   EXPECT_TRUE(std::equal(data.begin(), data.end(), in_drive()));
 }
 
+/// Both acknowledge offset 0. The slave is busy with the data, and has not taken it.
+TEST_F(LostAnswers, ALateAnswerToARepeatedInitialiseIsNotThatToTheData) {
+  start();
+  unsigned initialises = 0;
+  unsigned busy = 3;
+  std::optional<Telegram> late;
+  rig->answer = [&](const Telegram& t) -> std::optional<Telegram> {
+    if (const auto status = MasterRig::status_only(t)) return status;
+    if (std::holds_alternative<TransferInitialise>(t)) {
+      const auto answer = drive(t);
+      if (initialises++ != 0) return answer;
+      late = answer;
+      return std::nullopt;
+    }
+    if (busy == 0) return drive(t);
+    --busy;
+    return TransferReply{slave(2), {}, true, false, 0, {}};
+  };
+  std::vector<std::uint8_t> data = pattern(4);
+  ASSERT_EQ(
+      rig->master.submit(TransferRequest{
+          .id = 1, .direction = Direction::download, .slave = slave(2), .address = kAddress, .data = data}),
+      Refusal::none);
+  rig->run_until([&] { return initialises == 2; }, 20);
+  rig->run(2);
+  rig->master.receive(encode(*late), std::chrono::microseconds(500));
+  EXPECT_FALSE(rig->told.transfers.contains(1)) << "the slave has nothing";
+  rig->run_until([this] { return rig->told.transfers.contains(1); }, 50);
+  EXPECT_EQ(rig->told.transfers.at(1).outcome, Outcome::done);
+  EXPECT_TRUE(std::equal(data.begin(), data.end(), in_drive()));
+}
+
+/// It acknowledges offset 0, as the answer to the initialise behind it does.
+TEST_F(LostAnswers, ALateAnswerToACancelIsNotThatToTheNextInitialise) {
+  start();
+  std::optional<Telegram> late;
+  std::optional<IntervalNumber> last_cancel;
+  std::optional<IntervalNumber> initialise;
+  bool deaf = false;
+  rig->answer = [&](const Telegram& t) -> std::optional<Telegram> {
+    if (const auto status = MasterRig::status_only(t)) return status;
+    if (t == Telegram(cancel_transfer(slave(2)))) {
+      last_cancel = rig->next_interval;
+      late = drive(t);
+      return std::nullopt;
+    }
+    if (deaf && std::holds_alternative<TransferInitialise>(t)) {
+      initialise = rig->next_interval;
+      return std::nullopt;
+    }
+    if (deaf) return std::nullopt;
+    if (std::holds_alternative<TransferInitialise>(t)) return drive(t);
+    return TransferReply{slave(2), {}, true, false, 0, {}};
+  };
+  std::vector<std::uint8_t> data = pattern(4);
+  const TransferRequest request{
+      .id = 1, .direction = Direction::download, .slave = slave(2), .address = kAddress, .data = data};
+  ASSERT_EQ(rig->master.submit(request), Refusal::none);
+  rig->run(4);
+  (void)rig->master.cancel(1);
+  deaf = true;
+  TransferRequest next = request;
+  next.id = 2;
+  ASSERT_EQ(rig->master.submit(next), Refusal::none);
+  rig->run_until([&] { return initialise.has_value(); }, 50);
+  ASSERT_TRUE(last_cancel && late);
+  EXPECT_GT(*initialise, *last_cancel + 3) << "its answer may be late by an interval, and one more";
+}
+
 TEST_F(LostAnswers, AnUploadThatLostSixBytesBeginsItsBlockAnewAtOnce) {
   fate = [](std::size_t n) { return n == 4 ? Fate::answer_lost : Fate::arrives; };
   drive.memory = pattern(drive.memory.size());
@@ -305,7 +374,8 @@ TEST_F(LostAnswers, ALengthFixedForABlockDoesNotOutliveIt) {
 struct Ends {
   unsigned transfers = 0;
   unsigned done = 0;
-  unsigned slave_lost = 0;  ///< three telegrams in a row without an answer
+  unsigned slave_lost = 0;  ///< three telegrams in a row without an answer; of a download before its data
+  unsigned no_answer = 0;   ///< of a download: likewise, or its time was over, behind a part of its data
   unsigned timeout = 0;
 };
 
@@ -347,6 +417,11 @@ struct TenPercent : LostAnswers {
     ++count.transfers;
     if (result.outcome == Outcome::slave_lost) ++count.slave_lost;
     if (result.outcome == Outcome::timeout) ++count.timeout;
+    if (result.outcome == Outcome::no_answer) ++count.no_answer;
+    const bool has_nothing = result.outcome == Outcome::slave_lost || result.outcome == Outcome::timeout;
+    if (direction == Direction::download && has_nothing) {
+      ASSERT_EQ(drive.memory, before) << "seed " << seed << ": the slave has a part of it";
+    }
     if (result.outcome != Outcome::done) return;
     ++count.done;
     ASSERT_EQ(result.bytes, right.size()) << "seed " << seed;
@@ -361,7 +436,7 @@ struct TenPercent : LostAnswers {
     }
     for (const auto& [what, count] : ends) {
       RecordProperty(what, std::to_string(count.done) + " of " + std::to_string(count.transfers) + " done");
-      EXPECT_EQ(count.done + count.slave_lost + count.timeout, count.transfers) << what;
+      EXPECT_EQ(count.done + count.slave_lost + count.no_answer + count.timeout, count.transfers) << what;
     }
   }
 };

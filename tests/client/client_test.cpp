@@ -42,6 +42,28 @@ TEST(Connect, WithoutADaemonTellsWhereItLookedAndWhatToDo) {
   }
 }
 
+TEST(Connect, WithoutANameTakesTheOnlyBusOfTheDomain) {
+  const TwoPlaces places;
+  const FakeDaemon daemon(places.here);
+  Options options = options_for(places.there);
+  options.bus.clear();
+  Client client = Client::connect(options);
+  EXPECT_NE(client.place().find("partition testbus"), std::string::npos) << client.place();
+  EXPECT_EQ(client.read(0, 1).code, ReplyCode::done);
+}
+
+TEST(Connect, WithoutANameAndWithoutADaemonSaysThatNoBusIsThere) {
+  const TwoPlaces places;
+  Options options = options_for(places.here, milliseconds(100));
+  options.bus.clear();
+  try {
+    const Client client = Client::connect(options);
+    FAIL() << "connected to nothing";
+  } catch (const NoDaemon& error) {
+    EXPECT_NE(std::string(error.what()).find("for a daemon of any bus"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Connect, WaitsForADaemonThatComesLater) {
   const TwoPlaces places;
   std::optional<Client> client;
@@ -362,30 +384,65 @@ TEST_F(ClientTest, EventsComeWithTheirHistory) {
   EXPECT_EQ(recent.back().number, 121u);
 }
 
-TEST_F(ClientTest, WeakerReferenceWriterChangesNothingUntilTheStrongerReleases) {
-  const auto seen = [&](std::int32_t value) {
+class ReferenceWriters : public ClientTest {
+ protected:
+  bool seen(std::int32_t value) const {
     const auto values = daemon_->references();
     return std::find(values.begin(), values.end(), value) != values.end();
-  };
-  // The daemon's thread takes references; a request that is answered afterwards is the fence.
-  const auto written_until = [&](ReferenceWriter& writer, std::int32_t value) {
+  }
+  /// The daemon's thread takes references; a request that is answered afterwards is the fence.
+  bool written_until(ReferenceWriter& writer, std::int32_t value) {
     const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
     while (!seen(value) && std::chrono::steady_clock::now() < end) {
-      EXPECT_EQ(writer.write(1, {value, 0, 0, 0}, 1), "");
+      (void)writer.write(1, {value, 0, 0, 0}, 1);
       (void)client_->read(0, 1);
     }
     return seen(value);
-  };
+  }
+  /// The client knows who has telegram 1.
+  static bool knows_the_owner(const Client& client) {
+    const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
+    while (client.master_status().reference_release[0].writer[0] == '\0') {
+      if (std::chrono::steady_clock::now() > end) return false;
+      std::this_thread::yield();
+    }
+    return true;
+  }
+};
+
+/// Of the same strength, and of less.
+class OtherReferenceWriter : public ReferenceWriters, public testing::WithParamInterface<std::int32_t> {};
+
+TEST_P(OtherReferenceWriter, WritesNotOneSampleUntilTheOneThatHasTheTelegramReleasesIt) {
+  constexpr std::int32_t kStrength = 10;
   Client other = Client::connect(options_for(places_.there));
-  ReferenceWriter strong(*client_, 10);
-  ReferenceWriter weak(other, 1);
-  ASSERT_TRUE(written_until(strong, 100));
-  EXPECT_EQ(weak.write(1, {1, 0, 0, 0}, 1), "");
-  (void)other.read(0, 1);
-  ASSERT_TRUE(written_until(strong, 101));
+  ReferenceWriter owner(*client_, kStrength);
+  ReferenceWriter waiting(other, GetParam());
+  ASSERT_TRUE(written_until(owner, 100));
+  EXPECT_EQ(owner.write(1, {100, 0, 0, 0}, 1), "") << "it knows itself by its GUID";
+  ASSERT_TRUE(knows_the_owner(other));
+  const std::string refused = waiting.write(1, {1, 0, 0, 0}, 1);
+  EXPECT_NE(refused.find("has it with strength 10"), std::string::npos) << refused;
+  EXPECT_TRUE(waiting.waits());
+  EXPECT_EQ(waiting.write(2, {2, 0, 0, 0}, 1), "") << "nobody has the other telegram";
+  ASSERT_TRUE(written_until(owner, 101));
   EXPECT_FALSE(seen(1));
-  strong.release(1);
-  EXPECT_TRUE(written_until(weak, 2));
+  EXPECT_EQ(daemon_->references_waited(), 0);
+  owner.release(1);
+  EXPECT_TRUE(written_until(waiting, 3));
+  EXPECT_FALSE(waiting.waits());
+}
+
+INSTANTIATE_TEST_SUITE_P(Strengths, OtherReferenceWriter, testing::Values(10, 1));
+
+TEST_F(ReferenceWriters, OneThatIsAskedToTakesOver) {
+  Client other = Client::connect(options_for(places_.there));
+  ReferenceWriter owner(*client_, 10);
+  ASSERT_TRUE(written_until(owner, 100));
+  ASSERT_TRUE(knows_the_owner(other));
+  ReferenceWriter taking(other, kTakeOver);
+  EXPECT_EQ(taking.strength(), 11);
+  EXPECT_TRUE(written_until(taking, 200));
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "dds/daemon_identity.h"
 #include "dds/endpoint.h"
 #include "dds/reply_partition.h"
+#include "dds/writer_identity.h"
 
 /// Answers like the daemon, without a bus: slaves 0..3 ("slave0" .. "slave3"), parameters that keep what is
 /// written, one memory per slave. A thread of its own serves it until it is destroyed.
@@ -47,8 +48,8 @@ class FakeDaemon {
   enum class ReadsParameters { at_once, later };
 
   explicit FakeDaemon(const gateway::dds::ParticipantOptions& options,
-                      ReadsParameters reads = ReadsParameters::at_once)
-      : participant_(options), reads_parameters_(reads == ReadsParameters::at_once) {
+                      ReadsParameters reads = ReadsParameters::at_once, std::string host = "plc1")
+      : participant_(options), host_(std::move(host)), reads_parameters_(reads == ReadsParameters::at_once) {
     if (reads_parameters_) parameter_reader_.emplace(participant_, &signal_);
     static std::atomic<std::uint8_t> starts = 0;
     identity_[0] = ++starts;
@@ -85,7 +86,7 @@ class FakeDaemon {
     const std::lock_guard lock(mutex_);
     return commands_;
   }
-  /// First values of the reference values taken so far; `gone` counts telegrams without a living writer.
+  /// First values of the reference values taken so far.
   std::vector<std::int32_t> references() const {
     const std::lock_guard lock(mutex_);
     return references_;
@@ -95,14 +96,15 @@ class FakeDaemon {
     const std::lock_guard lock(mutex_);
     return released_for_;
   }
-  int references_gone() const {
-    const std::lock_guard lock(mutex_);
-    return references_gone_;
-  }
   /// Samples that gave a telegram up.
   int references_given_up() const {
     const std::lock_guard lock(mutex_);
     return given_up_;
+  }
+  /// Samples of writers that are no stronger than the one that has the telegram.
+  int references_waited() const {
+    const std::lock_guard lock(mutex_);
+    return waited_;
   }
   /// Samples of reference values for another start or mapping.
   int references_refused() const { return static_cast<int>(refused_references().size()); }
@@ -174,6 +176,7 @@ class FakeDaemon {
     gateway.data_model = gateway_DATA_MODEL;
     std::copy(identity_.begin(), identity_.end(), std::begin(gateway.daemon));
     gateway::dds::copy_text("cansync-master", gateway.protocol);
+    gateway::dds::copy_text(host_, gateway.host);
     (void)gateway_writer_.write(gateway);
     gateway_BusStatus bus = {};
     bus.bit_rate = cansync::slot_times(settings_.bit_rate).bits_per_second;
@@ -183,6 +186,12 @@ class FakeDaemon {
     std::copy(identity_.begin(), identity_.end(), std::begin(master.daemon));
     std::copy(mapping_.begin(), mapping_.end(), std::begin(master.reference_mapping));
     master.mapping_number = mapping_number_;
+    for (std::size_t i = 0; i < owners_.size(); ++i) {
+      cansync_ReferenceRelease& release = master.reference_release[i];
+      gateway::dds::copy_text(owners_[i].who.who, release.writer);
+      release.strength = owners_[i].who.strength;
+      std::copy(owners_[i].who.guid.begin(), owners_[i].who.guid.end(), std::begin(release.writer_guid));
+    }
     (void)master_writer_.write(master);
     for (std::uint8_t slave = 0; slave < 4; ++slave) {
       cansync_SlaveStatus status = {};
@@ -332,24 +341,54 @@ class FakeDaemon {
 
   void take_references() {
     const std::lock_guard lock(mutex_);
-    (void)reference_reader_.take(
-        [&](const cansync_ReferenceValues& values) {
-          if (values.given_up) {
-            ++given_up_;
-          } else if (!std::equal(identity_.begin(), identity_.end(), std::begin(values.daemon)) ||
-                     values.mapping_number != mapping_number_) {
-            refused_.push_back(values.value[0]);
-          } else {
-            references_.push_back(values.value[0]);
-            released_for_ = values.release_intervals;
-          }
-        },
-        [&](const cansync_ReferenceValues&) { ++references_gone_; });
+    while (reference_reader_.take_batch(
+               [&](const cansync_ReferenceValues& values, const dds_sample_info_t& info) {
+                 if (info.valid_data) return take(values, info.publication_handle);
+                 // Keys of the library are GUIDs.
+                 const Owner& owner = owners_[values.telegram == 2 ? 1 : 0];
+                 if (std::equal(owner.who.guid.begin(), owner.who.guid.end(), std::begin(values.writer)))
+                   give(values.telegram, {});
+               }) == gateway::dds::ReaderBase::kBatch) {
+    }
+  }
+
+  void take(const cansync_ReferenceValues& values, dds_instance_handle_t writer) {
+    Owner& owner = owners_[values.telegram == 2 ? 1 : 0];
+    if (values.given_up) {
+      ++given_up_;
+      if (owner.writer == writer) give(values.telegram, {});
+    } else if (!std::equal(identity_.begin(), identity_.end(), std::begin(values.daemon)) ||
+               values.mapping_number != mapping_number_) {
+      refused_.push_back(values.value[0]);
+    } else {
+      const auto who = identify_writer(participant_, reference_reader_.handle(), writer);
+      if (who && (owner.writer == 0 || who->strength > owner.who.strength))
+        give(values.telegram, {writer, *who});
+      if (owner.writer != writer) {
+        ++waited_;
+        return;
+      }
+      references_.push_back(values.value[0]);
+      released_for_ = values.release_intervals;
+    }
+  }
+
+  struct Owner {
+    dds_instance_handle_t writer = 0;
+    gateway::dds::WriterIdentity who = {};
+  };
+
+  /// The telegram is this one's from now on.
+  void give(unsigned telegram, const Owner& owner) {
+    if (telegram != 1 && telegram != 2) return;
+    owners_[telegram - 1] = owner;
+    publish_state();
   }
 
   cansync::MasterSettings settings_;
   std::array<std::uint8_t, 16> identity_ = {};
   gateway::dds::Participant participant_;
+  const std::string host_;
   std::atomic<bool> reads_parameters_;
   gateway::dds::DataSignal signal_;
   std::optional<gateway::dds::Reader<cansync_ParameterRequest>> parameter_reader_;
@@ -383,8 +422,9 @@ class FakeDaemon {
   std::vector<cansync_Command> commands_;
   std::vector<std::int32_t> references_;
   std::uint32_t released_for_ = 0;
-  int references_gone_ = 0;
   int given_up_ = 0;
+  int waited_ = 0;
+  std::array<Owner, 2> owners_ = {};
   std::vector<std::int32_t> refused_;
   std::array<std::uint8_t, 8> mapping_ = {};
   cansync::State state_ = cansync::State::active_master;

@@ -62,7 +62,7 @@ TEST_F(OneDaemon, ARestartThatTheProgramDidNotNoticeIsToldBeforeAnythingIsAsked)
   EXPECT_NE(first.reason.find("nothing was sent"), std::string::npos) << first.reason;
   const ParameterReply second = read_until([](const Reply& reply) { return reply.ok(); });
   EXPECT_TRUE(second.ok()) << second.reason;
-  EXPECT_EQ(second.value, 0u) << "what was written before is not there";
+  EXPECT_EQ(second.value, 0u) << "what was written before is not served";
 }
 
 // DDS finds the endpoints of a program one by one; who records all topics reads requests, too.
@@ -142,6 +142,73 @@ TEST_F(OneDaemon, WhileTwoServeTheBusNothingIsAskedOfEither) {
   EXPECT_TRUE(reply.ok()) << reply.reason;
 }
 
+/// Options of a program that means the bus of this computer alone.
+Options options_on(const std::string& host, const gateway::dds::ParticipantOptions& place) {
+  Options options = options_for(place, seconds(1));
+  options.bus = host + "/" + options.bus;
+  return options;
+}
+
+TEST(OneComputer, OfAnotherOneNothingIsAsked) {
+  const TwoPlaces places;
+  FakeDaemon daemon(places.here, FakeDaemon::ReadsParameters::at_once, "plc1");
+  {
+    // Known before: whoever waits too short for it finds no daemon at all.
+    const Client any = Client::connect(options_for(places.there));
+    try {
+      const Client client = Client::connect(options_on("plc2", places.there));
+      ADD_FAILURE() << "connected to another computer";
+    } catch (const NoDaemon& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("bus testbus of computer plc2 is not served"), std::string::npos) << text;
+      EXPECT_NE(text.find("another computer serves this name"), std::string::npos) << text;
+      EXPECT_NE(text.find(" on host "), std::string::npos) << text;
+    }
+  }
+  EXPECT_EQ(daemon.requests(), 0u);
+}
+
+TEST(OneComputer, IsNamedWhenThereIsNoDaemonAtAll) {
+  const TwoPlaces places;
+  Options options = options_on("plc2", places.there);
+  options.wait = std::chrono::milliseconds(50);
+  try {
+    const Client client = Client::connect(options);
+    ADD_FAILURE() << "connected to nothing";
+  } catch (const NoDaemon& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("is cansyncd running for bus testbus of computer plc2"), std::string::npos) << text;
+  }
+}
+
+// The machine restarts after a power cut; on the network another one has its name meanwhile.
+TEST(OneComputer, WhoKnowsItsDaemonAsksNoneOfAnotherComputerInItsPlace) {
+  const TwoPlaces places;
+  std::optional<FakeDaemon> daemon(std::in_place, places.here, FakeDaemon::ReadsParameters::at_once, "plc2");
+  Options options = options_on("plc2", places.there);
+  options.wait = gateway::kLongWait;
+  Client client = Client::connect(options);
+  EXPECT_TRUE(client.read(0, 1).ok());
+  ReferenceWriter writer(client);
+  daemon.reset();
+  daemon.emplace(places.here, FakeDaemon::ReadsParameters::at_once, "plc1");
+  const auto refused = [](const std::string& reason) {
+    return reason.find("bus testbus of computer plc2 is not served") != std::string::npos;
+  };
+  const auto end = std::chrono::steady_clock::now() + gateway::kLongWait;
+  ParameterReply reply = client.read(0, 1);
+  while (!refused(reply.reason) && std::chrono::steady_clock::now() < end) reply = client.read(0, 1, 50);
+  for (int i = 0; i < 3; ++i) {
+    reply = client.read(0, 1);
+    EXPECT_EQ(reply.code, ReplyCode::refused);
+    EXPECT_EQ(reply.cause, RefusalCause::other_daemon);
+    EXPECT_TRUE(refused(reply.reason)) << reply.reason;
+  }
+  writer.take_up();
+  EXPECT_TRUE(refused(writer.write(1, {1, 0, 0, 0}, 1)));
+  EXPECT_EQ(daemon->requests(), 0u);
+}
+
 TEST(OlderDaemon, IsNamedWithBothDataModels) {
   const TwoPlaces places;
   const gateway::dds::Participant older(places.here);
@@ -158,7 +225,7 @@ TEST(OlderDaemon, IsNamedWithBothDataModels) {
     ADD_FAILURE() << "connected to a daemon that does not understand it";
   } catch (const NoDaemon& error) {
     const std::string text = error.what();
-    EXPECT_NE(text.find("the daemon of bus testbus has data model 6 or older, this program 7"),
+    EXPECT_NE(text.find("the daemon of bus testbus has data model 6 or older, this program 8"),
               std::string::npos)
         << text;
     EXPECT_NE(text.find("update cansyncd"), std::string::npos) << text;

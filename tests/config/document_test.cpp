@@ -72,6 +72,48 @@ TEST(ConfigDocument, AFileOfAnotherEncodingIsToBeSavedAsUtf8) {
   EXPECT_EQ(first("a = \"\xC3\xA4\"\n"), "");
 }
 
+/// The lines of [[a]] in a document that is read in part, and those of its problems.
+std::string in_part(std::string_view toml) {
+  const config::Document document = config::parse_document_in_part(toml, "f");
+  std::string text;
+  for (const Node* node : Content(document, nullptr).each("a"))
+    text += std::to_string(node->where.line) + " ";
+  text += "/";
+  for (const config::Problem& problem : document.problems) text += " " + std::to_string(problem.where.line);
+  return text;
+}
+
+TEST(ConfigDocument, InPartASectionThatIsNoTomlIsLeftOutAlone) {
+  EXPECT_EQ(in_part("[[a]]\nx = 1\n[[a]]\nx = 2\n"), "1 3 /");
+  EXPECT_EQ(in_part("[[a]]\nx = 1\n[[a]]\nx =\n[[a]]\nx = 3\n"), "1 5 / 4");
+  EXPECT_EQ(in_part("[[a]]\nx = 1\n[[a]\nx = 2\n[[a]]\nx = 3\n"), "1 5 / 3");
+  EXPECT_EQ(in_part("[[a]]\nx = \"open\n[[a]]\nx = 2\n"), "3 / 2");
+  EXPECT_EQ(in_part("[[a]]\nx = [\"open\"\n[[a]]\nx = 2\n[[a]]\nx = 3\n"), "3 5 / 3")
+      << "the list that does not end is to blame, and not the header in which that shows";
+  EXPECT_EQ(in_part("nonsense\n[[a]]\nx = 1\n"), "2 / 1");
+  EXPECT_EQ(in_part("nonsense\n"), "/ 1");
+  EXPECT_EQ(in_part("[[a]]\nx = 1\nx = 2\n[[a]]\nx = 3"), "4 / 3");
+  EXPECT_EQ(in_part(""), "/");
+}
+
+TEST(ConfigDocument, AFileOfAnotherKindIsNamed) {
+  const auto said = [](std::string_view text) {
+    const config::Document document = config::parse_document(text, "f");
+    return document.problems.empty() ? std::string() : to_string(document.problems.front());
+  };
+  EXPECT_NE(
+      said("version https://git-lfs.github.com/spec/v1\noid sha256:00\n")
+          .find("this is not TOML: it looks like a Git LFS pointer; fetch the file itself: git lfs pull; "
+                "allowed: "),
+      std::string::npos);
+  EXPECT_NE(said("{\"a\": 1}\n").find("it looks like JSON; allowed: "), std::string::npos)
+      << "no way to convert it";
+  EXPECT_NE(said("<?xml version=\"1.0\"?>\n").find("it looks like XML or HTML; allowed"), std::string::npos);
+  EXPECT_NE(said(std::string_view("\x1F\x8B\x08\x00", 4)).find("a gzip archive; unpack it first"),
+            std::string::npos);
+  EXPECT_EQ(said("date = 1\nx =\n").find("it looks like"), std::string::npos);
+}
+
 TEST(ConfigProblems, LongListsOfWhatIsAllowedAreToldOnce) {
   const std::string list(120, 'x');
   const std::vector<config::Problem> problems = {{{"f", 1, 1}, "a", "no such option; allowed: " + list},

@@ -27,6 +27,11 @@ std::string mismatch(const std::string& key, const std::string& value) {
   return bakery::rows().apply(*option, *config::parse_value(value), draft).value_or("");
 }
 
+TEST(ConfigProblem, ShowsControlCharactersOfTheFile) {
+  EXPECT_EQ(config::to_string({{"a.toml", 2, 8}, "bus.name", "found 'x\x1b[2J'"}),
+            "a.toml:2:8: bus.name: found 'x\\x1b[2J'");
+}
+
 TEST(ConfigTable, StandsInTheOrderOfItsSectionsWhoeverBroughtTheRows) {
   std::string order;
   for (const config::Option& option : bakery::rows().table().options())

@@ -22,8 +22,8 @@ TEST(ConfigPrint, TheDefaultFileShowsEveryOptionAndIsTaken) {
       "\n[[oven]]\n# Once for each oven.\n# Which oven. Allowed: 1..4. Default: required.\nnumber = 1\n"
       "# What heats it. Allowed: \"gas\" or \"wood\".\nheat = \"gas\"\n"
       "\n[[oven.tray]]\n# Which tray. Allowed: 0..9. Default: required.\nnumber = 0\n"
-      "# What is on it. Allowed: a string of 1..5 bytes, no number, no control character, no blank at its\n"
-      "# ends. Default: none.\n# bread = \"rye\"\n");
+      "# What is on it. Allowed: a string of 1..5 bytes, no digit or '-' first, no ',' or '=', no control\n"
+      "# character, no blank at its ends. Default: none.\n# bread = \"rye\"\n");
   EXPECT_EQ(config::problems_text(bakery::read(file).problems), "");
 }
 

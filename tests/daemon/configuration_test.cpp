@@ -28,7 +28,7 @@ std::string content(const fs::path& path) {
 
 /// A protocol that takes every file, and tells by its bus that it did.
 template <char name>
-LoadedConfig load(const std::string& /*path*/, std::span<const std::string> /*overrides*/) {
+LoadedConfig load(const config::Source& /*source*/, std::span<const std::string> /*overrides*/) {
   LoadedConfig loaded;
   loaded.daemon.bus.name = name;
   return loaded;
@@ -123,6 +123,25 @@ TEST(FilesOfOneProcess, HaveNothingTogetherThatOneBusCanHaveAlone) {
   EXPECT_EQ(together(first, second),
             "b.toml: metrics.file: /m is that of a.toml, too; each bus writes a file of its own\n"
             "b.toml: sim.trace: /t is that of a.toml, too; each bus writes a file of its own\n");
+}
+
+/// Several adapters of one kind may have one serial number.
+TEST_F(ProtocolOfAFile, APinOfTwoAdaptersThatAreThereIsToldWithItsPlace) {
+  const std::string path = (folder_ / "pin.toml").string();
+  std::ofstream(path) << "[bus]\ninterface = \"can0\"\nadapter = \"serial=0001\"\n[[slave]]\nnumber = 0\n";
+  const std::array<LoadedConfig, 1> files{load_configuration(path, {}, protocols())};
+  EXPECT_EQ(config::problems_text(files.front().problems), "");
+  can::Adapter adapter;
+  adapter.serial = {'0', '0', '0', '1'};
+  std::vector<can::InterfaceAdapter> there{{"can0", adapter}};
+  EXPECT_EQ(config::problems_text(check_adapters(files, there)), "") << "one";
+  there.push_back({"can1", adapter});
+  EXPECT_EQ(config::problems_text(check_adapters(files, there)),
+            path +
+                ":3:11: bus.adapter: found \"serial=0001\", which the adapters of can0 and can1 have; "
+                "allowed: what only one has, such as a channel or the path of its port, too\n");
+  there.back().adapter.serial = {'2'};
+  EXPECT_EQ(config::problems_text(check_adapters(files, there)), "") << "another one";
 }
 
 TEST(PrintedConfiguration, IsOfTheChosenProtocolAndOfAllInTheDocuments) {

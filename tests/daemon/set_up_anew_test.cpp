@@ -64,6 +64,9 @@ class WrittenSegment final : public Segment {
   void post(const EventText& event) override {
     if (event.severity == gateway_SEVERITY_ERROR) book_.write(name_ + " tells what was refused");
   }
+  void set_surroundings(const Surroundings&) override {}
+  bool in_run() const noexcept override { return false; }
+  void set_pending_restart(const PendingRestart&) override {}
   ReloadPlan plan_reload(std::span<const std::string>) override {
     ReloadPlan plan{
         false, {}, {}, {"slave.2.number", "bus.name"}, [this] { book_.write(name_ + " goes on"); }};

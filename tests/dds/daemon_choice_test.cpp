@@ -1,4 +1,4 @@
-#include "dds/daemon_choice.h"
+#include "dds/ask/daemon_choice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "dds/daemon_sight.h"
+#include "dds/ask/daemon_sight.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "dds/bounded_text.h"
 #include "dds/overview/overview_topics.h"
 #include "support/dds_places.h"
 
@@ -19,9 +20,10 @@ constexpr DaemonIdentity kSecond = {2};
 class Program {
  public:
   explicit Program(const ParticipantOptions& place) : participant_(place) {}
-  void tell(const DaemonIdentity& identity) {
+  void tell(const DaemonIdentity& identity, const char* host = "plc1") {
     gateway_GatewayStatus status = {};
     set_daemon(identity, status);
+    copy_text(host, status.host);
     EXPECT_EQ(status_.emplace(participant_).write(status), DDS_RETCODE_OK);
   }
   void read_requests() { requests_.emplace(participant_); }
@@ -74,7 +76,7 @@ class DaemonSightTest : public testing::Test {
   const Participant there{places.there};
   DataSignal signal;
   ClientOptions options;
-  DaemonSight sight{there, signal, "testbus"};
+  DaemonSight sight{there, signal, "plc1/testbus"};
   Writer<gateway_JobEnd> requests{there, 0, &signal};
   Reader<gateway_JobEndReply> replies{there, &signal};
 };
@@ -91,6 +93,22 @@ TEST_F(DaemonSightTest, ADaemonThatHasJustComeIsAskedOnceEachOfItsTopicsIsKnown)
   ASSERT_TRUE(look_until([&] { return sight.is_written(replies); }));
   EXPECT_NE(reason().find("started anew"), std::string::npos) << "not told before: " << reason();
   EXPECT_EQ(reason(), "");
+}
+
+TEST_F(DaemonSightTest, OfAnotherComputerNothingIsAsked) {
+  daemon.reset();
+  daemon.emplace(places.here);
+  daemon->read_requests();
+  daemon->write_replies();
+  daemon->tell(kSecond, "plc2");
+  ASSERT_TRUE(look_until([&] {
+    return sight.choice().view() == DaemonChoice::View::one && sight.choice().daemon() == kSecond &&
+           requests.matched() == 1 && replies.matched() == 1;
+  }));
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NE(reason().find("bus testbus of computer plc1 is not served"), std::string::npos) << reason();
+  EXPECT_FALSE(sight.is_read(requests));
+  EXPECT_FALSE(sight.is_written(replies));
 }
 
 TEST_F(DaemonSightTest, TopicsOfAnotherProgramAreNotThoseOfTheDaemon) {

@@ -8,7 +8,10 @@
 
 #include "cansync/dds/convert.h"
 #include "cansync/dds/topics.h"
+#include "dds/guard/owner_guard.h"
 #include "dds/incompatible.h"
+#include "dds/owner_seen.h"
+#include "dds/writer_identity.h"
 #include "support/dds_places.h"
 
 namespace cansync::dds {
@@ -177,34 +180,65 @@ class Ownership : public ::testing::Test {
   bool gone_ = false;
 };
 
-TEST_F(Ownership, WeakerWriterChangesNothingUntilTheStrongerIsGone) {
-  std::optional<Writer<cansync_ReferenceValues>> strong(std::in_place, client_, 10, &matched_);
+TEST_F(Ownership, EveryWriterIsHeardWhateverItsStrengthWhichIsKnown) {
+  Writer<cansync_ReferenceValues> strong(client_, 10, &matched_);
   Writer<cansync_ReferenceValues> weak(client_, 1, &matched_);
-  ASSERT_TRUE(eventually(matched_, [&] { return strong->matched() == 1 && weak.matched() == 1; }));
-  ASSERT_TRUE(eventually(signal_, [&] { return reader_.matched() == 2; }));
-
-  ASSERT_EQ(strong->write(values(100)), DDS_RETCODE_OK);
+  ASSERT_TRUE(eventually(matched_, [&] { return strong.matched() == 1 && weak.matched() == 1; }));
+  ASSERT_EQ(strong.write(values(100)), DDS_RETCODE_OK);
   ASSERT_TRUE(eventually(signal_, [&] { return newest_is(100); }));
-  // The weak value is followed by a strong one: had it counted, it would have been seen before that.
   ASSERT_EQ(weak.write(values(1)), DDS_RETCODE_OK);
-  ASSERT_EQ(dds_wait_for_acks(weak.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
-  ASSERT_EQ(strong->write(values(101)), DDS_RETCODE_OK);
-  ASSERT_TRUE(eventually(signal_, [&] { return newest_is(101); }));
-  EXPECT_EQ(seen_, (std::vector<std::int32_t>{100, 101}));
-  EXPECT_FALSE(gone_);
+  dds_instance_handle_t of = 0;
+  ASSERT_TRUE(eventually(signal_, [&] {
+    (void)reader_.take_batch(
+        [&](const cansync_ReferenceValues&, const dds_sample_info_t& info) { of = info.publication_handle; });
+    return of != 0;
+  }));
+  const auto identity = identify_writer(daemon_, reader_.handle(), of);
+  ASSERT_TRUE(identity);
+  EXPECT_EQ(identity->strength, 1) << "it travels though ownership is shared";
+  EXPECT_EQ(identity->guid, guid_of(weak));
+}
 
-  strong.reset();
-  ASSERT_TRUE(eventually(signal_, [&] { return reader_.matched() == 1; }));
-  // The owner's end may come after one more weak value, which is then not taken; a weak writer goes on
-  // writing.
-  bool taken_over = false;
-  for (std::int32_t value = 2; !taken_over && value < 400; ++value) {
-    ASSERT_EQ(weak.write(values(value)), DDS_RETCODE_OK);
-    (void)signal_.wait(50);
-    signal_.clear();
-    taken_over = newest_is(value);
+// Each writer has a key of its own: the end of one is told while another goes on.
+TEST_F(Ownership, TheEndOfOneWriterIsToldWhileAnotherLives) {
+  std::optional<Writer<cansync_ReferenceValues>> one(std::in_place, client_, 1, &matched_);
+  Writer<cansync_ReferenceValues> other(client_, 1, &matched_);
+  ASSERT_TRUE(eventually(matched_, [&] { return one->matched() == 1 && other.matched() == 1; }));
+  cansync_ReferenceValues sample = values(7);
+  set_writer(*one, sample);
+  ASSERT_EQ(one->write(sample), DDS_RETCODE_OK);
+  set_writer(other, sample);
+  ASSERT_EQ(other.write(sample), DDS_RETCODE_OK);
+  ASSERT_TRUE(eventually(signal_, [&] { return newest_is(7) && seen_.size() == 2; }));
+  EXPECT_FALSE(gone_);
+  one.reset();
+  EXPECT_TRUE(eventually(signal_, [&] {
+    (void)newest_is(7);
+    return gone_;
+  }));
+}
+
+TEST_F(Ownership, AProgramThatChangesItsKeyAllTheTimeFillsNothing) {
+  DataSignal signal;
+  OwnerGuard guard(signal);
+  Reader<cansync_ReferenceValues> guarded(daemon_, &signal, &guard);
+  Writer<cansync_ReferenceValues> writer(client_, 1, &matched_);
+  ASSERT_TRUE(eventually(matched_, [&] { return writer.matched() == 2; }));
+  constexpr std::size_t kFlood = 1000;
+  cansync_ReferenceValues sample = values(7);
+  for (std::size_t i = 0; i < kFlood; ++i) {
+    sample.writer[0] = static_cast<std::uint8_t>(i);
+    sample.writer[1] = static_cast<std::uint8_t>(i >> 8);
+    ASSERT_EQ(writer.write(sample), DDS_RETCODE_OK);
   }
-  EXPECT_TRUE(taken_over);
+  std::size_t taken = 0;
+  std::uint64_t dropped = 0;
+  ASSERT_TRUE(eventually(signal, [&] {
+    (void)guarded.take([&](const cansync_ReferenceValues&) { ++taken; });
+    dropped += guard.take_dropped();
+    return taken + dropped == kFlood;
+  }));
+  EXPECT_EQ(taken, OwnerGuard::kKeysPerWriter);
 }
 
 TEST_F(Ownership, LossOfTheLastWriterIsTold) {

@@ -1,4 +1,4 @@
-#include "dds/key_guard.h"
+#include "dds/guard/key_guard.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "dds/daemon_choice.h"
+#include "dds/ask/daemon_choice.h"
 
 /// Two computers with a daemon of one name each, which are started, stopped, killed and cut off in seeded
 /// orders, and a program that asks. DDS is a model in virtual time; who takes a request and whom one is for

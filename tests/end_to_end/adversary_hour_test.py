@@ -194,8 +194,8 @@ class AdversarysHour(unittest.TestCase):
 
     def test_ctrl_c_as_soon_as_it_begins_and_later(self):
         record = os.path.join(self.folder, "record.csv")
-        for words in (["watch", "--plain"], ["record", record], ["events", "--follow"], ["set", "0=1"], ["wait", "bus-off"],
-                      ["timing", "--follow"], ["read", "0", "100", "--every", "0.1"], ["upload", "0", "0x100", "1000000", "-"]):
+        for words in (["watch", "--plain"], ["record", record, "--force"], ["events", "--follow"], ["set", "0=1"],
+                      ["wait", "bus-off"], ["timing", "--follow"], ["read", "0", "100", "--every", "0.1"], ["upload", "0", "0x100", "1000000", "-"]):
             for number in (signal.SIGINT, signal.SIGTERM):
                 with self.subTest(words, signal=number), self.line.start(*words) as process:
                     wait_for("its handlers are there", lambda: len(os.listdir(f"/proc/{process.pid}/task")) > 1)
@@ -214,7 +214,7 @@ class AdversarysHour(unittest.TestCase):
                           {"COLUMNS": "-5"}, {"NO_COLOR": "1"}, {"TZ": "Nowhere/Atall"}):
             done = subprocess.run([CANSYNC, "events"], env={**self.line.environment, **variables}, capture_output=True, timeout=LONG)
             self.assertEqual(done.returncode, 0, (variables, done.stderr))
-        for variable, value in (("CANSYNC_DOMAIN", "x"), ("CANSYNC_BUS", "a/b"), ("CANSYNC_TYPES", "y")):
+        for variable, value in (("CANSYNC_DOMAIN", "x"), ("CANSYNC_BUS", "a/b/c"), ("CANSYNC_TYPES", "y")):
             done = subprocess.run([CANSYNC, "status"], env={**self.line.environment, variable: value}, capture_output=True, timeout=LONG)
             self.assertEqual(done.returncode, 2, (variable, done.stderr))
         for rows, columns in ((1, 1), (0, 0), (5, 20), (60, 1000)):
@@ -246,7 +246,7 @@ class AdversarysHour(unittest.TestCase):
         with self.line.start("upload", 0, "0x100", 1000000, "-", stdout=subprocess.DEVNULL) as upload, self.line.start("set", "0=1") as writer:
             try:
                 self.line.wait_status("a transfer is open", lambda status: status["open_transfers"] == 1)
-                self.assertEqual(self.line.run("mode", "stop").returncode, 0)
+                self.assertEqual(self.line.run("mode", "stop", "--yes").returncode, 0)
                 self.assertEqual(upload.wait(LONG), 7)
                 self.assertEqual(self.line.run("read", 0, 100).returncode, 3)
                 for mode in ("setup", "run"):

@@ -78,7 +78,7 @@ class Cluster(DaemonTest):
         lower = self.one("lower", "status")
         self.assertEqual((upper["protocol"], upper["slave_number"]), ("cansync-slave", 5))
         self.assertEqual((lower["protocol"], lower["process"]), ("cansync-master", upper["process"]))
-        self.assertEqual(self.on("upper", "references").returncode, 0)
+        self.assertEqual(self.on("upper", "slave", "references").returncode, 0)
 
     def test_a_file_that_is_not_taken_is_told_on_both_buses(self):
         wait_for("it runs", lambda: self.on("upper", "status").returncode == 0)
@@ -94,7 +94,7 @@ class Cluster(DaemonTest):
         wait_for("it gives", lambda: ("references_released", 2) in [
             (code, int(text.split("telegram ")[1][0])) for code, text in self.codes("lower") if code == "references_released"])
         refused = self.on("lower", "set", "4=5", "--seconds", "0.3")
-        self.assertIn("the lead axis gives this telegram", refused.stderr)
+        self.assertIn("telegram 2 is given by the lead axis, and no program may", refused.stderr)
         shown = self.on("lower", "status").stdout.decode()
         self.assertRegex(shown, "reference telegram 2  .*given by the lead axis\n")
         self.assertEqual([one["writer"] for one in self.one("lower", "status")["reference_release"]], ["", "the lead axis"])

@@ -37,7 +37,7 @@ class SlaveRole(DaemonTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.metrics = os.path.join(cls.folder, "line.prom")
-        wait_for("the master gives reference values", lambda: cls.place.run("references").returncode == 0)
+        wait_for("the master gives reference values", lambda: cls.place.run("slave", "references").returncode == 0)
 
     def test_a_file_that_is_not_taken_is_told(self):
         self.reload_something_wrong()
@@ -57,10 +57,10 @@ class SlaveRole(DaemonTest):
         self.assertEqual(self.place.run("wait", "error-active", "--timeout", LONG).returncode, 0)
 
     def test_reference_values_are_those_of_the_master(self):
-        found = self.one("references")
-        expect(["references"], found)
+        found = self.one("slave", "references")
+        expect(["slave", "references"], found)
         self.assertEqual((found["raw"][1], found["ever"] & 1), (1000, 1))
-        with self.place.start("references", "--follow", "--json") as running:
+        with self.place.start("slave", "references", "--follow", "--json") as running:
             ramp = []
             while len(ramp) < 5:
                 one = running.next_object()
@@ -72,8 +72,8 @@ class SlaveRole(DaemonTest):
     def released_for_a_second(self):
         """The status before and after `actual`, and what that told; None where a machine that stood still lost samples."""
         before = self.one("status")
-        found = self.one("actual", "0=1000", "4=7", "--rate", 10, "--seconds", 1)
-        expect(["actual"], found)
+        found = self.one("slave", "actual", "0=1000", "4=7", "--rate", 10, "--seconds", 1)
+        expect(["slave", "actual"], found)
         self.assertEqual((found["result"], found["wait_intervals"]), ("done", 38))
         ended = self.one("status")["interval"]
         after = wait_for("a later status", lambda: (s := self.one("status"))["interval"] > ended and s)
@@ -91,7 +91,7 @@ class SlaveRole(DaemonTest):
         codes = [json.loads(line)["code"] for line in self.place.run("events", "--json").stdout.splitlines()]
         self.assertIn("actual_writer_began", codes)
         self.assertIn("actual_writer_lost", codes)
-        self.assertEqual(self.place.run("actual", "8=1").returncode, 2)
+        self.assertEqual(self.place.run("slave", "actual", "8=1").returncode, 2)
 
     def test_the_metrics_are_those_of_the_status(self):
         wait_for("the file tells of the lock", lambda: metrics(self.metrics).get("cansync_slave_side_synchronized") == 1)
@@ -106,7 +106,7 @@ class SlaveRole(DaemonTest):
         self.assertTrue(before["asked"][0] <= asked <= after["asked"][0], (before["asked"], asked, after["asked"]))
 
     def test_the_doctor_says_how_near_the_answers_came_to_the_ends_of_their_slots(self):
-        with self.place.start("actual", "0=77", "--rate", 100) as releasing:
+        with self.place.start("slave", "actual", "0=77", "--rate", 100) as releasing:
             wait_for("actual values go out", lambda: self.one("status")["actual_sent"][0] > 10)
             releasing.terminate()
         lines = self.place.run("doctor", "--json").stdout.splitlines()
@@ -118,14 +118,14 @@ class SlaveRole(DaemonTest):
         self.assertEqual(found["remedy"] is None, found["level"] == "ok")
 
     def test_the_table_is_explained(self):
-        lines = self.place.run("references", "--count", 2).stdout.decode().splitlines()
+        lines = self.place.run("slave", "references", "--count", 2).stdout.decode().splitlines()
         self.assertEqual(len(lines), 3)
-        self.assertEqual(re.split("  *", lines[0].strip()), list(help_of(CANSYNC, "references").explained("Columns")))
+        self.assertEqual(re.split("  *", lines[0].strip()), list(help_of(CANSYNC, "slave references").explained("Columns")))
 
     def test_verbs_of_another_protocol_say_so(self):
         result = self.place.run("slaves", "--timeout", 1)
         self.assertEqual(result.returncode, 6, result.stderr)
-        self.assertIn("it speaks cansync-slave on this bus", result.stderr)
+        self.assertIn("is served as cansync-slave; `slaves` needs cansync-master", result.stderr)
 
     def test_the_configuration_is_checked(self):
         result = subprocess.run([CANSYNCD, "--check", self.config], capture_output=True, text=True, timeout=LONG)

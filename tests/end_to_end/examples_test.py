@@ -1,23 +1,45 @@
-"""The programs of tools/examples, against a daemon with simulated drives. Their paths come from EXAMPLES."""
+"""The programs of tools/examples, against a daemon with simulated drives, whose paths come from EXAMPLES; tools/demo ends on each
+signal, also when it runs in the background, and leaves no process."""
 
 import os
 import re
+import signal
 import subprocess
 import sys
 import unittest
 
-from gateway import LONG, Gateway, wait_for
+from gateway import CANSYNC, LONG, NEVER_MISSING_REFERENCES, Gateway, wait_for
 
 EXAMPLES = os.environ["EXAMPLES"]
-ROOT = os.path.join(os.path.dirname(__file__), "..", "..")
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+# The folder of the build: CANSYNC is BUILD/tools/cli/cansync.
+BUILD = os.path.abspath(os.path.join(os.path.dirname(CANSYNC), "..", ".."))
+
+
+def processes_of(session):
+    """Living processes of a session, each as its number and name."""
+    found = []
+    for number in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{number}/stat", encoding="utf-8") as file:
+                name, rest = file.read().rsplit(")", 1)
+        except OSError:
+            continue
+        state, _, _, its_session = rest.split()[:4]
+        if int(its_session) == session and state != "Z":
+            found.append((int(number), name.split("(", 1)[1]))
+    return found
+
+
+def ignore_interrupts():
+    """As a shell does for what it starts in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 class Examples(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        # The computer may stall for seconds: a drive without reference values must not fault.
-        options = ("--set", "dds.interval_topic=true", "--set", "sim.missing_references=0",
-                   "--set", "process.poll_without_reference=true")
+        options = ("--set", "dds.interval_topic=true", "--set", "process.poll_without_reference=true", *NEVER_MISSING_REFERENCES)
         cls.gateway = cls.enterClassContext(Gateway(slaves=3, options=options))
 
     def start(self, name, *arguments, bus=None):
@@ -52,6 +74,8 @@ class Examples(unittest.TestCase):
         for slave in range(3):
             self.wait_while(leading, f"drive {slave} moves", lambda n=slave: self.position(n) != before[n])
         leading.kill()
+        # Until its loss is noticed a writer of the same strength is refused.
+        self.gateway.wait_status("nobody gives them", lambda status: not status["reference_release"][0]["writer"])
         out = self.run_example("lead_axis", 300, 1)
         self.assertEqual(re.findall(r"^slave (\d): -?\d+ increments behind$", out, re.MULTILINE), ["0", "1", "2"])
 
@@ -151,6 +175,39 @@ class Examples(unittest.TestCase):
             err = process.communicate(timeout=LONG)[1]
             self.assertEqual(process.returncode, 1, f"{process.args}: {err}")
             self.assertIn("partition nobody", err)
+
+
+class Demo(unittest.TestCase):
+    def ends_on(self, number, form, shows):
+        """`number`: the signal that ends it; None: it ends automatically."""
+        with subprocess.Popen(["tools/demo", *form], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
+                              preexec_fn=ignore_interrupts, env=dict(os.environ, DEMO_BUILD=BUILD)) as demo:
+            try:
+                shown = b""
+                while shows not in shown:
+                    line = demo.stdout.readline()
+                    self.assertTrue(line, shown.decode())
+                    shown += line
+                if number is not None:
+                    demo.send_signal(number)
+                # Its programs may write on, and hold the pipe: what counts is that all of them end.
+                self.assertEqual(demo.wait(LONG), 0, shown.decode())
+                wait_for("no process is left", lambda: not processes_of(demo.pid))
+            finally:
+                for process, _ in processes_of(demo.pid):
+                    os.kill(process, signal.SIGKILL)
+
+    def test_ends_on_ctrl_c_while_it_watches(self):
+        self.ends_on(signal.SIGINT, ["--layer2"], b"The living bus")
+
+    def test_ends_with_its_seconds_and_leaves_no_process(self):
+        self.ends_on(None, ["--j1939", "--seconds", "1"], b"The living bus")
+
+    def test_ends_on_sigterm_before_the_daemon_is_up(self):
+        self.ends_on(signal.SIGTERM, [], b"Starting the daemon")
+
+    def test_ends_on_sighup_while_it_watches(self):
+        self.ends_on(signal.SIGHUP, [], b"A lead axis gives")
 
 
 if __name__ == "__main__":

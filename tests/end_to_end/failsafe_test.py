@@ -4,7 +4,7 @@ import signal
 import time
 import unittest
 
-from gateway import LONG, wait_for
+from gateway import LONG, OWN_TIME, wait_for
 from verb_case import CONTROL_WORD, VerbTest
 
 
@@ -14,10 +14,11 @@ class FailsafeTest(VerbTest):
         self.addCleanup(self.end, process)
         return process
 
-    @staticmethod
-    def end(process):
+    def end(self, process):
         process.kill()
         process.communicate(timeout=LONG)
+        # Until the daemon misses it, it has its telegram, and the next one is refused.
+        self.release("it has no telegram", lambda release: f"process {process.pid} " not in release["writer"])
 
     def release(self, what, condition):
         """The status of telegram 1, as soon as it fits."""
@@ -141,14 +142,16 @@ class Hold(FailsafeTest):
         release = self.release("they are held", lambda release: release["state"] == "held")
         self.assertIn(release["cause"], ("too_old", "writer_lost"))
         self.release("they are stopped", lambda release: release["state"] == "stopped")
-        # On a loaded computer values may have been too old before; the last time counts. SYNC edges may be skipped, so
-        # the hold can end in a later interval than its last, but never in an earlier one.
+        # On a computer that is late values may have been too old before; the last time counts. It skips SYNC edges, so
+        # that the hold can end in a later interval than its last, but never in an earlier one.
         self.wait_event("references_too_old", "telegram 1")
         held = self.wait_event("references_held", "telegram 1")[-1]["interval"]
         stopped = wait_for("the end of the hold is told", lambda: [
             event["interval"] for event in self.events("references_stopped")
             if "telegram 1" in event["text"] and event["interval"] >= held])
         self.assertGreaterEqual(stopped[0], held + 5000)
+        if OWN_TIME:
+            self.assertEqual((len(stopped), stopped[0]), (1, held + 5000))
 
 
 class ControlWord(FailsafeTest):
@@ -168,6 +171,21 @@ class ControlWord(FailsafeTest):
         ended = self.wait_event("failsafe_control_word_ended", "0x0104")
         self.assertEqual((len(ended), ended[0]["severity"]), (1, "info"))
         self.assertIn("by the failsafe reaction: done", self.gateway.log_text())
+
+
+class Limits(FailsafeTest):
+    OPTIONS = ("--set", "reference.0.maximum=5")
+
+    def test_a_value_beyond_its_limit_is_refused_and_reported_to_its_writer(self):
+        good = self.start_set("0=5000", "--seconds", 1)
+        self.release("the limit itself is released", lambda release: release["state"] == "released")
+        good.communicate(timeout=LONG)
+        updates = self.release("all are counted", lambda release: release["state"] == "stopped")["updates"]
+        result = self.gateway.run("set", "0=5001", "--seconds", 1)
+        self.assertIn("reference value 0 'target': 5.001 mm is above its maximum 5 mm", result.stderr)
+        release = self.release("they are counted", lambda release: release["refused"] > 0)
+        self.assertIn("above its maximum 5 mm", release["refused_reason"])
+        self.assertEqual(release["updates"], updates, "none was released")
 
 
 if __name__ == "__main__":

@@ -133,12 +133,12 @@ class Set(VerbTest):
                 for strength in (2, 1):
                     told = wait_for("it has no effect", lambda strength=strength: self.without_effect(strength))
                     self.assertIn(f"process {writer.pid} on host", told)
-                    self.assertIn(f"with strength {strength}, have no effect", told)
+                    self.assertIn(f"nothing is given with strength {strength}", told)
                     self.assertIn("--strength 4 takes over", told)
-                self.run_verb("set", "0=100", "--strength", 4, "--seconds", 3)
+                self.run_verb("set", "0=100", "--take-over", "--seconds", 3)
             finally:
                 end(writer)
-        self.run_verb("mode", "stop")
+        self.run_verb("mode", "stop", "--yes")
         self.assertIn("no effect: the line was not", self.fails("set", "0=5", "--seconds", 0.1, code=10))
 
     def test_on_a_terminal_it_says_what_it_gives(self):
@@ -202,7 +202,29 @@ class Consent(VerbTest):
             self.assertEqual(code, 7)
         self.gateway.wait_active()
         shown, code = self.answered(b"y\n", "write", "all", 1000, 1)
-        self.assertEqual((code, shown.count("slave ")), (0, 4), shown)
+        self.assertEqual((code, shown.count("slaves 0-3: 1 (")), (0, 1), shown)
+
+    def test_what_takes_sync_or_values_from_a_program_names_it(self):
+        with self.gateway.start("set", "0=100", stderr=subprocess.DEVNULL) as writer:
+            try:
+                self.gateway.wait_status("it leads", lambda s: f"process {writer.pid} " in s["reference_release"][0]["writer"])
+                for mode in ("stop", "restart", "reset-can", "setup"):
+                    said = self.fails("mode", mode, code=2)
+                    self.assertRegex(said, rf"mode {mode}: .*process {writer.pid} on host .* gives the reference values of telegram 1; "
+                                     r"slaves 0-3 report a fault without them: there is no terminal to ask on; nothing was sent; add --yes")
+                said = self.fails("map", "references", 1, "0.low", code=2)
+                self.assertRegex(said, rf"map references: the drives get other values in telegram 1 from the next interval on; .*"
+                                 rf"process {writer.pid} on host .* gives the reference values of telegram 1: there is no terminal")
+                self.run_verb("map", "references", 1, "0x01", "0x03", "0x05", "0x07", "--yes")
+                shown, code = self.answered(b"n\n", "mode", "setup")
+                self.assertEqual((code, f"process {writer.pid} " in shown), (7, True), shown)
+                self.gateway.wait_active()
+            finally:
+                end(writer)
+        self.gateway.wait_status("no program leads", lambda s: not s["reference_release"][0]["writer"])
+        self.run_verb("mode", "reset-can")
+        self.gateway.wait_active()
+        self.run_verb("control", "all", 0x87)
 
     def test_without_a_terminal_it_says_what_to_add(self):
         for arguments in (("mode", "restart"), ("broadcast", "--slaves", "0-1", "--command", 128), ("write", "all", 1000, 2)):

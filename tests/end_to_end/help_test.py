@@ -1,4 +1,5 @@
-"""What the help says of a running line: the columns of every table, and what a shell offers at TAB."""
+"""What the help says of a running line: the columns of every table, and what a shell offers at TAB. No verb hands on the
+control characters of others."""
 
 import os
 import pty
@@ -13,7 +14,7 @@ import unittest
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "manual"))
 from help_text import help_of, helps
 
-from gateway import CANSYNC, LONG
+from gateway import CANSYNC, LONG, wait_for
 from names_test import PROFILE, PROFILES
 from verb_case import VerbTest
 
@@ -23,6 +24,7 @@ LOG = "(1.000000) can0 080#\n(1.000100) can0 300#\n"
 # A run of each verb that prints a table, and the lines above its heading. Verbs without a table say so with None.
 TABLES = {
     "slaves": (["slaves"], ""),
+    "read": (["read", "winder", "100", "--every", "1", "--count", "1"], ""),
     "jobs": (["jobs"], ""),
     "clients": (["clients"], ""),
     "buses": (["buses"], ""),
@@ -39,12 +41,13 @@ TABLES = {
     "diff": (["diff", "BACKUP", "winder"], ""),
     "verify": (["verify", "winder", "BACKUP"], ""),
     "restore": (["restore", "winder", "BACKUP", "--dry-run"], ""),
-    **dict.fromkeys("status cancel read write upload download control broadcast mode release set backup record plot wait batch setup".split()),
+    **dict.fromkeys("status cancel write upload download control broadcast mode release set backup record plot wait batch setup".split()),
 }
 
 
 # Their tables are looked at by the tests of their protocol.
-OF_OTHER_PROTOCOLS = {"can", "can dump", "can send", "can queues", "can timers", "can script", "can objects", "can image", "can lead", "can configure", "messages", "transmit", "request", "addresses", "faults", "references", "actual", "serve"}
+OF_OTHER_PROTOCOLS = {"can", "can dump", "can send", "can queues", "can timers", "can script", "can objects", "can image", "can lead", "can configure", "j1939", "j1939 messages", "j1939 send", "j1939 request", "j1939 addresses", "j1939 faults",
+                      "slave", "slave references", "slave actual", "slave serve"}
 
 
 class Columns(VerbTest):
@@ -92,12 +95,51 @@ class Columns(VerbTest):
             labels.add(re.sub(r"^(reference telegram|reference value) \d$", r"\1", line[:22].strip()))
         general = {re.sub(r" (1, 2|n)$", "", label) for label in explained}
         self.assertEqual(labels - general, set())
-        self.assertEqual(general - labels, {"SYNC line", "second master", "cluster",  # only when there is one
+        self.assertEqual(general - labels, {"configuration", "restart", "network", "SYNC line", "second master", "cluster",  # only when there is one
                                             # of other protocols
                                             "frames received", "frames sent", "bus load", "module",
                                             "address", "messages received", "in packets", "messages sent", "load of the bus",
                                             "slave", "intervals", "reference values", "actual values", "fault", "answers",
                                             "response", "indicators", "parameters"})
+
+
+OWN_COLOURS = rb"\x1b\[(3[123]|0)m"
+OWN_SCREEN = rb"\x1b\[(2J|H|K|J)"  # of `watch --count`
+CONTROLS = rb"[\x00-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]"
+
+
+class ForeignTexts(VerbTest):
+    """A program whose name would clear the screen, set its title and sound the bell."""
+
+    NAME = "evil\x1b[2J\x1b]0;t\x07\x9b2K"
+
+    def shown(self, *arguments):
+        """Both streams, without what `cansync` itself sends to a terminal."""
+        out = b""
+        for colour in ("always", "never"):
+            result = self.gateway.run("--color", colour, *arguments)
+            text = result.stdout + result.stderr.encode()
+            text = re.sub(OWN_COLOURS, b"", text) if colour == "always" else text
+            out += re.sub(OWN_SCREEN, b"", text) if arguments[0] == "watch" else text
+        return out
+
+    def test_no_verb_writes_them(self):
+        writer = subprocess.Popen([os.environ["STAMPED_WRITER"], str(self.gateway.domain), self.gateway.bus, "20", "1", self.NAME],
+                                  stdout=subprocess.DEVNULL)
+        self.addCleanup(writer.wait, LONG)
+        self.addCleanup(writer.kill)
+        wait_for("the program is there", lambda: "given by 'evil" in self.text("status"))
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        log = os.path.join(folder, "log")
+        with open(log, "w", encoding="utf-8") as file:
+            file.write(f"# {self.NAME}\n{LOG}{self.NAME}\n")
+        runs = [[log if word == "LOG" else word for word in table[0]] for table in TABLES.values() if table and "BACKUP" not in table[0]]
+        everything = b""
+        for run in [*runs, ["status"], ["set", "0=1", "--seconds", "1"], ["mode", "stop"]]:
+            shown = self.shown(*run)
+            self.assertNotRegex(shown, CONTROLS, run)
+            everything += shown
+        self.assertIn(b"evil\\x1b[2J", everything, "they are shown as something else")
 
 
 class Completion(VerbTest):

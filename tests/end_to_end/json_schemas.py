@@ -52,9 +52,10 @@ def problem(verb, found):
 def verb_of(arguments):
     """The verb on a command line; None: none with objects."""
     words = list(map(str, arguments))
-    verb = next((word for word in words if word in schemas()), None)
+    firsts = {name.split()[0] for name in schemas()}
+    verb = next((word for word in words if word in firsts), None)
     second = next((f"{verb} {word}" for word in words[words.index(verb) + 1:] if not word.startswith("-")), "") if verb else ""
-    return second if second in schemas() else verb
+    return second if second in schemas() else verb if verb in schemas() else None
 
 
 def expect(arguments, found):

@@ -123,7 +123,7 @@ class Refused(Passports):
         self.assertIn("checksum", self.fails("verify", SLAVE, changed, code=3))
         self.assertEqual(self.different("diff", changed, SLAVE, "--force"), [1001])
         half = self.edited("half", "sha256", "sha25")
-        self.assertIn("found 'sha25'", self.fails("restore", SLAVE, half, code=1))
+        self.assertIn("found 'sha25'", self.fails("restore", SLAVE, half, code=3))
 
     def test_a_value_outside_its_limits_stops_before_the_first_write(self):
         self.run_verb("write", SLAVE, "operating-mode", 1)

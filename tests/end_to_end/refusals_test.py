@@ -29,7 +29,7 @@ class Refusals(unittest.TestCase):
         """What the program printed: code, cause, and whether to ask again, of each call between two '--'."""
         arguments = [os.environ[program], str(gateway.domain), gateway.bus, *map(str, call)]
         done = subprocess.run(arguments, capture_output=True, text=True, timeout=LONG)
-        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout.split()
 
     def faces(self, gateway, call, through=("c++", "c", "python")):

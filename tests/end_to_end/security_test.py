@@ -96,6 +96,8 @@ class Security(unittest.TestCase):
         self.gateway.become("viewer")
         status = json.loads(self.expect(0, "status", "--json").stdout)
         self.assertTrue(status["secured"])
+        days_left = status["identity_time_left"] / 86400
+        self.assertTrue(3600 < days_left <= 3650, days_left)
         self.assertIn(b"winder", self.expect(0, "slaves").stdout)
         self.assertIn("number", json.loads(self.expect(0, "events", "--json").stdout.splitlines()[0]))
         self.expect_no_right("Command", "control", 1, 0x000F)
@@ -246,7 +248,7 @@ class Files(unittest.TestCase):
             check=True, capture_output=True, timeout=LONG)
         said = self.complaint(late)
         self.assertIn("certificate.pem: expired on", said)
-        self.assertIn("cansync-security add", said)
+        self.assertIn("cansync-security renew", said)
 
     def test_nothing_is_overwritten_and_modes_are_strict(self):
         self.assertIn("not overwritten", security("init", self.ca).stderr)
@@ -255,7 +257,7 @@ class Files(unittest.TestCase):
             self.assertEqual(os.stat(path).st_mode & 0o077, 0, path)
 
     def test_wrong_command_lines(self):
-        for arguments, words in (((), "allowed: init, add, list"), (("add", self.ca, "a/b", "--role", "viewer"), "NAME"),
+        for arguments, words in (((), "allowed: init, add, renew, list"), (("add", self.ca, "a/b", "--role", "viewer"), "NAME"),
                                  (("add", self.ca, "x", "--role", "king"), "--role"),
                                  (("init", self.ca + "2", "--days", "0"), "--days")):
             result = security(*arguments)

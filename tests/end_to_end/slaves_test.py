@@ -112,7 +112,7 @@ class Check(Slaves):
         self.assertEqual(self.gateway.status()["slaves_released"], 0b101)
         refused = self.gateway.run("control", LOST, ENABLING)
         self.assertEqual(refused.returncode, 3, refused.stderr)
-        self.assertIn("slave 1 'winder' was away or lost SYNC and is held out", refused.stderr)
+        self.assertIn("slave 1 'winder' is held out", refused.stderr)
         self.assertEqual(self.gateway.run("control", LOST, STOPPING).returncode, 0)
         self.assertEqual(self.gateway.run("control", OTHER, ENABLING).returncode, 0)
         self.assertEqual(self.gateway.run("release", OTHER).returncode, 3)
@@ -135,6 +135,38 @@ class Write(Slaves):
         self.assertEqual(self.gateway.json("read", LOST, WORD)[0]["value"], 1234)
         self.assertEqual(self.gateway.json("read", LOST, 1020)[0]["value"], 0x12345678)
         self.assertIn("slave_checked", [code for code, _ in self.events()])
+
+
+class LineThatWaits(Gateway):
+    """Its drives never run all of them."""
+
+    def wait_active(self):
+        return self.wait_status("the daemon answers", lambda status: status["slaves_wrong"] != 0)
+
+
+class Expect(unittest.TestCase):
+    def test_a_drive_that_is_not_the_one_expected_is_held_until_it_is_released_by_force(self):
+        gateway = LineThatWaits(slaves=3)
+        with open(gateway.config, encoding="utf-8") as file:
+            text = file.read()
+        with open(gateway.config, "w", encoding="utf-8") as file:
+            file.write(text.replace('name = "winder"\n', 'name = "winder"\nexpect = ["100=4400", "102=77"]\n'))
+        with gateway:
+            def held():
+                slave = json.loads(gateway.run("slaves", 1, "--json").stdout)
+                return slave if slave["state"] == "held" else None
+
+            slave = wait_for("the drive is held", held)
+            reason = "not the drive expected: parameter 102, expected 77 (0x4D), found 1001 (0x3E9)"
+            self.assertEqual(slave["held_reason"], reason)
+            self.assertIn(f"slave 1 'winder' is held out: {reason}", gateway.run("slaves").stderr)
+            self.assertEqual(gateway.status()["slaves_wrong"], 0b010)
+            refused = gateway.run("mode", "run")
+            self.assertEqual(refused.returncode, 3, refused.stderr)
+            self.assertIn("slave 1 'winder'", refused.stderr)
+            self.assertIn("is held out: not the drive expected", gateway.run("doctor").stdout.decode())
+            self.assertEqual(gateway.run("release", 1, "--force").returncode, 0)
+            wait_for("run is entered", lambda: gateway.status()["state"] == "run")
 
 
 if __name__ == "__main__":

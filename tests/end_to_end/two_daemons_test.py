@@ -10,7 +10,7 @@ import socket
 import subprocess
 import unittest
 
-from gateway import CANSYNCD, LONG, Gateway, end, wait_for
+from gateway import CANSYNC, CANSYNCD, LONG, Gateway, end, wait_for
 
 WORD = 1000  # a parameter of a simulated drive
 BOTH = ("--set", "dds.name_in_use=event")
@@ -60,6 +60,39 @@ class TwoDaemons(unittest.TestCase):
         self.assertIn('dds.name_in_use = "event"', self.second_log())
         self.assertTrue(self.gateway.status())
         self.assertNotIn("second_daemon", self.gateway.log_text())
+
+    def without_a_name(self, *arguments):
+        environment = {name: value for name, value in self.gateway.environment.items() if name != "CANSYNC_BUS"}
+        return subprocess.run([CANSYNC, *map(str, arguments)], env=environment, capture_output=True, text=True, timeout=LONG)
+
+    def test_without_a_name_the_only_bus_is_taken_and_several_are_named(self):
+        bus, domain = self.gateway.bus, self.gateway.domain
+        taken = self.without_a_name("status", "--json")
+        self.assertEqual((taken.returncode, taken.stderr), (0, f"cansync: bus {bus}, the only one in DDS domain {domain} on interface lo\n"))
+        self.assertEqual(json.loads(taken.stdout)["bus"], bus)
+        # A batch looks for it once.
+        lines = os.path.join(self.gateway.folder.name, "lines")
+        with open(lines, "w", encoding="ascii") as file:
+            file.write(f"read 0 {WORD}\nread 1 {WORD}\n")
+        self.assertEqual(self.without_a_name("batch", lines).stderr.count("the only one in"), 1)
+        self.start_second("--set", "bus.name=press")
+        def named():
+            result = self.without_a_name("status")
+            return "press" in result.stderr
+        wait_for("both are named", named)
+        result = self.without_a_name("mode", "stop", "--yes")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        for name in (bus, "press"):
+            self.assertIn(f"{name} (cansync-master)", result.stderr)
+        self.assertIn("CANSYNC_BUS", result.stderr)
+        self.gateway.wait_active()
+
+    def test_a_verb_of_another_protocol_says_so_at_once(self):
+        bus = self.gateway.bus
+        for verb, name, needs in ((("can", "dump"), "can dump", "layer2"), (("slave", "references"), "slave references", "cansync-slave"),
+                                  (("j1939", "faults"), "j1939 faults", "j1939")):
+            result = self.gateway.run("--timeout", LONG, *verb)
+            self.assertEqual((result.returncode, result.stderr), (6, f"cansync: bus {bus} is served as cansync-master; `{name}` needs {needs}\n"))
 
     def test_one_that_was_killed_a_moment_ago_is_in_nobodys_way(self):
         for _ in range(3):
@@ -132,7 +165,7 @@ class OneDaemonOfTwoBuses(unittest.TestCase):
             self.gateway.process = subprocess.Popen([CANSYNCD, *self.gateway.options, self.gateway.config, self.path], stdout=log,
                                                     stderr=log)
         for bus in self.buses():
-            self.told(f"<6>{bus}: event .*on 'run'")
+            self.told(f"{bus}: event .*on 'run'")
 
     def buses(self):
         return self.gateway.bus, self.other
@@ -167,7 +200,7 @@ class OneDaemonOfTwoBuses(unittest.TestCase):
             file.write("[nonsense]\n")
         self.gateway.process.send_signal(signal.SIGHUP)
         self.told(f"{self.other}: {self.path} is wrong; the daemon keeps running as before")
-        self.told(f"<6>{self.gateway.bus}: event .* configuration_reloaded")
+        self.told(f"{self.gateway.bus}: event .* configuration_reloaded")
         self.on(self.other, "read", 1, WORD)
 
     def test_files_that_do_not_go_together_are_refused(self):

@@ -10,8 +10,14 @@ from verb_case import ALWAYS_BUSY, BUSY, BUSY_REPLIES, DATA, DEVICE_TYPE, DOUBLE
 
 class Parameters(VerbTest):
     def test_read(self):
-        self.assertEqual(self.text("read", 0, DEVICE_TYPE), "4400 (0x1130, word)\n")
-        self.assertEqual(self.text("read", "winder", "0x65"), "65536 (0x00010000, doubleword)\n")
+        heading, row = self.text("read", 0, DEVICE_TYPE).splitlines()
+        self.assertEqual(heading.split(), ["SLAVE", "NAME", "NUMBER", "PARAMETER", "VALUE", "UNIT", "RAW", "MEANING"])
+        self.assertEqual(row.split(), ["0", "slave0", str(DEVICE_TYPE), "-", "4400", "0x1130"])
+        self.assertEqual(self.text("read", "winder", "0x65").splitlines()[1].split(), ["1", "winder", "101", "-", "65536", "0x00010000"])
+        # One table for a hundred values as for one.
+        lines = self.text("read", "0-1", DEVICE_TYPE, "0x65").splitlines()
+        self.assertEqual([line.split()[:3] for line in lines[1:]], [[str(slave), name, number] for slave, name in ((0, "slave0"), (1, "winder"))
+                                                                    for number in (str(DEVICE_TYPE), "101")])
         self.assertEqual(
             self.one("read", "winder", DEVICE_TYPE, "--format", "word") | {"intervals": 0},
             {"slave": 1, "number": DEVICE_TYPE, "element": 7, "sub_slave": 0, "value": 4400, "signed": 4400}
@@ -74,6 +80,13 @@ class Parameters(VerbTest):
         process = self.gateway.start_job("open_parameter_jobs", "read", 3, BUSY, "--timeout", 3000, "--json")
         out, _ = self.interrupt(process, code=7)
         self.assertEqual(json.loads(out)["result"], "cancelled")
+        self.gateway.wait_status("no job is open", lambda status: status["open_parameter_jobs"] == 0)
+        # A write that the drive has is not cancelled; without a format it is asked for that first.
+        process = self.gateway.start_job("open_parameter_jobs", "write", 3, BUSY, 9, "--format", "word", "--timeout", 3000, "--json")
+        out, _ = self.interrupt(process, code=5)
+        ended = json.loads(out)
+        self.assertEqual(ended["result"], "no_answer")
+        self.assertIn("the slave has taken the value", ended["reason"])
         self.gateway.wait_status("no job is open", lambda status: status["open_parameter_jobs"] == 0)
 
 

@@ -269,19 +269,21 @@ class ReferenceValues(VerbTest):
         self.assertRegex(self.text("watch", "winder", "--count", 1), r"position.*\n.* 5 mm")
         self.assertRegex(self.text("watch", "winder", "--count", 1, "--raw"), r"position.*\n.* 5000")
         _, remarks = self.interrupt(process, code=0)
-        self.assertRegex(remarks, r"values were given \d+ times and are given up")
+        self.assertRegex(remarks, r"sent \d+ reference values? to telegram 1; released")
 
     def test_scaled_and_named(self):
         self.start_set("target=-2.5", "--scaled", "--rate", 100, "--release", 200)
         self.follow(-2500)
 
-    def test_the_stronger_writer_wins(self):
+    def test_a_writer_keeps_its_telegram_until_it_is_taken_over(self):
         self.start_set("0=700", "--strength", 9)
         self.follow(700)
-        weaker = self.one("set", "0=90000", "--strength", 2, "--seconds", 1, code=10)
-        self.assertEqual(weaker["result"], "no_effect")
-        self.assertGreater(weaker["samples"], 1)
-        self.assertEqual(self.position(0), 700)
+        for strength in (2, 9):
+            refused = self.one("set", "0=90000", "--strength", strength, "--seconds", 1, code=10)
+            self.assertEqual((refused["result"], refused["samples"]), ("no_effect", 0))
+            self.assertEqual(self.position(0), 700)
+        self.start_set("0=800", "--take-over")
+        self.follow(800)
 
     def test_watch_adds_lines(self):
         lines = self.text("watch", "--count", 3, "--interval", 20).splitlines()

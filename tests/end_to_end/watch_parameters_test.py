@@ -9,7 +9,7 @@ import unittest
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "pictures"))
 from terminal import KIND, Terminal
 
-from gateway import CANSYNC, LONG
+from gateway import CANSYNC, LONG, end, wait_for
 from names_test import SPEED_LIMIT, TORQUE_OFFSET, Named
 from verb_case import ALWAYS_BUSY, BUSY, BUSY_REPLIES, DEVICE_TYPE, NOT_AVAILABLE
 
@@ -62,8 +62,14 @@ class Parameters(Named):
         self.addCleanup(self.run_verb, "write", 3, BUSY_REPLIES, 0)
         process = self.gateway.start_job("open_parameter_jobs", "watch", "3,0-2", "--parameter", f"{BUSY},100,301",
                                          "--timeout", 3000, "--plain", "--interval", 20)
+        self.addCleanup(end, process)  # the busy read would hold up the write of the other clean-up
+
+        def busy_read_is_the_only_one():
+            return ["410" in job["text"] for job in self.json("jobs")] == [True]
+
+        # The reads of the other slaves come before it: the job that was open may have been one of them.
+        wait_for("the busy read is open", busy_read_is_the_only_one)
         self.assertEqual(self.one("status")["open_parameter_jobs"], 1)
-        self.assertEqual(["410" in job["text"] for job in self.json("jobs")], [True])
         self.interrupt(process, code=0)
         self.gateway.wait_status("no job is open", lambda status: status["open_parameter_jobs"] == 0)
 

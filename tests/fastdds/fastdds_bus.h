@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -158,14 +160,13 @@ inline fast::DataWriterQos request_writer() {
   return qos;
 }
 
-/// Reference values: the strongest living writer is heard.
+/// Reference values: a telegram has one writer at a time, which a stronger one displaces.
 inline fast::DataWriterQos reference_writer(std::uint32_t strength, const std::string& name) {
   fast::DataWriterQos qos;
   qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
   qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 16;
-  qos.ownership().kind = fast::EXCLUSIVE_OWNERSHIP_QOS;
   qos.ownership_strength().value = strength;
   qos.liveliness().kind = fast::AUTOMATIC_LIVELINESS_QOS;
   qos.liveliness().lease_duration = {0, 500'000'000};
@@ -214,6 +215,13 @@ class Writer {
     fast::PublicationMatchedStatus status;
     writer_->get_publication_matched_status(status);
     return status.current_count > 0;
+  }
+  std::array<std::uint8_t, 16> guid() const {
+    std::array<std::uint8_t, 16> out = {};
+    const auto& guid = writer_->guid();
+    std::copy_n(guid.guidPrefix.value, 12, out.begin());
+    std::copy_n(guid.entityId.value, 4, out.begin() + 12);
+    return out;
   }
 
  private:

@@ -232,6 +232,7 @@ void use(std::uint32_t domain, const std::string& bus) {
     values.release_intervals(1000);
     values.daemon(gateway.daemon());
     values.mapping_number(master.mapping_number());
+    values.writer(writer.guid());
     writer.write(values);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

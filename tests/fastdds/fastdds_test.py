@@ -6,7 +6,7 @@ import subprocess
 import time
 import unittest
 
-from gateway import LONG, Gateway, end, wait_for
+from gateway import LONG, NEVER_MISSING_REFERENCES, Gateway, end, wait_for
 
 CLIENT = os.environ["FASTDDS_CLIENT"]
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -35,8 +35,7 @@ class FastDdsTest(unittest.TestCase):
 class FinalTypes(FastDdsTest):
     @classmethod
     def setUpClass(cls):
-        # A busy machine delays the writer, and a drive that faults follows nobody any more.
-        cls.gateway = Gateway(slaves=SLAVES, options=["--set", "dds.types=final", "--set", "sim.missing_references=0"],
+        cls.gateway = Gateway(slaves=SLAVES, options=["--set", "dds.types=final", *NEVER_MISSING_REFERENCES],
                               extra="[process]\npoll_without_reference = true\n")
         cls.gateway.environment.update(CANSYNC_TYPES="final", FASTRTPS_DEFAULT_PROFILES_FILE=PROFILE)
         cls.enterClassContext(cls.gateway)
@@ -62,7 +61,7 @@ class FinalTypes(FastDdsTest):
             return slave["values"][0]["raw"] == value
         wait_for(f"a drive is at {value}", look)
 
-    def test_2_the_strongest_living_writer_of_reference_values_is_heard(self):
+    def test_2_a_writer_of_reference_values_is_heard_until_a_stronger_one_comes(self):
         weak = self.client("lead", 10, 1000)
         self.assertEqual(self.line(weak), "leads")
         self.released_of(10)
@@ -71,6 +70,14 @@ class FinalTypes(FastDdsTest):
         self.assertEqual(self.line(strong), "leads")
         self.released_of(20)
         self.follows(2000)
+        equal = self.client("lead", 20, 3000)
+        self.assertEqual(self.line(equal), "leads")
+        # The status names the weak one, which waits longest.
+        wait_for("it is told that the equal one waits", lambda: [
+            event for event in self.gateway.json("events")
+            if event["code"] == "writer_waits" and f"process {equal.pid} " in event["text"].split(" waits for ")[0]])
+        self.follows(2000)
+        equal.kill()
         strong.kill()
         self.released_of(10)
         self.follows(1000)

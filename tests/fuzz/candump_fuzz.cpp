@@ -1,6 +1,7 @@
 // Lines of candump's text log (lib/can/candump.h): what is read is written and read again as the same.
 #include <array>
 
+#include "bounded.h"
 #include "bytes.h"
 #include "can/candump.h"
 #include "require.h"
@@ -17,7 +18,7 @@ bool same(const can::CandumpLine& a, const can::CandumpLine& b) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text = fuzz::text_of(data, size);
-  const auto parsed = can::parse_candump_line(text);
+  const auto parsed = fuzz::bounded(size, fuzz::kOfText, [&] { return can::parse_candump_line(text); });
   if (const auto* error = std::get_if<can::CandumpError>(&parsed)) {
     require(error->column >= 1 && error->column <= size + 2, "an error stands in the line");
     require(!error->message.empty(), "an error says what it is");

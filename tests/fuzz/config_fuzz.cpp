@@ -4,11 +4,12 @@
 #include <string_view>
 #include <vector>
 
+#include "bounded.h"
 #include "bytes.h"
+#include "cansync/config/file.h"
+#include "cansync/config/options.h"
 #include "cansync/settings/settings_check.h"
 #include "config/document.h"
-#include "daemon/cansync/config/file.h"
-#include "daemon/cansync/config/options.h"
 #include "require.h"
 
 namespace {
@@ -31,7 +32,9 @@ std::vector<std::string> overrides_of(std::string_view text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text = fuzz::text_of(data, size);
-  config::Settings settings = config::resolve(config::parse_document(text, "fuzz.toml"), cansyncd::options());
+  config::Settings settings = fuzz::bounded(size, fuzz::kOfText, [&] {
+    return config::resolve(config::parse_document(text, "fuzz.toml"), cansyncd::options());
+  });
   for (const std::string& assignment : overrides_of(text))
     config::override_setting(settings, assignment, cansyncd::options());
   const cansyncd::ConfigFile file = cansyncd::build_config(std::move(settings), "fuzz.toml");

@@ -15,9 +15,11 @@ inline void check_database(const dbc::Database& database) {
   for (const dbc::Message& message : database.messages()) {
     require(database.find(message.identifier, message.extended) == &message, "every message is found");
     require(dbc::read_signals(message, bytes).size() <= message.signals.size(), "no signal comes twice");
-    const std::vector<std::uint8_t> whole(message.length);
-    for (const dbc::Signal& signal : message.signals)
-      require(dbc::raw_bits(signal, whole).has_value(), "every signal lies in its message");
+    for (const dbc::Signal& signal : message.signals) {
+      require(dbc::lies_in(signal, message.length), "every signal lies in its message");
+      require(!signal.chosen_by || signal.chosen_by->multiplexor < message.signals.size(),
+              "every multiplexor is a signal of the message");
+    }
   }
 }
 

@@ -1,6 +1,5 @@
-// DBC files (lib/dbc), and frames read by those that are accepted.
-#include <variant>
-
+// DBC files (lib/dbc), and frames read by those of which something is used.
+#include "bounded.h"
 #include "bytes.h"
 #include "database_check.h"
 #include "dbc/reader.h"
@@ -8,14 +7,12 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using fuzz::require;
-  const auto read = dbc::read_database(fuzz::text_of(data, size));
-  if (const auto* problems = std::get_if<std::vector<dbc::Problem>>(&read)) {
-    require(!problems->empty() && problems->size() <= dbc::kMostProblems, "a refused file has some problems");
-    for (const dbc::Problem& problem : *problems)
-      require(problem.line > 0 && problem.column > 0 && !problem.text.empty(),
-              "a problem has a place and words");
-    return 0;
-  }
-  fuzz::check_database(std::get<dbc::Database>(read));
+  const dbc::File file =
+      fuzz::bounded(size, fuzz::kOfText, [&] { return dbc::read_database(fuzz::text_of(data, size)); });
+  require(file.remarks.size() <= dbc::kMostRemarks, "remarks are bounded");
+  for (const dbc::Remark& remark : file.remarks)
+    require(remark.line > 0 && remark.column > 0 && !remark.text.empty(), "a remark has a place and words");
+  require(file.refused.empty() != file.database.messages().empty(), "a file without messages is refused");
+  fuzz::check_database(file.database);
   return 0;
 }

@@ -245,8 +245,10 @@ class Run {
                 core.action.data_byte == request.data_byte && core.action.data_word == request.data_word,
             "without loss");
     require(core.action.command == 1 || core.action.command >= 128, "no reserved command");
-    require(!core.action.slaves.empty() && (core.action.slaves.bits & ~limits_.configured.bits) == 0,
-            "for configured slaves");
+    const SlaveMask slaves = core.action.slaves;  // all: also those that nobody has configured
+    require(!slaves.empty() &&
+                (slaves.bits == SlaveMask::all().bits || (slaves.bits & ~limits_.configured.bits) == 0),
+            "for configured slaves, or for all");
     submit(core, JobLedger::Kind::command);
   }
   void take(const cansync_Command& request, const cansyncd::ModeRequest& core) {

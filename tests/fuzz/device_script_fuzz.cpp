@@ -1,15 +1,18 @@
 // Scripts of simulated devices (lib/sim/device_script.h), and what an accepted one answers.
 #include <chrono>
 
+#include "bounded.h"
 #include "bytes.h"
 #include "require.h"
 #include "sim/device_script.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using fuzz::require;
-  sim::DeviceScript script = sim::parse_device_script(fuzz::text_of(data, size), "device");
+  sim::DeviceScript script = fuzz::bounded(size, fuzz::kOfTextInPart, [&] {
+    return sim::parse_device_script(fuzz::text_of(data, size), "device");
+  });
   for (const config::Problem& error : script.errors) require(!error.text.empty(), "a problem has words");
-  if (!script.errors.empty()) return 0;
+  if (script.refused()) return 0;
   const auto answers = script.device.answers;
   const std::size_t periods = script.device.periods.size();
   sim::ScriptedDevice device(std::move(script.device));

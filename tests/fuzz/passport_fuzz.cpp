@@ -1,18 +1,19 @@
-// Drive passports (tools/cli/cansync/passport.h): what is read is written and read again as the same.
+// Drive passports (lib/profile/passport.h): what is read is written and read again as the same.
+#include "bounded.h"
 #include "bytes.h"
-#include "cli/cansync/passport.h"
+#include "profile/passport.h"
 #include "require.h"
 
 namespace {
 
-using cansync::cli::Passport;
 using fuzz::require;
+using profile::Passport;
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text = fuzz::text_of(data, size);
-  const auto reading = cansync::cli::parse_passport(text);
+  const auto reading = fuzz::bounded(size, fuzz::kOfText, [&] { return profile::parse_passport(text); });
   require(reading.passport.has_value() == reading.problem.empty(), "a passport, or why it is none");
   if (!reading.passport) return 0;
   const Passport& passport = *reading.passport;
@@ -23,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(passport.find(entry.number) == &entry, "it is found by its number");
     before = entry.number;
   }
-  const auto again = cansync::cli::parse_passport(cansync::cli::passport_text(passport));
+  const auto again = profile::parse_passport(profile::passport_text(passport));
   require(again.passport == passport, "a written passport reads as the same");
   require(!again.changed, "its checksum fits");
   return 0;

@@ -2,6 +2,7 @@
 #include <utility>
 #include <vector>
 
+#include "bounded.h"
 #include "bytes.h"
 #include "can/pcapng_reader.h"
 #include "require.h"
@@ -51,7 +52,7 @@ bool same(const can::CandumpLine& a, const can::CandumpLine& b) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string capture = fuzz::text_of(data, size);
-  const Found whole = read(capture, size + 1);
+  const Found whole = fuzz::bounded(size, fuzz::kOfText, [&] { return read(capture, size + 1); });
   require((whole.frames.size() + whole.problems.size()) * kSmallestBlock <= size + kSmallestBlock,
           "a block gives one thing at most");
   const Found pieces = read(capture, 1);

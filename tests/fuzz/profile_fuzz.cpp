@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "bounded.h"
 #include "bytes.h"
 #include "profile/reader.h"
 #include "profile/scaling.h"
@@ -30,8 +31,9 @@ void check(const profile::Parameter& parameter) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const profile::Reading reading = profile::parse(fuzz::text_of(data, size), "fuzz.toml");
-  require(reading.profile.has_value() == reading.problems.empty(), "a profile, or what is wrong with it");
+  const profile::Reading reading = fuzz::bounded(
+      size, fuzz::kOfTextInPart, [&] { return profile::parse(fuzz::text_of(data, size), "fuzz.toml"); });
+  require(reading.profile || !reading.problems.empty(), "a profile, or what is wrong with it");
   for (const config::Problem& problem : reading.problems) require(!problem.text.empty(), "a problem is told");
   require(reading.problems.empty() == config::problems_text(reading.problems).empty(), "problems are told");
   if (!reading.profile) return 0;

@@ -48,6 +48,63 @@ TEST(AddressClaim, The250MsCountFromTheClaimOnTheBus) {
   EXPECT_EQ(rig.node.claim().state(), ClaimState::claimed);
 }
 
+NodeSettings asking() {
+  NodeSettings settings = settings_at(kOwn);
+  settings.claim.ask_time = milliseconds(250);
+  settings.claim.first_other = 0x80;
+  settings.claim.last_other = 0x83;
+  return settings;
+}
+
+TEST(AddressClaim, AsksFirstAndClaimsWhatNobodyAnswersFor) {
+  NodeRig rig(asking());
+  EXPECT_EQ(rig.pump(), std::vector{kAskAll});
+  EXPECT_FALSE(rig.node.claim().wanted());
+  EXPECT_EQ(rig.node.next_deadline(), rig.now + milliseconds(250));
+  EXPECT_TRUE(rig.run(milliseconds(250) - Time{1}).empty());
+  EXPECT_EQ(rig.run(Time{1}), std::vector{own_claim(kOwn)});
+  (void)rig.run(milliseconds(250));
+  EXPECT_EQ(rig.node.claim().address(), kOwn);
+}
+
+TEST(AddressClaim, LeavesItsAddressToWhoAnswersHoweverWeak) {
+  NodeRig rig(asking());
+  (void)rig.pump();
+  EXPECT_TRUE(rig.hear_claim(kOwn, kWeaker).empty());
+  EXPECT_EQ(rig.run(milliseconds(250)), std::vector{own_claim(0x81)});
+  (void)rig.run(milliseconds(250));
+  EXPECT_EQ(rig.node.claim().address(), 0x81);
+  EXPECT_EQ(rig.node.claim().losses(), 0u);
+}
+
+TEST(AddressClaim, WithoutAnotherAddressItCannotClaimWhatAnotherHas) {
+  NodeSettings settings = fixed();
+  settings.claim.ask_time = milliseconds(250);
+  NodeRig rig(settings);
+  (void)rig.pump();
+  (void)rig.hear_claim(kOwn, kWeaker);
+  EXPECT_EQ(rig.run(milliseconds(500)), std::vector{fixed_claim(254)});
+  EXPECT_EQ(rig.node.claim().state(), ClaimState::cannot_claim);
+}
+
+TEST(AddressClaim, WhileItAsksItAnswersNoRequestAndKnowsANodeOfItsOwnName) {
+  NodeRig rig(asking());
+  (void)rig.pump();
+  EXPECT_TRUE(rig.hear(kAskAll).empty());
+  (void)rig.hear_claim(0x99, compose(kFields));
+  EXPECT_EQ(rig.run(milliseconds(500)), std::vector{kCannot});
+  EXPECT_TRUE(rig.node.claim().name_twice());
+}
+
+TEST(AddressClaim, TheTimeToAskCountsFromTheRequestOnTheBus) {
+  NodeRig rig(asking());
+  rig.echoes = false;
+  EXPECT_EQ(rig.pump(), std::vector{kAskAll});
+  EXPECT_TRUE(rig.run(std::chrono::seconds(10)).empty());
+  rig.node.echo(kAskAll, rig.now);
+  EXPECT_EQ(rig.run(milliseconds(250)), std::vector{own_claim(kOwn)});
+}
+
 TEST(AddressClaim, WithoutAnAddressItOnlyListens) {
   NodeSettings settings = settings_at(kOwn);
   settings.claim.preferred.reset();
@@ -178,6 +235,18 @@ TEST(AddressClaim, AnotherWithTheSameNameEndsTheClaimInsteadOfADuelWithoutEnd) {
   EXPECT_EQ(rig.node.claim().state(), ClaimState::cannot_claim);
   EXPECT_EQ(rig.run(milliseconds(153)), std::vector{kCannot});
   EXPECT_TRUE(rig.hear_claim(kOwn, compose(kFields)).empty());
+  // Started again with an identity of its own, both have an address.
+  NodeSettings settings = settings_at(kOwn);
+  NameFields fields = kFields;
+  ++fields.identity;
+  settings.claim.name = compose(fields);
+  settings.claim.first_other = settings.claim.last_other = 0x90;
+  NodeRig again(settings);
+  again.claimed();
+  (void)again.hear_claim(kOwn, compose(kFields));
+  (void)again.run(milliseconds(250));
+  EXPECT_FALSE(again.node.claim().name_twice());
+  EXPECT_EQ(again.node.claim().address(), 0x90) << "the lower identity keeps the address that both want";
 }
 
 TEST(AddressClaim, AnotherWithTheSameNameThatCannotClaimTakesNothingAway) {

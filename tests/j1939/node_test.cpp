@@ -126,12 +126,19 @@ TEST_F(NodeTest, WhatCannotBeSentIsRefused) {
   to_one.destination = kOther;
   EXPECT_EQ(rig.node.submit(to_one, rig.now), Refusal::bad_order) << "PDU2 in one frame is for all";
   EXPECT_TRUE(rig.pump().empty());
+  to_one.destination = kGlobalAddress;
+  EXPECT_EQ(rig.node.submit(to_one, rig.now), Refusal::none);
+  urgent.priority = 7;
+  EXPECT_EQ(rig.node.submit(urgent, rig.now), Refusal::none);
+  EXPECT_EQ(rig.node.submit(message(1, 0xEB00 - 0x100, 8), rig.now), Refusal::none);
 }
 
 TEST_F(NodeTest, TheQueueIsBounded) {
-  for (OrderId id = 1; id <= kMostMessages; ++id)
-    ASSERT_EQ(rig.node.submit(message(id, 0xFEF1, 1), rig.now), Refusal::none);
-  EXPECT_EQ(rig.node.submit(message(99, 0xFEF1, 1), rig.now), Refusal::queue_full);
+  Order one = message(0, 0xFEF1, 1);  // its memory is for all
+  for (one.id = 1; one.id <= kMostMessages; ++one.id) ASSERT_EQ(rig.node.submit(one, rig.now), Refusal::none);
+  EXPECT_EQ(rig.node.submit(one, rig.now), Refusal::queue_full);
+  EXPECT_FALSE(rig.pump().empty());
+  EXPECT_EQ(rig.node.submit(one, rig.now), Refusal::none) << "one has been sent";
 }
 
 TEST_F(NodeTest, MessagesThatWaitLeaveRoomForRequestsAndTheOtherWayRound) {
@@ -319,6 +326,28 @@ TEST_F(NodeTest, ABusThatTakesNothingIsToldAsTheReason) {
   EXPECT_EQ(answer.obstacle, Obstacle::bus_off);
 }
 
+TEST_F(NodeTest, ARequestThatWasOnTheBusIsNotCancelled) {
+  ASSERT_EQ(rig.node.submit(request(1, 0xFEEC, 0x21), rig.now), Refusal::none);
+  EXPECT_TRUE(rig.node.cancel(1));
+  EXPECT_EQ(only_answer().outcome, Outcome::cancelled);
+  ASSERT_EQ(rig.node.submit(request(2, 0xFEEC, 0x21), rig.now), Refusal::none);
+  (void)rig.pump();
+  EXPECT_TRUE(rig.node.cancel(2));
+  const Answer answer = only_answer();
+  EXPECT_EQ(answer.outcome, Outcome::no_answer) << "the other node may act on it";
+  EXPECT_EQ(answer.ended_by, JobEnd::cancelled);
+}
+
+TEST_F(NodeTest, WhatAResetControllerForgotIsNotCalledStopped) {
+  rig.echoes = false;
+  ASSERT_EQ(rig.node.submit(message(1, 0xFEF1, 8), rig.now), Refusal::none);
+  (void)rig.pump();
+  rig.node.controller_emptied();
+  const Answer answer = only_answer();
+  EXPECT_EQ(answer.outcome, Outcome::no_answer);
+  EXPECT_EQ(answer.ended_by, JobEnd::unanswered);
+}
+
 TEST_F(NodeTest, StopAnswersEverythingOnce) {
   rig.echoes = false;
   data = counting(20);
@@ -332,7 +361,9 @@ TEST_F(NodeTest, StopAnswersEverythingOnce) {
   rig.node.stop();
   const auto all = rig.answers();
   ASSERT_EQ(all.size(), 2u);
-  for (const auto& one : all) EXPECT_EQ(one.outcome, Outcome::stopped);
+  EXPECT_EQ(all[0].outcome, Outcome::no_answer) << "a part of it was handed over";
+  EXPECT_EQ(all[0].ended_by, JobEnd::stopped);
+  EXPECT_EQ(all[1].outcome, Outcome::stopped);
   EXPECT_EQ(rig.node.submit({.id = 3, .number = 0xFEF2}, rig.now), Refusal::stopped);
 }
 

@@ -357,15 +357,22 @@ TEST_F(TransportTest, ALostAddressEndsConnectionsInBothDirections) {
   EXPECT_EQ(rig.node.transports(), 2u);
   (void)rig.hear_claim(kOwn, kStronger);
   EXPECT_EQ(rig.node.transports(), 0u);
-  EXPECT_EQ(rig.answers()[0].outcome, Outcome::address_lost);
+  const Answer answer = rig.answers()[0];
+  EXPECT_EQ(answer.outcome, Outcome::no_answer) << "its announcement was on the bus";
+  EXPECT_EQ(answer.ended_by, JobEnd::lost);
 }
 
 TEST_F(TransportTest, ALongMessageCanBeTakenBack) {
   ASSERT_EQ(send(1, kOther, twenty), Refusal::none);
-  (void)rig.pump();
   EXPECT_TRUE(rig.node.cancel(1));
-  EXPECT_FALSE(rig.node.cancel(1));
   EXPECT_EQ(rig.answers()[0].outcome, Outcome::cancelled);
+  ASSERT_EQ(send(2, kOther, twenty), Refusal::none);
+  (void)rig.pump();
+  EXPECT_TRUE(rig.node.cancel(2));
+  EXPECT_FALSE(rig.node.cancel(2));
+  const Answer begun = rig.answers()[0];
+  EXPECT_EQ(begun.outcome, Outcome::no_answer) << "its announcement was on the bus";
+  EXPECT_EQ(begun.ended_by, JobEnd::cancelled);
   EXPECT_EQ(rig.pump().at(0).data[0], 255) << "the receiver is told";
 }
 

@@ -272,13 +272,14 @@ class Master(Daemon):
     """The master of slaves 0 and more at 125 kbit/s, with the software SYNC frame."""
 
     PROTOCOL = "cansync-master"
+    STARTUP = "listen_ms = 10\n"  # of [startup]; the tests know that no other master is there
 
     def __init__(self, slaves=4, interface=INTERFACE):
         self.slaves = slaves
         super().__init__(interface)
 
     def role(self):
-        text = f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n'
+        text = f'[sync]\noutput = "can"\ncan_identifier = 0x{SYNC}\n[startup]\n{self.STARTUP}'
         return text + "".join(f"[[slave]]\nnumber = {slave}\n" for slave in range(self.slaves))
 
     def wait_active(self):

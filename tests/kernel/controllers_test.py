@@ -5,6 +5,8 @@ emulation acknowledges every frame and makes no errors of its own: error states 
 """
 
 import json
+import os
+import re
 import select
 import socket
 import struct
@@ -13,7 +15,7 @@ import threading
 import unittest
 
 import slave_pair
-from canline import BIT_RATE, LONG, GeneralFrames, Master, Simulator, Wire
+from canline import BIT_RATE, CANSYNC_SIM, LONG, GeneralFrames, Master, Simulator, Wire
 from gateway import wait_for
 
 OTHER_RATE = 250000
@@ -62,7 +64,7 @@ def master():
 
 
 def drives():
-    return Simulator(slaves=f"0-{SLAVES - 1}", interface="can1")
+    return Simulator("--real", slaves=f"0-{SLAVES - 1}", interface="can1")
 
 
 class Drives(unittest.TestCase):
@@ -72,6 +74,21 @@ class Drives(unittest.TestCase):
         with drives(), SyncFrames("can0"), Wire("can0") as wire:
             answer = bytes.fromhex(wire.ask("501#712D0000"))  # parameter 301 of slave 1, sub-slave 0
         self.assertEqual((len(answer), answer[0] & 0x0F, answer[1]), (6, 1, 0x2D), answer.hex())
+
+
+    def test_simulated_drives_and_masters_want_a_bus_of_their_own(self):
+        for interface in ("can0", "can1"):
+            bring_up(interface)
+
+        def refused(*options):
+            result = subprocess.run([CANSYNC_SIM, "can1", *options], capture_output=True, text=True, timeout=LONG, check=False)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            return result.stderr
+
+        self.assertIn("can1 is not virtual", refused())
+        self.assertIn("can1 is not virtual", refused("--master"))
+        with SyncFrames("can0"):
+            self.assertIn("a master sends on this bus", refused("--master", "--real", "--sync-id", "0x080"))
 
 
 class WrongBitRate(unittest.TestCase):
@@ -90,12 +107,70 @@ class WrongBitRate(unittest.TestCase):
             )
 
 
+def path_of(interface):
+    """As the kernel has it: both controllers are PCI devices."""
+    return "path=pci-" + os.path.basename(os.path.realpath(f"/sys/class/net/{interface}/device"))
+
+
+def exchange_names():
+    """As a boot in which the kernel finds the adapters in the other order."""
+    for interface in ("can0", "can1"):
+        shell(f"ip link set {interface} down")
+    for old, new in (("can0", "other"), ("can1", "can0"), ("other", "can1")):
+        shell(f"ip link set {old} name {new}")
+    for interface in ("can0", "can1"):
+        bring_up(interface)
+
+
+class PinnedMaster(Master):
+    def __init__(self, adapter):
+        self.adapter = adapter
+        super().__init__(SLAVES, "can0")
+
+    def on_interface(self):
+        return super().on_interface() + f'adapter = "{self.adapter}"\n'
+
+
+class AdaptersExchanged(unittest.TestCase):
+    def test_the_daemon_refuses_the_other_adapter_and_names_both(self):
+        for interface in ("can0", "can1"):
+            bring_up(interface)
+        ours, other = path_of("can0"), path_of("can1")
+        self.assertNotEqual(ours, other)
+        both = f"can0 has the adapter {other},channel=0, bus.adapter is {ours}: nothing is sent or received"
+        with PinnedMaster(ours) as daemon:
+            daemon.wait_status("its adapter is there", lambda s: (s["link_state"], s["adapter"]) == ("up", ours + ",channel=0"))
+            exchange_names()
+            self.addCleanup(lambda: path_of("can0") == ours or exchange_names())
+            status = daemon.wait_status("another adapter", lambda s: s["link_state"] == "wrong-adapter")
+            self.assertEqual((status["adapter"], status["adapter_wanted"]), (other + ",channel=0", ours))
+            self.assertTrue(daemon.wait_event("wrong_adapter")[0]["text"].startswith(both))
+            sent = daemon.status()["telegrams_sent"]
+            with Wire("can0") as wire:
+                self.assertIsNone(wire.receive(2), "the daemon sends on the other line")
+            self.assertEqual(daemon.status()["telegrams_sent"], sent)
+            with PinnedMaster(ours) as second:
+                self.assertEqual(second.program.process.wait(LONG), 1, second.log_text())
+                self.assertIn(both, second.log_text())
+            exchange_names()
+            daemon.wait_status("its adapter is back", lambda s: s["link_state"] == "up")
+            daemon.wait_status("telegrams are sent again", lambda s: s["telegrams_sent"] > sent)
+
+
 class AllRates(unittest.TestCase):
     """The emulated bus has no bit rate, so frames come at each of the four: the interval decides."""
+
+    @staticmethod
+    def bit_timing():
+        """Bit rate, sample point, time quantum, segments and jump width of can1."""
+        shown = subprocess.run(["ip", "-details", "link", "show", "can1"], capture_output=True, text=True, check=True,
+                               timeout=LONG).stdout
+        return re.search(r"bitrate \d+.*?sjw \d+", shown, re.DOTALL)[0].split()
 
     def test_scan_sets_the_rates_one_after_the_other_and_the_interface_back(self):
         bring_up("can0")
         bring_up("can1", OTHER_RATE)
+        before = self.bit_timing()
         with master() as daemon:
             daemon.wait_status("SYNC runs", lambda status: status["interval"] > 0)
             result = daemon.run("scan", "can1", "--try-rates", "--yes", "--json")
@@ -103,6 +178,7 @@ class AllRates(unittest.TestCase):
         points = [json.loads(line) for line in result.stdout.splitlines()]
         self.assertIn((f"{BIT_RATE} bit/s", "of the four, the one at which frames came"),
                       [(one["found"], one["how"]) for one in points if one.get("point") == "bit rate"])
+        self.assertEqual(self.bit_timing(), before, "sample point, segments and jump width")
         shown = subprocess.run(["ip", "-details", "link", "show", "can1"], capture_output=True, text=True, check=True,
                                timeout=LONG).stdout
         self.assertIn(f"bitrate {OTHER_RATE} ", shown)
@@ -175,7 +251,7 @@ class OneBus(unittest.TestCase):
 
     def test_the_controller_is_reset_by_command(self):
         self.all_respond()
-        result = self.daemon.run("mode", "reset-can")
+        result = self.daemon.run("mode", "reset-can", "--yes")
         self.assertEqual(result.returncode, 0, f"{result.stdout}\n{result.stderr}\n{self.daemon.log_text()}")
         self.all_respond()
         self.assertEqual(self.daemon.status()["controller_state"], "error-active")

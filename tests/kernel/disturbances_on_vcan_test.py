@@ -152,7 +152,7 @@ class WrongDrives(unittest.TestCase):
             for _ in range(10):
                 result = daemon.run("read", 1, 103, "--timeout", 1)
                 # Never the value of another parameter.
-                self.assertIn(result.stdout, (b"", b"1 (0x0001, word)\n"), result)
+                self.assertIn(result.stdout.split()[-6:], ([], [b"1", b"slave1", b"103", b"-", b"1", b"0x0001"]), result)
             self.assertGreater(daemon.wait_status("a status", lambda status: True)["unexpected_frames"], 0)
             wait_for("a right answer", lambda: daemon.run("read", 1, 103).returncode == 0)
 
@@ -174,4 +174,4 @@ class WrongDrives(unittest.TestCase):
             daemon.wait_active()
             daemon.restart()
             daemon.wait_active()
-            self.assertEqual(daemon.verb("read", 3, 103), "3 (0x0003, word)\n")
+            self.assertIn(" 0x0003", daemon.verb("read", 3, 103))

@@ -88,7 +88,7 @@ class AgainstTheKernelsStack(unittest.TestCase):
         return path
 
     def transmit(self, *arguments):
-        self.assertEqual(self.daemon.objects("transmit", *arguments)[0]["result"], "done")
+        self.assertEqual(self.daemon.objects("j1939", "send", *arguments)[0]["result"], "done")
 
     # Names begin with their order: the address is lost at the end.
     def test_1_single_frames_and_broadcasts_both_ways(self):
@@ -104,14 +104,14 @@ class AgainstTheKernelsStack(unittest.TestCase):
                     end(spy)
                 output.seek(0)
                 self.assertEqual(output.read(count), data)
-            with self.daemon.start("messages", "--json") as messages:
+            with self.daemon.start("j1939", "messages", "--json") as messages:
                 self.until_heard(messages, data, lambda data=data: self.kernel.send(data, 0xFEF1))
 
     def test_2_connections_and_longer_ones_both_ways(self):
         self.wait_for_address(OWN)
         for count, transport in ((9, "connection"), (1785, "connection"), (1786, "extended"), (6000, "extended")):
             data = bytes_of(count)
-            with self.daemon.start("messages", "--json") as messages:
+            with self.daemon.start("j1939", "messages", "--json") as messages:
                 self.until_heard(messages, data, lambda data=data: self.kernel.send(data, int(GROUP, 16), OWN), transport)
             with tempfile.TemporaryFile() as output:
                 receiver = subprocess.Popen(["j1939cat", "-r", f"{INTERFACE}:{OTHER:#x}"], stdout=output)
@@ -170,7 +170,7 @@ class AgainstTheKernelsStack(unittest.TestCase):
             end(stronger)
 
     def others(self):
-        return {one["address"]: one["name"] for one in self.daemon.objects("addresses") if not one["own"]}
+        return {one["address"]: one["name"] for one in self.daemon.objects("j1939", "addresses") if not one["own"]}
 
 
 def size_of(file):

@@ -100,6 +100,20 @@ class Witnesses(unittest.TestCase):
             self.assertEqual([int(byte) for byte in received], [i % 256 for i in range(SENT)])
             self.assertEqual(dump.frames(), [f"18DAF155#{i:08X}" for i in range(count)])
 
+    def test_frames_that_wait_for_room_are_counted_as_that(self):
+        limited = ["tc", "qdisc", "replace", "dev", INTERFACE, "root", "tbf"]
+        subprocess.run([*limited, "rate", "1kbit", "burst", "32", "limit", "200"], check=True, timeout=LONG)
+        try:
+            with Candump() as log:
+                sent = self.daemon.run("can", "send", *[f"23{i:X}#{i:02X}" for i in range(16)])
+                self.assertEqual(sent.returncode, 0, sent.stderr)
+                wait_for("all are on the bus", lambda: len([one for one in log.frames() if one.startswith("23")]) == 16)
+            shown = next(line for line in self.daemon.run("status").stdout.decode().splitlines() if line.startswith("bus faults"))
+            self.assertRegex(shown, r"\b[1-9]\d* times no room in the send queue\b")
+            self.assertIn("; lost: 0 in the controller, 0 in the kernel", shown)
+        finally:
+            subprocess.run([*limited, *RATE], check=True, timeout=LONG)
+
     def tearDown(self):
         """Nothing was lost in a queue."""
         for queue in self.daemon.objects("can", "queues"):

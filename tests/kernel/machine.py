@@ -1,7 +1,8 @@
 """A virtual PC with a Debian kernel, virtual CAN interfaces, and two CAN controllers (SJA1000) on one bus. It has a time of its own.
 
 It runs in QEMU without KVM. Its clock goes on by the instructions it executes, and jumps when it has nothing to do: how fast
-the host is, and what else runs there, makes no difference to anything inside. The same run takes the same course again.
+the host is, and what else runs there, makes no difference to anything inside. The same run takes the same course again, and
+with another seed another one: its kernel draws other random numbers.
 What it needs of this computer lies in its memory; it needs no right of its own.
 """
 
@@ -20,10 +21,12 @@ from debian_kernel import LONG, Missing
 QEMU = "qemu-system-x86_64"
 MEMORY = 1024  # MiB
 # 2^1 ns for each instruction: a processor of 500 MIPS, which keeps pace with intervals of a line.
-TIME = ["-accel", "tcg,thread=single", "-icount", "shift=1,sleep=off", "-rtc", "base=2026-01-01T00:00:00,clock=vm", "-seed", "1"]
+TIME = ["-accel", "tcg,thread=single", "-icount", "shift=1,sleep=off", "-rtc", "base=2026-01-01T00:00:00,clock=vm"]
+# Without instructions that copy or clear byte by byte, each byte as one instruction.
+CPU = "max,-erms,-fsrm"
 CONTROLLERS = ["-object", "can-bus,id=bus", "-device", "kvaser_pci,canbus=bus", "-device", "kvaser_pci,canbus=bus"]
 # Without norandmaps: every start of a program would have to be translated anew, at twice the time for all.
-KERNEL = "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check tsc=reliable clocksource=tsc norandmaps"
+KERNEL = "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check tsc=reliable clocksource=tsc norandmaps init_on_alloc=0"
 ENDED = re.compile(r"exit code (\d+), after (\S+) s of its own")
 
 START = """#!/bin/busybox sh
@@ -33,10 +36,12 @@ $b mount -t proc proc /proc
 $b mount -t sysfs sysfs /sys
 $b mount -t devtmpfs dev /dev
 $b mkdir -p /dev/shm /dev/pts
+$b ln -s /proc/self/fd /dev/fd
 $b mount -t tmpfs tmpfs /dev/shm
 $b mount -t devpts devpts /dev/pts
 $b mount -t tmpfs tmpfs /run
 $b mkdir -p /run/tmp
+$b hostname machine
 for module in $($b cat /modules/order); do $b insmod /modules/$module || echo "insmod $module failed"; done
 ip link set lo up
 ip route add 224.0.0.0/4 dev lo
@@ -53,8 +58,8 @@ def need_qemu():
         raise Missing(f"{QEMU} is not installed (Debian package qemu-system-x86)")
 
 
-def run(command, environment, programs, limit, show=print):
-    """Boots, runs `command` with `environment` and our `programs`, and shuts down. `limit`: seconds of the host for all of it.
+def run(command, environment, files, limit, show=print, seed=1):
+    """Boots, runs `command` with `environment` and our `files`, and shuts down. `limit`: seconds of the host for all of it.
 
     Returns the command's exit code; None when the machine ended without one. `show` gets each line of the console.
     """
@@ -65,8 +70,9 @@ def run(command, environment, programs, limit, show=print):
     with tempfile.TemporaryDirectory(prefix="cansync_machine_") as work:
         initrd = os.path.join(work, "initrd")
         with open(initrd, "wb") as file:
-            file.write(memory_root.make(programs, kernel.modules, start))
-        arguments = [QEMU, "-machine", "pc", "-cpu", "max", "-smp", "1", "-m", str(MEMORY), *TIME, *CONTROLLERS]
+            file.write(memory_root.make(files, kernel.modules, start))
+        # It ends with this program, however that ends.
+        arguments = ["setpriv", "--pdeathsig", "KILL", QEMU, "-machine", "pc", "-cpu", CPU, "-smp", "1", "-m", str(MEMORY), *TIME, "-seed", str(seed), *CONTROLLERS]
         arguments += ["-nodefaults", "-display", "none", "-serial", "stdio", "-no-reboot"]
         arguments += ["-kernel", kernel.image, "-initrd", initrd, "-append", KERNEL]
         return watch(arguments, limit, show)

@@ -13,15 +13,15 @@ import tempfile
 from debian_kernel import LONG, Missing
 
 REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# Debian packages, each with the packages of Python and gnuplot that it depends on.
-PACKAGES = ("python3", "python3-can", "python3-jsonschema", "gnuplot-nox")
+# Debian packages, each with those that it depends on within FAMILIES.
+PACKAGES = ("bash", "can-utils", "coreutils", "findutils", "gnuplot-nox", "grep", "hostname", "iproute2", "libddsc0debian", "mawk", "ncurses-base", "openssl",
+            "python3", "python3-can", "python3-cffi-backend", "python3-jsonschema", "python3-prometheus-client", "python3-pyte", "sed", "strace", "util-linux")
 FAMILIES = re.compile(r"(lib)?python3|gnuplot")
 NOT_NEEDED = re.compile(r"/usr/share/(doc|man|info|locale|lintian|doc-base)/|/usr/lib/python3[.0-9]*/(idlelib|lib2to3|pydoc_data)/")
-PROGRAMS = ("sh", "busybox", "stdbuf", "ip", "tc", "gnuplot", "candump", "cansend", "cangen", "cansequence", "j1939acd", "j1939cat",
-            "j1939spy", "testj1939")
-BESIDE_PROGRAMS = ("/usr/libexec/coreutils/libstdbuf.so",)
-# Of the repository, at the same path as outside.
-FOLDERS = ("tests/kernel", "tests/end_to_end", "bench", "config", "docs/json")
+PROGRAMS = ("awk", "busybox", "gnuplot", "sh")  # which of several is chosen here
+# Files and folders of the repository, at the same path as outside.
+PLACES = ("bench", "config", "docs", "tests/bench", "tests/client", "tests/end_to_end", "tests/fastdds", "tests/kernel", "tests/manual", "tests/pictures",
+          "tests/python", "tools/completions", "tools/demo", "tools/demos", "tools/examples", "tools/security")
 MERGED = ("bin", "sbin", "lib", "lib64")  # Debian has them in /usr
 FILE, FOLDER, LINK = 0o100000, 0o040755, 0o120777
 
@@ -75,10 +75,12 @@ def package_closure():
 
 
 def package_files():
+    states = output("dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *PACKAGES).splitlines()
+    missing = [name for name in PACKAGES if f"{name} installed" not in states]
+    if missing:
+        raise Missing(f"not installed: {' '.join(missing)}; tools/install_packages does it")
     files = {path for path in output("dpkg-query", "--listfiles", *package_closure()).splitlines()
              if os.path.isfile(path) and not NOT_NEEDED.search(path)}
-    if not files:
-        raise Missing(f"the packages {', '.join(PACKAGES)} are not installed; tools/install_packages does it")
     # What Python has compiled of them is in no package's list.
     return files | {compiled for folder in {os.path.dirname(path) for path in files if path.endswith(".py")}
                     for compiled in glob.glob(f"{folder}/__pycache__/*.pyc")}
@@ -104,31 +106,36 @@ def libraries(paths):
 
 @functools.cache
 def files_of_debian():
-    return frozenset(package_files() | set(map(find_program, PROGRAMS)) | set(BESIDE_PROGRAMS))
+    return frozenset(package_files() | set(map(find_program, PROGRAMS)))
 
 
-def make(programs, modules, start):
-    """The archive: `programs` (ours, without what a debugger needs), `modules` of the kernel, the shell script `start` as the
-    first process; raises Missing."""
+def files_of_repository():
+    places = [os.path.join(REPOSITORY, place) for place in PLACES]
+    return {place for place in places if os.path.isfile(place)} | {
+        os.path.join(folder, name) for place in places for folder, _, names in os.walk(place) for name in names}
+
+
+def make(files, modules, start):
+    """The archive: `files` (ours; programs without what a debugger needs), `modules` of the kernel, the shell script `start` as
+    the first process; raises Missing."""
     archive = Archive()
     for name in MERGED:
         archive.add(name, LINK, f"usr/{name}".encode())
     for name in ("dev", "proc", "sys", "run", "tmp"):
         archive.add(name, FOLDER)
     archive.add("etc/passwd", FILE | 0o644, b"root:x:0:0:root:/run:/bin/sh\n")
+    archive.add("etc/hosts", FILE | 0o644, b"127.0.0.1 localhost machine\n")
     archive.add("init", FILE | 0o755, start.encode())
-    files = set(files_of_debian())
-    for folder in FOLDERS:
-        for place, _, names in os.walk(os.path.join(REPOSITORY, folder)):
-            files |= {os.path.join(place, name) for name in names}
-    files |= libraries([path for path in files if is_elf(path)] + list(programs))
-    for path in sorted(files):
+    paths = files_of_debian() | files_of_repository() | set(files)
+    paths |= libraries(filter(is_elf, paths))
+    ours = {path for path in paths if path.startswith(REPOSITORY) and is_elf(path)}
+    for path in sorted(paths - ours):
         archive.add_file(path)
     with tempfile.TemporaryDirectory() as work:
         small = os.path.join(work, "program")
-        for program in programs:
-            subprocess.run(["strip", "-o", small, program], check=True, timeout=LONG)
-            archive.add_file(small, program)
+        for path in sorted(ours):
+            subprocess.run(["strip", "-o", small, path], check=True, timeout=LONG)
+            archive.add_file(small, path)
     for module in modules:
         archive.add_file(module, f"modules/{os.path.basename(module)}")
     archive.add("modules/order", FILE | 0o644, "\n".join(map(os.path.basename, modules)).encode())

@@ -1,16 +1,22 @@
-"""Boots the machine of machine.py and runs tests of this folder in it, or a program.
+"""Boots the machine of machine.py and runs tests or a program in it.
 
-    run_machine.py tests FILES [-k PATTERN] ...        FILES as "*_on_vcan_test.py"; the rest goes to unittest
+    run_machine.py tests FILES [-k PATTERN] ...        tests of this folder: FILES as "*_on_vcan_test.py"; the rest goes to unittest
     run_machine.py program PROGRAM [ARGUMENT ...]      a Python program of this folder; paths in its arguments are those of programs
+    run_machine.py processes BOOT [NAME ...]           tests of whole processes in a list of build/PRESET/tests/boots, all or those named
+
+CANSYNC_SEED in the environment, 1 without it: another number is another course of everything that chance decides inside. The
+same number with the same command is the same course.
 
 Exit code: that of the tests or the program; 77 when this computer cannot run the machine (with the reason), which is an
 error when CANSYNC_KERNEL_TESTS is in the environment: CI must not skip.
 """
 
 import os
+import shlex
 import sys
 import time
 
+import boot_list
 import machine
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -21,26 +27,49 @@ PROGRAMS = ("CANSYNC", "CANSYNCD", "CANSYNC_SIM")
 PASSED_ON = ("CANSYNC_WITNESS_FRAMES",)  # layer2_witnesses_on_vcan_test.py
 
 
-def main():
-    if len(sys.argv) < 3 or sys.argv[1] not in ("tests", "program"):
-        sys.exit(__doc__)
-    environment = {}
+def our_programs():
+    """Their variables and paths."""
+    found = {}
     for name in PROGRAMS:
         if not os.path.exists(os.environ.get(name, "")):
             sys.exit(f"run_machine.py: {name} must be the path of that program; `ctest -L kernel` sets it")
-        environment[name] = os.path.abspath(os.environ[name])
-    programs = [*environment.values(), *filter(os.path.isfile, map(os.path.abspath, sys.argv[3:]))]
-    environment |= {name: os.environ[name] for name in PASSED_ON if name in os.environ}
-    inside = [PYTHON, "-B", os.path.join(HERE, "inside.py")] if sys.argv[1] == "tests" else [PYTHON, "-B"]
-    arguments = sys.argv[2:] if sys.argv[1] == "tests" else [os.path.abspath(sys.argv[2]), *sys.argv[3:]]
+        found[name] = os.path.abspath(os.environ[name])
+    return found
+
+
+def inside(kind, arguments):
+    """Command, environment and files of what is to be run inside."""
+    if kind == "processes":
+        path = os.path.abspath(arguments[0])
+        entries = boot_list.read(path)
+        unknown = set(arguments[1:]) - {entry.name for entry in entries}
+        if unknown:
+            sys.exit(f"run_machine.py: {path} has no {', '.join(sorted(unknown))}; it has {' '.join(entry.name for entry in entries)}")
+        return [PYTHON, "-B", os.path.join(HERE, "boot_list.py"), path, *arguments[1:]], {}, [path, *boot_list.files(entries)]
+    programs = our_programs()
+    environment = programs | {name: os.environ[name] for name in PASSED_ON if name in os.environ}
+    files = [*programs.values(), *filter(os.path.isfile, map(os.path.abspath, arguments[1:]))]
+    if kind == "tests":
+        return [PYTHON, "-B", os.path.join(HERE, "inside.py"), *arguments], environment, files
+    return [PYTHON, "-B", os.path.abspath(arguments[0]), *arguments[1:]], environment, files
+
+
+def main():
+    if len(sys.argv) < 3 or sys.argv[1] not in ("tests", "program", "processes"):
+        sys.exit(__doc__)
+    seed = int(os.environ.get("CANSYNC_SEED", "1"))
+    command, environment, files = inside(sys.argv[1], sys.argv[2:])
     begin = time.monotonic()
     try:
-        code = machine.run([*inside, *arguments], environment, programs, LIMIT,
-                           lambda line: print(f"{time.monotonic() - begin:6.1f} {line}", flush=True))
+        code = machine.run(command, environment, files, LIMIT,
+                           lambda line: print(f"{time.monotonic() - begin:6.1f} {line}", flush=True), seed)
     except machine.Missing as reason:
         required = "CANSYNC_KERNEL_TESTS" in os.environ
         print(f"{'cannot run, but CANSYNC_KERNEL_TESTS is set' if required else 'skipped'}: {reason}")
         sys.exit(1 if required else SKIPPED)
+    if code != 0:
+        ours = "".join(f"{name}={shlex.quote(os.environ[name])} " for name in (*PROGRAMS, *PASSED_ON) if name in os.environ)
+        print(f"run_machine.py: the same course again: CANSYNC_SEED={seed} {ours}{shlex.join([PYTHON, '-B', *sys.argv])}")
     if code is None:
         sys.exit(f"run_machine.py: the machine ended without a result, or not within {LIMIT} s")
     sys.exit(code)

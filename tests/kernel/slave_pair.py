@@ -49,7 +49,7 @@ class SlavePair:
                 self.set_up()
                 with self.running(self.master, "set", "0=74565", "1=-2", "4=0x01020304", "5=1", "--rate", 20):
                     self.reference_values_reach_the_slave()
-                    with self.running(self.slave, "actual", "0=1000", "1=-3", "4=7", "--rate", 20):
+                    with self.running(self.slave, "slave", "actual", "0=1000", "1=-3", "4=7", "--rate", 20):
                         self.actual_values_reach_the_master()
                     self.parameters()
                 status = self.settled_status()
@@ -97,7 +97,7 @@ class SlavePair:
         wanted = [74565, 0xFFFFFFFE, 0x01020304, 1]
 
         def received():
-            result = self.slave.run("references", "--json")
+            result = self.slave.run("slave", "references", "--json")
             raw = self.objects_of(result)[0]["raw"] if result.returncode == 0 else []
             return raw[0:2] + raw[4:6] == wanted
 

@@ -10,8 +10,7 @@ REMEDY = "status_parameter"
 
 
 class WrongStatusParameter(Master):
-    def role(self):
-        return f"{super().role()}[startup]\nstatus_parameter = {WRONG}\n"
+    STARTUP = f"{Master.STARTUP}status_parameter = {WRONG}\n"
 
 
 class StatusRefused(unittest.TestCase):

@@ -127,5 +127,23 @@ TEST_F(ModuleConfigure, WhatDoesNotFitChangesNothing) {
   EXPECT_EQ(configure(script), Refusal::none);
 }
 
+TEST_F(ModuleConfigure, ATimerWithoutAFrameAndAnImageWithoutAMappingAreThereOnceTheyAreSet) {
+  const TimerSettings timer = {.frame = data_frame(0x85, {}), .period = milliseconds(10)};
+  const auto control = [&](ControlOrder order) { return module_->control(order, milliseconds(20)); };
+  EXPECT_EQ(control({.id = 1, .what = Control::start_timer, .number = 9}), Refusal::no_timer);
+  EXPECT_EQ(control({.id = 2, .what = Control::set_timer, .number = 9, .timer = timer}), Refusal::none);
+  EXPECT_EQ(control({.id = 3, .what = Control::start_timer, .number = 9}), Refusal::none);
+  EXPECT_TRUE(module_->timers().running(9));
+
+  ModuleSettings other = settings_;
+  other.mapped.clear();
+  PreparedSettings without = prepared(other);
+  ASSERT_EQ(configure(without), Refusal::none);
+  EXPECT_EQ(control({.id = 4, .what = Control::write_image, .written = true}), Refusal::no_image);
+  PreparedSettings with = prepared(settings_);
+  ASSERT_EQ(configure(with), Refusal::none);
+  EXPECT_EQ(control({.id = 5, .what = Control::write_image, .written = true}), Refusal::none);
+}
+
 }  // namespace
 }  // namespace layer2

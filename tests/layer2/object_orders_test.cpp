@@ -99,8 +99,14 @@ TEST(ObjectOrders, L36AbortedByAnOrderOrTakenBack) {
       << "it may be on the bus";
   EXPECT_EQ(rig.module.perform({.id = 22, .kind = Kind::abort, .number = 9}, Time{0})->refusal,
             Refusal::object_direction);
+  const std::array<ObjectEntry, 1> ninth = {sender(9, 0x109)};
+  EXPECT_EQ(rig.module.perform({.id = 23, .kind = Kind::configure, .settings = ninth}, Time{0})->refusal,
+            Refusal::none);
+  rig.take_job(send(24, 9, data_frame(0x109, {})));
+  EXPECT_EQ(rig.module.perform({.id = 25, .kind = Kind::abort, .number = 9}, Time{0})->refusal,
+            Refusal::none);
   const auto answers = rig.answers();
-  ASSERT_EQ(answers.size(), 2u);
+  ASSERT_EQ(answers.size(), 3u);
   for (const ObjectAnswer& answer : answers) EXPECT_EQ(answer.outcome, Outcome::cancelled);
 }
 

@@ -266,6 +266,8 @@ TEST(Station, FramesThatCannotBeSentAreRefused) {
   long_one.dlc = 9;
   EXPECT_EQ(station.submit(order(1, long_one), Time{0}), Refusal::bad_frame);
   EXPECT_FALSE(station.take_answer());
+  long_one.dlc = 8;
+  EXPECT_EQ(station.submit(order(1, long_one), Time{0}), Refusal::none);
 }
 
 TEST(Station, AWaitingOrderCanBeCancelled) {

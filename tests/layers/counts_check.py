@@ -25,7 +25,7 @@ LITERALS = re.compile(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*')
 CHRONO = re.compile(r'#\s*include\s+[<"]fmt/chrono\.h')
 
 # Who may write a date or a time of day.
-OF_DATES = {"daemon/recorder/flight_files.cpp"}
+OF_DATES = {"daemon/recorder/flight_files.cpp", "daemon/status/identity_watch.cpp"}
 # "slave {} answers": a verb.
 VERBS = re.compile(r"(?:slave|\{\}) \{[^{}]*\} (?:answers|times)\b|\{[^{}]*\} answers[,.;]? (?:but|for|with)\b")
 

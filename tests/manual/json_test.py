@@ -14,7 +14,8 @@ sys.path.insert(0, os.path.join(TESTS, "end_to_end"))
 from json_schemas import keys, kinds, problem, schemas
 
 KEYS = os.path.join(TESTS, "..", "docs", "command-line-json.md")
-VERBS = sorted(set(helps(os.environ["CANSYNC"])) - {""})
+# A verb that has nothing but verbs below it does nothing of its own.
+VERBS = sorted(verb for verb, told in helps(os.environ["CANSYNC"]).items() if verb and (not told.verbs or told.arguments))
 
 
 def documented_keys():
@@ -25,7 +26,7 @@ def documented_keys():
     for row in table.split("\n\n")[0].splitlines()[1:]:
         verbs, _, names = row.strip("|").split("|")
         names = names.replace("the same, as it was asked, then", " ".join(f"`{k}`" for k in found.get("map", [[]])[0]))
-        for verb in re.findall("`([a-z ]+)`", verbs):
+        for verb in re.findall("`([a-z0-9 ]+)`", verbs):
             found.setdefault(verb, []).append(re.findall("`([a-z_0-9]+)`", names))
     return found
 

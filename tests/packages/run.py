@@ -31,7 +31,7 @@ MEMORY = 640  # MiB
 IMAGE = 2048  # MiB, sparse
 # What a gateway PC has, and what the tests look with.
 DEBIAN = ("systemd", "systemd-sysv", "udev", "dbus", "iproute2", "kmod", "procps", "util-linux", "man-db", "python3",
-          "bash-completion")
+          "bash-completion", "needrestart", "polkitd")
 SHARED = ("kernel/unknown_line.py", "kernel/random_line.py", "kernel/canline.py", "end_to_end/gateway.py",
           "end_to_end/json_schemas.py", "end_to_end/wording.py")
 MODULES = ("kernel/net/can", "kernel/drivers/net/can", "kernel/fs/autofs", "modules.order", "modules.builtin",
@@ -123,7 +123,8 @@ def install(work):
         "apt-get install --yes --no-install-recommends /srv/packages/new/*.deb",
         # As the administrator does by docs/operations.md.
         "cp /usr/share/doc/cansyncd/examples/25-vcan0.* /etc/systemd/network/",
-        "sed s/can0/vcan0/ /usr/share/doc/cansyncd/examples/80-can0.link >/etc/systemd/network/20-vcan0.link",
+        "sed -e s/^Path=.*/OriginalName=vcan0/ -e /^Name=/d /usr/share/doc/cansyncd/examples/60-can-line1.link "
+        ">/etc/systemd/network/20-vcan0.link",
         "systemctl enable systemd-networkd.service",
         "systemctl disable systemd-networkd-wait-online.service apt-daily.timer apt-daily-upgrade.timer",
         "systemctl mask systemd-binfmt.service e2scrub_reap.service",  # nothing for them in this kernel

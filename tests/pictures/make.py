@@ -91,9 +91,12 @@ class Leading:
 
 
 def make_timing(line, folder):
-    """The diagram of an interval."""
+    """The diagram of an interval; an earlier one is not kept beside it."""
+    picture = os.path.join(folder, "timing.svg")
+    with contextlib.suppress(FileNotFoundError):
+        os.remove(picture)
     with Leading(line):
-        line.done("timing", "--seconds", 3, "--svg", os.path.join(folder, "timing.svg"))
+        line.done("timing", "--seconds", 3, "--svg", picture)
 
 
 def make_plot(line, folder):

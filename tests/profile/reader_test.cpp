@@ -185,7 +185,7 @@ TEST(ProfileReader, WrongTypesAndRanges) {
   EXPECT_EQ(first_of("unit = \"in s\""),
             "f:7:8: parameter.unit: found \"in s\"; allowed: a string of up to 16 bytes without blanks\n");
   EXPECT_EQ(first_of("text = \"a\\nb\""),
-            "f:7:8: parameter.text: found \"a?b\"; allowed: a string of up to 200 bytes on one line\n");
+            "f:7:8: parameter.text: found \"a\\x0ab\"; allowed: a string of up to 200 bytes on one line\n");
   EXPECT_EQ(first_of("text = [1]"),
             "f:7:8: parameter.text: found a value of type array; allowed: a string of up to 200 bytes on one "
             "line\n");
@@ -207,6 +207,22 @@ TEST(ProfileReader, WhatIsNoTomlHasAPlace) {
   std::string deep = "a";
   for (int i = 0; i < 100'000; ++i) deep += ".a";
   EXPECT_TRUE(problems_of(deep + " = 1\n").starts_with("f:1:")) << "a key that would take the stack";
+}
+
+TEST(ProfileReader, AParameterWithAProblemIsLeftOutWhole) {
+  const std::string more =
+      "[[parameter]]\nnumber = 13\nname = \"ramp\"\nformat = \"word\"\naccess = \"read-write\"\nfactr = 0.1\n"
+      "[[parameter]]\nnumber = 14\nname = \"gain\"\nformat =\naccess = \"read-write\"\n"
+      "[[parameter]]\nnumber = 15\nname = \"last\"\nformat = \"word\"\naccess = \"read-write\"\n";
+  const Reading reading = parse(one_parameter(more), "f");
+  ASSERT_TRUE(reading.profile) << problems_text(reading.problems);
+  std::string names;
+  for (const Parameter& parameter : reading.profile->parameters) names += parameter.name + " ";
+  EXPECT_EQ(names, "speed-limit last ");
+  EXPECT_EQ(reading.problems.size(), 2U) << problems_text(reading.problems);
+  EXPECT_FALSE(
+      parse("[profile]\nname = \"p\"\n" + more.substr(0, more.find("[[parameter]]", 5)), "f").profile)
+      << "without anything that can be used";
 }
 
 TEST(ProfileReader, OnlySoManyProblemsAreTold) {

@@ -10,7 +10,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/end_to_end"))
 os.environ.setdefault("CANSYNC", "")  # the command is not used here
-from gateway import LONG, Gateway  # noqa: E402  (its folder is named above)
+from gateway import LONG, NEVER_MISSING_REFERENCES, Gateway  # noqa: E402  (its folder is named above)
 
 import cansync  # noqa: E402
 
@@ -22,9 +22,8 @@ class Line(Gateway):
 
     def __init__(self, *options):
         profile = PROFILES / "simulated-drive.toml"
-        # The computer may stall for seconds: a drive without reference values must not fault.
         super().__init__(options=("--set", f"slave.0.profile={profile}", "--set", f"slave.1.profile={profile}",
-                                  "--set", "sim.missing_references=0", *options))
+                                  *NEVER_MISSING_REFERENCES, *options))
 
     def connect(self, **options):
         return cansync.connect(self.bus, domain=self.domain, profiles=str(PROFILES), timeout=LONG, **options)

@@ -69,6 +69,10 @@ class State(OnALine):
                            cansync.connect, "nobody", domain=self.gateway.domain, timeout=0.1)
         self.assertIsInstance(error, ConnectionError)
 
+    def test_without_a_name_the_only_bus_is_taken(self):
+        with cansync.connect("", domain=self.gateway.domain, timeout=LONG) as line:
+            self.assertEqual(line.read(1, 100).raw, 4400)
+
     def test_a_closed_client_says_so(self):
         line = self.gateway.connect()
         job = line.submit_read(1, 100)

@@ -60,18 +60,13 @@ kind = "float32"
 )";
 
 dbc::Database table(std::string_view text = kTable) {
-  auto read = read_signal_table(text, "t.toml");
-  if (auto* problems = std::get_if<std::vector<config::Problem>>(&read)) {
-    ADD_FAILURE() << config::problems_text(*problems);
-    return {};
-  }
-  return std::get<dbc::Database>(std::move(read));
+  SignalTable read = read_signal_table(text, "t.toml");
+  EXPECT_TRUE(read.problems.empty()) << config::problems_text(read.problems);
+  return std::move(read.database);
 }
 
 std::string problems(std::string_view text) {
-  auto read = read_signal_table(text, "t.toml");
-  const auto* found = std::get_if<std::vector<config::Problem>>(&read);
-  return found == nullptr ? "" : config::problems_text(*found);
+  return config::problems_text(read_signal_table(text, "t.toml").problems);
 }
 
 /// A message with one signal, whose last line is `line`.
@@ -133,6 +128,36 @@ TEST(SignalTable, WhatIsWrongIsToldWithItsPlace) {
           "start = 0\nlength = 8\nchooses = true\n[[signal]]\nmessage = \"M\"\nname = \"S\"\nstart = 8\nlength = 8\n"
           "chooses = true\n"),
       "a second time in this message");
+}
+
+TEST(SignalTable, WhatIsWrongCostsItselfAlone) {
+  const SignalTable read = read_signal_table(
+      "[[message]]\nname = \"A\"\nidentifier = 1\n"
+      "[[message]]\nname = \"B\"\nidentifier = 2\ncolour = 3\n"
+      "[[message]]\nname = \"C\"\nidentifier = 3\nlength =\n"
+      "[[signal]]\nmessage = \"A\"\nname = \"Good\"\nstart = 0\nlength = 8\n"
+      "[[signal]]\nmessage = \"A\"\nname = \"Bad\"\nstart = 8\nlength = 8\nfactr = 0.1\n"
+      "[[signal]]\nmessage = \"B\"\nname = \"Lost\"\nstart = 0\nlength = 8\n",
+      "t.toml");
+  ASSERT_EQ(read.database.messages().size(), 1u);
+  ASSERT_EQ(read.database.messages()[0].signals.size(), 1u);
+  EXPECT_EQ(read.database.messages()[0].signals[0].name, "Good");
+  std::string lines;
+  for (const config::Problem& problem : read.problems) lines += std::to_string(problem.where.line) + " ";
+  EXPECT_EQ(lines, "7 11 22 24 ");
+}
+
+TEST(SignalTable, WhatASignalThatIsLeftOutWouldChooseIsLeftOutToo) {
+  const SignalTable read = read_signal_table(
+      "[[message]]\nname = \"A\"\nidentifier = 1\n"
+      "[[signal]]\nmessage = \"A\"\nname = \"Which\"\nstart = 0\nlength = 99\nchooses = true\n"
+      "[[signal]]\nmessage = \"A\"\nname = \"Chosen\"\nstart = 8\nlength = 8\nchosen_by = 1\n"
+      "[[signal]]\nmessage = \"A\"\nname = \"Always\"\nstart = 16\nlength = 8\n",
+      "t.toml");
+  ASSERT_EQ(read.database.messages().size(), 1u);
+  ASSERT_EQ(read.database.messages()[0].signals.size(), 1u);
+  EXPECT_EQ(read.database.messages()[0].signals[0].name, "Always");
+  EXPECT_EQ(read.problems.size(), 2u);
 }
 
 }  // namespace

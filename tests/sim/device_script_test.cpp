@@ -101,6 +101,30 @@ TEST(DeviceScript, WhatIsWrongIsToldWithItsPlace) {
   EXPECT_NE(wrong("[[answer\n").find("not valid TOML"), std::string::npos);
 }
 
+TEST(DeviceScript, ATableWithAnErrorIsLeftOutAlone) {
+  const sim::DeviceScript script = sim::parse_device_script(
+      "[[answer]]\nto = \"601#\"\n[[answer]]\nto = \"602#\"\nframe = \"582#\"\n"
+      "[[periodic]]\nframe = \"181#\nevery_ms = 1\n[[periodic]]\nframe = \"182#\"\nevery_ms = 2\n",
+      "d.toml");
+  ASSERT_EQ(script.device.answers.size(), 1u);
+  EXPECT_EQ(script.device.answers[0].frame, frame("582#"));
+  ASSERT_EQ(script.device.periods.size(), 1u);
+  EXPECT_EQ(script.device.periods[0].frame, frame("182#"));
+  EXPECT_FALSE(script.refused());
+  ASSERT_EQ(script.errors.size(), 2u);
+  EXPECT_EQ(script.errors[0].where.line, 1u);
+  EXPECT_EQ(script.errors[1].where.line, 7u);
+}
+
+TEST(DeviceScript, AtMost256TablesOfAKind) {
+  std::string text;
+  for (unsigned i = 0; i < 257; ++i) text += "[[periodic]]\nframe = \"181#\"\nevery_ms = 1\n";
+  const sim::DeviceScript script = sim::parse_device_script(text, "d.toml");
+  EXPECT_EQ(script.device.periods.size(), 256u);
+  ASSERT_EQ(script.errors.size(), 1u);
+  EXPECT_EQ(to_string(script.errors[0]), "d.toml:769:1: found 257 tables [[periodic]]; allowed: 256");
+}
+
 TEST(ScriptedDevice, TheFirstThatFitsAnswers) {
   sim::ScriptedDevice device(good(R"(
 [[answer]]

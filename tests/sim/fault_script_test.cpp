@@ -182,7 +182,35 @@ kind = "nothing"
   EXPECT_EQ(script.errors[0].where.line, 3u);
   EXPECT_EQ(script.errors[1].where.line, 4u);
   EXPECT_EQ(script.errors[2].where.line, 6u);
-  EXPECT_TRUE(script.faults.empty());
+  EXPECT_TRUE(script.refused());
+}
+
+TEST(FaultScript, AFaultWithAnErrorIsLeftOutAlone) {
+  const FaultScript script = sim::parse_fault_script(R"([[fault]]
+kind = "silent"
+slave = 1
+[[fault]]
+kind = "silent"
+slaev = 2
+[[fault]]
+kind = "busy"
+slave = "2
+[[fault]]
+kind = "busy"
+slave = 3
+)",
+                                                     "f.toml", sim::drive_faults());
+  ASSERT_EQ(script.faults.size(), 2u);
+  EXPECT_EQ(script.faults[0].node, 1);
+  EXPECT_EQ(script.faults[1].node, 3);
+  ASSERT_EQ(script.places.size(), 2u);
+  EXPECT_EQ(script.places[1].line, 11u);
+  EXPECT_FALSE(script.refused());
+  ASSERT_EQ(script.errors.size(), 3u);
+  EXPECT_TRUE(
+      to_string(script.errors[0]).starts_with("f.toml:4:1: a fault of kind \"silent\" needs the key"));
+  EXPECT_TRUE(to_string(script.errors[1]).starts_with("f.toml:6:1: slaev is no key"));
+  EXPECT_TRUE(to_string(script.errors[2]).starts_with("f.toml:9:")) << to_string(script.errors[2]);
 }
 
 TEST(FaultScript, IsReadFromAFile) {

@@ -28,7 +28,7 @@ class BenchTest : public testing::Test {
   std::vector<std::string> due(can::Time now) {
     std::vector<std::string> out;
     while (const auto next = bench_->next(now)) {
-      out.push_back(text(*next));
+      out.push_back(frame_text(*next));
       bench_->sent(can::SendResult::queued);
     }
     return out;

@@ -22,7 +22,7 @@ std::string next(NodeBench& bench, can::Time now, can::SendResult result = can::
   const auto found = bench.next(now);
   if (!found) return "";
   bench.sent(result);
-  return text(*found);
+  return frame_text(*found);
 }
 
 TEST(NodeBench, AnswersWhenItsTimeHasCome) {

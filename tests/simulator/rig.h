@@ -19,7 +19,7 @@ inline can::Frame frame(const std::string& text) {
   return std::get<can::Frame>(can::parse_candump_frame(text));
 }
 
-inline std::string text(const can::Frame& frame) {
+inline std::string frame_text(const can::Frame& frame) {
   std::array<char, can::kCandumpLineLimit> line{};
   const std::size_t size = can::write_candump_line({}, "x", frame, line);
   const std::string all(line.data(), size);
@@ -87,7 +87,7 @@ class ScriptedPort final : public cansync_sim::Port {
   }
   can::SendResult send(const can::Frame& frame) noexcept override {
     const can::SendResult result = as_of(results_, can::SendResult::queued);
-    if (result == can::SendResult::queued) sent_.push_back({now_, text(frame)});
+    if (result == can::SendResult::queued) sent_.push_back({now_, frame_text(frame)});
     return result;
   }
   cansync_sim::Link link() noexcept override { return as_of(links_, cansync_sim::Link::up); }

@@ -71,7 +71,7 @@ TEST_F(RunTest, ALostInterfaceIsToldOnceAndWaitedFor) {
   port_.stops(10ms);
   run(bench);
   ASSERT_EQ(said_.size(), 3u);
-  EXPECT_EQ(said_[0].substr(0, 34), "vcan7 is down; waiting for it. An ");
+  EXPECT_EQ(said_[0].substr(0, 34), "vcan7 is down; waiting for it. ip ");
   EXPECT_NE(said_[1].find("vcan7 does not exist; waiting for it."), std::string::npos);
   EXPECT_NE(said_[1].find("ip link add dev vcan7 type vcan"), std::string::npos);
   EXPECT_EQ(said_[2], "vcan7 is up; on the bus again");

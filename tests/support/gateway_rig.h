@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/config/config.h"
 #include "cansync/dds/convert.h"
 #include "cansync/dds/topics.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "dds/daemon_identity.h"

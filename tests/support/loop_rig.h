@@ -29,6 +29,7 @@ inline cansync::SlaveNumber slave(unsigned n) {
 inline cansync::MasterSettings master_settings(unsigned count) {
   cansync::MasterSettings settings;
   settings.process.maximum_slave = slave(count - 1);
+  settings.startup.census = false;  // which_drive_test has this switched on
   for (unsigned i = 0; i < count; ++i) settings.slaves[i].configured = true;
   return settings;
 }
@@ -104,6 +105,7 @@ class LoopRig {
     loop.run();
     collect();
   }
+  can::Time began() const { return began_; }
   can::Time first_sync() const { return began_ + interval; }
 
   template <class T>

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <iterator>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "cansync.h"
 #include "cansync/dds/topics.h"
 #include "dds/endpoint.h"
+#include "dds/owner_seen.h"
 #include "gateway_rig.h"
 #include "support/dds_places.h"
 
@@ -28,18 +30,27 @@ inline cansync_ReferenceValues values(std::uint8_t telegram, std::int32_t first)
   return sample;
 }
 
-/// A writer of reference values in a process of its own, as far as DDS can tell.
+/// A writer of reference values in a process of its own, as far as DDS can tell, or on a participant that others
+/// share.
 class ReferenceWriter {
  public:
   ReferenceWriter(TwoPlaces& places, std::int32_t strength, std::string_view name = {})
-      : participant_(places.there), writer_(participant_, strength, &signal_, name) {
+      : participant_(std::in_place, places.there), writer_(*participant_, strength, &signal_, name) {
+    EXPECT_TRUE(eventually(signal_, [this] { return writer_.matched() > 0; }));
+  }
+  ReferenceWriter(const gateway::dds::Participant& participant, std::int32_t strength)
+      : writer_(participant, strength, &signal_) {
     EXPECT_TRUE(eventually(signal_, [this] { return writer_.matched() > 0; }));
   }
   ReferenceWriter(GatewayRig& rig, std::int32_t strength) : ReferenceWriter(rig.places(), strength) {}
 
-  void write(const cansync_ReferenceValues& sample) { ASSERT_EQ(writer_.write(sample), DDS_RETCODE_OK); }
+  void write(cansync_ReferenceValues sample) {
+    gateway::dds::set_writer(writer_, sample);
+    ASSERT_EQ(writer_.write(sample), DDS_RETCODE_OK);
+  }
   /// As if it had been on its way, or its reader suspended, for so long.
-  void write_late(const cansync_ReferenceValues& sample, dds_duration_t age) {
+  void write_late(cansync_ReferenceValues sample, dds_duration_t age) {
+    gateway::dds::set_writer(writer_, sample);
     ASSERT_EQ(dds_write_ts(writer_.handle(), &sample, dds_time() - age), DDS_RETCODE_OK);
   }
   /// Writes, and waits until the gateway's reader has it.
@@ -56,12 +67,15 @@ class ReferenceWriter {
     unregister(sample);
     ASSERT_EQ(dds_wait_for_acks(writer_.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
   }
-  void unregister(const cansync_ReferenceValues& sample) {
+  void unregister(cansync_ReferenceValues sample) {
+    gateway::dds::set_writer(writer_, sample);
     ASSERT_EQ(writer_.unregister(sample), DDS_RETCODE_OK);
   }
 
+  std::array<std::uint8_t, 16> guid() const { return gateway::dds::guid_of(writer_); }
+
  private:
-  gateway::dds::Participant participant_;
+  std::optional<gateway::dds::Participant> participant_;
   gateway::dds::DataSignal signal_;
   gateway::dds::Writer<cansync_ReferenceValues> writer_;
 };

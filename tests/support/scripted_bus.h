@@ -32,6 +32,8 @@ class ScriptedBus final : public can::Bus, public sync_line::SyncWire {
   /// How much later than its deadline the thread wakes; asked once for each deadline that is reached.
   std::function<can::Time(can::Time deadline)> lateness = [](can::Time) { return can::Time{0}; };
 
+  bool wakes_on_frame = true;  ///< false: the thread sleeps on to its deadline when a frame comes
+
   can::SendResult send_result = can::SendResult::queued;
   can::ControllerStatus controller;
   can::ResetResult reset_answer = can::ResetResult::done;
@@ -49,7 +51,7 @@ class ScriptedBus final : public can::Bus, public sync_line::SyncWire {
   can::Wake wait_until(can::Time deadline) noexcept override {
     on_sleep(now_);
     if (deadline <= now_) return can::Wake::deadline;
-    if (!arriving_.empty() && arriving_.front().end <= deadline) {
+    if (wakes_on_frame && !arriving_.empty() && arriving_.front().end <= deadline) {
       now_ = std::max(now_, arriving_.front().end);
       return can::Wake::frame;
     }

@@ -8,6 +8,7 @@ be read again.
 import os
 import random
 import re
+import struct
 import subprocess
 import sys
 
@@ -90,6 +91,24 @@ def check_wrong_mapping(folder, capture):
         assert not done.stdout.split(), (wrong, done.stdout)
 
 
+def pcapng_block(kind, body):
+    """A block of a pcapng capture (draft-ietf-opsawg-pcapng, section 3.1)."""
+    length = 12 + len(body)
+    return struct.pack("<II", kind, length) + body + struct.pack("<I", length)
+
+
+def check_can_fd(folder):
+    """A CAN FD frame with the identifier of a telegram is none: CANsync is CAN 2.0."""
+    frames = [struct.pack(">IB3x", 0x101, 8) + bytes(8),  # struct can_frame, its identifier as LINKTYPE_CAN_SOCKETCAN has it
+              struct.pack(">IBB2x", 0x101, 8, 0x04) + bytes(64)]  # struct canfd_frame with CANFD_FDF
+    capture = folder.path / "fd.pcapng"
+    blocks = [pcapng_block(0x0A0D0D0A, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1)), pcapng_block(1, struct.pack("<HHI", 227, 0, 0))]
+    blocks += [pcapng_block(6, struct.pack("<IIIII", 0, 0, 1000 * number, len(frame), len(frame)) + frame)
+               for number, frame in enumerate(frames)]
+    capture.write_bytes(b"".join(blocks))
+    assert folder.fields(capture, ["cansync.channel", "can.id"]) == [["WRC1", "257"], ["", "257"]]
+
+
 def main():
     log = HERE / "telegrams.log"
     with Folder() as folder:
@@ -99,6 +118,7 @@ def main():
         got = {"table.txt": table(folder, capture), "details.txt": details(folder, capture)}
         check_ends(folder)
         check_wrong_mapping(folder, capture)
+        check_can_fd(folder)
     for name, lines in got.items():
         path = HERE / "expected" / name
         if sys.argv[1:] == ["--write"]:

@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "daemon/cansync/bus/drive_settings.h"
-#include "daemon/cansync/config/file.h"
+#include "cansync/config/drive_settings.h"
+#include "cansync/config/file.h"
 #include "sim/trace_file.h"
 #include "support/virtual_line.h"
 

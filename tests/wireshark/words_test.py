@@ -29,14 +29,17 @@ def told_by_trace(folder, log):
     return out
 
 
-def told_by_tshark(folder, log):
-    return ["|".join(row[:3]) if row[0] else None for row in folder.fields(folder.capture(log), FIELDS)]
+def told_by_tshark(folder, capture):
+    return ["|".join(row[:3]) if row[0] else None for row in folder.fields(capture, FIELDS)]
 
 
 def compare(folder, log, at_least):
-    expected, got = told_by_trace(folder, log), told_by_tshark(folder, log)
+    """Returns the capture of the log."""
+    capture = folder.capture(log)
+    expected, got = told_by_trace(folder, log), told_by_tshark(folder, capture)
     assert len(expected) >= at_least, len(expected)
     assert got == expected, f"{log}:\n{differences([str(e) for e in expected], [str(g) for g in got])}"
+    return capture
 
 
 def every_code(path):
@@ -78,8 +81,7 @@ def check_simulated_line(folder):
     """A line without faults: nothing is marked but the error that was asked for, and every answer finds its command."""
     log = folder.path / "line.log"
     told = folder.run(os.environ["LINE_CAPTURE"], HERE / "line.toml", log).decode().splitlines()
-    compare(folder, log, 3000)
-    rows = folder.fields(folder.capture(log), ["cansync.channel", "cansync.request_in", "cansync.response_in",
+    rows = folder.fields(compare(folder, log, 3000), ["cansync.channel", "cansync.request_in", "cansync.response_in",
                                                "_ws.expert.message", "cansync.transfer.block", "cansync.kind",
                                                "cansync.transfer.offset"])
     answers = [row for row in rows if row[0] == "RC"]

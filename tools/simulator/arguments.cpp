@@ -51,10 +51,14 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->type_name("NUMBER=RAW")
       ->allow_extra_args(false);
   app.add_flag("--wait", arguments.wait, "Wait for an interface that is missing or down at the start, too");
+  app.add_flag(
+      "--real", arguments.real,
+      "Also on an interface that is not virtual: listen for 1 s first, and end when a slave of these "
+      "numbers or, with --master, a master is there");
   app.add_flag("-v,--verbose", arguments.verbose, "Tell every change of a drive's or the line's state");
   app.footer(
       "SIGTERM and SIGINT stop; then one line on standard output says what was done.\n"
-      "Exit codes: 0 stopped, 1 cannot start, 2 wrong command line or file.\n"
+      "Exit codes: 0 stopped, 1 cannot start, 2 wrong command line or file, 11 a script was read in part.\n"
       "More: docs/cansync-sim.md.");
 }
 

@@ -26,6 +26,7 @@ struct Arguments {
   std::vector<std::string> references;
   bool master = false;
   bool wait = false;
+  bool real = false;
   bool verbose = false;
 };
 

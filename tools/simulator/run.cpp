@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "can/adapter/link_remedy.h"
+#include "can/link_kernel.h"
+
 namespace cansync_sim {
 namespace {
 
@@ -39,15 +42,12 @@ void send_due(Station& station, Port& port) {
 std::string remedy(Link link, const std::string& interface) {
   switch (link) {
     case Link::missing:
-      return fmt::format(
-          "`ip link` lists the interfaces; a virtual one: ip link add dev {0} type vcan && ip link set "
-          "{0} up",
-          interface);
-    case Link::down:
-      return fmt::format(
-          "An adapter: ip link set {0} up type can bitrate 500000 (the line's bit rate); vcan: ip link set "
-          "{0} up",
-          interface);
+      return can::link_remedy(interface, {});
+    case Link::down: {
+      can::LinkFacts facts = can::make_link_kernel()->read(interface);
+      facts.present = true;
+      return can::link_remedy(interface, facts);
+    }
     case Link::up:
       break;
   }

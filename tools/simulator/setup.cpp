@@ -9,19 +9,19 @@
 #include <string_view>
 #include <utility>
 
+#include "can/typed/identifier.h"
+#include "cansync/config/drive_settings.h"
+#include "cansync/config/file.h"
+#include "cansync/config/options.h"
 #include "cansync/sim/drive_faults.h"
 #include "cansync/telegram/telegram.h"
 #include "config/document.h"
-#include "daemon/cansync/bus/drive_settings.h"
-#include "daemon/cansync/config/file.h"
-#include "daemon/cansync/config/options.h"
 #include "sim/device_script.h"
 #include "sim/fault_script.h"
+#include "simulator/first_look.h"
 
 namespace cansync_sim {
 namespace {
-
-constexpr std::uint32_t kStandardIdentifiers = 0x800;
 
 // A whole number in decimal or, after 0x, hexadecimal digits.
 std::optional<std::uint32_t> parse_number(std::string_view text) {
@@ -64,13 +64,6 @@ std::optional<std::pair<unsigned, sim::ReferenceCurve>> parse_reference(std::str
   curve.offset = offset;
   curve.step = step;
   return std::pair{number, curve};
-}
-
-std::string list_of(cansync::SlaveMask slaves) {
-  std::string out;
-  for (const cansync::SlaveNumber slave : slaves)
-    out += fmt::format("{}{}", out.empty() ? "" : ", ", slave.value());
-  return out;
 }
 
 // The options of the command line as settings of the daemon's configuration.
@@ -137,17 +130,18 @@ class SetupReader {
 
   void read_sync_identifier() {
     if (arguments_.sync_id.empty()) return;
-    const auto identifier = parse_number(arguments_.sync_id);
-    if (!identifier || *identifier >= kStandardIdentifiers) {
-      problem(fmt::format("--sync-id: found '{}'; allowed: 0 to 0x7FF, decimal or after 0x hexadecimal",
-                          arguments_.sync_id));
-    } else if (is_cansync_identifier(*identifier)) {
+    const auto identifier = can::typed_identifier(arguments_.sync_id);
+    if (!identifier || identifier->extended) {
+      problem(fmt::format(
+          "--sync-id: found '{}'; allowed: hexadecimal, as candump prints it: 000..7FF, or 0x0..0x7FF",
+          arguments_.sync_id));
+    } else if (is_cansync_identifier(identifier->value)) {
       problem(
           fmt::format("--sync-id: found '{}', which CANsync uses itself; allowed: all but 0x010, "
                       "0x100..0x1FF, 0x300..0x3FF and 0x500..0x5FF",
                       arguments_.sync_id));
     } else {
-      setup_.bench.sync_identifier = *identifier;
+      setup_.bench.sync_identifier = identifier->value;
     }
   }
 
@@ -180,7 +174,7 @@ class SetupReader {
           std::pair{"--faults", !arguments_.faults.empty()}, std::pair{"--master", arguments_.master}})
       if (given) problem(fmt::format("{}: given with --device; allowed: one of the two", option));
     sim::DeviceScript script = sim::load_device_script(arguments_.device);
-    for (const config::Problem& error : script.errors) problem(to_string(error));
+    take_errors(script);
     setup_.interface = arguments_.interface;
     setup_.device = std::move(script.device);
   }
@@ -221,10 +215,17 @@ class SetupReader {
     read_faults(arguments_.faults.empty() ? config.sim.fault_script : arguments_.faults);
   }
 
+  /// What is wrong with a script: it is refused, or what this is in is left out.
+  template <class Script>
+  void take_errors(const Script& script) {
+    for (const config::Problem& error : script.errors)
+      (script.refused() ? setup_.problems : setup_.left_out).push_back(to_string(error));
+  }
+
   void read_faults(const std::string& path) {
     if (path.empty()) return;
     sim::FaultScript script = sim::load_fault_script(path, sim::drive_faults());
-    for (const config::Problem& error : script.errors) problem(to_string(error));
+    take_errors(script);
     for (std::size_t i = 0; i < script.faults.size(); ++i) {
       const std::string reason = impossible(script.faults[i]);
       if (reason.empty()) continue;

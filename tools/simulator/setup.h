@@ -20,6 +20,7 @@ struct Setup {
   std::optional<sim::MasterNodeSettings> master;  ///< a master instead of drives
   std::optional<sim::DeviceSettings> device;      ///< the device of a script instead of drives
   std::vector<std::string> problems;              ///< one line each: what was found, where, what is allowed
+  std::vector<std::string> left_out;              ///< likewise, of scripts that can be used in part
 };
 
 /// Slave numbers written as "3", "0-31" or "0,3,5-7"; nothing when the text is no such list.

@@ -2,11 +2,11 @@
 
 #include <utility>
 
+#include "cansync/config/drive_settings.h"
 #include "cansync/settings/timing.h"
 #include "cansync/sim/drive.h"
 #include "cansync/sim/drive_faults.h"
 #include "cansync/telegram/telegram.h"
-#include "daemon/cansync/bus/drive_settings.h"
 
 namespace cansyncd {
 namespace {
@@ -30,11 +30,13 @@ std::vector<can::FrameFilter> filters_of(const Config& config) {
       frames_numbered(identifier::action), frames_of_channel(identifier::reference_one),
       frames_of_channel(identifier::reference_two), frames_of_channel(identifier::command)};
   if (config.sync.uses_frame()) filters.push_back(frames_numbered(config.sync.can_identifier));
+  // The census asks every number, so every number may answer.
+  if (config.master.startup.census) filters.push_back(frames_of_channel(identifier::response));
   for (const cansync::SlaveNumber number : config.master.configured()) {
     const std::uint32_t slave = number.value();
     filters.push_back(frames_numbered(identifier::actual_one + slave));
     filters.push_back(frames_numbered(identifier::actual_two + slave));
-    filters.push_back(frames_numbered(identifier::response + slave));
+    if (!config.master.startup.census) filters.push_back(frames_numbered(identifier::response + slave));
   }
   return filters;
 }

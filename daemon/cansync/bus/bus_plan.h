@@ -1,7 +1,7 @@
 #pragma once
 
+#include "cansync/config/config.h"
 #include "daemon/bus/bus_plan.h"
-#include "daemon/cansync/config/config.h"
 
 namespace cansyncd {
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "cansync/channel/jobs.h"
+#include "cansync/config/config.h"
 #include "cansync/telegram/numbers.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/requests/request_audit.h"
 #include "daemon/cansync/texts/refusal_text.h"

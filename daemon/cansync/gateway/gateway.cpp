@@ -6,12 +6,12 @@
 #include <chrono>
 #include <utility>
 
-#include "daemon/bus/bit_timing_check.h"
-#include "daemon/cansync/config/options.h"
+#include "cansync/config/options.h"
 #include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/gateway_requests.h"
 #include "daemon/cansync/status/master_metrics.h"
 #include "daemon/service/service.h"
+#include "daemon_config/bit_timing_check.h"
 
 namespace cansyncd {
 namespace {
@@ -21,6 +21,7 @@ using std::chrono::steady_clock;
 /// Takes from `to` what may change while running.
 void take_changeable(const Config& to, Config& config) {
   config.references = to.references;
+  config.reference_limits = to.reference_limits;
   config.slaves = to.slaves;
   config.access = to.access;
   config.failsafe.reference_max_age = to.failsafe.reference_max_age;
@@ -58,7 +59,8 @@ JobContext Gateway::context(SteadyTime now) {
   return {exchange_,
           config_,
           {master.state, master.when.interval, master.responding, master.released,
-           state_.settings().mapping_number, state_.settings().reference_mapping},
+           state_.settings().mapping_number, state_.settings().reference_mapping, master.access,
+           master.waits_for_upper_sync},
           now,
           {config_.dds.request_max_age, config_.access.read_only}};
 }
@@ -94,9 +96,10 @@ SteadyTime Gateway::pass(bool samples_may_wait) {
   }
   const auto failsafe_due = failsafe_.push(exchange_, now);
   const MasterSnapshot& master = state_.master();
-  const SteadyTime common_due = tell_common(
-      {master.controller, master.timestamps, master.sync, master.missed_syncs, master.lost_reports}, jobs_,
-      now);
+  const SteadyTime common_due =
+      tell_common({master.controller, master.timestamps, master.sync, master.missed_syncs,
+                   master.lost_reports, master.state == cansync::State::active_master},
+                  jobs_, now);
   return earliest(std::min(due, common_due),
                   {jobs_.retry(jobs), references_due, failsafe_due, tell_syncs(now),
                    status_line_.step(master, config_, now)},
@@ -126,7 +129,7 @@ void Gateway::take_event(const Report& report, SteadyTime now) {
   // history.
   const auto* missed = std::get_if<SyncsMissed>(&report);
   if (missed != nullptr && !missed_syncs_.add(missed->count, now)) return;
-  if (const auto event = describe(report, config_)) events_.publish(*event, now);
+  if (const auto event = describe(report, config_, link())) events_.publish(*event, now);
 }
 
 std::optional<SteadyTime> Gateway::tell_syncs(SteadyTime now) {
@@ -149,6 +152,7 @@ void Gateway::take_configuration(SteadyTime now) {
   state_.set_names(config_);
   common_.set_access(config_.access);
   references_.set_maximum_age(config_.failsafe.reference_max_age);
+  references_.set_limits(config_);
   references_.set_refusal(read_only_refusal_of_references(config_));
   tell_reloaded(now);
 }

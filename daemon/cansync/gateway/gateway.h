@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/failsafe_commands.h"
 #include "daemon/cansync/gateway/gateway_references.h"

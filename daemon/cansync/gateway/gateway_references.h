@@ -6,23 +6,22 @@
 #include <string>
 
 #include "cansync.h"
+#include "cansync/config/config.h"
 #include "cansync/dds/topics.h"
 #include "cansync/dds/validate.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/reference_gate.h"
 #include "daemon/cansync/texts/refusal_text.h"
 #include "daemon/desk/gateway_events.h"
-#include "daemon/desk/writer_watch.h"
-#include "dds/endpoint.h"
+#include "daemon/desk/owned_reader.h"
 #include "dds/signal.h"
 
 namespace cansyncd {
 
 /// Takes reference values from DDS to the realtime thread. Gateway thread only.
 ///
-/// DDS delivers those of the strongest living writer of each telegram; what becomes of them is decided by
-/// ReferenceGate. Here it is fed with samples, with the writers that have left or died, and with the clocks.
+/// What becomes of them, and whose count, is decided by ReferenceGate. Here it is fed with samples, with the
+/// writers that have left or died, and with the clocks.
 ///
 /// The deadline is counted by the clock of the gateway, and not by the QoS of DDS: that one is agreed upon
 /// with every writer, and clients that do not offer it would not be matched at all.
@@ -47,6 +46,9 @@ class ReferenceInput : private ReferenceSurroundings {
   void set_lead_axis(const std::array<bool, cansync::kChannels>& gives) noexcept {
     gate_.set_lead_axis(gives);
   }
+
+  /// As `ReferenceGate::set_limits`.
+  void set_limits(const Config& config) noexcept { gate_.set_limits(config); }
 
   /// Takes note of what the realtime thread has ended by itself.
   void watch(const std::array<cansync::ReleaseStatus, cansync::kChannels>& release, SteadyTime now) {
@@ -82,19 +84,15 @@ class ReferenceInput : private ReferenceSurroundings {
  private:
   std::string hand_on(const Request& request) override;
   void tell(const EventText& event, SteadyTime now) override { events_.publish(event, now); }
-  Writer identify(WriterHandle writer) override;
-  bool yielded(WriterHandle /*owner*/) override { return true; }
-  bool left(WriterHandle writer) override { return writers_.left(writer); }
+  gateway::dds::WriterIdentity identify(WriterHandle writer) override { return reader_.identify(writer); }
+  bool left(WriterHandle writer) override { return reader_.left(writer); }
 
   void take(const cansync_ReferenceValues& sample, const dds_sample_info_t& info, SteadyTime now);
-  void look_for_owners(SteadyTime now);
 
-  gateway::dds::Reader<cansync_ReferenceValues> reader_;
+  OwnedReader<cansync_ReferenceValues> reader_;
   EventPublisher& events_;
   Exchange& exchange_;
   cansync::dds::Limits limits_;
-  WriterWatch writers_;
-  std::array<bool, cansync::kChannels> without_writer_ = {};  ///< in the batch that is taken
   ReferenceGate gate_;
 };
 

@@ -32,7 +32,17 @@ ReferenceGate::ReferenceGate(const DaemonIdentity& daemon, const Config& config,
       hold_(config.failsafe.reaction == LossReaction::hold ? config.failsafe.hold_intervals : 0),
       deadline_(config.failsafe.reference_deadline),
       around_(around),
-      refusal_(std::move(refusal)) {}
+      refusal_(std::move(refusal)) {
+  set_limits(config);
+}
+
+void ReferenceGate::set_limits(const Config& config) noexcept {
+  for (unsigned value = 0; value < cansync::kValues; ++value) {
+    Telegram& telegram = telegrams_[value / cansync::kWords];
+    if (value % cansync::kWords == 0) telegram.limited = false;
+    telegram.limited = telegram.limited || config.master.process.reference_limits[value].any();
+  }
+}
 
 void ReferenceGate::set_refusal(gateway::dds::Problem refusal) {
   if (refusal && !refusal_) {
@@ -45,7 +55,7 @@ void ReferenceGate::set_lead_axis(const std::array<bool, cansync::kChannels>& gi
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     if (!gives[channel] || lead_axis_[channel]) continue;
     // What came before this was known has been refused, too.
-    telegrams_[channel].owner = 0;
+    arbiters_[channel].free();
     givers_[channel] = {};
   }
   lead_axis_ = gives;
@@ -56,8 +66,9 @@ void ReferenceGate::take(const ReferenceSample& sample, std::int64_t wall, Stead
   // A key that is no telegram still needs a place to be counted.
   const unsigned channel = sample.telegram == 2 ? 1 : 0;
   if (sample.given_up) {
-    if (known_telegram && telegrams_[channel].owner == sample.writer)
-      given_up(channel, std::min(sample.written, wall), now);
+    if (!known_telegram) return;
+    arbiters_[channel].forget(sample.writer);
+    if (owner(channel) == sample.writer) given_up(channel, std::min(sample.written, wall), now);
     return;
   }
   if (!known_telegram) {
@@ -75,11 +86,11 @@ void ReferenceGate::take(const ReferenceSample& sample, std::int64_t wall, Stead
 void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel, std::int64_t wall,
                                 SteadyTime now) {
   Telegram& telegram = telegrams_[channel];
-  const bool another = telegram.owner != sample.writer;
-  const bool takes_over = another && telegram.owner != 0;
-  ReferenceSurroundings::Writer facts;
-  if (another) facts = around_.identify(sample.writer);
-  if (takes_over && facts.strength < givers_[channel].strength && !around_.yielded(telegram.owner)) return;
+  TopicWriter writer{sample.writer, sample.key};
+  if (owner(channel) != sample.writer) writer.identity = around_.identify(sample.writer);
+  const WriterArbiter::Claim claim = arbiters_[channel].claim(sample.writer, writer.identity.strength);
+  if (claim == WriterArbiter::Claim::waits) return wait(channel, writer, now);
+  const bool takes_over = claim == WriterArbiter::Claim::takes_over;
 
   const ReferenceAge::Verdict age = age_.judge(sample.written, {now, wall});
   gateway::dds::Problem denied = problem(sample, age, wall);
@@ -98,7 +109,7 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
       telegram.newest = update;
     }
   }
-  if (takes_over || (another && !denied)) new_owner(channel, sample.writer, facts, now);
+  if (takes_over || (claim == WriterArbiter::Claim::begins && !denied)) new_owner(channel, writer, now);
   if (denied) {
     // A take-over counts whatever its first values are refused for.
     if (takes_over) stop(channel, 0);
@@ -106,8 +117,8 @@ void ReferenceGate::take_values(const ReferenceSample& sample, unsigned channel,
     refused(channel, *denied, std::nullopt, now);
     return;
   }
-  if (!telegram.released) begin_deadline(telegram, now);
-  values_given(channel);
+  if (!telegram.released && !telegram.beyond_limit) begin_deadline(telegram, now);
+  if (!telegram.limited) values_given(channel);
 }
 
 void ReferenceGate::begin_deadline(Telegram& telegram, SteadyTime now) noexcept {
@@ -122,16 +133,31 @@ void ReferenceGate::values_given(unsigned channel) {
   givers_[channel].loss = Loss::none;
 }
 
-void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
-                              const ReferenceSurroundings::Writer& facts, SteadyTime now) {
+void ReferenceGate::wait(unsigned channel, const TopicWriter& writer, SteadyTime now) {
+  WriterArbiter& arbiter = arbiters_[channel];
+  std::string text = arbiter.refuse(writer);
+  if (!text.empty())
+    tell(gateway_SEVERITY_WARNING, "writer_waits", std::move(text), writer.identity.who, now);
+}
+
+void ReferenceGate::tell_waiting(unsigned channel) {
+  const WriterArbiter& arbiter = arbiters_[channel];
+  ReferenceGiver& giver = givers_[channel];
+  if (giver.waiting != arbiter.waiting()) giver.waiting = arbiter.waiting();
+  if (giver.refused != arbiter.refused()) giver.refused_reason = arbiter.refused_reason();
+  giver.refused = arbiter.refused();
+}
+
+void ReferenceGate::new_owner(unsigned channel, const TopicWriter& writer, SteadyTime now) {
   Telegram& telegram = telegrams_[channel];
   ReferenceGiver& giver = givers_[channel];
-  if (telegram.owner != 0) {
+  const gateway::dds::WriterIdentity& facts = writer.identity;
+  if (owner(channel) != 0) {
     tell(gateway_SEVERITY_WARNING, "reference_writer_taken_over",
          fmt::format("{} (strength {}) has taken over the reference values of telegram {} from {} (strength "
                      "{}){}",
                      facts.who, facts.strength, channel + 1, giver.who, giver.strength,
-                     around_.left(telegram.owner) ? ", which has left" : ""),
+                     around_.left(owner(channel)) ? ", which has left" : ""),
          facts.who, now);
   } else {
     tell(gateway_SEVERITY_INFO, "reference_writer_began",
@@ -141,7 +167,8 @@ void ReferenceGate::new_owner(unsigned channel, WriterHandle writer,
   }
   giver.who = facts.who;
   giver.strength = facts.strength;
-  telegram.owner = writer;
+  giver.guid = facts.guid;
+  arbiters_[channel].give(writer);
   begin_deadline(telegram, now);
 }
 
@@ -172,8 +199,8 @@ gateway::dds::Problem ReferenceGate::problem(const ReferenceSample& sample, cons
   return Denial{
       gateway_CAUSE_STALE,
       fmt::format(
-          "written {} ms before the telegram was given up by its writer then; write fresh values, and set the "
-          "clocks of the computers",
+          "written {} ms before the telegram was given up by its writer then, or that was lost; write fresh "
+          "values, and set the clocks of the computers",
           (not_before - sample.written) / 1'000'000)};
 }
 
@@ -190,8 +217,9 @@ void ReferenceGate::given_up(unsigned channel, std::int64_t written, SteadyTime 
   end_ownership(channel, Loss::given_up);
 }
 
-void ReferenceGate::lost(unsigned channel, SteadyTime now) {
-  if (telegrams_[channel].owner == 0) return;
+void ReferenceGate::lost(unsigned channel, std::int64_t wall, SteadyTime now) {
+  if (owner(channel) == 0) return;
+  telegrams_[channel].not_before = wall;
   stop(channel, hold_);
   const std::string who = givers_[channel].who;
   tell(gateway_SEVERITY_WARNING, "reference_writer_lost",
@@ -202,8 +230,12 @@ void ReferenceGate::lost(unsigned channel, SteadyTime now) {
 }
 
 void ReferenceGate::end_ownership(unsigned channel, Loss loss) {
-  telegrams_[channel].owner = 0;
-  givers_[channel] = {};
+  arbiters_[channel].free();
+  ReferenceGiver& giver = givers_[channel];
+  // Who waits, and what was refused why, is no matter of the owner.
+  giver.who.clear();
+  giver.strength = 0;
+  giver.guid = {};
   lose(channel, loss);
   push_stops();
 }
@@ -214,14 +246,20 @@ void ReferenceGate::watch(const std::array<cansync::ReleaseStatus, cansync::kCha
     Telegram& telegram = telegrams_[channel];
     const bool given = std::exchange(telegram.updates, release[channel].updates) != release[channel].updates;
     telegram.released = release[channel].state == cansync::ReleaseStatus::State::released;
-    if (given) begin_deadline(telegram, now);
-    // Values of the lead axis do not come through here. When they ended, too, since the last look, those that
-    // are released now came after that.
-    if (lead_axis_[channel] && given) values_given(channel);
-    // The realtime thread has stopped it already, and told what grew too old.
-    if (std::exchange(telegram.too_old, release[channel].too_old) != release[channel].too_old)
+    if (given) {
+      telegram.beyond_limit = false;
+      begin_deadline(telegram, now);
+    }
+    // Values of the lead axis do not come through here, and others may be beyond a limit. When they ended, too,
+    // since the last look, those that are released now came after that.
+    const bool decided_there = lead_axis_[channel] || telegram.limited;
+    if (decided_there && given) values_given(channel);
+    // The realtime thread has stopped it already, and told what grew too old. Without a writer it was left over
+    // from the one that was lost: that is the cause.
+    const bool left_over = !lead_axis_[channel] && owner(channel) == 0 && givers_[channel].loss != Loss::none;
+    if (std::exchange(telegram.too_old, release[channel].too_old) != release[channel].too_old && !left_over)
       lose(channel, Loss::too_old);
-    if (lead_axis_[channel] && given && telegram.released) values_given(channel);
+    if (decided_there && given && telegram.released) values_given(channel);
     const std::uint64_t changed = release[channel].mapping_changed;
     if (std::exchange(telegram.mapping_changed, changed) == changed) continue;
     // A mapping of the other telegram's values; the next values of the lead axis are for it.
@@ -265,7 +303,7 @@ std::string ReferenceGate::reaction_text() const {
 
 std::optional<SteadyTime> ReferenceGate::look_at_deadline(unsigned channel, SteadyTime now) {
   Telegram& telegram = telegrams_[channel];
-  if (deadline_.count() == 0 || telegram.owner == 0) return std::nullopt;
+  if (deadline_.count() == 0 || owner(channel) == 0) return std::nullopt;
   if (telegram.deadline_missed) return std::nullopt;
   if (now < telegram.given + deadline_) return telegram.given + deadline_;
   telegram.deadline_missed = true;
@@ -287,6 +325,13 @@ void ReferenceGate::push_stops() {
   }
 }
 
+void ReferenceGate::refused_for_limit(unsigned channel, const Denial& denial, std::optional<Moment> when,
+                                      SteadyTime now) {
+  telegrams_[channel].beyond_limit = true;
+  givers_[channel].refused_reason = denial.reason;
+  refused(channel, denial, when, now);
+}
+
 void ReferenceGate::refused(unsigned channel, const Denial& denial, std::optional<Moment> when,
                             SteadyTime now) {
   Telegram& telegram = telegrams_[channel];
@@ -302,6 +347,7 @@ std::optional<SteadyTime> ReferenceGate::tick(SteadyTime now) {
   std::optional<SteadyTime> next;
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     Telegram& telegram = telegrams_[channel];
+    tell_waiting(channel);
     const std::uint64_t refused = telegram.refused.take_over(now);
     for (const auto due : {telegram.refused.next(), look_at_deadline(channel, now)}) {
       if (due) next = next ? std::min(*next, *due) : *due;

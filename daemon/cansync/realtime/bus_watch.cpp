@@ -45,8 +45,12 @@ void BusWatch::look(can::Time now) noexcept {
   const can::ControllerState state = status_.state;
   const can::LinkState link = status_.link;
   const can::Delivery delivery = status_.delivery;
+  const std::uint64_t restarts = status_.restarts;
+  const bool was_away = away() || delivery != can::Delivery::normal;
   status_ = bus_.status();
   watch_bus_off(now);
+  const bool is_away = away() || status_.delivery != can::Delivery::normal;
+  returned_ = !is_away && (was_away || status_.restarts != restarts);
   watch_link(link);
   watch_delivery(delivery);
   // A controller without its interface has no state worth a report.

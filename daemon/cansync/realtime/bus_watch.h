@@ -32,6 +32,14 @@ class BusWatch {
     return status_.link == can::LinkState::up && status_.delivery == can::Delivery::normal && !off_bus_;
   }
 
+  /// True when nothing can be received: the interface is not up, or the controller is off the bus.
+  bool away() const noexcept {
+    return status_.link != can::LinkState::up || status_.state == can::ControllerState::bus_off;
+  }
+
+  /// At the last look the bus came back after telegrams had not reached it, however short that was.
+  bool returned() const noexcept { return returned_; }
+
   /// As of the last look.
   const can::ControllerStatus& status() const noexcept { return status_; }
   can::SendResult last_send() const noexcept { return last_send_; }
@@ -53,6 +61,7 @@ class BusWatch {
   can::ControllerStatus status_;
   std::optional<can::Time> bus_off_since_;
   bool off_bus_ = false;  ///< for longer than an interruption
+  bool returned_ = false;
   std::array<Row, kBusFaultKinds> rows_ = {};
   can::SendResult last_send_ = can::SendResult::queued;
   std::uint64_t failed_sends_ = 0;  ///< in a row, the interface being up

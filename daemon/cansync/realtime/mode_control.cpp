@@ -14,14 +14,28 @@ void ModeControl::initialise() noexcept {
   }
 }
 
-void ModeControl::set_up() noexcept {
+/// What it has to wait for is no refusal; another master is one, since nobody knows when it goes.
+Refusal ModeControl::set_up(bool force) noexcept {
   initialise();
-  if (master_.state() == State::setting_up_master || !sync_allowed()) return;
-  master_.control(ControlCommand::start_synchronous);
+  if (master_.state() != State::setting_up_master && sync_allowed() &&
+      master_.control(ControlCommand::start_synchronous, force) == Refusal::other_master) {
+    return Refusal::other_master;
+  }
+  target_ = StartTarget::setup;
+  waits_for_command_ = false;
+  return Refusal::none;
+}
+
+void ModeControl::wait_for_command() noexcept {
+  if (after_other_master_ == AfterOtherMaster::resume || target_ == StartTarget::none) return;
+  if (master_.access() != cansync::BusAccess::other_master) return;
+  target_ = StartTarget::none;
+  waits_for_command_ = true;
 }
 
 void ModeControl::pursue_target() noexcept {
   initialise();
+  wait_for_command();
   if (target_ == StartTarget::none) return;
   if (master_.state() == State::waiting_for_start) {
     if (sync_allowed()) master_.control(ControlCommand::start_synchronous);
@@ -45,13 +59,12 @@ Refusal ModeControl::run(bool force) noexcept {
 Refusal ModeControl::request(Mode mode, bool force) noexcept {
   switch (mode) {
     case Mode::set_up:
-      target_ = StartTarget::setup;
-      set_up();
-      return Refusal::none;
+      return set_up(force);
     case Mode::run:
       return run(force);
     case Mode::stop:
       target_ = StartTarget::none;
+      waits_for_command_ = false;
       master_.control(ControlCommand::cold_restart);
       initialise();
       return Refusal::none;
@@ -60,6 +73,7 @@ Refusal ModeControl::request(Mode mode, bool force) noexcept {
       return end_reset(bus_.reset());
     case Mode::restart:
       target_ = configured_;
+      waits_for_command_ = false;
       return master_.control(ControlCommand::cold_restart);
   }
   return Refusal::wrong_state;

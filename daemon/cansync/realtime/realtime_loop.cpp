@@ -48,7 +48,8 @@ RealtimeLoop::RealtimeLoop(const cansync::MasterSettings& settings, const LoopSe
       clock_(loop.wall_clock, loop.epoch),
       reporter_(exchange, clock_, loop.tap),
       master_(loop.cluster != nullptr ? loop.cluster->lower() : own_master_.emplace(settings, reporter_)),
-      mode_(master_, bus, loop.target, loop.first_target.value_or(loop.target), loop.cluster),
+      mode_(master_, bus, loop.target, loop.first_target.value_or(loop.target), loop.after_other_master,
+            loop.cluster),
       requests_(exchange, master_, mode_, reporter_,
                 loop.cluster != nullptr ? &loop.cluster->lead() : nullptr),
       timeline_(interval_, loop.sync_line != nullptr ? loop.sync_line->following() : std::nullopt,
@@ -103,6 +104,7 @@ void RealtimeLoop::begin() noexcept {
   load_.take(start);
   reporter_.at(0, start);
   watch_.begin();
+  if (watch_.away()) master_.bus_away();
   requests_.publish_settings();
 }
 
@@ -139,6 +141,7 @@ void RealtimeLoop::begin_interval() noexcept {
     reporter_.at(timeline_.next(), edge);
     loop_.cluster->decide_sync();
   }
+  if (synchronous() && looks_before_edge()) receive_frames();
   if (synchronous()) make_edge(edge);
   if (loop_.sync_line != nullptr) {
     loop_.sync_line->run(synchronous());
@@ -161,6 +164,14 @@ void RealtimeLoop::begin_interval() noexcept {
     exchange_.interval.write({reporter_.moment(), master_.planned_start(Slot::reference_one)});
     reporter_.written();
   }
+}
+
+/// The first edge after silence or after edges that were missed, and in set-up one that is a frame: another
+/// master may have begun since the last look.
+bool RealtimeLoop::looks_before_edge() const noexcept {
+  const bool is_frame = loop_.sync_line != nullptr && loop_.sync_line->makes_frame();
+  const bool missed = timeline_.next() != number_ + 1;
+  return !begun_ || missed || (is_frame && looks_before_sending());
 }
 
 void RealtimeLoop::begin_masters_interval() noexcept {
@@ -190,7 +201,7 @@ void RealtimeLoop::serve(Slot slot) noexcept {
   if (!stopping()) requests_.take(kRequestsBeforeSlot);
   const can::Time planned = sync_ + master_.planned_start(slot);
   sleep_until(planned);
-  if (loop_.look_at_every_slot) receive_frames();
+  if (loop_.look_at_every_slot || looks_before_sending()) receive_frames();
   if (loop_.sync_line != nullptr) loop_.sync_line->idle();
   reporter_.at(number_, planned);
   if (!stopping()) requests_.take(kRequestsAtSlot);
@@ -231,13 +242,23 @@ void RealtimeLoop::sleep_until(can::Time deadline) noexcept {
   }
 }
 
+/// True when it is no frame for the master.
+bool RealtimeLoop::take_sync_frame(const can::ReceivedFrame& received) noexcept {
+  if (loop_.sync_line->take_frame(received, timeline_.lock())) return true;
+  if (!loop_.sync_line->is_others(received)) return false;
+  heard_others_ = true;
+  reporter_.at(number_, received.end);
+  master_.other_sync();
+  return true;
+}
+
 void RealtimeLoop::receive_frames() noexcept {
   looked_ = true;
   can::ReceivedFrame received;
   for (unsigned i = 0; i < kFramesAtOnce && bus_.receive(received); ++i) {
     const unsigned bits = can::frame_bits(received.frame);
     load_.add(bits);
-    if (loop_.sync_line != nullptr && loop_.sync_line->take_frame(received, timeline_.lock())) continue;
+    if (loop_.sync_line != nullptr && take_sync_frame(received)) continue;
     if (master_.state() == cansync::State::active_master)
       slots_.add(received.frame, bits, received.end, sync_);
     const can::Time since_sync = received.end - sync_;

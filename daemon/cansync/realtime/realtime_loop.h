@@ -7,10 +7,10 @@
 
 #include "can/bus.h"
 #include "cansync/cluster/cluster.h"
+#include "cansync/config/config.h"
 #include "cansync/master.h"
 #include "cansync/settings/settings.h"
 #include "daemon/bus/bus_load.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/realtime/bus_watch.h"
 #include "daemon/cansync/realtime/mode_control.h"
@@ -41,6 +41,7 @@ struct LoopSettings {
   FlightTap* tap = nullptr;                  ///< flight recorder; null: none
   sync_line::SyncWire* sync_wire = nullptr;  ///< wire beside the bus; null: none; must outlive the loop
   SyncLine* sync_line = nullptr;             ///< what [sync] says; null: nothing; must outlive the loop
+  AfterOtherMaster after_other_master = AfterOtherMaster::resume;
   /// The loop drives the lower master of this cluster, at the edges `edges`, instead of a master of its own;
   /// null: it has its own. Both must outlive the loop; the cluster is not started.
   cansync::Cluster* cluster = nullptr;
@@ -97,11 +98,17 @@ class RealtimeLoop {
   void hand_over(cansync::Slot slot, const can::Frame& frame) noexcept;
   void sleep_until(can::Time deadline) noexcept;
   void receive_frames() noexcept;
+  bool take_sync_frame(const can::ReceivedFrame& received) noexcept;
   void publish() noexcept;
   void publish_timing(can::Time now) noexcept;
   void refresh_slave_counters() noexcept;
   std::uint16_t cansync_status() const noexcept;
-  bool synchronous() const noexcept { return cansync::is_synchronous(master_.state()); }
+  void watch_other_master() noexcept;
+  /// SYNC edges and telegrams may be sent.
+  bool synchronous() const noexcept { return cansync::is_synchronous(master_.state()) && !master_.silent(); }
+  /// In active operation a telegram comes before the look at what was received: it is punctual.
+  bool looks_before_sending() const noexcept { return !cansync::is_active(master_.state()); }
+  bool looks_before_edge() const noexcept;
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
   void decide_stop() noexcept;
   void follow_sync() noexcept;
@@ -136,7 +143,8 @@ class RealtimeLoop {
   std::array<std::uint64_t, cansync::kSlots> left_out_ = {};
   can::Time next_second_{};
   BusWatch watch_;
-  std::uint64_t lost_frames_ = 0;  ///< of the controller, when the running second began
+  can::Time second_master_since_{0};  ///< wall clock since when another master sends; 0: none does
+  std::uint64_t lost_frames_ = 0;     ///< of the controller, when the running second began
   can::Frame last_sent_;
   bool looked_ = false;        ///< for frames, since the last sleep
   bool echo_due_ = false;      ///< `last_sent_` was not seen on the bus yet

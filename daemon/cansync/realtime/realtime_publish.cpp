@@ -17,13 +17,21 @@ void RealtimeLoop::publish() noexcept {
   const bool was_connected = watch_.connected();
   watch_.look(now);
   if (was_connected && !watch_.connected()) master_.bus_lost();
+  if (watch_.away()) master_.bus_away();
+  if (watch_.returned()) master_.bus_returned();
   snapshot.when = reporter_.moment();
   snapshot.state = master_.state();
   snapshot.cansync_status = cansync_status();
   snapshot.counters = master_.counters();
   snapshot.controller = watch_.status();
   snapshot.timestamps = bus_.timestamp_source();
+  watch_other_master();
   snapshot.second_master = master_.second_master();
+  snapshot.second_master_identifier = master_.second_master_identifier();
+  snapshot.second_master_since = second_master_since_;
+  snapshot.access = master_.access();
+  snapshot.waits_for_command = mode_.waits_for_command();
+  snapshot.waits_for_upper_sync = !mode_.sync_allowed();
   snapshot.configured = master_.settings().configured();
   for (unsigned i = 0; i < cansync::kSlaves; ++i) {
     const SlaveNumber slave = *SlaveNumber::from(i);
@@ -31,7 +39,11 @@ void RealtimeLoop::publish() noexcept {
     if (status.responds) snapshot.responding.set(slave);
     if (status.synchronized) snapshot.synchronized.set(slave);
     if (status.state == cansync::SlaveState::released) snapshot.released.set(slave);
+    if (status.held && status.held->code == cansync::MasterEvent::Code::wrong_drive)
+      snapshot.wrong.set(slave);
   }
+  snapshot.duplicate = master_.duplicate_slaves();
+  snapshot.unknown = master_.unknown_slaves();
   snapshot.open_parameter_jobs = static_cast<std::uint32_t>(master_.open_parameter_jobs());
   snapshot.open_transfers = static_cast<std::uint32_t>(master_.open_transfers());
   for (const auto channel : {cansync::Channel::one, cansync::Channel::two}) {
@@ -47,6 +59,15 @@ void RealtimeLoop::publish() noexcept {
   exchange_.master.write(snapshot);
   refresh_slave_counters();
   if (now >= next_second_) publish_timing(now);
+}
+
+/// Since when another master sends, to the interval.
+void RealtimeLoop::watch_other_master() noexcept {
+  if (!master_.second_master()) {
+    second_master_since_ = can::Time{0};
+  } else if (second_master_since_ == can::Time{0}) {
+    second_master_since_ = reporter_.moment().wall_clock;
+  }
 }
 
 /// Slaves' counters change all the time; each slave's are told about once a second, one slave at a time.

@@ -46,6 +46,11 @@ void Reporter::event(const cansync::MasterEvent& event) noexcept {
   report(EventReport{moment_, event});
 }
 
+void Reporter::reference_beyond_limit(cansync::Channel channel,
+                                      const cansync::LimitViolation& beyond) noexcept {
+  report(ReferenceRefused{moment_, channel, cansync::Refusal::beyond_limit, beyond});
+}
+
 void Reporter::report(const Report& report) noexcept {
   if (tap_ != nullptr) tell(*tap_, report);
   if (!exchange_.reports.try_push(report)) ++lost_reports_;

@@ -27,6 +27,8 @@ class Reporter final : public cansync::MasterListener {
   void transfer_done(cansync::JobId id, const cansync::TransferResult& result) noexcept override;
   void command_done(cansync::JobId id, cansync::Outcome outcome) noexcept override;
   void event(const cansync::MasterEvent& event) noexcept override;
+  void reference_beyond_limit(cansync::Channel channel,
+                              const cansync::LimitViolation& beyond) noexcept override;
 
   // --- what the loop reports itself
 

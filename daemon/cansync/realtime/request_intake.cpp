@@ -75,7 +75,7 @@ void RequestIntake::handle(const cansync::ReferenceUpdate& update) noexcept {
   const bool led = lead_ != nullptr && lead_->gives(update.channel);
   const Refusal refusal = led ? Refusal::lead_axis : master_.submit(update);
   if (refusal != Refusal::none) {
-    reporter_.report(ReferenceRefused{reporter_.moment(), update.channel, refusal});
+    reporter_.report(ReferenceRefused{reporter_.moment(), update.channel, refusal, {}});
   }
 }
 
@@ -147,6 +147,11 @@ void RequestIntake::handle(const SetReferenceMapping& request) noexcept {
 
 void RequestIntake::handle(const SetActualMapping& request) noexcept {
   answer_setting(request.id, master_.set_actual_mapping(request.slave, request.mapping));
+}
+
+void RequestIntake::handle(const SetReferenceLimits& request) noexcept {
+  master_.set_reference_limits(request.value, request.limits);
+  answer_setting(request.id, Refusal::none);
 }
 
 void RequestIntake::handle(const ReleaseSlave& request) noexcept {

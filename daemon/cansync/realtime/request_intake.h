@@ -41,6 +41,7 @@ class RequestIntake {
   void handle(const SetCursors& request) noexcept;
   void handle(const SetReferenceMapping& request) noexcept;
   void handle(const SetActualMapping& request) noexcept;
+  void handle(const SetReferenceLimits& request) noexcept;
   void handle(const ReleaseSlave& request) noexcept;
   void answer(cansync::JobId id, cansync::Refusal refusal) noexcept;
   void answer_setting(cansync::JobId id, cansync::Refusal refusal) noexcept;

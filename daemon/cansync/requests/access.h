@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/desk/access.h"
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cansync/channel/outcome_rules.h"
+
 namespace cansyncd {
 
 AuditMemory::AuditMemory(const Config& config) : settings_(cansync::in_force(config.master)) {}
@@ -21,7 +23,7 @@ void AuditMemory::learn(const cansync::ParameterRequest& request, const cansync:
   const Key key = key_of(request);
   if (result.outcome == cansync::Outcome::done) {
     remember(key, result.value);
-  } else if (request.write && result.outcome == cansync::Outcome::no_answer) {
+  } else if (request.write && cansync::perhaps_written(result)) {
     // The slave may have the old value or the new one.
     if (parameters_.erase(key) != 0) order_.erase(std::find(order_.begin(), order_.end(), key));
   }

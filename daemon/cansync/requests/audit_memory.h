@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "cansync/channel/jobs.h"
+#include "cansync/config/config.h"
 #include "cansync/settings/settings_in_force.h"
-#include "daemon/cansync/config/config.h"
 
 namespace cansyncd {
 
@@ -25,7 +25,7 @@ class AuditMemory {
 
   /// The newest value of the parameter that `request` names; nothing: not known.
   std::optional<std::uint32_t> parameter(const cansync::ParameterRequest& request) const;
-  /// A parameter was read or written, or a write got no answer.
+  /// A parameter job ended: keeps the value, or forgets it when the slave may have another one.
   void learn(const cansync::ParameterRequest& request, const cansync::ParameterResult& result);
 
   /// The control word that a slave got last; nothing: not known.
@@ -35,6 +35,8 @@ class AuditMemory {
   void set_control_word(cansync::SlaveNumber slave, std::uint16_t word) {
     control_words_[slave.value()] = word;
   }
+  /// It may have got a newer one.
+  void forget_control_word(cansync::SlaveNumber slave) { control_words_[slave.value()].reset(); }
 
   /// Mappings, polling and cursors.
   const cansync::SettingsInForce& settings() const noexcept { return settings_; }

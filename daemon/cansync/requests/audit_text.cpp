@@ -58,7 +58,9 @@ std::optional<Change> change_of(const cansync_TransferRequest& sample) {
   const std::string what =
       sample.sub_slave == 0 ? fmt::format("address 0x{:X}", sample.address)
                             : fmt::format("address 0x{:X} of sub-slave {}", sample.address, sample.sub_slave);
-  return Change{"download", bounded(sample.slave), what, text::counted(sample.data._length, "byte")};
+  Change change{"download", bounded(sample.slave), what, text::counted(sample.data._length, "byte")};
+  change.hashed = true;
+  return change;
 }
 
 std::optional<Change> change_of(const cansync_Command& sample) {

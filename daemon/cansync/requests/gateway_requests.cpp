@@ -107,6 +107,10 @@ std::vector<Request> changes(const Config& from, const Config& to) {
     if (!from.master.slaves[i].configured || before.actual_mapping[i] == mapping) continue;
     requests.emplace_back(SetActualMapping{0, *SlaveNumber::from(i), mapping});
   }
+  for (std::uint8_t i = 0; i < cansync::kValues; ++i) {
+    if (before.reference_limits[i] != now.reference_limits[i])
+      requests.emplace_back(SetReferenceLimits{0, i, now.reference_limits[i]});
+  }
   SetPolling polling;
   polling.polling = {if_new(before.polling[0], now.polling[0]), if_new(before.polling[1], now.polling[1])};
   polling.maximum_slave = if_new(before.maximum_slave, now.maximum_slave);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cansync.h"
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 
 /// Commands of clients as requests to the realtime thread, and requests in words for the journal. Pure

@@ -6,6 +6,7 @@
 
 #include "daemon/cansync/requests/audit_text.h"
 #include "daemon/cansync/requests/gateway_requests.h"
+#include "daemon/cansync/texts/limit_text.h"
 #include "daemon/cansync/texts/profile_rules.h"
 #include "daemon/cansync/texts/refusal_text.h"
 #include "text/counts.h"
@@ -74,6 +75,11 @@ void KindRow<cansync::ControlWordRequest>::done(const cansync::ControlWordReques
   memory.set_control_word(r.slave, r.control_word);
 }
 
+void KindRow<cansync::ControlWordRequest>::perhaps_done(const cansync::ControlWordRequest& r,
+                                                        AuditMemory& memory) {
+  memory.forget_control_word(r.slave);
+}
+
 Text KindRow<cansync::BroadcastRequest>::text(const cansync::BroadcastRequest& r, const Config& /*config*/) {
   return fmt::format("broadcast {} to slaves 0x{:08X}: command {}, data 0x{:02X} 0x{:04X}", r.priority,
                      r.action.slaves.bits, r.action.command, r.action.data_byte, r.action.data_word);
@@ -82,6 +88,12 @@ Text KindRow<cansync::BroadcastRequest>::text(const cansync::BroadcastRequest& r
 void KindRow<cansync::BroadcastRequest>::done(const cansync::BroadcastRequest& r, AuditMemory& memory) {
   if (r.action.command != cansync::kCommandControlWord) return;
   for (const cansync::SlaveNumber slave : r.action.slaves) memory.set_control_word(slave, r.action.data_word);
+}
+
+void KindRow<cansync::BroadcastRequest>::perhaps_done(const cansync::BroadcastRequest& r,
+                                                      AuditMemory& memory) {
+  if (r.action.command != cansync::kCommandControlWord) return;
+  for (const cansync::SlaveNumber slave : r.action.slaves) memory.forget_control_word(slave);
 }
 
 Text KindRow<ModeRequest>::text(const ModeRequest& r, const Config& /*config*/) {
@@ -154,6 +166,19 @@ std::string KindRow<SetActualMapping>::before(const SetActualMapping& r, const A
 
 void KindRow<SetActualMapping>::done(const SetActualMapping& r, AuditMemory& memory) {
   memory.settings().actual_mapping[r.slave.value()] = r.mapping;
+}
+
+Text KindRow<SetReferenceLimits>::text(const SetReferenceLimits& r, const Config& /*config*/) {
+  return fmt::format("limits of reference value {}: {}", r.value, limits_text(r.limits));
+}
+
+std::string KindRow<SetReferenceLimits>::before(const SetReferenceLimits& r, const AuditMemory& memory,
+                                                cansync::State /*state*/) {
+  return limits_text(memory.settings().reference_limits[r.value]);
+}
+
+void KindRow<SetReferenceLimits>::done(const SetReferenceLimits& r, AuditMemory& memory) {
+  memory.settings().reference_limits[r.value] = r.limits;
 }
 
 Text KindRow<ReleaseSlave>::text(const ReleaseSlave& r, const Config& config) {

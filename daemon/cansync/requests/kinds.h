@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/requests/audit_memory.h"
 #include "daemon/cansync/requests/lanes.h"
@@ -31,6 +31,8 @@ struct CommonRow {
   }
   /// Keeps what it has set, once it is done.
   static void done(const Kind& /*request*/, AuditMemory& /*memory*/) {}
+  /// Forgets what it may have changed: it ended, and whether it was done is not known.
+  static void perhaps_done(const Kind& /*request*/, AuditMemory& /*memory*/) {}
 };
 
 /// No default: a kind that is new does not compile until it has its row.
@@ -69,6 +71,7 @@ struct KindRow<cansync::ControlWordRequest> : CommonRow<cansync::ControlWordRequ
   static std::optional<std::string> text(const cansync::ControlWordRequest& r, const Config& config);
   static std::string before(const cansync::ControlWordRequest& r, const AuditMemory& memory, cansync::State);
   static void done(const cansync::ControlWordRequest& r, AuditMemory& memory);
+  static void perhaps_done(const cansync::ControlWordRequest& r, AuditMemory& memory);
 };
 
 template <>
@@ -76,6 +79,7 @@ struct KindRow<cansync::BroadcastRequest> : CommonRow<cansync::BroadcastRequest,
   static Lane lane(const cansync::BroadcastRequest& r) noexcept { return {LaneKind::broadcast, r.priority}; }
   static std::optional<std::string> text(const cansync::BroadcastRequest& r, const Config& config);
   static void done(const cansync::BroadcastRequest& r, AuditMemory& memory);
+  static void perhaps_done(const cansync::BroadcastRequest& r, AuditMemory& memory);
 };
 
 // --- what takes effect at once
@@ -112,6 +116,13 @@ struct KindRow<SetActualMapping> : CommonRow<SetActualMapping, Right::engineer, 
   static std::optional<std::string> text(const SetActualMapping& r, const Config& config);
   static std::string before(const SetActualMapping& r, const AuditMemory& memory, cansync::State);
   static void done(const SetActualMapping& r, AuditMemory& memory);
+};
+
+template <>
+struct KindRow<SetReferenceLimits> : CommonRow<SetReferenceLimits, Right::engineer, true> {
+  static std::optional<std::string> text(const SetReferenceLimits& r, const Config& config);
+  static std::string before(const SetReferenceLimits& r, const AuditMemory& memory, cansync::State);
+  static void done(const SetReferenceLimits& r, AuditMemory& memory);
 };
 
 template <>

@@ -34,6 +34,12 @@ std::optional<cansync::ActionCommand> action_of(const Request& request) {
   return broadcast->action;
 }
 
+std::optional<Change> with_name(std::optional<Change> change, const Config& config) {
+  if (change && change->slave >= 0 && static_cast<std::size_t>(change->slave) < config.slaves.size())
+    change->slave_name = config.slaves[static_cast<std::size_t>(change->slave)].name;
+  return change;
+}
+
 bool is_word(const Request& request) noexcept {
   return std::holds_alternative<cansync::ControlWordRequest>(request);
 }
@@ -42,21 +48,20 @@ bool is_word(const Request& request) noexcept {
 
 template class JobDesk<CansyncRequests>;
 
-std::optional<Change> CansyncRequests::change_of(const cansync_Command& sample,
-                                                 const JobContext& /*context*/) {
-  return cansyncd::change_of(sample);
+std::optional<Change> CansyncRequests::change_of(const cansync_Command& sample, const JobContext& context) {
+  return with_name(cansyncd::change_of(sample), context.config);
 }
 
 std::optional<Change> CansyncRequests::change_of(const cansync_ParameterRequest& sample,
                                                  const JobContext& context) {
   auto change = cansyncd::change_of(sample);
   if (change) change->what = parameter_text(context.config, sample);
-  return change;
+  return with_name(std::move(change), context.config);
 }
 
 std::optional<Change> CansyncRequests::change_of(const cansync_TransferRequest& sample,
-                                                 const JobContext& /*context*/) {
-  return cansyncd::change_of(sample);
+                                                 const JobContext& context) {
+  return with_name(cansyncd::change_of(sample), context.config);
 }
 
 std::optional<Request> CansyncRequests::request_of(const cansync_Command& sample, JobId id,

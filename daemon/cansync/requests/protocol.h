@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/config/config.h"
 #include "cansync/dds/validate.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/requests/access.h"
 #include "daemon/cansync/requests/lanes.h"

@@ -21,8 +21,15 @@ void RequestAudit::refused(const Requester& who, const Change& change, const Req
 }
 
 void RequestAudit::remember(const Request& request, cansync::Outcome outcome) {
-  if (outcome != cansync::Outcome::done) return;
-  with_row(request, [&](auto row, const auto& kind) { row.done(kind, memory_); });
+  using cansync::Outcome;
+  if (outcome != Outcome::done && outcome != Outcome::no_answer) return;
+  with_row(request, [&](auto row, const auto& kind) {
+    if (outcome == Outcome::done) {
+      row.done(kind, memory_);
+    } else {
+      row.perhaps_done(kind, memory_);
+    }
+  });
 }
 
 }  // namespace cansyncd

@@ -26,9 +26,9 @@ class RequestAudit {
   void refused(const Requester& who, const Change& change, const Request& request,
                cansync::State state_before, const gateway::dds::Denial& denial, SteadyTime now);
 
-  /// `request` ended as `outcome`: keeps what it has set.
+  /// `request` ended as `outcome`: keeps what it has set, or forgets what it may have changed.
   void remember(const Request& request, cansync::Outcome outcome);
-  /// A parameter was read or written, or a write got no answer.
+  /// A parameter job ended.
   void learn(const cansync::ParameterRequest& request, const cansync::ParameterResult& result) {
     memory_.learn(request, result);
   }

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "cansync.h"
+#include "cansync/config/config.h"
 #include "cansync/dds/convert.h"
 #include "cansync/dds/topics.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/texts/refusal_text.h"
 #include "daemon/desk/job_protocol.h"

@@ -5,8 +5,8 @@
 
 namespace cansyncd {
 
-ConfigFile load_checked(const std::string& path, std::span<const std::string> overrides) {
-  return checked(load_config(path, overrides), sim::drive_faults());
+ConfigFile load_checked(const config::Source& source, std::span<const std::string> overrides) {
+  return checked(load_config(source, overrides), sim::drive_faults());
 }
 
 }  // namespace cansyncd

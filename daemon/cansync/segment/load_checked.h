@@ -3,11 +3,11 @@
 #include <span>
 #include <string>
 
-#include "daemon/cansync/config/file.h"
+#include "cansync/config/file.h"
 
 namespace cansyncd {
 
 /// Reads and checks a configuration completely: the file, and what stands behind it. Main thread.
-ConfigFile load_checked(const std::string& path, std::span<const std::string> overrides);
+ConfigFile load_checked(const config::Source& source, std::span<const std::string> overrides);
 
 }  // namespace cansyncd

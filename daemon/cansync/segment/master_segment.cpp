@@ -4,9 +4,9 @@
 
 #include <utility>
 
+#include "cansync/config/reload.h"
 #include "cansync/settings/timing.h"
 #include "daemon/cansync/bus/bus_plan.h"
-#include "daemon/cansync/config/reload.h"
 #include "daemon/cansync/realtime/flight_reports.h"
 #include "daemon/cansync/segment/load_checked.h"
 #include "daemon/segment/segment_start.h"
@@ -32,6 +32,7 @@ LoopSettings loop_settings(const Config& config, std::optional<StartTarget> firs
   settings.sync_wire = wire;
   settings.sync_line = sync_line;
   settings.target = config.startup.target;
+  settings.after_other_master = config.startup.after_other_master;
   settings.report_intervals = config.dds.interval_topic;
   settings.tap = tap;
   // The simulated line costs no system call to look at.
@@ -91,7 +92,7 @@ void MasterSegment::stop() noexcept {
 
 ReloadPlan MasterSegment::plan_reload(std::span<const std::string> overrides) {
   ConfigFile wanted = load_checked(file_.path, overrides);
-  if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
+  if (auto wrong = refused_by_reload(wanted); !wrong.empty()) return {true, std::move(wrong), {}, {}, {}};
   ConfigReload changes = cansyncd::plan_reload(file_, wanted);
   const bool can_set_up = !changes.needs_set_up.empty() && changes.anew.problems.empty();
   const bool can_apply = changes.merged.problems.empty();

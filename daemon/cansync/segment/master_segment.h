@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "cansync/config/file.h"
 #include "daemon/bus/bus_choice.h"
-#include "daemon/cansync/config/file.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
@@ -47,6 +47,11 @@ class MasterSegment final : public Segment {
   bool record() noexcept override { return flight_.request(); }
   ReloadPlan plan_reload(std::span<const std::string> overrides) override;
   void post(const EventText& event) override { gateway_.post(event); }
+  void set_surroundings(const Surroundings& surroundings) override {
+    gateway_.set_surroundings(surroundings);
+  }
+  bool in_run() const noexcept override { return gateway_.in_run(); }
+  void set_pending_restart(const PendingRestart& pending) override { gateway_.set_pending_restart(pending); }
 
  private:
   ConfigFile file_;

@@ -5,6 +5,8 @@
 
 #include "can/bus_names.h"
 #include "cansync/dds/convert.h"
+#include "daemon/cansync/state_text.h"
+#include "daemon/cansync/texts/event_text.h"
 
 namespace cansyncd {
 namespace {
@@ -27,13 +29,26 @@ std::array<cansync_ValueName, cansync::kValues> names_of(const ValueConfigs& val
   return names;
 }
 
+/// Bit n: reference value n is on the bus without a minimum, maximum or max_step.
+std::uint32_t unlimited(const SettingsSnapshot& settings) {
+  std::uint32_t mask = 0;
+  for (const cansync::TelegramMapping& telegram : settings.reference_mapping) mask |= telegram.value_mask();
+  for (unsigned i = 0; i < cansync::kValues; ++i) {
+    cansync::ReferenceLimits limits = settings.reference_limits[i];
+    limits.start_within.reset();
+    if (limits.any()) mask &= ~(1u << i);
+  }
+  return mask;
+}
+
 /// What is worth a sample of MasterStatus at once; counters wait for the next second.
 auto essence(const MasterSnapshot& master) {
   // Overrun, warning and bus-off; "sending" and "receiving" change all the time.
   constexpr unsigned kLastingBits = 0x00C2;
-  return std::tuple(master.state, master.cansync_status & kLastingBits, master.second_master,
-                    master.configured.bits, master.responding.bits, master.synchronized.bits,
-                    master.released.bits);
+  return std::tuple(master.state, master.cansync_status & kLastingBits, master.second_master, master.access,
+                    master.waits_for_command, master.configured.bits, master.responding.bits,
+                    master.synchronized.bits, master.released.bits, master.wrong.bits, master.duplicate.bits,
+                    master.unknown.bits);
 }
 
 constexpr TelegramClass kSlotOrder[kTelegramClasses] = {
@@ -194,14 +209,20 @@ void StatePublisher::publish_master(SteadyTime now) {
   cansync_MasterStatus& sample = told_master_;
   sample = {};
   dds::fill_master_status(settings, master_.counters, master_.state, sample);
+  dds::copy_text(state_text(master_), sample.state);
   sample.cansync_status = master_.cansync_status;
   sample.interval = master_.when.interval;
   sample.second_master_frames = master_.counters.second_master;
   sample.second_master = master_.second_master;
+  sample.second_master_identifier = master_.second_master_identifier;
+  sample.second_master_since = master_.second_master_since.count();
   sample.slaves_configured = master_.configured.bits;
   sample.slaves_responding = master_.responding.bits;
   sample.slaves_synchronized = master_.synchronized.bits;
   sample.slaves_released = master_.released.bits;
+  sample.slaves_wrong = master_.wrong.bits;
+  sample.slaves_duplicate = master_.duplicate.bits;
+  sample.slaves_unknown = master_.unknown.bits;
   sample.open_parameter_jobs = master_.open_parameter_jobs;
   sample.open_transfers = master_.open_transfers;
   std::copy(daemon_.begin(), daemon_.end(), std::begin(sample.daemon));
@@ -210,6 +231,7 @@ void StatePublisher::publish_master(SteadyTime now) {
     told_givers_ = *givers_;
     fill_references(master_.release, master_.lead_axis, told_givers_, sample);
   }
+  sample.references_unlimited = unlimited(settings_);
   const auto names = names_of(config_.references, settings_.reference_mapping);
   std::copy(names.begin(), names.end(), std::begin(sample.reference_value));
   (void)master_writer_.write(sample);
@@ -223,6 +245,7 @@ void StatePublisher::publish_slave(SlaveNumber number, SteadyTime now) {
   cansync_SlaveStatus& sample = slave.told_status.emplace(dds::slave_status(
       number, config.name, slave.report.status, settings_.actual_mapping[number.value()], slave.names));
   sample.status_parameter = config_.master.slaves[number.value()].status_parameter;
+  dds::copy_text(held_reason(slave.report.status, config_), sample.held_reason);
   if (config.parameters != nullptr) {
     dds::copy_text(config.parameters->name, sample.profile);
     dds::copy_text(config.parameters->hash, sample.profile_hash);

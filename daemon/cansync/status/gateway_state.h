@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "cansync.h"
+#include "cansync/config/config.h"
 #include "cansync/dds/topics.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/status/profile_topic.h"
 #include "daemon/cansync/status/reference_status.h"

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "dds/endpoint.h"
 #include "dds/overview/overview_topics.h"
 #include "dds/participant.h"

@@ -1,5 +1,8 @@
 #include "daemon/cansync/status/reference_status.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "cansync/dds/convert.h"
 #include "cansync/dds/lead_axis_writer.h"
 
@@ -69,6 +72,10 @@ void fill_references(const std::array<ReleaseStatus, cansync::kChannels>& releas
     const ReferenceGiver& giver = lead_axis[i] ? axis : givers[i];
     dds::copy_text(giver.who, out.writer);
     out.strength = giver.strength;
+    std::copy(giver.guid.begin(), giver.guid.end(), std::begin(out.writer_guid));
+    dds::copy_text(giver.waiting, out.waiting_writer);
+    out.refused = giver.refused + release[i].beyond_limits;
+    dds::copy_text(giver.refused_reason, out.refused_reason);
     dds::copy_text(name(release[i].state), out.state);
     dds::copy_text(release_cause(release[i], giver.loss), out.cause);
     out.interval = release[i].given;

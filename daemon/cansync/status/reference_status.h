@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tuple>
 
 #include "cansync.h"
 #include "cansync/process_data/release_status.h"
@@ -24,10 +25,18 @@ enum class Loss : std::uint8_t {
 
 /// Who gives the reference values of a telegram.
 struct ReferenceGiver {
-  std::string who;            ///< as far as known; empty: nobody
-  std::int32_t strength = 0;  ///< of its ownership
+  std::string who;                         ///< as far as known; empty: nobody
+  std::int32_t strength = 0;               ///< of its ownership
+  std::array<std::uint8_t, 16> guid = {};  ///< of its writer
   Loss loss = Loss::none;
-  bool operator==(const ReferenceGiver&) const = default;
+  std::string waiting;         ///< a writer that waits for the telegram; empty: none
+  std::uint64_t refused = 0;   ///< samples of writers that wait, since the start
+  std::string refused_reason;  ///< of the newest sample that was refused, for its writer or a limit
+  /// What is to be told at once. Refused samples rise with each of them, and are told once a second.
+  friend bool operator==(const ReferenceGiver& a, const ReferenceGiver& b) noexcept {
+    return std::tie(a.who, a.strength, a.guid, a.loss, a.waiting) ==
+           std::tie(b.who, b.strength, b.guid, b.loss, b.waiting);
+  }
 };
 
 /// Why values are held or stopped, as a stable word: writer_lost, given_up, deadline_missed, too_old,

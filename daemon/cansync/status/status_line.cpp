@@ -7,6 +7,7 @@
 #include "can/bus_names.h"
 #include "cansync/settings/mode.h"
 #include "cansync/settings/timing.h"
+#include "daemon/cansync/state_text.h"
 #include "text/counts.h"
 
 namespace cansyncd {
@@ -37,6 +38,8 @@ std::string link_problem(const MasterSnapshot& master, const Config& config) {
       return fmt::format("waiting for interface {}: it is missing", interface);
     case can::LinkState::down:
       return fmt::format("waiting for interface {}: it is down", interface);
+    case can::LinkState::wrong_adapter:
+      return fmt::format("nothing is sent: interface {} has another adapter than bus.adapter", interface);
     case can::LinkState::wrong_bit_rate:
       return fmt::format("nothing is sent: interface {} has another bit rate than the configured one",
                          interface);
@@ -54,12 +57,23 @@ std::string link_problem(const MasterSnapshot& master, const Config& config) {
   return {};
 }
 
+/// What to do about another master; empty when none keeps the daemon from sending.
+std::string other_master_problem(const MasterSnapshot& master, const Config& config) {
+  const std::string state = state_text(master);
+  if (master.waits_for_command && !master.second_master)
+    return fmt::format("{} of interface {}; start with: cansync mode setup", state, config.bus.interface);
+  if (!master.second_master || cansync::is_synchronous(master.state)) return {};
+  return fmt::format("{} of interface {} ({}); switch one of them off", state, config.bus.interface,
+                     other_master_frame(master.second_master_identifier));
+}
+
 }  // namespace
 
 std::string status_text(const MasterSnapshot& master, const Config& config) {
   if (std::string problem = link_problem(master, config); !problem.empty()) return problem;
+  if (std::string problem = other_master_problem(master, config); !problem.empty()) return problem;
   const auto& times = cansync::slot_times(config.master.bit_rate);
-  return fmt::format("{}: {}{}; bus {} ({}) at {} bit/s{}", name(master.state),
+  return fmt::format("{}: {}{}; bus {} ({}) at {} bit/s{}", state_text(master),
                      text::counted_of(__builtin_popcount(master.responding.bits),
                                       __builtin_popcount(config.master.configured().bits), "slave responds",
                                       "slaves respond"),

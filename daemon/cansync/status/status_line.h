@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 
 namespace cansyncd {

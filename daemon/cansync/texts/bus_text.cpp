@@ -4,7 +4,8 @@
 
 #include "cansync/dds/convert.h"
 #include "cansync/settings/timing.h"
-#include "daemon/bus/bit_timing_check.h"
+#include "daemon/bus/adapter_text.h"
+#include "daemon_config/bit_timing_check.h"
 #include "text/counts.h"
 
 namespace cansyncd {
@@ -37,7 +38,7 @@ FaultWords words_of(BusFaultKind kind) {
 
 }  // namespace
 
-EventText describe_link(const LinkChanged& report, const Config& config) {
+EventText describe_link(const LinkChanged& report, const Config& config, const can::LinkFacts& link) {
   const std::string& interface = config.bus.interface;
   const auto event = [&report](gateway_EventSeverity severity, EventCode code, std::string text) {
     return EventText{severity, code, -1, std::move(text), report.when};
@@ -49,14 +50,15 @@ EventText describe_link(const LinkChanged& report, const Config& config) {
                                text::counted(report.left_out, "telegram was", "telegrams were")));
     case can::LinkState::down:
       return event(gateway_SEVERITY_ERROR, "interface_down",
-                   fmt::format("{0} is down, nothing is sent; set it up with: {1}", interface,
-                               report.bits_per_second == 0 ? fmt::format("ip link set {} up", interface)
-                                                           : bit_rate_command(config.bus)));
+                   fmt::format("{} is down, nothing is sent; set it up with: {}", interface,
+                               set_up_command(config.bus, link)));
     case can::LinkState::missing:
       return event(gateway_SEVERITY_ERROR, "interface_missing",
                    fmt::format("there is no CAN interface {}, nothing is sent; plug the adapter in, or load "
                                "its driver",
                                interface));
+    case can::LinkState::wrong_adapter:
+      return event(gateway_SEVERITY_ERROR, "wrong_adapter", wrong_adapter_text(config.bus, link));
     case can::LinkState::wrong_bit_rate:
       return event(
           gateway_SEVERITY_ERROR, "wrong_bit_rate",

@@ -4,7 +4,7 @@
 
 #include "can/bus_names.h"
 #include "cansync.h"
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/texts/event_text.h"
 
@@ -12,7 +12,7 @@
 namespace cansyncd {
 
 /// The event that stands for a change of the interface: what happened, why nothing is sent, and the remedy.
-EventText describe_link(const LinkChanged& report, const Config& config);
+EventText describe_link(const LinkChanged& report, const Config& config, const can::LinkFacts& link = {});
 
 /// The event that stands for a fault that began or is over.
 EventText describe_fault(const BusFault& report);

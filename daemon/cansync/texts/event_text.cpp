@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "daemon/cansync/state_text.h"
 #include "daemon/cansync/texts/bus_text.h"
 #include "daemon/cansync/texts/profile_rules.h"
 #include "daemon/cansync/texts/refusal_text.h"
@@ -20,16 +21,20 @@ gateway_EventSeverity severity_of(Code code) noexcept {
     case Code::slave_lost:
     case Code::slave_check_failed:
     case Code::slave_status_refused:
+    case Code::wrong_drive:
+    case Code::duplicate_slave:
     case Code::second_master:
       return gateway_SEVERITY_ERROR;
     case Code::slave_not_synchronized:
     case Code::references_stopped:
     case Code::references_too_old:
     case Code::references_held:
+    case Code::unknown_slave:
       return gateway_SEVERITY_WARNING;
     case Code::slave_responds:
     case Code::slave_returned:
     case Code::slave_checked:
+    case Code::slave_identified:
     case Code::slave_released:
     case Code::slave_synchronized:
     case Code::all_synchronized:
@@ -40,18 +45,38 @@ gateway_EventSeverity severity_of(Code code) noexcept {
   return gateway_SEVERITY_INFO;
 }
 
-std::string check_failed_text(const std::string& who, const cansync::MasterEvent& event,
-                              const Config& config) {
+/// "serial-number (parameter 102), expected 1001 (0x3E9), found 1002 (0x3EA)".
+std::string difference_text(const cansync::MasterEvent& event, const Config& config) {
   std::string found = fmt::format("found {} (0x{:X})", event.found, event.found);
   if (event.outcome == cansync::Outcome::slave_error) {
     found = fmt::format("slave error 0x{:04X}", event.found);
   } else if (event.outcome != cansync::Outcome::done) {
     found = cansync::name(event.outcome);
   }
+  return fmt::format("{}, expected {} (0x{:X}), {}",
+                     parameter_label(config, event.slave->value(), event.detail), event.expected,
+                     event.expected, found);
+}
+
+std::string check_failed_text(const std::string& who, const cansync::MasterEvent& event,
+                              const Config& config) {
+  return fmt::format("{} stays held out: {}; set it right, then: cansync release {}", who,
+                     difference_text(event, config), event.slave->value());
+}
+
+std::string wrong_drive_text(const std::string& who, const cansync::MasterEvent& event,
+                             const Config& config) {
   return fmt::format(
-      "{} stays held out: {}, expected {} (0x{:X}), {}; set it right, then: cansync release {}", who,
-      parameter_label(config, event.slave->value(), event.detail), event.expected, event.expected, found,
-      event.slave->value());
+      "{} is not the drive expected and is held out: {}; connect the right drive, or correct its expect and reload, then: "
+      "cansync release {}",
+      who, difference_text(event, config), event.slave->value());
+}
+
+std::string duplicate_text(const std::string& who, const cansync::MasterEvent& event, const Config& config) {
+  const bool holds = config.master.startup.on_duplicate == cansync::OnDuplicate::hold;
+  return fmt::format(
+      "two drives answer as {}{}; give each drive a number of its own, then: cansync release {}", who,
+      holds ? ", which is held out" : "", event.slave->value());
 }
 
 std::string status_refused_text(const std::string& who, const cansync::MasterEvent& event,
@@ -66,6 +91,26 @@ std::string status_refused_text(const std::string& who, const cansync::MasterEve
   return fmt::format("{} does not give its status word, {}: it answers {}; {}", who, parameter,
                      event.outcome == cansync::Outcome::timeout ? "busy for 5 s" : "without a value for 5 s",
                      kRemedy);
+}
+
+std::string_view other_master_effect(const cansync::MasterEvent& event) noexcept {
+  if (event.found == static_cast<std::uint32_t>(cansync::BusAccess::granted)) return "";
+  return "; the daemon sends nothing until that one has been quiet for 3 s";
+}
+
+/// Is it the drive expected, one drive, and one of the line?
+std::string which_drive_text(const std::string& who, const cansync::MasterEvent& event,
+                             const Config& config) {
+  if (event.code == Code::wrong_drive) return wrong_drive_text(who, event, config);
+  if (event.code == Code::duplicate_slave) return duplicate_text(who, event, config);
+  if (event.code == Code::unknown_slave) {
+    return fmt::format(
+        "slave {0} answers and is not in the configuration; add it ([[slave]] with number = {0}), or disconnect it: "
+        "it receives the reference values of all",
+        event.slave->value());
+  }
+  return fmt::format("{} is the drive expected: {} {}", who, text::counted(event.detail, "parameter"),
+                     event.detail == 1 ? "has its value" : "have their values");
 }
 
 std::string text_of(const cansync::MasterEvent& event, const Config& config) {
@@ -84,6 +129,11 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
       return check_failed_text(who, event, config);
     case Code::slave_status_refused:
       return status_refused_text(who, event, config);
+    case Code::slave_identified:
+    case Code::wrong_drive:
+    case Code::duplicate_slave:
+    case Code::unknown_slave:
+      return which_drive_text(who, event, config);
     case Code::slave_released:
       return who + (event.detail != 0 ? " is released by command, unchecked" : " is released");
     case Code::slave_synchronized:
@@ -111,8 +161,8 @@ std::string text_of(const cansync::MasterEvent& event, const Config& config) {
       return fmt::format("the last reference values of telegram {} are still released, for {} at most",
                          event.detail, text::counted(config.failsafe.hold_intervals, "interval"));
     case Code::second_master:
-      return fmt::format("another master sends on this bus (identifier 0x{:03X}); switch one of them off",
-                         event.detail);
+      return fmt::format("another master sends on this bus ({}){}; switch one of them off",
+                         other_master_frame(event.detail), other_master_effect(event));
     case Code::second_master_gone:
       return fmt::format("the other master is silent; {} of its frames were seen", event.detail);
   }
@@ -137,6 +187,7 @@ std::string_view remedy_of(can::SendResult result) noexcept {
 
 struct ReportDescriber {
   const Config& config;
+  const can::LinkFacts& link;
 
   std::optional<EventText> operator()(const StateChanged& report) const {
     return EventText{gateway_SEVERITY_INFO, "state_changed", -1,
@@ -148,7 +199,8 @@ struct ReportDescriber {
     EventText event{severity_of(report.event.code), code_of(report.event.code),
                     report.event.slave ? int{report.event.slave->value()} : -1, text_of(report.event, config),
                     report.when};
-    if (report.event.code == Code::slave_check_failed || report.event.code == Code::slave_status_refused)
+    if (report.event.code == Code::slave_check_failed || report.event.code == Code::slave_status_refused ||
+        report.event.code == Code::wrong_drive)
       event.parameter = static_cast<int>(report.event.detail);
     return event;
   }
@@ -183,7 +235,7 @@ struct ReportDescriber {
     return sync_event(report, config);
   }
   std::optional<EventText> operator()(const LinkChanged& report) const {
-    return describe_link(report, config);
+    return describe_link(report, config, link);
   }
   std::optional<EventText> operator()(const BusFault& report) const { return describe_fault(report); }
   std::optional<EventText> operator()(const DeliveryChanged& report) const {
@@ -205,6 +257,14 @@ EventCode code_of(Code code) {
       return "slave_checked";
     case Code::slave_check_failed:
       return "slave_check_failed";
+    case Code::slave_identified:
+      return "slave_identified";
+    case Code::wrong_drive:
+      return "wrong_drive";
+    case Code::duplicate_slave:
+      return "duplicate_slave";
+    case Code::unknown_slave:
+      return "unknown_slave";
     case Code::slave_released:
       return "slave_released";
     case Code::slave_status_refused:
@@ -233,8 +293,20 @@ EventCode code_of(Code code) {
   return "second_master_gone";
 }
 
-std::optional<EventText> describe(const Report& report, const Config& config) {
-  return std::visit(ReportDescriber{config}, report);
+std::string held_reason(const cansync::SlaveStatus& status, const Config& config) {
+  if (!status.held) return "";
+  switch (status.held->code) {
+    case Code::wrong_drive:
+      return "not the drive expected: " + difference_text(*status.held, config);
+    case Code::duplicate_slave:
+      return "two drives answer with this number";
+    default:
+      return "return parameter not right: " + difference_text(*status.held, config);
+  }
+}
+
+std::optional<EventText> describe(const Report& report, const Config& config, const can::LinkFacts& link) {
+  return std::visit(ReportDescriber{config, link}, report);
 }
 
 }  // namespace cansyncd

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cansync.h"
-#include "daemon/cansync/config/config.h"
+#include "cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "dds/denial.h"
 

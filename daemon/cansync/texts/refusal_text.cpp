@@ -23,28 +23,51 @@ std::optional<unsigned> slave_of(const Request& request) {
       request);
 }
 
-std::string wrong_state(const Request& request, const RefusalContext& context) {
+/// The condition for set-up when the mode alone does not bring it about; empty: there is none.
+std::string set_up_condition(const Config& config, const RefusalContext& context) {
+  if (cansync::is_synchronous(context.state)) return {};
+  switch (context.access) {
+    case cansync::BusAccess::away:
+      return fmt::format("interface {} is missing, down or bus-off: correct that first",
+                         config.bus.interface);
+    case cansync::BusAccess::listening:
+      return "the master listens whether another one sends (startup.listen_ms): wait for its end";
+    case cansync::BusAccess::other_master:
+      return "another master sends: switch it off, wait 3 s";
+    case cansync::BusAccess::granted:
+      break;
+  }
+  if (context.waits_for_upper_sync) return "the upper bus of the cluster has no SYNC: start that one first";
+  return {};
+}
+
+std::string wrong_state(const Request& request, const Config& config, const RefusalContext& context) {
+  const std::string condition = set_up_condition(config, context);
+  const std::string set_up =
+      condition.empty() ? std::string("give mode setup") : condition + ", then give mode setup";
   const auto now = fmt::format("state: the master is in {} (0x{:04X})", cansync::name(context.state),
                                static_cast<unsigned>(context.state));
-  if (const auto* mode = std::get_if<ModeRequest>(&request)) {
-    if (mode->mode == Mode::run) {
-      return now + "; run is entered from setup alone: give mode setup, then mode run";
-    }
-    return now + "; this mode cannot be entered from there: give mode restart";
-  }
+  if (std::holds_alternative<ModeRequest>(request))
+    return fmt::format("{}; run is entered from setup alone: {}, then mode run", now, set_up);
   if (std::holds_alternative<cansync::ReferenceUpdate>(request)) {
-    return now + "; reference values are taken in run (0x0080) alone: give " +
-           (context.state == cansync::State::setting_up_master ? "mode run" : "mode setup, then mode run");
+    const bool is_set_up = context.state == cansync::State::setting_up_master;
+    return fmt::format("{}; reference values are taken in run (0x0080) alone: {}", now,
+                       is_set_up ? std::string("give mode run") : set_up + ", then mode run");
   }
-  return now + "; jobs are taken in setup (0x0043) and run (0x0080): give mode setup";
+  return fmt::format("{}; jobs are taken in setup (0x0043) and run (0x0080): {}", now, set_up);
 }
 
 std::string slaves_missing(const Config& config, const RefusalContext& context) {
   const bool synchronized = config.master.startup.enable == cansync::EnableRule::all_synchronized;
   const SlaveMask there = synchronized ? context.released : context.responding;
   const SlaveMask missing{config.master.configured().bits & ~there.bits};
-  return fmt::format("slaves: not yet {}: {}; wait for them, or give mode run with force",
-                     synchronized ? "synchronized and released" : "responding", slave_list(config, missing));
+  if (!missing.empty()) {
+    return fmt::format("slaves: not yet {}: {}; wait for them, or give mode run with force",
+                       synchronized ? "synchronized and released" : "responding",
+                       slave_list(config, missing));
+  }
+  return "slaves: not yet known whether each is the drive expected, and one drive; `cansync slaves` and "
+         "`cansync events` say which; wait for them, or give mode run with force";
 }
 
 std::string queue_full(const Request& request, const Config& config) {
@@ -75,9 +98,17 @@ std::string who(const Request& request, const Config& config) {
 
 std::string slave_held(const Request& request, const Config& config) {
   return fmt::format(
-      "control word: {} was away or lost SYNC and is held out, so that no control word with all of the bits "
-      "0x{:04X} is sent to it; see `cansync slaves` and events for what is missing, then `cansync release`",
+      "control word: {} is held out, so that no control word with all of the bits 0x{:04X} is sent to it; "
+      "`cansync slaves` and `cansync events` say why, then `cansync release`",
       who(request, config), config.master.startup.enabling_control_bits);
+}
+
+std::string other_master(const Config& config) {
+  return fmt::format(
+      "mode: another master sends on the bus of interface {}, so SYNC and telegrams of this one would "
+      "disturb every drive; switch the other one off and wait 3 s, or, if you know that both may send: cansync "
+      "mode setup --force",
+      config.bus.interface);
 }
 
 std::string interval_passed(const Request& request, const Config& config, const RefusalContext& context) {
@@ -156,9 +187,11 @@ std::string refusal_text(Refusal refusal, const Request& request, const Config& 
                          const RefusalContext& context) {
   switch (refusal) {
     case Refusal::wrong_state:
-      return wrong_state(request, context);
+      return wrong_state(request, config, context);
     case Refusal::slaves_missing:
       return slaves_missing(config, context);
+    case Refusal::other_master:
+      return other_master(config);
     case Refusal::queue_full:
       return queue_full(request, config);
     case Refusal::not_permitted:
@@ -227,7 +260,7 @@ std::string outcome_text(cansync::Outcome outcome, const Request& request, const
   const auto* parameter = std::get_if<cansync::ParameterRequest>(&request);
   const bool writes = parameter != nullptr && parameter->write;
   return fmt::format("{} stopped answering; check its power and the bus cable{}", who(request, config),
-                     writes ? "; if the value was on its way, whether the slave took it is not known" : "");
+                     writes ? "; the value was not sent" : "");
 }
 
 }  // namespace cansyncd

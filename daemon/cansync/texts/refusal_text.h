@@ -3,9 +3,9 @@
 #include <string>
 
 #include "cansync/channel/jobs.h"
+#include "cansync/config/config.h"
 #include "cansync/settings/mode.h"
 #include "cansync/telegram/numbers.h"
-#include "daemon/cansync/config/config.h"
 #include "daemon/cansync/exchange.h"
 #include "dds/denial.h"
 
@@ -27,6 +27,8 @@ struct RefusalContext {
   cansync::SlaveMask released;
   std::uint64_t mapping_number = 1;
   cansync::ProcessMapping reference_mapping = {};
+  cansync::BusAccess access = cansync::BusAccess::granted;
+  bool waits_for_upper_sync = false;
 };
 
 /// Why `request` was refused by the master: field, its value, what is allowed, and the remedy.

@@ -7,10 +7,11 @@
 #include <utility>
 
 #include "cansync/cluster/cluster.h"
-#include "daemon/cansync/config/bus_budget.h"
-#include "daemon/cansync/config/bus_budget_text.h"
-#include "daemon/cansync/config/dbc.h"
-#include "daemon/cansync_cluster/config/options.h"
+#include "cansync/config/bus_budget.h"
+#include "cansync/config/bus_budget_text.h"
+#include "cansync/config/check_sync.h"
+#include "cansync/config/dbc.h"
+#include "cansync_cluster/config/options.h"
 #include "daemon/cansync_cluster/segment/cluster_segment.h"
 
 namespace cansyncd {
@@ -21,13 +22,15 @@ std::string cluster_text(const ClusterConfig& config) {
                                  config.upper.bus.bits_per_second);
   for (const std::string& line : cansync::describe_lead_axis(config.cluster))
     text += fmt::format("lead axis: {}\n", line);
-  return text + budget_text(bus_budget(budget_input(config.lower)));
+  return text + sync_warning(config.lower) + budget_text(bus_budget(budget_input(config.lower)));
 }
 
-LoadedConfig load_cluster(const std::string& path, std::span<const std::string> overrides) {
-  const auto file = std::make_shared<ClusterFile>(load_cluster_checked(path, overrides));
+LoadedConfig load_cluster(const config::Source& source, std::span<const std::string> overrides) {
+  const auto file = std::make_shared<ClusterFile>(load_cluster_checked(source, overrides));
   LoadedConfig loaded;
   loaded.problems = file->problems;
+  loaded.profile_problems = file->lower.profile_problems;
+  loaded.script_problems = file->script_problems;
   loaded.daemon = file->config.daemon;
   if (!loaded.problems.empty()) return loaded;
   loaded.buses = {file->config.upper, file->config.lower};

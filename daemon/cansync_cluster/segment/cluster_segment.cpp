@@ -7,10 +7,10 @@
 
 #include "cansync/settings/timing.h"
 #include "cansync/sim/drive_faults.h"
+#include "cansync_cluster/config/options.h"
 #include "config/reload.h"
 #include "daemon/cansync/bus/bus_plan.h"
 #include "daemon/cansync/realtime/flight_reports.h"
-#include "daemon/cansync_cluster/config/options.h"
 #include "daemon/cansync_slave/segment/slave_segment.h"
 #include "text/counts.h"
 
@@ -40,6 +40,7 @@ LoopSettings lower_settings(const ClusterConfig& config, FlightTap* tap, BusChoi
                             cansync::Cluster& cluster, const LeadingEdges& edges) {
   LoopSettings settings;
   settings.target = config.lower.startup.target;
+  settings.after_other_master = config.lower.startup.after_other_master;
   settings.report_intervals = config.lower.dds.interval_topic;
   settings.tap = tap;
   settings.sync_wire = bus.sync_wire();
@@ -63,12 +64,12 @@ void add_changes(std::string_view level, const std::vector<config::Setting>& run
 
 }  // namespace
 
-ClusterFile load_cluster_checked(const std::string& path, std::span<const std::string> overrides) {
-  ClusterFile file = load_cluster_config(path, overrides);
+ClusterFile load_cluster_checked(const config::Source& source, std::span<const std::string> overrides) {
+  ClusterFile file = load_cluster_config(source, overrides);
   if (!file.problems.empty()) return file;
   const auto check = [&](const DaemonConfig& config, const std::vector<config::Setting>& settings) {
-    for (config::Problem& problem : check_surroundings(config, settings, path, sim::drive_faults()))
-      file.problems.push_back(std::move(problem));
+    check_surroundings(config, settings, source.path, sim::drive_faults(), file.problems,
+                       file.script_problems);
   };
   check(file.config.upper, file.upper.settings);
   check(file.config.lower, file.lower.settings);
@@ -155,8 +156,14 @@ bool ClusterSegment::record() noexcept {
   return lower_flight_.request() || upper;
 }
 
+void ClusterSegment::set_surroundings(const Surroundings& surroundings) {
+  upper_gateway_.set_surroundings(surroundings);
+  lower_gateway_.set_surroundings(surroundings);
+}
+
 ReloadPlan ClusterSegment::plan_reload(std::span<const std::string> overrides) {
   ClusterFile wanted = load_cluster_checked(file_.path, overrides);
+  if (wanted.problems.empty()) wanted.problems = wanted.lower.profile_problems;
   if (!wanted.problems.empty()) return {true, std::move(wanted.problems), {}, {}, {}};
   ReloadPlan plan;
   add_changes("", file_.settings, wanted.settings, plan.needs_restart);

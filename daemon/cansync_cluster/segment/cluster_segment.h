@@ -6,11 +6,11 @@
 #include <string>
 
 #include "cansync/cluster/cluster.h"
+#include "cansync_cluster/config/file.h"
 #include "daemon/bus/bus_choice.h"
 #include "daemon/cansync/exchange.h"
 #include "daemon/cansync/gateway/gateway.h"
 #include "daemon/cansync/realtime/realtime_loop.h"
-#include "daemon/cansync_cluster/config/file.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/cansync_slave/gateway/slave_gateway.h"
 #include "daemon/cansync_slave/realtime/slave_machine.h"
@@ -29,7 +29,7 @@
 namespace cansyncd {
 
 /// Reads and checks a configuration completely: the file, and what stands behind it. Main thread.
-ClusterFile load_cluster_checked(const std::string& path, std::span<const std::string> overrides);
+ClusterFile load_cluster_checked(const config::Source& source, std::span<const std::string> overrides);
 
 /// The realtime thread's work for both buses: the master's loop, which serves the slave's machine while it
 /// sleeps.
@@ -72,10 +72,16 @@ class ClusterSegment final : public Segment {
   Heartbeat::Progress progress() const noexcept override;
   bool record() noexcept override;
   /// Every change needs a restart.
+  void set_surroundings(const Surroundings& surroundings) override;
   ReloadPlan plan_reload(std::span<const std::string> overrides) override;
   void post(const EventText& event) override {
     upper_gateway_.post(event);
     lower_gateway_.post(event);
+  }
+  bool in_run() const noexcept override { return upper_gateway_.in_run() || lower_gateway_.in_run(); }
+  void set_pending_restart(const PendingRestart& pending) override {
+    upper_gateway_.set_pending_restart(pending);
+    lower_gateway_.set_pending_restart(pending);
   }
 
  private:

@@ -81,50 +81,56 @@ ApplicationGate::ApplicationGate(const gateway::dds::Participant& participant,
                                  gateway::dds::DataSignal& signal, EventPublisher& events,
                                  const DaemonIdentity& daemon, std::uint16_t status_parameter,
                                  SlaveExchange& exchange)
-    : reader_(participant, &signal),
+    : reader_(participant, signal),
       events_(events),
       daemon_(daemon),
       status_parameter_(status_parameter),
-      exchange_(exchange),
-      writers_(participant, reader_.handle()) {}
+      exchange_(exchange) {}
 
 bool ApplicationGate::take_samples(SteadyTime now) {
-  without_writer_ = false;
-  const auto count = reader_.take_batch(
-      [&](const Sample& sample, const dds_sample_info_t& info) { take(sample, info, now); });
-  const bool changed = writers_.look();
-  if (without_writer_ || (changed && owner_ != 0 && writers_.gone(owner_)))
-    lost("has gone without giving up", false, now);
-  return count == gateway::dds::ReaderBase::kBatch;
+  const bool more =
+      reader_.take([](const Sample& /*sample*/) { return 0u; },
+                   [](const Sample& sample) { return sample.kind == cansync_slave_ANSWER_GIVEN_UP; },
+                   [&](const Sample& sample, const dds_sample_info_t& info) { take(sample, info, now); });
+  if (reader_.lost(0, arbiter_))
+    lost(reader_.left(arbiter_.owner().handle) ? "has gone without giving up" : "is silent", false, now);
+  reader_.tell_dropped(events_, now);
+  return more;
 }
 
 void ApplicationGate::take(const Sample& sample, const dds_sample_info_t& info, SteadyTime now) {
-  if (info.valid_data && sample.kind == cansync_slave_ANSWER_GIVEN_UP) {
-    if (owner_ == info.publication_handle) lost("gives up", true, now);
+  if (sample.kind == cansync_slave_ANSWER_GIVEN_UP) {
+    arbiter_.forget(info.publication_handle);
+    if (arbiter_.owner().handle == info.publication_handle) lost("gives up", true, now);
     return;
   }
-  if (info.instance_state != DDS_IST_ALIVE) {
-    without_writer_ = true;  // also with data: what a writer that has gone meanwhile said counts no more
-    return;
-  }
-  if (!info.valid_data) return;
   if (const auto problem = problem_of(sample, info.publication_handle)) {
     refuse(*problem, now);
     return;
   }
-  heard_ = now;
   if (sample.kind == cansync_slave_ANSWER_PRESENT) {
-    take_over(sample, info.publication_handle, now);
-  } else if (!flush() || !exchange_.orders.try_push(order_of(sample))) {
-    refuse({gateway_CAUSE_QUEUE_FULL, "too many answers wait for the realtime thread; give fewer"}, now);
+    const TopicWriter writer = reader_.writer_of(sample, info.publication_handle);
+    if (arbiter_.claim(writer.handle, writer.identity.strength) == WriterArbiter::Claim::waits) {
+      tell_waiting(events_, arbiter_, writer, now);
+      return;
+    }
+    heard_ = now;
+    take_over(sample, writer, now);
+    return;
   }
+  heard_ = now;
+  if (!flush() || !exchange_.orders.try_push(order_of(sample)))
+    refuse({gateway_CAUSE_QUEUE_FULL, "too many answers wait for the realtime thread; give fewer"}, now);
 }
 
-gateway::dds::Problem ApplicationGate::problem_of(const Sample& sample, Writer writer) const {
+gateway::dds::Problem ApplicationGate::problem_of(const Sample& sample, WriterHandle writer) const {
   if (auto wrong = cansync_slave::dds::check(sample)) return wrong;
-  if (read_only_) return Denial{gateway_CAUSE_READ_ONLY, "the daemon is read-only (access.read_only)"};
+  if (read_only_)
+    return Denial{
+        gateway_CAUSE_READ_ONLY,
+        "the daemon is read-only; set access.read_only to false in the configuration and reload the daemon"};
   if (sample.kind == cansync_slave_ANSWER_PRESENT) return status_word_taken(sample, status_parameter_);
-  if (owner_ != writer)
+  if (arbiter_.owner().handle != writer)
     return Denial{gateway_CAUSE_WRONG_STATE,
                   "its writer has taken over nothing; let the program say that it is present first"};
   if (gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) !=
@@ -134,22 +140,22 @@ gateway::dds::Problem ApplicationGate::problem_of(const Sample& sample, Writer w
   return std::nullopt;
 }
 
-void ApplicationGate::take_over(const Sample& sample, Writer writer, SteadyTime now) {
+void ApplicationGate::take_over(const Sample& sample, const TopicWriter& writer, SteadyTime now) {
   TakeOver order = take_over_of(sample);
-  order.same_application = owner_ == writer;
+  order.same_application = arbiter_.owner().handle == writer.handle;
   if (order.same_application && same(order, taken_)) return;
   if (!order.same_application) {
-    const gateway::dds::WriterIdentity& who = writers_.identify(writer);
-    const bool first = owner_ == 0;
-    EventText event{first ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, "application_began", -1,
-                    fmt::format("{} (strength {}) answers for {}{}{}", who.who, who.strength,
-                                text::counted(order.taken.numbers.count(), "parameter"),
-                                order.blocks ? " and for blocks" : "", first ? "" : ", in place of " + name_),
-                    std::nullopt};
+    const gateway::dds::WriterIdentity& who = writer.identity;
+    const bool first = arbiter_.owner().handle == 0;
+    EventText event{
+        first ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, "application_began", -1,
+        fmt::format("{} (strength {}) answers for {}{}{}", who.who, who.strength,
+                    text::counted(order.taken.numbers.count(), "parameter"),
+                    order.blocks ? " and for blocks" : "", first ? "" : ", in place of " + name()),
+        std::nullopt};
     event.client = who.who;
     events_.publish(event, now);
-    owner_ = writer;
-    name_ = who.who;
+    arbiter_.give(writer);
   }
   taken_ = order;
   // What waits was never told: this is the first the realtime thread hears of the change.
@@ -170,14 +176,13 @@ bool ApplicationGate::flush() {
 }
 
 void ApplicationGate::lost(const char* how, bool wanted, SteadyTime now) {
-  if (owner_ == 0) return;
+  if (arbiter_.owner().handle == 0) return;
   EventText event{wanted ? gateway_SEVERITY_INFO : gateway_SEVERITY_ERROR, "application_lost", -1,
-                  fmt::format("{} {}: the slave answers without it, as configured", name_, how),
+                  fmt::format("{} {}: the slave answers without it, as configured", name(), how),
                   std::nullopt};
-  event.client = name_;
+  event.client = name();
   events_.publish(event, now);
-  owner_ = 0;
-  name_.clear();
+  arbiter_.free();
   taken_ = {};
   waiting_ = TakeOver{};
   (void)flush();
@@ -192,11 +197,11 @@ void ApplicationGate::refuse(const Denial& denial, SteadyTime now) {
 
 std::optional<SteadyTime> ApplicationGate::tick(SteadyTime now) {
   (void)refusals_.take_over(now);
-  if (owner_ != 0 && now - heard_ > kSilence) lost("is silent", false, now);
+  if (arbiter_.owner().handle != 0 && now - heard_ > kSilence) lost("is silent", false, now);
   std::optional<SteadyTime> due = refusals_.next();
   const auto earlier = [&due](SteadyTime at) { due = due ? std::min(*due, at) : at; };
   if (!flush()) earlier(now + kOrderRetry);
-  if (owner_ != 0) earlier(heard_ + kSilence + kOrderRetry);
+  if (arbiter_.owner().handle != 0) earlier(heard_ + kSilence + kOrderRetry);
   return due;
 }
 

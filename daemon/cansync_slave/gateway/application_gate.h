@@ -10,17 +10,18 @@
 #include "cansync_slave.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/desk/gateway_events.h"
-#include "daemon/desk/writer_watch.h"
+#include "daemon/desk/owned_reader.h"
+#include "daemon/desk/writer_arbiter.h"
 #include "daemon/service/daemon_identity.h"
 #include "dds/denial.h"
-#include "dds/endpoint.h"
+#include "dds/guard/writer_guid.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 
 namespace cansyncd {
 
-/// Knows which application stands behind the slave, the strongest living writer that says so, and hands what
-/// it has taken over and answered to the realtime thread. Gateway thread only.
+/// Knows which application is behind the slave, the one that has it (WriterArbiter), and hands what it has taken
+/// over and answered to the realtime thread. Gateway thread only.
 class ApplicationGate {
  public:
   /// An application that says nothing for so long is none.
@@ -45,35 +46,35 @@ class ApplicationGate {
   void set_read_only(bool read_only, SteadyTime now);
 
   /// The application, as it names itself; empty: none.
-  const std::string& name() const noexcept { return name_; }
+  const std::string& name() const noexcept { return arbiter_.owner().identity.who; }
+  /// Its writer; all zero: there is no application.
+  const gateway::dds::WriterGuid& guid() const noexcept { return arbiter_.owner().identity.guid; }
+  /// Who is the application, and who waits to be it.
+  const WriterArbiter& arbiter() const noexcept { return arbiter_; }
   /// What it has taken over.
   const TakeOver& taken() const noexcept { return taken_; }
 
  private:
   using Sample = cansync_slave_ApplicationAnswer;
-  using Writer = dds_instance_handle_t;
 
   void take(const Sample& sample, const dds_sample_info_t& info, SteadyTime now);
-  gateway::dds::Problem problem_of(const Sample& sample, Writer writer) const;
-  void take_over(const Sample& sample, Writer writer, SteadyTime now);
+  gateway::dds::Problem problem_of(const Sample& sample, WriterHandle writer) const;
+  void take_over(const Sample& sample, const TopicWriter& writer, SteadyTime now);
   /// `wanted`: somebody has said so.
   void lost(const char* how, bool wanted, SteadyTime now);
   void refuse(const gateway::dds::Denial& denial, SteadyTime now);
   bool flush();
 
-  gateway::dds::Reader<Sample> reader_;
+  OwnedReader<Sample> reader_;
   EventPublisher& events_;
   const DaemonIdentity daemon_;
   const std::uint16_t status_parameter_;
   SlaveExchange& exchange_;
-  WriterWatch writers_;
   bool read_only_ = false;
-  Writer owner_ = 0;  ///< 0: nobody
-  std::string name_;
+  WriterArbiter arbiter_{"the place of the application"};
   TakeOver taken_;
   std::optional<TakeOver> waiting_;  ///< had no room yet
   SteadyTime heard_{};
-  bool without_writer_ = false;
   FaultRow refusals_{kQuiet};
 };
 

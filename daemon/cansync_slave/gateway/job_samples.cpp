@@ -1,5 +1,8 @@
 #include "daemon/cansync_slave/gateway/job_samples.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "dds/daemon_identity.h"
 
 namespace cansyncd {
@@ -49,8 +52,21 @@ cansync_slave_BlockResult to_idl(cansync::BlockEnd end) noexcept {
 
 }  // namespace
 
-cansync_slave_ParameterJob parameter_job(const JobReport& report, const DaemonIdentity& daemon) noexcept {
+void JobApplications::given(std::uint64_t id, const gateway::dds::WriterGuid& application) noexcept {
+  given_[next_] = {id, application};
+  next_ = (next_ + 1) % given_.size();
+}
+
+gateway::dds::WriterGuid JobApplications::of(std::uint64_t id) const noexcept {
+  const auto found =
+      std::find_if(given_.begin(), given_.end(), [id](const Given& one) { return one.id == id; });
+  return found == given_.end() ? gateway::dds::WriterGuid{} : found->application;
+}
+
+cansync_slave_ParameterJob parameter_job(const JobReport& report, const DaemonIdentity& daemon,
+                                         const gateway::dds::WriterGuid& application) noexcept {
   cansync_slave_ParameterJob sample = {};
+  std::copy(application.begin(), application.end(), std::begin(sample.application));
   sample.job = report.job.id;
   gateway::dds::set_daemon(daemon, sample);
   sample.time = report.when.wall_clock.count();
@@ -65,8 +81,10 @@ cansync_slave_ParameterJob parameter_job(const JobReport& report, const DaemonId
   return sample;
 }
 
-cansync_slave_BlockJob block_job(BlockReport& report, const DaemonIdentity& daemon) noexcept {
+cansync_slave_BlockJob block_job(BlockReport& report, const DaemonIdentity& daemon,
+                                 const gateway::dds::WriterGuid& application) noexcept {
   cansync_slave_BlockJob sample = {};
+  std::copy(application.begin(), application.end(), std::begin(sample.application));
   sample.job = report.block.id;
   gateway::dds::set_daemon(daemon, sample);
   sample.time = report.when.wall_clock.count();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -14,6 +15,9 @@ namespace {
 
 using gateway::dds::Denial;
 
+/// Without room for a withdrawal the gate tries again after so long.
+constexpr std::chrono::milliseconds kWithdrawalRetry{10};
+
 cansync::Channel channel_at(unsigned index) noexcept {
   return index == 0 ? cansync::Channel::one : cansync::Channel::two;
 }
@@ -22,50 +26,55 @@ cansync::Channel channel_at(unsigned index) noexcept {
 
 ReleaseGate::ReleaseGate(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
                          EventPublisher& events, const DaemonIdentity& daemon, SlaveExchange& exchange)
-    : reader_(participant, &signal),
-      events_(events),
-      daemon_(daemon),
-      exchange_(exchange),
-      writers_(participant, reader_.handle()) {}
+    : reader_(participant, signal), events_(events), daemon_(daemon), exchange_(exchange) {}
 
 bool ReleaseGate::take_samples(SteadyTime now) {
-  without_writer_ = {};
-  const auto count = reader_.take_batch([&](const cansync_slave_ActualRelease& sample,
-                                            const dds_sample_info_t& info) { take(sample, info, now); });
-  const bool changed = writers_.look();
+  // A key that is no telegram has no owner.
+  const auto number = [](const cansync_slave_ActualRelease& sample) { return sample.telegram - 1u; };
+  const auto gives_up = [](const cansync_slave_ActualRelease& sample) { return sample.given_up; };
+  const bool more = reader_.take(
+      number, gives_up, [&](const cansync_slave_ActualRelease& sample, const dds_sample_info_t& info) {
+        take(sample, info, now);
+      });
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
-    const Writer owner = owners_[channel];
-    if (without_writer_[channel] || (changed && owner != 0 && writers_.gone(owner)))
-      lost(channel, false, now);
+    if (reader_.lost(channel, arbiters_[channel]))
+      lost(channel,
+           reader_.left(arbiters_[channel].owner().handle) ? "has gone without giving up"
+                                                           : "is silent, and loses",
+           false, now);
   }
-  return count == gateway::dds::ReaderBase::kBatch;
+  reader_.tell_dropped(events_, now);
+  return more;
 }
 
 void ReleaseGate::take(const cansync_slave_ActualRelease& sample, const dds_sample_info_t& info,
                        SteadyTime now) {
   const bool known = sample.telegram == 1 || sample.telegram == 2;
   const unsigned channel = sample.telegram == 2 ? 1 : 0;
-  if (info.valid_data && sample.given_up) {
-    if (known && owners_[channel] == info.publication_handle) lost(channel, true, now);
+  WriterArbiter& arbiter = arbiters_[channel];
+  if (sample.given_up) {
+    if (!known) return;
+    arbiter.forget(info.publication_handle);
+    if (arbiter.owner().handle == info.publication_handle) lost(channel, "gives up", true, now);
     return;
   }
-  if (info.instance_state != DDS_IST_ALIVE) {
-    // Also with data: what a writer that has gone meanwhile had released is not sent any more.
-    if (known) without_writer_[channel] = true;
-    return;
-  }
-  if (!info.valid_data) return;
   if (const auto problem = problem_of(sample, info.source_timestamp)) {
     refuse(channel, *problem, now);
     return;
   }
-  if (owners_[channel] != info.publication_handle) new_owner(channel, info.publication_handle, now);
+  const TopicWriter writer = reader_.writer_of(sample, info.publication_handle);
+  const WriterArbiter::Claim claim = arbiter.claim(writer.handle, writer.identity.strength);
+  if (claim == WriterArbiter::Claim::waits) {
+    tell_waiting(events_, arbiter, writer, now);
+    return;
+  }
+  if (claim != WriterArbiter::Claim::keeps) new_owner(channel, writer, now);
   ReleaseOrder order;
   order.channel = channel_at(channel);
   order.valid = sample.valid;
   order.intervals = sample.wait_intervals == 0 ? 1 : sample.wait_intervals;
   std::copy(std::begin(sample.raw), std::end(sample.raw), order.values.begin());
-  if (!exchange_.releases.try_push(order))
+  if (!flush() || !exchange_.releases.try_push(order))
     refuse(channel, {gateway_CAUSE_QUEUE_FULL, "too many releases wait for the realtime thread; give fewer"},
            now);
 }
@@ -73,7 +82,10 @@ void ReleaseGate::take(const cansync_slave_ActualRelease& sample, const dds_samp
 gateway::dds::Problem ReleaseGate::problem_of(const cansync_slave_ActualRelease& sample,
                                               std::int64_t written) const {
   if (auto wrong = cansync_slave::dds::check(sample)) return wrong;
-  if (read_only_) return Denial{gateway_CAUSE_READ_ONLY, "the daemon is read-only (access.read_only)"};
+  if (read_only_)
+    return Denial{
+        gateway_CAUSE_READ_ONLY,
+        "the daemon is read-only; set access.read_only to false in the configuration and reload the daemon"};
   if (gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) !=
       gateway::dds::Addressee::this_daemon)
     return Denial{gateway_CAUSE_OTHER_DAEMON,
@@ -88,32 +100,50 @@ gateway::dds::Problem ReleaseGate::problem_of(const cansync_slave_ActualRelease&
   return std::nullopt;
 }
 
-void ReleaseGate::new_owner(unsigned channel, Writer writer, SteadyTime now) {
-  const gateway::dds::WriterIdentity& who = writers_.identify(writer);
-  const bool first = owners_[channel] == 0;
-  EventText event{first ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, "actual_writer_began", -1,
-                  fmt::format("{} (strength {}) releases the actual values of telegram {}{}", who.who,
-                              who.strength, channel + 1, first ? "" : ", in place of " + names_[channel]),
-                  std::nullopt};
+void ReleaseGate::new_owner(unsigned channel, const TopicWriter& writer, SteadyTime now) {
+  WriterArbiter& arbiter = arbiters_[channel];
+  const gateway::dds::WriterIdentity& who = writer.identity;
+  const bool first = arbiter.owner().handle == 0;
+  EventText event{
+      first ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, "actual_writer_began", -1,
+      fmt::format("{} (strength {}) releases the actual values of telegram {}{}", who.who, who.strength,
+                  channel + 1, first ? "" : ", in place of " + arbiter.owner().identity.who),
+      std::nullopt};
   event.client = who.who;
   events_.publish(event, now);
-  owners_[channel] = writer;
-  names_[channel] = who.who;
+  arbiter.give(writer);
 }
 
-void ReleaseGate::lost(unsigned channel, bool given_up, SteadyTime now) {
-  if (owners_[channel] == 0) return;
-  owners_[channel] = 0;
-  ReleaseOrder withdraw;
-  withdraw.channel = channel_at(channel);
-  // Without room it ends by itself: a release waits for a bounded time.
-  (void)exchange_.releases.try_push(withdraw);
-  EventText event{given_up ? gateway_SEVERITY_INFO : gateway_SEVERITY_ERROR, "actual_writer_lost", -1,
-                  fmt::format("{} {} telegram {}: nothing more is released", names_[channel],
-                              given_up ? "gives up" : "has gone without giving up", channel + 1),
+void ReleaseGate::lost(unsigned channel, const char* how, bool wanted, SteadyTime now) {
+  WriterArbiter& arbiter = arbiters_[channel];
+  if (arbiter.owner().handle == 0) return;
+  withdrawals_[channel] = true;
+  (void)flush();
+  const std::string& who = arbiter.owner().identity.who;
+  EventText event{wanted ? gateway_SEVERITY_INFO : gateway_SEVERITY_ERROR, "actual_writer_lost", -1,
+                  fmt::format("{} {} telegram {}: nothing more is released", who, how, channel + 1),
                   std::nullopt};
-  event.client = names_[channel];
+  event.client = who;
   events_.publish(event, now);
+  arbiter.free();
+}
+
+void ReleaseGate::set_read_only(bool read_only, SteadyTime now) {
+  read_only_ = read_only;
+  for (unsigned channel = 0; read_only && channel < cansync::kChannels; ++channel)
+    lost(channel, "may not write while access.read_only is set, and loses", true, now);
+}
+
+bool ReleaseGate::flush() {
+  bool empty = true;
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
+    if (!withdrawals_[channel]) continue;
+    ReleaseOrder withdraw;
+    withdraw.channel = channel_at(channel);
+    withdrawals_[channel] = !exchange_.releases.try_push(withdraw);
+    empty = empty && !withdrawals_[channel];
+  }
+  return empty;
 }
 
 void ReleaseGate::refuse(unsigned channel, const Denial& denial, SteadyTime now) {
@@ -126,7 +156,9 @@ void ReleaseGate::refuse(unsigned channel, const Denial& denial, SteadyTime now)
 
 std::optional<SteadyTime> ReleaseGate::tick(SteadyTime now) {
   (void)refusals_.take_over(now);
-  return refusals_.next();
+  std::optional<SteadyTime> due = refusals_.next();
+  if (!flush()) due = due ? std::min(*due, now + kWithdrawalRetry) : now + kWithdrawalRetry;
+  return due;
 }
 
 }  // namespace cansyncd

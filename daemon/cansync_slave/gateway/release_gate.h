@@ -5,22 +5,21 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <string>
 
 #include "cansync_slave.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/desk/gateway_events.h"
-#include "daemon/desk/writer_watch.h"
+#include "daemon/desk/owned_reader.h"
+#include "daemon/desk/writer_arbiter.h"
 #include "daemon/service/daemon_identity.h"
 #include "dds/denial.h"
-#include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "dds/signal.h"
 
 namespace cansyncd {
 
-/// Takes the actual values that applications release, from the strongest living writer of each telegram, and
-/// hands them to the realtime thread. Gateway thread only.
+/// Takes the actual values that applications release, from the owner of each telegram (WriterArbiter), and hands
+/// them to the realtime thread. Gateway thread only.
 class ReleaseGate {
  public:
   /// A row of refused releases is over when none was refused for so long.
@@ -36,30 +35,33 @@ class ReleaseGate {
   /// Takes what has come, and looks who has gone. True: there may be more.
   bool take_samples(SteadyTime now);
 
-  /// Tells of refused releases that are over. Returns when to call again; nothing: no need.
+  /// Tells of refused releases that are over, and hands on what had no room. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
 
-  /// Releases are refused from now on, or taken.
-  void set_read_only(bool read_only) noexcept { read_only_ = read_only; }
+  /// Releases are refused from now on, and what was released is withdrawn; or they are taken again.
+  void set_read_only(bool read_only, SteadyTime now);
+
+  /// Who has each telegram, and who waits for it.
+  const WriterArbiter& arbiter(unsigned channel) const noexcept { return arbiters_[channel]; }
 
  private:
-  using Writer = dds_instance_handle_t;
-
   void take(const cansync_slave_ActualRelease& sample, const dds_sample_info_t& info, SteadyTime now);
   gateway::dds::Problem problem_of(const cansync_slave_ActualRelease& sample, std::int64_t written) const;
-  void new_owner(unsigned channel, Writer writer, SteadyTime now);
-  void lost(unsigned channel, bool given_up, SteadyTime now);
+  void new_owner(unsigned channel, const TopicWriter& writer, SteadyTime now);
+  /// `wanted`: a client or the configuration says so.
+  void lost(unsigned channel, const char* how, bool wanted, SteadyTime now);
+  /// True: no withdrawal waits any more.
+  bool flush();
   void refuse(unsigned channel, const gateway::dds::Denial& denial, SteadyTime now);
 
-  gateway::dds::Reader<cansync_slave_ActualRelease> reader_;
+  OwnedReader<cansync_slave_ActualRelease> reader_;
   EventPublisher& events_;
   const DaemonIdentity daemon_;
   SlaveExchange& exchange_;
-  WriterWatch writers_;
   bool read_only_ = false;
-  std::array<Writer, cansync::kChannels> owners_ = {};  ///< 0: nobody
-  std::array<std::string, cansync::kChannels> names_;
-  std::array<bool, cansync::kChannels> without_writer_ = {};
+  std::array<WriterArbiter, cansync::kChannels> arbiters_{WriterArbiter("the actual values of telegram 1"),
+                                                          WriterArbiter("the actual values of telegram 2")};
+  std::array<bool, cansync::kChannels> withdrawals_ = {};  ///< had no room yet
   FaultRow refusals_{kQuiet};
 };
 

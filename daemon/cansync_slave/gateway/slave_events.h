@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "daemon/cansync_slave/config/config.h"
+#include "cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/desk/event_text.h"
 

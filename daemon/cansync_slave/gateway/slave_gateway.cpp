@@ -4,9 +4,9 @@
 #include <utility>
 #include <variant>
 
+#include "cansync_slave/config/options.h"
 #include "cansync_slave/dds/convert.h"
 #include "cansync_slave/dds/topics.h"
-#include "daemon/cansync_slave/config/options.h"
 #include "daemon/cansync_slave/gateway/job_samples.h"
 #include "daemon/cansync_slave/gateway/slave_events.h"
 #include "daemon/cansync_slave/gateway/slave_metrics.h"
@@ -62,7 +62,7 @@ SlaveGateway::SlaveGateway(const SlaveRoleConfig& config, SlaveExchange& exchang
       parameter_jobs_(participant, 0, &signal_),
       block_jobs_(participant, 0, &signal_),
       status_(participant, 0, &signal_) {
-  releases_.set_read_only(config.access.read_only);
+  releases_.set_read_only(config.access.read_only, steady_clock::now());
   application_.set_read_only(config.access.read_only, steady_clock::now());
   commands_.set_read_by_all(common_.gateway_writer());
 }
@@ -84,7 +84,7 @@ std::string SlaveGateway::metrics_text(std::uint64_t write_failures) const {
 SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   const SteadyTime now = steady_clock::now();
   if (take_access(now)) {
-    releases_.set_read_only(config_.access.read_only);
+    releases_.set_read_only(config_.access.read_only, now);
     application_.set_read_only(config_.access.read_only, now);
   }
   take_actions();
@@ -121,9 +121,12 @@ void SlaveGateway::take_jobs() {
   ServiceReport report;
   for (unsigned i = 0; i < SlaveExchange::kJobs && exchange_.jobs.try_pop(report); ++i) {
     if (const auto* job = std::get_if<JobReport>(&report)) {
-      (void)parameter_jobs_.write(parameter_job(*job, identity_));
+      if (job->step == JobReport::Step::asked) job_applications_.given(job->job.id, application_.guid());
+      (void)parameter_jobs_.write(parameter_job(*job, identity_, job_applications_.of(job->job.id)));
     } else if (auto* block = std::get_if<BlockReport>(&report)) {
-      (void)block_jobs_.write(block_job(*block, identity_));
+      if (block->step == BlockReport::Step::begun)
+        block_applications_.given(block->block.id, application_.guid());
+      (void)block_jobs_.write(block_job(*block, identity_, block_applications_.of(block->block.id)));
     }
   }
 }
@@ -135,7 +138,7 @@ SlaveContext SlaveGateway::context(SteadyTime now) const {
 void SlaveGateway::take_done(SteadyTime now) {
   SlaveOrderDone done;
   while (exchange_.done.try_pop(done)) {
-    if (done.refusal == SlaveRefusal::none) {
+    if (done.refusal == SlaveRefusal::none && !done.stopped) {
       take_over(done.order);
       next_status_ = now;
       (void)publish_status(now);
@@ -182,15 +185,18 @@ SteadyTime SlaveGateway::publish_status(SteadyTime now) {
                                              .timestamps = snapshot_.timestamps,
                                              .sync = snapshot_.sync,
                                              .missed_syncs = snapshot_.missing_edges,
-                                             .lost_reports = snapshot_.lost_reports},
+                                             .lost_reports = snapshot_.lost_reports,
+                                             .in_run = snapshot_.activated},
                                             commands_, now);
-  const bool application_changed = told_application_ != application_.name();
-  if (now < next_status_ && !differs(before, snapshot_) && !application_changed)
+  const bool owner_changed =
+      ownership_.take(application_.arbiter(), releases_.arbiter(0), releases_.arbiter(1));
+  if (now < next_status_ && !differs(before, snapshot_) && !owner_changed)
     return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;
-  told_application_ = application_.name();
   told_status_ = slave_side_status(snapshot_, config_);
-  put_application(application_.name(), application_.taken(), told_status_);
+  put_application(application_.arbiter(), application_.taken(), told_status_);
+  for (unsigned channel = 0; channel < cansync::kChannels; ++channel)
+    put_ownership(releases_.arbiter(channel), told_status_.actual_ownership[channel]);
   (void)status_.write(told_status_);
   return std::min(common_due, next_status_);
 }

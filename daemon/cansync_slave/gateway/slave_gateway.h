@@ -6,18 +6,21 @@
 #include <string>
 
 #include "cansync_slave.h"
-#include "daemon/cansync_slave/config/config.h"
+#include "cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/cansync_slave/gateway/action_reports.h"
 #include "daemon/cansync_slave/gateway/application_gate.h"
+#include "daemon/cansync_slave/gateway/job_samples.h"
 #include "daemon/cansync_slave/gateway/release_gate.h"
 #include "daemon/cansync_slave/gateway/slave_requests.h"
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/job_desk.h"
+#include "daemon/desk/ownership.h"
 #include "daemon/gateway/gateway_base.h"
 #include "daemon/service/daemon_identity.h"
 #include "daemon/service/journal.h"
 #include "dds/endpoint.h"
+#include "dds/guard/writer_guid.h"
 #include "dds/participant.h"
 
 namespace cansyncd {
@@ -70,8 +73,10 @@ class SlaveGateway final : public GatewayBase<SlaveRoleConfig, SlaveExchange> {
   gateway::dds::Writer<cansync_slave_BlockJob> block_jobs_;
   gateway::dds::Writer<cansync_slave_SlaveSideStatus> status_;
 
-  SlaveSnapshot snapshot_;        ///< newest
-  std::string told_application_;  ///< of the newest status
+  SlaveSnapshot snapshot_;  ///< newest
+  OwnershipChanges ownership_;
+  JobApplications job_applications_;
+  JobApplications block_applications_;  ///< blocks have numbers of their own
   SteadyTime next_status_;
   cansync_slave_SlaveSideStatus told_status_ = {};  ///< newest
 };

@@ -42,18 +42,56 @@ SlaveMode mode_of(cansync_slave_SlaveMode mode) noexcept {
 
 }  // namespace
 
-cansync_slave_SlaveCommandReply SlaveCommandTopic::ended(const gateway::dds::RequestKey& key,
-                                                         SlaveOutcome outcome) {
-  using cansync_slave::dds::command_reply;
-  switch (outcome) {
-    case SlaveOutcome::done:
-      return command_reply(key, gateway_REPLY_DONE, "");
-    case SlaveOutcome::cancelled:
-      return command_reply(key, gateway_REPLY_CANCELLED, "cancelled");
-    case SlaveOutcome::stopped:
+SlaveOutcome slave_outcome_of(can::JobKnown known, can::JobEnd end) noexcept {
+  switch (can::ending_of(known, end)) {
+    case can::JobEnding::cancelled:
+      return SlaveOutcome::cancelled;
+    case can::JobEnding::stopped:
+      return SlaveOutcome::stopped;
+    case can::JobEnding::no_answer:
+    case can::JobEnding::timeout:
+    case can::JobEnding::lost:
+    case can::JobEnding::taken:
       break;
   }
-  return command_reply(key, gateway_REPLY_MASTER_STOPPED, "the daemon was stopped before it was done");
+  return SlaveOutcome::no_answer;
+}
+
+SlaveOutcome slave_outcome_of(const SlaveOrderDone& done) noexcept {
+  return done.stopped ? slave_outcome_of(*done.stopped, can::JobEnd::stopped) : SlaveOutcome::done;
+}
+
+gateway_ReplyCode reply_code_of(SlaveOutcome outcome) noexcept {
+  switch (outcome) {
+    case SlaveOutcome::done:
+      return gateway_REPLY_DONE;
+    case SlaveOutcome::cancelled:
+      return gateway_REPLY_CANCELLED;
+    case SlaveOutcome::stopped:
+      return gateway_REPLY_MASTER_STOPPED;
+    case SlaveOutcome::no_answer:
+      break;
+  }
+  return gateway_REPLY_NO_ANSWER;
+}
+
+cansync_slave_SlaveCommandReply SlaveCommandTopic::ended(const gateway::dds::RequestKey& key,
+                                                         SlaveOutcome outcome) {
+  const char* reason = "";
+  switch (outcome) {
+    case SlaveOutcome::done:
+      break;
+    case SlaveOutcome::cancelled:
+      reason = "cancelled";
+      break;
+    case SlaveOutcome::stopped:
+      reason = "the daemon was stopped before it was done; nothing of it was done";
+      break;
+    case SlaveOutcome::no_answer:
+      reason = "the daemon was stopped while the controller was being reset; whether it was is not known";
+      break;
+  }
+  return cansync_slave::dds::command_reply(key, reply_code_of(outcome), reason);
 }
 
 LaneLimits SlaveRequests::lane_limits() {
@@ -155,9 +193,11 @@ std::string_view SlaveRequests::name(Outcome outcome) noexcept {
     case Outcome::cancelled:
       return "cancelled";
     case Outcome::stopped:
+      return "stopped";
+    case Outcome::no_answer:
       break;
   }
-  return "stopped";
+  return "no answer";
 }
 
 }  // namespace cansyncd

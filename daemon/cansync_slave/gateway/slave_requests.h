@@ -7,11 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "can/job_ending.h"
 #include "cansync_slave.h"
+#include "cansync_slave/config/config.h"
 #include "cansync_slave/dds/convert.h"
 #include "cansync_slave/dds/topics.h"
 #include "cansync_slave/dds/validate.h"
-#include "daemon/cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/desk/job_desk.h"
 
@@ -27,8 +28,17 @@ struct SlaveContext {
   RequestRules rules;
 };
 
-/// How a command ended that was not refused.
-enum class SlaveOutcome : std::uint8_t { done, cancelled, stopped };
+/// How a command ended that was not refused. `no_answer`: it was begun, and its end is not known.
+enum class SlaveOutcome : std::uint8_t { done, cancelled, stopped, no_answer };
+
+/// The outcome of a command without an end (can/job_ending.h). Pure.
+SlaveOutcome slave_outcome_of(can::JobKnown known, can::JobEnd end) noexcept;
+
+/// The outcome of a command that was not refused. Pure.
+SlaveOutcome slave_outcome_of(const SlaveOrderDone& done) noexcept;
+
+/// Reply code of an outcome. Pure.
+gateway_ReplyCode reply_code_of(SlaveOutcome outcome) noexcept;
 
 /// Topic SlaveCommand.
 struct SlaveCommandTopic {
@@ -40,10 +50,10 @@ struct SlaveCommandTopic {
     return cansync_slave::dds::command_refused(key, denial);
   }
   static Reply ended(const gateway::dds::RequestKey& key, SlaveOutcome outcome);
-  static Reply answer(const gateway::dds::RequestKey& key, const SlaveOrderDone& /*done*/,
+  static Reply answer(const gateway::dds::RequestKey& key, const SlaveOrderDone& done,
                       const SlaveOrder& /*request*/, std::span<std::uint8_t> /*data*/,
                       const SlaveContext& /*context*/) {
-    return ended(key, SlaveOutcome::done);
+    return ended(key, slave_outcome_of(done));
   }
 };
 
@@ -82,7 +92,7 @@ class SlaveRequests {
   static JobId id_of(const SlaveOrderDone& done) noexcept;
   static gateway::dds::Problem refusal(const SlaveOrderDone& done, const Request& request,
                                        const SlaveContext& context);
-  static Outcome outcome_of(const SlaveOrderDone& /*done*/) noexcept { return Outcome::done; }
+  static Outcome outcome_of(const SlaveOrderDone& done) noexcept { return slave_outcome_of(done); }
   static std::string_view name(Outcome outcome) noexcept;
   static bool is_done(Outcome outcome) noexcept { return outcome == Outcome::done; }
 };

@@ -54,6 +54,7 @@ void put_cluster(const ClusterSnapshot& cluster, cansync_slave_SlaveSideStatus& 
   sample.jobs_below = cluster.jobs.parameters;
   sample.blocks_below = cluster.jobs.transfers;
   sample.unknown_below = cluster.jobs.unknown;
+  sample.repeated_below = cluster.jobs.repeated;
   sample.sync_stops = cluster.sync_losses;
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     sample.lead_given[channel] = cluster.lead[channel].given;
@@ -143,9 +144,14 @@ cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
   return sample;
 }
 
-void put_application(const std::string& name, const TakeOver& taken,
+void put_application(const WriterArbiter& arbiter, const TakeOver& taken,
                      cansync_slave_SlaveSideStatus& sample) noexcept {
-  gateway::dds::copy_text(name, sample.application);
+  const gateway::dds::WriterIdentity& owner = arbiter.owner().identity;
+  gateway::dds::copy_text(owner.who, sample.application);
+  sample.application_strength = owner.strength;
+  std::copy(owner.guid.begin(), owner.guid.end(), std::begin(sample.application_writer));
+  gateway::dds::copy_text(arbiter.waiting(), sample.waiting_application);
+  sample.applications_refused = arbiter.refused();
   sample.taken_over = static_cast<std::uint32_t>(taken.taken.numbers.count());
   sample.takes_blocks = taken.blocks;
 }

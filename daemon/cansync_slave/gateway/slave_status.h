@@ -4,8 +4,9 @@
 #include <string_view>
 
 #include "cansync_slave.h"
-#include "daemon/cansync_slave/config/config.h"
+#include "cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
+#include "daemon/desk/writer_arbiter.h"
 
 namespace cansyncd {
 
@@ -14,7 +15,7 @@ cansync_slave_SlaveSideStatus slave_side_status(const SlaveSnapshot& snapshot,
                                                 const SlaveRoleConfig& config) noexcept;
 
 /// Who stands behind the slave, and what it has taken over.
-void put_application(const std::string& name, const TakeOver& taken,
+void put_application(const WriterArbiter& arbiter, const TakeOver& taken,
                      cansync_slave_SlaveSideStatus& sample) noexcept;
 
 /// The words of a fault and of what is to be done about it, as SlaveSideStatus has them.

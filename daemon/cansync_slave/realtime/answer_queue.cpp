@@ -12,6 +12,12 @@ void AnswerQueue::add(const Answer& answer) noexcept {
   answers_[size_++] = answer;
 }
 
+void AnswerQueue::drop(bool all) noexcept {
+  for (unsigned place = size_; place > 0; --place) {
+    if (all || answers_[place - 1].answer.slot != cansync::AnswerSlot::response) remove(place - 1);
+  }
+}
+
 /// None overtakes another of its slot.
 bool AnswerQueue::first_of_slot(unsigned place) const noexcept {
   for (unsigned before = 0; before < place; ++before) {

@@ -25,6 +25,10 @@ class AnswerQueue {
   /// Takes an answer; without room it is left out.
   void add(const Answer& answer) noexcept;
 
+  /// The slave leaves active operation: no actual values go out any more. `all`: it leaves synchronous
+  /// operation, too, and nothing does: what waits here was dropped, and its asker is told so.
+  void drop(bool all) noexcept;
+
   /// The next answer that may go out at `now`; `slave` counts those that are too late.
   std::optional<can::Frame> next(can::Time now, cansync::Slave& slave) noexcept;
 

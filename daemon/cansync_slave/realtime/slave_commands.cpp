@@ -40,6 +40,16 @@ std::optional<SlaveOrderDone> SlaveCommands::take() noexcept {
   return std::nullopt;
 }
 
+std::optional<SlaveOrderDone> SlaveCommands::take_stopped() noexcept {
+  if (reset_) {
+    const SlaveModeOrder order = *std::exchange(reset_, std::nullopt);
+    return SlaveOrderDone{order, SlaveRefusal::none, can::JobKnown::handed_over};
+  }
+  SlaveOrder order;
+  if (!exchange_.commands.try_pop(order)) return std::nullopt;
+  return SlaveOrderDone{order, SlaveRefusal::none, can::JobKnown::not_sent};
+}
+
 /// A mapping is taken as it is: the gateway has looked at it.
 void SlaveCommands::set(const SlaveOrder& order) noexcept {
   if (const auto* mapping = std::get_if<SlaveMappingOrder>(&order)) {

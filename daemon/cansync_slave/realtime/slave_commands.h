@@ -5,7 +5,7 @@
 
 #include "can/bus.h"
 #include "cansync/slave/slave.h"
-#include "daemon/cansync_slave/config/config.h"
+#include "cansync_slave/config/config.h"
 #include "daemon/cansync_slave/exchange.h"
 
 namespace cansyncd {
@@ -25,6 +25,10 @@ class SlaveCommands {
   /// Does the next thing that a program has asked for, and gives the answer, which is to be told; nothing:
   /// none waits. What is refused has changed nothing.
   std::optional<SlaveOrderDone> take() noexcept;
+
+  /// The slave is stopped: gives the answer to the next order without an end; nothing: all have one. No order is
+  /// carried out any more.
+  std::optional<SlaveOrderDone> take_stopped() noexcept;
 
  private:
   SlaveRefusal give(const SlaveModeOrder& order) noexcept;

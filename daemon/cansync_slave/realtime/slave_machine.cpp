@@ -44,6 +44,13 @@ bool leaves_active(State before, const SlaveOrder& order) noexcept {
          mode->mode != SlaveMode::reset_can;
 }
 
+/// Likewise synchronous operation.
+bool leaves_synchronous(State before, const SlaveOrder& order) noexcept {
+  const auto* mode = std::get_if<SlaveModeOrder>(&order);
+  return cansync::is_synchronous(before) && mode != nullptr &&
+         (mode->mode == SlaveMode::stop || mode->mode == SlaveMode::restart);
+}
+
 }  // namespace
 
 SlaveMachine::SlaveMachine(const SlaveMachineSettings& settings, can::Bus& bus, SlaveExchange& exchange)
@@ -121,7 +128,9 @@ void SlaveMachine::take_command(can::Time now) noexcept {
     references_.words = word_mask(settings.reference_mapping);
     if (const auto* listen = std::get_if<SlaveListenOrder>(&done->order))
       monitored_[listen->other.value()].words = listen->mapping ? word_mask(*listen->mapping) : 0;
+    if (leaves_synchronous(before, done->order)) answers_.drop(true);
     if (leaves_active(before, done->order)) {
+      answers_.drop(false);
       releases_.drop();
       supervision_.forget_references();
       end_fault(cansync::SlaveFault::references_missing, now);
@@ -407,6 +416,7 @@ void SlaveMachine::publish(can::Time now) noexcept {
 }
 
 void SlaveMachine::end(can::Time now) noexcept {
+  while (const auto done = commands_.take_stopped()) (void)exchange_.done.try_push(*done);
   const State before = slave_.state();
   (void)slave_.control(ControlCommand::cold_restart);
   report(SlaveStateReport{moment(now), before, slave_.state()});

@@ -16,7 +16,7 @@
 #include "cansync/settings/timing.h"
 #include "cansync/sim/drive_faults.h"
 #include "cansync/sim/master_node.h"
-#include "daemon/cansync_slave/config/options.h"
+#include "cansync_slave/config/options.h"
 #include "daemon/cansync_slave/segment/slave_protocol.h"
 #include "daemon/segment/segment_start.h"
 
@@ -141,8 +141,8 @@ SlaveMachineSettings slave_machine_settings(const SlaveRoleConfig& config, Fligh
   return settings;
 }
 
-SlaveRoleFile SlaveParts::load(const std::string& path, std::span<const std::string> overrides) {
-  return checked(load_slave_config(path, overrides), sim::drive_faults());
+SlaveRoleFile SlaveParts::load(const config::Source& source, std::span<const std::string> overrides) {
+  return checked(load_slave_config(source, overrides), sim::drive_faults());
 }
 
 std::unique_ptr<SyncLine> SlaveParts::sync_line(const SlaveRoleFile& file) {

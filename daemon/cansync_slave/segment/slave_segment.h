@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
+#include "cansync_slave/config/file.h"
 #include "daemon/bus/bus_choice.h"
-#include "daemon/cansync_slave/config/file.h"
 #include "daemon/cansync_slave/exchange.h"
 #include "daemon/cansync_slave/gateway/slave_gateway.h"
 #include "daemon/cansync_slave/realtime/slave_machine.h"
@@ -27,7 +27,7 @@ struct SlaveParts : DeadlineParts {
   using Gateway = SlaveGateway;
   using Machine = SlaveMachine;
 
-  static SlaveRoleFile load(const std::string& path, std::span<const std::string> overrides);
+  static SlaveRoleFile load(const config::Source& source, std::span<const std::string> overrides);
   static SlaveRoleFile build(config::Settings settings, const std::string& path) {
     return build_slave_config(std::move(settings), path);
   }

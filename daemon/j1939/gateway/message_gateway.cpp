@@ -6,9 +6,9 @@
 #include <iterator>
 #include <utility>
 
-#include "daemon/j1939/config/options.h"
 #include "daemon/j1939/gateway/node_metrics.h"
 #include "dds/bounded_text.h"
+#include "j1939/config/options.h"
 #include "j1939/dds/convert.h"
 #include "j1939/dds/texts.h"
 #include "j1939/name.h"
@@ -182,8 +182,10 @@ SteadyTime MessageGateway::publish_status(SteadyTime now) {
   }
   publish_addresses();
   losses_.tell(bus_.lost + unwritten_, events_, now);
-  const SteadyTime common_due =
-      tell_common({.controller = bus_.controller, .timestamps = bus_.timestamps}, jobs_, now);
+  const SteadyTime common_due = tell_common({.controller = bus_.controller,
+                                             .timestamps = bus_.timestamps,
+                                             .in_run = bus_.claim == j1939::ClaimState::claimed},
+                                            jobs_, now);
   const bool changed = bus_.claim != before.claim || bus_.address != before.address;
   if (now < next_status_ && !changed) return std::min(common_due, next_status_);
   next_status_ = now + kStatusPeriod;

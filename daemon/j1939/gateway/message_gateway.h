@@ -10,7 +10,6 @@
 #include "daemon/desk/job_desk.h"
 #include "daemon/gateway/dropped_frames.h"
 #include "daemon/gateway/gateway_base.h"
-#include "daemon/j1939/config/config.h"
 #include "daemon/j1939/exchange.h"
 #include "daemon/j1939/gateway/fault_board.h"
 #include "daemon/j1939/gateway/message_requests.h"
@@ -19,6 +18,7 @@
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "j1939.h"
+#include "j1939/config/config.h"
 
 namespace cansyncd {
 

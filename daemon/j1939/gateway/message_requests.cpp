@@ -17,10 +17,16 @@ std::optional<Change> MessageRequests::change_of(const j1939_MessageRequest& sam
   constexpr unsigned kShown = 8;
   Change change;
   change.action = "send_message";
-  change.new_value = fmt::format("PGN 0x{:05X} to {}, {}", sample.pgn, sample.destination,
-                                 text::counted(j1939::dds::bytes_of(sample), "byte"));
+  const auto bytes = j1939::dds::bytes_of(sample);
+  const std::string destination = sample.destination == j1939::kGlobalAddress
+                                      ? std::string("all")
+                                      : fmt::format("address {}", sample.destination);
+  change.new_value =
+      fmt::format("PGN 0x{:05X} to {}, {}", sample.pgn, destination, text::counted(bytes, "byte"));
   for (unsigned i = 0; i < sample.data._length && i < kShown; ++i)
     change.new_value += fmt::format("{}{:02X}", i == 0 ? ": " : " ", sample.data._buffer[i]);
+  if (bytes > kShown) change.new_value += " ..";
+  change.hashed = bytes > kShown;
   return change;
 }
 

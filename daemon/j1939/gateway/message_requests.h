@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "daemon/desk/job_desk.h"
-#include "daemon/j1939/config/config.h"
 #include "daemon/j1939/exchange.h"
 #include "j1939.h"
+#include "j1939/config/config.h"
 #include "j1939/dds/convert.h"
 #include "j1939/dds/texts.h"
 #include "j1939/dds/topics.h"

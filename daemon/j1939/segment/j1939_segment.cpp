@@ -7,11 +7,12 @@
 #include <utility>
 
 #include "can/frame_filter.h"
-#include "daemon/j1939/config/options.h"
 #include "daemon/j1939/segment/j1939_protocol.h"
 #include "daemon/segment/segment_start.h"
+#include "j1939/config/options.h"
 #include "j1939/sim/ecu_faults.h"
 #include "j1939/sim/ecu_node.h"
+#include "sim/metronome.h"
 #include "text/counts.h"
 
 namespace cansyncd {
@@ -33,21 +34,34 @@ SimPlan ecu_plan(const J1939Config& config) {
     settings.destination = ecu.destination;
     settings.data = ecu.data;
     settings.period = ecu.period;
+    settings.counts = ecu.counts;
     plan.nodes.push_back(std::make_unique<sim::EcuNode>(std::move(settings)));
   }
+  if (!config.sim.fault_script.empty())
+    plan.nodes.push_back(std::make_unique<sim::Metronome>(sim::kFaultInterval));
   return plan;
+}
+
+/// Who wins when another node has the address.
+std::string_view strength_text(const J1939Config& config) {
+  const j1939::Name name = j1939::compose(config.name);
+  if (!config.contest) return "a node that has the address keeps it";
+  if (name == j1939::kWeakestName) return "every other NAME wins";
+  if (name == 0) return "it wins against every other NAME";
+  return "it takes the address from a node with a higher NAME";
 }
 
 /// The address and the NAME, for people.
 std::string address_text(const J1939Config& config) {
   if (!config.preferred) return "without an address";
-  return fmt::format("address {}, NAME {:016X}", *config.preferred, j1939::compose(config.name));
+  return fmt::format("address {}, NAME {:016X} ({})", *config.preferred, j1939::compose(config.name),
+                     strength_text(config));
 }
 
 }  // namespace
 
-J1939File J1939Parts::load(const std::string& path, std::span<const std::string> overrides) {
-  return checked(load_j1939_config(path, overrides), sim::ecu_faults());
+J1939File J1939Parts::load(const config::Source& source, std::span<const std::string> overrides) {
+  return checked(load_j1939_config(source, overrides), sim::ecu_faults());
 }
 
 BusPlan J1939Parts::bus_plan(const J1939Config& config) {
@@ -72,6 +86,7 @@ MessageMachineSettings J1939Parts::machine_settings(const J1939Config& config, F
   node.claim.first_other = config.first_other;
   node.claim.last_other = config.last_other;
   node.claim.takes_commands = config.takes_commands;
+  if (!config.contest) node.claim.ask_time = j1939::AddressClaim::kClaimTime;
   node.between_others = config.between_others;
   node.queue = config.send.queue;
   node.window = config.transport.window;

@@ -4,11 +4,11 @@
 #include <string>
 
 #include "daemon/bus/bus_choice.h"
-#include "daemon/j1939/config/file.h"
 #include "daemon/j1939/exchange.h"
 #include "daemon/j1939/gateway/message_gateway.h"
 #include "daemon/j1939/realtime/message_machine.h"
 #include "daemon/segment/deadline_segment.h"
+#include "j1939/config/file.h"
 
 namespace cansyncd {
 
@@ -19,7 +19,7 @@ struct J1939Parts : DeadlineParts {
   using Gateway = MessageGateway;
   using Machine = MessageMachine;
 
-  static J1939File load(const std::string& path, std::span<const std::string> overrides);
+  static J1939File load(const config::Source& source, std::span<const std::string> overrides);
   static J1939File build(config::Settings settings, const std::string& path) {
     return build_j1939_config(std::move(settings), path);
   }

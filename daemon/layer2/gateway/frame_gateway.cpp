@@ -4,9 +4,9 @@
 #include <iterator>
 #include <utility>
 
-#include "daemon/layer2/config/options.h"
 #include "daemon/layer2/gateway/frame_metrics.h"
 #include "dds/bounded_text.h"
+#include "layer2/config/options.h"
 #include "layer2/dds/convert.h"
 
 namespace cansyncd {
@@ -147,11 +147,19 @@ SteadyTime FrameGateway::publish_status(SteadyTime now) {
   publish_timers(now >= next_status_);
   publish_image(now);
   publish_objects();
-  const SteadyTime common_due =
-      tell_common({.controller = bus_.controller, .timestamps = bus_.timestamps}, jobs_, now);
-  if (now < next_status_) return std::min(common_due, next_status_);
-  next_status_ = now + kStatusPeriod;
-  told_status_ = frame_status();
+  const SteadyTime common_due = tell_common(
+      {.controller = bus_.controller, .timestamps = bus_.timestamps, .in_run = bus_.facts.running}, jobs_,
+      now);
+  const bool owner_changed = ownership_.take(image_gate_.arbiter(), lead_.arbiter());
+  const bool due = now >= next_status_;
+  if (!due && !owner_changed) return std::min(common_due, next_status_);
+  if (due) {
+    next_status_ = now + kStatusPeriod;
+    told_status_ = frame_status();
+  }
+  gateway::dds::copy_text(lead_.program(), told_status_.run_lead);
+  put_ownership(image_gate_.arbiter(), told_status_.image_ownership);
+  put_ownership(lead_.arbiter(), told_status_.run_lead_ownership);
   (void)status_.write(told_status_);
   return std::min(common_due, next_status_);
 }
@@ -171,7 +179,6 @@ layer2_FrameStatus FrameGateway::frame_status() const {
   sample.sending = sample.sent != told_status_.sent;
   sample.receiving = sample.received != told_status_.received;
   fill_module(bus_, sample);
-  gateway::dds::copy_text(lead_.program(), sample.run_lead);
   return sample;
 }
 

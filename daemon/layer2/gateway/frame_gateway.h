@@ -9,11 +9,9 @@
 
 #include "daemon/desk/gateway_events.h"
 #include "daemon/desk/job_desk.h"
+#include "daemon/desk/ownership.h"
 #include "daemon/gateway/dropped_frames.h"
 #include "daemon/gateway/gateway_base.h"
-#include "daemon/layer2/config/config.h"
-#include "daemon/layer2/config/file.h"
-#include "daemon/layer2/config/running.h"
 #include "daemon/layer2/exchange.h"
 #include "daemon/layer2/gateway/image_gate.h"
 #include "daemon/layer2/gateway/run_lead_gate.h"
@@ -23,6 +21,9 @@
 #include "dds/endpoint.h"
 #include "dds/participant.h"
 #include "layer2.h"
+#include "layer2/config/config.h"
+#include "layer2/config/file.h"
+#include "layer2/config/running.h"
 
 namespace cansyncd {
 
@@ -88,6 +89,7 @@ class FrameGateway final : public GatewayBase<Layer2Config, Layer2Exchange> {
   DroppedFrames losses_{"frames"};
   SteadyTime next_status_;
   layer2_FrameStatus told_status_ = {};  ///< newest
+  OwnershipChanges ownership_;
 };
 
 }  // namespace cansyncd

@@ -29,25 +29,30 @@ std::string_view text_of(WriterLost reaction) {
 
 ImageGate::ImageGate(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
                      EventPublisher& events, const DaemonIdentity& daemon, Layer2Exchange& exchange)
-    : writer_(participant, signal), events_(events), daemon_(daemon), exchange_(exchange) {}
+    : reader_(participant, signal), events_(events), daemon_(daemon), exchange_(exchange) {}
 
 bool ImageGate::take_samples(SteadyTime now) {
-  const bool more = writer_.take(
-      [&](const layer2_ImageOutputs& sample, dds_instance_handle_t writer) { take(sample, writer, now); });
-  if (writer_.gone()) lost(now);
+  const bool more = reader_.take([](const layer2_ImageOutputs& /*sample*/) { return 0u; },
+                                 [](const layer2_ImageOutputs& sample) { return sample.given_up; },
+                                 [&](const layer2_ImageOutputs& sample, const dds_sample_info_t& info) {
+                                   take(sample, info.publication_handle, now);
+                                 });
+  if (reader_.lost(0, arbiter_)) lost(now);
+  reader_.tell_dropped(events_, now);
   if (changed_) exchange_.outputs.write(image_);
   changed_ = false;
   return more;
 }
 
-void ImageGate::take(const layer2_ImageOutputs& sample, dds_instance_handle_t writer, SteadyTime now) {
+void ImageGate::take(const layer2_ImageOutputs& sample, WriterHandle writer, SteadyTime now) {
   if (sample.given_up) {
-    if (writer_.owner() != writer) return;
+    arbiter_.forget(writer);
+    if (arbiter_.owner().handle != writer) return;
     EventText event{gateway_SEVERITY_INFO, "image_given_up", -1,
-                    fmt::format("{} gives the image up, which stays as it is", writer_.name()), std::nullopt};
-    event.client = writer_.name();
+                    fmt::format("{} gives the image up, which stays as it is", owner()), std::nullopt};
+    event.client = owner();
     events_.publish(event, now);
-    writer_.own(0);
+    arbiter_.free();
     return;
   }
   if (const auto problem = problem_of(sample)) {
@@ -58,7 +63,10 @@ void ImageGate::take(const layer2_ImageOutputs& sample, dds_instance_handle_t wr
     }
     return;
   }
-  if (writer_.owner() != writer) take_over(writer, now);
+  const TopicWriter from = reader_.writer_of(sample, writer);
+  const WriterArbiter::Claim claim = arbiter_.claim(writer, from.identity.strength);
+  if (claim == WriterArbiter::Claim::waits) return tell_waiting(events_, arbiter_, from, now);
+  if (claim != WriterArbiter::Claim::keeps) take_over(from, now);
   std::copy_n(sample.data._buffer, sample.data._length, image_.bytes.begin() + sample.address);
   changed_ = true;
 }
@@ -66,8 +74,12 @@ void ImageGate::take(const layer2_ImageOutputs& sample, dds_instance_handle_t wr
 gateway::dds::Problem ImageGate::problem_of(const layer2_ImageOutputs& sample) const {
   if (gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) !=
       gateway::dds::Addressee::this_daemon)
-    return Denial{gateway_CAUSE_OTHER_DAEMON, "meant for another start of the daemon"};
-  if (rules_.read_only) return Denial{gateway_CAUSE_READ_ONLY, "the daemon is read-only (access.read_only)"};
+    return Denial{gateway_CAUSE_OTHER_DAEMON,
+                  "meant for another start of the daemon; write with GatewayStatus.daemon of this one"};
+  if (rules_.read_only)
+    return Denial{
+        gateway_CAUSE_READ_ONLY,
+        "the daemon is read-only; set access.read_only to false in the configuration and reload the daemon"};
   if (!rules_.mapped) {
     return Denial{gateway_CAUSE_MAPPING, "there is no process image; give the daemon [[mapped]] sections"};
   }
@@ -77,35 +89,35 @@ gateway::dds::Problem ImageGate::problem_of(const layer2_ImageOutputs& sample) c
                             text::counted(sample.data._length, "byte"), image_.bytes.size())};
 }
 
-void ImageGate::take_over(dds_instance_handle_t writer, SteadyTime now) {
-  const std::string before = writer_.name();
-  writer_.own(writer);
+void ImageGate::take_over(const TopicWriter& writer, SteadyTime now) {
+  const std::string before = owner();
+  arbiter_.give(writer);
   const bool first = before.empty();
   EventText event{
       first ? gateway_SEVERITY_INFO : gateway_SEVERITY_WARNING, "image_writer_began", -1,
-      fmt::format("{} owns the image that is sent{}", writer_.name(), first ? "" : ", in place of " + before),
+      fmt::format("{} owns the image that is sent{}", owner(), first ? "" : ", in place of " + before),
       std::nullopt};
-  event.client = writer_.name();
+  event.client = owner();
   events_.publish(event, now);
   image_.sending = true;
   changed_ = true;
 }
 
 void ImageGate::lost(SteadyTime now) {
-  EventText event{
-      gateway_SEVERITY_ERROR, "image_writer_lost", -1,
-      fmt::format("{} has gone without giving the image up: {}", writer_.name(), text_of(rules_.lost)),
-      std::nullopt};
-  event.client = writer_.name();
+  EventText event{gateway_SEVERITY_ERROR, "image_writer_lost", -1,
+                  fmt::format("{} has gone without giving the image up: {}", owner(), text_of(rules_.lost)),
+                  std::nullopt};
+  event.client = owner();
   events_.publish(event, now);
-  writer_.own(0);
+  arbiter_.free();
   if (rules_.lost == WriterLost::zero) image_.bytes.fill(0);
   if (rules_.lost == WriterLost::stop_sending) image_.sending = false;
   changed_ = true;
 }
 
 bool ImageGate::write(std::uint16_t address, std::span<const std::uint8_t> bytes) {
-  if (!rules_.mapped || writer_.owner() != 0 || address + bytes.size() > image_.bytes.size()) return false;
+  if (!rules_.mapped || arbiter_.owner().handle != 0 || address + bytes.size() > image_.bytes.size())
+    return false;
   std::copy(bytes.begin(), bytes.end(), image_.bytes.begin() + address);
   image_.sending = true;
   exchange_.outputs.write(image_);

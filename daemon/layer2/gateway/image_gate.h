@@ -7,19 +7,20 @@
 #include <string>
 
 #include "daemon/desk/gateway_events.h"
-#include "daemon/layer2/config/config.h"
+#include "daemon/desk/owned_reader.h"
+#include "daemon/desk/writer_arbiter.h"
 #include "daemon/layer2/exchange.h"
-#include "daemon/layer2/gateway/sole_writer.h"
 #include "daemon/service/daemon_identity.h"
 #include "dds/denial.h"
 #include "layer2.h"
+#include "layer2/config/config.h"
 
 namespace cansyncd {
 
 /// The process image that is sent: who owns it, what is in it, and what becomes of it when its owner dies.
 /// Gateway thread only.
 ///
-/// The owner is the strongest living writer of ImageOutputs; while there is one, nobody else writes. Owner or
+/// The owner is the writer of ImageOutputs that has it (WriterArbiter); while there is one, nobody else writes. Owner or
 /// not, the realtime thread has all of a change or nothing of it between two telegrams.
 class ImageGate {
  public:
@@ -49,17 +50,20 @@ class ImageGate {
   bool write(std::uint16_t address, std::span<const std::uint8_t> bytes);
 
   /// The owner, as it names itself; empty: none.
-  const std::string& owner() const noexcept { return writer_.name(); }
+  const std::string& owner() const noexcept { return arbiter_.owner().identity.who; }
+  /// Who has the image, and who waits for it.
+  const WriterArbiter& arbiter() const noexcept { return arbiter_; }
   /// The image is sent.
   bool sending() const noexcept { return image_.sending; }
 
  private:
-  void take(const layer2_ImageOutputs& sample, dds_instance_handle_t writer, SteadyTime now);
+  void take(const layer2_ImageOutputs& sample, WriterHandle writer, SteadyTime now);
   gateway::dds::Problem problem_of(const layer2_ImageOutputs& sample) const;
-  void take_over(dds_instance_handle_t writer, SteadyTime now);
+  void take_over(const TopicWriter& writer, SteadyTime now);
   void lost(SteadyTime now);
 
-  SoleWriter<layer2_ImageOutputs> writer_;
+  OwnedReader<layer2_ImageOutputs> reader_;
+  WriterArbiter arbiter_{"the image that is sent"};
   EventPublisher& events_;
   const DaemonIdentity daemon_;
   Layer2Exchange& exchange_;

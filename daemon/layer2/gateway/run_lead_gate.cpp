@@ -21,41 +21,37 @@ constexpr layer2::OrderId kNobody = 0;
 RunLeadGate::RunLeadGate(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
                          EventPublisher& events, const DaemonIdentity& daemon, std::string name,
                          Layer2Exchange& exchange)
-    : writer_(participant, signal),
+    : reader_(participant, signal),
       events_(events),
       daemon_(daemon),
       name_(std::move(name)),
       exchange_(exchange) {}
 
 bool RunLeadGate::take_samples(SteadyTime now) {
-  const bool more = writer_.take(
-      [&](const layer2_RunLead& sample, dds_instance_handle_t writer) { take(sample, writer, now); });
-  if (writer_.gone()) {
-    const std::string who = writer_.name();
-    writer_.own(0);
+  const bool more = reader_.take([](const layer2_RunLead& /*sample*/) { return 0u; },
+                                 [](const layer2_RunLead& /*sample*/) { return false; },
+                                 [&](const layer2_RunLead& sample, const dds_sample_info_t& info) {
+                                   take(sample, info.publication_handle, now);
+                                 });
+  if (reader_.lost(0, arbiter_)) {
+    const std::string who = program();
+    arbiter_.free();
     set(false, fmt::format("{} has gone, which run and stop follow: stop", who), true, now);
   }
+  reader_.tell_dropped(events_, now);
   return more;
 }
 
-void RunLeadGate::take(const layer2_RunLead& sample, dds_instance_handle_t writer, SteadyTime now) {
-  if (!follows()) return;
-  const bool counts = gateway::dds::text(sample.client_name) == name_ &&
+void RunLeadGate::take(const layer2_RunLead& sample, WriterHandle writer, SteadyTime now) {
+  const bool counts = follows() && gateway::dds::text(sample.client_name) == name_ &&
                       gateway::dds::addressee(gateway::dds::daemon_of(sample), daemon_) ==
                           gateway::dds::Addressee::this_daemon;
-  if (!counts) {
-    // It is the stronger one, so that a stop of the program that is followed would not come any more.
-    if (writer_.owner() == 0 || writer_.owner() == writer) return;
-    writer_.own(0);
-    return set(false,
-               fmt::format("a stronger writer of RunLead, which calls itself '{}' and is not followed, has "
-                           "displaced {}: stop",
-                           gateway::dds::text(sample.client_name), name_),
-               true, now);
-  }
-  const bool other = writer_.owner() != writer;
-  if (other) writer_.own(writer);
-  if (!other && sample.run == run_) return;
+  if (!counts) return;
+  const TopicWriter from = reader_.writer_of(sample, writer);
+  const WriterArbiter::Claim claim = arbiter_.claim(writer, from.identity.strength);
+  if (claim == WriterArbiter::Claim::waits) return tell_waiting(events_, arbiter_, from, now);
+  if (claim == WriterArbiter::Claim::keeps && sample.run == run_) return;
+  if (claim != WriterArbiter::Claim::keeps) arbiter_.give(from);
   set(sample.run, fmt::format("{} says: {}", name_, sample.run ? "run" : "stop"), false, now);
 }
 

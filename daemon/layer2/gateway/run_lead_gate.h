@@ -4,15 +4,17 @@
 #include <string>
 
 #include "daemon/desk/gateway_events.h"
+#include "daemon/desk/owned_reader.h"
+#include "daemon/desk/writer_arbiter.h"
 #include "daemon/layer2/exchange.h"
-#include "daemon/layer2/gateway/sole_writer.h"
 #include "daemon/service/daemon_identity.h"
 #include "layer2.h"
 
 namespace cansyncd {
 
-/// Run and stop tied to the life of a program, as those of the module were to its PLC: the module runs while
-/// the strongest living writer of RunLead with the configured name says so. Gateway thread only.
+/// Run and stop tied to the life of a program, as those of the module were to its PLC: the module runs while the
+/// writer of RunLead with the configured name says so that has it (WriterArbiter). Writers with other names have
+/// no part in it. Gateway thread only.
 class RunLeadGate {
  public:
   /// `name`: of the program; empty: none is followed, and nothing is ever changed. `daemon`: this start. All
@@ -33,14 +35,17 @@ class RunLeadGate {
   /// Every order to run or to stop that follows from it was handed on.
   bool settled() const noexcept { return !wanted_; }
   /// The program that is there; empty: none.
-  const std::string& program() const noexcept { return writer_.name(); }
+  const std::string& program() const noexcept { return arbiter_.owner().identity.who; }
+  /// Who has it, and who waits for it.
+  const WriterArbiter& arbiter() const noexcept { return arbiter_; }
 
  private:
-  void take(const layer2_RunLead& sample, dds_instance_handle_t writer, SteadyTime now);
+  void take(const layer2_RunLead& sample, WriterHandle writer, SteadyTime now);
   void set(bool run, std::string text, bool fault, SteadyTime now);
   bool flush();
 
-  SoleWriter<layer2_RunLead> writer_;
+  OwnedReader<layer2_RunLead> reader_;
+  WriterArbiter arbiter_{"run and stop"};
   EventPublisher& events_;
   const DaemonIdentity daemon_;
   const std::string name_;

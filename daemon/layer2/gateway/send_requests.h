@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "daemon/desk/job_desk.h"
-#include "daemon/layer2/config/config.h"
-#include "daemon/layer2/config/running.h"
 #include "daemon/layer2/exchange.h"
 #include "daemon/layer2/gateway/image_gate.h"
 #include "daemon/layer2/gateway/run_lead_gate.h"
 #include "layer2.h"
+#include "layer2/config/config.h"
+#include "layer2/config/running.h"
 #include "layer2/dds/convert.h"
 #include "layer2/dds/topics.h"
 #include "layer2/dds/validate.h"

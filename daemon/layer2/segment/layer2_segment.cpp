@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "can/frame_filter.h"
-#include "daemon/layer2/config/module_settings.h"
-#include "daemon/layer2/config/options.h"
 #include "daemon/layer2/segment/layer2_protocol.h"
 #include "daemon/segment/segment_start.h"
+#include "layer2/config/module_settings.h"
+#include "layer2/config/options.h"
 #include "layer2/sim/frame_faults.h"
 #include "layer2/sim/frame_node.h"
 #include "sim/metronome.h"
@@ -18,9 +18,6 @@
 
 namespace cansyncd {
 namespace {
-
-/// What intervals of fault scripts last, for there is no SYNC.
-constexpr can::Time kFaultInterval = std::chrono::milliseconds(1);
 
 /// A frame without an echo for so long is taken as acknowledged by nobody.
 constexpr can::Time kEchoPatience = std::chrono::seconds(1);
@@ -40,14 +37,14 @@ SimPlan sim_plan(const Layer2Config& config) {
     plan.nodes.push_back(std::make_unique<sim::FrameNode>(std::move(settings)));
   }
   if (!config.sim.fault_script.empty())
-    plan.nodes.push_back(std::make_unique<sim::Metronome>(kFaultInterval));
+    plan.nodes.push_back(std::make_unique<sim::Metronome>(sim::kFaultInterval));
   return plan;
 }
 
 }  // namespace
 
-Layer2File Layer2Parts::load(const std::string& path, std::span<const std::string> overrides) {
-  return checked(load_layer2_config(path, overrides), sim::frame_faults());
+Layer2File Layer2Parts::load(const config::Source& source, std::span<const std::string> overrides) {
+  return checked(load_layer2_config(source, overrides), sim::frame_faults());
 }
 
 BusPlan Layer2Parts::bus_plan(const Layer2Config& config) {

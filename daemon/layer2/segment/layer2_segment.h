@@ -4,11 +4,11 @@
 #include <string>
 
 #include "daemon/bus/bus_choice.h"
-#include "daemon/layer2/config/file.h"
 #include "daemon/layer2/exchange.h"
 #include "daemon/layer2/gateway/frame_gateway.h"
 #include "daemon/layer2/realtime/frame_machine.h"
 #include "daemon/segment/deadline_segment.h"
+#include "layer2/config/file.h"
 
 namespace cansyncd {
 
@@ -19,7 +19,7 @@ struct Layer2Parts : DeadlineParts {
   using Gateway = FrameGateway;
   using Machine = FrameMachine;
 
-  static Layer2File load(const std::string& path, std::span<const std::string> overrides);
+  static Layer2File load(const config::Source& source, std::span<const std::string> overrides);
   static Layer2File build(config::Settings settings, const std::string& path) {
     return build_layer2_config(std::move(settings), path);
   }

@@ -42,11 +42,14 @@ void Asker::ask(const Question& question, Duration now) noexcept {
 }
 
 std::optional<can::Frame> Asker::take(Duration now) noexcept {
-  if (!open_ || answer_ || waiting_ || now < free_at_ || master_heard_) return std::nullopt;
+  if (!open_ || answer_ || waiting_ || now < free_at_) return std::nullopt;
+  // An upload that stays open would have the master's first transfer refused.
+  if (master_heard_ && !std::holds_alternative<CloseQuestion>(question_)) return std::nullopt;
   waiting_ = true;
   ++tries_;
   sent_at_ = now;
   free_at_ = now + interval_;
+  balance_.asked(kChannels, asked_slave(question_), interval(now), false);
   return frame_of(question_);
 }
 
@@ -61,10 +64,11 @@ void Asker::receive(const can::Frame& frame, Duration now) noexcept {
     master_heard_ = true;
     return;
   }
-  if (!open_ || answer_ || tries_ == 0) return;
   const Decoded decoded = decode(frame);
   const auto* telegram = std::get_if<Telegram>(&decoded);
   if (telegram == nullptr) return;
+  weigh(*telegram, now);
+  if (!open_ || answer_ || tries_ == 0) return;
   const bool reads = std::holds_alternative<ReadQuestion>(question_);
   const SlaveNumber slave = asked_slave(question_);
   if (const auto* reply = std::get_if<ParameterReply>(telegram)) {
@@ -72,6 +76,23 @@ void Asker::receive(const can::Frame& frame, Duration now) noexcept {
   } else if (const auto* moved = std::get_if<TransferReply>(telegram)) {
     if (!reads && moved->slave == slave) transfer(*moved, now);
   }
+}
+
+/// Would it answer the question that was asked last?
+bool Asker::fits(const Telegram& telegram) const noexcept {
+  const auto* read = std::get_if<ReadQuestion>(&question_);
+  if (const auto* reply = std::get_if<ParameterReply>(&telegram))
+    return read != nullptr && read->slave == reply->slave && read->number == reply->number;
+  const auto* reply = std::get_if<TransferReply>(&telegram);
+  return reply != nullptr && read == nullptr && asked_slave(question_) == reply->slave;
+}
+
+/// A second answer comes when the first has ended the question.
+void Asker::weigh(const Telegram& telegram, Duration now) noexcept {
+  std::optional<SlaveNumber> from;
+  if (const auto* reply = std::get_if<ParameterReply>(&telegram)) from = reply->slave;
+  if (const auto* reply = std::get_if<TransferReply>(&telegram)) from = reply->slave;
+  if (from && !balance_.answered(kChannels, *from, interval(now), fits(telegram))) ++too_many_[from->value()];
 }
 
 void Asker::parameter(const ParameterReply& reply, Duration now) noexcept {

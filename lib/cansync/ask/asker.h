@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -7,6 +8,7 @@
 #include "cansync/ask/question.h"
 #include "cansync/channel/parameter_job.h"
 #include "cansync/settings/timing.h"
+#include "cansync/supervision/answer_balance.h"
 #include "cansync/telegram/telegram.h"
 
 namespace cansync::ask {
@@ -60,10 +62,19 @@ class Asker {
   /// When to look again, if no frame comes.
   Duration next() const noexcept;
 
+  /// How often this slave has answered more than it was asked. Two drives of one number do so with each question;
+  /// a frame that comes twice after a disturbance counts, too.
+  unsigned answers_too_many(SlaveNumber slave) const noexcept { return too_many_[slave.value()]; }
+
   /// Somebody sends what a master alone sends: nothing more may be asked.
   bool master_heard() const noexcept { return master_heard_; }
 
  private:
+  void weigh(const Telegram& telegram, Duration now) noexcept;
+  IntervalNumber interval(Duration now) const noexcept {
+    return static_cast<IntervalNumber>(now / interval_);
+  }
+  bool fits(const Telegram& telegram) const noexcept;
   void parameter(const ParameterReply& reply, Duration now) noexcept;
   void transfer(const TransferReply& reply, Duration now) noexcept;
   void again(Duration now) noexcept;
@@ -81,6 +92,8 @@ class Asker {
   Duration sent_at_{};
   Duration free_at_{};  ///< the next telegram may go out
   bool master_heard_ = false;
+  AnswerBalance balance_;
+  std::array<unsigned, kSlaves> too_many_ = {};
 };
 
 }  // namespace cansync::ask

@@ -98,6 +98,12 @@ bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept
     supervision_.answered(reply);
     return true;
   }
+  if (asked_.kind == Kind::census) {
+    // Whatever it says of its status word: it is there.
+    if (reply.number != std::get<ParameterCommand>(asked_.telegram).number) return false;
+    asked_.kind = Kind::none;
+    return true;
+  }
   if (asked_.kind == Kind::check) {
     if (!supervision_.check_answered(reply.slave, reply)) return false;
   } else if (asked_.kind == Kind::parameter) {
@@ -114,6 +120,7 @@ bool CommandChannel::receive(const ParameterReply& reply, Duration end) noexcept
 
 bool CommandChannel::receive(const TransferReply& reply, Duration end) noexcept {
   if (asked_.slave != reply.slave || command_end_ < Duration(0)) return false;
+  if (now_ < late_cancels_[reply.slave.value()]) note_late_cancel(asked_);
   if (asked_.kind == Kind::cancel) {
     // Any answer but busy: a slave that has nothing open may say so with an error. One that is busy for ever
     // must not keep the others waiting.
@@ -138,6 +145,14 @@ bool CommandChannel::receive(const TransferReply& reply, Duration end) noexcept 
   return true;
 }
 
+bool CommandChannel::fits_last(const Telegram& reply) const noexcept {
+  const auto* asked = std::get_if<ParameterCommand>(&asked_.telegram);
+  if (const auto* parameter = std::get_if<ParameterReply>(&reply))
+    return asked != nullptr && asked->slave == parameter->slave && asked->number == parameter->number;
+  const auto* transfer = std::get_if<TransferReply>(&reply);
+  return transfer != nullptr && asked == nullptr && asked_.slave == transfer->slave;
+}
+
 void CommandChannel::transmitted(Duration end) noexcept {
   command_end_ = end;
   settle_echo(Outcome::done);
@@ -150,10 +165,11 @@ void CommandChannel::settle_echo(Outcome outcome) noexcept {
 
 void CommandChannel::settle_unanswered() noexcept {
   // It may stand in the controller and go out later: sending it again could make two of it.
-  settle_echo(Outcome::no_answer);
+  settle_echo(outcome_of(JobKnown::handed_over, JobEnd::unanswered));
   const Chosen asked = asked_;
   asked_.kind = Kind::none;
-  if (asked.kind == Kind::none) return;
+  if (asked.kind == Kind::none || asked.kind == Kind::census) return;
+  note_late_cancel(asked);
   if (asked.kind == Kind::cancel) {
     // A slave that does not answer this one telegram is not gone.
     open_transfers_.unanswered(asked.slave);
@@ -179,7 +195,7 @@ void CommandChannel::check_times() noexcept {
       job.monitor_until(now_ + std::max<IntervalNumber>(
                                    intervals(time > Duration(0) ? time : settings_.parameter_monitoring), 1));
     } else if (now_ >= job.deadline()) {
-      job.end(Outcome::timeout, now_);
+      job.end(JobEnd::time, now_);
       finish_parameter(slave);
     }
   }
@@ -191,15 +207,17 @@ void CommandChannel::check_times() noexcept {
 /// Ends the control words and broadcasts that were not sent in time.
 void CommandChannel::check_words() noexcept {
   const auto over = [this](const auto& waiting) { return now_ > waiting.last; };
-  control_words_.remove_if(over, [this](JobId id) { listener_.command_done(id, Outcome::timeout); });
+  const Outcome outcome = outcome_of(JobKnown::not_sent, JobEnd::time);
+  control_words_.remove_if(over, [&](JobId id) { listener_.command_done(id, outcome); });
   for (auto& queue : broadcasts_) {
-    queue.remove_each(
-        over, [this](const auto& waiting) { listener_.command_done(waiting.request.id, Outcome::timeout); });
+    queue.remove_each(over,
+                      [&](const auto& waiting) { listener_.command_done(waiting.request.id, outcome); });
   }
 }
 
 void CommandChannel::finish_parameter(SlaveNumber slave) noexcept {
   const ParameterJob& job = *parameters_.front(slave);
+  note_late_answer(job);
   listener_.parameter_done(job.request().id, job.result());
   parameters_.pop(slave);
 }

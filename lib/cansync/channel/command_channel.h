@@ -107,7 +107,7 @@ class CommandChannel {
   void bus_lost() noexcept;
 
   /// Ends every open job.
-  void end_all(Outcome outcome) noexcept;
+  void end_all() noexcept;
 
   /// A new interval: scanning cursors rise.
   void begin_interval(IntervalNumber now) noexcept;
@@ -134,6 +134,9 @@ class CommandChannel {
     return asked_.kind != Kind::none ? std::optional(asked_.slave) : std::nullopt;
   }
 
+  /// True for what would answer the command that was sent last, whether it was answered or not.
+  bool fits_last(const Telegram& reply) const noexcept;
+
   /// Which slaves each kind of job serves, from the next choice on (M 4.6). `slave_not_configured`: a fixed
   /// slave is not, and all three cursors stay.
   Refusal set_cursors(const Cursor& control_word, const Cursor& parameter, const Cursor& transfer) noexcept;
@@ -155,7 +158,8 @@ class CommandChannel {
     parameter,
     transfer,
     cancel,  ///< of a transfer that is not ours
-    check,   ///< of the list of a slave that was away
+    check,   ///< of the list of a slave that was away, or is not known yet
+    census,  ///< of a number that is not configured
     supervision,
   };
 
@@ -198,9 +202,13 @@ class CommandChannel {
   bool choose_transfer() noexcept;
   bool choose_cancel() noexcept;
   bool choose_check() noexcept;
+  bool choose_census() noexcept;
   bool choose_supervision() noexcept;
 
   SlaveMask transfers_waiting() const noexcept;
+  void note_late_cancel(const Chosen& asked) noexcept;
+  SlaveMask late_answer_may_come() const noexcept;
+  void note_late_answer(const ParameterJob& job) noexcept;
   SlaveMask busy_with_a_job() const noexcept;
   bool enables(const ActionCommand& action) const noexcept;
   static ActionCommand action_of(const ControlWordRequest& request) noexcept;
@@ -236,12 +244,21 @@ class CommandChannel {
   bool stops_gave_way_ = false;   ///< another command went out while a word that stops waited
   std::optional<JobId> echo_of_;  ///< control word or broadcast handed over, not yet seen on the bus
   SlaveQueues<ParameterJob> parameters_;
+  /// A write that ended without its answer: until when that may still come.
+  struct LateAnswer {
+    ParameterNumber number;
+    IntervalNumber until = 0;
+  };
+  std::array<LateAnswer, kSlaves> late_answers_;
+  std::array<IntervalNumber, kSlaves> late_cancels_ =
+      {};  ///< until when the answer to a cancel telegram may come
   SlaveQueues<TransferJob> transfers_;
   Scan control_word_scan_;
   Scan parameter_scan_;
   Scan transfer_scan_;
   Scan check_scan_;
-  Scan supervision_scan_;  ///< only its share counts
+  Scan supervision_scan_;          ///< only its share counts
+  bool census_gives_way_ = false;  ///< the last command was one, and status words come first
   OpenTransfers open_transfers_;
   Chosen chosen_;
   Chosen asked_;  ///< the last command sent, while its answer may come

@@ -73,7 +73,8 @@ void CommandChannel::choose() noexcept {
   if (choose_cancel() || choose_due_share()) return;
   if (choose_broadcast(1) || choose_broadcast(2) || choose_stop({}) || choose_control_word()) return;
   if (choose_parameter() || choose_transfer() || choose_check()) return;
-  choose_supervision();
+  if (!census_gives_way_ && choose_census()) return;
+  if (!choose_supervision()) choose_census();
 }
 
 /// What has been passed over longest comes first: while words that stop are given without end, there is not
@@ -153,10 +154,31 @@ bool CommandChannel::choose_word_of(SlaveNumber slave) noexcept {
 
 bool CommandChannel::choose_parameter() noexcept {
   const SlaveMask waiting = parameters_.waiting();
-  const auto slave = next_slave(parameter_scan_, {waiting.bits & ~supervision_.busy_with_checks().bits});
+  const std::uint32_t passed_over = supervision_.busy_with_checks().bits | late_answer_may_come().bits;
+  const auto slave = next_slave(parameter_scan_, {waiting.bits & ~passed_over});
   if (!slave) return false;
   chosen_ = {Kind::parameter, *slave, 0, parameters_.front(*slave)->telegram()};
   return true;
+}
+
+/// An answer names its parameter and not its job: that of a write which came too late would confirm the next job
+/// of the same parameter, which the slave may refuse.
+void CommandChannel::note_late_answer(const ParameterJob& job) noexcept {
+  const Outcome outcome = job.result().outcome;
+  const bool unanswered =
+      outcome == Outcome::no_answer || outcome == Outcome::taken || outcome == Outcome::timeout;
+  if (!job.request().write || !unanswered) return;
+  late_answers_[job.request().slave.value()] = {job.request().number, now_ + kLateIntervals};
+}
+
+/// Slaves whose next job is of the parameter whose late answer may still come.
+SlaveMask CommandChannel::late_answer_may_come() const noexcept {
+  SlaveMask slaves;
+  for (const SlaveNumber slave : parameters_.waiting()) {
+    const LateAnswer& late = late_answers_[slave.value()];
+    if (now_ < late.until && parameters_.front(slave)->request().number == late.number) slaves.set(slave);
+  }
+  return slaves;
 }
 
 bool CommandChannel::choose_transfer() noexcept {
@@ -166,9 +188,23 @@ bool CommandChannel::choose_transfer() noexcept {
   return true;
 }
 
-/// Transfers wait until the slave has been told to forget what it may have open.
+/// Transfers wait until the slave has been told to forget what it may have open, and for late answers.
 SlaveMask CommandChannel::transfers_waiting() const noexcept {
-  return {transfers_.waiting().bits & ~open_transfers_.unknown().bits};
+  SlaveMask slaves{transfers_.waiting().bits & ~open_transfers_.unknown().bits};
+  for (const SlaveNumber slave : slaves) {
+    const TransferJob& job = *transfers_.front(slave);
+    const bool cancel_first = now_ < late_cancels_[slave.value()] && !job.cancelling();
+    if (now_ < job.not_before() || cancel_first) slaves.set(slave, false);
+  }
+  return slaves;
+}
+
+/// The answer to a cancel telegram is also that to an initialise. One that has not come, or was perhaps that to an
+/// earlier cancel, may still come.
+void CommandChannel::note_late_cancel(const Chosen& asked) noexcept {
+  const auto* initialise = std::get_if<TransferInitialise>(&asked.telegram);
+  if (initialise != nullptr && *initialise == cancel_transfer(asked.slave))
+    late_cancels_[asked.slave.value()] = now_ + kLateIntervals;
 }
 
 bool CommandChannel::choose_cancel() noexcept {
@@ -190,9 +226,22 @@ SlaveMask CommandChannel::busy_with_a_job() const noexcept {
 
 bool CommandChannel::choose_check() noexcept {
   const SlaveMask checking = supervision_.checking();
-  const auto slave = next_slave(check_scan_, {checking.bits & ~busy_with_a_job().bits});
+  // No cursor is for lists: each slave's comes in turn, also where cursors scan.
+  const auto slave = next_in_turn(check_scan_, {checking.bits & ~busy_with_a_job().bits});
   if (!slave) return false;
   chosen_ = {Kind::check, *slave, 0, supervision_.check_telegram(*slave)};
+  return true;
+}
+
+/// Every other telegram at most while status words are due: who is on the line waits for no stranger.
+bool CommandChannel::choose_census() noexcept {
+  const auto slave = supervision_.next_of_census();
+  if (!slave) return false;
+  ParameterCommand command;
+  command.slave = *slave;
+  command.number =
+      ParameterNumber::from(master_.slaves[slave->value()].status_parameter).value_or(ParameterNumber{});
+  chosen_ = {Kind::census, *slave, 0, command};
   return true;
 }
 
@@ -241,11 +290,16 @@ void CommandChannel::sent() noexcept {
       check_scan_.last = slave.value();
       asked_ = chosen_;
       break;
+    case Kind::census:
+      supervision_.counted(slave);
+      asked_ = chosen_;
+      break;
     case Kind::supervision:
       supervision_.sent(chosen_.telegram);
       if (std::get_if<ParameterCommand>(&chosen_.telegram) != nullptr) asked_ = chosen_;
       break;
   }
+  census_gives_way_ = chosen_.kind == Kind::census;
   chosen_.kind = Kind::none;
   if (!stopped) stopped_in_a_row_ = {};
   if (stopped) stopped_in_a_row_.set(slave);

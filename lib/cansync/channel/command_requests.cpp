@@ -139,7 +139,7 @@ Refusal CommandChannel::cancel(JobId id) noexcept {
   // What was handed over is on its way; it ends by its echo.
   bool found = false;
   const auto cancelled = [&](JobId ended) {
-    listener_.command_done(ended, Outcome::cancelled);
+    listener_.command_done(ended, outcome_of(JobKnown::not_sent, JobEnd::cancelled));
     found = true;
   };
   control_words_.remove_if(is, cancelled);
@@ -149,12 +149,13 @@ Refusal CommandChannel::cancel(JobId id) noexcept {
   if (found) return Refusal::none;
   const bool parameter = parameters_.remove_if(is_job, true, [this](ParameterJob& job) {
     if (asked_.kind == Kind::parameter && parameters_.front(asked_.slave) == &job) asked_.kind = Kind::none;
-    job.end(Outcome::cancelled, now_);
+    job.end(JobEnd::cancelled, now_);
+    note_late_answer(job);
     listener_.parameter_done(job.request().id, job.result());
   });
   if (parameter) return Refusal::none;
   const bool waiting = transfers_.remove_if(is_job, false, [this](TransferJob& job) {
-    job.end(Outcome::cancelled, now_);
+    job.end(JobEnd::cancelled, now_);
     end_transfer(job);
   });
   if (waiting) return Refusal::none;
@@ -162,7 +163,7 @@ Refusal CommandChannel::cancel(JobId id) noexcept {
     TransferJob& job = *transfers_.front(slave);
     if (job.request().id != id) continue;
     if (asked_.kind == Kind::transfer && asked_.slave == slave) asked_.kind = Kind::none;
-    if (job.abort(Outcome::cancelled, now_) == Step::ended) finish_transfer(slave);
+    if (job.cancel(now_) == Step::ended) finish_transfer(slave);
     return Refusal::none;
   }
   return Refusal::unknown_job;
@@ -175,11 +176,11 @@ unsigned CommandChannel::end_jobs(SlaveNumber slave) noexcept {
     return word.request.slave == slave && enables(action_of(word.request));
   };
   control_words_.remove_if(its_enabling, [&](JobId id) {
-    listener_.command_done(id, Outcome::slave_lost);
+    listener_.command_done(id, outcome_of(JobKnown::not_sent, JobEnd::lost));
     ++ended;
   });
   for (; ParameterJob* job = parameters_.front(slave); ++ended) {
-    job->slave_lost(now_);
+    job->end(JobEnd::lost, now_);
     finish_parameter(slave);
   }
   for (; TransferJob* job = transfers_.front(slave); ++ended) {
@@ -190,11 +191,12 @@ unsigned CommandChannel::end_jobs(SlaveNumber slave) noexcept {
   return ended;
 }
 
-void CommandChannel::end_all(Outcome outcome) noexcept {
+void CommandChannel::end_all() noexcept {
+  const Outcome outcome = outcome_of(JobKnown::not_sent, JobEnd::stopped);
   chosen_.kind = Kind::none;
   asked_.kind = Kind::none;
   sends_sub_slave_ = {};
-  settle_echo(Outcome::no_answer);
+  settle_echo(outcome_of(JobKnown::handed_over, JobEnd::stopped));
   for (auto& queue : broadcasts_) {
     for (; !queue.empty(); queue.pop()) listener_.command_done(queue.front().request.id, outcome);
   }
@@ -204,11 +206,11 @@ void CommandChannel::end_all(Outcome outcome) noexcept {
   stops_gave_way_ = false;
   for (const SlaveNumber slave : SlaveMask::all()) {
     for (ParameterJob* job = parameters_.front(slave); job != nullptr; job = parameters_.front(slave)) {
-      job->end(outcome, now_);
+      job->end(JobEnd::stopped, now_);
       finish_parameter(slave);
     }
     for (TransferJob* job = transfers_.front(slave); job != nullptr; job = transfers_.front(slave)) {
-      job->end(outcome, now_);
+      job->end(JobEnd::stopped, now_);
       finish_transfer(slave);
     }
   }

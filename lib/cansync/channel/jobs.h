@@ -104,11 +104,12 @@ enum class Outcome : std::uint8_t {
   word_expected,        ///< the slave's parameter is a word, doubleword was asked
   doubleword_expected,  ///< the slave's parameter is a doubleword, word was asked
   value_too_wide,       ///< write "as the slave says": the slave's word cannot hold the value
-  cancelled,
-  master_stopped,  ///< the master left the operating state while the job was open
-  slave_lost,      ///< the slave stopped answering; nothing of a write was sent (else `no_answer`)
-  slave_held,      ///< a control word that was not sent: meanwhile the slave was held out
-  replaced,        ///< a control word or broadcast that was not sent: a newer word, or a stop, took its place
+  cancelled,            ///< of a write: nothing of it was sent (else `no_answer` or `taken`)
+  master_stopped,       ///< the master left the operating state while the job was open; of a write likewise
+  slave_lost,           ///< the slave stopped answering; nothing of a write was sent (else `no_answer`)
+  slave_held,           ///< a control word that was not sent: meanwhile the slave was held out
+  replaced,  ///< a control word or broadcast that was not sent: a newer word, or a stop, took its place
+  taken,     ///< a write that the slave has, for it was busy with it; how it ended is not known
 };
 
 /// Why a request is not taken at all; nothing was sent.
@@ -140,6 +141,9 @@ enum class Refusal : std::uint8_t {
   too_old,           ///< reference values whose `ReferenceUpdate::too_old_from` has come
   mapping_changed,   ///< reference values for another mapping than the one in force
   lead_axis,         ///< reference values of a telegram that the lead axis of a cluster gives
+  listening,         ///< synchronous operation before the bus was listened to long enough
+  other_master,      ///< synchronous operation while another master sends
+  beyond_limit,      ///< a reference value is beyond one of its limits
 };
 
 /// A short English word group for logs and messages, never empty; the text lives as long as the program.

@@ -40,7 +40,16 @@ void ParameterJob::sent(IntervalNumber now) noexcept {
   if (!reading()) write_sent_ = true;
 }
 
-void ParameterJob::end(Outcome outcome, IntervalNumber now) noexcept {
+JobKnown ParameterJob::known() const noexcept {
+  if (write_busy_) return JobKnown::taken;
+  return write_sent_ ? JobKnown::handed_over : JobKnown::not_sent;
+}
+
+void ParameterJob::end(JobEnd end, IntervalNumber now) noexcept {
+  end_as(outcome_of(known(), end), now);
+}
+
+void ParameterJob::end_as(Outcome outcome, IntervalNumber now) noexcept {
   result_.outcome = outcome;
   const IntervalNumber used = was_sent_ ? std::max<IntervalNumber>(now - first_sent_, 1) : 0;
   result_.intervals = static_cast<std::uint32_t>(used);
@@ -50,20 +59,25 @@ Step ParameterJob::answered(const ParameterReply& reply, IntervalNumber now) noe
   if (reply.number != request_.number) return Step::ignored;
   if (reply.busy) {
     ++result_.busy_replies;
+    if (!reading()) write_busy_ = true;
     return Step::again;
   }
   if (reply.error) {
     const auto answer = error_answer(reply);
     if (!answer || !same_sub_slave(answer->sub_slave, request_.sub_slave)) return Step::ignored;
+    if (asked_again_) {
+      end(JobEnd::unanswered, now);
+      return Step::ended;
+    }
     result_.error = answer->error;
-    end(Outcome::slave_error, now);
+    end_as(Outcome::slave_error, now);
     return Step::ended;
   }
   if (reading()) return take_read(reply, now);
   if (!confirms_write(reply) || !same_sub_slave(write_sub_slave(reply), request_.sub_slave)) {
     return Step::ignored;
   }
-  end(Outcome::done, now);
+  end_as(Outcome::done, now);
   return Step::ended;
 }
 
@@ -77,7 +91,7 @@ Step ParameterJob::take_read(const ParameterReply& reply, IntervalNumber now) no
   const bool wrong = request_.format != ParameterFormat::as_slave_says &&
                      doubleword != (request_.format == ParameterFormat::doubleword);
   const Outcome mismatch = doubleword ? Outcome::doubleword_expected : Outcome::word_expected;
-  end(wrong ? mismatch : Outcome::done, now);
+  end_as(wrong ? mismatch : Outcome::done, now);
   return Step::ended;
 }
 
@@ -85,19 +99,21 @@ Step ParameterJob::take_format(bool doubleword, IntervalNumber now) noexcept {
   result_.doubleword = doubleword;
   asking_format_ = false;
   if (!doubleword && request_.value > 0xFFFF) {
-    end(Outcome::value_too_wide, now);
+    end_as(Outcome::value_too_wide, now);
     return Step::ended;
   }
   return Step::again;
 }
 
 Step ParameterJob::unanswered(bool repeat_writes, IntervalNumber now) noexcept {
-  if (reading() || repeat_writes) return Step::again;
-  // After a busy reply the slave has the value for certain, and the repeated telegram only asks whether it is
-  // done.
-  if (result_.busy_replies > 0) return Step::again;
-  end(Outcome::no_answer, now);
-  return Step::ended;
+  if (reading()) return Step::again;
+  // After a busy reply the slave has the value for certain, and the repeated telegram asks whether it is done.
+  if (!repeat_writes && !write_busy_) {
+    end(JobEnd::unanswered, now);
+    return Step::ended;
+  }
+  asked_again_ = true;
+  return Step::again;
 }
 
 }  // namespace cansync

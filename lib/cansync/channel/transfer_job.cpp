@@ -64,9 +64,23 @@ void TransferJob::sent(IntervalNumber now) noexcept {
   if (!was_sent_) first_sent_ = now;
   was_sent_ = true;
   if (phase_ != TransferPhase::cancel) on_slave_ = true;
+  if (phase_ == TransferPhase::body && request_.direction == TransferRequest::Direction::download)
+    data_sent_ = true;
 }
 
-void TransferJob::end(Outcome outcome, IntervalNumber now) noexcept {
+JobKnown TransferJob::known() const noexcept {
+  return data_sent_ ? JobKnown::handed_over : JobKnown::not_sent;
+}
+
+void TransferJob::end(JobEnd end, IntervalNumber now) noexcept {
+  end_as(outcome_of(known(), end), now);
+}
+
+Step TransferJob::cancel(IntervalNumber now) noexcept {
+  return abort(outcome_of(known(), JobEnd::cancelled), now);
+}
+
+void TransferJob::end_as(Outcome outcome, IntervalNumber now) noexcept {
   left_open_ = phase_ == TransferPhase::cancel && !told_;
   take(TransferEvent::ended);
   result_.outcome = outcome;
@@ -77,7 +91,7 @@ void TransferJob::end(Outcome outcome, IntervalNumber now) noexcept {
 void TransferJob::slave_lost(IntervalNumber now) noexcept {
   result_.bytes = block_start_;
   result_.error_offset = block_start_ + offset_;
-  end(Outcome::slave_lost, now);
+  end(JobEnd::lost, now);
 }
 
 Step TransferJob::answered(const TransferReply& reply, IntervalNumber now) noexcept {
@@ -106,6 +120,9 @@ Step TransferJob::initialised(const TransferReply& reply, IntervalNumber now) no
     ends_here_ = fixed < block_length_;
     block_length_ = fixed;
   }
+  // The answer to the first data of a download is the same, and each initialise that was repeated has its own.
+  if (silence_ && request_.direction == TransferRequest::Direction::download)
+    not_before_ = now + kLateIntervals;
   take(TransferEvent::accepted);
   go_on_at(0);
   return Step::again;
@@ -136,7 +153,7 @@ Step TransferJob::block_complete(IntervalNumber now) noexcept {
   result_.bytes = block_start_;
   retries_ = 0;
   if (block_start_ >= total() || ends_here_) {
-    end(Outcome::done, now);
+    end_as(Outcome::done, now);
     return Step::ended;
   }
   timed_ = false;
@@ -184,7 +201,7 @@ Step TransferJob::check_time(IntervalNumber now) noexcept {
   }
   if (now < deadline_) return Step::again;
   result_.error_offset = block_start_ + offset_;
-  return fail_block(Outcome::timeout, true, now);
+  return fail_block(outcome_of(known(), JobEnd::time), true, now);
 }
 
 Step TransferJob::fail_block(Outcome outcome, bool may_retry, IntervalNumber now) noexcept {
@@ -206,6 +223,7 @@ Step TransferJob::abort(Outcome outcome, IntervalNumber now) noexcept {
   // Cancelled once more while it is told already: that time goes on.
   if (phase_ != TransferPhase::cancel) cancel_deadline_ = now + limits_.cancel_patience;
   take(TransferEvent::given_up);
+  not_before_ = 0;
   cancels_ = 0;
   told_ = false;
   return Step::again;
@@ -220,7 +238,7 @@ Step TransferJob::cancelled(IntervalNumber now) noexcept {
     silence_ = may_be_open;
     return Step::again;
   }
-  end(after_cancel_, now);
+  end_as(after_cancel_, now);
   return Step::ended;
 }
 

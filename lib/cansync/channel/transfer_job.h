@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "cansync/channel/jobs.h"
+#include "cansync/channel/outcome_rules.h"
 #include "cansync/channel/parameter_job.h"
 #include "cansync/channel/transfer_phase.h"
 #include "cansync/telegram/numbers.h"
@@ -60,14 +61,20 @@ class TransferJob {
   /// and ends the block when it is over; likewise the time for a cancel telegram.
   Step check_time(IntervalNumber now) noexcept;
 
-  /// Ends the job as soon as the slave has been told: `again` = a cancel telegram is to be sent first.
-  Step abort(Outcome outcome, IntervalNumber now) noexcept;
+  /// Cancels the job: `again` = a cancel telegram is to be sent first.
+  Step cancel(IntervalNumber now) noexcept;
 
-  /// Ends the job at once, without a word to the slave.
-  void end(Outcome outcome, IntervalNumber now) noexcept;
+  /// Ends the job from outside at once, without a cancel telegram, as `outcome_of` says for what is known of it.
+  void end(JobEnd end, IntervalNumber now) noexcept;
 
   /// Ends the job at once because the slave is gone: what it has of the running block does not count.
   void slave_lost(IntervalNumber now) noexcept;
+
+  /// No telegram of the job is to be sent before this interval: a late answer would be taken for its own.
+  IntervalNumber not_before() const noexcept { return not_before_; }
+
+  /// The telegram to send now is the cancel telegram.
+  bool cancelling() const noexcept { return phase_ == TransferPhase::cancel; }
 
   /// True when the job ended without the slave having confirmed the cancel telegram: it may have a block
   /// open.
@@ -89,7 +96,10 @@ class TransferJob {
   Step refused(TransferError error, IntervalNumber now) noexcept;
   Step refused_after_silence(TransferError error, BlockOffset expected, IntervalNumber now) noexcept;
   Step fail_block(Outcome outcome, bool may_retry, IntervalNumber now) noexcept;
+  Step abort(Outcome outcome, IntervalNumber now) noexcept;
   Step cancelled(IntervalNumber now) noexcept;
+  void end_as(Outcome outcome, IntervalNumber now) noexcept;
+  JobKnown known() const noexcept;
 
   TransferRequest request_;
   TransferLimits limits_;
@@ -106,8 +116,10 @@ class TransferJob {
   std::uint8_t refusals_ = 0;
   std::uint8_t retries_ = 0;
   std::uint8_t cancels_ = 0;
+  IntervalNumber not_before_ = 0;
   bool was_sent_ = false;
-  bool on_slave_ = false;  ///< an initialise was sent: the slave may have an open block
+  bool data_sent_ = false;  ///< bytes of a download were: the slave may have changed its memory
+  bool on_slave_ = false;   ///< an initialise was sent: the slave may have an open block
   bool timed_ = false;
   bool told_ = false;       ///< the slave has answered the cancel telegram
   bool left_open_ = false;  ///< ended in the cancel phase, and the slave had not answered

@@ -64,23 +64,25 @@ void Cluster::stop() noexcept {
 
 bool Cluster::sync_allowed() const noexcept {
   if (!is_synchronous(upper_.state())) return false;
-  return sync_output() ? sync_ != UpperSync::lost : sync_ == UpperSync::locked;
+  return is_synchronous(lower_.state()) ? sync_ != UpperSync::lost : sync_ == UpperSync::locked;
 }
 
 void Cluster::decide_sync() noexcept {
-  if (sync_output() && !sync_allowed()) {
+  const bool runs = is_synchronous(lower_.state());
+  if (runs && !sync_allowed()) {
     ++sync_losses_;
     // Its jobs end, and are answered above.
     static_cast<void>(lower_.control(ControlCommand::cold_restart));
     initialise_lower();
-  } else if (started_ && !sync_output() && sync_allowed()) {
+  } else if (started_ && !runs && sync_allowed()) {
+    initialise_lower();
     static_cast<void>(lower_.control(ControlCommand::start_synchronous));
   }
 }
 
 ClusterState Cluster::state() const noexcept {
   if (lower_.state() == State::start_up) return ClusterState::stopped;
-  if (!sync_output()) return ClusterState::waiting_for_sync;
+  if (!is_synchronous(lower_.state())) return ClusterState::waiting_for_sync;
   return is_active(lower_.state()) ? ClusterState::active : ClusterState::setting_up;
 }
 
@@ -102,7 +104,7 @@ void Cluster::begin_above(IntervalNumber now) noexcept {
 }
 
 void Cluster::begin_below(IntervalNumber now) noexcept {
-  if (!sync_output()) return;
+  if (!sync_output()) return lower_.pass_interval(now);
   lower_.begin_interval(now);
   if (started_ && settings_.enable_lower && lower_.state() == State::setting_up_master)
     static_cast<void>(lower_.control(ControlCommand::enable_active));
@@ -146,14 +148,24 @@ std::optional<can::Frame> Cluster::take(Slot slot) noexcept {
   // A slot below that is late, after the next edge, must not take what belongs to the interval of that edge.
   const bool in_this_interval = lower_.interval() == now_;
   if (slot != Slot::command && in_this_interval && is_active(lower_.state())) {
-    const Channel channel = slot == Slot::reference_one ? Channel::one : Channel::two;
-    if (auto update = lead_.take(channel)) {
-      update->mapping_number = lower_.mapping_number();
-      if (lower_.submit(*update) != Refusal::none) lead_.refused(channel);
-    }
+    return take_reference(slot == Slot::reference_one ? Channel::one : Channel::two, slot);
   }
   const auto frame = lower_.take(slot);
   if (slot == Slot::command && frame) gateway_.sent_below(*frame);
+  return frame;
+}
+
+std::optional<can::Frame> Cluster::take_reference(Channel channel, Slot slot) noexcept {
+  const std::uint64_t beyond_limits = lower_.release(channel).beyond_limits;
+  bool refused = false;
+  if (auto update = lead_.take(channel)) {
+    update->mapping_number = lower_.mapping_number();
+    refused = lower_.submit(*update) != Refusal::none;
+  }
+  const auto frame = lower_.take(slot);
+  // Limits are checked when the telegram is made.
+  if (lead_.gives(channel) && (refused || lower_.release(channel).beyond_limits != beyond_limits))
+    lead_.refused(channel);
   return frame;
 }
 

@@ -103,8 +103,8 @@ class Cluster {
   bool sync_allowed() const noexcept;
 
   /// The lower SYNC is to be made in this interval. Once it is made it goes on over missing edges above,
-  /// until those are lost.
-  bool sync_output() const noexcept { return is_synchronous(lower_.state()); }
+  /// until those are lost, or the lower master has to be silent (`Master::silent`).
+  bool sync_output() const noexcept { return is_synchronous(lower_.state()) && !lower_.silent(); }
 
   /// A frame was on the upper bus until `since_sync`; as `Slave::receive`.
   std::optional<SlaveAnswer> receive_above(const can::Frame& frame, Duration since_sync) noexcept;
@@ -136,6 +136,7 @@ class Cluster {
 
  private:
   void initialise_lower() noexcept;
+  std::optional<can::Frame> take_reference(Channel channel, Slot slot) noexcept;
   bool tracking() const noexcept { return sync_ == UpperSync::locked || sync_ == UpperSync::holdover; }
 
   ClusterSettings settings_;

@@ -52,6 +52,7 @@ ParameterAnswer ClusterGateway::ask_below(ParameterRequest request, SubSlave sub
   request.sub_slave = route->below;
   const JobId before = parameter_.running();
   const ParameterAnswer answer = parameter_.ask(request, *lower_, ids_);
+  counters_.repeated = parameter_.repeated();
   if (parameter_.running() != 0 && parameter_.running() != before) ++counters_.parameters;
   return answer;
 }
@@ -92,7 +93,8 @@ void ClusterGateway::parameter_dropped() noexcept {
 }
 
 void ClusterGateway::parameter_answered() noexcept {
-  if (own_parameter_) own_->parameter_answered();
+  if (own_parameter_) return own_->parameter_answered();
+  parameter_.answered();
 }
 
 void ClusterGateway::parameter_done(JobId id, const ParameterResult& result) noexcept {
@@ -120,6 +122,10 @@ void ClusterGateway::event(const MasterEvent& event) noexcept {
   const bool restarts = event.code == Code::slave_lost || event.code == Code::slave_returned;
   if (restarts && event.slave) parameter_.changed_below(SlaveMask::of(*event.slave));
   below_->event(event);
+}
+
+void ClusterGateway::reference_beyond_limit(Channel channel, const LimitViolation& beyond) noexcept {
+  below_->reference_beyond_limit(channel, beyond);
 }
 
 // --- blocks

@@ -28,9 +28,9 @@ struct GatewaySettings {
   /// too old. Longer than any master pauses between two questions.
   Duration asker_gone = std::chrono::seconds(5);
   Duration transfer_gone = std::chrono::seconds(30);  ///< likewise a block
-  /// The same write again within `asker_gone` after its answer, and nothing else in between, is the question
-  /// of a master that did not get the answer: it gets it again, and nothing is written. false: it is written
-  /// again.
+  /// The same write again within `asker_gone` after its answer, which was never on the bus, and nothing else in
+  /// between, is the question of a master that did not get the answer: it gets it again, and nothing is
+  /// written. false: it is written again.
   bool remembers_writes = true;
 };
 
@@ -39,6 +39,7 @@ struct GatewayCounters {
   std::uint64_t parameters = 0;  ///< jobs that went down
   std::uint64_t transfers = 0;   ///< blocks that went down
   std::uint64_t unknown = 0;     ///< questions for a sub-slave that is not in the table
+  std::uint64_t repeated = 0;    ///< writes that were answered from memory, and not given below again
 };
 
 /// Stands between a slave of the upper bus and the master of the lower one (O 7.1.1, M 3.2.1.3): what is
@@ -81,7 +82,8 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
   ParameterAnswer write_parameter(ParameterNumber number, Element element, SubSlave sub, bool doubleword,
                                   std::uint32_t value) noexcept override;
   void parameter_dropped() noexcept override;
-  bool keeps_answer() noexcept override { return !own_parameter_ || own_->keeps_answer(); }
+  /// Of a sub-slave's answer the gateway has the one memory, and knows what ends it.
+  bool keeps_answer() noexcept override { return own_parameter_ && own_->keeps_answer(); }
   BlockAnswer begin_block(const TransferInitialise& initialise) noexcept override;
   bool block_open() const noexcept override { return !own_block_ || own_->block_open(); }
   BlockAnswer read_block(std::uint16_t offset, std::span<std::uint8_t> out) noexcept override;
@@ -111,6 +113,7 @@ class ClusterGateway final : public SlaveApplication, public MasterListener {
   void transfer_done(JobId id, const TransferResult& result) noexcept override;
   void command_done(JobId id, Outcome outcome) noexcept override { below_->command_done(id, outcome); }
   void event(const MasterEvent& event) noexcept override;
+  void reference_beyond_limit(Channel channel, const LimitViolation& beyond) noexcept override;
 
   bool is_own(SubSlave sub) const noexcept { return sub.value == 0 || sub == own_number_; }
   ParameterAnswer ask_below(ParameterRequest request, SubSlave sub) noexcept;

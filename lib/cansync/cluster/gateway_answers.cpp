@@ -1,26 +1,12 @@
 #include "cansync/cluster/gateway_answers.h"
 
+#include "cansync/channel/outcome_rules.h"
+
 namespace cansync {
 
 namespace {
 using BlockAnswer = SlaveApplication::BlockAnswer;
 }  // namespace
-
-bool perhaps_written(const ParameterResult& result) noexcept {
-  switch (result.outcome) {
-    case Outcome::done:
-      return true;
-    case Outcome::slave_error:
-    case Outcome::word_expected:
-    case Outcome::doubleword_expected:
-    case Outcome::value_too_wide:
-    case Outcome::slave_lost:
-      return false;
-    default:
-      // 0 while no telegram of the job was sent.
-      return result.intervals != 0;
-  }
-}
 
 ParameterAnswer answer_above(bool write, const ParameterResult& result) noexcept {
   switch (result.outcome) {
@@ -75,6 +61,11 @@ BlockAnswer answer_above_transfer(Refusal refused) noexcept {
       return BlockAnswer::refused(TransferError::address_not_allowed);
     case Refusal::block_size:
       return BlockAnswer::refused(TransferError::block_too_long);
+    // The table is right: what it names is away, or its bus is.
+    case Refusal::slave_lost:
+    case Refusal::wrong_state:
+    case Refusal::bus_unavailable:
+      return BlockAnswer::refused(TransferError::cancelled_by_slave);
     default:
       return BlockAnswer::refused(TransferError::not_possible);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cansync/channel/outcome_rules.h"
 #include "cansync/cluster/gateway_answers.h"
 
 namespace cansync {
@@ -19,7 +20,10 @@ bool GatewayParameter::is_question(const ParameterRequest& request) const noexce
 ParameterAnswer GatewayParameter::ask(const ParameterRequest& request, Master& lower, JobId& ids) noexcept {
   const bool same = is_question(request);
   if (open_ && !same) drop(lower);
-  if (same && remembers()) return *answer_;
+  if (same && remembers()) {
+    ++repeated_;
+    return *answer_;
+  }
   forget_answer();
   asked_ = now_;
   if (open_) {
@@ -79,7 +83,7 @@ void GatewayParameter::done(JobId id, const ParameterResult& result) noexcept {
   if (id != job_) return;
   job_ = 0;
   answer_ = answer_above(question_.write, result);
-  // One that a slave has refused, with whatever code, may be given again at once.
+  // One that a slave has refused may be given again at once.
   keep_ = question_.write && perhaps_written(result);
 }
 

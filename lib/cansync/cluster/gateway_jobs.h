@@ -25,10 +25,10 @@ struct GatewayTimes {
 
 /// The one parameter job that a gateway has on the lower bus for the master above (M 3.2.3.7: one at a time).
 ///
-/// Each job goes down once and its answer goes up once. A write whose answer the asker did not get comes
-/// again as the same telegram: it is answered from memory and not written again until it counts as gone. The
-/// memory ends before that with any other question, which shows that the answer came (M 3.2.3.7: one at a
-/// time). When the value below may be another, because somebody else writes it or its slave was away, it
+/// Each job goes down once and its answer goes up once. A write whose answer was never on the bus comes again as
+/// the same telegram: it is answered from memory and not written again until it counts as gone. The memory
+/// ends before that when the answer was on the bus, and with any other question, which shows that it came (M
+/// 3.2.3.7: one at a time). When the value below may be another, because somebody else writes it or its slave was away, it
 /// says that nobody knows. One that was refused is asked below again. Realtime safe; not thread safe.
 class GatewayParameter {
  public:
@@ -46,6 +46,8 @@ class GatewayParameter {
   void done(JobId id, const ParameterResult& result) noexcept;
   /// Drops what is open, and forgets what was answered.
   void forget(Master& lower) noexcept;
+  /// The answer given last was on the bus: the same write again is another one.
+  void answered() noexcept { forget_answer(); }
   /// The asker has a question that is none for here.
   void asked_else() noexcept { forget_answer(); }
   /// The answer of a write is kept.
@@ -54,6 +56,8 @@ class GatewayParameter {
   void sent_below(const ParameterCommand& command) noexcept;
   /// These slaves of the lower bus were away, or are.
   void changed_below(SlaveMask slaves) noexcept;
+  /// Writes that were answered from memory since the start.
+  std::uint64_t repeated() const noexcept { return repeated_; }
   /// The job that runs below; 0: none does.
   JobId running() const noexcept { return job_; }
 
@@ -72,6 +76,7 @@ class GatewayParameter {
   std::optional<ParameterAnswer> answer_;  ///< of `question_`
   bool keep_ = false;                      ///< `answer_` is of a write that has perhaps been applied
   IntervalNumber remembered_until_ = 0;    ///< `answer_` of a write was given, and stays until then
+  std::uint64_t repeated_ = 0;
 };
 
 /// The one block that a gateway has on the lower bus for the master above. A download is taken whole, then

@@ -61,8 +61,18 @@ std::string_view reason_of(Outcome outcome) noexcept {
       return "not sent: the slave lost SYNC or was away, and is held out until it is released";
     case Outcome::replaced:
       return "not sent: a newer control word for the slave, or a stop, took its place";
+    case Outcome::taken:
+      return "the slave has taken the value and was busy with it; its final answer did not come: read it back";
   }
   return "unknown outcome";
+}
+
+/// Of a download: a part of it, or all, is in the slave's memory.
+std::string_view reason_of_transfer(Outcome outcome) noexcept {
+  if (outcome == Outcome::no_answer)
+    return "ended when a part of the data was sent: the slave has what it confirmed, and may have more; download "
+           "it again";
+  return reason_of(outcome);
 }
 
 /// What slaves do not answer ends for other reasons than what they do.
@@ -79,10 +89,11 @@ std::string_view reason_of_command(Outcome outcome) noexcept {
 }
 
 template <std::size_t N>
-void fill_reason(Outcome outcome, std::uint16_t code, std::string_view meaning, char (&out)[N]) noexcept {
+void fill_reason(Outcome outcome, std::uint16_t code, std::string_view meaning, std::string_view otherwise,
+                 char (&out)[N]) noexcept {
   ReasonBuilder<N> reason(out);
   if (outcome != Outcome::slave_error) {
-    reason.add(reason_of(outcome));
+    reason.add(otherwise);
     return;
   }
   reason.add("slave error ").add_hexadecimal(code).add(": ").add(meaning);
@@ -122,6 +133,7 @@ gateway_ReplyCode to_reply_code(Outcome outcome) noexcept {
     case Outcome::timeout:
       return gateway_REPLY_TIMEOUT;
     case Outcome::no_answer:
+    case Outcome::taken:
       return gateway_REPLY_NO_ANSWER;
     case Outcome::word_expected:
       return gateway_REPLY_WORD_EXPECTED;
@@ -150,7 +162,8 @@ gateway_RefusalCause to_cause(Outcome outcome) noexcept {
 cansync_ParameterReply parameter_reply(const RequestKey& key, const ParameterResult& result) noexcept {
   auto reply = ended<cansync_ParameterReply>(key, result.outcome);
   reply.error_code = static_cast<std::uint16_t>(result.error);
-  fill_reason(result.outcome, reply.error_code, meaning(result.error), reply.reason);
+  fill_reason(result.outcome, reply.error_code, meaning(result.error), reason_of(result.outcome),
+              reply.reason);
   reply.doubleword = result.doubleword;
   reply.value = result.value;
   reply.intervals = result.intervals;
@@ -161,7 +174,8 @@ cansync_TransferReply transfer_reply(const RequestKey& key, const TransferResult
                                      std::span<std::uint8_t> data) noexcept {
   auto reply = ended<cansync_TransferReply>(key, result.outcome);
   reply.error_code = static_cast<std::uint16_t>(result.error);
-  fill_reason(result.outcome, reply.error_code, meaning(result.error), reply.reason);
+  fill_reason(result.outcome, reply.error_code, meaning(result.error), reason_of_transfer(result.outcome),
+              reply.reason);
   reply.error_offset = result.error_offset;
   reply.done = result.bytes;
   reply.intervals = result.intervals;

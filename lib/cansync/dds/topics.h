@@ -13,7 +13,7 @@
 namespace gateway::dds {
 
 GATEWAY_TOPIC(cansync, ActualValues, kFromDaemon, kind::state());
-GATEWAY_TOPIC(cansync, ReferenceValues, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(cansync, ReferenceValues, kFromClients, kind::owned());
 GATEWAY_TOPIC(cansync, Interval, kFromDaemon, kind::latest());
 GATEWAY_TOPIC(cansync, ParameterRequest, kFromClients, kind::request());
 GATEWAY_TOPIC(cansync, ParameterReply, kFromDaemon, kind::reply(4096, 2048));

@@ -163,10 +163,13 @@ gateway_RefusalCause to_cause(Refusal refusal) noexcept {
     case Refusal::interval_passed:
     case Refusal::release_too_long:
     case Refusal::nothing_valid:
+    case Refusal::beyond_limit:
       return gateway_CAUSE_FIELD;
     case Refusal::queue_full:
       return gateway_CAUSE_QUEUE_FULL;
     case Refusal::wrong_state:
+    case Refusal::listening:
+    case Refusal::other_master:
       return gateway_CAUSE_WRONG_STATE;
     case Refusal::slaves_missing:
       return gateway_CAUSE_SLAVES_MISSING;
@@ -202,6 +205,10 @@ std::string explain(Refusal refusal, const Limits& limits) {
                          text::counted(limits.transfer_queue, "transfer"));
     case Refusal::wrong_state:
       return "state: not allowed in the master's state; allowed in setup and run, see mode";
+    case Refusal::listening:
+      return "state: the master still listens whether another one sends; wait, or use force";
+    case Refusal::other_master:
+      return "state: another master sends on this bus; switch it off and wait 3 s, or use force";
     case Refusal::slaves_missing:
       return "slaves: not every configured slave is ready; wait for them, or use force";
     case Refusal::unknown_job:

@@ -18,6 +18,7 @@ void add_heard(HeardTelegrams& to, const can::Frame& frame) noexcept {
 void CensusTaker::sync(Duration at, const can::Frame* frame) {
   pass(at);
   if (frame != nullptr) count(*frame);
+  evidence_.sync(frame);
   ++heard_.edges;
   vote_.sync(last_);
 }
@@ -25,6 +26,7 @@ void CensusTaker::sync(Duration at, const can::Frame* frame) {
 void CensusTaker::frame(Duration at, const can::Frame& frame) {
   pass(at);
   count(frame);
+  evidence_.frame(frame);
   if (frame.error) {
     ++heard_.error_frames;
     return;
@@ -35,6 +37,12 @@ void CensusTaker::frame(Duration at, const can::Frame& frame) {
   telegram(last_, frame);
 }
 
+void CensusTaker::begin_anew() {
+  vote_.begin_anew();
+  stamps_.begin_anew();
+  reference_at_.reset();
+}
+
 void CensusTaker::pass(Duration at) {
   if (!first_) first_ = last_ = at;
   last_ = std::max(last_, at);
@@ -43,6 +51,7 @@ void CensusTaker::pass(Duration at) {
 void CensusTaker::count(const can::Frame& frame) {
   ++heard_.frames;
   heard_.busy_bits += can::frame_bits(frame);
+  stamps_.frame(last_, frame);
 }
 
 /// What its identifier says; the frame is a telegram.
@@ -98,10 +107,13 @@ void CensusTaker::foreign(const can::Frame& frame) {
   heard_.foreign.push_back({identifier, frame.extended, frame.remote, 1, length});
 }
 
-Census CensusTaker::census() const {
+Census CensusTaker::census(std::optional<BitRate> bit_rate) const {
   Census out = heard_;
   out.length = first_ ? last_ - *first_ : Duration{0};
-  out.interval = vote_.result();
+  const IntervalVote::Result vote = vote_.result();
+  out.evidence = evidence_.evidence(vote);
+  out.stamps = stamps_.result(bit_rate.value_or(BitRate::mbit1));
+  if (!out.stamps.bunched() || vote.steady()) out.interval = vote;
   out.reference_doubles = doubles_[static_cast<unsigned>(out.interval.bit_rate)];
   return out;
 }

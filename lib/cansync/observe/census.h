@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "can/frame.h"
+#include "cansync/observe/evidence.h"
 #include "cansync/observe/interval_vote.h"
 #include "cansync/telegram/numbers.h"
 
@@ -46,7 +47,9 @@ struct Census {
   std::uint64_t busy_bits = 0;     ///< of all frames, stuff bits included
   Duration length{};               ///< first to last frame
   std::uint64_t edges = 0;         ///< of SYNC
-  IntervalVote::Result interval;
+  IntervalVote::Result interval;   ///< nothing, when time stamps are bunched and do not repeat it
+  LineEvidence evidence;
+  StampCheck::Result stamps;
   std::array<HeardTelegrams, kChannels> reference{};  ///< WRC1, WRC2
   HeardTelegrams actions;
   HeardTelegrams commands;
@@ -59,8 +62,13 @@ struct Census {
   bool master() const noexcept {
     return edges + reference[0].count + reference[1].count + actions.count + commands.count > 0;
   }
-  /// True when there seem to be two masters: many reference telegrams come twice in an interval.
-  bool second_master() const noexcept { return reference_doubles * 8 > reference[0].count; }
+  /// True when there seem to be two masters: many reference telegrams come twice in an interval. Nothing is
+  /// known of it while the interval is unknown; of bunched time stamps the order alone counts.
+  bool second_master() const noexcept {
+    if (interval.votes == 0) return false;
+    const std::uint64_t by_order = evidence.edges > 0 ? evidence.rated - evidence.in_rate : 0;
+    return (stamps.bunched() ? by_order : reference_doubles) * 8 > reference[0].count;
+  }
 };
 
 /// Most entries of `Census::foreign`.
@@ -75,8 +83,10 @@ class CensusTaker {
   void sync(Duration at, const can::Frame* frame);
   /// Any other frame.
   void frame(Duration at, const can::Frame& frame);
-  /// What was heard until now.
-  Census census() const;
+  /// What comes next has no relation in time to what came before; it follows it at once.
+  void begin_anew();
+  /// What was heard until now. `bit_rate`: of the bus, when it is known otherwise than by its interval.
+  Census census(std::optional<BitRate> bit_rate = std::nullopt) const;
 
  private:
   void pass(Duration at);
@@ -87,6 +97,8 @@ class CensusTaker {
 
   Census heard_;
   IntervalVote vote_;
+  EvidenceTaker evidence_;
+  StampCheck stamps_;
   std::optional<Duration> first_;
   Duration last_{};
   std::optional<Duration> reference_at_;

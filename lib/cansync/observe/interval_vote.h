@@ -18,13 +18,21 @@ class IntervalVote {
   /// Any frame; those that stand once in an interval count.
   void frame(Duration at, const can::Frame& frame) noexcept;
 
+  /// What comes next has no relation in time to what came before.
+  void begin_anew() noexcept;
+
   /// What was told so far.
   struct Result {
     BitRate bit_rate = BitRate::mbit1;
-    std::uint64_t votes = 0;    ///< 0: nothing speaks for any
-    std::uint64_t against = 0;  ///< of the same kind, for the others
+    std::uint64_t votes = 0;      ///< 0: nothing speaks for any
+    std::uint64_t against = 0;    ///< of the same kind, for the others
+    std::uint64_t among = 0;      ///< distances of the same kind, those that fit no interval included
+    std::uint64_t in_step = 0;    ///< of those, a whole number of intervals
+    std::uint64_t too_short = 0;  ///< of those, under half of the interval
     bool by_sync = false;
     Duration mean{};  ///< of those that voted for it
+    /// Hardly any distance is too short for this interval.
+    bool steady() const noexcept { return votes > 0 && 8 * too_short <= among; }
   };
   /// The interval that most of the best kind speak for.
   Result result() const noexcept;
@@ -33,7 +41,10 @@ class IntervalVote {
   static constexpr unsigned kKinds = 4;
   struct Kind {
     std::optional<Duration> last;
+    std::uint64_t among = 0;
     std::array<std::uint64_t, kSlotTimes.size()> votes = {};
+    std::array<std::uint64_t, kSlotTimes.size()> in_step = {};
+    std::array<std::uint64_t, kSlotTimes.size()> too_short = {};
     std::array<Duration, kSlotTimes.size()> sum = {};
   };
   void vote(unsigned kind, Duration at) noexcept;

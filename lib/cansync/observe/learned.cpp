@@ -19,7 +19,9 @@ void learn_timing(const Observation& observation, Learned& out) {
   const SlotTimes& times = slot_times(observation.bit_rate);
   const std::uint64_t votes = observation.interval_votes;
   found(out.interval, times.interval, observation.sync_seen ? Certainty::seen : Certainty::inferred, votes);
-  found(out.bit_rate, observation.bit_rate, Certainty::inferred, votes);
+  // What was typed is known, whatever the interval says.
+  const std::uint64_t typed = observation.bit_rate_given && observation.frames > 0 ? 1 : 0;
+  found(out.bit_rate, observation.bit_rate, Certainty::inferred, std::max(votes, typed));
   if (!observation.sync_seen) return;
   // The bus may have been taken when a telegram was due, but none goes out before.
   const auto look = [&](Place place, Duration latest_start) {
@@ -34,6 +36,12 @@ void learn_timing(const Observation& observation, Learned& out) {
   look(Place::reference_two, times.reference_two);
   look(Place::command, times.command);
   if (!out.send_margin.known()) look(Place::set_up_command, times.reference_one);
+  // A greater one lets a telegram start before the slave's telegram in the slot before it: edges are missing in the
+  // recording, or it is no master of these slots.
+  const Duration greatest =
+      std::min({times.reference_one - times.response, times.reference_two - times.actual_one,
+                times.command - times.actual_two});
+  if (out.send_margin.value > greatest) out.send_margin = {};
 }
 
 void learn_slaves(const Observation& observation, Learned& out) {
@@ -41,7 +49,8 @@ void learn_slaves(const Observation& observation, Learned& out) {
     const SlaveUse& use = observation.slave[i];
     const std::uint64_t heard = use.answers + use.stray + use.actual[0].count + use.actual[1].count;
     const SlaveNumber slave = *SlaveNumber::from(i);
-    if (heard + use.commands > 0) out.slaves.value.set(slave);
+    // A number that was asked once and never answered was looked for, and is not of the line.
+    if (heard > 0 || use.commands > 1) out.slaves.value.set(slave);
     if (heard > 0) out.answered.value.set(slave);
     out.slaves.count += heard + use.commands;
     out.answered.count += heard;
@@ -121,6 +130,15 @@ TelegramMapping mapping_of(const TelegramUse& use, unsigned words, unsigned firs
   return mapping;
 }
 
+void learn_ranges(const TelegramUse& use, const TelegramMapping& mapping, Learned& out) {
+  for (unsigned i = 0; i < kWords; ++i) {
+    const WordMapping& word = mapping.word[i];
+    if (!word.assigned || word.high) continue;
+    const bool doubleword = ((mapping.word_mask() >> word.value) & 1u) == 0;
+    out.reference_range[word.value] = doubleword ? use.doubleword[i / 2] : use.word[i];
+  }
+}
+
 unsigned most_words(const TelegramUse& use) {
   unsigned words = 0;
   for (unsigned i = 1; i < use.by_words.size(); ++i)
@@ -140,6 +158,7 @@ void learn_words(const Observation& observation, Learned& out) {
     const unsigned words = most_words(use);
     found(out.reference_mapping[c], mapping_of(use, words, c * kWords), Certainty::inferred,
           use.count - use.by_words[0]);
+    learn_ranges(use, out.reference_mapping[c].value, out);
     for (unsigned i = 0; i < kSlaves; ++i) {
       const TelegramUse& actual = observation.slave[i].actual[c];
       found(out.slave[i].actual_mapping[c], mapping_of(actual, most_words(actual), c * kWords),
@@ -163,6 +182,10 @@ void learn_process_data(const Observation& observation, Learned& out) {
   for (unsigned c = 0; c < kChannels; ++c) {
     const PollingUse& use = observation.polling[c];
     out.polling[c] = polling_of(use);
+    // A slave that is polled alone belongs to the line, also when it never answered.
+    const Found<Cursor>& polling = out.polling[c];
+    if (polling.known() && polling.value.kind == Cursor::Kind::fixed)
+      out.slaves.value.set(polling.value.slave);
     for (unsigned n = kSlaves; n < use.asked.size(); ++n)
       if (use.asked[n] > 0)
         found(out.poll_nobody, static_cast<std::uint8_t>(n), Certainty::seen,

@@ -53,6 +53,7 @@ struct Learned {
   Found<bool> full_length;
   Found<bool> poll_without_reference;
   std::array<Found<TelegramMapping>, kChannels> reference_mapping = {};
+  std::array<NumberRange, kValues> reference_range = {};  ///< by this mapping; count 0: none came
   Found<Activation> activation;
   Found<Duration> status_period;
   Found<EnableRule> enable;

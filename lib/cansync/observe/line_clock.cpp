@@ -6,8 +6,8 @@
 
 namespace cansync::observe {
 
-LineClock::LineClock(BitRate bit_rate, bool sync_seen) noexcept
-    : times_(slot_times(bit_rate)), sync_seen_(sync_seen) {}
+LineClock::LineClock(BitRate bit_rate, bool sync_seen, bool by_count) noexcept
+    : times_(slot_times(bit_rate)), sync_seen_(sync_seen), by_count_(by_count) {}
 
 void LineClock::sync(Duration at) noexcept {
   if (sync_seen_) edge(at);
@@ -17,8 +17,15 @@ void LineClock::reference_one(Duration at) noexcept {
   if (!sync_seen_) edge(at - (times_.reference_one - default_send_margin(times_.bit_rate)));
 }
 
+void LineClock::begin_anew() noexcept {
+  edge_.reset();
+  ++interval_;
+}
+
 void LineClock::edge(Duration at) noexcept {
-  if (edge_ && at > *edge_) {
+  if (by_count_) {
+    ++interval_;
+  } else if (edge_ && at > *edge_) {
     const auto passed = (at - *edge_ + times_.interval / 2) / times_.interval;
     interval_ += static_cast<IntervalNumber>(std::max<Duration::rep>(passed, 0));
   }
@@ -28,6 +35,7 @@ void LineClock::edge(Duration at) noexcept {
 Instant LineClock::instant(Duration at) const noexcept {
   if (!edge_) return {};
   const Duration since = at - *edge_;
+  if (by_count_) return {true, interval_, std::max(since, Duration{0}) % times_.interval};
   // A log has the time of its end; it may have begun before the newest edge.
   if (since < Duration{0}) return {true, interval_ - 1, std::max(times_.interval + since, Duration{0})};
   return {true, interval_ + static_cast<IntervalNumber>(since / times_.interval), since % times_.interval};

@@ -20,13 +20,16 @@ struct Instant {
 /// our master would send it.
 class LineClock {
  public:
-  /// `sync_seen`: the recording has SYNC edges.
-  LineClock(BitRate bit_rate, bool sync_seen) noexcept;
+  /// `sync_seen`: the recording has SYNC edges. `by_count`: its time stamps say nothing, so each edge begins the
+  /// next interval.
+  LineClock(BitRate bit_rate, bool sync_seen, bool by_count = false) noexcept;
 
   /// A SYNC edge.
   void sync(Duration at) noexcept;
   /// WRC1 began; does nothing when there are SYNC edges.
   void reference_one(Duration at) noexcept;
+  /// Nothing is known until the next edge.
+  void begin_anew() noexcept;
   /// `at` in intervals; edges that are missing are gone on from the last one.
   Instant instant(Duration at) const noexcept;
 
@@ -35,6 +38,7 @@ class LineClock {
 
   const SlotTimes& times_;
   bool sync_seen_;
+  bool by_count_;
   std::optional<Duration> edge_;
   IntervalNumber interval_ = 1;
 };

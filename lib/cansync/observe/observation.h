@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "cansync/observe/evidence.h"
 #include "cansync/settings/timing.h"
 #include "cansync/telegram/errors.h"
 #include "cansync/telegram/numbers.h"
@@ -42,6 +43,17 @@ struct PairUse {
   std::uint64_t breaks = 0;   ///< it moved otherwise
 };
 
+/// The numbers that a word or doubleword had, read with a sign.
+struct NumberRange {
+  std::uint64_t count = 0;    ///< telegrams with it
+  std::int64_t least = 0;     ///< of them
+  std::int64_t greatest = 0;  ///< likewise
+  std::int64_t step = 0;      ///< greatest difference from one telegram to the next
+  std::int64_t newest = 0;    ///< of the newest telegram
+  /// The next telegram has `number`.
+  void add(std::int64_t number) noexcept;
+};
+
 /// One kind of process data telegram of one sender.
 struct TelegramUse {
   std::uint64_t count = 0;                     ///< telegrams
@@ -49,6 +61,8 @@ struct TelegramUse {
   std::uint8_t moved = 0;                      ///< bit n: word n had more than one value
   std::uint8_t not_zero = 0;                   ///< bit n: word n was not always 0
   std::array<PairUse, 2> pair = {};            ///< words 0 and 1, words 2 and 3
+  std::array<NumberRange, 4> word = {};        ///< each word by itself
+  std::array<NumberRange, 2> doubleword = {};  ///< the pairs as doublewords, low word first
 };
 
 /// Whom the reference telegrams of a channel ask.
@@ -166,7 +180,10 @@ struct ServedCommand {
 /// in it; `*_over` count what found no room.
 struct Observation {
   BitRate bit_rate = BitRate::mbit1;  ///< of the interval
-  std::uint64_t interval_votes = 0;   ///< neighbours of a kind that stood one interval apart; 0: unknown
+  bool bit_rate_given = false;        ///< it was known beforehand
+  LineEvidence evidence;
+  StampCheck::Result stamps;
+  std::uint64_t interval_votes = 0;  ///< neighbours of a kind that stood one interval apart; 0: unknown
   std::uint64_t interval_votes_against = 0;  ///< that stood one interval of another bit rate apart
   bool sync_seen = false;                    ///< the recording has SYNC edges
   Duration interval{};                       ///< mean, by the recording's clock
@@ -178,7 +195,8 @@ struct Observation {
   std::uint64_t error_frames = 0;            ///< as the log has them
   std::array<std::uint64_t, kDecodeErrors> no_telegram = {};  ///< frames by DecodeError
 
-  std::array<SlotUse, kPlaces> slot = {};
+  std::array<SlotUse, kPlaces> slot =
+      {};  ///< empty when time stamps are bunched or coarse; so are the times of answers
   std::array<TelegramUse, kChannels> reference = {};
   std::array<PollingUse, kChannels> polling = {};
   std::array<std::uint64_t, 128> polling_distance = {};  ///< both channels: N of WRC2 - N of WRC1 by 128

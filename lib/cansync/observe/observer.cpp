@@ -18,10 +18,10 @@ constexpr std::size_t kMostKept = 8192;
 }  // namespace
 
 struct Observer::Analysis {
-  Analysis(Observation& to, bool sync_seen)
+  Analysis(Observation& to, bool sync_seen, bool by_count)
       : out(to),
         times(slot_times(to.bit_rate)),
-        clock(to.bit_rate, sync_seen),
+        clock(to.bit_rate, sync_seen, by_count),
         process(to),
         commands(to, times) {}
 
@@ -47,12 +47,22 @@ struct Observer::Analysis {
 Observer::Observer(const ObserverSettings& settings) : settings_(settings) {}
 Observer::~Observer() = default;
 
-void Observer::sync(Duration at) {
-  keep({at, std::nullopt});
+void Observer::sync(Duration at, const can::Frame* frame) {
+  evidence_.sync(frame);
+  if (frame != nullptr) stamps_.frame(at, *frame);
+  keep({at, std::nullopt, std::exchange(anew_, false)});
 }
 
 void Observer::frame(Duration at, const can::Frame& frame) {
-  keep({at, frame});
+  evidence_.frame(frame);
+  stamps_.frame(at, frame);
+  keep({at, frame, std::exchange(anew_, false)});
+}
+
+void Observer::begin_anew() {
+  vote_.begin_anew();
+  stamps_.begin_anew();
+  anew_ = true;
 }
 
 void Observer::keep(const Kept& kept) {
@@ -65,8 +75,10 @@ void Observer::keep(const Kept& kept) {
 void Observer::begin() {
   const IntervalVote::Result result = vote_.result();
   out_.bit_rate = settings_.bit_rate.value_or(result.bit_rate);
-  out_.sync_seen = result.by_sync;
-  analysis_ = std::make_unique<Analysis>(out_, out_.sync_seen);
+  out_.bit_rate_given = settings_.bit_rate.has_value();
+  const bool by_count = stamps(std::nullopt).bunched() && !result.steady();
+  out_.sync_seen = result.by_sync || (by_count && evidence_.evidence(result).edges > 0);
+  analysis_ = std::make_unique<Analysis>(out_, out_.sync_seen, by_count);
   for (const Kept& kept : kept_) take(kept);
   kept_ = {};
 }
@@ -74,6 +86,7 @@ void Observer::begin() {
 void Observer::take(const Kept& kept) {
   Analysis& analysis = *analysis_;
   const Duration at = std::max(kept.at, analysis.last);
+  if (kept.anew) analysis.clock.begin_anew();
   if (!kept.frame) {
     ++out_.edges;
     analysis.clock.sync(at);
@@ -148,16 +161,28 @@ void Observer::Analysis::telegram(const Telegram& telegram, const OnBus& when) {
       telegram);
 }
 
+/// By the shortest frames there are, when no bit rate is known.
+StampCheck::Result Observer::stamps(std::optional<BitRate> by_interval) const noexcept {
+  return stamps_.result(settings_.bit_rate.value_or(by_interval.value_or(BitRate::mbit1)));
+}
+
 Observation Observer::finish() {
   if (!analysis_) begin();
   const IntervalVote::Result result = vote_.result();
-  const bool same = result.bit_rate == out_.bit_rate;
+  out_.evidence = evidence_.evidence(result);
+  const bool known = result.votes > 0 && (result.steady() || !stamps(std::nullopt).bunched());
+  out_.stamps = stamps(known ? std::optional(result.bit_rate) : std::nullopt);
+  const bool bunched = out_.stamps.bunched();
+  const bool same = result.bit_rate == out_.bit_rate && (!bunched || result.steady());
   out_.interval_votes = same ? result.votes : 0;
   out_.interval_votes_against = same ? result.against : result.votes;
   out_.interval = same ? result.mean : Duration{0};
-  for (unsigned i = 0; i < kPlaces; ++i) out_.slot[i] = analysis_->slots.use(static_cast<Place>(i));
+  for (unsigned i = 0; i < kPlaces && out_.stamps.fine(); ++i)
+    out_.slot[i] = analysis_->slots.use(static_cast<Place>(i));
   if (analysis_->first_interval) out_.intervals = analysis_->last_interval - *analysis_->first_interval + 1;
   analysis_->commands.finish();
+  for (SlaveUse& slave : out_.slave)
+    if (!out_.stamps.fine()) slave.response = {};
   analysis_.reset();
   return std::move(out_);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "can/frame.h"
+#include "cansync/observe/evidence.h"
 #include "cansync/observe/interval_vote.h"
 #include "cansync/observe/observation.h"
 
@@ -33,10 +34,13 @@ class Observer {
   Observer(const Observer&) = delete;
   Observer& operator=(const Observer&) = delete;
 
-  /// A SYNC edge. Times must not fall; what falls counts as at the time before.
-  void sync(Duration at);
+  /// A SYNC edge, by this frame; null: by a wire of its own. Times must not fall; what falls counts as at the time
+  /// before.
+  void sync(Duration at, const can::Frame* frame = nullptr);
   /// Any frame, also one that is no telegram.
   void frame(Duration at, const can::Frame& frame);
+  /// What comes next has no relation in time to what came before; it follows it at once.
+  void begin_anew();
   /// The recording is over, nothing may follow.
   Observation finish();
 
@@ -44,16 +48,21 @@ class Observer {
   struct Kept {
     Duration at{};
     std::optional<can::Frame> frame;  ///< nothing: a SYNC edge
+    bool anew = false;                ///< time begins anew with it
   };
   struct Analysis;
 
   void keep(const Kept& kept);
   void begin();
   void take(const Kept& kept);
+  StampCheck::Result stamps(std::optional<BitRate> by_interval) const noexcept;
 
   ObserverSettings settings_;
   IntervalVote vote_;
+  EvidenceTaker evidence_;
+  StampCheck stamps_;
   std::vector<Kept> kept_;
+  bool anew_ = false;  ///< time begins anew with what comes next
   Observation out_;
   std::unique_ptr<Analysis> analysis_;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cansync/telegram/mapping.h"
+
 namespace cansync::observe {
 namespace {
 
@@ -16,12 +18,25 @@ bool moves_steadily(std::uint16_t low, std::uint16_t high, std::uint16_t low_bef
 
 }  // namespace
 
+void NumberRange::add(std::int64_t number) noexcept {
+  if (count++ == 0) {
+    least = greatest = number;
+  } else {
+    least = std::min(least, number);
+    greatest = std::max(greatest, number);
+    step = std::max(step, number > newest ? number - newest : newest - number);
+  }
+  newest = number;
+}
+
 void ProcessWatch::look(TelegramUse& use, Last& last, std::uint8_t words,
                         const std::array<std::uint16_t, 4>& word) noexcept {
   ++use.count;
   ++use.by_words[std::min<std::size_t>(words, 4)];
   for (unsigned i = 0; i < words && i < 4; ++i) {
     const auto bit = static_cast<std::uint8_t>(1u << i);
+    use.word[i].add(number_of(word[i], true, true));
+    if (i % 2 == 1) use.doubleword[i / 2].add(static_cast<std::int32_t>(word[i - 1] | (word[i] << 16)));
     if (word[i] != 0) use.not_zero = static_cast<std::uint8_t>(use.not_zero | bit);
     if (last.word && i < last.words && (*last.word)[i] != word[i])
       use.moved = static_cast<std::uint8_t>(use.moved | bit);

@@ -10,15 +10,21 @@ WordMasks word_masks(const ProcessMapping& mapping) noexcept {
   return {mapping[0].word_mask(), mapping[1].word_mask()};
 }
 
+std::array<CarriedValues, kChannels> carried_by(const ProcessMapping& mapping) noexcept {
+  return {CarriedValues{mapping[0].value_mask(), mapping[0].word_mask()},
+          CarriedValues{mapping[1].value_mask(), mapping[1].word_mask()}};
+}
+
 }  // namespace
 
 ProcessData::ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept
     : settings_(settings.process),
       listener_(listener),
       configured_(settings.configured()),
+      carried_(carried_by(settings.process.reference_mapping)),
+      check_(settings.process.reference_limits),
       output_{Output{ReferenceRelease(Channel::one, settings.process, listener), std::nullopt},
               Output{ReferenceRelease(Channel::two, settings.process, listener), std::nullopt}} {
-  reference_words_ = word_masks(settings_.reference_mapping);
   for (unsigned i = 0; i < kSlaves; ++i) set_mapping(i, settings.slaves[i].actual_mapping);
 }
 
@@ -26,9 +32,11 @@ void ProcessData::set_mapping(unsigned slave, const ProcessMapping& mapping) noe
   actual_mapping_[slave] = mapping;
   actual_words_[slave] = word_masks(mapping);
   actual_of_[slave] = {Unpacking(mapping[0]), Unpacking(mapping[1])};
+  actual_by_mapping_[slave] = {};
 }
 
 void ProcessData::stop() noexcept {
+  check_.forget();
   for (Output& output : output_) {
     output.release.stop();
     output.asked.reset();
@@ -53,7 +61,7 @@ std::array<std::optional<SlaveNumber>, kChannels> ProcessData::begin_interval(In
 
 Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
   // Whatever becomes of this update: the giver before gives no longer.
-  if (update.takes_over) output_[index(update.channel)].release.withdraw(0);
+  if (update.takes_over) stop_release(update.channel, 0);
   if (update.mapping_number != mapping_number_) return Refusal::mapping_changed;
   if (update.valid_mask == 0 || update.valid_mask > 0x0F) return Refusal::nothing_valid;
   if (update.release_intervals == 0 || update.release_intervals > settings_.release_limit) {
@@ -70,7 +78,7 @@ Refusal ProcessData::update(const ReferenceUpdate& update) noexcept {
 
 bool ProcessData::fits_words(const ReferenceUpdate& update) const noexcept {
   const unsigned first = index(update.channel) * 4;
-  const unsigned words = reference_words_[index(update.channel)];
+  const unsigned words = carried_[index(update.channel)].words;
   for (unsigned v = 0; words != 0 && v < 4; ++v) {
     if (((words >> (first + v)) & 1u) == 0) continue;
     const bool is_new = ((update.valid_mask >> v) & 1u) != 0;
@@ -82,6 +90,7 @@ bool ProcessData::fits_words(const ReferenceUpdate& update) const noexcept {
 
 void ProcessData::stop_release(Channel channel, std::uint32_t hold) noexcept {
   output_[index(channel)].release.withdraw(hold);
+  check_.withdrawn(channel);
 }
 
 std::uint8_t ProcessData::polled(Channel channel) const noexcept {
@@ -99,18 +108,59 @@ std::uint8_t ProcessData::polled(Channel channel) const noexcept {
   return settings_.poll_nobody;
 }
 
+void ProcessData::take_due(Channel channel) noexcept {
+  ReferenceRelease& release = output_[index(channel)].release;
+  const unsigned first_value = index(channel) * kWords;
+  while (const auto update = release.next_due(now_)) {
+    Values wanted = references_;
+    for (unsigned v = 0; v < kWords; ++v) {
+      if (((update->valid_mask >> v) & 1u) != 0) wanted[first_value + v] = update->value[v];
+    }
+    if (const auto beyond = check_.judge(channel, carried_[index(channel)], wanted, now_, *this)) {
+      refuse(channel, *beyond);
+      continue;
+    }
+    references_ = wanted;
+    release.take(*update, now_);
+    check_.taken(channel);
+  }
+}
+
+void ProcessData::refuse(Channel channel, const LimitViolation& beyond) noexcept {
+  output_[index(channel)].release.refuse();
+  listener_.reference_beyond_limit(channel, beyond);
+}
+
+std::optional<ActualNumber> ProcessData::recent(SlaveNumber slave, std::uint8_t value) const noexcept {
+  // Every slave is asked once in a round of the automatic number; what is two rounds old comes no more.
+  const IntervalNumber limit = 2 * (settings_.maximum_slave.value() + IntervalNumber{1});
+  const unsigned channel = value / kWords;
+  const ActualValues& actual = actual_[slave.value()];
+  const unsigned mapped = actual_mapping_[slave.value()][channel].value_mask();
+  const bool came = actual_by_mapping_[slave.value()][channel] && ((mapped >> value) & 1u) != 0;
+  if (!came || now_ - actual.interval[channel] > limit) return std::nullopt;
+  return ActualNumber{actual.value[value], ((actual.words >> value) & 1u) != 0};
+}
+
+void ProcessData::set_reference_limits(std::uint8_t value, const ReferenceLimits& limits) noexcept {
+  settings_.reference_limits[value] = limits;
+  check_.set_limits(value, limits);
+  const Channel channel = value < kWords ? Channel::one : Channel::two;
+  if (output_[index(channel)].release.status().state == ReleaseStatus::State::stopped) return;
+  const auto beyond = check_.judge_range(carried_[index(channel)], references_);
+  if (!beyond) return;
+  refuse(channel, *beyond);
+  stop_release(channel, 0);
+}
+
 std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept {
   Output& output = output_[index(channel)];
-  const unsigned first_value = index(channel) * 4;
-  while (const auto update = output.release.next_due(now_)) {
-    for (unsigned v = 0; v < 4; ++v) {
-      if (((update->valid_mask >> v) & 1u) != 0) references_[first_value + v] = update->value[v];
-    }
-  }
+  take_due(channel);
   ReferenceTelegram telegram;
   telegram.channel = channel;
   telegram.polled = polled(channel);
-  if (!output.release.decide(now_)) {
+  output.released = output.release.decide(now_);
+  if (!output.released) {
     ++not_released_;
     if (!settings_.poll_without_reference) return std::nullopt;
     telegram.words = 0;
@@ -125,6 +175,7 @@ std::optional<ReferenceTelegram> ProcessData::telegram(Channel channel) noexcept
 void ProcessData::sent(Channel channel) noexcept {
   Output& output = output_[index(channel)];
   output.on_bus = false;
+  if (output.released) check_.sent(carried_[index(channel)], references_, now_);
   output.release.sent();
   const auto slave = SlaveNumber::from(polled(channel));
   if (slave && configured_.has(*slave)) output.asked = slave;
@@ -150,6 +201,7 @@ bool ProcessData::receive(const ActualTelegram& telegram) noexcept {
       static_cast<std::uint8_t>((actual.words & others) | actual_words_[telegram.slave.value()][channel]);
   actual.arrived = {};
   actual.arrived[channel] = true;
+  actual_by_mapping_[telegram.slave.value()][channel] = true;
   actual.interval[channel] = now_;
   ++actual.count[channel];
   listener_.actual_values(telegram.slave, actual);
@@ -168,7 +220,7 @@ Refusal ProcessData::set_reference_mapping(const ProcessMapping& mapping) noexce
   if (!fits(mapping)) return Refusal::mapping;
   if (mapping == settings_.reference_mapping) return Refusal::none;
   settings_.reference_mapping = mapping;
-  reference_words_ = word_masks(mapping);
+  carried_ = carried_by(mapping);
   ++mapping_number_;
   for (Output& output : output_) output.release.mapping_changed();
   return Refusal::none;

@@ -6,6 +6,7 @@
 
 #include "cansync/channel/jobs.h"
 #include "cansync/master.h"
+#include "cansync/process_data/reference_check.h"
 #include "cansync/process_data/reference_release.h"
 #include "cansync/process_data/release_status.h"
 #include "cansync/settings/settings.h"
@@ -21,7 +22,7 @@ using WordMasks = std::array<std::uint8_t, kChannels>;
 
 /// Reference values out and actual values in: mapping, release, and which slave is asked
 /// (M 3.1.1.1, 3.2.2.4, 3.2.2.5). Realtime safe; not thread safe.
-class ProcessData {
+class ProcessData : private ActualSource {
  public:
   /// `listener` must outlive this object; `settings`, which must have passed `check`, is copied.
   ProcessData(const MasterSettings& settings, MasterListener& listener) noexcept;
@@ -40,7 +41,8 @@ class ProcessData {
   /// See `Master::stop_release`; `hold` in intervals, 0: at once.
   void stop_release(Channel channel, std::uint32_t hold) noexcept;
 
-  /// The channel's reference telegram for this interval; nothing when no values are released.
+  /// The channel's reference telegram for this interval; nothing when no values are released. Updates that are
+  /// due and beyond a limit are refused, and the listener is told.
   std::optional<ReferenceTelegram> telegram(Channel channel) noexcept;
   /// The telegram was handed to the bus: its slave is expected to answer.
   void sent(Channel channel) noexcept;
@@ -63,6 +65,9 @@ class ProcessData {
   /// Which slave the telegram asks, from the next one on (M 4.19). `slave_not_configured`: nothing is
   /// changed.
   Refusal set_polling(Channel channel, const Cursor& cursor) noexcept;
+  /// What reference value `value` may be, for the next one. A release of values that are beyond minimum or
+  /// maximum now ends.
+  void set_reference_limits(std::uint8_t value, const ReferenceLimits& limits) noexcept;
   /// Automatic numbers rise up to this slave and begin again at 0.
   void set_maximum_slave(SlaveNumber slave) noexcept { settings_.maximum_slave = slave; }
   /// How this slave's telegrams are read, from the next one on (M 4.16). `slave_not_configured`, `mapping`:
@@ -90,13 +95,17 @@ class ProcessData {
   struct Output {
     ReferenceRelease release;
     std::optional<SlaveNumber> asked;
-    bool on_bus = false;  ///< the telegram that asks was on the bus
+    bool on_bus = false;    ///< the telegram that asks was on the bus
+    bool released = false;  ///< the telegram of this interval carries values
   };
 
   std::uint8_t polled(Channel channel) const noexcept;
   void set_mapping(unsigned slave, const ProcessMapping& mapping) noexcept;
   /// No value of which the low word alone is sent would be cut.
   bool fits_words(const ReferenceUpdate& update) const noexcept;
+  void take_due(Channel channel) noexcept;
+  void refuse(Channel channel, const LimitViolation& beyond) noexcept;
+  std::optional<ActualNumber> recent(SlaveNumber slave, std::uint8_t value) const noexcept override;
 
   ProcessSettings settings_;
   MasterListener& listener_;
@@ -104,9 +113,12 @@ class ProcessData {
   std::array<ProcessMapping, kSlaves> actual_mapping_;
   std::array<WordMasks, kSlaves> actual_words_ = {};                 ///< of these mappings
   std::array<std::array<Unpacking, kChannels>, kSlaves> actual_of_;  ///< of the telegrams, by these mappings
-  WordMasks reference_words_ = {};
+  std::array<CarriedValues, kChannels> carried_ = {};                ///< by the reference mapping
   std::array<ActualValues, kSlaves> actual_ = {};
+  /// A telegram came since the mapping in force.
+  std::array<std::array<bool, kChannels>, kSlaves> actual_by_mapping_ = {};
   Values references_ = {};
+  ReferenceCheck check_;
   std::array<Output, kChannels> output_;
   std::uint64_t mapping_number_ = 1;
   IntervalNumber now_ = 0;

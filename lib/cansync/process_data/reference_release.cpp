@@ -75,19 +75,22 @@ std::optional<ReferenceUpdate> ReferenceRelease::next_due(IntervalNumber now) no
       if (late >= due.release_intervals) continue;
       due.release_intervals -= static_cast<std::uint32_t>(late);
     }
-    if (status_.state == State::held) tell(MasterEvent::Code::references_released);
-    remaining_ = due.release_intervals;
-    end_cause_ = Cause::used_up;
-    hold_wanted_ = 0;
-    watched_ = too_old_after_ != 0;
-    begins_before_ = due.begins_before();
-    status_.state = State::released;
-    status_.cause = Cause::none;
-    status_.given = now;
-    ++status_.updates;
     return due;
   }
   return std::nullopt;
+}
+
+void ReferenceRelease::take(const ReferenceUpdate& due, IntervalNumber now) noexcept {
+  if (status_.state == State::held) tell(MasterEvent::Code::references_released);
+  remaining_ = due.release_intervals;
+  end_cause_ = Cause::used_up;
+  hold_wanted_ = 0;
+  watched_ = too_old_after_ != 0;
+  begins_before_ = due.begins_before();
+  status_.state = State::released;
+  status_.cause = Cause::none;
+  status_.given = now;
+  ++status_.updates;
 }
 
 bool ReferenceRelease::decide(IntervalNumber now) noexcept {

@@ -40,8 +40,12 @@ class ReferenceRelease {
   /// The values that were given mean something else from now on: forgets what waits, and stops the release.
   void mapping_changed() noexcept;
 
-  /// Once an interval, before the telegram is built: the next update that is due, to be taken into use.
+  /// Once an interval, before the telegram is built: the next update that is due, for `take` or `refuse`.
   std::optional<ReferenceUpdate> next_due(IntervalNumber now) noexcept;
+  /// An update of `next_due` is taken into use.
+  void take(const ReferenceUpdate& due, IntervalNumber now) noexcept;
+  /// An update of `next_due` is beyond a limit: what is released goes on as if it had not come.
+  void refuse() noexcept { ++status_.beyond_limits; }
   /// Once an interval, after all that is due: is the telegram sent in this interval?
   bool decide(IntervalNumber now) noexcept;
   /// The telegram was handed to the bus: its values are used once, and their release has begun.

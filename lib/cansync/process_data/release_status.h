@@ -29,6 +29,8 @@ struct ReleaseStatus {
   std::uint64_t too_old = 0;  ///< times since the start that values grew too old
   std::uint64_t mapping_changed =
       0;  ///< times since the start that a change of the mapping ended the release
+  std::uint64_t beyond_limits =
+      0;  ///< updates since the start that were refused for a limit (`ReferenceCheck`)
 };
 
 }  // namespace cansync

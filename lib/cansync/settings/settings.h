@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 
+#include "cansync/settings/reference_limits.h"
 #include "cansync/settings/timing.h"
 #include "cansync/telegram/mapping.h"
 #include "cansync/telegram/numbers.h"
@@ -43,13 +45,13 @@ enum class OnReturn : std::uint8_t {
   write,    ///< every return parameter is written, and read back
 };
 
-/// One parameter that a slave must have after it was away.
-struct ReturnParameter {
+/// One parameter with the value that a slave must have there.
+struct ParameterValue {
   ParameterNumber number;
   std::uint32_t value = 0;  ///< raw, as on the bus; a word takes 0..0xFFFF
-  friend constexpr bool operator==(const ReturnParameter&, const ReturnParameter&) = default;
+  friend constexpr bool operator==(const ParameterValue&, const ParameterValue&) = default;
 };
-inline constexpr unsigned kReturnParameters = 32;  ///< most per slave
+inline constexpr unsigned kListedParameters = 32;  ///< most in one list of a slave
 
 /// One slave of the line.
 struct SlaveSettings {
@@ -62,9 +64,29 @@ struct SlaveSettings {
   std::uint16_t block_limit = 300;  ///< most bytes per initialise, 6..4092
   ProcessMapping actual_mapping = {default_mapping(Channel::one), default_mapping(Channel::two)};
   OnReturn on_return = OnReturn::release;
-  std::uint8_t return_count = 0;  ///< how many of `return_parameters` count, 0..kReturnParameters
-  std::array<ReturnParameter, kReturnParameters> return_parameters = {};
+  std::uint8_t return_count = 0;  ///< how many of `return_parameters` count, 0..kListedParameters
+  std::array<ParameterValue, kListedParameters> return_parameters = {};
+  std::uint8_t expect_count = 0;  ///< how many of `expect` count, 0..kListedParameters; 0: any drive is right
+  /// Who the slave is. Read when it answers for the first time, after each return and after each loss of SYNC;
+  /// it is held out and not activated until all are right.
+  std::array<ParameterValue, kListedParameters> expect = {};
 };
+
+/// What follows when two drives answer as one slave.
+enum class OnDuplicate : std::uint8_t {
+  hold,    ///< the slave is held out, and run is not entered
+  report,  ///< an event, and no more
+};
+
+/// The parameters by which the master knows that a slave is the drive that is meant; lives with `slave`.
+constexpr std::span<const ParameterValue> expected_of(const SlaveSettings& slave) noexcept {
+  return std::span(slave.expect).first(slave.expect_count);
+}
+/// What a slave that was away has to pass; empty: nothing. Lives with `slave`.
+constexpr std::span<const ParameterValue> checked_on_return(const SlaveSettings& slave) noexcept {
+  if (slave.on_return == OnReturn::release) return {};
+  return std::span(slave.return_parameters).first(slave.return_count);
+}
 
 /// The command channel.
 struct CommandChannelSettings {
@@ -93,8 +115,18 @@ struct CommandChannelSettings {
   std::uint8_t address_step = 1;  ///< bytes per start address: 1, or 4 if addresses count doublewords (open)
 };
 
+/// What becomes of active operation when another master sends.
+enum class OnSecondMaster : std::uint8_t {
+  report,  ///< it goes on, and the event says so
+  stop,    ///< it ends: this master is silent until the other one is gone
+};
+
 /// Start-up and supervision of slaves.
 struct StartupSettings {
+  /// How long the bus must have been listened to before the first frame, also after it was away; 0: not at
+  /// all, for a bus on which there can be no other master.
+  Duration listen{0};
+  OnSecondMaster on_second_master = OnSecondMaster::report;
   EnableRule enable = EnableRule::all_synchronized;
   std::uint8_t activate_command = 2;  ///< action "SYNC mode: activate" (unconfirmed)
   std::uint8_t activate_data = 1;     ///< its data byte (unconfirmed)
@@ -104,6 +136,9 @@ struct StartupSettings {
   /// A control word with all of these bits enables a drive (unconfirmed): it is refused for a slave that is
   /// lost or held out (`SlaveState`), and waits for the cursor. Every other one stops. 0: none enables.
   std::uint16_t enabling_control_bits = 0x000F;
+  /// Each number that is not configured is asked once for its status word in set-up; who answers is reported.
+  bool census = true;
+  OnDuplicate on_duplicate = OnDuplicate::hold;
 };
 
 /// True for a control word that enables a drive; every other one stops it.
@@ -132,6 +167,7 @@ struct ProcessSettings {
   std::uint32_t too_old_after = 0;
   /// Values that grew too old while they were released are held for so many intervals more; 0 = not at all.
   std::uint32_t hold_too_old = 0;
+  AllReferenceLimits reference_limits = {};  ///< what reference values may be; default: anything
 };
 
 /// The send margin that takes up as much lateness of the sender as the slots of a bit rate allow: 50 bit

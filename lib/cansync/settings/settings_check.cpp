@@ -10,6 +10,7 @@ namespace {
 using Problems = std::vector<SettingProblem>;
 
 constexpr Duration kLongestMonitoring = std::chrono::hours(24);
+constexpr Duration kLongestListening = std::chrono::minutes(1);
 
 void expect(Problems& problems, bool right, std::string field, std::string found, std::string allowed) {
   if (!right) problems.push_back({std::move(field), std::move(found), std::move(allowed)});
@@ -83,7 +84,8 @@ void check_slaves(Problems& problems, const MasterSettings& settings) {
     const std::string path = at("slaves", i);
     expect_range(problems, path + ".status_parameter", slave.status_parameter, 0, ParameterNumber::max);
     expect_range(problems, path + ".block_limit", slave.block_limit, 6, 4092);
-    expect_range(problems, path + ".return_parameters", slave.return_count, 0, kReturnParameters);
+    expect_range(problems, path + ".return_parameters", slave.return_count, 0, kListedParameters);
+    expect_range(problems, path + ".expect", slave.expect_count, 0, kListedParameters);
     // Where addresses count doublewords, a block of another length would end between two of them.
     if (settings.command_channel.address_step == 4) {
       expect(problems, slave.block_limit % 4 == 0, path + ".block_limit", std::to_string(slave.block_limit),
@@ -152,6 +154,10 @@ void check_command_channel(Problems& problems, const MasterSettings& settings, D
 void check_startup(Problems& problems, const StartupSettings& startup, Duration interval) {
   // 0 is no command at all and 1 is taken by the control word (M 3.2.2.6).
   expect_range(problems, "startup.activate_command", startup.activate_command, kCommandControlWord + 1, 255);
+  const Duration listen = startup.listen;
+  expect(problems, listen == Duration{0} || (listen >= interval && listen <= kLongestListening),
+         "startup.listen", in_microseconds(listen),
+         in_microseconds(interval) + " (one interval) .. " + in_microseconds(kLongestListening));
   const Duration period = startup.status_period;
   expect(problems, period == Duration{0} || (period >= interval && period <= kLongestMonitoring),
          "startup.status_period", in_microseconds(period),

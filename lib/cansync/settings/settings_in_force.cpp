@@ -19,6 +19,7 @@ SettingsInForce in_force(const MasterSettings& settings) noexcept {
   out.control_word = settings.command_channel.control_word;
   out.parameter = settings.command_channel.parameter;
   out.transfer = settings.command_channel.transfer;
+  out.reference_limits = settings.process.reference_limits;
   return out;
 }
 
@@ -30,6 +31,7 @@ void put_in_force(const SettingsInForce& from, MasterSettings& settings) noexcep
   settings.command_channel.control_word = from.control_word;
   settings.command_channel.parameter = from.parameter;
   settings.command_channel.transfer = from.transfer;
+  settings.process.reference_limits = from.reference_limits;
 }
 
 }  // namespace cansync

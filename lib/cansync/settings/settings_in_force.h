@@ -18,6 +18,7 @@ struct SettingsInForce {
   Cursor control_word;
   Cursor parameter;
   Cursor transfer;
+  AllReferenceLimits reference_limits = {};
   friend constexpr bool operator==(const SettingsInForce&, const SettingsInForce&) = default;
 };
 

@@ -90,7 +90,8 @@ std::optional<Transmission> ClusterNode::on_frame(const can::Frame& frame, can::
   const can::Time edge = tracking() ? edge_ : newest_;
   const auto answer = cluster_.receive_above(frame, end - edge);
   if (!answer) return std::nullopt;
-  const can::Time ready = std::max(end, edge + answer->window.earliest) + settings_.delay;
+  const can::Time late = slow ? slow() : can::Time{};
+  const can::Time ready = std::max(end, edge + answer->window.earliest) + settings_.delay + late;
   if (!cluster_.upper().may_start(*answer, ready - edge)) return std::nullopt;
   return Transmission{answer->frame, ready};
 }

@@ -45,6 +45,9 @@ class ClusterNode final : public Node {
 
   /// Right after an interval has begun.
   std::function<void(ClusterNode&)> on_interval;
+  /// By how much later than the settings say an answer is ready; empty: never later. What is ready after its
+  /// slot never comes on the bus.
+  std::function<can::Time()> slow;
 
   cansync::Cluster& cluster() noexcept { return cluster_; }
   cansync::SlaveService& service() noexcept { return service_; }

@@ -64,6 +64,16 @@ struct AxisSettings {
   double offset = 0;  ///< increments, added after the gear
 };
 
+/// Receives what a master changes on a drive, when the drive takes it. On the thread that drives the line: nothing
+/// may allocate, lock, log or block in real time.
+class DriveWatcher {
+ public:
+  virtual ~DriveWatcher() = default;
+  /// Parameter `number` has `value` from now on.
+  virtual void parameter_written(cansync::SlaveNumber drive, cansync::ParameterNumber number,
+                                 std::uint32_t value) noexcept = 0;
+};
+
 /// Everything about a simulated drive that can be set.
 struct DriveSettings {
   /// Number, bit rate, mappings, monitored slaves, block limit, "activate" command.
@@ -111,6 +121,9 @@ class alignas(64) Drive final : public Node, private cansync::SlaveApplication {
 
   /// The next `requests` parameter requests are answered busy; `DriveParameters::kEndless`: all of them.
   void answer_busy(std::uint32_t requests) noexcept { busy_requests_ = requests; }
+
+  /// Reports to `watcher` from now on; it must outlive the drive.
+  void watch(DriveWatcher& watcher) noexcept { watcher_ = &watcher; }
 
   /// Faults at once with `code`, over 0.
   void raise_fault(std::uint16_t code) noexcept;
@@ -184,6 +197,7 @@ class alignas(64) Drive final : public Node, private cansync::SlaveApplication {
   cansync::Duration processing_delay_;
   cansync::Slave slave_;
   DriveSettings settings_;
+  DriveWatcher* watcher_ = nullptr;  ///< null: none
   std::uint32_t busy_requests_ = 0;
   std::uint32_t last_action_ = 0;
   std::uint32_t action_count_ = 0;

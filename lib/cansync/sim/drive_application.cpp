@@ -36,7 +36,9 @@ ParameterAnswer Drive::write_parameter(cansync::ParameterNumber number, cansync:
   if (sub.value != 0) return ParameterAnswer::refused(ParameterError::not_present);
   if (busy_by_order()) return ParameterAnswer::later();
   const ParameterAnswer answer = parameters_.write(number, doubleword, value);
-  if (!answer.busy && answer.error == ParameterError::none) apply_parameters();
+  if (answer.busy || answer.error != ParameterError::none) return answer;
+  apply_parameters();
+  if (watcher_ != nullptr) watcher_->parameter_written(this->number(), number, value);
   return answer;
 }
 

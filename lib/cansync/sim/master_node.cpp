@@ -86,8 +86,7 @@ Deed MasterNode::on_time(can::Time now) noexcept {
       return deed;
     }
     planned_edge_ = next_;
-    begin_interval(now);
-    deed.sync_edge = true;
+    deed.sync_edge = begin_interval(now);
   } else {
     const Slot slot = slots_[slot_++].slot;
     if (const auto frame = master_.take(slot)) {
@@ -103,15 +102,21 @@ Deed MasterNode::on_time(can::Time now) noexcept {
   return deed;
 }
 
-void MasterNode::begin_interval(can::Time now) noexcept {
+/// True when it makes an edge: not while another master is there.
+bool MasterNode::begin_interval(can::Time now) noexcept {
   edge_ = now;
-  if (next_interval_ == 0 && settings_.enable) {
+  if (settings_.enable && !is_synchronous(master_.state())) {
     for (const ControlCommand command : {ControlCommand::handshake, ControlCommand::take_over_initialisation,
                                          ControlCommand::start_synchronous}) {
       master_.control(command);
     }
   }
-  master_.begin_interval(next_interval_++);
+  const bool runs = !settings_.enable || (is_synchronous(master_.state()) && !master_.silent());
+  if (runs) {
+    master_.begin_interval(next_interval_++);
+  } else {
+    master_.pass_interval(next_interval_++);
+  }
   if (settings_.enable && master_.state() == cansync::State::setting_up_master)
     master_.control(ControlCommand::enable_active);
   if (is_active(master_.state())) {
@@ -127,6 +132,7 @@ void MasterNode::begin_interval(can::Time now) noexcept {
     return a.at != b.at ? a.at < b.at : a.slot < b.slot;
   });
   slot_ = 0;
+  return runs;
 }
 
 void MasterNode::submit_references() noexcept {

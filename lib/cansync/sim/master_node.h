@@ -97,7 +97,7 @@ class MasterNode final : public Node {
     cansync::Slot slot = cansync::Slot::reference_one;
   };
 
-  void begin_interval(can::Time now) noexcept;
+  bool begin_interval(can::Time now) noexcept;
   void submit_references() noexcept;
   void submit_routines() noexcept;
   cansync::Refusal submit(const MasterRoutine::Request& request) noexcept;

@@ -33,6 +33,16 @@ std::optional<SlaveState> next(SlaveState state, SlaveEvent event) noexcept {
     case SlaveEvent::check_failed:
       if (state == SlaveState::checking) return SlaveState::held;
       break;
+    case SlaveEvent::asked_who:
+      if (state == SlaveState::starting) return SlaveState::starting;
+      if (is_held_out(state)) return SlaveState::returning;
+      break;
+    case SlaveEvent::duplicated:
+      if (answers) return SlaveState::held;
+      break;
+    case SlaveEvent::wrong_drive:
+      if (state == SlaveState::starting || state == SlaveState::returning) return SlaveState::held;
+      break;
   }
   return std::nullopt;
 }

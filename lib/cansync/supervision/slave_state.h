@@ -10,12 +10,14 @@ namespace cansync {
 /// How far a slave may be used.
 enum class SlaveState : std::uint8_t {
   absent,     ///< has not answered since synchronous operation began
-  starting,   ///< answers for the first time, not yet synchronized
+  starting,   ///< answers for the first time; not yet synchronized, or not known to be the drive expected
   released,   ///< answers and is synchronized
   lost,       ///< stopped answering; its jobs are refused
-  returning,  ///< answers again, or lost SYNC; not yet synchronized (again). Held out
+  returning,  ///< answers again, or lost SYNC; not yet synchronized (again), or not known to be the drive
+              ///< expected. Held out
   checking,   ///< synchronized again; its list of parameters is checked or written. Held out
-  held,       ///< the list was not passed. Held out until it is released or checked again by command
+  held,       ///< not the drive expected, or two drives, or its list was not passed. Held out until it is
+              ///< released or checked again by command
 };
 inline constexpr unsigned kSlaveStates = 7;
 
@@ -29,8 +31,11 @@ enum class SlaveEvent : std::uint8_t {
   check_begun,       ///< its list of parameters is gone through, by itself or by command
   check_passed,      ///< the list is right or empty, or the slave is released by command without it
   check_failed,      ///< a parameter of the list is not right
+  asked_who,         ///< what tells who it is begins to be read
+  wrong_drive,       ///< it is not the drive expected
+  duplicated,        ///< two drives answer as this slave
 };
-inline constexpr unsigned kSlaveEvents = 8;
+inline constexpr unsigned kSlaveEvents = 11;
 
 /// The state that follows `event`, which may be the same; nothing when the event cannot come in that state
 /// and so changes nothing. docs/cansync-protocol.md has the table; a test walks through every pair.

@@ -41,15 +41,17 @@ class Strays {
   Unexpected judge(const can::Frame& frame, const Telegram& telegram,
                    std::optional<SlaveNumber> asked) noexcept;
 
- private:
-  /// The actual value channels by their index, then the responses to commands.
-  static constexpr unsigned kResponse = kChannels;
-  static constexpr unsigned kPlaces = kChannels + 1;
+  /// Where a telegram of a slave belongs.
   struct Origin {
-    unsigned place;
+    unsigned place;  ///< the actual value channels by their index, then the responses to commands
     SlaveNumber slave;
   };
+  /// Of a telegram that a slave has sent.
   static Origin origin(const Telegram& telegram) noexcept;
+
+ private:
+  static constexpr unsigned kResponse = kChannels;
+  static constexpr unsigned kPlaces = kChannels + 1;
 
   std::array<SlaveMask, kPlaces> owed_ = {};
   std::array<SlaveMask, kPlaces> known_ = {};  ///< `last_` holds something

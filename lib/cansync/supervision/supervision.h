@@ -4,10 +4,11 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "cansync/master.h"
 #include "cansync/settings/settings.h"
-#include "cansync/supervision/return_check.h"
+#include "cansync/supervision/parameter_check.h"
 #include "cansync/supervision/slave_state.h"
 #include "cansync/telegram/numbers.h"
 #include "cansync/telegram/telegram.h"
@@ -19,8 +20,9 @@ namespace cansync {
 inline constexpr Duration kActivateAgain = std::chrono::seconds(5);
 
 /// Knows which slaves respond and are synchronized: sends "SYNC mode: activate", reads status words, counts
-/// silence (M 3.2.0.1, 3.2.2.3, 3.2.2.7), and holds a slave out that was away until it is synchronized and
-/// has passed its list of parameters. Realtime safe; not thread safe.
+/// silence (M 3.2.0.1, 3.2.2.3, 3.2.2.7). Holds a slave out, and does not activate it, until it is known to be
+/// the drive expected; and one that was away until it is synchronized and has passed its list of parameters.
+/// Realtime safe; not thread safe.
 class Supervision {
  public:
   /// Both must outlive this object; `settings` must have passed `check` (settings_check.h).
@@ -37,7 +39,7 @@ class Supervision {
 
   /// True while the activation, or a slave's first status word of this start-up, is still to be sent: goes
   /// before jobs.
-  bool urgent() const noexcept { return !to_activate_.empty() || !first_round_.empty(); }
+  bool urgent() const noexcept { return !may_be_activated().empty() || !first_round_.empty(); }
 
   /// True while status words should not wait for ever behind jobs: in set-up until all are synchronized that
   /// answer, in active operation when a slave is suspected to be gone or one that is not released is due.
@@ -86,10 +88,13 @@ class Supervision {
   SlaveMask given_up() const noexcept { return given_up_; }
   /// Slaves that are given up, or lost with the bus and have not answered since: no jobs are for them.
   SlaveMask away() const noexcept { return {given_up_.bits | lost_.bits}; }
-  /// Slaves that were away and must not be enabled yet (`is_held_out`).
-  SlaveMask held_out() const noexcept { return held_out_; }
+  /// Slaves that were away (`is_held_out`), are not known to be the drive expected, or may be two and are not
+  /// synchronized: not to be enabled yet.
+  SlaveMask held_out() const noexcept {
+    return {held_out_.bits | unidentified().bits | (maybe_two().bits & ~synchronized_.bits)};
+  }
 
-  // --- the lists of parameters of slaves that were away
+  // --- the lists of parameters: who a slave is, and what it must have after it was away
 
   /// Slaves whose list is being gone through: one telegram each at a time, on the command channel.
   SlaveMask checking() const noexcept { return checking_; }
@@ -107,6 +112,26 @@ class Supervision {
   void check_times() noexcept;
   /// See `Master::release`.
   Refusal release(SlaveNumber slave, bool force) noexcept;
+
+  // --- two drives of one number, and numbers that are not configured
+
+  /// A question went to this slave, of any kind.
+  void asked(SlaveNumber slave) noexcept;
+  /// This slave has answered more often than it was asked. Once is no proof: a frame may come twice.
+  void answered_twice(SlaveNumber slave) noexcept;
+  /// Slaves as which two drives answer.
+  SlaveMask duplicates() const noexcept { return duplicates_; }
+
+  /// The next number that is not configured and was not asked yet; nothing when all were.
+  std::optional<SlaveNumber> next_of_census() const noexcept {
+    return census_.empty() ? std::nullopt : std::optional(*census_.begin());
+  }
+  /// It was asked.
+  void counted(SlaveNumber slave) noexcept { census_.set(slave, false); }
+  /// A telegram of this slave came, which may not be configured.
+  void came(SlaveNumber slave) noexcept;
+  /// Slaves that have sent one since set-up began.
+  SlaveMask unknown() const noexcept { return unknown_; }
 
   /// What is known of a slave, also of one that is not configured; changes with the next call.
   const SlaveStatus& status(SlaveNumber slave) const noexcept { return status_[slave.value()]; }
@@ -130,6 +155,20 @@ class Supervision {
   void forget(SlaveNumber slave) noexcept;
   void change(SlaveNumber slave, SlaveEvent event) noexcept;
   void take(SlaveNumber slave, SlaveEvent event) noexcept;
+  SlaveMask activated_at_start() const noexcept { return expects_.empty() ? SlaveMask::all() : configured_; }
+  SlaveMask unidentified() const noexcept { return {expects_.bits & ~identified_.bits}; }
+  SlaveMask maybe_two() const noexcept;
+  SlaveMask may_be_activated() const noexcept {
+    return {to_activate_.bits & ~(unidentified().bits | maybe_two().bits)};
+  }
+  void identify(SlaveNumber slave, bool again = false) noexcept;
+  void identified(SlaveNumber slave) noexcept;
+  void begin_check(SlaveNumber slave, std::span<const ParameterValue> list, bool write) noexcept;
+  void forget_evidence(SlaveNumber slave) noexcept;
+  bool waits_for_proof(SlaveNumber slave) const noexcept;
+  void hold(SlaveNumber slave, SlaveEvent event, const MasterEvent& reason) noexcept;
+  void activate(SlaveNumber slave) noexcept;
+  void activate_again(SlaveNumber slave) noexcept;
   void synchronized_again(SlaveNumber slave) noexcept;
   void take_status(SlaveNumber slave, std::uint16_t word) noexcept;
   void status_refused(SlaveNumber slave, std::uint16_t code) noexcept;
@@ -139,6 +178,7 @@ class Supervision {
   const MasterSettings& settings_;
   MasterListener& listener_;
   SlaveMask configured_;
+  SlaveMask expects_;              ///< configured slaves that must be a certain drive
   IntervalNumber period_;          ///< between status words of a released slave; 0: never
   IntervalNumber lost_period_;     ///< of a slave that is given up
   IntervalNumber recheck_;         ///< of a slave that is neither
@@ -158,9 +198,18 @@ class Supervision {
   SlaveMask given_up_;
   SlaveMask lost_;
   SlaveMask held_out_;
+  SlaveMask identified_;  ///< those of `expects_` that are the drive expected, or count as it by command
+  SlaveMask
+      asked_again_;  ///< asked who they are because the activation did not help; nothing new, unless wrong
   SlaveMask released_;
   SlaveMask checking_;
-  std::array<ReturnCheck, kSlaves> checks_ = {};
+  SlaveMask doubtful_;                               ///< answered too often, and not yet often enough without
+  SlaveMask duplicates_;                             ///< two drives answer
+  SlaveMask tolerated_;                              ///< also when two drives answer, by command
+  std::array<std::uint8_t, kSlaves> evidence_ = {};  ///< of two drives
+  SlaveMask census_;                                 ///< still to be asked
+  SlaveMask unknown_;
+  std::array<ParameterCheck, kSlaves> checks_ = {};
   std::array<IntervalNumber, kSlaves> suspect_again_ = {};  ///< when missing actual values count again
   std::uint8_t last_read_ = kSlaves - 1;
   IntervalNumber now_ = 0;

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "dds/daemon_identity.h"
+#include "dds/owner_seen.h"
 #include "dds/security.h"
 
 namespace cansync_slave::client {
@@ -28,18 +31,34 @@ cansync_slave_ApplicationAnswer answer_to(const Job& job, cansync_slave_AnswerKi
   return sample;
 }
 
+gateway::dds::OwnerSeen owner_of(SlaveClient& client) {
+  const auto& status = client.newest_status();
+  if (!status) return {};
+  return gateway::dds::owner_seen(status->application, status->application_strength,
+                                  status->application_writer);
+}
+
 }  // namespace
 
 Application::Application(SlaveClient& client, Duties duties, std::int32_t strength)
-    : duties_(std::move(duties)), writer_(client.participant(), strength, nullptr, client.name()) {
+    : client_(client),
+      duties_(std::move(duties)),
+      strength_(gateway::dds::strength_over(strength, {owner_of(client)})),
+      writer_(client.participant(), strength_, nullptr, client.name()),
+      guid_(gateway::dds::guid_of(writer_.handle())) {
   (void)keep();
 }
 
 Application::~Application() {
   Sample sample = {};
+  gateway::dds::set_writer(writer_, sample);
   sample.kind = cansync_slave_ANSWER_GIVEN_UP;
   (void)writer_.write(sample);
   (void)writer_.unregister(sample);
+}
+
+bool Application::is_application(const cansync_slave_SlaveSideStatus& status) const noexcept {
+  return std::equal(guid_.begin(), guid_.end(), std::begin(status.application_writer));
 }
 
 std::string Application::take_over(Duties duties) {
@@ -52,7 +71,13 @@ std::string Application::keep() {
   if (!writer_.permitted()) return no_right();
   const auto now = steady_clock::now();
   const std::uint32_t daemons = writer_.matched();
+  if (!gateway::dds::had_by_another("the place of the application", owner_of(client_), writer_, strength_)
+           .empty()) {
+    said_.reset();
+    return {};
+  }
   if (daemons == 0 || (daemons == daemons_ && said_ && now - *said_ < kPresencePeriod)) return {};
+  if (!client_.receives_jobs()) return {};
   daemons_ = daemons;
   said_ = now;
   Sample sample = {};
@@ -66,6 +91,7 @@ std::string Application::keep() {
 }
 
 std::string Application::write(Sample& sample, std::span<const std::uint8_t> data) {
+  gateway::dds::set_writer(writer_, sample);
   std::vector<std::uint8_t> bytes(data.begin(), data.end());  // DDS wants to own what it may not change
   sample.data._buffer = bytes.data();
   sample.data._length = static_cast<std::uint32_t>(bytes.size());

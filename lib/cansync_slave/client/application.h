@@ -10,6 +10,7 @@
 #include "cansync_slave.h"
 #include "cansync_slave/client/slave_client.h"
 #include "dds/endpoint.h"
+#include "dds/guard/writer_guid.h"
 
 namespace cansync_slave::client {
 
@@ -26,8 +27,9 @@ struct Duties {
 /// answer to what is not open any more is dropped by the daemon. One thread.
 class Application {
  public:
-  /// `strength`: 0 and more, of several applications the strongest answers. `client` must outlive the
-  /// application. Throws gateway::dds::SetupError.
+  /// `strength`: 0 and more, or gateway::dds::kTakeOver. There is one application at a time, until it gives
+  /// everything back, is lost, or a stronger one comes; others wait and become it afterwards. `client` must
+  /// outlive the application. Throws gateway::dds::SetupError.
   Application(SlaveClient& client, Duties duties, std::int32_t strength);
 
   /// Gives everything back.
@@ -39,8 +41,20 @@ class Application {
   std::string take_over(Duties duties);
 
   /// Says that the application is there, when that is due: to be called at least every half second. A
-  /// program that stands still longer than two seconds is none any more.
+  /// program that stands still longer than two seconds is none any more. Says nothing while another program is
+  /// the application that is no weaker, nor before the jobs of the daemon reach this program.
   std::string keep();
+
+  /// True for a job that the daemon has given to this application, also of its end: an answer to another one
+  /// counts for nothing, and what another application answers is not for this one to apply. A daemon of a data
+  /// model before 8 does not say whose a job is: then every job is.
+  template <class Job>
+  bool is_asked(const Job& job) const noexcept {
+    const gateway::dds::WriterGuid asked = gateway::dds::application_of(job);
+    return asked == gateway::dds::WriterGuid{} || asked == guid_;
+  }
+  /// True while `status` names this application as the one that the daemon asks.
+  bool is_application(const cansync_slave_SlaveSideStatus& status) const noexcept;
 
   /// A write is done, or a read has this raw value in this format.
   std::string answer(const cansync_slave_ParameterJob& job, std::uint32_t value = 0, bool doubleword = false);
@@ -63,8 +77,11 @@ class Application {
 
   std::string write(Sample& sample, std::span<const std::uint8_t> data = {});
 
+  SlaveClient& client_;
   Duties duties_;
+  const std::int32_t strength_;
   gateway::dds::Writer<Sample> writer_;
+  gateway::dds::WriterGuid guid_;
   std::uint32_t daemons_ = 0;  ///< readers, when it was said last
   std::optional<std::chrono::steady_clock::time_point> said_;
 };

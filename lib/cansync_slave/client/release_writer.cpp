@@ -5,12 +5,26 @@
 #include <algorithm>
 #include <iterator>
 
+#include "dds/owner_seen.h"
 #include "dds/security.h"
 
 namespace cansync_slave::client {
 
+namespace {
+
+gateway::dds::OwnerSeen owner_of(SlaveClient& client, std::uint8_t telegram) {
+  const auto& status = client.newest_status();
+  if (!status || (telegram != 1 && telegram != 2)) return {};
+  const cansync_slave_Ownership& owner = status->actual_ownership[telegram - 1u];
+  return gateway::dds::owner_seen(owner.writer, owner.strength, owner.writer_guid);
+}
+
+}  // namespace
+
 ReleaseWriter::ReleaseWriter(SlaveClient& client, std::int32_t strength)
-    : client_(client), writer_(client.participant(), strength, nullptr, client.name()) {
+    : client_(client),
+      strength_(gateway::dds::strength_over(strength, {owner_of(client, 1), owner_of(client, 2)})),
+      writer_(client.participant(), strength_, nullptr, client.name()) {
   take_up();
 }
 
@@ -22,8 +36,14 @@ ReleaseWriter::~ReleaseWriter() {
 
 std::string ReleaseWriter::write(std::uint8_t telegram, const std::array<std::uint32_t, 4>& raw,
                                  std::uint8_t valid, std::uint32_t wait_intervals) {
+  if (std::string had =
+          gateway::dds::had_by_another(fmt::format("telegram {} of the actual values", telegram),
+                                       owner_of(client_, telegram), writer_, strength_);
+      !had.empty())
+    return had;
   cansync_slave_ActualRelease sample = {};
   sample.telegram = telegram;
+  gateway::dds::set_writer(writer_, sample);
   std::copy(raw.begin(), raw.end(), std::begin(sample.raw));
   sample.valid = valid;
   sample.wait_intervals = wait_intervals;
@@ -40,6 +60,7 @@ void ReleaseWriter::give_up(std::uint8_t telegram) {
   if (telegram != 1 && telegram != 2) return;
   cansync_slave_ActualRelease sample = {};
   sample.telegram = telegram;
+  gateway::dds::set_writer(writer_, sample);
   sample.given_up = true;
   gateway::dds::set_daemon(daemon_, sample);
   (void)writer_.write(sample);

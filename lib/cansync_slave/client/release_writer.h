@@ -15,8 +15,9 @@ namespace cansync_slave::client {
 class ReleaseWriter {
  public:
   /// The values are for the daemon that `client` sees now: another start of it takes none of them, until
-  /// `take_up`. `strength`: 0 and more, of several writers of a telegram the strongest wins. `client` must
-  /// outlive the writer. Throws gateway::dds::SetupError.
+  /// `take_up`. `strength`: 0 and more, or gateway::dds::kTakeOver; a telegram has one writer at a time, which
+  /// keeps it until it gives it up, is lost, or a stronger one comes. `client` must outlive the writer. Throws
+  /// gateway::dds::SetupError.
   ReleaseWriter(SlaveClient& client, std::int32_t strength);
 
   /// Gives up every telegram that was written.
@@ -26,11 +27,12 @@ class ReleaseWriter {
 
   /// Releases telegram 1 (values 0..3) or 2 (4..7) once. `valid`: bit n: value n is new, the others keep what
   /// they had. `wait_intervals`: for so many intervals, 1..1000, the release waits for the master to ask.
-  /// Returns what failed; empty: it was handed to DDS.
+  /// Returns what failed; empty: it was handed to DDS. While another writer has the telegram that is no weaker,
+  /// nothing is written.
   std::string write(std::uint8_t telegram, const std::array<std::uint32_t, 4>& raw, std::uint8_t valid,
                     std::uint32_t wait_intervals);
 
-  /// Nothing more is released by this writer; a weaker one takes over.
+  /// Nothing more is released by this writer; another one may.
   void give_up(std::uint8_t telegram);
 
   /// The daemon was started anew since the values were taken up: none of them is taken.
@@ -41,6 +43,7 @@ class ReleaseWriter {
 
  private:
   SlaveClient& client_;
+  const std::int32_t strength_;
   gateway::dds::Writer<cansync_slave_ActualRelease> writer_;
   gateway::dds::DaemonIdentity daemon_ = {};
   std::array<bool, 2> written_ = {};

@@ -14,13 +14,13 @@ namespace gateway::dds {
 
 GATEWAY_TOPIC(cansync_slave, ReferencesReceived, kFromDaemon, kind::state());
 GATEWAY_TOPIC(cansync_slave, MonitoredValues, kFromDaemon, kind::state());
-GATEWAY_TOPIC(cansync_slave, ActualRelease, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(cansync_slave, ActualRelease, kFromClients, kind::owned());
 GATEWAY_TOPIC(cansync_slave, ActionReceived, kFromDaemon, kind::events());
 /// A step of a job counts for who is there; nobody answers what is over.
 inline constexpr TopicQos kStepQos = {.depth = 100};
 GATEWAY_TOPIC(cansync_slave, ParameterJob, kFromDaemon, kStepQos);
 GATEWAY_TOPIC(cansync_slave, BlockJob, kFromDaemon, kStepQos);
-GATEWAY_TOPIC(cansync_slave, ApplicationAnswer, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(cansync_slave, ApplicationAnswer, kFromClients, kind::owned());
 GATEWAY_TOPIC(cansync_slave, SlaveCommand, kFromClients, kind::request());
 GATEWAY_TOPIC(cansync_slave, SlaveCommandReply, kFromDaemon, kind::reply(256, 128));
 GATEWAY_TOPIC(cansync_slave, SlaveSideStatus, kFromDaemon, kind::state());

@@ -89,6 +89,10 @@ RefusalCause detail::to_cause(gateway_RefusalCause cause) noexcept {
   return index < kCauses.size() ? kCauses[index].cause : RefusalCause::unknown;
 }
 
+RefusalCause detail::cause_of(const gateway::dds::Ended& not_begun) noexcept {
+  return not_begun.replied ? to_cause(not_begun.cause) : RefusalCause::other_daemon;
+}
+
 std::string_view name(RefusalCause cause) noexcept {
   return gateway::dds::name(static_cast<gateway_RefusalCause>(cause));
 }

@@ -6,6 +6,7 @@
 #include <deque>
 #include <tuple>
 
+#include "client/src/connect_options.h"
 #include "client/src/link.h"
 #include "client/src/set_up.h"
 
@@ -31,6 +32,13 @@ bool is_configured(const MasterStatus& master, unsigned slave) {
 
 NoDaemon::~NoDaemon() = default;
 SeveralDaemons::~SeveralDaemons() = default;
+OtherProtocol::OtherProtocol(const std::string& bus_name, const std::string& served,
+                             const std::string& needed)
+    : NoDaemon("bus " + bus_name + " is served as " + served + "; this program needs " + needed),
+      bus(bus_name),
+      served_as(served),
+      needs(needed) {}
+OtherProtocol::~OtherProtocol() = default;
 SetupError::~SetupError() = default;
 
 std::string_view name(ReplyCode code) noexcept {
@@ -114,7 +122,8 @@ Client::~Client() {
 }
 
 Client Client::connect(const Options& options) {
-  Client client(detail::set_up([&] { return std::make_shared<detail::Link>(options); }));
+  const Options named = detail::with_bus(options);
+  Client client(detail::set_up([&] { return std::make_shared<detail::Link>(named); }));
   client.link_->connect(options.wait);
   return client;
 }

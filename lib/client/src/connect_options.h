@@ -6,7 +6,8 @@
 #include <chrono>
 
 #include "client/src/set_up.h"
-#include "dds/daemon_sight.h"
+#include "dds/ask/daemon_sight.h"
+#include "dds/overview/every_bus.h"
 
 /// Internal to lib/client.
 namespace cansync::client::detail {
@@ -28,11 +29,26 @@ inline std::chrono::milliseconds first_status_wait(const Options& options) {
   return std::max(std::chrono::milliseconds(2000), options.wait);
 }
 
+/// The same options with the only bus of the domain when they name none. Throws NoDaemon when there is none, or several;
+/// SetupError.
+inline Options with_bus(Options options) {
+  if (!options.bus.empty()) return options;
+  try {
+    options.bus = set_up([&] { return gateway::dds::only_bus(client_options(options), options.go_on); });
+  } catch (const gateway::dds::NoDaemon& error) {
+    throw NoDaemon(error.what());
+  }
+  return options;
+}
+
 /// A client of a protocol, made of its options and `more`, with the errors that programs know.
 template <class ProtocolClient, class... More>
 ProtocolClient connect_to(const Options& options, More... more) {
+  const Options named = with_bus(options);
   try {
-    return set_up([&] { return ProtocolClient(client_options(options), more...); });
+    return set_up([&] { return ProtocolClient(client_options(named), more...); });
+  } catch (const gateway::dds::OtherProtocol& error) {
+    throw OtherProtocol(error.bus, error.served_as, error.needs);
   } catch (const gateway::dds::NoDaemon& error) {
     throw NoDaemon(error.what());
   }

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "dds/daemon_choice.h"
+#include "dds/ask/daemon_choice.h"
 #include "text/counts.h"
 
 /// Internal to lib/client.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "dds/daemon_sight.h"
 #include "dds/incompatible.h"
 #include "dds/reply_partition.h"
 #include "dds/security.h"
@@ -15,8 +14,10 @@ namespace cansync::client::detail {
 namespace {
 
 dds::ParticipantOptions participant_options(const Options& options) {
-  return {options.domain,   options.bus, options.interface,  options.xml,
-          options.security, false,       options.final_types};
+  return {options.domain,     dds::bus_address(options.bus).bus,
+          options.interface,  options.xml,
+          options.security,   false,
+          options.final_types};
 }
 
 /// Where the replies to a client come, and no others.
@@ -50,10 +51,12 @@ Link::Requests::Requests(const dds::Participant& participant, const Identity& id
 
 Link::Link(const Options& options)
     : options_(options),
+      address_(dds::bus_address(options.bus)),
       identity_(dds::random_client_identity()),
       participant_(participant_options(options)) {
   gateway_.set_first_look([this](const GatewayStatus& status, dds_instance_handle_t writer) {
-    heard_.push_back({writer, dds::daemon_of(status)});
+    heard_.push_back(
+        {writer, dds::daemon_of(status), std::string(text(status.host)), std::string(text(status.protocol))});
   });
   const auto ask = [&options](auto&... feeds) { (feeds.set_go_on(options.go_on), ...); };
   ask(gateway_, bus_, realtime_, master_, slaves_, actual_, events_, timing_, interval_);
@@ -74,14 +77,20 @@ void Link::connect(std::chrono::milliseconds wait) {
   const auto began = Clock::now();
   std::unique_lock lock(mutex_);
   const auto several = [&] { return choice_.view() == dds::DaemonChoice::View::several; };
+  // Without requests every protocol will do.
+  const auto another = [&] {
+    return requests_ && choice_.view() == dds::DaemonChoice::View::one && !protocol_.empty() &&
+           protocol_ != kProtocol;
+  };
   while (!ready_) {
     if (several()) throw SeveralDaemons(several_text());
+    if (another()) throw OtherProtocol(address_.bus, protocol_, std::string(kProtocol));
     const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - began);
     lock.unlock();
     if (waited >= wait || !go_on()) throw NoDaemon(not_found(std::min(waited, wait)));
     lock.lock();
     ready_changed_.wait_until(lock, began + std::min(wait, waited + kAsk),
-                              [&] { return ready_ || several(); });
+                              [&] { return ready_ || several() || another(); });
   }
 }
 
@@ -107,12 +116,13 @@ bool Link::daemon_present() const {
 
 std::string Link::several_daemons() const {
   const std::lock_guard lock(mutex_);
-  return choice_.view() == dds::DaemonChoice::View::several ? several_text() : "";
+  return choice_.view() == dds::DaemonChoice::View::several ? several_text() : on_other_computer();
 }
 
 bool Link::asks(const dds::DaemonIdentity& start) const {
   const std::lock_guard lock(mutex_);
-  return choice_.view() == dds::DaemonChoice::View::one && choice_.daemon() == start && reachable_;
+  return choice_.view() == dds::DaemonChoice::View::one && choice_.daemon() == start && reachable_ &&
+         on_other_computer().empty();
 }
 
 void Link::program_told_of(const dds::DaemonIdentity& start) {
@@ -124,16 +134,24 @@ std::string Link::names_of_living() const {
   std::string names;
   for (const Place place : choice_.living()) {
     if (!names.empty()) names += "; ";
-    const auto name = names_.find(place);
-    names += name == names_.end() ? "an unknown program" : name->second;
+    const auto seen = seen_.find(place);
+    names += seen == seen_.end() ? "an unknown program" : seen->second.name;
   }
   return names;
+}
+
+std::string Link::on_other_computer() const {
+  if (address_.computer.empty() || choice_.view() != dds::DaemonChoice::View::one) return {};
+  const auto seen = seen_.find(choice_.living().front());
+  // One of which nothing is known yet is not asked either.
+  if (seen != seen_.end() && address_.is_on(seen->second.host)) return {};
+  return dds::on_other_computer(address_, participant_.place(), names_of_living());
 }
 
 std::string Link::several_text() const {
   return fmt::format(
       "several daemons serve bus {} ({}): {}; nothing was sent: stop all but one, or give each a bus.name of its own",
-      options_.bus, participant_.place(), names_of_living());
+      address_.bus, participant_.place(), names_of_living());
 }
 
 std::optional<std::pair<ReplyCode, std::string>> Link::obstacle() {
@@ -144,12 +162,14 @@ std::optional<std::pair<ReplyCode, std::string>> Link::obstacle() {
   };
   const View view = choice_.view();
   if (view == View::several) return told(ReplyCode::refused, several_text());
+  if (std::string other = on_other_computer(); !other.empty())
+    return told(ReplyCode::refused, std::move(other));
   if (view == View::unsure) {
     return told(
         ReplyCode::refused,
         fmt::format("the daemon was started anew, or a second one serves bus {}: {}; nothing was sent; try "
                     "again later",
-                    options_.bus, names_of_living()));
+                    address_.bus, names_of_living()));
   }
   if (choice_.to_be_told()) {
     return told(
@@ -179,6 +199,7 @@ Validity Link::validity(MappingBytes* mapping) const {
 }
 
 std::string Link::not_found(std::chrono::milliseconds waited) const {
+  if (std::string other = several_daemons(); !other.empty()) return other;
   const std::string place =
       fmt::format("looked for {} on {}", text::duration_text(waited), participant_.place());
   const auto wrong = dds::find_incompatible(participant_, participant_.type_mismatches() != 0, 1);
@@ -189,7 +210,7 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
     return fmt::format(
         "the daemon of bus {} has data model 6 or older, this program {}: the two do not understand each other ({}); "
         "update cansyncd, or use a program of its version",
-        options_.bus, gateway_DATA_MODEL, place);
+        address_.bus, gateway_DATA_MODEL, place);
   }
   if (!wrong.empty()) {
     return fmt::format(
@@ -204,21 +225,21 @@ std::string Link::not_found(std::chrono::milliseconds waited) const {
     return fmt::format(
         "no daemon found: {}, with DDS Security as {}; is cansyncd running for bus {} with dds.security set, "
         "and an identity of the same authority?",
-        place, dds::security_subject(options_.security), options_.bus);
+        place, dds::security_subject(options_.security), address_.in_words());
   }
   if (nobody) {
     return fmt::format(
         "no daemon found: {}; is cansyncd running for bus {} (systemctl status cansyncd@{}), with the same "
         "domain and interface in its [dds] section? A daemon with DDS Security is not seen without an "
         "identity (the option security)",
-        place, options_.bus, options_.bus);
+        place, address_.in_words(), address_.bus);
   }
   const std::vector<GatewayStatus> known = gateway_.known();
   if (!known.empty() && known.front().data_model != gateway_DATA_MODEL) {
     const std::uint32_t number = known.front().data_model;
     return fmt::format(
         "the daemon of bus {} has data model {}, this program {}: the two do not understand each other ({}); update {}",
-        options_.bus, number, gateway_DATA_MODEL, place,
+        address_.bus, number, gateway_DATA_MODEL, place,
         number < gateway_DATA_MODEL ? "cansyncd, or use a program of its version"
                                     : "this program: build it with the data model of the daemon's version");
   }
@@ -238,6 +259,12 @@ std::string Link::other_protocol() const {
   const std::vector<GatewayStatus> known = gateway_.known();
   if (known.empty() || text(known.front().protocol) == kProtocol) return {};
   return fmt::format("it speaks {} on this bus, not {}", text(known.front().protocol), kProtocol);
+}
+
+void Link::expect_own_protocol() const {
+  const std::vector<GatewayStatus> known = gateway_.known();
+  if (known.empty() || text(known.front().protocol) == kProtocol) return;
+  throw OtherProtocol(address_.bus, std::string(text(known.front().protocol)), std::string(kProtocol));
 }
 
 std::string Link::not_permitted(std::string_view topic) const {
@@ -295,20 +322,23 @@ Link::Place Link::place_of(dds_entity_t reader, dds_instance_handle_t writer) {
 }
 
 void Link::choose_daemon(const std::vector<Place>& matched) {
-  std::map<Place, std::string> names;
+  std::map<Place, Seen> seen;
   for (const Heard& heard : heard_) {
     const Place place = place_of(gateway_.reader(), heard.writer);
-    if (place == 0 || names_.contains(place)) continue;
+    if (place == 0 || seen_.contains(place)) continue;
     const auto who = dds::identify_writer(participant_, gateway_.reader(), heard.writer);
-    if (who) names.emplace(place, who->who);
+    if (who) seen.emplace(place, Seen{who->who, heard.host});
   }
   const std::lock_guard lock(mutex_);
-  names_.merge(names);
-  for (const Heard& heard : heard_) choice_.heard(place_of(gateway_.reader(), heard.writer), heard.daemon);
+  seen_.merge(seen);
+  for (const Heard& heard : heard_) {
+    choice_.heard(place_of(gateway_.reader(), heard.writer), heard.daemon);
+    protocol_ = heard.protocol;
+  }
   heard_.clear();
   choice_.look(std::chrono::steady_clock::now(), matched);
-  std::erase_if(names_, [&](const auto& name) {
-    return std::find(matched.begin(), matched.end(), name.first) == matched.end();
+  std::erase_if(seen_, [&](const auto& one) {
+    return std::find(matched.begin(), matched.end(), one.first) == matched.end();
   });
 }
 
@@ -334,7 +364,8 @@ void Link::receive() {
     const std::lock_guard lock(mutex_);
     present_ = !alive.empty();
     reachable_ = reachable;
-    ready_ = ready_ || (reachable && choice_.view() == dds::DaemonChoice::View::one);
+    ready_ = ready_ ||
+             (reachable && choice_.view() == dds::DaemonChoice::View::one && on_other_computer().empty());
     ready_changed_.notify_all();
   }
 }

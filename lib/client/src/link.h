@@ -16,6 +16,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -24,8 +25,10 @@
 #include "client/src/feed.h"
 #include "client/src/job_state.h"
 #include "client/src/settings_book.h"
-#include "dds/daemon_choice.h"
+#include "dds/ask/daemon_choice.h"
+#include "dds/ask/daemon_sight.h"
 #include "dds/endpoint.h"
+#include "dds/owner_seen.h"
 #include "dds/participant.h"
 
 /// Internal to lib/client.
@@ -53,7 +56,8 @@ class Link : public std::enable_shared_from_this<Link> {
   void close();
 
   bool daemon_present() const;
-  /// Why nothing is asked or given now, because several daemons serve the bus; else empty.
+  /// Why nothing is asked or given now, because several daemons serve the bus, or only that of another computer than the
+  /// program means; else empty.
   std::string several_daemons() const;
   /// Are requests for this start of the daemon, and does it hear them?
   bool asks(const dds::DaemonIdentity& start) const;
@@ -61,8 +65,25 @@ class Link : public std::enable_shared_from_this<Link> {
   void program_told_of(const dds::DaemonIdentity& start);
   /// As the daemon has told last; after `connect`. `mapping` (null: not wanted): the reference mapping of it.
   Validity validity(MappingBytes* mapping = nullptr) const;
+  /// What the daemon has told last of who gives the reference values of telegrams 1 and 2: `look(owners)`.
+  template <class Look>
+  auto with_owners(Look&& look) const {
+    decltype(look(dds::OwnerSeen{}, dds::OwnerSeen{})) out{};
+    (void)master_.wait(std::chrono::milliseconds(0), [&](const std::vector<MasterStatus>& known) {
+      if (known.empty()) return true;
+      const auto seen = [&](unsigned telegram) {
+        const auto& release = known.front().reference_release[telegram];
+        return dds::owner_seen(release.writer, release.strength, release.writer_guid);
+      };
+      out = look(seen(0), seen(1));
+      return true;
+    });
+    return out;
+  }
   /// Of the function blocks.
   SettingsBook& settings() noexcept { return settings_; }
+  /// Throws OtherProtocol when the bus is known to be served with another protocol than CANsync's master.
+  void expect_own_protocol() const;
   /// Why nothing was written to a topic that the identity may not write.
   std::string not_permitted(std::string_view topic) const;
   const dds::Participant& participant() const noexcept { return participant_; }
@@ -91,6 +112,8 @@ class Link : public std::enable_shared_from_this<Link> {
   struct Heard {
     dds_instance_handle_t writer;
     dds::DaemonIdentity daemon;
+    std::string host;
+    std::string protocol;
   };
 
   /// Requests out, replies in.
@@ -121,6 +144,8 @@ class Link : public std::enable_shared_from_this<Link> {
   /// "one, process 12 on host a; another, ...": the daemons that may live. Under the lock.
   std::string names_of_living() const;
   std::string several_text() const;
+  /// Why the only daemon is not asked: its computer is not the one that is meant. Empty: it may be. Under the lock.
+  std::string on_other_computer() const;
   template <class Request, class State>
   void address(Request& request, const State& state) const;
   template <class R, class Request>
@@ -154,6 +179,7 @@ class Link : public std::enable_shared_from_this<Link> {
   std::string other_protocol() const;
 
   Options options_;
+  const dds::BusAddress address_;
   Identity identity_;
   dds::Participant participant_;
   dds::DataSignal signal_;
@@ -174,12 +200,18 @@ class Link : public std::enable_shared_from_this<Link> {
   mutable std::mutex mutex_;  // everything below
   std::condition_variable ready_changed_;
   bool ready_ = false;
+  std::string protocol_;  ///< of the daemon that was heard last; empty: none was
   bool closed_ = false;
   std::uint64_t last_request_ = 0;
   bool present_ = false;    ///< a daemon is matched
   bool reachable_ = false;  ///< all of them hear every request, and their replies get here
   dds::DaemonChoice choice_;
-  std::map<Place, std::string> names_;  ///< of daemons that were heard and are matched, for people
+  /// A daemon that was heard and is matched.
+  struct Seen {
+    std::string name;  ///< for people
+    std::string host;
+  };
+  std::map<Place, Seen> seen_;
   OpenJobs<ParameterReply> parameter_jobs_;
   OpenJobs<TransferReply> transfer_jobs_;
   OpenJobs<CommandReply> command_jobs_;
@@ -239,6 +271,8 @@ Feed<T>& Link::open() {
 template <class T>
 T Link::first(std::string_view topic) {
   constexpr std::chrono::milliseconds kFirst(2000);
+  // Only a bus of CANsync has it: what will never come is not waited for.
+  if constexpr (std::is_same_v<T, MasterStatus>) expect_own_protocol();
   std::vector<T> newest;
   (void)open<T>().wait(kFirst, [&newest](const std::vector<T>& known) {
     newest = known;

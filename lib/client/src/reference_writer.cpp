@@ -8,6 +8,7 @@
 #include "cansync/dds/topics.h"
 #include "client/src/link.h"
 #include "client/src/set_up.h"
+#include "dds/owner_seen.h"
 
 namespace cansync::client {
 namespace {
@@ -29,8 +30,12 @@ std::string_view why(ReferenceStanding standing) {
 }  // namespace
 
 struct ReferenceWriter::Impl {
-  Impl(std::shared_ptr<detail::Link> to, std::int32_t strength)
-      : link(std::move(to)), writer(link->participant(), strength, &matched, link->name()) {}
+  Impl(std::shared_ptr<detail::Link> to, std::int32_t wanted)
+      : link(std::move(to)),
+        strength(link->with_owners([&](const dds::OwnerSeen& one, const dds::OwnerSeen& two) {
+          return dds::strength_over(wanted, {one, two});
+        })),
+        writer(link->participant(), strength, &matched, link->name()) {}
   ~Impl() {
     for (std::uint8_t telegram = 1; telegram <= kTelegrams; ++telegram) give_up(telegram);
   }
@@ -53,12 +58,22 @@ struct ReferenceWriter::Impl {
   cansync_ReferenceValues sample_of(std::uint8_t telegram) const {
     cansync_ReferenceValues sample = {};
     sample.telegram = telegram;
+    dds::set_writer(writer, sample);
     std::copy(meant_for.daemon.begin(), meant_for.daemon.end(), std::begin(sample.daemon));
     sample.mapping_number = meant_for.mapping_number;
     return sample;
   }
 
-  /// Unregistering alone is not seen while a weaker writer keeps the key: a last sample says it before.
+  /// Why nothing may be written, because another writer has the telegram; else empty.
+  std::string had_by_another(std::uint8_t telegram) const {
+    if (telegram < 1 || telegram > kTelegrams) return {};
+    return link->with_owners([&](const dds::OwnerSeen& one, const dds::OwnerSeen& two) {
+      return dds::had_by_another(fmt::format("telegram {} of the reference values", telegram),
+                                 telegram == 1 ? one : two, writer, strength);
+    });
+  }
+
+  /// Unregistering alone is a loss to the daemon: a last sample says before that it is meant.
   void give_up(std::uint8_t telegram) {
     if (!std::exchange(given[telegram - 1u], false)) return;
     cansync_ReferenceValues sample = sample_of(telegram);
@@ -71,10 +86,12 @@ struct ReferenceWriter::Impl {
 
   std::shared_ptr<detail::Link> link;  // keeps the participant
   dds::DataSignal matched;
+  const std::int32_t strength;
   dds::Writer<cansync_ReferenceValues> writer;
   Validity meant_for;
   ReferenceStanding over = ReferenceStanding::current;
-  std::array<bool, kTelegrams> given = {};  ///< telegrams that are held
+  bool waits = false;                       ///< the last write was for a telegram that another writer has
+  std::array<bool, kTelegrams> given = {};  ///< telegrams that were written
 };
 
 ReferenceWriter::ReferenceWriter(Client& client, std::int32_t strength)
@@ -104,8 +121,9 @@ ReferenceWriter& ReferenceWriter::operator=(ReferenceWriter&&) noexcept = defaul
 std::string ReferenceWriter::write(std::uint8_t telegram, const std::array<std::int32_t, 4>& value,
                                    std::uint8_t valid, std::uint32_t release_intervals,
                                    std::uint64_t from_interval) {
+  impl_->waits = false;
   if (const ReferenceStanding now = impl_->standing(); now != ReferenceStanding::current) {
-    // Kept, the telegrams would hide the values of weaker writers.
+    // Kept, the telegrams would keep others waiting.
     for (std::uint8_t each = 1; each <= kTelegrams; ++each) impl_->give_up(each);
     return fmt::format("{}: nothing is given until the program takes its telegrams up again (take_up)",
                        why(now));
@@ -114,6 +132,10 @@ std::string ReferenceWriter::write(std::uint8_t telegram, const std::array<std::
   if (impl_->writer.matched() == 0) {
     return fmt::format("no daemon takes reference values ({}); is cansyncd running?",
                        impl_->link->participant().place());
+  }
+  if (std::string had = impl_->had_by_another(telegram); !had.empty()) {
+    impl_->waits = true;
+    return had;
   }
   cansync_ReferenceValues sample = impl_->sample_of(telegram);
   std::copy(value.begin(), value.end(), std::begin(sample.value));
@@ -128,6 +150,14 @@ std::string ReferenceWriter::write(std::uint8_t telegram, const std::array<std::
 
 void ReferenceWriter::release(std::uint8_t telegram) {
   if (telegram >= 1 && telegram <= kTelegrams) impl_->give_up(telegram);
+}
+
+bool ReferenceWriter::waits() const {
+  return impl_->waits;
+}
+
+std::int32_t ReferenceWriter::strength() const {
+  return impl_->strength;
 }
 
 ReferenceStanding ReferenceWriter::standing() const {

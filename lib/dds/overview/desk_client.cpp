@@ -1,11 +1,11 @@
 #include "dds/overview/desk_client.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <iterator>
 
 #include "dds/bounded_text.h"
-#include "dds/reply_partition.h"
 
 namespace gateway::dds {
 namespace {
@@ -18,34 +18,25 @@ constexpr milliseconds kForAMatch{2000};
 
 }  // namespace
 
-DeskClient::Ends::Ends(const Participant& participant, DataSignal& signal, const std::string& bus,
-                       const std::array<std::uint8_t, 16>& identity)
-    : replies(participant, Partitions{reply_partition(bus, identity)}, &signal),
-      requests(participant, 0, &signal) {}
-
 DeskClient::DeskClient(const ClientOptions& options)
-    : options_(options),
-      identity_(random_client_identity()),
-      participant_(options.participant()),
-      sight_(participant_, signal_, options.bus),
-      open_(participant_, &signal_) {
+    : RequestClient(options), open_(participant(), &signal()) {
   dds_guid_t own = {};
-  (void)dds_get_guid(participant_.handle(), &own);
+  (void)dds_get_guid(participant().handle(), &own);
   std::array<std::uint8_t, 16> key;
   std::copy(std::begin(own.v), std::end(own.v), key.begin());
-  own_ = process_facts(participant_, key);
-  sight_.find(
-      options, signal_, "", {}, [] { return true; }, [] { return false; });
+  own_ = process_facts(participant(), key);
+  connect(
+      "", nullptr, {}, [] { return true; }, [] { return false; });
 }
 
 template <class Condition>
 bool DeskClient::wait(milliseconds time, Condition&& condition) {
   const auto end = steady_clock::now() + time;
   while (!condition()) {
-    if (options_.stopped() || steady_clock::now() >= end) return false;
-    (void)signal_.wait(DaemonSight::kLookMs);
-    signal_.clear();
-    sight_.look();
+    if (stopped() || steady_clock::now() >= end) return false;
+    (void)signal().wait(DaemonSight::kLookMs);
+    signal().clear();
+    sight().look();
   }
   return true;
 }
@@ -84,7 +75,7 @@ std::optional<DeskClient::ProfileFile> DeskClient::profile(std::string_view hash
   if (hash.size() != 2 * wanted.size()) return std::nullopt;
   for (std::size_t i = 0; i < wanted.size(); ++i)
     (void)std::from_chars(hash.data() + 2 * i, hash.data() + 2 * i + 2, wanted.at(i), 16);
-  Reader<gateway_DriveProfile> reader(participant_, &signal_);
+  Reader<gateway_DriveProfile> reader(participant(), &signal());
   std::optional<ProfileFile> found;
   (void)wait(time, [&] {
     reader.take([&](const gateway_DriveProfile& sample) {
@@ -97,50 +88,32 @@ std::optional<DeskClient::ProfileFile> DeskClient::profile(std::string_view hash
   return found;
 }
 
-std::optional<DeskClient::Ended> DeskClient::take_reply(Ends& ends) const {
-  std::optional<Ended> result;
-  ends.replies.take([&](const gateway_JobEndReply& reply) {
-    if (!std::equal(identity_.begin(), identity_.end(), std::begin(reply.client))) return;
-    result =
-        Ended{true, reply.code, reply.cause, std::string(text(reply.reason)), std::string(text(reply.ended))};
-  });
-  return result;
-}
-
-DeskClient::Ended DeskClient::end(std::uint64_t job) {
-  Ends ends(participant_, signal_, options_.bus, identity_);
-  const auto refused = [](gateway_RefusalCause cause, std::string reason) {
-    return Ended{true, gateway_REPLY_REFUSED, cause, std::move(reason), ""};
-  };
-  const auto hindered = [this, &refused]() -> std::optional<Ended> {
-    const auto obstacle = sight_.obstacle();
-    if (!obstacle) return std::nullopt;
-    if (obstacle->gone) return Ended{false, gateway_REPLY_DONE, gateway_CAUSE_NONE, obstacle->reason, ""};
-    return refused(gateway_CAUSE_OTHER_DAEMON, obstacle->reason);
-  };
-  if (!ends.requests.permitted())
-    return refused(gateway_CAUSE_RIGHT,
-                   "the identity has no right to end requests of others, which engineers have; nothing was "
-                   "sent");
-  if (auto problem = hindered()) return *problem;
-  if (!wait(kForAMatch, [&] { return sight_.is_read(ends.requests) && sight_.is_written(ends.replies); }))
-    return refused(
-        gateway_CAUSE_KIND,
-        "the daemon does not take it: it is older than this program, or its bus takes no requests; "
-        "nothing was sent");
-  if (auto problem = hindered()) return *problem;
+DeskClient::EndedOther DeskClient::end(std::uint64_t job) {
+  Reader<gateway_JobEndReply> replies(participant(), reply_partitions(), &signal());
+  Writer<gateway_JobEnd> requests(participant(), 0, &signal());
+  if (!requests.permitted())
+    return {refused(gateway_CAUSE_RIGHT,
+                    "the identity has no right to end requests of others, which engineers have; nothing was "
+                    "sent")};
+  if (auto problem = obstacle()) return {*std::move(problem)};
+  if (!wait(kForAMatch, [&] { return sight().is_read(requests) && sight().is_written(replies); }))
+    return {
+        refused(gateway_CAUSE_KIND,
+                "the daemon does not take it: it is older than this program, or its bus takes no requests; "
+                "nothing was sent")};
   gateway_JobEnd request = {};
-  std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
-  request.request = 1;
-  copy_text(options_.client_name, request.client_name);
-  set_daemon(sight_.choice().daemon(), request);
   request.job = job;
-  if (ends.requests.write(request) != DDS_RETCODE_OK)
-    return refused(gateway_CAUSE_SHARED_LIMIT, "the request could not be written; try again");
-  std::optional<Ended> result;
-  (void)wait(kForAReply, [&] { return (result = take_reply(ends)).has_value(); });
-  if (result) return *result;
-  return {false, gateway_REPLY_DONE, gateway_CAUSE_NONE, "the daemon did not answer", ""};
+  Begun begun = begin(requests, request, "engineer");
+  if (begun.not_begun) return {*std::move(begun.not_begun)};
+  EndedOther ended{{.reason = "the daemon did not answer"}};
+  (void)wait(kForAReply, [&] {
+    replies.take([&](const gateway_JobEndReply& reply) {
+      hand_on(reply, EndedOther{.what = std::string(text(reply.ended))},
+              [&](std::uint64_t /*request*/, const EndedOther& one) { ended = one; });
+    });
+    return ended.replied;
+  });
+  return ended;
 }
 
 }  // namespace gateway::dds

@@ -1,31 +1,23 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "dds/daemon_sight.h"
-#include "dds/endpoint.h"
+#include "dds/ask/request_client.h"
 #include "dds/overview/open_requests.h"
 #include "dds/overview/overview_topics.h"
-#include "dds/participant.h"
 #include "dds/process_facts.h"
-#include "dds/signal.h"
 
 namespace gateway::dds {
 
 /// What is open at the daemon of a bus, and ending it, whatever its protocol. One thread.
-class DeskClient {
+class DeskClient : public RequestClient {
  public:
   /// How a request to end another one ended.
-  struct Ended {
-    bool replied = false;  ///< false: the daemon went away, or did not answer; `code` says nothing then
-    gateway_ReplyCode code = gateway_REPLY_DONE;
-    gateway_RefusalCause cause = gateway_CAUSE_NONE;
-    std::string reason;
+  struct EndedOther : Ended {
     std::string what;  ///< done: what ends, and whose it is
   };
 
@@ -54,30 +46,13 @@ class DeskClient {
   std::optional<ProfileFile> profile(std::string_view hash, std::chrono::milliseconds time);
 
   /// Has the daemon end the job with this number, whoever's it is; waits at most 5 s for the reply.
-  Ended end(std::uint64_t job);
-
-  /// As the daemon told it last.
-  const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
+  EndedOther end(std::uint64_t job);
 
  private:
-  /// The topics that only who ends something needs.
-  struct Ends {
-    Ends(const Participant& participant, DataSignal& signal, const std::string& bus,
-         const std::array<std::uint8_t, 16>& identity);
-    Reader<gateway_JobEndReply> replies;
-    Writer<gateway_JobEnd> requests;
-  };
-
   /// Waits at most `time` until `condition()` holds, looking again whenever something comes.
   template <class Condition>
   bool wait(std::chrono::milliseconds time, Condition&& condition);
-  std::optional<Ended> take_reply(Ends& ends) const;
 
-  ClientOptions options_;
-  std::array<std::uint8_t, 16> identity_;
-  Participant participant_;
-  DataSignal signal_;
-  DaemonSight sight_;
   OpenRequestsReader open_;
   ProcessFacts own_;  ///< as others see this process
 };

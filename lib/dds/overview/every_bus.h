@@ -1,9 +1,10 @@
 #pragma once
 
-#include <chrono>
+#include <functional>
+#include <string>
 #include <vector>
 
-#include "dds/daemon_sight.h"
+#include "dds/ask/daemon_sight.h"
 #include "gateway.h"
 
 namespace gateway::dds {
@@ -12,5 +13,17 @@ namespace gateway::dds {
 /// `stop`; a daemon that was killed less than 5 s ago may be among them. `options.bus` does not matter, but
 /// with DDS Security only what its identity may see is found. Throws SetupError.
 std::vector<gateway_GatewayStatus> daemons_of_every_bus(const ClientOptions& options);
+
+/// More than one bus is served where a program that names none looks; the text names them.
+class SeveralBuses : public NoDaemon {
+ public:
+  using NoDaemon::NoDaemon;
+};
+
+/// The only bus that is served in the domain and on the interface of `options`; its `bus` does not matter. Waits at most
+/// `options.wait` for the first daemon, then until no other bus has been found for 500 ms: discovery takes some 100 ms.
+/// `go_on`: false ends the search; empty: it is not asked. Throws NoDaemon when no bus is found or the search was ended,
+/// SeveralBuses, SetupError.
+std::string only_bus(const ClientOptions& options, const std::function<bool()>& go_on = {});
 
 }  // namespace gateway::dds

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "j1939/identifier.h"
 
@@ -20,16 +21,27 @@ std::string_view state_of(const dbc::Signal& signal, std::uint64_t raw) {
 
 }  // namespace
 
-const dbc::Message* find_group(const dbc::Database& database, std::uint32_t pgn, std::uint8_t source) {
-  const dbc::Message* found = nullptr;
-  for (const dbc::Message& message : database.messages()) {
-    if (!message.extended) continue;
-    const Identifier parts = parse(message.identifier);
-    if (pgn_of(parts) != pgn) continue;
-    if (parts.source == source) return &message;
-    if (found == nullptr || parts.source == kNullAddress) found = &message;
+Groups::Groups(dbc::Database database) : database_(std::move(database)) {
+  const std::vector<dbc::Message>& messages = database_.messages();
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (!messages[i].extended) continue;
+    const Identifier parts = parse(messages[i].identifier);
+    groups_.push_back({pgn_of(parts), parts.source, i});
   }
-  return found;
+  std::stable_sort(groups_.begin(), groups_.end(),
+                   [](const Group& one, const Group& other) { return one.pgn < other.pgn; });
+}
+
+const dbc::Message* Groups::find(std::uint32_t pgn, std::uint8_t source) const noexcept {
+  const Group* found = nullptr;
+  const auto first =
+      std::lower_bound(groups_.begin(), groups_.end(), pgn,
+                       [](const Group& one, std::uint32_t wanted) { return one.pgn < wanted; });
+  for (auto group = first; group != groups_.end() && group->pgn == pgn; ++group) {
+    if (group->source == source) return &database_.messages()[group->message];
+    if (found == nullptr || group->source == kNullAddress) found = &*group;
+  }
+  return found == nullptr ? nullptr : &database_.messages()[found->message];
 }
 
 std::vector<dbc::Reading> read_group(const dbc::Message& message, std::span<const std::uint8_t> data) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,9 +11,27 @@
 /// destination. Allocates; main thread.
 namespace j1939::client {
 
-/// The message of a group: of several that of this source, else that of address 254, which stands for any,
-/// else the first; null: there is none.
-const dbc::Message* find_group(const dbc::Database& database, std::uint32_t pgn, std::uint8_t source);
+/// The messages of a file by their groups.
+class Groups {
+ public:
+  Groups() = default;
+  explicit Groups(dbc::Database database);
+
+  const dbc::Database& database() const noexcept { return database_; }
+  /// The message of a group: of several that of this source, else that of address 254, which stands for any,
+  /// else the first; null: there is none. It lives as long as this object.
+  const dbc::Message* find(std::uint32_t pgn, std::uint8_t source) const noexcept;
+
+ private:
+  struct Group {
+    std::uint32_t pgn = 0;
+    std::uint8_t source = 0;
+    std::size_t message = 0;  ///< place among the messages of the file
+  };
+
+  dbc::Database database_;
+  std::vector<Group> groups_;  ///< by rising group, those of one group in the order of the file
+};
 
 /// As dbc::read_signals; what says "not available" or "error" (SAE J1939-71) and has no other name is named
 /// so.

@@ -1,21 +1,15 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
-#include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "dds/daemon_identity.h"
-#include "dds/daemon_sight.h"
+#include "dds/ask/request_client.h"
 #include "dds/endpoint.h"
-#include "dds/participant.h"
-#include "dds/signal.h"
 #include "j1939.h"
 #include "j1939/dds/topics.h"
 
@@ -35,21 +29,12 @@ struct Message {
 };
 
 /// How a request ended.
-struct Result {
-  bool replied = false;  ///< false: the daemon went away, or did not answer; `code` says nothing then
-  gateway_ReplyCode code = gateway_REPLY_DONE;
-  gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< of REPLY_REFUSED
-  std::string reason;                               ///< empty when done
-  std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns)
-  std::uint8_t answer_code = 0;                     ///< of REPLY_SLAVE_ERROR
-  std::vector<std::uint8_t> data;                   ///< of the answer
+struct Result : gateway::dds::Ended {
+  std::int64_t sent_time = 0;      ///< done: CLOCK_REALTIME (ns)
+  std::uint8_t answer_code = 0;    ///< of REPLY_SLAVE_ERROR
+  std::vector<std::uint8_t> data;  ///< of the answer
 };
-
-/// A request that was begun; its result comes to a `Listener`.
-struct Begun {
-  std::uint64_t request = 0;        ///< its number; 0: it was not written
-  std::optional<Result> not_begun;  ///< why it was not written
-};
+using gateway::dds::Begun;
 
 /// What a program is told that never waits; each may be empty.
 struct Listener {
@@ -64,7 +49,7 @@ struct Faults {
 };
 
 /// A connection to the daemon of one bus. One thread.
-class MessageClient {
+class MessageClient : public gateway::dds::RequestClient {
  public:
   /// Waits until a daemon serves the bus and everything is matched with it, so that nothing is lost. Throws
   /// NoDaemon when `options.wait` is over, `stop` is set or several daemons serve the bus,
@@ -83,64 +68,40 @@ class MessageClient {
   Begun begin(j1939_MessageKind kind, const Message& message, std::uint32_t timeout_ms);
   /// Takes what has come, without waiting.
   void look(const Listener& listener);
-  /// May the result of a request to this start of the daemon still come? Whoever hears that it may not is
-  /// taken to know that the daemon has gone.
-  bool may_answer(const gateway::dds::DaemonIdentity& daemon);
 
   /// Waits at most `time` for messages that the daemon received, and calls `on_batch` for each batch that
   /// came, `on_long` for each message of over 1785 bytes. False: the daemon has gone.
   bool receive(std::chrono::milliseconds time, const std::function<void(const j1939_MessageBatch&)>& on_batch,
                const std::function<void(const j1939_LongMessage&)>& on_long = {});
 
-  /// Which daemon serves the bus, as it told last.
-  const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
   /// What the daemon told last of itself as a node, waiting at most `time` for the first; nothing: none came.
   std::optional<j1939_NodeStatus> status(std::chrono::milliseconds time);
   /// As `status`, of what was taken so far; takes nothing.
   const std::optional<j1939_NodeStatus>& newest_status() const noexcept { return newest_; }
-  /// What the daemon told last of the controller and its interface; nothing: it was not told yet. Looks
-  /// without waiting.
-  const std::optional<gateway_BusStatus>& bus_status();
   /// The addresses that were claimed, rising; waits as `status`. Nothing: none were told.
   std::optional<std::vector<j1939_ClaimedAddress>> addresses(std::chrono::milliseconds time);
   /// The faults told of so far, by source, and whether they are active; looks for `time`.
   const std::map<std::pair<std::uint8_t, bool>, Faults>& faults(std::chrono::milliseconds time);
 
-  /// A daemon serves the bus now.
-  bool daemon_present() const noexcept { return replies_.matched() != 0; }
-  /// Where the daemon was looked for, for messages.
-  std::string place() const { return participant_.place(); }
-
  private:
   bool matched() const noexcept;
-  std::optional<Result> obstacle();
-  std::optional<Result> take_reply(std::uint64_t request);
   void take_replies(const std::function<void(std::uint64_t, const Result&)>& ended);
+  /// Takes all but the messages.
   void take_state();
-  Result await_reply(std::uint64_t request, std::chrono::milliseconds longest);
-  void cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon);
-  /// Takes the state until `there`, the daemon has gone, or `time` is over.
+  /// Takes everything until `there`, the daemon has gone, or `time` is over.
   void look_until(std::chrono::milliseconds time, const std::function<bool()>& there);
 
-  Options options_;
-  std::array<std::uint8_t, 16> identity_;
-  gateway::dds::Participant participant_;
-  gateway::dds::DataSignal signal_;
   gateway::dds::Reader<j1939_MessageReply> replies_;
   gateway::dds::Reader<j1939_MessageBatch> batches_;
   gateway::dds::Reader<j1939_LongMessage> long_messages_;
   gateway::dds::Reader<j1939_NodeStatus> status_;
   gateway::dds::Reader<j1939_AddressTable> tables_;
   gateway::dds::Reader<j1939_FaultList> faults_;
-  gateway::dds::Reader<gateway_BusStatus> bus_reader_;
-  gateway::dds::DaemonSight sight_;
   gateway::dds::Writer<j1939_MessageRequest> requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
-  std::uint64_t number_ = 0;  ///< of the last request
   std::optional<j1939_NodeStatus> newest_;
   std::optional<std::vector<j1939_ClaimedAddress>> addresses_;
   std::map<std::pair<std::uint8_t, bool>, Faults> told_;
-  std::optional<gateway_BusStatus> bus_;
 };
 
 }  // namespace j1939::client

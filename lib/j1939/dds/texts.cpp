@@ -13,6 +13,25 @@ std::string_view reason_of_timeout(const Answer& answer) noexcept {
          "be on the bus; see NodeStatus";
 }
 
+/// Something was on the bus, or may have been.
+std::string_view reason_of_no_answer(JobEnd ended_by) noexcept {
+  switch (ended_by) {
+    case JobEnd::cancelled:
+      return "cancelled when a part of it, or the request, was on the bus: the other node may act on it";
+    case JobEnd::stopped:
+      return "the daemon was stopped when a part of it, or the request, was on the bus: the other node may act "
+             "on it";
+    case JobEnd::lost:
+      return "the daemon lost its address to a stronger NAME when a part of it, or the request, was on the bus: "
+             "the other node may act on it; see NodeStatus";
+    case JobEnd::unanswered:
+    case JobEnd::time:
+      break;
+  }
+  return "begun, but not seen on the bus or not answered within the monitoring time or the standard's "
+         "time-outs; check that the node is there and has this group";
+}
+
 std::string_view reason_of_refusal(std::uint8_t control) noexcept {
   switch (control) {
     case 1:
@@ -100,18 +119,17 @@ std::string reason_of(const Answer& answer) {
       return fmt::format("the node broke the connection off: {} (reason {})", reason_of_abort(answer.code),
                          answer.code);
     case Outcome::no_answer:
-      return "begun, but not seen on the bus or not answered within the monitoring time or the standard's "
-             "time-outs; check that the node is there and has this group";
+      return std::string(reason_of_no_answer(answer.ended_by));
     case Outcome::timeout:
       return std::string(reason_of_timeout(answer));
     case Outcome::cancelled:
       return "cancelled";
     case Outcome::address_lost:
-      return "the daemon lost its address to a stronger NAME while this was open; see NodeStatus";
+      return "the daemon lost its address to a stronger NAME before this was sent; see NodeStatus";
     case Outcome::stopped:
       break;
   }
-  return "the daemon was stopped before this had ended";
+  return "the daemon was stopped before this was sent";
 }
 
 std::string_view failure_mode(std::uint8_t fmi) noexcept {

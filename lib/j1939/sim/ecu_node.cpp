@@ -57,7 +57,7 @@ std::optional<can::Time> EcuNode::next_time() const noexcept {
 void EcuNode::send_message(can::Time now) noexcept {
   next_message_ = now + settings_.period;
   if (under_way_) return;
-  ++settings_.data[0];
+  if (settings_.counts) ++settings_.data[0];
   const j1939::Order order{.id = 1,
                            .number = settings_.group,
                            .priority = settings_.priority,

@@ -19,11 +19,12 @@ struct EcuSettings {
   std::uint8_t priority = 6;                           ///< 0..7
   j1939::Address destination = j1939::kGlobalAddress;  ///< of what it sends again and again
   std::vector<std::uint8_t> data;                      ///< 0..1785 bytes; none: it sends and gives nothing
-  can::Time period{0};                                 ///< between two of its messages; 0: when it is asked
+  can::Time period{0};                                 ///< between two of its messages; 0: on request alone
+  bool counts = true;                                  ///< the first byte counts its periodic messages
 };
 
 /// A node that claims its address, answers requests, takes connections, and sends one message again and
-/// again: in one frame, as a broadcast, or by a connection. The first byte of the message counts up.
+/// again: in one frame, as a broadcast, or by a connection.
 class EcuNode final : public Node {
  public:
   /// May allocate.

@@ -2,15 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
 #include <string_view>
 #include <utility>
 
-#include "dds/bounded_text.h"
-#include "dds/daemon_identity.h"
-#include "dds/reply_partition.h"
-#include "dds/security.h"
 #include "layer2/dds/convert.h"
 
 namespace layer2::client {
@@ -19,61 +13,29 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-/// Waiting is looked at again so often: `stop` is seen soon.
-constexpr milliseconds kLook{20};
 constexpr milliseconds kSettle{100};  ///< in which more of what was told before may come
-/// From the end of a request's monitoring time to its reply, and from a cancel to it.
-constexpr milliseconds kGrace{5000};
-/// For the monitoring time of a daemon that has not told its own.
-constexpr milliseconds kDefaultMonitoring{1000};
-
-/// Replies that come after their request was given up must be taken too, for a full reader holds up all
-/// topics.
-constexpr std::uint64_t kNobodysRequest = 0;
-
-/// Who may write a topic of requests, with DDS Security on.
-template <class Request>
-constexpr std::string_view role_of = "engineer";
-template <>
-constexpr std::string_view role_of<layer2_SendRequest> = "operator";
 
 }  // namespace
 
 FrameClient::FrameClient(const Options& options)
-    : options_(options),
-      identity_(gateway::dds::random_client_identity()),
-      participant_(options.participant()),
-      replies_(participant_, gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
-               &signal_),
-      control_replies_(participant_,
-                       gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
-                       &signal_),
-      object_replies_(participant_,
-                      gateway::dds::Partitions{gateway::dds::reply_partition(options.bus, identity_)},
-                      &signal_),
-      batches_(participant_, &signal_),
-      status_(participant_, &signal_),
-      timer_status_(participant_, &signal_),
-      object_status_(participant_, &signal_),
-      image_reader_(participant_, &signal_),
-      bus_reader_(participant_, &signal_),
-      sight_(participant_, signal_, options.bus),
-      requests_(participant_, 0, &signal_),
-      controls_(participant_, 0, &signal_),
-      object_requests_(participant_, 0, &signal_),
-      cancels_(participant_, 0, &signal_) {
-  sight_.find(
-      options, signal_, "layer2",
+    : RequestClient(options),
+      replies_(participant(), reply_partitions(), &signal()),
+      control_replies_(participant(), reply_partitions(), &signal()),
+      object_replies_(participant(), reply_partitions(), &signal()),
+      batches_(participant(), &signal()),
+      status_(participant(), &signal()),
+      timer_status_(participant(), &signal()),
+      object_status_(participant(), &signal()),
+      image_reader_(participant(), &signal()),
+      requests_(participant(), 0, &signal()),
+      controls_(participant(), 0, &signal()),
+      object_requests_(participant(), 0, &signal()),
+      cancels_(participant(), 0, &signal()) {
+  connect(
+      "layer2", &replies_,
       {.requests = {&requests_, &controls_, &cancels_}, .replies = {&replies_, &control_replies_}},
       [this] { return batches_.matched() != 0 && status_.matched() != 0; },
       [this] { return status_.matched() != 0; });
-}
-
-std::optional<SendResult> FrameClient::obstacle() {
-  auto found = sight_.obstacle();
-  if (!found) return std::nullopt;
-  if (found->gone) return SendResult{.reason = std::move(found->reason)};
-  return SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_OTHER_DAEMON, std::move(found->reason)};
 }
 
 milliseconds FrameClient::monitoring_of(std::uint32_t timeout_ms) const {
@@ -89,9 +51,9 @@ Begun FrameClient::begin_send(std::span<const can::Frame> frames, std::uint32_t 
                               const SendChoice& choice) {
   layer2_SendRequest request = {};
   if (frames.empty() || frames.size() > layer2_BATCH) {
-    return {
-        0, SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_LENGTH,
-                      fmt::format("frames of one request: {}; allowed: 1..{}", frames.size(), layer2_BATCH)}};
+    return {0, gateway::dds::refused(
+                   gateway_CAUSE_LENGTH,
+                   fmt::format("frames of one request: {}; allowed: 1..{}", frames.size(), layer2_BATCH))};
   }
   std::vector<layer2_CanFrame> all;
   for (const can::Frame& frame : frames) all.push_back(dds::to_idl(frame));
@@ -102,27 +64,31 @@ Begun FrameClient::begin_send(std::span<const can::Frame> frames, std::uint32_t 
   request.timeout = timeout_ms;
   request.high_priority = choice.high_priority;
   request.by_identifier = choice.by_identifier;
-  return begin(requests_, request);
+  return begin(requests_, request, "operator");
 }
 
 Begun FrameClient::begin_control(const layer2_ControlRequest& wanted) {
-  return begin(controls_, wanted);
+  layer2_ControlRequest request = wanted;
+  return begin(controls_, request, "engineer");
 }
 
 Begun FrameClient::begin_object(const layer2_ObjectRequest& wanted) {
-  if (auto problem = obstacle()) return {0, *std::move(problem)};
-  if (objects_reached()) return begin(object_requests_, wanted);
-  return {0, SendResult{true, gateway_REPLY_REFUSED, gateway_CAUSE_WRONG_STATE,
-                        "no daemon reads requests to message objects yet; try again, or update the daemon"}};
+  if (auto problem = obstacle()) return {0, std::move(problem)};
+  if (!objects_reached())
+    return {0, gateway::dds::refused(
+                   gateway_CAUSE_WRONG_STATE,
+                   "no daemon reads requests to message objects yet; try again, or update the daemon")};
+  layer2_ObjectRequest request = wanted;
+  return begin(object_requests_, request, "engineer");
 }
 
 bool FrameClient::objects_reached() const {
   return !object_requests_.permitted() ||
-         (sight_.is_read(object_requests_) && sight_.is_written(object_replies_));
+         (sight().is_read(object_requests_) && sight().is_written(object_replies_));
 }
 
 void FrameClient::wait_for_objects() {
-  wait_until(kDefaultMonitoring, [&] { return objects_reached(); });
+  (void)look_until(kDefaultMonitoring, [&] { return objects_reached(); });
 }
 
 SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, const SendChoice& choice) {
@@ -131,92 +97,37 @@ SendResult FrameClient::send(const can::Frame& frame, std::uint32_t timeout_ms, 
 
 SendResult FrameClient::send(std::span<const can::Frame> frames, std::uint32_t timeout_ms,
                              const SendChoice& choice) {
-  sight_.look_until_reached(options_, signal_);
+  look_until_reached();
   return await(begin_send(frames, timeout_ms, choice), monitoring_of(timeout_ms));
 }
 
 SendResult FrameClient::control(const layer2_ControlRequest& wanted) {
-  sight_.look_until_reached(options_, signal_);
+  look_until_reached();
   return await(begin_control(wanted), kDefaultMonitoring);
 }
 
-template <class Request>
-Begun FrameClient::begin(gateway::dds::Writer<Request>& writer, Request request) {
-  if (auto problem = obstacle()) return {0, *std::move(problem)};
-  std::copy(identity_.begin(), identity_.end(), std::begin(request.client));
-  request.request = ++number_;
-  gateway::dds::copy_text(options_.client_name, request.client_name);
-  gateway::dds::set_daemon(sight_.choice().daemon(), request);
-  if (const auto code = writer.write(request); code != DDS_RETCODE_OK) {
-    const bool forbidden = code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
-    const bool full = code == DDS_RETCODE_TIMEOUT;
-    return {0,
-            SendResult{
-                true, gateway_REPLY_REFUSED,
-                forbidden ? gateway_CAUSE_RIGHT : (full ? gateway_CAUSE_SHARED_LIMIT : gateway_CAUSE_UNKNOWN),
-                forbidden ? gateway::dds::no_right(gateway::dds::topic_info<Request>.name, role_of<Request>)
-                          : fmt::format("the request could not be written: {}", dds_strretcode(code))}};
-  }
-  return {request.request, std::nullopt};
-}
-
-bool FrameClient::may_answer(const gateway::dds::DaemonIdentity& daemon) {
-  if (sight_.choice().may_answer(daemon)) return true;
-  sight_.choice().program_told();
-  return false;
-}
-
 SendResult FrameClient::await(const Begun& begun, milliseconds monitoring) {
-  if (begun.not_begun) return *begun.not_begun;
-  const auto daemon = sight_.choice().daemon();
-  auto end = steady_clock::now() + monitoring + kGrace;
-  bool cancelled = false;
-  while (!cancelled || steady_clock::now() < end) {
-    if (auto result = take_reply(begun.request)) return *result;
-    if (!may_answer(daemon)) return {.reason = "the daemon has gone"};
-    if (!cancelled && (options_.stopped() || steady_clock::now() >= end)) {
-      cancelled = true;
-      cancel(begun.request, daemon);
-      end = steady_clock::now() + kGrace;
-    }
-    (void)signal_.wait(static_cast<int>(kLook.count()));
-    signal_.clear();
-  }
-  return {.reason = "the daemon did not answer"};
-}
-
-std::optional<SendResult> FrameClient::take_reply(std::uint64_t request) {
-  sight_.look();
-  std::optional<SendResult> found;
-  take_replies([&](std::uint64_t number, const SendResult& result) {
-    if (number == request) found = result;
-  });
-  return found;
+  return RequestClient::await<SendResult>(begun, monitoring + kGrace, cancels_,
+                                          [this](const auto& ended) { take_replies(ended); });
 }
 
 void FrameClient::take_replies(const std::function<void(std::uint64_t, const SendResult&)>& ended) {
-  const auto tell = [&](const auto& reply, SendResult result) {
-    if (!std::equal(identity_.begin(), identity_.end(), reply.client)) return;
-    result.replied = true;
-    result.code = reply.code;
-    result.cause = reply.cause;
-    result.reason = std::string(gateway::dds::text(reply.reason));
-    ended(reply.request, result);
-  };
   replies_.take([&](const layer2_SendReply& reply) {
-    tell(reply, {.sent_time = reply.sent_time, .sent = reply.sent});
+    hand_on(reply, SendResult{.sent_time = reply.sent_time, .sent = reply.sent}, ended);
   });
-  control_replies_.take([&](const layer2_ControlReply& reply) { tell(reply, {}); });
+  control_replies_.take([&](const layer2_ControlReply& reply) { hand_on(reply, SendResult(), ended); });
   object_replies_.take([&](const layer2_ObjectReply& reply) {
-    tell(reply, {.sent_time = reply.time,
-                 .fresh = reply.fresh,
-                 .overrun = reply.overrun,
-                 .content = dds::to_core(reply.content)});
+    hand_on(reply,
+            SendResult{.sent_time = reply.time,
+                       .fresh = reply.fresh,
+                       .overrun = reply.overrun,
+                       .content = dds::to_core(reply.content)},
+            ended);
   });
 }
 
 void FrameClient::look(const Listener& listener) {
-  sight_.look();
+  sight().look();
   take_replies([&](std::uint64_t number, const SendResult& result) {
     if (listener.ended) listener.ended(number, result);
   });
@@ -228,28 +139,13 @@ void FrameClient::look(const Listener& listener) {
   if (listener.image) image_reader_.take(listener.image);
 }
 
-const std::optional<gateway_BusStatus>& FrameClient::bus_status() {
-  bus_reader_.take([this](const gateway_BusStatus& sample) { bus_ = sample; });
-  return bus_;
-}
-
-void FrameClient::cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon) {
-  gateway_JobCancel sample = {};
-  std::copy(identity_.begin(), identity_.end(), std::begin(sample.client));
-  sample.request = request;
-  gateway::dds::set_daemon(daemon, sample);
-  (void)cancels_.write(sample);
-}
-
-template <class Ready>
-void FrameClient::wait_until(milliseconds time, Ready&& ready) {
-  const auto end = steady_clock::now() + time;
-  while (true) {
-    signal_.clear();
-    (void)take_reply(kNobodysRequest);
-    if (ready() || options_.stopped() || !daemon_present() || steady_clock::now() >= end) return;
-    (void)signal_.wait(static_cast<int>(kLook.count()));
-  }
+template <class Came>
+bool FrameClient::look_until(milliseconds time, Came&& came) {
+  return wait_until(time, [&] {
+    sight().look();
+    take_replies([](std::uint64_t, const SendResult&) {});  // of requests that were given up
+    return came();
+  });
 }
 
 template <class Status>
@@ -257,7 +153,7 @@ void FrameClient::keep_newest(gateway::dds::Reader<Status>& reader, std::map<uns
                               milliseconds time) {
   // Those of before come one by one, and nothing tells which is the last.
   auto settled = newest.empty() ? steady_clock::time_point::max() : steady_clock::now();
-  wait_until(time, [&] {
+  (void)look_until(time, [&] {
     reader.take(
         [&](const Status& sample) {
           newest[sample.number] = sample;
@@ -277,12 +173,12 @@ std::vector<layer2_TimerStatus> FrameClient::timers(milliseconds time) {
 
 void FrameClient::wait_for_match(const gateway::dds::WriterBase& writer) {
   if (writer.permitted() && writer.matched() == 0)
-    wait_until(kDefaultMonitoring, [&] { return writer.matched() != 0; });
+    (void)look_until(kDefaultMonitoring, [&] { return writer.matched() != 0; });
 }
 
 std::optional<layer2_ProcessImage> FrameClient::image(milliseconds time, bool fresh) {
   if (fresh) image_.reset();
-  wait_until(time, [&] {
+  (void)look_until(time, [&] {
     image_reader_.take([this](const layer2_ProcessImage& sample) { image_ = sample; });
     return image_.has_value();
   });
@@ -300,7 +196,7 @@ SendResult FrameClient::configure(std::string_view toml) {
 
 SendResult FrameClient::object(const layer2_ObjectRequest& wanted) {
   wait_for_objects();
-  sight_.look_until_reached(options_, signal_);
+  look_until_reached();
   return await(begin_object(wanted), kDefaultMonitoring);
 }
 
@@ -314,33 +210,23 @@ std::vector<layer2_ObjectStatus> FrameClient::objects(milliseconds time) {
 }
 
 bool FrameClient::events(milliseconds time, const std::function<void(const layer2_ModuleEvent&)>& on_event) {
-  if (!events_) events_ = std::make_unique<gateway::dds::Reader<layer2_ModuleEvent>>(participant_, &signal_);
-  wait_until(time, [&] { return events_->take(on_event) > 0; });
-  return daemon_present();
+  if (!events_)
+    events_ = std::make_unique<gateway::dds::Reader<layer2_ModuleEvent>>(participant(), &signal());
+  return look_until(time, [&] { return events_->take(on_event) > 0; });
 }
 
 bool FrameClient::receive(milliseconds time, const std::function<void(const layer2_FrameBatch&)>& on_batch) {
-  const auto end = steady_clock::now() + time;
-  while (true) {
-    signal_.clear();
-    (void)take_reply(kNobodysRequest);
-    if (batches_.take(on_batch) > 0) return true;
-    if (!daemon_present()) return false;
-    const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
-    if (left <= milliseconds{0} || options_.stopped()) return true;
-    (void)signal_.wait(static_cast<int>(std::min(left, kLook).count()));
-  }
+  return look_until(time, [&] { return batches_.take(on_batch) > 0; });
+}
+
+const std::optional<layer2_FrameStatus>& FrameClient::take_status() {
+  status_.take([this](const layer2_FrameStatus& sample) { newest_ = sample; });
+  return newest_;
 }
 
 std::optional<layer2_FrameStatus> FrameClient::status(milliseconds time) {
-  const auto end = steady_clock::now() + time;
-  while (true) {
-    signal_.clear();
-    (void)take_reply(kNobodysRequest);
-    status_.take([this](const layer2_FrameStatus& sample) { newest_ = sample; });
-    if (newest_ || options_.stopped() || !daemon_present() || steady_clock::now() >= end) return newest_;
-    (void)signal_.wait(static_cast<int>(kLook.count()));
-  }
+  (void)look_until(time, [this] { return take_status().has_value(); });
+  return newest_;
 }
 
 }  // namespace layer2::client

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -8,16 +7,12 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "can/frame.h"
-#include "dds/daemon_identity.h"
-#include "dds/daemon_sight.h"
+#include "dds/ask/request_client.h"
 #include "dds/endpoint.h"
-#include "dds/participant.h"
-#include "dds/signal.h"
 #include "layer2.h"
 #include "layer2/dds/topics.h"
 
@@ -28,25 +23,16 @@ using gateway::dds::NoDaemon;
 /// How to find the daemon.
 using Options = gateway::dds::ClientOptions;
 
-/// How a request to send ended.
-struct SendResult {
-  bool replied = false;  ///< false: the daemon went away, or did not answer; `code` says nothing then
-  gateway_ReplyCode code = gateway_REPLY_DONE;
-  gateway_RefusalCause cause = gateway_CAUSE_NONE;  ///< of REPLY_REFUSED
-  std::string reason;                               ///< empty when done
-  std::int64_t sent_time = 0;                       ///< done: CLOCK_REALTIME (ns) of the frame's last bit
-  std::uint32_t sent = 0;                           ///< frames of the request that were seen on the bus
+/// How a request ended.
+struct SendResult : gateway::dds::Ended {
+  std::int64_t sent_time = 0;  ///< done: CLOCK_REALTIME (ns) of the frame's last bit
+  std::uint32_t sent = 0;      ///< frames of the request that were seen on the bus
   // --- of OBJECT_READ
   bool fresh = false;    ///< there was a frame, whose last bit `sent_time` is
   bool overrun = false;  ///< another one came while the object was full
   can::Frame content;    ///< what was fetched
 };
-
-/// A request that was begun; its result comes to a `Listener`.
-struct Begun {
-  std::uint64_t request = 0;            ///< its number; 0: it was not written
-  std::optional<SendResult> not_begun;  ///< why it was not written
-};
+using gateway::dds::Begun;
 
 /// What a program is told that never waits; each may be empty.
 struct Listener {
@@ -64,7 +50,7 @@ struct SendChoice {
 };
 
 /// A connection to the daemon of one bus. One thread.
-class FrameClient {
+class FrameClient : public gateway::dds::RequestClient {
  public:
   /// Waits until a daemon serves the bus and everything is matched with it, so that nothing is lost. Throws
   /// NoDaemon when `options.wait` is over, `stop` is set or several daemons serve the bus,
@@ -103,9 +89,6 @@ class FrameClient {
   void wait_for_objects();
   /// Takes what has come, without waiting.
   void look(const Listener& listener);
-  /// May the result of a request to this start of the daemon still come? Whoever hears that it may not is
-  /// taken to know that the daemon has gone.
-  bool may_answer(const gateway::dds::DaemonIdentity& daemon);
 
   /// Has the daemon take sections of a configuration file over, all of them or nothing, until it is
   /// restarted; `reason` says the place and what is wrong. At most 131072 bytes.
@@ -131,10 +114,6 @@ class FrameClient {
   /// False: the daemon has gone.
   bool receive(std::chrono::milliseconds time, const std::function<void(const layer2_FrameBatch&)>& on_batch);
 
-  /// Which daemon serves the bus, as it told last; it is told once a second, and taken by every function
-  /// here.
-  const gateway_GatewayStatus& gateway_status() const noexcept { return *sight_.newest(); }
-
   /// The process image as the daemon told it last, waiting at most `time` for the first, and with `fresh` for
   /// another one; nothing: none came, for there is no mapping.
   std::optional<layer2_ProcessImage> image(std::chrono::milliseconds time, bool fresh = false);
@@ -142,36 +121,18 @@ class FrameClient {
   /// What the daemon told last of its frames, waiting at most `time` for the first; nothing: none came.
   std::optional<layer2_FrameStatus> status(std::chrono::milliseconds time);
 
+  /// As `status`, without waiting.
+  const std::optional<layer2_FrameStatus>& take_status();
   /// As `status`, of what was taken so far; takes nothing.
   const std::optional<layer2_FrameStatus>& newest_status() const noexcept { return newest_; }
-  /// What the daemon told last of the controller and its interface; nothing: it was not told yet. Looks
-  /// without waiting.
-  const std::optional<gateway_BusStatus>& bus_status();
 
-  /// A daemon serves the bus now.
-  bool daemon_present() const noexcept { return replies_.matched() != 0; }
-
-  /// For writers of topics of their own.
-  const gateway::dds::Participant& participant() const noexcept { return participant_; }
-  /// As this program names itself.
-  const std::string& name() const noexcept { return options_.client_name; }
   /// Waits a second at most until the daemon reads what a writer writes.
   void wait_for_match(const gateway::dds::WriterBase& writer);
-
-  /// Where the daemon was looked for, for messages.
-  std::string place() const { return participant_.place(); }
 
  private:
   /// The daemon reads requests to message objects, and answers them; or this program may not ask.
   bool objects_reached() const;
-  /// Why no request may be sent now, with its code; nothing: one may.
-  std::optional<SendResult> obstacle();
-  std::optional<SendResult> take_reply(std::uint64_t request);
   void take_replies(const std::function<void(std::uint64_t, const SendResult&)>& ended);
-  void cancel(std::uint64_t request, const gateway::dds::DaemonIdentity& daemon);
-  /// Gives the request who asks and its number, and writes it.
-  template <class Request>
-  Begun begin(gateway::dds::Writer<Request>& writer, Request request);
   /// Waits for the result of what was begun.
   SendResult await(const Begun& begun, std::chrono::milliseconds monitoring);
   /// Keeps what a topic told last of each number, waiting at most `time` for the first and, when some came,
@@ -179,15 +140,11 @@ class FrameClient {
   template <class Status>
   void keep_newest(gateway::dds::Reader<Status>& reader, std::map<unsigned, Status>& newest,
                    std::chrono::milliseconds time);
-  /// Waits until `ready()`, the time is over, or the daemon has gone.
-  template <class Ready>
-  void wait_until(std::chrono::milliseconds time, Ready&& ready);
+  /// As `wait_until`, taking the replies too.
+  template <class Came>
+  bool look_until(std::chrono::milliseconds time, Came&& came);
   std::chrono::milliseconds monitoring_of(std::uint32_t timeout_ms) const;
 
-  Options options_;
-  std::array<std::uint8_t, 16> identity_;
-  gateway::dds::Participant participant_;
-  gateway::dds::DataSignal signal_;
   gateway::dds::Reader<layer2_SendReply> replies_;
   gateway::dds::Reader<layer2_ControlReply> control_replies_;
   gateway::dds::Reader<layer2_ObjectReply> object_replies_;
@@ -197,16 +154,12 @@ class FrameClient {
   gateway::dds::Reader<layer2_ObjectStatus> object_status_;
   gateway::dds::Reader<layer2_ProcessImage> image_reader_;
   std::unique_ptr<gateway::dds::Reader<layer2_ModuleEvent>> events_;  ///< from the first `events` on
-  gateway::dds::Reader<gateway_BusStatus> bus_reader_;
-  gateway::dds::DaemonSight sight_;
   gateway::dds::Writer<layer2_SendRequest> requests_;
   gateway::dds::Writer<layer2_ControlRequest> controls_;
   gateway::dds::Writer<layer2_ObjectRequest> object_requests_;
   gateway::dds::Writer<gateway_JobCancel> cancels_;
-  std::uint64_t number_ = 0;  ///< of the last request
   std::optional<layer2_FrameStatus> newest_;
   std::map<unsigned, layer2_TimerStatus> timers_;
-  std::optional<gateway_BusStatus> bus_;
   std::map<unsigned, layer2_ObjectStatus> objects_;
   std::optional<layer2_ProcessImage> image_;
 };

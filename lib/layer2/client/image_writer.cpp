@@ -4,6 +4,7 @@
 #include <array>
 
 #include "dds/bounded_text.h"
+#include "dds/owner_seen.h"
 #include "dds/security.h"
 
 namespace layer2::client {
@@ -18,10 +19,27 @@ std::string problem_of(gateway::dds::Writer<Sample>& writer, const Sample& sampl
   return dds_strretcode(code);
 }
 
+gateway::dds::OwnerSeen seen(FrameClient& client, layer2_Ownership layer2_FrameStatus::*what) {
+  const auto& status = client.take_status();
+  if (!status) return {};
+  const layer2_Ownership& owner = (*status).*what;
+  return gateway::dds::owner_seen(owner.writer, owner.strength, owner.writer_guid);
+}
+
+gateway::dds::OwnerSeen image_owner(FrameClient& client) {
+  return seen(client, &layer2_FrameStatus::image_ownership);
+}
+
+gateway::dds::OwnerSeen run_leader(FrameClient& client) {
+  return seen(client, &layer2_FrameStatus::run_lead_ownership);
+}
+
 }  // namespace
 
 ImageWriter::ImageWriter(FrameClient& client, std::int32_t strength)
-    : client_(client), writer_(client.participant(), strength, nullptr, client.name()) {
+    : client_(client),
+      strength_(gateway::dds::strength_over(strength, {image_owner(client)})),
+      writer_(client.participant(), strength_, nullptr, client.name()) {
   take_up();
 }
 
@@ -40,6 +58,7 @@ bool ImageWriter::daemon_restarted() const noexcept {
 std::string ImageWriter::put(layer2_ImageOutputs& sample) {
   client_.wait_for_match(writer_);
   gateway::dds::set_daemon(daemon_, sample);
+  gateway::dds::set_writer(writer_, sample);
   return problem_of(writer_, sample);
 }
 
@@ -53,6 +72,10 @@ std::string ImageWriter::write(std::uint16_t address, std::span<const std::uint8
   std::copy(bytes.begin(), bytes.end(), copy.begin());
   sample.data._buffer = copy.data();
   sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(size);
+  if (std::string had =
+          gateway::dds::had_by_another("the image that is sent", image_owner(client_), writer_, strength_);
+      !had.empty())
+    return had;
   written_ = true;
   return put(sample);
 }
@@ -68,7 +91,10 @@ void ImageWriter::give_up() {
 }
 
 RunLead::RunLead(FrameClient& client, std::string_view client_name, std::int32_t strength)
-    : client_(client), name_(client_name), writer_(client.participant(), strength, nullptr, client_name) {}
+    : client_(client),
+      name_(client_name),
+      strength_(gateway::dds::strength_over(strength, {run_leader(client)})),
+      writer_(client.participant(), strength_, nullptr, client_name) {}
 
 RunLead::~RunLead() {
   (void)say(false);
@@ -77,7 +103,11 @@ RunLead::~RunLead() {
 
 std::string RunLead::say(bool run) {
   client_.wait_for_match(writer_);
+  if (std::string had = gateway::dds::had_by_another("run and stop", run_leader(client_), writer_, strength_);
+      !had.empty())
+    return had;
   layer2_RunLead sample = {};
+  gateway::dds::set_writer(writer_, sample);
   gateway::dds::copy_text(name_, sample.client_name);
   sample.run = run;
   gateway::dds::set_daemon(gateway::dds::daemon_of(client_.gateway_status()), sample);

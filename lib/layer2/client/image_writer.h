@@ -11,12 +11,12 @@
 
 namespace layer2::client {
 
-/// Writes the process image that is sent, as its owner: of several writers the strongest that lives. When the
-/// program dies without giving the image up, the daemon does what mapping.writer_lost says. One thread.
+/// Writes the process image that is sent, as its owner: there is one at a time, until it gives the image up, is
+/// lost, or a stronger one comes. When the program dies without giving the image up, the daemon does what mapping.writer_lost says. One thread.
 class ImageWriter {
  public:
   /// For the daemon that `client` sees now, whose next start takes nothing, until `take_up`. `strength`: 0
-  /// and more. `client` must outlive the writer. Throws gateway::dds::SetupError.
+  /// and more, or gateway::dds::kTakeOver. `client` must outlive the writer. Throws gateway::dds::SetupError.
   ImageWriter(FrameClient& client, std::int32_t strength);
   /// Gives the image up, which stays as it is.
   ~ImageWriter();
@@ -24,10 +24,10 @@ class ImageWriter {
   ImageWriter& operator=(const ImageWriter&) = delete;
 
   /// Writes bytes from `address` (0..1023) on, at most 1024 together; between two telegrams all of them are
-  /// in the image or none. Returns what failed; empty: they were handed to DDS. What the daemon refuses is
-  /// its event `image_refused`.
+  /// in the image or none. Returns what failed; empty: they were handed to DDS. While another writer owns the
+  /// image that is no weaker, nothing is written. What the daemon refuses is its event `image_refused`.
   std::string write(std::uint16_t address, std::span<const std::uint8_t> bytes);
-  /// The image is nobody's from now on, or a weaker writer's.
+  /// The image is nobody's from now on, until a writer gives bytes.
   void give_up();
 
   /// A daemon reads what is written: `write` does not wait.
@@ -41,6 +41,7 @@ class ImageWriter {
   std::string put(layer2_ImageOutputs& sample);
 
   FrameClient& client_;
+  const std::int32_t strength_;
   gateway::dds::Writer<layer2_ImageOutputs> writer_;
   gateway::dds::DaemonIdentity daemon_ = {};
   bool written_ = false;
@@ -58,12 +59,14 @@ class RunLead {
   RunLead& operator=(const RunLead&) = delete;
 
   /// The module is to run, or to stop. For the daemon that the client sees now: after another start it is to
-  /// be said again. Returns what failed; empty: it was handed to DDS.
+  /// be said again. Returns what failed; empty: it was handed to DDS. While another program of that name
+  /// leads that is no weaker, nothing is said.
   std::string say(bool run);
 
  private:
   FrameClient& client_;
   const std::string name_;
+  const std::int32_t strength_;
   gateway::dds::Writer<layer2_RunLead> writer_;
 };
 

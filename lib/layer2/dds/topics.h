@@ -18,9 +18,9 @@ inline constexpr TopicQos kFrameStream = {.depth = 100};
 
 /// Who is the host stays so for a daemon that comes later.
 inline constexpr TopicQos kRunLead = {.transient_local = true,
-                                      .exclusive = true,
-                                      .lease = kind::exclusive().lease,
-                                      .offered_lease = kind::exclusive().offered_lease};
+                                      .owned = true,
+                                      .lease = kind::owned().lease,
+                                      .offered_lease = kind::owned().offered_lease};
 
 GATEWAY_TOPIC(layer2, FrameBatch, kFromDaemon, kFrameStream);
 GATEWAY_TOPIC(layer2, SendRequest, kFromClients, kind::request());
@@ -31,7 +31,7 @@ GATEWAY_TOPIC(layer2, ObjectRequest, kFromClients, kind::request());
 GATEWAY_TOPIC(layer2, ObjectReply, kFromDaemon, kind::reply(4096, 2048));
 GATEWAY_TOPIC(layer2, ObjectStatus, kFromDaemon, kind::state());
 GATEWAY_TOPIC(layer2, ModuleEvent, kFromDaemon, kFrameStream);
-GATEWAY_TOPIC(layer2, ImageOutputs, kFromClients, kind::exclusive());
+GATEWAY_TOPIC(layer2, ImageOutputs, kFromClients, kind::owned());
 GATEWAY_TOPIC(layer2, RunLead, kFromClients, kRunLead);
 GATEWAY_TOPIC(layer2, TimerStatus, kFromDaemon, kind::state());
 GATEWAY_TOPIC(layer2, ProcessImage, kFromDaemon, kind::state());

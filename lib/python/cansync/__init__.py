@@ -21,7 +21,7 @@ from .errors import (Cancelled, Error, Invalid, NoData, NotConnected, OutcomeUnk
                      Timeout)
 from .jobs import Job
 from .parameters import Access, Parameter, Value
-from .references import References
+from .references import TAKE_OVER, References
 from .slave import Application, SlaveEvent, SlaveState, connect_slave
 from .streams import Stream, Subscription
 from .topics import *  # noqa: F403
@@ -31,6 +31,6 @@ __version__ = _text(_lib.cansync_version())
 __all__ = [
     "AUTOMATIC", "Access", "Application", "Cancelled", "Cause", "Client", "Code", "Error", "Invalid", "Job", "Mode", "NOBODY", "NoData",
     "NotConnected", "OutcomeUnknown", "Parameter", "Refused", "References", "Retry", "SlaveError", "SlaveEvent", "SlaveEventKind",
-    "SlaveFault", "SlaveState", "Stream", "Subscription", "TakeUp", "Timeout", "UNCHANGED", "Value", "connect", "connect_slave",
+    "SlaveFault", "SlaveState", "Stream", "Subscription", "TAKE_OVER", "TakeUp", "Timeout", "UNCHANGED", "Value", "connect", "connect_slave",
 ]
 __all__ += _topics

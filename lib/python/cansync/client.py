@@ -35,7 +35,8 @@ def connect(bus: str = "can0", *, domain: int = 0, interface: str = "lo", name: 
             security: str | None = None, profiles: str | None = None, final_types: bool = False) -> Client:
     """Waits until a daemon serves the bus and gives the connection to it.
 
-    bus: the bus's name in the daemon's configuration
+    bus: the bus's name in the daemon's configuration; "" takes the only bus of the domain;
+        "plc2/can0": no daemon of another computer than plc2 is asked
     domain, interface: DDS domain 0..230 and network interface, as in the daemon's section [dds]
     name: shown in the daemon's journal, at most 64 characters
     timeout: seconds for which the daemon is looked for; NotConnected is raised then
@@ -231,7 +232,10 @@ class Client:
     # --- reference values
 
     def references(self, strength: int = 0) -> References:
-        """The right to give reference values: of the living writers of a telegram the strongest wins. A client has one."""
+        """The writer of reference values; a client has one. strength: 0 and more, or cansync.TAKE_OVER.
+
+        A telegram has one writer at a time, which keeps it until it gives it up, is lost, or a stronger one comes.
+        """
         return References(self._link, strength)
 
     # --- commands: each waits until it was on the bus, or is in effect

@@ -11,6 +11,9 @@ from .errors import error_of
 
 _VALUES = 4  # of one telegram
 
+TAKE_OVER = -2**31
+"""In the place of a strength: one more than that of whoever has it now, so that this program takes over."""
+
 
 class References:
     """Gives reference values; made by :meth:`Client.references`. A context manager that gives the telegrams up.
@@ -35,7 +38,8 @@ class References:
         release_intervals: in so many intervals in a row they are released; 1: exactly once
         from_interval: the first of them; 0: the next
 
-        Does not wait. Bad values are reported by the daemon as an event. TakeUp: nothing was given.
+        Does not wait. Bad values are reported by the daemon as an event. TakeUp: nothing was given. Refused: nothing was
+        given, because another writer has the telegram that is no weaker; it is taken when that one has gone.
         """
         if not 1 <= len(values) <= _VALUES:
             raise error_of(Code.INVALID, f"client: {len(values)} values: a telegram has 1 to {_VALUES}")
@@ -47,7 +51,7 @@ class References:
             raise error_of(Code.INVALID, f"client: {error}") from None
 
     def leave(self) -> None:
-        """Gives both telegrams up: their release ends at once, and the next values of a weaker writer are taken."""
+        """Gives both telegrams up: their release ends at once, and the next values of another writer are taken."""
         if not self._link.closed:
             self._link.call(lib.cansync_leave_references)
 

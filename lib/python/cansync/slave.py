@@ -200,7 +200,7 @@ class Application:
                   strength: int = 1) -> None:
         """Takes over parameters 0..4095, those of sub-slaves, and uploads and downloads, instead of what was before.
 
-        Nothing of all gives everything back. strength: of several programs the strongest answers; the first call's counts.
+        Nothing of all gives everything back. strength: a program keeps what it has until a stronger one comes; the first call's counts.
         """
         numbers = list(parameters)
         try:

@@ -37,6 +37,20 @@ TEST(Asker, ReadsAValue) {
   EXPECT_EQ(answer->value, 0x8001u);
 }
 
+TEST(Asker, CountsAnswersOfASecondDriveAlsoAfterTheFirstHasEndedTheQuestion) {
+  Asker asker(BitRate::mbit1);
+  Duration now = milliseconds(0);
+  for (unsigned question = 0; question < 3; ++question, now += milliseconds(10)) {
+    EXPECT_EQ(asker.answers_too_many(kSlave), question);
+    asker.ask(ReadQuestion{kSlave, kNumber}, now);
+    ASSERT_TRUE(asker.take(now));
+    asker.receive(encode(value_reply(kNumber, 0x8001)), now + milliseconds(1));
+    ASSERT_TRUE(asker.answer(now + milliseconds(1)));
+    asker.receive(encode(value_reply(kNumber, 0x0007)), now + milliseconds(2));
+  }
+  EXPECT_EQ(asker.answers_too_many(*SlaveNumber::from(4)), 0u);
+}
+
 TEST(Asker, SendsAtMostOneTelegramInAnInterval) {
   Asker asker(BitRate::kbit125);
   asker.ask(ReadQuestion{kSlave, kNumber}, milliseconds(0));

@@ -322,7 +322,7 @@ TEST(Validate, NoConfiguredSlaveIsToldAsSuch) {
 
 TEST(Explain, EveryRefusalHasATextAndACauseOfItsKind) {
   for (int refusal = static_cast<int>(Refusal::slave_not_configured);
-       refusal <= static_cast<int>(Refusal::lead_axis); ++refusal) {
+       refusal <= static_cast<int>(Refusal::beyond_limit); ++refusal) {
     const std::string text = explain(static_cast<Refusal>(refusal), line());
     EXPECT_GT(text.size(), 5u) << refusal;
     EXPECT_LE(text.size(), std::size_t{gateway_TEXT}) << refusal;

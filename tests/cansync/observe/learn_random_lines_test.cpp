@@ -270,6 +270,8 @@ void expect_same_telegrams(const RandomLine& line, const Recording& before, cons
   if (!learned.serving.known()) again.master.command_channel.serving = own.command_channel.serving;
   if (!learned.polling_apart.known()) again.master.process.polling_apart = own.process.polling_apart;
   if (!learned.maximum_slave.known()) again.master.process.maximum_slave = own.process.maximum_slave;
+  // Ours asks in addition who else is there.
+  again.master.startup.census = own.startup.census;
   again.references = {};
   for (unsigned c = 0; c < kChannels; ++c) {
     const TelegramUse& use = observed.reference[c];

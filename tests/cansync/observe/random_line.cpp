@@ -77,6 +77,7 @@ void set_start(Dice& dice, SlaveMask slaves, MasterSettings& out) {
   StartupSettings& startup = out.startup;
   constexpr EnableRule kRules[] = {EnableRule::all_synchronized, EnableRule::all_responding, EnableRule::any};
   startup.enable = dice.one_of(kRules);
+  startup.census = false;  // as most masters that are recorded
   startup.activate_command = static_cast<std::uint8_t>(dice.between(2, 127));
   startup.activate_data = static_cast<std::uint8_t>(dice.below(256));
   // With room for jobs between the reads.

@@ -65,8 +65,8 @@ class ClusterCourse {
     busy_slaves_ = chance(60);
     for (LineSettings* line : {&net_.top, &net_.middle_line, &net_.lowest_line}) line->seed = seed;
     for (unsigned n = below(6); n > 0; --n) add_fault();
-    if (chance(50)) above_.push_back(lost_answers());
-    if (!busy_slaves_ && chance(50)) beneath_.push_back(lost_answers());
+    slow_percent_ = chance(50) ? 10 + below(20) : 0;
+    if (!busy_slaves_ && net_.lowest_count == 0 && chance(50)) beneath_.push_back(lost_answers());
     mutate_settings();
     net_.build();
     for (auto* level : {&net_.middle, &net_.lowest}) {
@@ -80,6 +80,9 @@ class ClusterCourse {
   std::vector<std::string> run(ClusterTotals& totals) {
     if (!net_.run_until([this] { return net_.all_active(); }, 3000)) say("it did not start");
     move_faults();
+    for (ClusterNode* gateway : {net_.gateway_a, net_.gateway_b})
+      if (gateway != nullptr)
+        gateway->slow = [this] { return chance(slow_percent_) ? net_.times.interval : can::Time{}; };
     for (unsigned interval = 0; interval < kCourse; ++interval) {
       if (chance(20)) submit_parameter();
       if (chance(3)) submit_transfer();
@@ -132,12 +135,14 @@ class ClusterCourse {
     Fault fault;
     fault.from = 20 + below(200);
     fault.probability = 0.05 + 0.01 * below(50);
-    constexpr std::uint32_t kAbove[] = {0x010, 0x100, 0x180, 0x300, 0x500, 0x580, 0x580};
+    // An answer of a gateway that was on the bus and did not come is asked for again, and its write is another
+    // one (bit 6 is cleared). Those that are never on the bus are `slow`.
+    constexpr std::uint32_t kAbove[] = {0x010, 0x100, 0x180, 0x300, 0x500};
     constexpr std::uint32_t kBelow[] = {0x010, 0x100, 0x180, 0x300, 0x500, 0x580};
     const unsigned kind = below(10);
     if (kind < 5) {
       fault.kind = FaultKind::lost;
-      fault.identifier = kAbove[below(7)];
+      fault.identifier = kAbove[below(5)];
       fault.mask = cansync::identifier::channel_bits;
       fault.to = fault.from + below(120);
       above_.push_back(fault);
@@ -151,7 +156,7 @@ class ClusterCourse {
       // An answer of the last slave that was on the bus and did not come is asked for again, and its write
       // is another one once the slave has said that it is busy (bit 6 is cleared).
       fault.kind = FaultKind::lost;
-      fault.identifier = kBelow[below(busy_slaves_ ? 5 : 6)];
+      fault.identifier = kBelow[below(busy_slaves_ || net_.lowest_count != 0 ? 5 : 6)];
       fault.mask = cansync::identifier::channel_bits;
       fault.to = fault.from + below(120);
       beneath_.push_back(fault);
@@ -361,6 +366,7 @@ class ClusterCourse {
   ClusterMutant mutant_;
   Levels net_;
   bool busy_slaves_ = true;
+  unsigned slow_percent_ = 0;  ///< answers of gateways that are ready after their slot
   std::vector<Fault> above_, beneath_;
   std::map<cansync::JobId, CampaignJob> jobs_, below_jobs_;
   std::map<cansync::JobId, CampaignTransfer> transfers_;

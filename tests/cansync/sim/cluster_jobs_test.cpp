@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "cluster_rig.h"
 
@@ -191,6 +192,12 @@ TEST(ClusterJobs, K13ASlaveThatIsGoneBelowIsAnErrorAboveAndNotASilence) {
       net.run_until([&] { return !net.cluster().lower().slave(*SlaveNumber::from(1)).responds; }, 5000));
   const auto second = net.end_of(net.write(kMiddle + 1, 20, 6));
   EXPECT_EQ(second.error, ParameterError::not_available_now);
+  // A block says as well that the slave is away, and not that the table is wrong.
+  auto data = bytes_of(20);
+  for (const bool download : {true, false})
+    EXPECT_EQ(net.end_of(net.transfer(kMiddle + 1, download, data)).error, TransferError::cancelled_by_slave);
+  EXPECT_EQ(net.end_of(net.transfer(999, true, data)).error, TransferError::not_possible)
+      << "not in the table";
   // The lower bus is gone, and comes back.
   for (LeafSlave* slave : net.middle) slave->deaf = true;
   net.cluster().lower().bus_lost();
@@ -321,21 +328,15 @@ TEST(ClusterJobs, K13AValueThatNobodyFetchedIsNotGivenLater) {
   EXPECT_EQ(net.end_of(net.read(kMiddle + 1, 20)).value, 4321u);
 }
 
-/// The answer above is on the bus, and the master does not get it: it asks again.
-TEST(ClusterJobs, K13AnAnswerThatTheMasterDidNotGetDoesNotWriteAgain) {
+/// The gateway is too slow for the slot of its answer now and then: the master repeats its question.
+TEST(ClusterJobs, K13AnAnswerThatWasNotOnTheBusDoesNotWriteAgain) {
   Levels net(BitRate::mbit1, 8, 2);
-  Fault fault;
-  fault.kind = FaultKind::lost;
-  fault.identifier = 0x580;
-  fault.mask = cansync::identifier::channel_bits;
-  fault.probability = 0.2;
-  fault.from = 600;
   net.master.master.startup.lost_after = 30;
   net.a.cluster.lower.startup.lost_after = 30;
-  net.top.faults = {fault};
-  net.middle_line.faults = {fault};
   net.start();
-  ASSERT_TRUE(net.run_until([&] { return net.top_bus->intervals() > 600; }));
+  std::mt19937_64 dice(5);
+  for (ClusterNode* gateway : {net.gateway_a, net.gateway_b})
+    gateway->slow = [&] { return dice() % 5 == 0 ? net.times.interval : can::Time{}; };
   unsigned done = 0;
   for (std::uint32_t value = 1; value <= 60; ++value) {
     const auto result = net.end_of(net.write(kLowest + 1, 20, value));
@@ -346,57 +347,107 @@ TEST(ClusterJobs, K13AnAnswerThatTheMasterDidNotGetDoesNotWriteAgain) {
   EXPECT_GE(applied.size(), done);
   std::ranges::sort(applied);
   EXPECT_EQ(std::ranges::adjacent_find(applied), applied.end()) << "a value was written twice";
+  EXPECT_GT(net.cluster().gateway().counters().repeated, 0u) << "what comes from memory is counted";
+}
+
+/// Parameters that are orders: a step, a reset.
+TEST(ClusterJobs, K13TheSameWriteAfterItsAnswerWasOnTheBusIsAnotherWrite) {
+  Levels net;
+  net.master.master.startup.status_period = {};
+  net.start();
+  for (unsigned times = 1; times <= 5; ++times) {
+    ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
+    EXPECT_EQ(net.of(kMiddle + 1).applied.size(), times);
+  }
+  EXPECT_EQ(net.cluster().gateway().counters().repeated, 0u);
+}
+
+/// A write to a slave below whose busy answer the master gets, and the answer not: it ends without one.
+void write_without_answer(Levels& net, std::uint32_t value) {
+  LeafSlave& leaf = net.of(kMiddle + 1);
+  const std::size_t before = leaf.applied.size();
+  leaf.busy = [] { return 10u; };
+  auto request = net.write(kMiddle + 1, 20, value);
+  request.monitoring_time = net.times.interval * 60;
+  ASSERT_EQ(net.upper_master().submit(request), cansync::Refusal::none);
+  ASSERT_TRUE(net.run_until([&] { return net.cluster().gateway().running() != 0; }));
+  net.run(4);
+  net.gateway_a->slow = [&net] { return net.times.interval; };
+  ASSERT_TRUE(net.run_until([&] { return net.ends.parameters.contains(request.id); }));
+  net.gateway_a->slow = {};
+  leaf.busy = [] { return 0u; };
+  EXPECT_NE(net.ends.parameters[request.id].outcome, Outcome::done);
+  ASSERT_EQ(leaf.applied.size(), before + 1);
 }
 
 TEST(ClusterJobs, K13TheSameWriteLaterIsAnotherWrite) {
   Levels net;
   net.a.cluster.gateway.asker_gone = net.times.interval * 300;
   net.master.master.startup.status_period = {};
+  net.master.master.startup.lost_after = 250;
   net.start();
   const auto written = [&](unsigned times) {
     ASSERT_EQ(net.end_of(net.write(kMiddle + 1, 20, 5)).outcome, Outcome::done);
     EXPECT_EQ(net.of(kMiddle + 1).applied.size(), times);
   };
+  write_without_answer(net, 5);
+  net.run(200);
   written(1);
-  net.run(280);
-  written(1);
-  net.run(30);
-  written(2);
-  // Another question in between tells as well that the answer has come, whomever it is for.
-  static_cast<void>(net.end_of(net.read(kMiddle + 1, 20)));
+  write_without_answer(net, 5);
+  net.run(310);
   written(3);
+  // Another question in between shows as well that the answer has come, whomever it is for.
+  write_without_answer(net, 5);
+  static_cast<void>(net.end_of(net.read(kMiddle + 1, 20)));
+  written(5);
+  write_without_answer(net, 5);
   static_cast<void>(net.end_of(net.read(0, kStatusWord)));
-  written(4);
+  written(7);
 }
 
-TEST(ClusterJobs, K13AMasterThatWasSilentRightAfterTheAnswerDoesNotWriteAgain) {
+/// 111 is written, and its answer never comes on the bus; another client of the lower bus writes 222.
+TEST(ClusterJobs, K13AnAnswerThatWasNeverOnTheBusIsNotRememberedForEver) {
   Levels net;
-  net.master.master.startup.lost_after = 30;
+  net.a.cluster.gateway.asker_gone = net.times.interval * 300;
+  net.master.master.startup.status_period = {};
+  net.master.master.startup.lost_after = 250;
   net.start();
-  net.of(kMiddle + 1).busy = [] { return 10u; };
+  LeafSlave& leaf = net.of(kMiddle + 1);
+  write_without_answer(net, 111);
+  auto below = net.write(0, 20, 222);
+  below.slave = *SlaveNumber::from(1);
+  below.sub_slave = {};
+  ASSERT_EQ(net.cluster().lower().submit(below), cansync::Refusal::none);
+  net.run(20);
+  ASSERT_EQ(leaf.applied.back().second, 222u);
+  EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 111)).error, ParameterError::unspecified)
+      << "neither \"done\", which is untrue, nor a second write";
+  net.run(2000);
+  EXPECT_EQ(net.end_of(net.write(kMiddle + 1, 20, 111)).outcome, Outcome::done);
+  EXPECT_EQ(leaf.applied.back().second, 111u) << "\"done\" means that the drive has it";
+}
+
+/// An error whose answer was not on the bus is asked below again.
+TEST(ClusterJobs, K13ARefusalThatWasNeverOnTheBusIsNotRepeatedForEver) {
+  Levels net;
+  net.master.master.startup.status_period = {};
+  net.master.master.startup.lost_after = 250;
+  net.start();
+  LeafSlave& leaf = net.of(kMiddle + 1);
+  leaf.refusals = 1;
+  leaf.refusal = ParameterError::not_available_now;
+  leaf.busy = [] { return 10u; };
   const auto request = net.write(kMiddle + 1, 20, 5);
   ASSERT_EQ(net.upper_master().submit(request), cansync::Refusal::none);
   ASSERT_TRUE(net.run_until([&] { return net.cluster().gateway().running() != 0; }));
   net.run(4);
-  // It has been told that the gateway is busy, and does not get the answer.
-  Fault fault;
-  fault.kind = FaultKind::lost;
-  fault.identifier = 0x580;
-  fault.mask = cansync::identifier::channel_bits;
-  fault.from = net.top_bus->intervals();
-  fault.to = fault.from + 20;
-  net.top_bus->faults().add(fault);
-  net.run(20);
-  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
-  const cansync::Cursor automatic = net.upper_master().settings().command_channel.parameter;
-  ASSERT_EQ(net.upper_master().set_command_cursors(automatic, {cansync::Cursor::Kind::nobody, {}}, automatic),
-            cansync::Refusal::none);
-  net.run(400);
-  ASSERT_FALSE(net.ends.parameters.contains(request.id));
-  ASSERT_EQ(net.upper_master().set_command_cursors(automatic, automatic, automatic), cansync::Refusal::none);
+  net.gateway_a->slow = [&net] { return net.times.interval; };
+  ASSERT_TRUE(net.run_until([&] { return leaf.refusals == 0; }));
+  net.run(3);
+  net.gateway_a->slow = {};
   ASSERT_TRUE(net.run_until([&] { return net.ends.parameters.contains(request.id); }));
   EXPECT_EQ(net.ends.parameters[request.id].outcome, Outcome::done);
-  EXPECT_EQ(net.of(kMiddle + 1).applied.size(), 1u);
+  EXPECT_EQ(leaf.applied.size(), 1u);
 }
 
 TEST(ClusterJobs, K13AWriteThatWaitedTooLongBehindOthersIsNotSentAnyMore) {
@@ -422,6 +473,7 @@ TEST(ClusterJobs, K13AWriteThatWaitedTooLongBehindOthersIsNotSentAnyMore) {
 TEST(ClusterJobs, K13TheSameWriteIsNeitherDoneNorGivenAgainWhenTheValueBelowMayBeAnother) {
   Levels net;
   net.master.master.startup.status_period = {};
+  net.master.master.startup.lost_after = 250;
   net.a.cluster.lower.startup.status_period = net.times.interval * 50;
   net.start();
   LeafSlave& leaf = net.of(kMiddle + 1);
@@ -437,24 +489,53 @@ TEST(ClusterJobs, K13TheSameWriteIsNeitherDoneNorGivenAgainWhenTheValueBelowMayB
     EXPECT_EQ(leaf.applied.size(), times);
   };
   const auto ask_else = [&] { static_cast<void>(net.end_of(net.read(0, kStatusWord))); };
-  written(ParameterError::none, 1);
+  write_without_answer(net, 5);
   below(1, true);
-  written(ParameterError::unspecified, 2);
+  ASSERT_EQ(leaf.applied.size(), 2u);
   written(ParameterError::unspecified, 2);
   ask_else();
   written(ParameterError::none, 3);
   // Reads and other slaves change nothing.
+  write_without_answer(net, 5);
   below(1, false);
   below(0, true);
-  written(ParameterError::none, 3);
+  written(ParameterError::none, 4);
+  write_without_answer(net, 5);
   const auto responds = [&] { return net.cluster().lower().slave(*SlaveNumber::from(1)).responds; };
   leaf.deaf = true;
   ASSERT_TRUE(net.run_until([&] { return !responds(); }, 1000));
   leaf.deaf = false;
   ASSERT_TRUE(net.run_until(responds, 1000));
-  written(ParameterError::unspecified, 3);
+  written(ParameterError::unspecified, 5);
   ask_else();
-  written(ParameterError::none, 4);
+  written(ParameterError::none, 6);
+}
+
+/// The gateway below answers 0xFFFF: its slave may have the value. The answer of the gateway above is not on the
+/// bus.
+TEST(ClusterJobs, K13AWriteOfWhichALevelBelowDoesNotKnowIsNotGivenBelowAgain) {
+  Levels net(BitRate::mbit1, 8, 2);
+  net.master.master.startup.status_period = {};
+  net.master.master.startup.lost_after = 250;
+  net.start();
+  LeafSlave& leaf = net.of(kLowest + 1);
+  leaf.busy = [&net] {
+    Fault answer;
+    answer.kind = FaultKind::lost;
+    answer.identifier = cansync::identifier::response + 1;
+    answer.count = 1;
+    net.lowest_bus->faults().add(answer);
+    return 0u;
+  };
+  unsigned slow = 0;
+  net.gateway_a->slow = [&] {
+    const bool answer = !leaf.applied.empty() && net.cluster().gateway().running() == 0;
+    return answer && slow++ == 0 ? net.times.interval : can::Time{};
+  };
+  const auto result = net.end_of(net.write(kLowest + 1, 20, 5));
+  EXPECT_GT(slow, 1u) << "it was asked for again";
+  EXPECT_EQ(result.outcome, Outcome::taken) << "whether it was done is not known";
+  EXPECT_EQ(leaf.applied.size(), 1u);
 }
 
 TEST(ClusterJobs, K13AWriteThatWasRefusedMayBeGivenAgainAtOnce) {

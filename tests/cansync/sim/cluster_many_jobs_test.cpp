@@ -32,12 +32,11 @@ struct GivenJob {
 TEST(ClusterJobs, K10K13TwoThousandJobsAcrossTwoLevelsEndOnceWithTheRightValue) {
   constexpr unsigned kJobs = 2000;
   Levels net(BitRate::mbit1, 32, 32);
-  // Commands and answers of the gateways; of the last slaves the commands alone, whose busy answer a write
-  // needs only once.
+  // Commands; answers of the gateways are too late for their slot now and then. An answer that was on the bus
+  // ends what is kept of it: the same write is another one then.
   constexpr std::uint32_t kChannel = cansync::identifier::channel_bits;
-  net.top.faults = {lost_frames(0x500, kChannel, 0.02), lost_frames(0x580, kChannel, 0.04)};
-  net.middle_line.faults = {lost_frames(0x500, kChannel, 0.02), lost_frames(0x580 + kGatewayB, 0x7FF, 0.04)};
-  net.lowest_line.faults = {lost_frames(0x500, kChannel, 0.02)};
+  for (LineSettings* line : {&net.top, &net.middle_line, &net.lowest_line})
+    line->faults = {lost_frames(0x500, kChannel, 0.02)};
   for (auto* startup :
        {&net.master.master.startup, &net.a.cluster.lower.startup, &net.b.cluster.lower.startup})
     startup->lost_after = 10;
@@ -57,6 +56,9 @@ TEST(ClusterJobs, K10K13TwoThousandJobsAcrossTwoLevelsEndOnceWithTheRightValue) 
     }
   }
   ASSERT_TRUE(net.run_until([&] { return net.all_active(); }, 4000));
+  std::mt19937_64 slowness(16);
+  for (ClusterNode* gateway : {net.gateway_a, net.gateway_b})
+    gateway->slow = [&] { return slowness() % 25 == 0 ? net.times.interval : can::Time{}; };
 
   std::map<cansync::JobId, GivenJob> given;
   while (given.size() < kJobs || net.ends.parameters.size() < given.size()) {
@@ -113,7 +115,7 @@ TEST(ClusterJobs, K10K13TwoThousandJobsAcrossTwoLevelsEndOnceWithTheRightValue) 
   EXPECT_GT(outcomes[Outcome::done], 1500u);
   EXPECT_GT(outcomes[Outcome::cancelled], 50u);
   EXPECT_GT(outcomes[Outcome::no_answer] + outcomes[Outcome::slave_error], 10u);
-  EXPECT_GT(net.top_bus->faults().hits(1), 100u);
+  EXPECT_GT(net.cluster().gateway().counters().repeated, 10u);
   EXPECT_GT(net.lowest_bus->counters().frames, 3 * net.top_bus->intervals()) << "process data";
   EXPECT_TRUE(net.run_until(
       [&] { return net.cluster().gateway().running() + net.gateway_b->cluster().gateway().running() == 0; },

@@ -23,7 +23,7 @@ std::string in_words(const TopicQos& qos) {
                                       qos.max_instances, qos.max_samples_per_instance)
                         : fmt::format(", keep last {}", qos.depth);
   if (qos.transient_local) words += ", transient local";
-  if (qos.exclusive) words += ", exclusive";
+  if (qos.owned) words += ", one writer at a time";
   return words;
 }
 
@@ -31,7 +31,9 @@ TEST(SlaveTopics, DocumentShowsTheTable) {
   std::ifstream file(CANSYNC_SLAVE_DOC);
   const std::string document{std::istreambuf_iterator<char>(file), {}};
   for (const TopicInfo* topic : all_topics()) {
-    const std::string key = topic->type->m_nkeys == 0 ? "–" : topic->type->m_keys[0].m_name;
+    std::string key = topic->type->m_nkeys == 0 ? "–" : "";
+    for (std::uint32_t i = 0; i < topic->type->m_nkeys; ++i)
+      key += std::string(i == 0 ? "" : ", ") + topic->type->m_keys[i].m_name;
     const std::string row = fmt::format("| `{}` | {} | {} | {} |", topic->name,
                                         topic->from_daemon ? "daemon" : "clients", key, in_words(topic->qos));
     EXPECT_NE(document.find(row), std::string::npos) << "docs/cansync-slave.md has no row: " << row;
@@ -83,6 +85,62 @@ TEST(SlaveValidate, AReleaseOutOfItsRangeIsRefusedWithTheRange) {
   release.valid = 0x0F;
   release.wait_intervals = kMostWaitIntervals + 1;
   EXPECT_EQ(check(release)->reason, "wait_intervals 1001: out of range; allowed 0..1000, 0 = 1");
+}
+
+/// A sample that is refused, and the same as the text of the refusal allows it.
+template <class T>
+void expect_remedy(const T& good, void (*spoil)(T&), std::string_view text, void (*allow)(T&)) {
+  T asked = good;
+  spoil(asked);
+  const auto refused = check(asked);
+  ASSERT_TRUE(refused) << text;
+  EXPECT_NE(refused->reason.find(text), std::string::npos) << refused->reason;
+  allow(asked);
+  EXPECT_FALSE(check(asked)) << text;
+}
+
+TEST(SlaveValidate, WhatATextAllowsIsTaken) {
+  using R = cansync_slave_ActualRelease;
+  R release = {};
+  release.telegram = 1;
+  expect_remedy<R>(
+      release, [](R& r) { r.telegram = 0; }, "allowed 1 or 2", [](R& r) { r.telegram = 2; });
+  expect_remedy<R>(
+      release, [](R& r) { r.valid = 0x10; }, "allowed 0..0x0F", [](R& r) { r.valid = 0x0F; });
+  expect_remedy<R>(
+      release, [](R& r) { r.wait_intervals = 1001; }, "allowed 0..1000",
+      [](R& r) { r.wait_intervals = 1000; });
+
+  using C = cansync_slave_SlaveCommand;
+  C mapping = {};
+  mapping.kind = cansync_slave_SLAVE_COMMAND_MAPPING;
+  expect_remedy<C>(
+      mapping, [](C& c) { c.reference_mapping[0] = 0x11; }, "a value of 0..3",
+      [](C& c) { c.reference_mapping[0] = 0x0F; });
+  expect_remedy<C>(
+      mapping, [](C& c) { c.actual_mapping[4] = 0x0D; }, "a value of 4..7",
+      [](C& c) { c.actual_mapping[4] = 0x11; });
+  C listen = {};
+  listen.kind = cansync_slave_SLAVE_COMMAND_LISTEN;
+  expect_remedy<C>(
+      listen, [](C& c) { c.other = 32; }, "allowed 0..31", [](C& c) { c.other = 31; });
+
+  using A = cansync_slave_ApplicationAnswer;
+  static std::uint16_t parameter = 0;
+  A answer = {};
+  answer.parameters._buffer = &parameter;
+  answer.parameters._length = answer.parameters._maximum = 1;
+  expect_remedy<A>(
+      answer, [](A&) { parameter = 4096; }, "allowed 0..4095", [](A&) { parameter = 4095; });
+  expect_remedy<A>(
+      answer, [](A& a) { a.length = 4096; }, "allowed 0..4095", [](A& a) { a.length = 4095; });
+  expect_remedy<A>(
+      answer,
+      [](A& a) {
+        a.kind = cansync_slave_ANSWER_BLOCK_REFUSED;
+        a.error = 0x00FF;
+      },
+      "allowed 0x0100..0xFFFF", [](A& a) { a.error = 0x0100; });
 }
 
 }  // namespace

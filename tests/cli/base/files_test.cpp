@@ -47,6 +47,42 @@ TEST_F(Files, AReplacementTakesTheTargetsPlaceWhenItIsComplete) {
   EXPECT_EQ(files(), 1);
 }
 
+TEST_F(Files, OtherContentsAreKept) {
+  const auto write = [this] { return ReplacementFile(path("a")).commit_and_keep(kData); };
+  EXPECT_EQ(write(), "");
+  EXPECT_EQ(write(), "") << "the same contents";
+  put("a", "the only good backup");
+  EXPECT_EQ(write(), path("a.1"));
+  EXPECT_EQ(get("a.1"), "the only good backup");
+  EXPECT_EQ(get("a"), "new");
+  put("a", "newer");  // longer than what is written
+  EXPECT_EQ(write(), path("a.2"));
+  EXPECT_EQ(get("a.1"), "the only good backup");
+  EXPECT_EQ(get("a.2"), "newer");
+  put("a", "ne");
+  EXPECT_EQ(write(), path("a.3"));
+  EXPECT_EQ(files(), 4);
+}
+
+TEST_F(Files, WhatIsThereIsRefusedWithoutForce) {
+  EXPECT_NO_THROW(expect_new_file(path("a"), "FILE", false));
+  EXPECT_NO_THROW(expect_new_file("-", "FILE", false));
+  EXPECT_NO_THROW(expect_new_file("/dev/null", "FILE", false));
+  put("a", "");
+  EXPECT_NO_THROW(expect_new_file(path("a"), "FILE", false)) << "nothing is lost";
+  put("a", "rows");
+  EXPECT_NO_THROW(expect_new_file(path("a"), "FILE", true));
+  try {
+    expect_new_file(path("a"), "--write", false);
+    ADD_FAILURE() << "it was not refused";
+  } catch (const UsageError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "--write: '" + path("a") +
+                  "' is there already, with 4 bytes; allowed: another name, or --force to "
+                  "replace it");
+  }
+}
+
 TEST_F(Files, AReplacementGetsTheUsualPermissions) {
   const mode_t mask = ::umask(022);
   ReplacementFile file(path("a"));

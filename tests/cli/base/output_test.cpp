@@ -46,6 +46,31 @@ TEST(Colours, AreThereWhenTheyAreAskedForAlone) {
   EXPECT_EQ(output.painted("a", Style::bad), "a");
 }
 
+TEST(Output, NoControlCharacterOfAForeignTextReachesATerminal) {
+  const std::string foreign =
+      "name\x1b]0;title\x07\x1b[2J\x1b[8m\x9b\xc2\x9b"
+      "31m\x7f\r";
+  for (const ColourUse use : {ColourUse::always, ColourUse::never}) {
+    Capture data;
+    Capture remarks;
+    Output output(data.file(), remarks.file(), false);
+    output.set_colours(use);
+    output.line(foreign);
+    output.line(foreign + output.painted(foreign, Style::bad) + foreign);
+    Table table({{"NAME"}});
+    table.add({foreign});
+    output.table(table, {Style::warning});
+    output.remark(foreign);
+    std::string shown = data.text() + remarks.text();
+    for (const std::string own : {"\x1b[31m", "\x1b[33m", "\x1b[0m"})
+      for (std::size_t at = shown.find(own); at != std::string::npos; at = shown.find(own))
+        shown.erase(at, own.size());
+    EXPECT_EQ(shown.find_first_of("\x1b\x07\x7f\r"), std::string::npos) << shown;
+    EXPECT_EQ(shown.find("\xc2\x9b"), std::string::npos);
+    EXPECT_NE(shown.find("\\x1b[2J"), std::string::npos) << shown;
+  }
+}
+
 TEST(Output, LinesAreTheSameForScriptsWhateverTheTerminal) {
   Capture capture;
   Output output(capture.file(), stderr, false);

@@ -22,6 +22,7 @@ client::MasterStatus given_by(const char* writer, std::int32_t strength,
   status.option_status = state;
   put_chars(status.reference_release[0].writer, writer);
   status.reference_release[0].strength = strength;
+  status.reference_release[0].writer_guid[0] = 1;
   return status;
 }
 
@@ -43,10 +44,33 @@ TEST(ReferenceEffect, AnotherWriterIsNamedOnceWithTheStrengthThatTakesOver) {
   ReferenceEffect effect(telegrams, 1, kOwnProcess);
   const std::string told = effect.look(given_by(kOtherWriter, 1));
   EXPECT_NE(told.find(kOtherWriter), std::string::npos) << told;
-  EXPECT_NE(told.find("have no effect while it gives them; --strength 2 takes over"), std::string::npos)
+  EXPECT_NE(told.find("have no effect while it gives them; --take-over or --strength 2 takes over"),
+            std::string::npos)
       << told;
   EXPECT_EQ(effect.look(given_by(kOtherWriter, 1)), "") << "told already";
   EXPECT_NE(effect.without_effect().find(kOtherWriter), std::string::npos) << effect.without_effect();
+}
+
+TEST(GivenByAnother, AnEqualOrStrongerWriterKeepsItAndAStrongerOneOfOursDoesNot) {
+  const client::MasterStatus status = given_by(kOtherWriter, 3);
+  for (const std::int32_t strength : {1, 3}) {
+    const std::string told = given_by_another(0, status, strength, "nothing is given");
+    EXPECT_NE(told.find("nothing is given; --take-over or --strength 4 takes over"), std::string::npos)
+        << told;
+  }
+  EXPECT_EQ(given_by_another(0, status, 4, "nothing is given"), "");
+  EXPECT_EQ(given_by_another(1, status, 1, "nothing is given"), "") << "nobody has the other telegram";
+  EXPECT_EQ(strength_to_take_over(first_telegram(), status, 1), 4);
+  EXPECT_EQ(strength_to_take_over(first_telegram(), status, 9), 9);
+}
+
+// No strength takes over from the lead axis of a cluster.
+TEST(GivenByAnother, WhatNoProgramMayGiveIsRefusedWithoutAStrength) {
+  client::MasterStatus status = given_by("the lead axis", 0);
+  status.reference_release[0].writer_guid[0] = 0;
+  const std::string told = given_by_another(0, status, 100, "nothing is given");
+  EXPECT_NE(told.find("no program may"), std::string::npos) << told;
+  EXPECT_EQ(told.find("--strength"), std::string::npos) << told;
 }
 
 TEST(ReferenceEffect, TheOwnWriterHasAnEffectInActiveOperationAlone) {
@@ -96,6 +120,7 @@ TEST(ReferenceEffect, EachTelegramIsLookedAtForItself) {
   client::MasterStatus status = given_by(kOwnWriter, 1);
   put_chars(status.reference_release[1].writer, kOtherWriter);
   status.reference_release[1].strength = 5;
+  status.reference_release[1].writer_guid[0] = 1;
   const std::string told = effect.look(status);
   EXPECT_EQ(told.find("telegram 1"), std::string::npos) << told;
   EXPECT_NE(told.find("telegram 2 is given by"), std::string::npos) << told;

@@ -72,16 +72,25 @@ TEST(DoctorFacts, ProcessorLists) {
   EXPECT_FALSE(in_processor_list("1-", 1));
 }
 
-TEST(DoctorFacts, TheInterfaceOfABusIsReadFromItsConfiguration) {
+TEST(DoctorFacts, UnitAndInterfaceOfABusAreThoseOfItsConfiguration) {
   const Tree tree;
   tree.write("etc/cansync/press.toml", "[bus]\nname = \"press\"\ninterface = \"can3\"\n");
   tree.write("etc/cansync/unnamed.toml", "[dds]\ninterface = \"eth0\"\n[bus]\nname = \"unnamed\"\n");
   tree.write("etc/cansync/number.toml", "[bus]\ninterface = 3\n");
   tree.write("etc/cansync/empty.toml", "[bus]\ninterface = \"\"\n");
   tree.write("etc/cansync/wrong.toml", "[bus\ninterface = \"can3\"\n");
-  EXPECT_EQ(configured_interface(tree.root(), "press"), "can3");
-  for (const std::string bus : {"unnamed", "number", "empty", "wrong", "absent"})
-    EXPECT_EQ(configured_interface(tree.root(), bus), std::nullopt) << bus;
+  tree.write("etc/cansync/can0.toml", "[bus]\nname = \"winder\"\ninterface = \"can0\"\n");
+  tree.write("etc/cansync/first.toml", "[bus]\ninterface = \"can1\"\n");
+  const auto found = [&](const char* bus) {
+    const auto one = configured_bus(tree.root(), bus);
+    return one ? one->unit + " " + one->interface : std::string("none");
+  };
+  EXPECT_EQ(found("press"), "press can3");
+  EXPECT_EQ(found("winder"), "can0 can0") << "the unit has the name of the file, not that of the bus";
+  EXPECT_EQ(found("can1"), "first can1");
+  EXPECT_EQ(found("unnamed"), "unnamed ");
+  EXPECT_EQ(found("number"), "number ");
+  for (const char* bus : {"wrong", "absent"}) EXPECT_EQ(found(bus), "none") << bus;
 }
 
 }  // namespace

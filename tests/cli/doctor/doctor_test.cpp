@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,11 +31,12 @@ can::LinkFacts can_link(std::string_view kind) {
 /// Everything well: a real bus with all rights.
 DoctorInput healthy() {
   DoctorInput in;
-  in.bus = "can0";
+  in.bus = in.unit = "can0";
   in.cli_version = "1.2.3";
   in.data_model = 4;
   in.participants = 2;
   in.machine = {"6.1.0-rt", "PREEMPT_RT", "2-3", {{"C6", 133}}};
+  in.host = {true, {}, true, "", {{"performance", 4}}, true, "30s", {77}};
   in.interface_name = "can0";
   in.link = can_link("can");
   in.link.timing = can::LinkTiming{500'000, 600};
@@ -45,6 +47,8 @@ DoctorInput healthy() {
   in.link.has_counters = true;
   DaemonStatus status = {{}, {}, {}, client::MasterStatus{}};
   put(status.gateway.bus, "can0");
+  status.reset_command = "cansync mode reset-can";
+  status.gateway.process = 77;
   put(status.master->state, "active");
   status.master->option_status = 0x0080;
   status.master->slaves_configured = status.master->slaves_released = 1;
@@ -87,7 +91,7 @@ TEST(Doctor, AllWell) {
     EXPECT_EQ(finding.remedy, "") << finding.topic;
     EXPECT_TRUE(topics.insert(finding.topic).second) << finding.topic << " twice";
   }
-  EXPECT_EQ(topics.size(), 28u);
+  EXPECT_EQ(topics.size(), 34u);
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
 }
 
@@ -117,12 +121,170 @@ TEST_P(OneFault, IsFoundAloneWithItsRemedy) {
             GetParam().level == Level::error ? ExitCode::faults : ExitCode::failed);
 }
 
+/// A computer that carries out the commands of a remedy: `ip link set` as the kernel takes it, settings of the
+/// configuration followed by a restart, and the master's modes. Others are left to a person.
+class Computer {
+ public:
+  explicit Computer(DoctorInput& facts) : facts_(facts) {}
+
+  /// Does `remedy` consist of commands that this computer knows?
+  static bool knows(std::string_view remedy) {
+    const bool sets = remedy.starts_with("set ") && remedy.find(" = ") != remedy.npos;
+    return sets || remedy.find("ip link set") != remedy.npos || remedy.starts_with("cansync mode");
+  }
+
+  /// Carries it out. False: a command was refused.
+  bool carry_out(std::string remedy) {
+    for (const char* behind : {"   (", ", or use", "; or as root"})
+      remedy = remedy.substr(0, remedy.find(behind));
+    if (const auto at = remedy.find(": ip link"); at != remedy.npos) remedy = remedy.substr(at + 2);
+    for (const char* between : {" && ", ", then "}) {
+      for (std::size_t at = 0; (at = remedy.find(between)) != remedy.npos;)
+        remedy.replace(at, std::string_view(between).size(), "\n");
+    }
+    std::istringstream commands(remedy);
+    for (std::string command; std::getline(commands, command);) {
+      if (!one(command)) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool one(const std::string& command) {
+    std::istringstream words(command);
+    std::string first;
+    std::string second;
+    words >> first >> second;
+    if (first == "ip") return link(words);
+    if (first == "cansync") return mode(words);
+    return first == "set" && set(second, command.substr(command.find('=') + 2));
+  }
+
+  bool link(std::istringstream& words) {
+    std::string word;
+    words >> word >> word;  // set INTERFACE
+    if (word != facts_.interface_name) return false;
+    while (words >> word) {
+      if (word == "down" || word == "up") {
+        facts_.link.up = word == "up";
+        facts_.link.state = can::ControllerState::error_active;
+        put(facts_.status->bus.controller_state, "error-active");
+        put(facts_.status->bus.link_state, "up");
+      } else if (word == "txqueuelen") {
+        words >> facts_.link.queue_length;
+      } else if (word == "type") {
+        words >> word;                     // can
+        if (facts_.link.up) return false;  // "Device or resource busy"
+      } else if (!setting(word, words)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool setting(const std::string& name, std::istringstream& words) {
+    std::string value;
+    words >> value;
+    if (name == "bitrate") {
+      facts_.link.timing = can::LinkTiming{static_cast<std::uint32_t>(std::stoul(value)), 0};
+    } else if (name == "sample-point") {
+      facts_.link.timing->sample_point = static_cast<std::uint16_t>(std::stod(value) * 1000 + 0.5);
+    } else if (name == "restart-ms") {
+      facts_.link.restart_ms = static_cast<std::uint32_t>(std::stoul(value));
+    } else if (name == "one-shot") {
+      facts_.link.one_shot = value == "on";
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  bool mode(std::istringstream& words) {
+    std::string mode;
+    words >> mode;
+    client::MasterStatus& master = *facts_.status->master;
+    if (mode == "setup") {
+      master.option_status = 0x0043;
+      facts_.status->slaves.front().synchronized = true;
+    } else if (mode == "run" && master.option_status == 0x0043) {
+      master.option_status = 0x0080;
+    } else if (mode == "reset-can") {
+      put(facts_.status->bus.controller_state, "error-active");
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  bool set(const std::string& option, const std::string& value) {
+    client::RealtimeStatus& realtime = facts_.status->realtime;
+    if (option == "realtime.priority")
+      realtime.realtime_priority = realtime.realtime_priority_wanted = std::stoi(value);
+    else if (option == "realtime.lock_memory")
+      realtime.memory_locked = realtime.memory_lock_wanted = value == "true";
+    else if (option == "realtime.cpu")
+      realtime.realtime_cpu = realtime.realtime_cpu_wanted = std::stoi(value);
+    else if (option == "dds.interface")
+      put(facts_.status->gateway.dds_interface, value == "\"lo\"" ? "lo" : "eth0");
+    else
+      return false;
+    return true;
+  }
+
+  DoctorInput& facts_;
+};
+
+TEST_P(OneFault, IsGoneWhenTheCommandsOfItsRemedyAreCarriedOut) {
+  DoctorInput in = healthy();
+  GetParam().spoil(in);
+  const auto bad = [](const Finding& finding) { return finding.level != Level::ok; };
+  const auto findings = diagnose(in);
+  const Finding& finding = *std::find_if(findings.begin(), findings.end(), bad);
+  if (!Computer::knows(finding.remedy)) return;  // tests/remedies/remedies.md says what shows it
+  ASSERT_TRUE(Computer(in).carry_out(finding.remedy)) << finding.remedy;
+  for (const Finding& left : diagnose(in))
+    EXPECT_EQ(left.level, Level::ok) << left.topic << ": " << left.found;
+}
+
 using In = DoctorInput;
 INSTANTIATE_TEST_SUITE_P(
     All, OneFault,
     testing::Values(
         Fault{"version", Level::warning, [](In& in) { put(in.status->gateway.version, "1.2.2"); },
               "cansyncd 1.2.2, but cansync 1.2.3", "systemctl restart"},
+        Fault{"restart", Level::warning,
+              [](In& in) {
+                put(in.status->gateway.version, "1.2.2");
+                put(in.status->gateway.installed_version, "1.2.3-1");
+                put(in.status->gateway.restart_reason, "cansyncd 1.2.3-1 is installed, 1.2.2-1 runs");
+              },
+              "cansyncd 1.2.3-1 is installed, 1.2.2-1 runs",
+              "when the line may stop: systemctl restart cansyncd@can0"},
+        Fault{"restart", Level::warning,
+              [](In& in) {
+                put(in.status->gateway.restart_reason,
+                    "replaced on disk since the start: libddsc.so.0debian");
+              },
+              "libddsc.so.0debian", "when the line may stop: systemctl restart cansyncd@can0"},
+        Fault{"sleep", Level::warning,
+              [](In& in) {
+                in.host.sleeps = {"suspend", "hibernate"};
+              },
+              "this computer may sleep (suspend, hibernate)", "cansync setup --appliance"},
+        Fault{"inhibitors", Level::warning, [](In& in) { in.host.keep_awake = {78}; },
+              "the line is in run, and the daemon does not keep this computer from sleeping",
+              "apt install polkitd"},
+        Fault{"automatic reboot", Level::warning,
+              [](In& in) { in.host.reboot_setting = "/etc/apt/apt.conf.d/50unattended-upgrades"; },
+              "may reboot this computer (/etc/apt/apt.conf.d/50unattended-upgrades)",
+              "cansync setup --appliance"},
+        Fault{"governor", Level::warning,
+              [](In& in) {
+                in.host.governors = {{"performance", 2}, {"powersave", 2}};
+              },
+              "powersave on 2 processors", "cansync setup --appliance"},
+        Fault{"watchdog", Level::warning, [](In& in) { in.host.watchdog_set.reset(); },
+              "systemd does not use it", "cansync setup --appliance"},
         Fault{
             "dds_incompatible", Level::error,
             [](In& in) {
@@ -216,50 +378,70 @@ client::SlaveStatus& first_slave(In& in) {
 
 INSTANTIATE_TEST_SUITE_P(
     Line, OneFault,
-    testing::Values(Fault{"slave", Level::error, [](In& in) { put(first_slave(in).state, "absent"); },
-                          "slave 0 'winder' has never answered", "slave number, bit rate and wiring"},
-                    Fault{"slave", Level::error,
-                          [](In& in) {
-                            put(first_slave(in).state, "lost");
-                            first_slave(in).last_seen = 3500;
-                          },
-                          "slave 0 'winder' has stopped answering; its last answer came 3.0 s ago",
-                          "switch the drive on"},
-                    Fault{"slave", Level::error, [](In& in) { put(first_slave(in).state, "held"); },
-                          "its return parameters are not right", "cansync release 0"},
-                    Fault{"slave", Level::error, [](In& in) { first_slave(in).synchronized = false; },
-                          "answers, but is not synchronized", "SYNC line"},
-                    Fault{"slave", Level::warning, [](In& in) { put(first_slave(in).state, "checking"); },
-                          "slave 0 'winder' is checking", "cansync wait released 0"},
-                    Fault{"references 1", Level::warning,
-                          [](In& in) {
-                            put(in.status->master->reference_release[0].state, "stopped");
-                            put(in.status->master->reference_release[0].cause, "writer_lost");
-                          },
-                          "stopped because of writer_lost", "cansync events"},
-                    Fault{"missed", Level::warning,
-                          [](In& in) {
-                            in.status->realtime.missed_syncs = 12;
-                            in.newest_missed = "2030-01-02 03:04:05.678";
-                          },
-                          "12 SYNC edges, 0 telegrams left out since the start; the newest at 2030-01-02",
-                          "cansync timing --follow"},
-                    Fault{"missed", Level::warning, [](In& in) { in.status->master->left_out = 3; },
-                          "3 telegrams left out", "cansync timing"},
-                    Fault{"configuration", Level::warning,
-                          [](In& in) { in.reload_refused = "nothing is changed: bus.name: found 6"; },
-                          "the file on disk is not what runs: nothing is changed: bus.name",
-                          "cansyncd --check"},
-                    Fault{"operating state", Level::warning,
-                          [](In& in) {
-                            in.status->master->option_status = 0x0003;
-                            put(in.status->master->state, "stopped");
-                            first_slave(in).synchronized = false;
-                          },
-                          "stopped: no SYNC is made", "cansync mode setup"},
-                    Fault{"operating state", Level::warning,
-                          [](In& in) { in.status->master->option_status = 0x0043; }, "every slave is ready",
-                          "cansync mode run"}),
+    testing::Values(
+        Fault{"slave", Level::error, [](In& in) { put(first_slave(in).state, "absent"); },
+              "slave 0 'winder' has never answered", "slave number, bit rate and wiring"},
+        Fault{"slave", Level::error,
+              [](In& in) {
+                put(first_slave(in).state, "lost");
+                first_slave(in).last_seen = 3500;
+              },
+              "slave 0 'winder' has stopped answering; its last answer came 3.0 s ago",
+              "switch the drive on"},
+        Fault{"slave", Level::error,
+              [](In& in) {
+                put(first_slave(in).state, "held");
+                put(first_slave(in).held_reason, "not the drive expected: parameter 102");
+              },
+              "is held out: not the drive expected: parameter 102", "cansync release 0 --force"},
+        Fault{"duplicate slave", Level::error, [](In& in) { in.status->master->slaves_duplicate = 1u << 5; },
+              "two drives answer as slave 5", "cansync release NUMBER"},
+        Fault{"unknown slave", Level::warning,
+              [](In& in) { in.status->master->slaves_unknown = (1u << 9) | (1u << 31); },
+              "slave 9, 31 answers and is not in the configuration", "[[slave]]"},
+        Fault{"slave", Level::error, [](In& in) { first_slave(in).synchronized = false; },
+              "answers, but is not synchronized", "SYNC line"},
+        Fault{"slave", Level::warning, [](In& in) { put(first_slave(in).state, "checking"); },
+              "slave 0 'winder' is checking", "cansync wait released 0"},
+        Fault{"references 1", Level::warning,
+              [](In& in) {
+                put(in.status->master->reference_release[0].state, "stopped");
+                put(in.status->master->reference_release[0].cause, "writer_lost");
+              },
+              "stopped because of writer_lost", "cansync events"},
+        Fault{"missed", Level::warning,
+              [](In& in) {
+                in.status->realtime.missed_syncs = 12;
+                in.newest_missed = "2030-01-02 03:04:05.678";
+              },
+              "12 SYNC edges, 0 telegrams left out since the start; the newest at 2030-01-02",
+              "cansync timing --follow"},
+        Fault{"missed", Level::warning, [](In& in) { in.status->master->left_out = 3; },
+              "3 telegrams left out", "cansync timing"},
+        Fault{"configuration", Level::warning,
+              [](In& in) { in.reload_refused = "nothing is changed: bus.name: found 6"; },
+              "the file on disk is not what runs: nothing is changed: bus.name", "cansyncd --check"},
+        Fault{"network", Level::warning,
+              [](In& in) {
+                put(in.status->gateway.network_reason, "network interface 'eth1' (dds.interface) is down");
+              },
+              "'eth1' (dds.interface) is down", "ip address"},
+        Fault{"network", Level::warning,
+              [](In& in) {
+                put(in.status->gateway.network_reason,
+                    "the daemon of computer plc2 has the name of bus can0");
+                put(in.status->gateway.name_taken_by, "plc2");
+              },
+              "plc2 has the name", "another bus.name"},
+        Fault{"operating state", Level::warning,
+              [](In& in) {
+                in.status->master->option_status = 0x0003;
+                put(in.status->master->state, "stopped");
+                first_slave(in).synchronized = false;
+              },
+              "stopped: no SYNC is made", "cansync mode setup"},
+        Fault{"operating state", Level::warning, [](In& in) { in.status->master->option_status = 0x0043; },
+              "every slave is ready", "cansync mode run"}),
     [](const auto& test) { return "Line" + std::to_string(test.index); });
 
 INSTANTIATE_TEST_SUITE_P(
@@ -314,6 +496,15 @@ TEST(Doctor, WithDdsSecurityAnotherInterfaceIsNoFault) {
   EXPECT_NE(find(findings, "DDS")->found.find("eth0, DDS Security on"), std::string::npos);
 }
 
+TEST(Doctor, ABusWithoutSyncHasNoFindingOnIt) {
+  DoctorInput in = healthy();
+  in.status->master.reset();
+  in.status->has_sync = false;
+  const auto findings = diagnose(in);
+  EXPECT_EQ(find(findings, "SYNC"), nullptr);
+  EXPECT_NE(find(findings, "DDS")->found.find("can send frames"), std::string::npos);
+}
+
 TEST(Doctor, ASimulatedLineHasNoInterface) {
   DoctorInput in = healthy();
   in.interface_name = "sim";
@@ -322,6 +513,82 @@ TEST(Doctor, ASimulatedLineHasNoInterface) {
   EXPECT_EQ(exit_code(findings, true), ExitCode::done);
   for (const char* topic : {"bit rate", "sample point", "restart-ms", "one-shot", "echo", "txqueuelen"})
     EXPECT_EQ(find(findings, topic), nullptr) << topic;
+}
+
+can::InterfaceAdapter adapter(const char* interface, std::string_view serial) {
+  can::InterfaceAdapter one{interface, {}};
+  std::copy(serial.begin(), serial.end(), one.adapter.serial.begin());
+  return one;
+}
+
+/// One of two adapters, which the kernel names in the order in which it finds them.
+DoctorInput with_two_adapters() {
+  DoctorInput in = healthy();
+  in.adapters = {adapter("can0", "A"), adapter("can1", "B")};
+  in.link.adapter = in.adapters.front().adapter;
+  return in;
+}
+
+TEST(Doctor, OneOfTwoAdaptersWithTheKernelsNameIsAWarning) {
+  DoctorInput in = with_two_adapters();
+  const auto findings = diagnose(in);
+  const Finding* found = find(findings, "adapter");
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->level, Level::warning);
+  EXPECT_EQ(found->found, "serial=A,channel=0 of 2 adapters; after a boot can0 can be another one");
+  EXPECT_NE(found->remedy.find("set bus.adapter = \"serial=A\""), std::string::npos) << found->remedy;
+  EXPECT_NE(found->remedy.find("cansync scan can0 --write FOLDER --interface-name"), std::string::npos);
+  in.adapters.pop_back();
+  EXPECT_EQ(find(diagnose(in), "adapter"), nullptr) << "the only one";
+  in = with_two_adapters();
+  in.interface_name = "can-winder";
+  in.adapters.front().interface = "can-winder";
+  EXPECT_EQ(find(diagnose(in), "adapter")->level, Level::ok) << "a name that somebody gave to it";
+}
+
+TEST(Doctor, APinnedAdapterIsComparedAndTheRightOneNamed) {
+  DoctorInput in = with_two_adapters();
+  put(in.status->bus.adapter_wanted, "serial=A");
+  EXPECT_EQ(find(diagnose(in), "adapter")->level, Level::ok);
+  put(in.status->bus.adapter_wanted, "serial=B");
+  put(in.status->bus.link_state, "wrong-adapter");
+  auto findings = diagnose(in);
+  const Finding* found = find(findings, "adapter");
+  EXPECT_EQ(found->level, Level::error);
+  EXPECT_EQ(found->found,
+            "serial=A,channel=0, but bus.adapter is serial=B: nothing is sent or received; that one is can1");
+  in.adapters.pop_back();
+  findings = diagnose(in);
+  EXPECT_NE(find(findings, "adapter")->found.find("that one is not there"), std::string::npos);
+  in.adapters = {adapter("can0", "B"), adapter("can1", "B")};
+  in.link.adapter = in.adapters.front().adapter;
+  put(in.status->bus.link_state, "up");
+  findings = diagnose(in);
+  EXPECT_EQ(find(findings, "adapter")->level, Level::warning);
+  EXPECT_EQ(find(findings, "adapter")->found, "bus.adapter is serial=B, which can0 and can1 have");
+}
+
+TEST(Doctor, AnIdentityThatEndsSoonIsAWarningAndAnEndedOneAnError) {
+  constexpr std::int64_t kDay = 86400;
+  DoctorInput in = healthy();
+  in.status->gateway.secured = true;
+  in.data_model = in.status->gateway.data_model = 8;
+  const auto level = [&in](std::int64_t left) {
+    in.status->gateway.identity_time_left = left;
+    return find(diagnose(in), "identity")->level;
+  };
+  EXPECT_EQ(level(31 * kDay), Level::ok);
+  EXPECT_EQ(level(29 * kDay), Level::warning);
+  const auto findings = diagnose(in);
+  EXPECT_EQ(find(findings, "identity")->found,
+            "the daemon's identity of DDS Security ends in 29 days; then no client reaches it");
+  EXPECT_NE(find(findings, "identity")->remedy.find("cansync-security renew"), std::string::npos);
+  EXPECT_EQ(level(0), Level::error);
+  in.status->gateway.data_model = 7;
+  EXPECT_EQ(find(diagnose(in), "identity"), nullptr) << "one that does not tell it";
+  in.status->gateway.data_model = 8;
+  in.status->gateway.secured = false;
+  EXPECT_EQ(find(diagnose(in), "identity"), nullptr);
 }
 
 TEST(Doctor, AVirtualInterfaceHasNothingToSet) {
@@ -442,6 +709,78 @@ TEST(Doctor, ASlaveThatAnswersWithoutItsStatusWordIsToldLikeOneThatRefusesIt) {
   EXPECT_NE(found->remedy.find("startup.status_parameter"), std::string::npos);
   in.status->slaves.back().status_known = true;
   EXPECT_EQ(find(diagnose(in), "status word"), nullptr);
+}
+
+TEST(Doctor, CommandsOfRemediesReachTheBusThatWasLookedAt) {
+  const std::vector<Finding> findings = {
+      {Level::error, "slave", "", "correct it, then: cansync release 3; `cansync events` says why", 8, "",
+       "correct it, then: cansync release {slaves}; `cansync events` says why"},
+      {Level::warning, "sleep", "", "cansync setup --appliance"}};
+  const auto shown = with_options(findings, "--bus can1");
+  EXPECT_EQ(shown[0].remedy,
+            "correct it, then: cansync --bus can1 release 3; `cansync --bus can1 events` says why");
+  EXPECT_EQ(shown[0].remedy_form,
+            "correct it, then: cansync --bus can1 release {slaves}; `cansync --bus can1 events` says why");
+  EXPECT_EQ(shown[1].remedy, "cansync setup --appliance") << "it looks at no bus";
+  EXPECT_EQ(with_options(findings, "")[0].remedy, findings[0].remedy);
+}
+
+TEST(Doctor, UnitsHaveTheNameOfTheirFile) {
+  DoctorInput in = healthy();
+  in.bus = "winder";
+  in.unit = "can0";
+  put(in.status->gateway.restart_reason, "replaced on disk");
+  in.reload_refused = "nothing is changed";
+  in.status->realtime.realtime_priority = 0;
+  for (const Finding& finding : diagnose(in)) {
+    EXPECT_EQ(finding.remedy.find("cansyncd@winder"), std::string::npos) << finding.remedy;
+    EXPECT_EQ(finding.remedy.find("winder.toml"), std::string::npos) << finding.remedy;
+  }
+  in.status.reset();
+  in.no_daemon = "no daemon found";
+  EXPECT_NE(diagnose(in)[0].remedy.find("systemctl start cansyncd@can0 "), std::string::npos);
+}
+
+TEST(Doctor, AReadOnlyDaemonIsMadeToTakeTheCommandFirst) {
+  DoctorInput in = healthy();
+  in.status->gateway.read_only = true;
+  in.status->master->option_status = 0x0043;
+  const auto findings = diagnose(in);
+  EXPECT_EQ(find(findings, "operating state")->remedy,
+            "set access.read_only = false and systemctl reload cansyncd@can0, then: cansync mode run");
+}
+
+TEST(Doctor, OutOfBusOffEachProtocolHasItsOwnCommand) {
+  DoctorInput in = healthy();
+  put(in.status->bus.controller_state, "bus-off");
+  const auto remedy = [&in](const char* command) {
+    in.status->reset_command = command;
+    return find(diagnose(in), "controller")->remedy;
+  };
+  const std::string as_root = "ip link set can0 down && ip link set can0 up";
+  EXPECT_EQ(remedy("cansync mode reset-can"), "cansync mode reset-can; or as root: " + as_root);
+  EXPECT_EQ(remedy("cansync can reset-controller"), "cansync can reset-controller; or as root: " + as_root);
+  EXPECT_EQ(remedy(""), as_root) << "of a slave or of J1939";
+}
+
+TEST(Doctor, WhereTheModeAloneDoesNotBringSetUpTheRemedyNamesWhatDoes) {
+  DoctorInput in = healthy();
+  in.status->master->option_status = 0x0003;
+  const auto remedy = [&in](const char* state) {
+    put(in.status->master->state, state);
+    return find(diagnose(in), "operating state")->remedy;
+  };
+  const std::string modes = "cansync mode setup, then cansync mode run";
+  EXPECT_EQ(remedy("stop"), modes);
+  EXPECT_EQ(remedy("listening for another master"),
+            "wait until it has listened; when the state stays: " + modes);
+  EXPECT_EQ(remedy("waiting for the SYNC of the upper bus"),
+            "start the upper bus first; when the state stays: " + modes);
+  in.status->master->second_master = true;
+  EXPECT_EQ(remedy("silent: another master on the bus"),
+            "switch the other master off and wait 3 s; when the state stays: " + modes);
+  put(in.status->bus.link_state, "down");
+  EXPECT_EQ(remedy("stop"), "fix the interface first, see above; when the state stays: " + modes);
 }
 
 TEST(Doctor, WithoutADaemonSaysWhatItCouldNotSee) {

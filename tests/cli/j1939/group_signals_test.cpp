@@ -34,9 +34,9 @@ VAL_ 2364540158 TorqueMode 0 "idle" 15 "unknown" ;
 )";
 
 dbc::Database database() {
-  auto read = dbc::read_database(kFile);
-  EXPECT_TRUE(std::holds_alternative<dbc::Database>(read));
-  return std::get<dbc::Database>(std::move(read));
+  dbc::File file = dbc::read_database(kFile);
+  EXPECT_TRUE(file.remarks.empty());
+  return std::move(file.database);
 }
 
 std::string wrong(const std::string& name, const std::vector<std::string>& settings) {
@@ -49,17 +49,17 @@ std::string wrong(const std::string& name, const std::vector<std::string>& setti
 }
 
 TEST(GroupSignals, AGroupIsFoundWhateverItsPriorityAndSource) {
-  const dbc::Database all = database();
-  ASSERT_NE(j1939::client::find_group(all, 0xF004, 0x21), nullptr);
-  EXPECT_EQ(j1939::client::find_group(all, 0xF004, 0x21)->name, "EEC1");
-  EXPECT_EQ(j1939::client::find_group(all, 0xFEEE, 0x21)->name, "ET1");
-  EXPECT_EQ(j1939::client::find_group(all, 0xFEEE, 3)->name, "ET1_of_3") << "that of the very source first";
-  EXPECT_EQ(j1939::client::find_group(all, 0xFEF1, 0x21), nullptr);
+  const j1939::client::Groups all(database());
+  ASSERT_NE(all.find(0xF004, 0x21), nullptr);
+  EXPECT_EQ(all.find(0xF004, 0x21)->name, "EEC1");
+  EXPECT_EQ(all.find(0xFEEE, 0x21)->name, "ET1");
+  EXPECT_EQ(all.find(0xFEEE, 3)->name, "ET1_of_3") << "that of the very source first";
+  EXPECT_EQ(all.find(0xFEF1, 0x21), nullptr);
 }
 
 TEST(GroupSignals, ValuesHaveUnitsAndWhatIsNotAvailableSaysSo) {
-  const dbc::Database all = database();
-  const dbc::Message& message = *j1939::client::find_group(all, 0xF004, 0);
+  const j1939::client::Groups all(database());
+  const dbc::Message& message = *all.find(0xF004, 0);
   const std::vector<std::uint8_t> data = {0xF0, 0xFF, 0xFE, 0x80, 0x25, 0xFF, 0xFF, 0xFF};
   EXPECT_EQ(meaning_of(message, j1939::client::read_group(message, data)),
             "EEC1: TorqueMode 0 (idle), ActualTorque 129 % (error), EngineSpeed 1200 rpm");
@@ -85,9 +85,9 @@ TEST(GroupSignals, AChosenSignalBringsItsChoice) {
 }
 
 TEST(GroupSignals, WhatIsWrongIsToldWithWhatThereIs) {
-  EXPECT_EQ(wrong("EEC2", {"A=1"}), "PGN: found 'EEC2'; the file has Narrow, EEC1, Choice, ET1_of_3, ET1");
+  EXPECT_EQ(wrong("EEC2", {"A=1"}), "PGN: found 'EEC2'; allowed: Narrow, EEC1, Choice, ET1_of_3, ET1");
   EXPECT_EQ(wrong("EEC1", {"Speed=1"}),
-            "--set: found 'Speed'; the file has TorqueMode, ActualTorque, EngineSpeed");
+            "--set: found 'Speed'; allowed: TorqueMode, ActualTorque, EngineSpeed");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed"}), "--set: found 'EngineSpeed'; allowed: NAME=VALUE");
   EXPECT_EQ(wrong("EEC1", {"EngineSpeed=9000"}), "--set EngineSpeed: found '9000'; allowed: 0..8191.875 rpm");
   EXPECT_EQ(wrong("EEC1", {"TorqueMode=fast"}),
@@ -97,6 +97,34 @@ TEST(GroupSignals, WhatIsWrongIsToldWithWhatThereIs) {
             "PGN: message 'Narrow' has an identifier of 11 bits; allowed: one of 29");
   EXPECT_EQ(wrong("Choice", {"First=1", "Second=2"}),
             "--set First: it cannot be in one message with the others");
+}
+
+TEST(GroupSignals, WhatCouldMeanTwoThingsIsRefused) {
+  const dbc::File file = dbc::read_database(
+      "BO_ 2364540158 Twice: 8 X\n SG_ A : 0|8@1+ (1,0) [0|0] \"\" X\n"
+      "BO_ 2566844158 Twice: 8 X\n SG_ A : 0|8@1+ (1,0) [0|0] \"\" X\n"
+      "BO_ 2566844414 Mux: 8 X\n SG_ Which M : 0|8@1+ (1,0) [0|0] \"\" X\n SG_ T m0 : 8|8@1+ (1,0) [0|0] \"\" X\n"
+      " SG_ T m1 : 16|8@1+ (1,0) [0|0] \"\" X\n SG_ State : 24|8@1+ (1,0) [0|0] \"\" X\n"
+      "VAL_ 2566844414 State 0 \"2\" 1 \"1\" 4 \"reserved\" 5 \"reserved\" 6 \"on\" ;\n");
+  const auto said = [&file](const std::string& name, const std::string& setting) -> std::string {
+    try {
+      (void)encode_group(file.database, name, std::vector<std::string>{setting});
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  EXPECT_EQ(said("Twice", "A=1"),
+            "PGN: found 'Twice', which is the name of 2 messages; allowed: a name that is there once");
+  EXPECT_EQ(said("Mux", "T=1"),
+            "--set: found 'T', which is the name of 2 signals; allowed: a name that is there once");
+  EXPECT_EQ(said("Mux", "State=reserved"),
+            "--set State: found 'reserved', which is the name of the raw values 4 and 5; allowed: a number");
+  EXPECT_EQ(
+      said("Mux", "State=2"),
+      "--set State: found '2', which is a number and the name of raw value 0; allowed: another form of the number, such as 2e0");
+  for (const char* setting : {"State=2e0", "State=2.0", "State=0", "State=1", "State=on"})
+    EXPECT_EQ(said("Mux", setting), "taken") << setting;
 }
 
 }  // namespace

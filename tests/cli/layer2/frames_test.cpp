@@ -64,6 +64,7 @@ TEST(SentFrame, IsWrittenAsCanUtilsDo) {
   wanted.data = {1, 2, 0xFF};
   EXPECT_EQ(parse_sent_frame("123#0102FF"), wanted);
   EXPECT_EQ(parse_sent_frame("123#01.02.fF"), wanted);
+  EXPECT_EQ(parse_sent_frame("0x123#0102FF"), wanted);
   EXPECT_EQ(parse_sent_frame("00000123#"), frame(0x123, true));
   wanted = frame(0x7FF, false, true);
   EXPECT_EQ(parse_sent_frame("7FF#R"), wanted);
@@ -73,7 +74,7 @@ TEST(SentFrame, IsWrittenAsCanUtilsDo) {
 
 TEST(SentFrame, WhatIsWrongIsTold) {
   for (const char* wrong : {"",        "#",         "123",       "12#",        "1234#",
-                            "800#",    "20000000#", "20000001#", "0x123#",     "123#0",
+                            "800#",    "20000000#", "20000001#", "0x12#",      "123#0",
                             "123#0.1", "123#01.",   "123#.01",   "123#01..02", "123#010203040506070809",
                             "123#R9",  "123#zz",    "123##1",    "123#01#02",  "12.3#01"})
     EXPECT_THROW(parse_sent_frame(wrong), UsageError) << wrong;

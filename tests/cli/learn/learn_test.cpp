@@ -1,5 +1,6 @@
 // What `learn` writes: configurations that the daemon takes and that do what was recorded, a line for every
 // constant that is not confirmed, files that are never written over.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -33,15 +34,17 @@ std::string text_of_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// A recording as the simulated line writes it.
-std::string log_of(const Recording& recording) {
+/// A recording as the simulated line writes it. `set_back`: by so much the clock goes back in its middle.
+std::string log_of(const Recording& recording, std::chrono::microseconds set_back = {}) {
   std::string out;
-  for (const Recording::Entry& entry : recording.entries) {
+  for (std::size_t i = 0; i < recording.entries.size(); ++i) {
+    const Recording::Entry& entry = recording.entries[i];
     std::array<char, can::kCandumpLineLimit> line{};
     can::Frame edge;
     edge.id = 0x080;
-    const auto time =
-        std::chrono::duration_cast<std::chrono::microseconds>(entry.start) + std::chrono::seconds(1);
+    const auto time = std::chrono::duration_cast<std::chrono::microseconds>(entry.start) +
+                      std::chrono::seconds(10) -
+                      (i < recording.entries.size() / 2 ? std::chrono::microseconds(0) : set_back);
     out.append(line.data(), can::write_candump_line(time, entry.frame ? "can7" : "sync",
                                                     entry.frame ? *entry.frame : edge, line));
   }
@@ -110,6 +113,39 @@ TEST_F(LearnVerb, TellsWhatWasSeenAsTableAndAsObjects) {
       << data_.substr(0, 2000);
 }
 
+TEST_F(LearnVerb, AClockThatGoesBackIsReportedAndNothingIsDerivedAcrossIt) {
+  const auto timing = [this] {
+    std::istringstream lines(data_);
+    std::string line;
+    std::string found;
+    while (std::getline(lines, line))
+      if (line.starts_with("bus.send_margin_us ") || line.starts_with("bus.bit_rate "))
+        found += line.substr(0, 60);
+    return found;
+  };
+  ASSERT_EQ(run_verb({log_}), ExitCode::done) << remarks_;
+  const std::string right = timing();
+  ASSERT_NE(right, "");
+  EXPECT_EQ(remarks_.find("clock"), std::string::npos) << remarks_;
+  const std::string back = write("back.log", log_of(recording_, std::chrono::milliseconds(1500)));
+  ASSERT_EQ(run_verb({back}), ExitCode::done) << remarks_;
+  EXPECT_EQ(timing(), right);
+  EXPECT_NE(remarks_.find("the clock goes back by 1.4"), std::string::npos) << remarks_;
+  EXPECT_NE(remarks_.find("line "), std::string::npos) << remarks_;
+}
+
+TEST_F(LearnVerb, SyncFramesOfAnotherInterfaceAreNoEdges) {
+  std::string both;
+  for (int i = 0; i < 5000; ++i) {
+    both += fmt::format("({}.{:06}) can1 080#\n", 10 + i / 1000, i % 1000 * 1000);
+    both += fmt::format("({}.{:06}) can0 101#0100020003000400\n", 10 + i / 1000, i % 1000 * 1000 + 300);
+  }
+  const std::string log = write("both.log", both);
+  EXPECT_EQ(run_verb({log}), ExitCode::usage) << "which of the two is not said";
+  EXPECT_EQ(run_verb({log, "--from", "can0"}), ExitCode::done) << remarks_;
+  EXPECT_NE((data_ + remarks_).find(" 0 SYNC edges"), std::string::npos) << data_ << remarks_;
+}
+
 TEST_F(LearnVerb, WritesAConfigurationThatDiffersInNothing) {
   const std::string out = (folder_ / "learned").string();
   ASSERT_EQ(run_verb({log_, "--write", out}), ExitCode::done) << remarks_;
@@ -122,6 +158,57 @@ TEST_F(LearnVerb, WritesAConfigurationThatDiffersInNothing) {
   text.replace(at, text.find('#', at) - at, "activate_command = 200 ");
   EXPECT_EQ(run_verb({log_, "--compare", write("learned/other.toml", text)}), ExitCode::different) << data_;
   EXPECT_NE(data_.find("startup.activate_command"), std::string::npos) << data_;
+}
+
+TEST_F(LearnVerb, OfOtherProtocolsNothingIsSaidOrWritten) {
+  const std::string out = (folder_ / "learned").string();
+  std::string truck;
+  for (int i = 0; i < 400; ++i) truck += fmt::format("(1.{:06}) can0 0CF00400#0102030405060708\n", i * 2000);
+  EXPECT_EQ(run_verb({write("truck.log", truck), "--write", out}), ExitCode::not_cansync);
+  EXPECT_NE(remarks_.find("this does not look like CANsync; it looks like J1939"), std::string::npos)
+      << remarks_;
+  EXPECT_EQ(data_.find("send_margin"), std::string::npos) << data_;
+  EXPECT_FALSE(fs::exists(out));
+  std::string edges;
+  for (int i = 0; i < 400; ++i) edges += fmt::format("(1.{:06}) can0 080#\n", i * 1000);
+  EXPECT_EQ(run_verb({write("edges.log", edges), "--write", out}), ExitCode::not_cansync);
+  EXPECT_NE(remarks_.find("SYNC frames alone"), std::string::npos) << remarks_;
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(LearnVerb, WritesNoBitRateThatNothingTells) {
+  std::string log;
+  for (int i = 0; i < 400; ++i)
+    log += fmt::format("(1.{:06}) can0 101#0100020003000400\n(1.{:06}) can0 301#0100020003000400\n",
+                       i / 4 * 9000, i / 4 * 9000);
+  const std::string bunched = write("bunched.log", log);
+  const std::string out = (folder_ / "learned").string();
+  EXPECT_EQ(run_verb({bunched, "--write", out}), ExitCode::usage);
+  EXPECT_NE(remarks_.find("bunched"), std::string::npos) << remarks_;
+  EXPECT_NE(remarks_.find("--bit-rate gives it"), std::string::npos) << remarks_;
+  EXPECT_EQ(run_verb({bunched, "--write", out, "--bit-rate", "250000"}), ExitCode::done) << remarks_;
+  EXPECT_EQ(settings_of_file(out + "/can0.toml").bit_rate, BitRate::kbit250);
+}
+
+TEST_F(LearnVerb, ProposesLimitsOfReferenceValuesAsCommentsThatMayBeSet) {
+  const std::string out = (folder_ / "learned").string();
+  ASSERT_EQ(run_verb({log_, "--write", out}), ExitCode::done) << remarks_;
+  std::istringstream lines(text_of_file(fs::path(out) / "can7.toml"));
+  std::string text;
+  std::string line;
+  bool proposal = false;
+  unsigned options = 0;
+  while (std::getline(lines, line)) {
+    proposal = line == "# [[reference]]" || (proposal && line.starts_with("# "));
+    if (proposal) {
+      line.erase(0, 2);
+      options += line.starts_with("minimum = ") || line.starts_with("maximum = ") ? 1U : 0U;
+    }
+    text += line + "\n";
+  }
+  EXPECT_GE(options, 2U) << text;
+  EXPECT_EQ(run_verb({log_, "--compare", write("learned/limited.toml", text)}), ExitCode::done)
+      << data_ << remarks_;
 }
 
 TEST_F(LearnVerb, WritesNothingOver) {
@@ -140,9 +227,9 @@ TEST_F(LearnVerb, SaysWhatItCannotRead) {
   EXPECT_EQ(run_verb({write("two.log", "(1.000000) can0 101#0000\n(1.100000) can1 101#0000\n")}),
             ExitCode::usage);
   EXPECT_NE(remarks_.find("--from"), std::string::npos) << remarks_;
-  EXPECT_EQ(run_verb({write("words.log", "(1.000000) can0 101#0000\nnonsense\n")}), ExitCode::failed);
-  EXPECT_EQ(run_verb({write("far.log", "(1.000000) can0 101#0000\n(999999999999.000000) can0 101#0000\n")}),
-            ExitCode::failed);
+  EXPECT_EQ(run_verb({write("words.log", log_of(recording_) + "nonsense\n")}), ExitCode::in_part);
+  EXPECT_EQ(run_verb({write("far.log", log_of(recording_) + "(999999999999.000000) can7 101#0000\n")}),
+            ExitCode::in_part);
   EXPECT_NE(remarks_.find("is no time"), std::string::npos) << remarks_;
   EXPECT_EQ(run_verb({log_, "--stamps", "middle"}), ExitCode::usage);
   EXPECT_EQ(run_verb({log_, "--bit-rate", "100000"}), ExitCode::usage);
@@ -194,6 +281,51 @@ TEST(LearnedFiles, TheDaemonTakesThemAndDoesWhatWasRecorded) {
     }
   }
   fs::remove_all(folder);
+}
+
+/// What is left of a recording when it was cut, filtered, or frames were lost.
+Recording damaged(const Recording& recording, unsigned kind) {
+  std::size_t place = 0;
+  Recording out;
+  for (const Recording::Entry& entry : recording.entries) {
+    ++place;
+    const std::uint32_t channel = entry.frame ? identifier::channel_of(entry.frame->id) : 0;
+    const bool answer = channel == identifier::actual_one || channel == identifier::actual_two ||
+                        channel == identifier::response;
+    const bool reference = channel == identifier::reference_one || channel == identifier::reference_two;
+    const bool kept = kind == 0   ? place < recording.entries.size() / 3
+                      : kind == 1 ? !answer
+                      : kind == 2 ? !reference
+                      : kind == 3 ? entry.frame && channel != identifier::command
+                      : kind == 4 ? place * 2654435761U % 10 < 6
+                                  : place > recording.entries.size() / 2;
+    if (kept) out.entries.push_back(entry);
+  }
+  return out;
+}
+
+TEST(LearnedFiles, OfADamagedRecordingAreTakenByTheDaemonToo) {
+  std::string name = (fs::temp_directory_path() / "cansync_learn.XXXXXX").string();
+  const fs::path folder = ::mkdtemp(name.data());
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const RandomLine line = observe::support::random_line(seed, seed % 4 == 0);
+    const Recording recording = observe::support::record(line, line.master);
+    for (unsigned kind = 0; kind < 6; ++kind) {
+      SCOPED_TRACE(fmt::format("seed {}, kind {}", seed, kind));
+      const auto observation = observe_recording(damaged(recording, kind), Form::starts);
+      const observe::Learned learned = observe::learn(observation);
+      const fs::path out = folder / fmt::format("{}-{}", seed, kind);
+      write_learned_files(out.string(), learned_files(observation, learned, {"line.log", "can0", "can0", 0}));
+      EXPECT_NO_THROW(settings_of_file((out / "can0.toml").string())) << text_of_file(out / "can0.toml");
+    }
+  }
+  fs::remove_all(folder);
+}
+
+TEST(LearnedFiles, HaveNoNameThatLeadsOutOfTheFolder) {
+  for (const char* name : {"../../etc/x", "if0/1", "1-2", "can 0", "", "-x"})
+    EXPECT_EQ(usable_interface(name), "can0");
+  for (const char* name : {"can0", "can-winder", "if0", "vcan_1"}) EXPECT_EQ(usable_interface(name), name);
 }
 
 /// The settings that docs/cansync-protocol.md names as open, by the last part of their name.

@@ -73,6 +73,23 @@ TEST_F(RecordFileTest, KeepsSoManyOlderFilesAndLosesNoLineBetweenThem) {
   EXPECT_GT(joined.size(), 2 * (kBytes - 2 * kHeader.size()));
 }
 
+TEST_F(RecordFileTest, AnEarlierRecordingIsNotReplacedWithoutForce) {
+  const RecordBounds bounds{.bytes = kBytes, .older = 2};
+  EXPECT_NO_THROW(expect_new_files(path(), bounds, false));
+  std::ofstream(path("run.csv.3")) << "another one";  // of more files than are kept now
+  EXPECT_NO_THROW(expect_new_files(path(), bounds, false));
+  std::ofstream(path("run.csv.2")) << "of yesterday";
+  EXPECT_NO_THROW(expect_new_files(path(), bounds, true));
+  EXPECT_NO_THROW(expect_new_files(path(), {}, false));
+  try {
+    expect_new_files(path(), bounds, false);
+    ADD_FAILURE() << "it would have been replaced";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("run.csv.2"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--force"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(RecordFileTest, WithoutABoundTakesAll) {
   RecordFile file(path(), kHeader, {});
   EXPECT_TRUE(file.write(lines(0, 5000)));

@@ -185,16 +185,38 @@ TEST_F(InquiryTest, LeavesNothingOpenWhenItIsStopped) {
   }
 }
 
-TEST_F(InquiryTest, EndsWhenAMasterAppears) {
-  SpyLine line(BitRate::mbit1);
-  line.add(drive_of(0, BitRate::mbit1));
+TEST_F(InquiryTest, KeepsWhatWasFoundAndClosesWhatIsOpenWhenAMasterAppears) {
+  SpyLine whole(BitRate::mbit1);
+  whole.add(drive_of(0, BitRate::mbit1));
+  ask(whole, BitRate::mbit1);
   can::Frame reference;
   reference.id = 0x17F;
+  for (std::size_t at = 2; at < whole.sent.size(); ++at) {
+    SpyLine line(BitRate::mbit1);
+    line.add(drive_of(0, BitRate::mbit1));
+    line.on_sent = [&] {
+      if (line.sent.size() == at) line.inject(reference);
+    };
+    const InquiryResult result = ask(line, BitRate::mbit1);
+    EXPECT_TRUE(result.stopped) << at;
+    EXPECT_NE(result.failure.find("a master sends"), std::string::npos) << result.failure;
+    ASSERT_EQ(result.slaves.size(), 1u) << at;
+    EXPECT_FALSE(result.slaves[0].parameters.empty());
+    EXPECT_TRUE(line.open.empty()) << at;
+    EXPECT_LE(line.sent.size(), at + 1) << "nothing but the end of an upload goes out beside a master";
+  }
+}
+
+TEST_F(InquiryTest, KeepsWhatWasFoundWhenTheLineFails) {
+  SpyLine line(BitRate::mbit1);
+  line.add(drive_of(0, BitRate::mbit1));
   line.on_sent = [&] {
-    if (line.sent.size() == 10) line.inject(reference);
+    if (line.sent.size() == 40) line.result = can::SocketResult::interface_down;
   };
-  EXPECT_THROW(ask(line, BitRate::mbit1), std::runtime_error);
-  EXPECT_EQ(line.sent.size(), 10u);
+  const InquiryResult result = ask(line, BitRate::mbit1);
+  EXPECT_TRUE(result.stopped);
+  EXPECT_NE(result.failure.find("the interface is down"), std::string::npos) << result.failure;
+  EXPECT_EQ(result.slaves.size(), 1u);
 }
 
 TEST_F(InquiryTest, SaysThatNobodyAcknowledges) {

@@ -21,7 +21,11 @@ class RateTrialsTest : public ::testing::Test {
               census.error_frames = set_ == line_ ? 1 : 40;
               return census;
             },
-            [this] { return stop_; }};
+            [this] { return stop_; },
+            [this](const std::vector<std::vector<std::string>>& commands) {
+              guarded_ = commands;
+              return std::shared_ptr<void>(&guarded_, [this](void*) { called_off_ = true; });
+            }};
   }
 
   ChildResult ip(const std::vector<std::string>& words) {
@@ -29,7 +33,7 @@ class RateTrialsTest : public ::testing::Test {
     for (const std::string& word : words) typed += (typed.empty() ? "" : " ") + word;
     typed_.push_back(typed);
     ChildResult result;
-    if (words[0] == "-details") result.output = listens_ ? "can <LISTEN-ONLY> state" : "can state";
+    if (words[0] == "-details") result.output = (listens_ ? "can <LISTEN-ONLY> state" : "can state") + shown_;
     if (typed.find("bitrate") != std::string::npos) {
       set_ = words[6];
       if (!supported_) result = {"", "RTNETLINK answers: Operation not supported", 2};
@@ -50,6 +54,9 @@ class RateTrialsTest : public ::testing::Test {
   bool listens_ = false;
   bool supported_ = true;
   bool stop_ = false;
+  std::string shown_;
+  std::vector<std::vector<std::string>> guarded_;
+  bool called_off_ = false;
   std::vector<std::string> typed_;
 };
 
@@ -59,13 +66,31 @@ TEST_F(RateTrialsTest, FindsTheRateAndSetsTheInterfaceBack) {
   const RateTrial* heard = heard_trial(trials);
   ASSERT_NE(heard, nullptr);
   EXPECT_EQ(heard->bit_rate, BitRate::kbit250);
-  const std::vector<std::string> last(typed_.end() - 3, typed_.end());
-  EXPECT_EQ(last, (std::vector<std::string>{"link set can3 down",
-                                            "link set can3 type can bitrate 1000000 listen-only off",
-                                            "link set can3 up"}));
+  const std::vector<std::string> last(typed_.end() - 4, typed_.end());
+  EXPECT_EQ(last, (std::vector<std::string>{
+                      "link set can3 down", "link set can3 type can bitrate 1000000 listen-only off",
+                      "link set can3 type can bitrate 1000000 listen-only off sample-point 0.600",
+                      "link set can3 up"}));
   // Until then never anything but listening.
-  for (auto line = typed_.begin(); line != typed_.end() - 3; ++line)
+  for (auto line = typed_.begin(); line != typed_.end() - 4; ++line)
     EXPECT_EQ(line->find("listen-only off"), std::string::npos) << *line;
+}
+
+TEST_F(RateTrialsTest, SetsTheSegmentsOfABitBackAlsoWhenItIsKilled) {
+  shown_ =
+      " ERROR-ACTIVE restart-ms 0\n  bitrate 500000 sample-point 0.600\n"
+      "  tq 200 prop-seg 2 phase-seg1 3 phase-seg2 4 sjw 2 brp 5\n"
+      "  mcp251x: tseg1 3..16 tseg2 2..8 sjw 1..4 brp 1..64 brp_inc 1\n  clock 8000000";
+  try_rates("can3", facts(500'000, true), tools());
+  EXPECT_EQ(typed_[typed_.size() - 2],
+            "link set can3 type can tq 200 prop-seg 2 phase-seg1 3 phase-seg2 4 sjw 2");
+  ASSERT_EQ(guarded_.size(), 5u);
+  for (std::size_t i = 0; i < guarded_.size(); ++i) {
+    std::string words;
+    for (const std::string& word : guarded_[i]) words += (words.empty() ? "" : " ") + word;
+    EXPECT_EQ(words, typed_[typed_.size() - 5 + i]);
+  }
+  EXPECT_TRUE(called_off_) << "after the interface is back";
 }
 
 TEST_F(RateTrialsTest, LeavesAnInterfaceThatWasDownDown) {

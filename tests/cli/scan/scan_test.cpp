@@ -73,7 +73,7 @@ class ScanVerb : public ::testing::Test {
 
 TEST_F(ScanVerb, TellsWhatIsOnALine) {
   EXPECT_EQ(run_scan({log_}), ExitCode::done) << remarks_;
-  EXPECT_TRUE(says("500000 bit/s  told by the interval")) << data_;
+  EXPECT_TRUE(says("500000 bit/s ") && says("told by the interval")) << data_;
   EXPECT_TRUE(says("2.000 ms")) << data_;
   EXPECT_TRUE(says("WRC1 50 x 8")) << data_;
   EXPECT_TRUE(says("0x18FF1234      50      1")) << data_;
@@ -94,6 +94,61 @@ TEST_F(ScanVerb, TellsTheSameAsObjects) {
 TEST_F(ScanVerb, SaysThatTheTypedRateIsAnother) {
   EXPECT_EQ(run_scan({log_, "--bit-rate", "125000"}), ExitCode::done);
   EXPECT_TRUE(says("--bit-rate; its interval belongs to 500000 bit/s")) << data_;
+}
+
+TEST_F(ScanVerb, OfOtherProtocolsNothingIsDerivedOrWritten) {
+  std::string log;
+  for (int i = 0; i < 200; ++i) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "(1.%06d) can0 080#\n(1.%06d) can0 181#0102030405060708\n(1.%06d) can0 381#0102030405060708\n"
+        "(1.%06d) can0 705#05\n",
+        4000 * i, 4000 * i + 300, 4000 * i + 900, 4000 * i + 1500);
+    log += text;
+  }
+  const std::string path = (folder_ / "canopen.log").string();
+  std::ofstream(path) << log;
+  const std::string out = (folder_ / "out").string();
+  EXPECT_EQ(run_scan({path, "--write", out}), ExitCode::not_cansync);
+  EXPECT_NE(remarks_.find("this does not look like CANsync; it looks like CANopen: 200 heartbeats"),
+            std::string::npos)
+      << remarks_;
+  EXPECT_TRUE(says("CANopen")) << data_;
+  EXPECT_FALSE(says("RDC1")) << data_;
+  EXPECT_FALSE(says("4.000 ms")) << data_;
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(ScanVerb, ALineThatIsNoFrameIsReadInPart) {
+  std::ofstream(log_, std::ios::app) << "nonsense\n";
+  EXPECT_EQ(run_scan({log_}), ExitCode::in_part);
+  EXPECT_TRUE(says("WRC1 50 x 8")) << data_;
+}
+
+TEST_F(ScanVerb, OthersAreCountedInWordsThatFit) {
+  const auto others = [&](unsigned identifiers) {
+    std::ofstream log(log_);
+    log << "# a remark\n";
+    for (unsigned i = 0; i < identifiers; ++i) {
+      char line[80];
+      std::snprintf(line, sizeof line, "(1.%06u) can0 %03X#00\n", i, 0x600 + i);
+      log << line;
+    }
+    log.close();
+    (void)run_scan({log_});
+    return data_;
+  };
+  EXPECT_NE(others(1).find(" 1 identifier "), std::string::npos) << data_;
+  EXPECT_NE(others(17).find(" 17 identifiers "), std::string::npos) << data_;
+  EXPECT_NE(others(70).find(" over 64 identifiers "), std::string::npos) << data_;
+  EXPECT_EQ(others(0).find("every frame is one"), std::string::npos) << data_;
+}
+
+TEST_F(ScanVerb, AnInterfaceThatIsNotInTheLogIsNamedWithOneThatIs) {
+  EXPECT_EQ(run_scan({log_, "--from", "can3"}), ExitCode::usage);
+  EXPECT_NE(remarks_.find("--from: found 'can3'"), std::string::npos) << remarks_;
+  EXPECT_NE(remarks_.find("such as can7"), std::string::npos) << remarks_;
 }
 
 TEST_F(ScanVerb, AsksNoRecordingAndNothingWithoutAsk) {

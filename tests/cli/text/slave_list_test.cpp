@@ -52,23 +52,26 @@ TEST(SlaveList, TakesNumbersRangesNamesAndAll) {
   EXPECT_EQ(line.parse("winder,winder"), 0x200u);
 }
 
-TEST(SlaveList, NumbersAskNobody) {
+TEST(SlaveList, ANumberAsksNobody) {
   Line line({{"3", 9}});
   EXPECT_EQ(line.parse("0"), 0x1u);
   EXPECT_EQ(line.parse("31"), 0x80000000u);
   EXPECT_EQ(line.parse("0x5"), 0x20u) << "a number, no mask";
+  EXPECT_EQ(line.parse("3"), 0x8u) << "no configuration takes a number for a name";
+  EXPECT_EQ(line.asked, 0);
   EXPECT_EQ(line.parse("1,3,5-9"), 0x3EAu);
   EXPECT_EQ(line.parse("3-3"), 0x8u);
-  EXPECT_EQ(line.parse("3"), 0x8u) << "a number wins over a name";
-  EXPECT_EQ(line.asked, 0);
 }
 
-TEST(SlaveList, AnExactNameWins) {
-  Line line({{"all", 5}, {"front,rear", 6}, {"rear", 7}, {"a-b", 8}});
-  EXPECT_EQ(line.parse("all"), 0x20u);
-  EXPECT_EQ(line.parse("front,rear"), 0x40u);
-  EXPECT_EQ(line.parse("rear,all"), 0xA0u);
-  EXPECT_EQ(line.parse("a-b"), 0x100u);
+TEST(SlaveList, WhatIsANameTooIsAmbiguous) {
+  Line line({{"1-2", 7}, {"front,rear", 6}, {"rear", 8}, {"front", 9}, {"all", 5}, {"a-b", 4}});
+  for (const char* text : {"1-2", "3,1-2", "front,rear", "all", "all,rear"}) {
+    const std::string told = line.complaint(text);
+    EXPECT_NE(told.find("is ambiguous"), std::string::npos) << text << ": " << told;
+  }
+  EXPECT_NE(line.complaint("1-2").find("slave 7 has this name"), std::string::npos);
+  EXPECT_EQ(line.parse("a-b"), 0x10u) << "no range";
+  EXPECT_EQ(line.parse("rear,front"), 0x300u);
 }
 
 TEST(SlaveList, WrongNumbersAreToldBeforeNamesAreAsked) {

@@ -146,6 +146,23 @@ const char* const kLog =
     "(1.001000) sync 080#\n"
     "(1.001040) can0 582#012D01800000\n";
 
+TEST_F(TraceVerb, AnotherFormatIsNamedWithTheRemedy) {
+  write(
+      "date Mon Nov 2 10:00:00 2026\nbase hex  timestamps absolute\n 0.100 1 123 Rx d 8 00 01 02 03 04 05 06 07\n");
+  const Outcome outcome = trace({});
+  EXPECT_EQ(outcome.code, ExitCode::failed);
+  EXPECT_EQ(outcome.data, "");
+  EXPECT_NE(outcome.remarks.find("it looks like a Vector ASC log; convert it: asc2log"), std::string::npos)
+      << outcome.remarks;
+}
+
+TEST_F(TraceVerb, AFileThatIsReadInPartHasAnExitStatusOfItsOwn) {
+  write(std::string(kLog) + "nonsense\n");
+  EXPECT_EQ(trace({}).code, ExitCode::in_part);
+  write("nonsense\n");
+  EXPECT_EQ(trace({}).code, ExitCode::failed);
+}
+
 TEST_F(TraceVerb, OneSlaveAlone) {
   write(kLog);
   const Outcome outcome = trace({"--slave", "2"});
@@ -176,16 +193,25 @@ TEST_F(TraceVerb, GarbageIsNamedCountedAndPassedOver) {
   write(std::string("(1.000000) sync 080#\r\n\n# 3 lines lost\nnonsense\n") + garbage + "\n" +
         std::string(100000, '(') + "\n(1.000300) can0 101#01\n(1.000000) can0 101#0100\n(1.2) can0");
   const Outcome outcome = trace({});
-  EXPECT_EQ(outcome.code, ExitCode::failed);
-  EXPECT_NE(outcome.remarks.find("line 3: # 3 lines lost"), std::string::npos) << outcome.remarks;
-  EXPECT_NE(outcome.remarks.find("line 4, column 1: "), std::string::npos) << outcome.remarks;
-  EXPECT_NE(outcome.remarks.find("line 5, column "), std::string::npos) << outcome.remarks;
-  EXPECT_NE(outcome.remarks.find("line 6: over 4096 characters"), std::string::npos) << outcome.remarks;
-  EXPECT_NE(outcome.remarks.find("line 9, column "), std::string::npos)
-      << "also the last line without an end";
+  EXPECT_EQ(outcome.code, ExitCode::in_part);
+  EXPECT_NE(outcome.remarks.find(":3: # 3 lines lost"), std::string::npos) << outcome.remarks;
+  EXPECT_NE(outcome.remarks.find(":4:1: "), std::string::npos) << outcome.remarks;
+  EXPECT_NE(outcome.remarks.find(":5:"), std::string::npos) << outcome.remarks;
+  EXPECT_NE(outcome.remarks.find(":6: over 4096 characters"), std::string::npos) << outcome.remarks;
+  EXPECT_NE(outcome.remarks.find(":9:"), std::string::npos) << "also the last line without an end";
   EXPECT_NE(outcome.remarks.find("4 lines were not understood"), std::string::npos) << outcome.remarks;
   EXPECT_NE(outcome.data.find("edge"), std::string::npos);
   EXPECT_NE(outcome.data.find("word 0x0001"), std::string::npos);
+}
+
+TEST_F(TraceVerb, AMarkOfUtf8AndWhatCandumpSaysOfAnErrorFrameAreNoDamage) {
+  write(
+      "\xEF\xBB\xBF  can0  20000004   [8]  00 0C 00 00 00 00 00 00   ERRORFRAME\n"
+      "\tcontroller-problem{rx-error-warning,tx-error-warning}\n  can0  101   [2]  01 00\n");
+  const Outcome outcome = trace({});
+  EXPECT_EQ(outcome.code, ExitCode::done) << outcome.remarks;
+  EXPECT_NE(outcome.data.find("controller problem"), std::string::npos) << outcome.data;
+  EXPECT_NE(outcome.data.find("word 0x0001"), std::string::npos) << outcome.data;
 }
 
 TEST_F(TraceVerb, ManyProblemsAreOnlyCounted) {
@@ -194,7 +220,7 @@ TEST_F(TraceVerb, ManyProblemsAreOnlyCounted) {
   write(log);
   const Outcome outcome = trace({});
   EXPECT_NE(outcome.remarks.find("1000 lines were not understood"), std::string::npos);
-  EXPECT_EQ(outcome.remarks.find("line 11,"), std::string::npos);
+  EXPECT_EQ(outcome.remarks.find(":11:"), std::string::npos);
 }
 
 TEST_F(TraceVerb, AnotherSyncIdentifierAndJson) {

@@ -1,8 +1,12 @@
 // CANsync_PAR_SL, sentence by sentence of section 4.13 of the application manual.
+#include "client/src/cansync_slave/slave_side.h"
 #include "slave_rig.h"
 
 namespace cansync::client::function_blocks {
 namespace {
+
+/// Of the sign of presence.
+constexpr std::chrono::milliseconds kPresencePeriod{500};
 
 class ParSl : public SlaveBlockTest {
  protected:
@@ -212,6 +216,48 @@ TEST_F(ParSl, AJobOfADaemonThatHasGoneIsOver) {
   ask_read(1, 401);
   ASSERT_TRUE(call_until(block, [&] { return block.x_READ; }));
   EXPECT_EQ(block.u_PAR_NR, 401);
+}
+
+/// What a daemon asks before the program knows its writer of jobs is lost, and the master waits in vain.
+TEST_F(ParSl, ADaemonIsToldOnlyWhenItsJobsReachTheProgram) {
+  daemon.reset();
+  daemon.emplace(places.here, FakeSlaveDaemon::WritesJobs::later);
+  daemon->status.slave_number = 6;
+  daemon->tell();
+  ASSERT_TRUE(call_until(block, [&] { return connection.side().status().slave_number == 6; }));
+  block.x_EN = true;
+  ASSERT_TRUE(call_until(block, [&] { return daemon->hears(); }));
+  const auto end = Clock::now() + 3 * kPresencePeriod;
+  EXPECT_TRUE(call_until(block, [&] { return Clock::now() >= end; }));
+  EXPECT_FALSE(daemon->parameters);
+  daemon->write_jobs();
+  enable();
+}
+
+/// A program and its stand-by both run: the drive is written by the one that the daemon asks.
+TEST_F(ParSl, JobsOfAnotherApplicationAreNotShown) {
+  enable();
+  daemon->name_application(true);
+  EXPECT_TRUE(call_until(block, [&] { return block.x_STANDBY; }));
+  cansync_slave_ParameterJob others = daemon->given(daemon->job(1, cansync_slave_JOB_ASKED), true);
+  others.parameter = 400;
+  others.write = true;
+  daemon->write(others);
+  daemon->write(daemon->given(daemon->job(1, cansync_slave_JOB_ANSWERED), true));
+  call_often(block);
+  EXPECT_FALSE(block.x_WRITE || block.x_OK || block.x_BUSY);
+  daemon->name_application(false);
+  EXPECT_TRUE(call_until(block, [&] { return !block.x_STANDBY; }));
+  cansync_slave_ParameterJob own = daemon->given(daemon->job(2, cansync_slave_JOB_ASKED), false);
+  own.parameter = 401;
+  own.write = true;
+  daemon->write(own);
+  ASSERT_TRUE(call_until(block, [&] { return block.x_WRITE; }));
+  EXPECT_EQ(block.u_PAR_NR, 401);
+  // The other one takes over: the job is taken away, and the block says so.
+  daemon->write(daemon->given(daemon->job(2, cansync_slave_JOB_DROPPED), false));
+  EXPECT_TRUE(call_until(block, [&] { return block.x_RESET_JOB; }));
+  EXPECT_FALSE(block.x_OK || block.x_WRITE);
 }
 
 }  // namespace

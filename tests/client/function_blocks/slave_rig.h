@@ -17,6 +17,7 @@
 #include "cansync_slave/dds/topics.h"
 #include "client/function_blocks/fake_daemon.h"
 #include "dds/daemon_identity.h"
+#include "dds/guard/writer_guid.h"
 
 /// The function blocks of a slave against a daemon without a bus.
 namespace cansync::client::function_blocks {
@@ -25,8 +26,13 @@ namespace cansync::client::function_blocks {
 /// parameter 301, listening to slave 7. Each object is a start of its own.
 class FakeSlaveDaemon : public FakeDaemon {
  public:
-  explicit FakeSlaveDaemon(const gateway::dds::ParticipantOptions& place)
+  /// Since when it writes jobs: DDS finds the endpoints of a program one by one.
+  enum class WritesJobs { at_once, later };
+
+  explicit FakeSlaveDaemon(const gateway::dds::ParticipantOptions& place,
+                           WritesJobs jobs = WritesJobs::at_once)
       : FakeDaemon(place, "cansync-slave") {
+    if (jobs == WritesJobs::at_once) write_jobs();
     status.slave_number = 5;
     status.option_status = 0x0020;
     status.interval_length = 1'000'000;
@@ -41,6 +47,13 @@ class FakeSlaveDaemon : public FakeDaemon {
   }
 
   void tell() { (void)status_writer_.write(status); }
+  /// Writes jobs from now on.
+  void write_jobs() {
+    job_writer_.emplace(participant_);
+    block_writer_.emplace(participant_);
+  }
+  /// A program is known that may say what it takes over.
+  bool hears() const { return answer_reader_.matched() != 0; }
   /// Each telegram comes a microsecond after the one before.
   void references(std::uint8_t telegram, std::uint32_t first, std::uint64_t interval) {
     put(telegram, first, interval, references_);
@@ -62,6 +75,21 @@ class FakeSlaveDaemon : public FakeDaemon {
     sample.data_word = word;
     write_to_client(action_writer_, sample);
   }
+  /// The status names the application that spoke last, or another one.
+  void name_application(bool other) {
+    gateway::dds::WriterGuid guid = application;
+    if (other) guid[0] = static_cast<std::uint8_t>(guid[0] ^ 0xFF);
+    std::copy(guid.begin(), guid.end(), std::begin(status.application_writer));
+    tell();
+  }
+  /// Gives a job to the application that spoke last, or to another one.
+  template <class Job>
+  Job given(Job sample, bool other) const {
+    gateway::dds::WriterGuid guid = application;
+    if (other) guid[0] = static_cast<std::uint8_t>(guid[0] ^ 0xFF);
+    std::copy(guid.begin(), guid.end(), std::begin(sample.application));
+    return sample;
+  }
   cansync_slave_ParameterJob job(std::uint64_t number, cansync_slave_JobStep step) const {
     cansync_slave_ParameterJob sample = {};
     sample.job = number;
@@ -70,7 +98,7 @@ class FakeSlaveDaemon : public FakeDaemon {
     gateway::dds::set_daemon(identity_, sample);
     return sample;
   }
-  void write(const cansync_slave_ParameterJob& sample) { write_to_client(job_writer_, sample); }
+  void write(const cansync_slave_ParameterJob& sample) { write_to_client(*job_writer_, sample); }
   cansync_slave_BlockJob block(std::uint64_t number, cansync_slave_BlockStep step) const {
     cansync_slave_BlockJob sample = {};
     sample.job = number;
@@ -83,7 +111,7 @@ class FakeSlaveDaemon : public FakeDaemon {
   void write(cansync_slave_BlockJob sample, std::vector<std::uint8_t> data = {}) {
     sample.data._buffer = data.data();
     sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(data.size());
-    write_to_client(block_writer_, sample);
+    write_to_client(*block_writer_, sample);
   }
 
   /// What applications have said, and their data; signs of presence apart.
@@ -94,9 +122,14 @@ class FakeSlaveDaemon : public FakeDaemon {
   std::vector<Answer> answers;
   std::optional<std::vector<std::uint16_t>> parameters;  ///< taken over, as said last; none: no application
   bool blocks = false;
+  gateway::dds::WriterGuid application = {};  ///< writer of the newest sign of presence
   std::vector<cansync_slave_ActualRelease> releases;
   void take() {
-    (void)answer_reader_.take([this](const cansync_slave_ApplicationAnswer& sample) {
+    (void)answer_reader_.take_batch([this](const cansync_slave_ApplicationAnswer& sample,
+                                           const dds_sample_info_t& info) {
+      if (!info.valid_data) return;
+      if (sample.kind == cansync_slave_ANSWER_PRESENT)
+        application = gateway::dds::guid_of_matched(answer_reader_.handle(), info.publication_handle);
       if (sample.kind == cansync_slave_ANSWER_GIVEN_UP) {
         parameters.reset();
         blocks = false;
@@ -168,8 +201,8 @@ class FakeSlaveDaemon : public FakeDaemon {
   gateway::dds::Writer<cansync_slave_ReferencesReceived> references_writer_{participant_};
   gateway::dds::Writer<cansync_slave_MonitoredValues> monitored_writer_{participant_};
   gateway::dds::Writer<cansync_slave_ActionReceived> action_writer_{participant_};
-  gateway::dds::Writer<cansync_slave_ParameterJob> job_writer_{participant_};
-  gateway::dds::Writer<cansync_slave_BlockJob> block_writer_{participant_};
+  std::optional<gateway::dds::Writer<cansync_slave_ParameterJob>> job_writer_;
+  std::optional<gateway::dds::Writer<cansync_slave_BlockJob>> block_writer_;
   gateway::dds::Reader<cansync_slave_ApplicationAnswer> answer_reader_{participant_};
   gateway::dds::Reader<cansync_slave_ActualRelease> release_reader_{participant_};
   gateway::dds::Reader<cansync_slave_SlaveCommand> command_reader_{participant_};

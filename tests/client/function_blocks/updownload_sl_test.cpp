@@ -178,5 +178,22 @@ TEST_F(UpdownloadSl, WhatMovesTelegramByTelegramIsRefused) {
   EXPECT_FALSE(block.x_BUSY);
 }
 
+/// A program and its stand-by both run: a block belongs to the one that the daemon asks.
+TEST_F(UpdownloadSl, BlocksOfAnotherApplicationAreNotTaken) {
+  enabled();
+  daemon->name_application(true);
+  EXPECT_TRUE(call_until(block, [&] { return block.x_STANDBY; }));
+  cansync_slave_BlockJob others = daemon->given(daemon->block(1, cansync_slave_BLOCK_BEGUN), true);
+  others.download = true;
+  others.length = 4;
+  daemon->write(others);
+  daemon->write(daemon->given(daemon->block(1, cansync_slave_BLOCK_COMPLETE), true), {1, 2, 3, 4});
+  daemon->write(daemon->given(daemon->block(1, cansync_slave_BLOCK_ENDED), true));
+  call_often(block);
+  EXPECT_FALSE(block.x_ORDER_ACTIV || block.x_BUSY || block.x_OK);
+  EXPECT_EQ(block.a_DOWNLOAD[0], 0);
+  EXPECT_TRUE(daemon->answers.empty());
+}
+
 }  // namespace
 }  // namespace cansync::client::function_blocks

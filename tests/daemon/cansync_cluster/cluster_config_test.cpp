@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "cansync_cluster/config/file.h"
 #include "config/problem.h"
-#include "daemon/cansync_cluster/config/file.h"
 
 namespace cansyncd {
 namespace {

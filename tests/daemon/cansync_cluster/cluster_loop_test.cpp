@@ -6,6 +6,8 @@
 #include <map>
 
 #include "cluster_rig.h"
+#include "daemon/cansync/state_text.h"
+#include "daemon/cansync/texts/refusal_text.h"
 
 namespace cansyncd::test {
 namespace {
@@ -139,6 +141,26 @@ TEST(ClusterLoop, AClientMayNotGiveWhatTheLeadAxisGivesAndItsJobsGoBesideThoseOf
   EXPECT_EQ(rig.asker.results[1]->outcome, cansync::Outcome::done);
 }
 
+TEST(ClusterLoop, TheLimitsOfAReferenceValueHoldForTheLeadAxis) {
+  constexpr std::uint32_t kMost = 0x11000000 + 1'200;  // the ramp above gets there
+  ClusterRig rig;
+  rig.cluster_settings.lower.process.reference_limits[4].maximum = kMost;
+  rig.run_until(1500 * rig.times.interval);
+  std::map<long, std::uint32_t> below;
+  for (const std::uint32_t slave : {0u, 1u})
+    below.merge(by_edge(rig.lower_trace, rig.upper_trace, 0x180 + slave, rig.times.interval));
+  ASSERT_FALSE(below.empty());
+  EXPECT_EQ(below.rbegin()->second, kMost) << "the limit itself is the last that goes down";
+  const auto refused = rig.told<ReferenceRefused>();
+  ASSERT_GT(refused.size(), 100u);
+  EXPECT_EQ(refused[0].refusal, cansync::Refusal::beyond_limit);
+  EXPECT_EQ(refused[0].channel, cansync::Channel::two);
+  EXPECT_EQ(refused[0].beyond.number, kMost + 1);
+  const cansync::LeadCounters& counters = rig.cluster->lead().counters(cansync::Channel::two);
+  EXPECT_EQ(counters.refused, refused.size());
+  EXPECT_GE(rig.lower_snapshot.release[1].beyond_limits + 1, refused.size()) << "as of the last interval";
+}
+
 TEST(ClusterLoop, AClientMayNotChangeTheMappingOfWhatTheLeadAxisGives) {
   ClusterRig rig;
   const cansync::ProcessMapping before = rig.cluster_settings.lower.process.reference_mapping;
@@ -193,9 +215,20 @@ TEST(ClusterLoop, SetUpIsLeftUntilTheUpperSyncIsThere) {
   rig.at(std::chrono::milliseconds(500), [&] {
     EXPECT_TRUE(rig.lower.requests.try_push(ModeRequest{3, Mode::set_up, false}));
   });
+  rig.at(std::chrono::milliseconds(900), [&] {
+    MasterSnapshot lower;
+    ASSERT_TRUE(rig.lower.master.read(lower));
+    EXPECT_TRUE(lower.waits_for_upper_sync);
+    EXPECT_EQ(state_text(lower), "waiting for the SYNC of the upper bus");
+    const RefusalContext line = {.state = lower.state, .waits_for_upper_sync = lower.waits_for_upper_sync};
+    EXPECT_EQ(refusal_text(cansync::Refusal::wrong_state, ModeRequest{4, Mode::run, false}, Config{}, line),
+              "state: the master is in stop (0x0003); run is entered from setup alone: the upper bus of the "
+              "cluster has no SYNC: start that one first, then give mode setup, then mode run");
+  });
   rig.run_until(seconds(2));
   EXPECT_TRUE(std::ranges::none_of(rig.lower_trace.edges, [](can::Time at) { return at < seconds(1); }));
   EXPECT_EQ(rig.lower_snapshot.state, cansync::State::setting_up_master);
+  EXPECT_FALSE(rig.lower_snapshot.waits_for_upper_sync);
 }
 
 }  // namespace

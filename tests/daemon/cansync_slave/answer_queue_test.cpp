@@ -66,5 +66,17 @@ TEST_F(AnswerQueueTest, NoResponseOvertakesAnother) {
   EXPECT_EQ(next(1000), 0x586u);
 }
 
+TEST_F(AnswerQueueTest, WhatWaitsIsDroppedWithTheStateThatItCameFrom) {
+  add(0x585, AnswerSlot::response, 1000, 1210);
+  add(0x305, AnswerSlot::actual_one, 400, 520);
+  add(0x385, AnswerSlot::actual_two, 700, 820);
+  queue_.drop(false);
+  EXPECT_EQ(queue_.next_deadline(), at(1000)) << "parameters are answered without active operation, too";
+  queue_.drop(true);
+  EXPECT_EQ(queue_.next_deadline(), can::Time::max());
+  add(0x585, AnswerSlot::response, 1000, 1210);
+  EXPECT_EQ(next(1000), 0x585u);
+}
+
 }  // namespace
 }  // namespace cansyncd

@@ -175,5 +175,25 @@ TEST_F(ApplicationGateTest, ThatItIsGoneReachesTheRealtimeThreadAlsoWhenThereIsN
   EXPECT_FALSE(gone->present);
 }
 
+TEST_F(ApplicationGateTest, OfTooManyAnswersThatWaitFewerAreTakenAndThoseForThisStart) {
+  say(cansync_slave_ANSWER_PRESENT, {400});
+  ASSERT_TRUE(order<TakeOver>());
+  say(cansync_slave_ANSWER_PARAMETER, {}, {9});
+  EXPECT_TRUE(no_order());
+  say(cansync_slave_ANSWER_PARAMETER);
+  EXPECT_TRUE(order<JobAnswer>()) << "a job of this start";
+  while (exchange_.orders.try_push(JobAnswer{})) {
+  }
+  say(cansync_slave_ANSWER_PARAMETER);
+  const auto told = journal_.with("EVENT", "application_refused");
+  ASSERT_FALSE(told.empty());
+  while (order<JobAnswer>()) {
+  }
+  say(cansync_slave_ANSWER_PARAMETER);
+  const auto taken = order<JobAnswer>();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->id, 7u);
+}
+
 }  // namespace
 }  // namespace cansyncd

@@ -201,5 +201,50 @@ TEST(SlaveCommandsTest, TheSlaveOfAClusterTakesNoOther) {
   EXPECT_FALSE(core.commands.take());
 }
 
+/// A bus whose controller takes its time to be reset.
+class SlowReset final : public can::Bus {
+ public:
+  can::Time now() noexcept override { return can::Time{0}; }
+  can::Wake wait_until(can::Time) noexcept override { return can::Wake::deadline; }
+  bool receive(can::ReceivedFrame&) noexcept override { return false; }
+  can::SendResult send(const can::Frame&) noexcept override { return can::SendResult::queued; }
+  can::ControllerStatus status() noexcept override { return {}; }
+  can::ResetResult reset() noexcept override { return can::ResetResult::pending; }
+  can::ResetResult reset_result() noexcept override { return can::ResetResult::pending; }
+  can::TimestampSource timestamp_source() noexcept override { return can::TimestampSource::thread; }
+};
+
+// An order that is stopped says what is known of it: a reset that was begun may be done, those behind it are not.
+TEST(SlaveCommandsTest, WhatIsStoppedBeforeItsEndSaysWhatIsKnownOfIt) {
+  SlaveRig rig;
+  SlowReset bus;
+  SlaveDesk desk({}, 301, 0, rig.exchange);
+  cansync::Slave slave({}, desk.application());
+  SlaveCommands commands(slave, bus, rig.exchange, SlaveTarget::active, false);
+  commands.set_up();
+  ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{7, SlaveMode::reset_can}));
+  ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{8, SlaveMode::stop}));
+  EXPECT_FALSE(commands.take()) << "the reset is under way, and the other one waits for it";
+  const auto reset = commands.take_stopped();
+  const auto behind = commands.take_stopped();
+  ASSERT_TRUE(reset && behind);
+  EXPECT_EQ(id_of(*reset), 7u);
+  EXPECT_EQ(reset->stopped, can::JobKnown::handed_over);
+  EXPECT_EQ(id_of(*behind), 8u);
+  EXPECT_EQ(behind->stopped, can::JobKnown::not_sent);
+  EXPECT_EQ(slave.state(), State::active_slave) << "nothing of it was done";
+  EXPECT_FALSE(commands.take_stopped());
+}
+
+TEST(SlaveCommandsTest, WhatWaitsWhenTheLoopEndsIsAnsweredAsNotBegun) {
+  CommandRig rig;
+  const can::Time end = 1500 * rig.times.interval;
+  rig.order(end, SlaveModeOrder{9, SlaveMode::stop});
+  rig.run(end);
+  ASSERT_EQ(rig.answers.size(), 1u);
+  EXPECT_EQ(id_of(rig.answers[0]), 9u);
+  EXPECT_EQ(rig.answers[0].stopped, can::JobKnown::not_sent);
+}
+
 }  // namespace
 }  // namespace cansyncd

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "cansync_slave/config/file.h"
+#include "cansync_slave/config/options.h"
 #include "config/problem.h"
-#include "daemon/cansync_slave/config/file.h"
-#include "daemon/cansync_slave/config/options.h"
 #include "daemon/cansync_slave/segment/slave_segment.h"
 
 namespace cansyncd {

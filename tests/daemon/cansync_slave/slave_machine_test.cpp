@@ -201,6 +201,26 @@ void ask_at(SlaveRig& rig, can::Time when, unsigned number) {
   });
 }
 
+/// An answer that waits for its slot when the slave is stopped: its asker is told "dropped".
+TEST(SlaveMachineTest, NothingIsAnsweredAfterAStop) {
+  constexpr unsigned kSteps = 32;
+  for (unsigned step = 0; step < kSteps; ++step) {
+    SlaveRig rig;
+    const can::Time interval = rig.times.interval;
+    ask_at(rig, 1500 * interval, 301);
+    const can::Time stop = 1501 * interval + step * interval / (kSteps / 2);
+    rig.at(stop,
+           [&rig] { ASSERT_TRUE(rig.exchange.commands.try_push(SlaveModeOrder{.mode = SlaveMode::stop})); });
+    rig.run_until(1520 * interval);
+    // What was handed over may wait for the frame that is on the bus.
+    const can::Time last = stop + microseconds(150);
+    for (const sim::TracedFrame& one : rig.trace.frames) {
+      if (one.frame.identifier() != cansync::identifier::response + kNumber) continue;
+      EXPECT_LE(one.start, last) << "stopped in step " << step;
+    }
+  }
+}
+
 void take_over_at(SlaveRig& rig, can::Time when, unsigned number) {
   rig.at(when, [&rig, number] {
     TakeOver order;

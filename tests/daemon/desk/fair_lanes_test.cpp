@@ -245,8 +245,21 @@ TEST(RequestNumbers, OnlySoFarBack) {
   EXPECT_FALSE(numbers.use(5001));
 }
 
+TEST(JobNumbers, BelongToOneStartOfTheDaemon) {
+  JobBook before({0x12, 0x34, 0x56, 0x78, 0x9A});
+  JobBook after({0x12, 0x34, 0x56, 0x78, 0x9B});
+  const JobId first = before.next_id();
+  EXPECT_EQ(first, 0x0112'3456'789Au);
+  EXPECT_EQ(before.next_id(), first + 1);
+  EXPECT_NE(after.next_id(), first) << "`cancel`, typed for a job before a restart, ends no other one";
+  EXPECT_EQ(JobBook::first_id({}), JobId{1} << 40);
+  gateway::dds::DaemonIdentity highest;
+  highest.fill(0xFF);
+  EXPECT_LT(JobBook::first_id(highest), JobId{1} << 41) << "a whole number of JSON has 53 bits";
+}
+
 TEST(Admission, WhoIsStillLeavingAndOneClientTooManyAreToldApart) {
-  JobBook book;
+  JobBook book({});
   const auto leaving = book.admit({}, {nullptr, ClientTable::Admission::leaving}, 0, 0, {});
   EXPECT_EQ(leaving.denial.cause, gateway_CAUSE_IDENTITY);
   EXPECT_FALSE(leaving.client != nullptr || leaving.forget);

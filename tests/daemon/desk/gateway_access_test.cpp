@@ -49,6 +49,7 @@ TEST(Access, EveryKindOfRequestHasItsRight) {
       {SetCursors{}, Right::engineer, true},
       {SetReferenceMapping{}, Right::engineer, true},
       {SetActualMapping{}, Right::engineer, true},
+      {SetReferenceLimits{}, Right::engineer, true},
       {ReleaseSlave{}, Right::engineer, true},
   };
   Config open = gateway_config();

@@ -87,7 +87,10 @@ TEST(Audit, EachChangeHasExactlyOneEntryWithWhoWhatOldNewAndResult) {
   EXPECT_EQ(write.field("CANSYNC_OLD"), "41");
   EXPECT_EQ(write.field("CANSYNC_NEW"), "42");
   EXPECT_EQ(write.field("CANSYNC_RESULT"), "done");
-  EXPECT_NE(write.message.find("by 'tester' (01000000): done"), std::string::npos) << write.message;
+  EXPECT_TRUE(write.message.starts_with(
+      "parameter_write slave 1 'feeder' parameter 100 = 42 (before: 41) by 'tester'"))
+      << write.message;
+  EXPECT_TRUE(write.message.ends_with("(01000000): done")) << write.message;
 
   rig.client.write(download(++number));
   answer_as_done(rig);

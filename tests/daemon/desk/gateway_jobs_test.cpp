@@ -57,6 +57,22 @@ TEST(GatewayJobs, AReadReachesTheRealtimeThreadAndIsAnsweredOnce) {
   EXPECT_EQ(rig.client.replies<cansync_ParameterReply>(7), 0u);
 }
 
+TEST(GatewayJobs, AnOpenReadSurvivesAChangeOfTheNetwork) {
+  GatewayRig rig;
+  rig.client.write(good_read(7));
+  const auto job = rig.expect_request<cansync::ParameterRequest>();
+  rig.gateway->set_surroundings({"", {"lo", "another address", ""}});
+  ASSERT_TRUE(rig.client.wait_for<gateway_Event>(
+      [](const auto& event) { return gateway::dds::text(event.code) == "network_joined"; }));
+  cansync::ParameterResult result;
+  result.value = 0x1234;
+  rig.answer(ParameterDone{job.id, result});
+  const auto reply = rig.client.reply<cansync_ParameterReply>(7);
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->code, gateway_REPLY_DONE);
+  EXPECT_EQ(reply->value, 0x1234u);
+}
+
 TEST(GatewayJobs, ALostSlaveIsNamedInTheReply) {
   GatewayRig rig;
   rig.client.write(good_read(1));

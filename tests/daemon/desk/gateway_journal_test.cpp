@@ -28,8 +28,8 @@ TEST(GatewayJournal, EveryEventThatClientsSeeHasItsEntry) {
   rig.report(BusFault{moment(11), BusFaultKind::overrun, false, 1});
   rig.report(LinkChanged{moment(12), can::LinkState::up, can::LinkState::missing, 0, 0});
   rig.report(StateChanged{moment(13)});
-  const std::vector<gateway_Event> events = rig.client.events(22);
-  EXPECT_EQ(events.size(), 22u);
+  const std::vector<gateway_Event> events = rig.client.events(26);
+  EXPECT_EQ(events.size(), 26u);
   for (const gateway_Event& event : events) {
     const KeptJournal::Entry entry = entry_of(rig, event.number);
     EXPECT_EQ(entry.field("EVENT"), event.code);
@@ -37,7 +37,8 @@ TEST(GatewayJournal, EveryEventThatClientsSeeHasItsEntry) {
     EXPECT_EQ(entry.field("SLAVE"), event.slave < 0 ? "" : std::to_string(event.slave)) << event.code;
     EXPECT_EQ(entry.field("CANSYNC_INTERVAL"), std::to_string(event.interval)) << event.code;
     const std::string_view code = event.code;
-    const bool of_parameter = code == "slave_check_failed" || code == "slave_status_refused";
+    const bool of_parameter =
+        code == "slave_check_failed" || code == "slave_status_refused" || code == "wrong_drive";
     EXPECT_EQ(entry.field("PARAMETER"), of_parameter ? "100" : "") << event.code;
     EXPECT_NE(entry.message.find(event.text), std::string::npos) << event.code;
     const LogPriority expected = event.severity == gateway_SEVERITY_ERROR     ? LogPriority::error

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "config/problem.h"
-#include "daemon/j1939/config/file.h"
-#include "daemon/j1939/config/options.h"
 #include "daemon/j1939/segment/j1939_segment.h"
+#include "j1939/config/file.h"
+#include "j1939/config/options.h"
 
 namespace cansyncd {
 namespace {
@@ -98,6 +98,20 @@ data = [1, 2, 3]
   ASSERT_EQ(node.provided.size(), 1u);
   EXPECT_EQ(node.provided[0].data.size(), 3u);
   EXPECT_EQ(node.filter.match(0xFEF1, 33), 1);
+}
+
+TEST_F(J1939Configuration, WithoutANameItLosesAgainstEveryNode) {
+  const J1939Config config = good("[address]\npreferred = 0x80\n");
+  EXPECT_EQ(j1939::compose(config.name), 0xFFFEFFFFFFFFFFFFu) << "bit 48 is reserved";
+  EXPECT_EQ(J1939Parts::machine_settings(config, nullptr).node.claim.ask_time,
+            std::chrono::milliseconds(250));
+  EXPECT_NE(
+      J1939Parts::check_text(config).find("NAME FFFEFFFFFFFFFFFF (a node that has the address keeps it)"),
+      std::string::npos);
+  const J1939Config contests = good("[address]\npreferred = 0x80\ncontest = true\n");
+  EXPECT_EQ(J1939Parts::machine_settings(contests, nullptr).node.claim.ask_time,
+            std::chrono::milliseconds(0));
+  EXPECT_NE(J1939Parts::check_text(contests).find("(every other NAME wins)"), std::string::npos);
 }
 
 TEST_F(J1939Configuration, WhatIsWrongNamesItsPlace) {

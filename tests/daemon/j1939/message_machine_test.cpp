@@ -202,7 +202,9 @@ TEST(MessageMachine, TheEndAnswersWhatIsOpen) {
   rig.order_at(milliseconds(300), {.id = 1, .number = 0xFEF2, .timeout = seconds(5), .memory = data});
   rig.run_until(milliseconds(320));
   ASSERT_EQ(rig.answers.count(1), 1u);
-  EXPECT_EQ(rig.answers.find(1)->second.answer.outcome, Outcome::stopped);
+  const j1939::Answer& answer = rig.answers.find(1)->second.answer;
+  EXPECT_EQ(answer.outcome, Outcome::no_answer) << "its announcement was on the bus";
+  EXPECT_EQ(answer.ended_by, j1939::JobEnd::stopped);
 }
 
 }  // namespace

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "config/problem.h"
-#include "daemon/layer2/config/file.h"
-#include "daemon/layer2/config/options.h"
 #include "daemon/layer2/gateway/send_requests.h"
 #include "daemon/layer2/segment/layer2_segment.h"
+#include "layer2/config/file.h"
+#include "layer2/config/options.h"
 
 namespace cansyncd {
 namespace {

@@ -125,6 +125,7 @@ TEST_F(Layer2Objects, L34WhatBelongsToTheMappingIsRefusedWithItsPlace) {
   EXPECT_EQ(result.cause, gateway_CAUSE_WRONG_STATE);
   EXPECT_EQ(result.reason.rfind("settings[1].number: this object belongs to the data mapping", 0), 0u)
       << result.reason;
+  EXPECT_EQ(configure({sender(27, 0x300)}).code, gateway_REPLY_DONE);
 }
 
 TEST_F(Layer2Objects, L35L39JobsAreAnsweredWhenTheyStoodOnTheBus) {

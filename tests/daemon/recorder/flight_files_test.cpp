@@ -246,6 +246,10 @@ TEST_F(FlightFolder, AFolderThatIsGoneIsAnEventAndTheRecorderGoesOn) {
   EXPECT_EQ(told[0].severity, gateway_SEVERITY_ERROR);
   EXPECT_NE(told[0].text.find("/gone/flight-line_1-"), std::string::npos) << told[0].text;
   EXPECT_NE(told[0].text.find("No such file or directory"), std::string::npos) << told[0].text;
+  fs::create_directory(gone.folder);
+  const auto later = told_of(gone, 5);
+  ASSERT_EQ(later.size(), 1U);
+  EXPECT_EQ(later[0].code, "flight_recording") << "the next fault is recorded again";
 }
 
 TEST_F(FlightFolder, AFullDiskIsAnEventAndLeavesNoHalfFile) {

@@ -29,7 +29,7 @@ TEST(JournalEntry, FieldsStayFieldsAndControlCharactersDoNotEndThem) {
       "SYSLOG_IDENTIFIER=cansyncd",
       "MESSAGE_ID=" + std::string(EventCode("slave_lost").message_id()),
       "EVENT=slave_lost",
-      "CLIENT=a?PRIORITY=0",
+      "CLIENT=a\\x0aPRIORITY=0",
       "SLAVE=3"};
   EXPECT_EQ(sent_fields, expected);
 }
@@ -80,12 +80,12 @@ TEST(ServiceLog, ManyProblemsAreCountedInOne) {
 }
 
 TEST(LogLine, KeepsThePriorityAsAMarkOrAWord) {
-  EXPECT_EQ(line_of(LogPriority::error, "no bus", false), "<3>no bus\n");
-  EXPECT_EQ(line_of(LogPriority::info, "a\x1b[31m\nb", false), "<6>a?[31m?b\n");
-  EXPECT_EQ(line_of(LogPriority::error, "no bus", true), "error: no bus\n");
-  EXPECT_EQ(line_of(LogPriority::warning, "slow", true), "warning: slow\n");
-  EXPECT_EQ(line_of(LogPriority::notice, "running", true), "running\n");
-  EXPECT_EQ(line_of(LogPriority::info, "running", true), "running\n");
+  EXPECT_EQ(line_of(LogPriority::error, "no bus", true), "<3>no bus\n");
+  EXPECT_EQ(line_of(LogPriority::info, "a\x1b[31m\nb", true), "<6>a\\x1b[31m\\x0ab\n");
+  EXPECT_EQ(line_of(LogPriority::error, "no bus", false), "error: no bus\n");
+  EXPECT_EQ(line_of(LogPriority::warning, "slow", false), "warning: slow\n");
+  EXPECT_EQ(line_of(LogPriority::notice, "running", false), "running\n");
+  EXPECT_EQ(line_of(LogPriority::info, "running", false), "running\n");
 }
 
 }  // namespace

@@ -113,8 +113,8 @@ const dds::TopicInfo& references() {
   return dds::topic_info<cansync_ReferenceValues>;
 }
 
-void shared(dds_qos_t* qos) {
-  dds_qset_ownership(qos, DDS_OWNERSHIP_SHARED);
+void exclusive(dds_qos_t* qos) {
+  dds_qset_ownership(qos, DDS_OWNERSHIP_EXCLUSIVE);
 }
 
 void as_it_is(dds_qos_t* /*qos*/) {}
@@ -122,7 +122,7 @@ void as_it_is(dds_qos_t* /*qos*/) {}
 TEST(IncompatiblePeers, ThePolicyTheTopicAndTheProgramAreToldOnce) {
   IncompatibleRig rig;
   std::optional<RawWriter> writer;
-  writer.emplace(rig.places.there, references(), *references().type, shared);
+  writer.emplace(rig.places.there, references(), *references().type, exclusive);
   ASSERT_TRUE(rig.until(1));
   const auto event = rig.event_of(writer->participant());
   ASSERT_TRUE(event);
@@ -130,7 +130,7 @@ TEST(IncompatiblePeers, ThePolicyTheTopicAndTheProgramAreToldOnce) {
   EXPECT_EQ(event->severity, gateway_SEVERITY_WARNING);
   const std::string text(dds::text(event->text));
   EXPECT_NE(text.find("a writer of topic ReferenceValues of "), std::string::npos) << text;
-  EXPECT_NE(text.find("does not match: ownership (offered shared, asked for exclusive)"), std::string::npos)
+  EXPECT_NE(text.find("does not match: ownership (offered exclusive, asked for shared)"), std::string::npos)
       << text;
   EXPECT_NE(text.find(fmt::format("process {}", getpid())), std::string::npos) << text;
 
@@ -195,8 +195,8 @@ TEST(IncompatiblePeers, ProgramsOfAnotherBusAreNoneOfOurs) {
   IncompatibleRig rig;
   auto elsewhere = rig.places.there;
   elsewhere.partition = "otherbus";
-  const RawWriter stranger(elsewhere, references(), *references().type, shared);
-  const RawWriter writer(rig.places.there, references(), *references().type, shared);
+  const RawWriter stranger(elsewhere, references(), *references().type, exclusive);
+  const RawWriter writer(rig.places.there, references(), *references().type, exclusive);
   ASSERT_TRUE(rig.until(1));
   ASSERT_TRUE(rig.event_of(writer.participant()));
   EXPECT_EQ(rig.told().size(), 1u);
@@ -205,7 +205,7 @@ TEST(IncompatiblePeers, ProgramsOfAnotherBusAreNoneOfOurs) {
 TEST(IncompatiblePeers, WhoFitsIsNotTold) {
   IncompatibleRig rig;
   const RawWriter fits(rig.places.there, references(), *references().type, as_it_is);
-  const RawWriter writer(rig.places.there, references(), *references().type, shared);
+  const RawWriter writer(rig.places.there, references(), *references().type, exclusive);
   ASSERT_TRUE(rig.until(1));
   ASSERT_TRUE(rig.event_of(writer.participant()));
   EXPECT_EQ(rig.told().size(), 1u);

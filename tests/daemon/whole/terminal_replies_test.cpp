@@ -185,11 +185,14 @@ void new_daemon(Scene& scene) {
 }
 
 const std::vector<Cause>& causes() {
-  // What waits for others may have been done, or be refused, by then.
+  // What waits for others may have been done, or be refused, by then; of what the slave may have taken nothing is known.
   static const Codes kStoppedLater = kStopped | kRefused;
   static const Endings kOvertaken =
-      with(jobs(kDone | kStopped, kDone | kStoppedLater),
-           {{control_word, kDone | kStopped}, {broadcast, kDone | kStopped}, {mode, kDone | kRefused}});
+      with(jobs(kDone | kStopped, kDone | kStoppedLater), {{write, kDone | kStopped | kNoAnswer},
+                                                           {download, kDone | kStopped | kNoAnswer},
+                                                           {control_word, kDone | kStopped},
+                                                           {broadcast, kDone | kStopped},
+                                                           {mode, kDone | kRefused}});
   static const std::vector<Cause> all = {
       {"nothing", kForEver, false, [](Scene&) {}, jobs(kDone)},
       {"busy until the monitoring time is over", kSoon, true, [](Scene&) {}, jobs(kTimeout)},

@@ -1,7 +1,7 @@
 // Gives reference values that tell when they were written: value 0 is the time of CLOCK_MONOTONIC in
 // milliseconds. Tells on standard output, a line for each, the value and when it had surely been written. For
 // suspension_test.py, which compares that with the time at which the telegram was on the bus.
-//   stamped_writer DOMAIN BUS PERIOD_MS RELEASE_INTERVALS
+//   stamped_writer DOMAIN BUS PERIOD_MS RELEASE_INTERVALS [NAME [INTERFACE]]
 #include <cansync/client.h>
 
 #include <array>
@@ -26,8 +26,9 @@ int main(int count, char** arguments) {
   using std::chrono::milliseconds;
   using std::chrono::steady_clock;
   namespace client = cansync::client;
-  if (count != 5) {
-    std::fprintf(stderr, "usage: %s DOMAIN BUS PERIOD_MS RELEASE_INTERVALS\n", arguments[0]);
+  if (count < 5 || count > 7) {
+    std::fprintf(stderr, "usage: %s DOMAIN BUS PERIOD_MS RELEASE_INTERVALS [NAME [INTERFACE]]\n",
+                 arguments[0]);
     return EXIT_FAILURE;
   }
   const milliseconds period(std::strtol(arguments[3], nullptr, 10));
@@ -36,7 +37,8 @@ int main(int count, char** arguments) {
     client::Options options;
     options.domain = static_cast<std::uint32_t>(std::strtoul(arguments[1], nullptr, 10));
     options.bus = arguments[2];
-    options.client_name = "stamped writer";
+    options.client_name = count >= 6 ? arguments[5] : "stamped writer";
+    if (count >= 7) options.interface = arguments[6];
     options.wait = std::chrono::minutes(2);
     client::Client link = client::Client::connect(options);
     client::ReferenceWriter writer(link);

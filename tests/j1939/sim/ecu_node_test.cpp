@@ -64,6 +64,21 @@ TEST(EcuNode, SendsItsMessageAgainAndAgainAndItsFirstByteCounts) {
   EXPECT_EQ(frames[4], frame(0x18FEF121, {4, 2, 3}));
 }
 
+// DM1 of one fault, J1939-73: amber lamp, SPN 110, FMI 16, 3 occurrences. A count would change its lamps.
+TEST(EcuNode, WithoutACountItsMessageStaysAsItIs) {
+  EcuSettings settings = engine();
+  settings.group = 0xFECA;
+  settings.data = {0x04, 0xFF, 0x6E, 0x00, 0x10, 0x03, 0xFF, 0xFF};
+  settings.period = milliseconds(300);
+  settings.counts = false;
+  Line line({.bits_per_second = 250'000}, alone(settings));
+  const auto frames = sent_until(line, milliseconds(1000));
+  ASSERT_EQ(frames.size(), 5u);
+  const can::Frame fault = frame(0x18FECA21, {0x04, 0xFF, 0x6E, 0x00, 0x10, 0x03, 0xFF, 0xFF});
+  EXPECT_EQ(frames[2], fault);
+  EXPECT_EQ(frames[4], fault);
+}
+
 TEST(EcuNode, ItsLongMessageIsABroadcast) {
   EcuSettings settings = engine();
   settings.data = counting(9);

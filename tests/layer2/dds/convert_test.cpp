@@ -131,8 +131,8 @@ std::string in_words(const TopicQos& qos) {
                                       qos.max_instances, qos.max_samples_per_instance)
                         : fmt::format(", keep last {}", qos.depth);
   if (qos.transient_local) words += ", transient local";
-  if (qos.exclusive) {
-    words += fmt::format(", exclusive ownership, liveliness {} ms offered, {} ms asked for",
+  if (qos.owned) {
+    words += fmt::format(", one writer at a time, liveliness {} ms offered, {} ms asked for",
                          qos.offered_lease / DDS_MSECS(1), qos.lease / DDS_MSECS(1));
   }
   return words;
@@ -142,7 +142,9 @@ TEST(Topics, DocumentShowsTheTable) {
   std::ifstream file(CANSYNC_LAYER2_DOC);
   const std::string document{std::istreambuf_iterator<char>(file), {}};
   for (const TopicInfo* topic : all_topics()) {
-    const std::string key = topic->type->m_nkeys == 0 ? "–" : topic->type->m_keys[0].m_name;
+    std::string key = topic->type->m_nkeys == 0 ? "–" : "";
+    for (std::uint32_t i = 0; i < topic->type->m_nkeys; ++i)
+      key += std::string(i == 0 ? "" : ", ") + topic->type->m_keys[i].m_name;
     const std::string row = fmt::format("| `{}` | {} | {} | {} |", topic->name,
                                         topic->from_daemon ? "daemon" : "clients", key, in_words(topic->qos));
     EXPECT_NE(document.find(row), std::string::npos) << "docs/layer2.md has no row: " << row;

@@ -2,11 +2,13 @@
 
 import contextlib
 import ctypes
+import json
 import os
 import pathlib
 import re
 import shutil
 import signal
+import subprocess
 import unittest
 
 from machine import *
@@ -69,9 +71,12 @@ class Running(unittest.TestCase):
             self.assertIn(known, text)
             text = text.replace(known, "")
         (line / f"{INTERFACE}.toml").write_text(text, encoding="utf-8")
+        before = os.umask(0o077)  # as root's shell may have it
+        self.addCleanup(os.umask, before)
         told = run("cansync", "setup", line, "--yes", "--name", "1=axis-1", "--sync", "can", "--start", "active")
         for words in (f"write {CONFIGURATION}", f"keep /etc/systemd/network/25-{INTERFACE}.network",
-                      f"run systemctl enable --now cansyncd@{INTERFACE}", f"next: cansync --bus {INTERFACE} doctor"):
+                      f"run systemctl enable cansyncd@{INTERFACE}", f"run systemctl start cansyncd@{INTERFACE}",
+                      f"cansyncd@{INTERFACE} runs with {CONFIGURATION}, and starts at every boot", f"next: cansync --bus {INTERFACE} doctor"):
             self.assertIn(words, told)
         self.assertEqual(run("systemctl", "is-enabled", SERVICE).strip(), "enabled")
         self.assertEqual(properties("ActiveState")["ActiveState"], "active")
@@ -95,6 +100,17 @@ class Running(unittest.TestCase):
         self.assertEqual(cansync("download", "axis-0", "0x1000", "/tmp/block")[0]["result"], "done")
         self.assertEqual(cansync("upload", "axis-0", "0x1000", "300", "/tmp/back")[0]["result"], "done")
         self.assertEqual(pathlib.Path("/tmp/back").read_bytes(), block)
+
+    def test_04_setup_names_the_program_that_it_would_cut_off(self):
+        wanted = pathlib.Path("/tmp/wanted.toml")
+        wanted.write_text(pathlib.Path(CONFIGURATION).read_text(encoding="utf-8").replace("bit_rate = 125000", "bit_rate = 250000"), encoding="utf-8")
+        with subprocess.Popen(["cansync", "--bus", INTERFACE, "set", "0=0"], stderr=subprocess.DEVNULL) as writer:
+            try:
+                wait_for("it leads", lambda: f"process {writer.pid} " in cansync("status")[0]["reference_release"][0]["writer"])
+                told = run("cansync", "setup", wanted, "--dry-run")
+            finally:
+                writer.terminate()
+        self.assertRegex(told, rf"take effect at a restart: bus.bit_rate.*the drives report a fault. .*process {writer.pid} on host .* gives the reference values")
 
     def test_05_has_the_realtime_rights_that_it_insists_on(self):
         normal, enforced = f'mode = "ignore"\n{NORMAL_PRIORITY}', 'mode = "enforce"'
@@ -132,7 +148,8 @@ class Running(unittest.TestCase):
         user = int(run("id", "-u", "cansync"))
         for entry in os.scandir(f"/proc/{pid}/fd"):
             facts, target = os.stat(entry.path), os.readlink(entry.path)
-            if target.startswith("/") and not target.startswith("/dev/"):
+            # A lock of logind is a pipe that belongs to it.
+            if target.startswith("/") and not target.startswith(("/dev/", "/run/systemd/inhibit/")):
                 self.assertEqual(facts.st_uid, user, target)
 
     def test_08_has_sockets_of_the_stated_families_alone(self):
@@ -192,13 +209,21 @@ class Running(unittest.TestCase):
         self.assertIn("Watchdog timeout", run("journalctl", "--no-pager", "--unit", SERVICE))
         wait_until_active()
 
-    def test_13_a_wrong_configuration_is_shown_with_line_and_column_and_not_tried_again(self):
+    def test_13_a_wrong_configuration_is_shown_with_line_and_column(self):
         change_configuration("bit_rate = 125000", "bit_rate = 125001")
+        line = 1 + CONFIGURATION.read_text(encoding="utf-8").split("bit_rate = 125001")[0].count("\n")
+        wrong = f"{CONFIGURATION}:{line}:12: bus.bit_rate: found 125001; allowed: 125000, 250000,"
+        # The last one that has run serves the line.
+        run("systemctl", "restart", SERVICE)
+        wait_until_active()
+        self.assertIn(wrong, cansync("status")[0]["configuration_reason"])
+        self.assertIn("configuration", [o["topic"] for o in cansync("doctor", expect=None) if o["level"] != "ok"])
+        # Without one it is not tried again.
+        for kept in pathlib.Path(f"/var/lib/cansync/{INTERFACE}").glob("*.toml"):
+            kept.unlink()
         run("systemctl", "restart", SERVICE, expect=1)
         wait_for_state("failed")
-        line = 1 + CONFIGURATION.read_text(encoding="utf-8").split("bit_rate = 125001")[0].count("\n")
-        text = run("systemctl", "status", SERVICE, expect=3)
-        self.assertIn(f"{CONFIGURATION}:{line}:12: bus.bit_rate: found 125001; allowed: 125000, 250000,", text)
+        self.assertIn(wrong, run("systemctl", "status", SERVICE, expect=3))
         facts = properties("NRestarts", "ExecMainStatus")
         self.assertEqual(facts, {"NRestarts": "0", "ExecMainStatus": "78"})
         change_configuration("bit_rate = 125001", "bit_rate = 125000")
@@ -215,3 +240,24 @@ class Running(unittest.TestCase):
         program = (f"import cansync\nwith cansync.connect('{INTERFACE}', timeout={LONG}) as line:\n"
                    f"    line.wait_active({LONG})\n    print(line.slave('axis-1'), line.read('axis-1', 103).raw)\n")
         self.assertEqual(run("/usr/bin/python3", "-c", program).split(), ["1", "1"])
+
+    def test_16_in_run_the_computer_does_not_sleep(self):
+        wait_for("the locks are taken", locks_are_taken)
+        refused = run("systemctl", "suspend", "--check-inhibitors=yes", expect=1)
+        self.assertIn('Operation inhibited by "cansyncd"', refused)
+        found = {o["topic"]: o for o in cansync("doctor", expect=None)}
+        self.assertEqual(found["inhibitors"]["level"], "ok", found["inhibitors"])
+        self.assertEqual(found["sleep"]["level"], "warning", found["sleep"])
+        cansync("mode", "stop", "--yes")
+        wait_for("the locks are given back", lambda: not locks())
+        cansync("mode", "setup", "--yes")
+        wait_for("the drives are ready, and the line runs", lambda: "done" in run("cansync", "--json", "mode", "run", "--yes", expect=None))
+        wait_until_active()
+        wait_for("the locks are taken again", locks_are_taken)
+
+    def test_17_an_appliance_is_set_up_and_undone(self):
+        run("cansync", "setup", "--appliance", "--yes")
+        self.assertEqual({o["topic"]: o for o in cansync("doctor", expect=None)}["sleep"]["level"], "ok")
+        self.assertIn("nothing to do", run("cansync", "setup", "--appliance", "--yes"))
+        run("cansync", "setup", "--appliance", "--undo", "--yes")
+        self.assertEqual(run("find", "/etc", "-name", "*cansync-appliance*"), "")

@@ -13,8 +13,11 @@ SERVICE = f"cansyncd@{INTERFACE}.service"
 SIMULATOR = f"cansync-sim@{INTERFACE}.service"
 CONFIGURATION = pathlib.Path(f"/etc/cansync/{INTERFACE}.toml")
 NORMAL_PRIORITY = "priority = 0"
+# Of logind, while the line is in run: mode, what.
+LOCKS = {("block", "sleep:idle:handle-power-key:handle-suspend-key:handle-hibernate-key:handle-lid-switch"), ("delay", "shutdown")}
 ENVIRONMENT = dict(os.environ, CANSYNC_BUS=INTERFACE, SYSTEMD_PAGER="cat", SYSTEMD_COLORS="0", LC_ALL="C.UTF-8",
-                   DEBIAN_FRONTEND="noninteractive")
+                   DEBIAN_FRONTEND="noninteractive",
+                   NEEDRESTART_SUSPEND="1")  # by apt-get; a test calls it itself
 
 
 def run(*command, expect=0, timeout=LONG):
@@ -66,6 +69,17 @@ def line_is_active(slaves=2):
 
 def wait_until_active():
     wait_for(f"{SERVICE} in active operation", line_is_active)
+
+
+def locks():
+    """(mode, what) of each lock that logind has of the daemon."""
+    text = run("busctl", "call", "--json=short", "org.freedesktop.login1", "/org/freedesktop/login1",
+               "org.freedesktop.login1.Manager", "ListInhibitors")
+    return {(mode, what) for what, _, _, mode, _, pid in json.loads(text)["data"][0] if pid == main_pid()}
+
+
+def locks_are_taken():
+    return locks() == LOCKS
 
 
 def wait_for_state(state, unit=SERVICE):

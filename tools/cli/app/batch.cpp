@@ -11,6 +11,7 @@
 #include "cli/app/command_line.h"
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/left_out.h"
 #include "cli/base/verb_groups.h"
 #include "cli/look/expect_value.h"
 #include "cli/text/words.h"
@@ -197,7 +198,7 @@ class Batch {
     ExitCode code = ExitCode::done;
     try {
       Session session(line.command.globals, output, session_.connection());
-      code = line.command.verb(session);
+      code = end_of_verb(line.command.verb(session));
     } catch (const std::exception& error) {
       output.remark(error.what());
       code = code_of(error);
@@ -216,7 +217,8 @@ class Batch {
                                    .add("reason", reason));
     }
     if (first_ == ExitCode::done) first_ = code;
-    return code == ExitCode::done || go_on_;
+    // What was left out of a file changes nothing of what the line has done.
+    return code == ExitCode::done || code == ExitCode::in_part || go_on_;
   }
 
   ExitCode end() const {

@@ -49,7 +49,10 @@ void add_place_options(CLI::App& app, Globals& globals, GlobalTexts& texts) {
   app.add_option("--domain", texts.domain, "DDS domain of the daemon, 0..230 (default 0)")
       ->envname("CANSYNC_DOMAIN")
       ->type_name("N");
-  app.add_option("--bus", globals.bus, "name of the bus, which is the DDS partition (default sim)")
+  app.add_option(
+         "--bus", globals.bus,
+         "name of the bus, which is the DDS partition; HOST/BUS: that of this computer alone (default: the only "
+         "bus in the domain)")
       ->envname("CANSYNC_BUS")
       ->type_name("BUS");
   app.add_option("--interface", globals.interface, "network interface to look for the daemon on (default lo)")
@@ -114,13 +117,22 @@ ColourUse parse_colours(const std::string& text) {
   throw UsageError(fmt::format("--color: found '{}'; allowed: auto, always, never", text));
 }
 
-/// As the daemon's bus.name, so that what is meant for a shell or a unit cannot stand in it.
-void expect_bus(const std::string& bus) {
+/// As the daemon's bus.name or empty, after a host name and `/` at the most, so that what is meant for a shell or a unit cannot
+/// stand in it.
+void expect_bus(std::string_view bus) {
   constexpr std::size_t kLongest = 63;
   const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '-'; };
-  if (!bus.empty() && bus.size() <= kLongest && std::all_of(bus.begin(), bus.end(), fits)) return;
-  throw UsageError(
-      fmt::format("--bus: found '{}'; allowed: 1..{} letters, digits, '_', '.' or '-'", bus, kLongest));
+  const auto is_name = [&](std::string_view name) {
+    return name.size() <= kLongest && std::all_of(name.begin(), name.end(), fits);
+  };
+  const auto cut = bus.find('/');
+  const bool right = cut == std::string_view::npos ? is_name(bus)
+                                                   : cut > 0 && is_name(bus.substr(0, cut)) &&
+                                                         cut + 1 < bus.size() && is_name(bus.substr(cut + 1));
+  if (right) return;
+  throw UsageError(fmt::format(
+      "--bus: found '{}'; allowed: 1..{} letters, digits, '_', '.' or '-', or HOST/BUS of such names", bus,
+      kLongest));
 }
 
 void take_global_texts(const GlobalTexts& texts, Globals& globals) {
@@ -210,6 +222,14 @@ std::vector<std::string> option_names(const CLI::App& app, const CLI::App* verb)
   return names;
 }
 
+/// The verb that was called like this before; null: none was.
+const FormerVerb* former_verb(std::string_view word) {
+  for (const ProtocolVerbs* protocol : protocols())
+    for (const FormerVerb& former : protocol->former)
+      if (former.was == word) return &former;
+  return nullptr;
+}
+
 /// `help`, `help VERB` and `version` in the words of options, as people type them; all others as they are.
 std::vector<std::string> as_options(const CLI::App& app, std::vector<std::string> words) {
   if (words.empty()) return words;
@@ -217,12 +237,23 @@ std::vector<std::string> as_options(const CLI::App& app, std::vector<std::string
     words.erase(words.begin());
     const auto verbs = verb_names(app);
     // A word that is no verb is left alone, so that it is said.
-    if (words.empty() || std::find(verbs.begin(), verbs.end(), words.front()) != verbs.end())
+    if (words.empty() || former_verb(words.front()) != nullptr ||
+        std::find(verbs.begin(), verbs.end(), words.front()) != verbs.end())
       words.emplace_back("--help");
   } else if (words.size() == 1 && (words.front() == "version" || words.front() == "-V")) {
     words.front() = "--version";
   }
   return words;
+}
+
+/// Where the verb is among the words: the first that is no option, and no value of one.
+std::size_t place_of_verb(const CLI::App& app, const std::vector<std::string>& words) {
+  std::size_t at = 0;
+  while (at < words.size() && words[at].starts_with('-')) {
+    const CLI::Option* option = app.get_option_no_throw(words[at]);
+    at += option != nullptr && option->get_items_expected_max() > 0 ? 2 : 1;
+  }
+  return at;
 }
 
 /// The program's description of its command line, and where what was typed goes to. Stays where it is.
@@ -246,7 +277,10 @@ class CommandLine {
 
   const CLI::App& app() const noexcept { return app_; }
 
-  Command parse(const std::vector<std::string>& words) {
+  Command parse(std::vector<std::string> words) {
+    const FormerVerb* former = nullptr;
+    if (const std::size_t at = place_of_verb(app_, words); at < words.size()) former = former_verb(words[at]);
+    if (former != nullptr) put_present_name(*former, words);
     std::vector<const char*> arguments{"cansync"};
     for (const std::string& word : words) arguments.push_back(word.c_str());
     try {
@@ -263,10 +297,26 @@ class CommandLine {
     if (place_ == Place::batch) refuse_place_options();
     take_global_texts(texts_, command_.globals);
     command_.name = name_of(*typed_verb(app_), app_);
+    command_.globals.verb = command_.name;
+    if (former != nullptr) say_present_name(*former);
     return command_;
   }
 
  private:
+  void put_present_name(const FormerVerb& former, std::vector<std::string>& words) const {
+    const auto verb = words.begin() + static_cast<std::ptrdiff_t>(place_of_verb(app_, words));
+    *verb = former.protocol;
+    words.insert(verb + 1, std::string(former.verb));
+  }
+
+  void say_present_name(const FormerVerb& former) {
+    command_.verb = [verb = command_.verb, &former](Session& session) {
+      session.output().remark(
+          fmt::format("`{}` is now `cansync {} {}`", former.was, former.protocol, former.verb));
+      return verb(session);
+    };
+  }
+
   /// Help and version are data; everything else that CLI11 reports is a usage error.
   Command parse_ended(const CLI::ParseError& error) const {
     std::ostringstream text;

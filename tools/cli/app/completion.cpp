@@ -38,7 +38,7 @@ class Daemon {
     client::Options options;
     options.domain = static_cast<std::uint32_t>(
         parse_integer(option(line, "--domain", "CANSYNC_DOMAIN", "0"), "--domain", 0, kHighestDomain));
-    options.bus = option(line, "--bus", "CANSYNC_BUS", "sim");
+    options.bus = option(line, "--bus", "CANSYNC_BUS", "");
     options.interface = option(line, "--interface", "CANSYNC_INTERFACE", "lo");
     options.security = option(line, "--security", "CANSYNC_SECURITY", "");
     options.final_types = option(line, "--types", "CANSYNC_TYPES", "appendable") == "final";

@@ -10,6 +10,7 @@
 #include "cli/base/endings.h"
 #include "cli/base/interrupt.h"
 #include "text/counts.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
@@ -47,7 +48,8 @@ void ask_consent(Session& session, const Consent& consent, std::string_view effe
     throw UsageError(fmt::format("{}: there is no terminal to ask on; nothing was sent; add --yes", effect));
   }
   session.expect_input("");
-  static_cast<void>(std::fputs(fmt::format("cansync: {}. Go on? [y/N] ", effect).c_str(), stderr));
+  static_cast<void>(
+      std::fputs(fmt::format("cansync: {}. Go on? [y/N] ", text::visible(effect)).c_str(), stderr));
   static_cast<void>(std::fflush(stderr));
   const char answer = typed_answer();
   if (answer == 'y' || answer == 'Y') return;

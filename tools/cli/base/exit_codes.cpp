@@ -41,7 +41,9 @@ const char* exit_code_help() noexcept {
          "  7  cancelled by Ctrl-C, because the master stopped, or replaced by a newer control word\n"
          "  8  `doctor` found an error (1: warnings alone)\n"
          "  9  `diff`, `verify` or `learn --compare` found a difference\n"
-         " 10  the values of `set` had no effect";
+         " 10  the values of `set` had no effect\n"
+         " 11  done, but a file was read in part: the remarks say what was left out\n"
+         " 12  `scan`, `learn`: the frames do not look like CANsync; nothing was written";
 }
 
 }  // namespace cansync::cli

@@ -20,6 +20,8 @@ enum class ExitCode : std::uint8_t {
   faults = 8,         ///< `doctor` found an error
   different = 9,      ///< `diff`, `verify` or `learn --compare` found one
   no_effect = 10,     ///< `set`: not one value reached the line
+  in_part = 11,       ///< done, but a file was read in part: what was left out is shown
+  not_cansync = 12,   ///< `scan`, `learn`: the frames do not look like CANsync; nothing was written
 };
 
 /// The exit code of a request that ended so.

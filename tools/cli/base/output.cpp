@@ -3,14 +3,22 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <bit>
 #include <cstdlib>
+#include <utility>
 
 #include "cli/base/files.h"
 #include "cli/text/progress.h"
+#include "cli/text/values.h"
 #include "text/counts.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
+
+/// Stands for a slave and its number; no text for people has it.
+constexpr std::string_view kSlaveHere = "\x01";
 
 constexpr std::string_view kClear = "\x1b[2J";       // whole screen
 constexpr std::string_view kHome = "\x1b[H";         // cursor to the upper left
@@ -42,6 +50,28 @@ std::string_view colour_of(Style style) {
   }
 }
 
+/// What `painted` writes around a text, at the beginning of `text`; empty: something else is there.
+std::string_view own_sequence(std::string_view text) {
+  for (const std::string_view own : {"\x1b[31m", "\x1b[32m", "\x1b[33m", "\x1b[0m"})
+    if (text.starts_with(own)) return own;
+  return {};
+}
+
+/// The text as a terminal may have it: our own colours stay, every other control character is written.
+std::string for_terminal(std::string_view text, bool colours) {
+  std::string out;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; colours && at < text.size(); ++at) {
+    const std::string_view own = own_sequence(text.substr(at));
+    if (own.empty()) continue;
+    out += text::visible(text.substr(begin, at - begin), "\n\t");
+    out += own;
+    begin = at + own.size();
+    at = begin - 1;
+  }
+  return out + text::visible(text.substr(begin), "\n\t");
+}
+
 }  // namespace
 
 bool Output::colours() const noexcept {
@@ -51,8 +81,8 @@ bool Output::colours() const noexcept {
 
 std::string Output::painted(std::string_view text, Style style) const {
   const std::string_view colour = colour_of(style);
-  if (colour.empty() || !colours()) return std::string(text);
-  return fmt::format("\x1b[{}m{}\x1b[0m", colour, text);
+  if (colour.empty() || !colours()) return text::visible(text, "\n");
+  return fmt::format("\x1b[{}m{}\x1b[0m", colour, text::visible(text, "\n"));
 }
 
 bool Output::data_on_terminal() const noexcept {
@@ -64,11 +94,63 @@ void Output::bytes(std::string_view data) {
 }
 
 void Output::set_slave(std::optional<unsigned> slave) {
+  if (of_slave_ && !kept_.empty()) {
+    auto group =
+        std::find_if(groups_.begin(), groups_.end(), [this](const Group& one) { return one.said == kept_; });
+    if (group == groups_.end()) group = groups_.insert(group, {0, kept_});
+    group->slaves |= 1u << *of_slave_;
+    kept_.clear();
+  }
+  of_slave_ = slave;
   slave_ = slave ? fmt::format("slave {}:", *slave) : "";
 }
 
+void Output::keep(bool data, std::string_view text) {
+  const std::string own = fmt::format("slave {}", *of_slave_);
+  std::string out;
+  for (std::size_t from = 0;;) {
+    const std::size_t at = text.find(own, from);
+    const std::size_t behind = at + own.size();
+    out += text.substr(from, at - from);
+    if (at == std::string_view::npos) break;
+    const bool longer = behind < text.size() && text[behind] >= '0' && text[behind] <= '9';
+    out += longer ? own : std::string(kSlaveHere);
+    from = behind;
+  }
+  kept_.push_back({data, std::move(out)});
+}
+
+void Output::say(const Group& group) {
+  const bool one = std::popcount(group.slaves) == 1;
+  const std::string who = fmt::format("{} {}", one ? "slave" : "slaves", format_slave_set(group.slaves));
+  for (const Kept& kept : group.said) {
+    std::string text = kept.text;
+    for (std::size_t at = 0; (at = text.find(kSlaveHere)) != std::string::npos;)
+      text.replace(at, kSlaveHere.size(), who);
+    if (kept.data)
+      line(fmt::format("{}: {}", who, text));
+    else
+      remark(text);
+  }
+}
+
+void Output::say_kept() {
+  if (!grouping_ || !of_slave_) return;
+  const unsigned slave = *of_slave_;
+  const Group own{1u << slave, std::exchange(kept_, {})};
+  set_slave(std::nullopt);
+  say(own);
+  set_slave(slave);
+}
+
+void Output::end_group() {
+  grouping_ = false;
+  for (const Group& group : std::exchange(groups_, {})) say(group);
+}
+
 void Output::line(std::string_view text) {
-  bytes(fmt::format("{}{}{}\n", slave_, slave_.empty() ? "" : " ", text));
+  if (grouping_ && of_slave_) return keep(true, text);
+  bytes(fmt::format("{}{}{}\n", slave_, slave_.empty() ? "" : " ", for_terminal(text, colours())));
 }
 
 void Output::table(const Table& table, const std::vector<Style>& rows) {
@@ -96,7 +178,7 @@ void Output::redraw(const std::vector<std::string>& lines) {
   cleared_ = true;
   text += kHome;
   for (const std::string& line : lines) {
-    text += line;
+    text += for_terminal(line, true);
     text += kEraseLine;
   }
   text += kEraseBelow;
@@ -110,9 +192,15 @@ void Output::redraw(std::string_view title, const Table& table) {
 }
 
 void Output::remark(std::string_view text) {
-  last_remark_ = text;
+  last_remark_ = text::visible(text, "\n\t");
+  if (grouping_ && of_slave_) return keep(false, text);
+  remark_now(last_remark_);
+}
+
+void Output::remark_now(std::string_view text) const {
   // Nothing is left to say when stderr itself is gone.
-  static_cast<void>(std::fputs(fmt::format("cansync: {}{}\n", place_, text).c_str(), remarks_));
+  static_cast<void>(std::fputs(
+      fmt::format("cansync: {}{}\n", text::visible(place_), text::visible(text, "\n\t")).c_str(), remarks_));
 }
 
 }  // namespace cansync::cli

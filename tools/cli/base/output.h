@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -54,6 +55,13 @@ class Output {
   /// What follows concerns this slave of several: a line begins with "slave 3: ", and a table stands below a
   /// line "slave 3:". Objects and bytes stay as they are. Nothing: ends it.
   void set_slave(std::optional<unsigned> slave);
+  /// From now on lines and remarks of slaves are kept until `end_group`, where those that differ in nothing but the number of
+  /// their slave become one: "slaves 0-3: ...". Tables, objects and bytes are written at once.
+  void begin_group() { grouping_ = true; }
+  /// Writes what was kept of the slave, now.
+  void say_kept();
+  /// Writes what was kept, in the order of the first slave of each group.
+  void end_group();
   /// What every remark begins with, after "cansync: "; empty: nothing.
   void set_place(std::string place) { place_ = std::move(place); }
   /// The last remark, without `place`.
@@ -81,8 +89,24 @@ class Output {
 
   /// "cansync: " and `text` on stderr.
   void remark(std::string_view text);
+  /// The same at once, also while what slaves have in common is kept back: what is being waited for.
+  void remark_now(std::string_view text) const;
 
  private:
+  /// A line or remark of a slave; its number is left out where it is `kSlaveHere`.
+  struct Kept {
+    bool data = false;
+    std::string text;
+    bool operator==(const Kept&) const = default;
+  };
+  /// Slaves of which the same is to be said.
+  struct Group {
+    std::uint32_t slaves = 0;
+    std::vector<Kept> said;
+  };
+  void keep(bool data, std::string_view text);
+  void say(const Group& group);
+
   std::FILE* data_;
   std::FILE* remarks_;
   bool json_;
@@ -92,6 +116,10 @@ class Output {
   std::string slave_;  ///< "slave 3:"; empty: none of several
   std::string place_;
   std::string last_remark_;
+  bool grouping_ = false;
+  std::optional<unsigned> of_slave_;
+  std::vector<Kept> kept_;  ///< of that slave
+  std::vector<Group> groups_;
 };
 
 }  // namespace cansync::cli

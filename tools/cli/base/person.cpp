@@ -8,6 +8,7 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/text/values.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
@@ -28,7 +29,7 @@ bool person_is_there() noexcept {
 }
 
 std::optional<std::string> ask_person(std::string_view question) {
-  std::fputs(std::string(question).c_str(), stderr);
+  std::fputs(text::visible(question, "\n").c_str(), stderr);
   std::fflush(stderr);
   std::string line;
   while (!interrupt_flag().load()) {

@@ -18,6 +18,20 @@ inline constexpr std::string_view kStartedAnew =
     "the daemon was started anew: its intervals and events begin again, and settings that clients made are "
     "lost";
 
+/// True when `client` has lost its daemon and none came within a second: while a bus is set up anew there is
+/// none. A program that was just continued finds it again later. Waits so long, or until a signal came.
+template <class Client>
+bool stays_gone(const Client& client) {
+  constexpr auto kComesBack = std::chrono::seconds(1);
+  constexpr auto kLook = std::chrono::milliseconds(20);
+  const auto end = std::chrono::steady_clock::now() + kComesBack;
+  while (!client.daemon_present()) {
+    const auto now = std::chrono::steady_clock::now();
+    if ((now >= end && !just_continued()) || wait_until(now + kLook)) return true;
+  }
+  return false;
+}
+
 /// Notices that the daemon was started anew, however short it was away, for a verb that goes on with it. Main
 /// thread only.
 class Restarts {
@@ -31,18 +45,8 @@ class Restarts {
     if (const std::string who = client_.several_daemons(); !who.empty()) throw client::SeveralDaemons(who);
   }
 
-  /// True when the daemon has gone and none came within a second: while a line is set up anew there is none. A
-  /// program that was just continued finds it again later. Waits so long, or until a signal came.
-  bool gone() const {
-    constexpr auto kComesBack = std::chrono::seconds(1);
-    constexpr auto kLook = std::chrono::milliseconds(20);
-    const auto end = std::chrono::steady_clock::now() + kComesBack;
-    while (!client_.daemon_present()) {
-      const auto now = std::chrono::steady_clock::now();
-      if ((now >= end && !just_continued()) || wait_until(now + kLook)) return true;
-    }
-    return false;
-  }
+  /// As `stays_gone`.
+  bool gone() const { return stays_gone(client_); }
 
   /// True when it was since the last call; however often.
   bool take() noexcept {

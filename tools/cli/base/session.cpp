@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <ctime>
+
+#include "dds/overview/every_bus.h"
 
 namespace cansync::cli {
 namespace {
@@ -11,6 +14,28 @@ namespace {
 constexpr double kDefaultSearch = 3.0;   // seconds
 constexpr double kShortestSearch = 1.0;  // discovery itself takes some 100 ms
 constexpr unsigned kHighestSlave = 31;
+
+/// The only bus where no name was given. Throws as `Session::bus`.
+std::string find_only_bus(const Globals& globals, std::chrono::milliseconds wait) {
+  gateway::dds::ClientOptions options;
+  options.domain = globals.domain;
+  options.bus.clear();
+  options.interface = globals.interface;
+  options.security = globals.security;
+  options.final_types = globals.final_types;
+  options.wait = wait;
+  options.stop = &interrupt_flag();
+  try {
+    return gateway::dds::only_bus(options);
+  } catch (const gateway::dds::SeveralBuses& error) {
+    throw UsageError(fmt::format("--bus: found none; {} (--bus NAME, or CANSYNC_BUS)", error.what()));
+  } catch (const gateway::dds::NoDaemon& error) {
+    if (interrupt_flag().load()) throw Interrupted();
+    throw client::NoDaemon(error.what());
+  } catch (const gateway::dds::SetupError& error) {
+    throw client::SetupError(error.what());
+  }
+}
 
 }  // namespace
 
@@ -21,12 +46,24 @@ Session::Session(const Globals& globals, Output& output, Connection& connection,
       purpose_(purpose),
       retry_(globals.retry,
              {Retry::Clock::now, [](Retry::Clock::time_point until) { return wait_until(until); },
-              [&output](std::string_view text) { output.remark(text); }}) {}
+              [&output](std::string_view text) { output.remark_now(text); }}) {}
 
 void Session::expect_input(std::string_view path) const {
   if (path == "-" && globals_.input_is_taken)
     throw UsageError("FILE: found '-'; standard input holds the lines of the batch; allowed: a file");
   if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+}
+
+const std::string& Session::bus(std::chrono::milliseconds wait) {
+  if (!globals_.bus.empty()) return globals_.bus;
+  if (purpose_ == Purpose::check) throw ArgumentsAreRight();
+  if (connection_.bus.empty()) {
+    connection_.bus = find_only_bus(globals_, wait);
+    output_.remark(fmt::format("bus {}, the only one in DDS domain {} on interface {}", connection_.bus,
+                               globals_.domain, globals_.interface));
+  }
+  globals_.bus = connection_.bus;
+  return globals_.bus;
 }
 
 client::Options Session::options(std::chrono::milliseconds wait) const {
@@ -52,8 +89,11 @@ client::Client& Session::client() {
   fresh_ = false;
   while (!client) {
     try {
+      static_cast<void>(bus());
       client = client::Client::connect(options(search_time()));
       connection_.looks = looks_;
+    } catch (const client::OtherProtocol& error) {
+      throw client::NoDaemon(other_protocol_text(globals_, error));
     } catch (const client::NoDaemon& error) {
       const Retry::Verdict verdict =
           interrupt_flag().load() ? Retry::Verdict::interrupted : retry_.failed(error.what());
@@ -72,11 +112,14 @@ client::Client* Session::look_for_daemon(std::chrono::milliseconds wait) {
   fresh_ = false;
   try {
     if (!client) {
+      static_cast<void>(bus(wait));
       client = client::Client::connect(options(wait));
       connection_.looks = looks_;
     }
   } catch (const client::SeveralDaemons&) {
     throw;
+  } catch (const client::OtherProtocol& error) {
+    throw client::NoDaemon(other_protocol_text(globals_, error));
   } catch (const client::NoDaemon&) {
     return nullptr;
   }
@@ -133,6 +176,11 @@ ExitCode Session::finish(const client::Reply& reply, JsonObject object, std::str
   return exit_code(reply.code);
 }
 
+std::string other_protocol_text(const Globals& globals, const client::OtherProtocol& error) {
+  return fmt::format("bus {} is served as {}; `{}` needs {}", error.bus, error.served_as, globals.verb,
+                     error.needs);
+}
+
 void add_end(JsonObject& object, const client::Reply& reply) {
   object.add("result", client::name(reply.code)).add("reason", reply.reason);
   if (reply.code == client::ReplyCode::refused) {
@@ -186,12 +234,22 @@ std::string date_text() {
 std::string time_text(std::int64_t nanoseconds, bool date) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   const auto seconds = static_cast<std::time_t>(nanoseconds / kSecond);
-  std::tm parts{};
-  if (localtime_r(&seconds, &parts) == nullptr) return "?";
-  std::array<char, 32> text{};
-  if (std::strftime(text.data(), text.size(), date ? "%Y-%m-%d %H:%M:%S" : "%H:%M:%S", &parts) == 0)
-    return "?";
-  return fmt::format("{}.{:03d}", text.data(), nanoseconds % kSecond / 1'000'000);
+  // Of a recording thousands of frames have the same second, whose text takes the longest.
+  static thread_local std::optional<std::time_t> known;
+  static thread_local std::array<char, 32> text{};
+  if (known != seconds) {
+    known.reset();
+    std::tm parts{};
+    if (localtime_r(&seconds, &parts) == nullptr) return "?";
+    if (std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S", &parts) == 0) return "?";
+    known = seconds;
+  }
+  const std::string_view whole(text.data());
+  const std::int64_t millis = nanoseconds % kSecond / 1'000'000;
+  std::string out(date ? whole : whole.substr(whole.find(' ') + 1));
+  out += '.';
+  for (const std::int64_t place : {100, 10, 1}) out += static_cast<char>('0' + millis / place % 10);
+  return out;
 }
 
 }  // namespace cansync::cli

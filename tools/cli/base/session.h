@@ -24,7 +24,7 @@ namespace cansync::cli {
 /// Options of every verb.
 struct Globals {
   std::uint32_t domain = 0;       ///< DDS domain, 0..230
-  std::string bus = "sim";        ///< DDS partition
+  std::string bus;                ///< DDS partition; empty: the only bus of the domain
   std::string interface = "lo";   ///< network interface
   std::optional<double> timeout;  ///< seconds; see docs/command-line.md
   double retry = 0.0;             ///< seconds for which what did nothing is tried again; 0: not at all
@@ -35,6 +35,7 @@ struct Globals {
   std::string profiles;         ///< folder of drive profiles, before the standard ones; empty: none
   std::string security;         ///< DDS Security: folder of the identity; empty: without
   bool final_types = false;     ///< the daemon's dds.types is "final"
+  std::string verb;             ///< its words, such as "can dump"
 };
 
 /// Ctrl-C came before anything was sent.
@@ -50,6 +51,7 @@ struct ArgumentsAreRight {};
 struct Connection {
   std::optional<client::Client> client;
   bool looks = false;  ///< it can ask for nothing
+  std::string bus;     ///< the only one of the domain, for which no name was given; empty: not looked for yet
 };
 
 /// What a session does with a verb.
@@ -68,7 +70,9 @@ class Session {
   bool json() const noexcept { return globals_.json; }
   const Globals& globals() const noexcept { return globals_; }
   Connection& connection() noexcept { return connection_; }
-  const std::string& bus() const noexcept { return globals_.bus; }
+  /// The bus of `--bus`; without, the only one of the domain, which is looked for and said once. Throws client::NoDaemon,
+  /// client::SetupError, UsageError when there are several, Interrupted, ArgumentsAreRight.
+  const std::string& bus() { return bus(search_time()); }
   const std::string& profiles() const noexcept { return globals_.profiles; }
 
   /// The verb asks for nothing: a connection that is made from now on needs no more than to look, and finds
@@ -108,10 +112,16 @@ class Session {
   /// Throws UsageError when there are several slaves and it has neither.
   std::vector<std::string> files(std::string_view pattern, const std::vector<unsigned>& slaves);
 
+  /// How lines and remarks of several slaves are written.
+  enum class Lines : std::uint8_t {
+    each,              ///< at once, one for each slave
+    grouped,           ///< when all slaves are done, one for those that have the same
+    failures_grouped,  ///< at once; those of slaves that fail as `grouped`
+  };
   /// Does `one` for each slave by rising number, also when one fails; data of several begin with the slave.
   /// Ends early only at Ctrl-C. The code of the first that failed.
   ExitCode for_each(const std::vector<unsigned>& slaves,
-                    const std::function<ExitCode(std::size_t index)>& one);
+                    const std::function<ExitCode(std::size_t index)>& one, Lines lines = Lines::each);
   /// Are there several slaves in the running `for_each`?
   bool several() const noexcept { return several_; }
 
@@ -142,6 +152,8 @@ class Session {
                   std::string_view done = {});
 
  private:
+  /// The same, looked for at most `wait` long.
+  const std::string& bus(std::chrono::milliseconds wait);
   /// Where the daemon is looked for.
   client::Options options(std::chrono::milliseconds wait) const;
   /// True when the request is to be sent again; a reply at Ctrl-C becomes `cancelled`.
@@ -158,6 +170,9 @@ class Session {
   bool fresh_ = true;  ///< the connection was not looked at by this session yet
   bool several_ = false;
 };
+
+/// "bus mill is served as layer2; `read` needs cansync-master".
+std::string other_protocol_text(const Globals& globals, const client::OtherProtocol& error);
 
 /// How a request ended: `result`, `reason`, and `cause`, null unless it was refused.
 void add_end(JsonObject& object, const client::Reply& reply);

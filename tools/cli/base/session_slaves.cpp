@@ -76,10 +76,11 @@ std::vector<std::string> Session::files(std::string_view pattern, const std::vec
 }
 
 ExitCode Session::for_each(const std::vector<unsigned>& slaves,
-                           const std::function<ExitCode(std::size_t)>& one) {
+                           const std::function<ExitCode(std::size_t)>& one, Lines lines) {
   if (slaves.size() == 1) return one(0);
   ExitCode first = ExitCode::done;
   several_ = true;
+  if (lines != Lines::each) output_.begin_group();
   for (std::size_t index = 0; index < slaves.size(); ++index) {
     ExitCode code = ExitCode::done;
     output_.set_slave(slaves[index]);
@@ -89,11 +90,13 @@ ExitCode Session::for_each(const std::vector<unsigned>& slaves,
       output_.remark(fmt::format("slave {}: {}", slaves[index], error.what()));
       code = code_of(error);
     }
+    if (code == ExitCode::done && lines == Lines::failures_grouped) output_.say_kept();
     output_.set_slave(std::nullopt);
     if (first == ExitCode::done) first = code;
     if (interrupt_flag().load()) break;
   }
   several_ = false;
+  output_.end_group();
   return first;
 }
 

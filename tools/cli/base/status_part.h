@@ -29,6 +29,8 @@ struct StatusPart {
   std::vector<Explained> (*help)();                      ///< label and what its line says
   BusSummary (*summary)(Session&) = nullptr;             ///< for `buses`; null: nothing to say
   std::vector<Finding> (*findings)(Session&) = nullptr;  ///< what `doctor` says of it; null: nothing
+  bool has_sync = true;                                  ///< its bus has SYNC edges
+  std::string_view reset_command = {};                   ///< resets its CAN controller; empty: it has none
 };
 
 }  // namespace cansync::cli

@@ -8,7 +8,7 @@
 /// Words for a slave that does not give its status word.
 namespace cansync::cli {
 
-/// What mends it.
+/// What fixes it.
 inline constexpr const char* kStatusRefusalRemedy =
     "set startup.status_parameter, or the slave's status_parameter, to the number in the drive's parameter "
     "list; then restart cansyncd";
@@ -16,6 +16,15 @@ inline constexpr const char* kStatusRefusalRemedy =
 /// It answers, and its status word was refused with an error or never came.
 inline bool lacks_status_word(const client::SlaveStatus& slave) {
   return slave.status_error != 0 || (slave.responds && !slave.status_known);
+}
+
+/// The same without the slave and its parameter's number: what several slaves have in common.
+inline std::string status_refusal_alike(const client::SlaveStatus& slave) {
+  const std::string how =
+      slave.status_error != 0
+          ? fmt::format("the status word is refused with error 0x{:04X}", slave.status_error)
+          : std::string("no status word has come");
+  return how + ": whether they are synchronized cannot be known";
 }
 
 /// Which slave lacks which parameter, and how.

@@ -6,6 +6,8 @@
 
 #include "cli/base/consent.h"
 #include "cli/base/verb_groups.h"
+#include "cli/cansync/leading_programs.h"
+#include "cli/cansync/reference_effect.h"
 #include "cli/cansync/verbs.h"
 
 namespace cansync::cli {
@@ -42,28 +44,35 @@ struct ReleaseTexts {
 
 ExitCode release_verb(Session& session, const ReleaseTexts& texts) {
   const std::vector<unsigned> slaves = session.slaves(texts.slave);
-  return session.for_each(slaves, [&](std::size_t index) {
-    const unsigned slave = slaves[index];
-    const client::CommandReply reply =
-        session.ask(Effect::changes, [&] { return session.client().release(slave, texts.force); });
-    const std::string where = fmt::format("release of slave {}", slave);
-    return session.finish(
-        reply, JsonObject().add("slave", slave).add("force", texts.force), where,
-        texts.force ? where + " is in effect" : where + " has begun; `cansync slaves` shows how it ends");
-  });
+  return session.for_each(
+      slaves,
+      [&](std::size_t index) {
+        const unsigned slave = slaves[index];
+        const client::CommandReply reply =
+            session.ask(Effect::changes, [&] { return session.client().release(slave, texts.force); });
+        const std::string where = fmt::format("release of slave {}", slave);
+        return session.finish(
+            reply, JsonObject().add("slave", slave).add("force", texts.force), where,
+            texts.force ? where + " is in effect" : where + " has begun; `cansync slaves` shows how it ends");
+      },
+      Session::Lines::grouped);
 }
 
 ExitCode control_verb(Session& session, const ControlTexts& texts) {
   const std::uint32_t word = parse_raw(texts.word, "WORD", Width::word);
   const std::vector<unsigned> slaves = session.slaves(texts.slave);
-  return session.for_each(slaves, [&](std::size_t index) {
-    const unsigned slave = slaves[index];
-    const client::CommandReply reply = session.ask(
-        Effect::changes, [&] { return session.client().control_word(slave, word, session.monitoring_ms()); });
-    const std::string where = fmt::format("control word 0x{:04X} to slave {}", word, slave);
-    return session.finish(reply, JsonObject().add("slave", slave).add("control_word", word), where,
-                          where + " sent");
-  });
+  return session.for_each(
+      slaves,
+      [&](std::size_t index) {
+        const unsigned slave = slaves[index];
+        const client::CommandReply reply = session.ask(Effect::changes, [&] {
+          return session.client().control_word(slave, word, session.monitoring_ms());
+        });
+        const std::string where = fmt::format("control word 0x{:04X} to slave {}", word, slave);
+        return session.finish(reply, JsonObject().add("slave", slave).add("control_word", word), where,
+                              where + " sent");
+      },
+      Session::Lines::grouped);
 }
 
 /// What `--dry-run` says of `what`, and of the line it would reach.
@@ -111,17 +120,56 @@ client::Mode parse_mode(std::string_view text) {
   throw UsageError(fmt::format("MODE: found '{}'; allowed: setup, run, stop, reset-can, restart", text));
 }
 
+/// What a mode ends on the bus; empty: nothing.
+std::string_view effect_of(client::Mode mode) {
+  switch (mode) {
+    case client::Mode::setup:
+      return "mode setup: reference values are no longer sent";
+    case client::Mode::run:
+      return "";
+    case client::Mode::stop:
+      return "mode stop: SYNC and all telegrams end, and open jobs";
+    case client::Mode::reset_can:
+      return "mode reset-can: the CAN controller is reset, and SYNC and all telegrams pause";
+    case client::Mode::restart:
+      return "mode restart: the line stops, and is set up anew";
+  }
+  return "";
+}
+
+/// The programs whose drives the mode would leave without SYNC or reference values; empty: none. Throws as `Session::client`.
+std::string programs_cut_off(Session& session, client::Mode mode) {
+  const client::MasterStatus status = session.client().master_status();
+  if (mode == client::Mode::setup && status.option_status != kActiveMaster) return "";
+  return leading_programs(status);
+}
+
+/// Asks before drives lose SYNC or reference values. Throws as `ask_consent` and `Session::client`.
+void ask_before(Session& session, const Consent& consent, client::Mode mode) {
+  const std::string_view effect = effect_of(mode);
+  if (consent.yes || effect.empty()) return;
+  std::string programs;
+  try {
+    programs = programs_cut_off(session, mode);
+  } catch (const ArgumentsAreRight&) {  // a missing --yes is reported before the first line of a batch runs
+  }
+  if (!programs.empty()) {
+    ask_consent(session, consent, fmt::format("{}; {}", effect, programs));
+  } else if (mode == client::Mode::restart) {
+    ask_consent(session, consent, effect);
+  } else if (mode == client::Mode::stop) {
+    // A script that stops a line without a leading program must not fail because no person is there to be asked.
+    ask_consent(session, consent, effect, Unasked::done);
+  }
+}
+
 ExitCode mode_verb(Session& session, const ModeTexts& texts) {
   const client::Mode mode = parse_mode(texts.mode);
-  if (texts.force && mode != client::Mode::run) throw UsageError("--force: only `mode run` takes it");
+  if (texts.force && mode != client::Mode::run && mode != client::Mode::setup)
+    throw UsageError("--force: only `mode run` and `mode setup` take it");
   const std::string where = "mode " + texts.mode;
   if (texts.consent.dry_run) return say_only(session, where);
-  // A script that stops the line must not fail to because nobody was there to be asked.
-  if (mode == client::Mode::stop)
-    ask_consent(session, texts.consent, "mode stop: SYNC and all telegrams end, and open jobs",
-                Unasked::done);
-  if (mode == client::Mode::restart)
-    ask_consent(session, texts.consent, "mode restart: the line stops, and is set up anew");
+  ask_before(session, texts.consent, mode);
   const client::CommandReply reply =
       session.ask(Effect::changes, [&] { return session.client().mode(mode, texts.force); });
   return session.finish(reply, JsonObject().add("mode", texts.mode).add("force", texts.force), where,
@@ -146,10 +194,11 @@ void add_release(CLI::App& app, Verb& chosen) {
   release->group(kCommandVerbs);
   auto texts = std::make_shared<ReleaseTexts>();
   release->add_option("SLAVE", texts->slave, kSlavesHelp)->required();
-  release->add_flag("--force", texts->force, "without its return parameters");
+  release->add_flag("--force", texts->force,
+                    "as it is: without reading who it is, and without its return parameters");
   release->footer(
-      "A slave that is synchronized goes through its return parameters once more, and is released when they "
-      "are right;\nwith --force it is released at once. One that is not synchronized is told to synchronize "
+      "The master reads again who the drive is (option expect) and goes through its return parameters, and "
+      "releases it when they are right;\nwith --force it is released immediately. One that is not synchronized is told to synchronize "
       "again.");
   release->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return release_verb(session, *texts); }; });
@@ -187,11 +236,12 @@ void add_mode(CLI::App& app, Verb& chosen) {
   mode->add_option("MODE", texts->mode, "the operating state, or what is to be done")
       ->type_name("setup|run|stop|reset-can|restart")
       ->required();
-  mode->add_flag("--force", texts->force, "run: also when slaves are missing");
+  mode->add_flag("--force", texts->force,
+                 "run: also when slaves are missing; setup: also while another master sends");
   add_consent_options(*mode, texts->consent);
   mode->footer(
-      "On a terminal stop and restart are asked for; in a script stop is done without, and restart needs "
-      "--yes.\n"
+      "On a terminal, `stop` and `restart` ask first; in a script, `restart` needs --yes. While a program gives "
+      "reference values,\n`stop`, `restart`, `reset-can` and `setup` name that program, ask on a terminal, and need --yes elsewhere.\n"
       "Modes:\n"
       "  setup      SYNC runs, slaves are activated and their status is read; no reference values\n"
       "  run        reference and actual values are exchanged\n"

@@ -2,7 +2,10 @@
 
 #include <memory>
 
+#include "cli/base/consent.h"
+#include "cli/base/endings.h"
 #include "cli/base/verb_groups.h"
+#include "cli/cansync/leading_programs.h"
 #include "cli/cansync/verbs.h"
 #include "cli/text/column_help.h"
 #include "text/counts.h"
@@ -18,6 +21,7 @@ struct MapTexts {
   std::string target;
   std::string telegram;
   std::vector<std::string> words;
+  Consent consent;
 };
 
 /// The mapping of the reference values, or of one slave's actual values, with their names.
@@ -102,6 +106,21 @@ ExitCode show(Session& session, const std::string& target) {
   return ExitCode::done;
 }
 
+/// Asks before drives that a program leads get other values. Throws as `ask_consent` and `Session::client`.
+void ask_before(Session& session, const MapTexts& texts) {
+  if (texts.consent.yes || texts.target != kReferences) return;
+  std::string writers;
+  try {
+    writers = leading_writers(session.client().master_status());
+  } catch (const ArgumentsAreRight&) {  // a missing --yes is reported before the first line of a batch runs
+  }
+  if (writers.empty()) return;
+  ask_consent(
+      session, texts.consent,
+      fmt::format("map references: the drives get other values in telegram {} from the next interval on; {}",
+                  texts.telegram, writers));
+}
+
 ExitCode map_verb(Session& session, const MapTexts& texts) {
   if (texts.telegram.empty()) return show(session, texts.target);
   const auto telegram = static_cast<std::size_t>(parse_integer(texts.telegram, "TELEGRAM", 1, 2)) - 1;
@@ -117,16 +136,20 @@ ExitCode map_verb(Session& session, const MapTexts& texts) {
           word < texts.words.size() ? parse_mapping_word(texts.words[word], mapped.lookup) : std::uint8_t{0};
   }
   client::Client& client = session.client();
-  return session.for_each(slaves, [&](std::size_t index) {
-    const Mapped& mapped = all[index];
-    const client::CommandReply reply = session.ask(Effect::changes, [&] {
-      return mapped.slave ? client.map_actuals(*mapped.slave, mapped.bytes)
-                          : client.map_references(mapped.bytes);
-    });
-    return session.finish(
-        reply, telegram_object(mapped, telegram), "map " + owner(mapped),
-        session.several() ? "the mapping of " + owner(mapped) + " is in effect" : "the mapping is in effect");
-  });
+  ask_before(session, texts);
+  return session.for_each(
+      slaves,
+      [&](std::size_t index) {
+        const Mapped& mapped = all[index];
+        const client::CommandReply reply = session.ask(Effect::changes, [&] {
+          return mapped.slave ? client.map_actuals(*mapped.slave, mapped.bytes)
+                              : client.map_references(mapped.bytes);
+        });
+        return session.finish(reply, telegram_object(mapped, telegram), "map " + owner(mapped),
+                              session.several() ? "the mapping of " + owner(mapped) + " is in effect"
+                                                : "the mapping is in effect");
+      },
+      Session::Lines::grouped);
 }
 
 }  // namespace
@@ -143,6 +166,7 @@ void add_mapping_verb(CLI::App& app, Verb& chosen) {
       "WORD", texts->words,
       "up to four: VALUE.low, VALUE.high, a register byte such as 0x0D, or -; VALUE is 0..7, value0..value7 "
       "or a configured name; words left out are unused");
+  add_yes_option(*map, texts->consent.yes);
   map->footer(
       "Without arguments every mapping is shown.\n"
       "Master and slave may be mapped differently; nothing compares the two.\n"

@@ -167,10 +167,13 @@ ExitCode list(Session& session, unsigned slave, const Parameters& chosen, bool r
 
 ExitCode params_verb(Session& session, const ParamsOptions& options) {
   const std::vector<unsigned> slaves = session.slaves(options.slave);
-  return session.for_each(slaves, [&](std::size_t index) {
-    const ProfilePointer profile = need_profile(session, slaves[index], options.profile);
-    return list(session, slaves[index], of_group(*profile, options.group), options.raw);
-  });
+  return session.for_each(
+      slaves,
+      [&](std::size_t index) {
+        const ProfilePointer profile = need_profile(session, slaves[index], options.profile);
+        return list(session, slaves[index], of_group(*profile, options.group), options.raw);
+      },
+      Session::Lines::grouped);
 }
 
 }  // namespace

@@ -3,10 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "cli/cansync/passport.h"
+#include "profile/passport.h"
 
 /// What two passports have different, and what a restore would write. Pure functions.
 namespace cansync::cli {
+
+using profile::Passport;
+using profile::PassportEntry;
 
 /// A parameter that two passports do not have alike. The entries belong to the passports.
 struct Difference {

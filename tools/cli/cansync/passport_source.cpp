@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "cli/base/left_out.h"
 #include "cli/cansync/parameter_reader.h"
 #include "cli/cansync/profiles.h"
 #include "cli/text/slave_list.h"
@@ -54,16 +55,16 @@ TakenPassport take_passport(Session& session, unsigned slave, const profile::Pro
   return taken;
 }
 
-Passport passport_of_file(const std::string& path, bool force) {
-  bool changed = false;
-  Passport passport = read_passport(path, changed);
-  if (changed && !force) {
+Passport passport_of_file(Output& output, const std::string& path, bool force) {
+  profile::PassportReading reading = profile::read_passport(path);
+  tell_left_out(output, path, reading.left_out, reading.more_left_out);
+  if (reading.changed && !force) {
     throw Ended(ExitCode::refused,
                 fmt::format("{}: its checksum does not fit: it was changed after it was written; make a new "
-                            "backup, or give --force to use it as it is",
-                            path));
+                            "backup, or give --force to use {}",
+                            path, reading.left_out.empty() ? "it as it is" : "what of it can be read"));
   }
-  return passport;
+  return std::move(*reading.passport);
 }
 
 Passport passport_of_slave(Session& session, unsigned slave, const std::string& profile) {
@@ -82,14 +83,16 @@ Passport passport_of_slave(Session& session, unsigned slave, const std::string& 
 
 SlaveFiles slave_files(Session& session, const std::string& list, const std::string& pattern, bool force) {
   SlaveFiles files;
-  if (is_number_list(list)) static_cast<void>(session.slave_mask(list));
+  if (is_number_list(list)) check_slave_list(list);
   session.expect_input(pattern);
   // A file that is wrong is told without a daemon.
-  if (!is_file_pattern(pattern)) files.passports.push_back(passport_of_file(pattern, force));
+  if (!is_file_pattern(pattern))
+    files.passports.push_back(passport_of_file(session.output(), pattern, force));
   files.slaves = session.slaves(list);
   files.paths = session.files(pattern, files.slaves);
   if (files.passports.empty())
-    for (const std::string& path : files.paths) files.passports.push_back(passport_of_file(path, force));
+    for (const std::string& path : files.paths)
+      files.passports.push_back(passport_of_file(session.output(), path, force));
   return files;
 }
 

@@ -5,11 +5,13 @@
 
 #include "cli/base/endings.h"
 #include "cli/base/session.h"
-#include "cli/cansync/passport.h"
+#include "profile/passport.h"
 #include "profile/profile.h"
 
 /// Where passports come from: drives and files. Main thread only.
 namespace cansync::cli {
+
+using profile::Passport;
 
 /// A passport read from a drive.
 struct TakenPassport {
@@ -23,9 +25,9 @@ struct TakenPassport {
 TakenPassport take_passport(Session& session, unsigned slave, const profile::Profile& profile,
                             bool with_volatile = false);
 
-/// The passport in a file. Throws Ended (refused) for one that was changed after it was written, unless
-/// `force`; std::runtime_error for what is none.
-Passport passport_of_file(const std::string& path, bool force);
+/// The passport in a file. What of it is left out is shown (`tell_left_out`). Throws Ended (refused) for one that
+/// was changed after it was written, unless `force`; std::runtime_error for what is none.
+Passport passport_of_file(Output& output, const std::string& path, bool force);
 
 /// The passport of a slave now, by its profile or that of `--profile`. What could not be read is said in
 /// remarks. Throws Ended when the reading was stopped.

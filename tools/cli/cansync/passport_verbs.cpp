@@ -52,7 +52,10 @@ ExitCode backup_one(Session& session, const PassportOptions& options, unsigned s
     if (to_output) {
       session.output().bytes(text);
     } else {
-      target->commit({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+      const std::string kept =
+          target->commit_and_keep({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+      if (!kept.empty())
+        session.output().remark(fmt::format("{} had other contents; they are in {}", file, kept));
     }
     for (const std::string& unread : taken.unread) {
       session.output().remark(fmt::format("slave {}, {}", slave, unread));
@@ -83,10 +86,13 @@ ExitCode backup_verb(Session& session, const PassportOptions& options) {
   const std::vector<unsigned> slaves = session.slaves(options.slave);
   const std::vector<std::string> files = session.files(options.file, slaves);
   // Of a slave without a profile nothing can be read; the others are not to go without a backup for it.
-  return session.for_each(slaves, [&](std::size_t index) {
-    const ProfilePointer profile = need_profile(session, slaves[index], options.profile);
-    return backup_one(session, options, slaves[index], *profile, files[index]);
-  });
+  return session.for_each(
+      slaves,
+      [&](std::size_t index) {
+        const ProfilePointer profile = need_profile(session, slaves[index], options.profile);
+        return backup_one(session, options, slaves[index], *profile, files[index]);
+      },
+      Session::Lines::failures_grouped);
 }
 
 /// A number when it is one: a file that was changed by force may hold any word.
@@ -165,7 +171,7 @@ void show_differences(Session& session, const std::vector<Difference>& found, Ta
 
 ExitCode diff_verb(Session& session, const PassportOptions& options) {
   const auto passport_of = [&](const std::string& argument) {
-    if (is_file_argument(argument)) return passport_of_file(argument, options.force);
+    if (is_file_argument(argument)) return passport_of_file(session.output(), argument, options.force);
     return passport_of_slave(session, session.slave(argument), options.profile);
   };
   const Passport a = passport_of(options.slave);
@@ -208,9 +214,12 @@ ExitCode verify_one(Session& session, const std::string& profile, unsigned slave
 
 ExitCode verify_verb(Session& session, const PassportOptions& options) {
   const SlaveFiles of = slave_files(session, options.slave, options.file, options.force);
-  return session.for_each(of.slaves, [&](std::size_t index) {
-    return verify_one(session, options.profile, of.slaves[index], of.paths[index], of.passports[index]);
-  });
+  return session.for_each(
+      of.slaves,
+      [&](std::size_t index) {
+        return verify_one(session, options.profile, of.slaves[index], of.paths[index], of.passports[index]);
+      },
+      Session::Lines::grouped);
 }
 
 CLI::App* add_verb(CLI::App& app, Verb& chosen, const char* name, const char* text,

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cli/base/left_out.h"
 #include "cli/connect/bus_connection.h"
 #include "dds/overview/desk_client.h"
 #include "profile/folders.h"
@@ -55,26 +56,41 @@ profile::NamedProfile profile_of_daemon(Session& session, const client::SlaveSta
   return known[hash] = std::move(passed_on);
 }
 
+SlaveProfile slave_profile(profile::NamedProfile named) {
+  return {std::move(named.profile), "", std::move(named.left_out)};
+}
+
+/// The same profile, when what was left out of it is shown.
+SlaveProfile told(Output& output, SlaveProfile profile) {
+  if (profile.profile != nullptr) tell_left_out(output, "profile " + profile.profile->name, profile.left_out);
+  return profile;
+}
+
 }  // namespace
 
 SlaveProfile named_profile(Session& session, const client::SlaveStatus& slave, const std::string& folder) {
   profile::NamedProfile found = profile::find_named(slave.profile, slave.profile_hash, folders_of(folder),
                                                     {"--profiles or CANSYNC_PROFILES", "--profile"});
-  if (found.profile != nullptr) return {std::move(found.profile), ""};
+  if (found.profile != nullptr) return slave_profile(std::move(found));
   profile::NamedProfile passed_on = profile_of_daemon(session, slave);
-  if (passed_on.profile != nullptr) return {std::move(passed_on.profile), ""};
+  if (passed_on.profile != nullptr) return slave_profile(std::move(passed_on));
   return {nullptr, fmt::format("{}: {}; {}", slave_text(slave), found.problem, passed_on.problem)};
 }
 
 ProfilePointer load_profile(const std::string& name_or_path, const std::string& folder) {
-  return profile::load_typed(name_or_path, folder);
+  return profile::load_typed(name_or_path, folder).profile;
 }
 
 SlaveProfile find_profile(Session& session, unsigned slave, const std::string& given) {
-  if (!given.empty()) return {load_profile(given, session.profiles()), ""};
+  if (!given.empty())
+    return told(session.output(), slave_profile(profile::load_typed(given, session.profiles())));
   for (const client::SlaveStatus& status : session.client().slaves()) {
     if (status.slave != slave) continue;
-    if (!std::string_view(status.profile).empty()) return named_profile(session, status, session.profiles());
+    if (!std::string_view(status.profile).empty())
+      return told(session.output(), named_profile(session, status, session.profiles()));
+    if (const std::string reason = session.client().gateway_status().configuration_reason;
+        reason.find("profile") != std::string::npos)
+      return {nullptr, fmt::format("{}: its profile cannot be used: {}", slave_text(status), reason)};
     return {nullptr, fmt::format("{} has no profile, so that its parameters have no names; set profile = "
                                  "\"NAME\" in its [[slave]] section of the daemon's configuration, or give "
                                  "--profile",

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/base/session.h"
 #include "profile/profile.h"
@@ -16,8 +17,9 @@ using ProfilePointer = std::shared_ptr<const profile::Profile>;
 
 /// The profile of a slave, or why there is none here.
 struct SlaveProfile {
-  ProfilePointer profile;  ///< null: none
-  std::string problem;     ///< with a remedy; empty when there is one
+  ProfilePointer profile;                  ///< null: none
+  std::string problem;                     ///< with a remedy; empty when there is one
+  std::vector<std::string> left_out = {};  ///< as profile::NamedProfile
 };
 
 /// Reads a profile by name, from the folder of --profiles and the standard ones, or by file. Throws
@@ -29,7 +31,7 @@ ProfilePointer load_profile(const std::string& name_or_path, const std::string& 
 SlaveProfile named_profile(Session& session, const client::SlaveStatus& slave, const std::string& folder);
 
 /// The profile of --profile when `given` is not empty (throws as `load_profile`), else that which the daemon
-/// names for the slave, as `named_profile`.
+/// names for the slave, as `named_profile`. What was left out of it is shown (`tell_left_out`).
 SlaveProfile find_profile(Session& session, unsigned slave, const std::string& given);
 
 /// The same for verbs that need one. Throws std::runtime_error with the problem.

@@ -3,10 +3,35 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
 namespace cansync::cli {
+
+std::string given_by_another(unsigned telegram, const client::MasterStatus& status, std::int32_t strength,
+                             std::string_view consequence) {
+  const auto& release = status.reference_release[telegram];
+  const std::string_view writer = release.writer;
+  if (writer.empty()) return "";
+  const auto& guid = release.writer_guid;
+  const bool program =
+      std::any_of(std::begin(guid), std::end(guid), [](std::uint8_t byte) { return byte != 0; });
+  if (!program) return fmt::format("telegram {} is given by {}, and no program may", telegram + 1, writer);
+  if (strength > release.strength) return "";
+  return fmt::format(
+      "telegram {} is given by {} with strength {}: {}; --take-over or --strength {} takes over",
+      telegram + 1, writer, release.strength, consequence, static_cast<std::int64_t>(release.strength) + 1);
+}
+
+std::int32_t strength_to_take_over(const Telegrams& telegrams, const client::MasterStatus& status,
+                                   std::int32_t strength) noexcept {
+  for (unsigned telegram = 0; telegram < telegrams.size(); ++telegram) {
+    const std::int32_t other = status.reference_release[telegram].strength;
+    if (telegrams[telegram].valid != 0 && other >= strength && other < INT32_MAX) strength = other + 1;
+  }
+  return strength;
+}
 
 ReferenceEffect::ReferenceEffect(const Telegrams& telegrams, std::int32_t strength, std::string own)
     : telegrams_(telegrams), strength_(strength), own_(std::move(own)) {}
@@ -37,11 +62,10 @@ std::string ReferenceEffect::look(const client::MasterStatus& status) {
     // A stronger writer is heard with its first values, whatever the status of before says.
     known.giver = known.heard ? "" : writer;
     if (known.giver.empty()) continue;
-    now += fmt::format(
-        "{}telegram {} is given by {} with strength {}: yours, with strength {}, have no effect while it gives "
-        "them; --strength {} takes over",
-        now.empty() ? "" : "; ", telegram + 1, writer, release.strength, strength_,
-        static_cast<std::int64_t>(std::max(release.strength, strength_)) + 1);
+    const std::string another = given_by_another(
+        telegram, status, strength_,
+        fmt::format("yours, with strength {}, have no effect while it gives them", strength_));
+    if (!another.empty()) now += (now.empty() ? "" : "; ") + another;
   }
   if (now.empty() || now == told_) return "";
   told_ = now;

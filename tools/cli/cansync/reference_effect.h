@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 /// Whether the reference values that `set` gives reach the line.
 namespace cansync::cli {
@@ -19,6 +20,15 @@ struct TelegramToSet {
   std::uint8_t valid = 0;
 };
 using Telegrams = std::array<TelegramToSet, 2>;
+
+/// Who gives telegram 0 or 1, when that keeps a writer with `strength` from it, with the consequence and what
+/// takes over; else empty.
+std::string given_by_another(unsigned telegram, const client::MasterStatus& status, std::int32_t strength,
+                             std::string_view consequence);
+
+/// A strength that takes over every telegram that has values; `strength`, when that does.
+std::int32_t strength_to_take_over(const Telegrams& telegrams, const client::MasterStatus& status,
+                                   std::int32_t strength) noexcept;
 
 /// Whether the values have an effect: the line is in active operation, and the daemon hears this writer.
 /// `take` may be called by another thread.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -34,6 +35,7 @@ struct SetTexts {
   std::string rate = "50";
   std::string release;
   std::string strength = "1";
+  bool take_over = false;
   std::string seconds;
 };
 
@@ -212,6 +214,20 @@ void give_up(client::ReferenceWriter& writer, const Telegrams& telegrams) {
   }
 }
 
+/// How many values a sample of all telegrams has.
+std::uint64_t values_of(const Telegrams& telegrams) {
+  std::uint64_t values = 0;
+  for (const TelegramToSet& telegram : telegrams)
+    values += static_cast<std::uint64_t>(std::popcount(telegram.valid));
+  return values;
+}
+
+/// "telegram 1", "telegrams 1 and 2".
+std::string_view telegrams_text(const Telegrams& telegrams) {
+  if (telegrams[0].valid != 0 && telegrams[1].valid != 0) return "telegrams 1 and 2";
+  return telegrams[0].valid != 0 ? "telegram 1" : "telegram 2";
+}
+
 /// Why the values are not given any more.
 client::Reply ended(client::ReferenceStanding standing) {
   if (standing == client::ReferenceStanding::daemon_restarted)
@@ -237,6 +253,20 @@ JsonObject no_effect_object(std::uint64_t samples, std::uint32_t release, const 
       .add("result", "no_effect")
       .add("reason", reason)
       .add_null("cause");
+}
+
+/// Nothing is given, not one sample, while another writer has a telegram that is no weaker. Throws Ended.
+void refuse_what_another_gives(Session& session, const Telegrams& telegrams,
+                               const client::MasterStatus& status, std::int32_t strength,
+                               std::uint32_t release) {
+  for (unsigned telegram = 0; telegram < telegrams.size(); ++telegram) {
+    if (telegrams[telegram].valid == 0) continue;
+    const std::string another = given_by_another(telegram, status, strength,
+                                                 fmt::format("nothing is given with strength {}", strength));
+    if (another.empty()) continue;
+    if (session.json()) session.output().object(no_effect_object(0, release, another));
+    throw Ended(ExitCode::no_effect, "set: " + another);
+  }
 }
 
 /// Says what is given to whom until when, on a terminal, where nothing else would be seen.
@@ -271,7 +301,9 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
       break;
     }
     if (problem.empty() && !client.daemon_present()) problem = "the daemon has gone (" + client.place() + ")";
-    if (!problem.empty() && !just_continued()) {
+    // A stronger writer has come, and may go again.
+    const bool waits = writer.waits();
+    if (!problem.empty() && !waits && !just_continued()) {
       reply = {client::ReplyCode::no_reply, problem};
       break;
     }
@@ -294,18 +326,21 @@ ExitCode stream(Session& session, const Telegrams& telegrams, const Pace& pace, 
     if (session.json()) session.output().object(no_effect_object(samples, pace.release, reason));
     throw Ended(ExitCode::no_effect, fmt::format("set: the values had no effect: {}", reason));
   }
-  return session.finish(reply, JsonObject().add("samples", samples).add("release_intervals", pace.release),
-                        "set",
-                        fmt::format("values were given {} and are given up", text::counted(samples, "time")));
+  return session.finish(
+      reply, JsonObject().add("samples", samples).add("release_intervals", pace.release), "set",
+      fmt::format("sent {} to {}; released", text::counted(samples * values_of(telegrams), "reference value"),
+                  telegrams_text(telegrams)));
 }
 
 ExitCode set_verb(Session& session, const SetTexts& texts) {
   constexpr std::int64_t kStrongest = 2'147'483'647;
-  const auto strength = static_cast<std::int32_t>(parse_integer(texts.strength, "--strength", 0, kStrongest));
+  auto strength = static_cast<std::int32_t>(parse_integer(texts.strength, "--strength", 0, kStrongest));
   for (const std::string& text : texts.assignments) static_cast<void>(parse_assignment(text));
   const client::MasterStatus status = session.client().master_status();
   const Telegrams telegrams = parse_telegrams(texts, status);
   const Pace pace = parse_pace(texts, status);
+  if (texts.take_over) strength = strength_to_take_over(telegrams, status, strength);
+  refuse_what_another_gives(session, telegrams, status, strength, pace.release);
   warn(session.output(), telegrams, status);
   if (status.option_status == kActiveMaster) warn_of_faults(session);
   announce(session.output(), texts, pace, strength);
@@ -330,16 +365,19 @@ void add_reference_verb(CLI::App& app, Verb& chosen) {
   set->add_option("--release", texts->release,
                   "intervals in a row in which each sample is sent (default: three periods of the rate)")
       ->type_name("N");
-  set->add_option("--strength", texts->strength,
-                  "among several writers of a telegram the strongest wins; 0 and more (default 1)")
+  set->add_option(
+         "--strength", texts->strength,
+         "a telegram that another writer gives is taken over by a stronger one alone; 0 and more (default 1)")
       ->type_name("N");
+  set->add_flag("--take-over", texts->take_over,
+                "with a strength that takes the telegrams over from who gives them");
   set->add_option("--seconds", texts->seconds, "end after this time (default: Ctrl-C ends)")->type_name("S");
   set->footer(
       "Values 0..3 go out in telegram WRC1, 4..7 in WRC2; other values of the same telegram keep what they "
       "had. They\n"
       "are for every slave of the line; which follow, their control words decide. When the command ends, the "
       "telegrams are\n"
-      "given up: a weaker writer takes over, or they are sent no more, and drives that had values fault.\n"
+      "given up: a writer that waits takes over, or they are sent no more, and drives that had values fault.\n"
       "Example: cansync set 0=1000 4=50 --seconds 10");
   set->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return set_verb(session, *texts); }; });

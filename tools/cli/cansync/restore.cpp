@@ -160,7 +160,16 @@ ExitCode refuse(Session& session, const std::string& file, const std::vector<std
 
 ExitCode restore_one(Session& session, const RestoreOptions& options, unsigned slave, const std::string& path,
                      const Passport& file) {
-  const ProfilePointer profile = need_profile(session, slave, options.profile);
+  const SlaveProfile named = find_profile(session, slave, options.profile);
+  if (named.profile == nullptr) throw std::runtime_error(named.problem);
+  const ProfilePointer& profile = named.profile;
+  if (!named.left_out.empty() && !options.force) {
+    return refuse(session, path,
+                  {fmt::format("profile '{}' was read in part; values of the parameters that are left "
+                               "out would not be restored",
+                               profile->name)},
+                  "correct the profile, or give --force to restore the others");
+  }
   const Passport drive = passport_of_slave(session, slave, options.profile);
   const std::vector<std::string> identity = identity_problems(file, drive);
   if (!identity.empty() && !options.force) {
@@ -186,9 +195,12 @@ ExitCode restore_one(Session& session, const RestoreOptions& options, unsigned s
 
 ExitCode restore_verb(Session& session, const RestoreOptions& options) {
   const SlaveFiles of = slave_files(session, options.slave, options.file, options.force);
-  return session.for_each(of.slaves, [&](std::size_t index) {
-    return restore_one(session, options, of.slaves[index], of.paths[index], of.passports[index]);
-  });
+  return session.for_each(
+      of.slaves,
+      [&](std::size_t index) {
+        return restore_one(session, options, of.slaves[index], of.paths[index], of.passports[index]);
+      },
+      Session::Lines::failures_grouped);
 }
 
 }  // namespace

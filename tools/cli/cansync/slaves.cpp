@@ -48,7 +48,8 @@ JsonObject slave_object(const client::SlaveStatus& slave, const std::string& fau
       .add("profile", slave.profile)
       .add("status_parameter", slave.status_parameter)
       .add("status_error", slave.status_error)
-      .add("fault", fault);
+      .add("fault", fault)
+      .add("held_reason", slave.held_reason);
 }
 
 std::string status_text(const client::SlaveStatus& slave, const std::string& fault) {
@@ -89,7 +90,7 @@ std::vector<Table::Column> slave_columns() {
       {"NAME", left, "its configured name"},
       {"STATE", left,
        "absent (never answered), starting, released; lost, then returning (waits for SYNC), checking "
-       "(its return parameters), and held (they are not right; see `events`, then `release`); - = the line is "
+       "(its return parameters), and held (the reason is below the table; see `release`); - = the line is "
        "stopped"},
       {"RESPONDS", left, "whether it answers", 0, 1},
       {"SYNCHRONIZED", left, "whether it has locked to SYNC: bit 15 of its status word", 0, 1},
@@ -125,7 +126,10 @@ ExitCode slaves_verb(Session& session, const SlavesOptions& options) {
   for (const client::SlaveStatus& slave : session.client().slaves()) {
     if (((wanted >> slave.slave) & 1u) == 0) continue;
     if (lacks_status_word(slave))
-      refusals.push_back(status_refusal(slave) + "; mend: " + kStatusRefusalRemedy);
+      refusals.push_back(status_refusal(slave) + "; fix: " + kStatusRefusalRemedy);
+    if (const std::string_view held = slave.held_reason; asked && !held.empty())
+      refusals.push_back(
+          fmt::format("slave {} '{}' is held out: {}", slave.slave, client::text(slave.name), held));
     const std::string fault = faults.of(slave);
     if (session.json()) {
       session.output().object(slave_object(slave, fault, asked));

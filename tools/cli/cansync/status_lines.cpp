@@ -10,6 +10,7 @@
 
 #include "cansync/dds/lead_axis_writer.h"
 #include "cansync_members.h"
+#include "cli/base/session.h"
 #include "cli/text/values.h"
 #include "text/counts.h"
 
@@ -25,7 +26,8 @@ std::string release_text(const cansync_ReferenceRelease& release) {
   if (release.writer[0] == '\0') return text + ", given by nobody";
   text += fmt::format(", given by {}", release.writer);
   if (release.writer == cansync::dds::kLeadAxisWriter) return text;
-  return text + fmt::format(", strength {}", release.strength);
+  text += fmt::format(", strength {}", release.strength);
+  return release.waiting_writer[0] == '\0' ? text : text + fmt::format("; {} waits", release.waiting_writer);
 }
 
 /// "0-3 (4 of 4)".
@@ -66,10 +68,18 @@ std::string state_text(const Status& status, unsigned) {
                      status.cansync_status);
 }
 
+std::string second_master_frame(std::uint32_t identifier) {
+  return identifier == 0 ? std::string("a SYNC frame") : fmt::format("identifier 0x{:03X}", identifier);
+}
+
 std::string second_master_text(const Status& status, unsigned) {
-  if (!status.second_master && status.second_master_frames == 0) return "";
-  return fmt::format("{}, {} of its frames seen", status.second_master ? "on the bus" : "gone",
-                     status.second_master_frames);
+  if (!status.second_master)
+    return status.second_master_frames == 0
+               ? ""
+               : fmt::format("gone, {} of its frames seen", status.second_master_frames);
+  return fmt::format("on the bus since {}, {}, {} of its frames seen",
+                     time_text(status.second_master_since, true),
+                     second_master_frame(status.second_master_identifier), status.second_master_frames);
 }
 
 std::string open_jobs_text(const Status& status, unsigned) {
@@ -121,7 +131,8 @@ constexpr Line kLines[] = {
      [](const Status& status, unsigned) { return fmt::format("{}", status.telegrams_sent); }},
     {"telegrams left out", "not sent because their slot had passed",
      [](const Status& status, unsigned) { return fmt::format("{}", status.left_out); }},
-    {"reference telegram", "whether its values are released, why not, and who gives them with which strength",
+    {"reference telegram",
+     "whether its values are released, why not, who gives them with which strength, and who waits",
      [](const Status& status, unsigned number) { return release_text(status.reference_release[number - 1]); },
      "1, 2", 1, 2},
     {"no reference values", "active intervals in which a reference value telegram had nothing to send",

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
@@ -24,10 +25,14 @@ struct TimingTexts {
   bool follow = false;
 };
 
-void write_svg(const std::string& path, const TimingReport& report) {
+/// `first`: of this run; a picture of an earlier one is kept.
+void write_svg(Output& output, const std::string& path, const TimingReport& report, bool first) {
   const std::string text = timing_svg(report, date_text());
+  const std::span data(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   ReplacementFile file(path);
-  file.commit(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  if (!first) return file.commit(data);
+  const std::string kept = file.commit_and_keep(data);
+  if (!kept.empty()) output.remark(path + " had other contents; they are in " + kept);
 }
 
 void show(Output& output, const TimingReport& report, bool in_place) {
@@ -67,6 +72,7 @@ ExitCode timing_verb(Session& session, const TimingTexts& texts) {
   std::optional<client::Timing> before;
   if (gathers && !(before = queue.next())) return no_sample(session, false);
   const bool in_place = texts.follow && session.output().data_on_terminal();
+  bool first = true;
   do {
     std::vector<client::Timing> samples;
     while (samples.size() < static_cast<std::size_t>(seconds)) {
@@ -76,7 +82,7 @@ ExitCode timing_verb(Session& session, const TimingTexts& texts) {
     }
     const TimingReport report = timing_report(samples, before ? &*before : nullptr, line_facts(client));
     show(session.output(), report, in_place);
-    if (!texts.svg.empty()) write_svg(texts.svg, report);
+    if (!texts.svg.empty()) write_svg(session.output(), texts.svg, report, std::exchange(first, false));
     if (before) before = samples.back();
   } while (texts.follow);
   return ExitCode::done;
@@ -94,7 +100,10 @@ void add_timing_verb(CLI::App& app, Verb& chosen) {
                    "counts since the daemon started)")
       ->type_name("N");
   timing->add_flag("--follow", texts->follow, "again and again until Ctrl-C");
-  timing->add_option("--svg", texts->svg, "also draw the interval as a diagram into FILE")->type_name("FILE");
+  timing
+      ->add_option("--svg", texts->svg,
+                   "also draw the interval as a diagram into FILE; other contents of it are kept as FILE.1")
+      ->type_name("FILE");
   timing->footer(
       "First the lateness of the realtime thread's wake-up for SYNC: for each class its upper bound, how "
       "many\n"

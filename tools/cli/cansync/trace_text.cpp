@@ -1,7 +1,10 @@
 #include "cli/cansync/trace_text.h"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -16,17 +19,24 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
+// Of the columns of `trace`.
+constexpr std::size_t kTimeWidth = 17;
+constexpr std::size_t kSinceWidth = 8;
+constexpr std::size_t kChannelWidth = 7;
+constexpr std::size_t kSlaveWidth = 5;
+
+void add_right(std::string& line, std::string_view text, std::size_t width) {
+  line.append(width - std::min(width, text.size()), ' ').append(text);
+}
+
 std::string hex_bytes(Bytes bytes) {
-  std::string out;
-  for (const std::uint8_t byte : bytes) out += fmt::format("{}{:02X}", out.empty() ? "" : " ", byte);
-  return out;
+  return fmt::format(FMT_COMPILE("{:02X}"), fmt::join(bytes, " "));
 }
 
 std::string words_text(std::span<const std::uint16_t> words) {
   if (words.empty()) return "no words";
-  std::string out = words.size() == 1 ? "word" : "words";
-  for (const std::uint16_t word : words) out += fmt::format(" 0x{:04X}", word);
-  return out;
+  return fmt::format(FMT_COMPILE("{} 0x{:04X}"), words.size() == 1 ? "word" : "words",
+                     fmt::join(words, " 0x"));
 }
 
 /// Of the slave itself, or when the address is left out: nothing.
@@ -252,12 +262,14 @@ TracedTelegram TraceText::describe(const can::CandumpLine& line) {
 std::vector<Table::Column> trace_columns() {
   constexpr auto left = Table::Align::left;
   constexpr auto right = Table::Align::right;
-  return {{"TIME s", right, "as in the log; live: when the kernel had the frame, which is its end", 17},
-          {"SYNC+us", right, "since the newest SYNC frame of the log; - = none yet", 8},
-          {"CHANNEL", left,
-           "RC, WRC1, RDC1, WRC2, RDC2, CC; SYNC; error = error frame; - = no channel of CANsync", 7},
-          {"SLAVE", right, "which is addressed, asked or sends; a broadcast names its slaves in the text", 5},
-          {"WHAT", left, "the telegram in words; an answer is understood by the command before it"}};
+  return {
+      {"TIME s", right, "as in the log; live: when the kernel had the frame, which is its end", kTimeWidth},
+      {"SYNC+us", right, "since the newest SYNC frame of the log; - = none yet", kSinceWidth},
+      {"CHANNEL", left,
+       "RC, WRC1, RDC1, WRC2, RDC2, CC; SYNC; error = error frame; - = no channel of CANsync", kChannelWidth},
+      {"SLAVE", right, "which is addressed, asked or sends; a broadcast names its slaves in the text",
+       kSlaveWidth},
+      {"WHAT", left, "the telegram in words; an answer is understood by the command before it"}};
 }
 
 std::string trace_heading() {
@@ -265,13 +277,23 @@ std::string trace_heading() {
 }
 
 std::string trace_line(const TracedTelegram& telegram) {
-  static const Table table(trace_columns());
   constexpr std::int64_t kSecond = 1'000'000;
+  constexpr std::size_t kFraction = 7;  // ".000000"
   const std::int64_t time = telegram.time.count();
-  return table.line({fmt::format("{}.{:06}", time / kSecond, time % kSecond),
-                     telegram.after_sync ? fmt::format("{}", telegram.after_sync->count()) : "-",
-                     std::string(telegram.channel), telegram.slave ? fmt::format("{}", *telegram.slave) : "-",
-                     telegram.words});
+  const auto digits = [](const fmt::format_int& number) {
+    return std::string_view(number.data(), number.size());
+  };
+  // As a line of the table, but in one step: a log may have ten million of them.
+  std::string line;
+  line.reserve(64 + telegram.words.size());
+  add_right(line, digits(fmt::format_int(time / kSecond)), kTimeWidth - kFraction);
+  fmt::format_to(std::back_inserter(line), FMT_COMPILE(".{:06}  "), time % kSecond);
+  add_right(line, telegram.after_sync ? digits(fmt::format_int(telegram.after_sync->count())) : "-",
+            kSinceWidth);
+  line.append("  ").append(telegram.channel);
+  line.append(kChannelWidth - std::min(kChannelWidth, telegram.channel.size()) + 2, ' ');
+  add_right(line, telegram.slave ? digits(fmt::format_int(*telegram.slave)) : "-", kSlaveWidth);
+  return line.append("  ").append(telegram.words);
 }
 
 }  // namespace cansync::cli

@@ -96,12 +96,15 @@ ExitCode upload_one(Session& session, const client::TransferRequest& request, co
   if (!to_stdout) file.emplace(path);
   const Transferred ended = run_job(session, request);
   const std::vector<std::uint8_t>& data = ended.reply.data;
+  std::string kept;
   if (ended.reply.ok()) {
     if (to_stdout)
       session.output().bytes({reinterpret_cast<const char*>(data.data()), data.size()});
     else
-      file->commit(data);
+      kept = file->commit_and_keep(data);
   }
+  if (!kept.empty())
+    session.output().remark(fmt::format("{} had other contents; they are in {}", path, kept));
   return finish(session, request, ended);
 }
 
@@ -115,10 +118,13 @@ ExitCode upload_verb(Session& session, const TransferOptions& options) {
   request.length = length;
   const std::vector<unsigned> slaves = session.slaves(options.slave);
   const std::vector<std::string> files = session.files(options.file, slaves);
-  return session.for_each(slaves, [&](std::size_t index) {
-    request.slave = slaves[index];
-    return upload_one(session, request, files[index]);
-  });
+  return session.for_each(
+      slaves,
+      [&](std::size_t index) {
+        request.slave = slaves[index];
+        return upload_one(session, request, files[index]);
+      },
+      Session::Lines::grouped);
 }
 
 ExitCode download_verb(Session& session, const TransferOptions& options) {
@@ -127,10 +133,13 @@ ExitCode download_verb(Session& session, const TransferOptions& options) {
   const std::vector<unsigned> slaves = session.slaves(options.slave);
   session.expect_input(options.file);
   request.data = read_file(options.file, static_cast<std::size_t>(kLongestTransfer));
-  return session.for_each(slaves, [&](std::size_t index) {
-    request.slave = slaves[index];
-    return finish(session, request, run_job(session, request));
-  });
+  return session.for_each(
+      slaves,
+      [&](std::size_t index) {
+        request.slave = slaves[index];
+        return finish(session, request, run_job(session, request));
+      },
+      Session::Lines::grouped);
 }
 
 void add_common(CLI::App& verb, TransferOptions& options) {

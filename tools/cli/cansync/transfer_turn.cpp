@@ -46,7 +46,7 @@ void TransferTurn::tell(const std::string& what) {
   if (job == told_job_ && Clock::now() - told_ < kAgain) return;
   told_job_ = job;
   told_ = Clock::now();
-  session_.output().remark(
+  session_.output().remark_now(
       fmt::format("waiting for {}; `cansync cancel{}` would end it", what, job.substr(job.find(' '))));
 }
 

@@ -33,7 +33,8 @@ constexpr std::array<WaitState, 18> kStates = {{
     {"lost", Of::slaves, "slaves: stopped answering"},
     {"returning", Of::slaves, "slaves: answer again and wait for SYNC"},
     {"checking", Of::slaves, "slaves: their return parameters are checked"},
-    {"held", Of::slaves, "slaves: their return parameters are not right"},
+    {"held", Of::slaves,
+     "slaves: not the drive expected, two drives, or their return parameters are not right"},
 }};
 
 bool master_is_in(std::string_view name, std::uint32_t status) {
@@ -119,8 +120,8 @@ std::string seen(const WaitState& state, const WaitLook& now) {
     case Of::nobody:
       return "the daemon is there";
     case Of::master:
-      return fmt::format("the master is in {} (0x{:04X})", client::text(now.master.state),
-                         now.master.option_status);
+      return fmt::format("the master is in {} (0x{:04X}){}", client::text(now.master.state),
+                         now.master.option_status, now.master.second_master ? "; another master sends" : "");
     case Of::controller:
       return fmt::format("the controller is {}", now.controller);
     case Of::slaves:

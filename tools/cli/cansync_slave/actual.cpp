@@ -140,8 +140,7 @@ ExitCode actual_verb(Session& session, const ActualTexts& texts) {
 }  // namespace
 
 void add_actual_verb(CLI::App& app, Verb& chosen) {
-  auto* actual =
-      app.add_subcommand("actual", "as a slave: release actual values until Ctrl-C, or for --seconds");
+  auto* actual = app.add_subcommand("actual", "release actual values until Ctrl-C, or for --seconds");
   actual->group("The daemon as a slave");
   auto texts = std::make_shared<ActualTexts>();
   actual
@@ -157,14 +156,15 @@ void add_actual_verb(CLI::App& app, Verb& chosen) {
                    "periods of the rate)")
       ->type_name("N");
   actual
-      ->add_option("--strength", texts->strength,
-                   "among several writers of a telegram the strongest wins; 0 and more (default 1)")
+      ->add_option(
+          "--strength", texts->strength,
+          "a telegram that another writer has is taken over by a stronger one alone; 0 and more (default 1)")
       ->type_name("N");
   actual->add_option("--seconds", texts->seconds, "end after this time (default: Ctrl-C ends)")
       ->type_name("S");
   actual->footer(
       "Of a bus with bus.protocol = \"cansync-slave\". Values 0..3 go out in RDC1, 4..7 in RDC2, when the master asks "
-      "for\nthem; one release is good for one telegram.\nExample: cansync actual 0=1000 4=50 --seconds 10");
+      "for\nthem; one release is good for one telegram.\nExample: cansync slave actual 0=1000 4=50 --seconds 10");
   run_when_named(*actual, chosen, texts, actual_verb);
 }
 

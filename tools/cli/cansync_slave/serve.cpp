@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cansync/slave/block_area.h"
@@ -15,6 +17,7 @@
 #include "cansync_slave/client/application.h"
 #include "cansync_slave/config/parameter_rows.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/left_out.h"
 #include "cli/base/own_process.h"
 #include "cli/cansync_slave/verbs.h"
 #include "cli/connect/bus_verb.h"
@@ -78,24 +81,29 @@ std::vector<NamedParameter> parameters_of(const profile::Profile* profile, const
   if (problems.empty() && parameters.empty())
     problems.push_back({{path, 0, 0}, "", "found no [[parameter]]; allowed: one and more"});
   config::sort_by_place(problems);
-  if (!problems.empty()) throw UsageError(config::problems_text(problems));
+  if (!problems.empty()) throw UsageError(config::problems_message(problems));
   return parameters;
 }
 
 std::vector<Table::Column> serve_columns() {
   constexpr auto left = Table::Align::left;
   constexpr auto right = Table::Align::right;
-  return {{"TIME", left, "when the master's telegram came, in the time zone of this computer", 23},
-          {"JOB", right, "its number, given by the daemon", 8},
-          {"KIND", left, "read, write, upload or download", 8},
-          {"NUMBER", right, "parameter, or start address", 10},
-          {"NAME", left, "of the parameter; - without one", 16},
-          {"VALUE", right, "value that was read or written, of a name in its unit; of a block its bytes", 11},
-          {"RESULT", left, "ok, or the error number that the master was answered with", 9}};
+  return {
+      {"TIME", left, "when the master's telegram came, in the time zone of this computer", 23},
+      {"JOB", right, "its number, given by the daemon", 8},
+      {"KIND", left, "read, write, upload or download", 8},
+      {"NUMBER", right, "parameter, or start address", 10},
+      {"NAME", left, "of the parameter; - without one", 16},
+      {"VALUE", right, "value that was read or written, of a name in its unit; of a block its bytes", 11},
+      {"RESULT", left,
+       "ok, or the error number that the master was answered with; dropped: it was not answered by this, and "
+       "nothing was written",
+       9}};
 }
 
 /// One thing that was asked and how it was answered.
 struct Served {
+  bool dropped = false;  ///< the answer was not the one that the master got
   std::int64_t time = 0;
   std::uint64_t job = 0;
   const char* kind = "";
@@ -106,7 +114,8 @@ struct Served {
   unsigned error = 0;
 };
 
-/// Answers from a table of its own, and writes a line for each answer.
+/// Answers from a table of its own. Shows, counts and applies an answer when the daemon says that the master got
+/// it; another program may have been asked meanwhile, or the master asks for something else.
 class Server {
  public:
   Server(Output& output, const std::vector<NamedParameter>& parameters, std::uint64_t count)
@@ -132,8 +141,10 @@ class Server {
   bool possible(const cansync_slave_BlockJob& job) const;
   void move_telegram(Application& application, const cansync_slave_BlockJob& job);
   static std::string in_unit(const profile::Parameter& named, std::uint32_t raw);
+  void answer(Application& application, const cansync_slave_ParameterJob& job);
+  void end_parameter(const cansync_slave_ParameterJob& end);
+  void end_block(const cansync_slave_BlockJob& end);
   void show(const Served& served);
-  void show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error);
 
   Output& output_;
   Table lines_;
@@ -141,14 +152,22 @@ class Server {
   std::map<std::uint16_t, profile::Parameter> names_;
   std::uint64_t count_;
   std::uint64_t served_ = 0;
+  bool headed_ = false;
+  /// The parameter job that was answered here, and whose end has not come yet.
+  struct Answered {
+    cansync_slave_ParameterJob job = {};
+    Served shown;
+  };
+  std::optional<Answered> answered_;
   std::map<std::uint32_t, std::vector<std::uint8_t>> blocks_;  ///< by start address
   std::vector<std::uint8_t> coming_;                           ///< a download, telegram by telegram
   cansync_slave_BlockJob open_ = {};                           ///< its sequence is not looked at
+  unsigned refused_ = 0;                                       ///< with which the open block was
   std::string problem_;
 };
 
 void Server::show(const Served& served) {
-  ++served_;
+  if (!served.dropped) ++served_;
   if (output_.json()) {
     output_.object(JsonObject()
                        .add("time_ns", served.time)
@@ -157,23 +176,39 @@ void Server::show(const Served& served) {
                        .add("number", served.number)
                        .add("name", served.name)
                        .add("raw", served.raw)
-                       .add("error_code", served.error));
+                       .add("error_code", served.error)
+                       .add("dropped", served.dropped));
     return;
   }
-  if (served_ == 1) output_.line(lines_.heading());
-  output_.line(lines_.line({time_text(served.time, true), fmt::format("{}", served.job), served.kind,
-                            fmt::format("{}", served.number), served.name.empty() ? "-" : served.name,
-                            served.value, served.error == 0 ? "ok" : fmt::format("0x{:04X}", served.error)}));
+  if (!std::exchange(headed_, true)) output_.line(lines_.heading());
+  output_.line(
+      lines_.line({time_text(served.time, true), fmt::format("{}", served.job), served.kind,
+                   fmt::format("{}", served.number), served.name.empty() ? "-" : served.name, served.value,
+                   served.dropped      ? "dropped"
+                   : served.error == 0 ? "ok"
+                                       : fmt::format("0x{:04X}", served.error)}));
 }
 
 void Server::serve(Application& application, const cansync_slave_ParameterJob& job) {
-  if (job.step != cansync_slave_JOB_ASKED || enough()) return;
+  if (!application.is_asked(job)) return;
+  if (job.step != cansync_slave_JOB_ASKED) return end_parameter(job);
+  if (enough()) return;
+  // One is open at a time: the end of the one before was lost on the way.
+  if (answered_) {
+    cansync_slave_ParameterJob lost = answered_->job;
+    lost.step = cansync_slave_JOB_DROPPED;
+    end_parameter(lost);
+  }
+  answer(application, job);
+}
+
+void Server::answer(Application& application, const cansync_slave_ParameterJob& job) {
   const auto number = ParameterNumber::from(job.parameter);
   const auto element = Element::from(job.element);
   ParameterAnswer answer;
   answer.error = ParameterError::not_present;
   if (number && element && job.sub_slave == 0) {
-    answer = job.write ? table_.write(*number, job.doubleword, job.value) : table_.read(*number, *element);
+    answer = job.write ? table_.check(*number, job.doubleword, job.value) : table_.read(*number, *element);
   }
   const auto error = static_cast<std::uint16_t>(answer.error);
   problem_ =
@@ -183,21 +218,35 @@ void Server::serve(Application& application, const cansync_slave_ParameterJob& j
       as_signed(raw, answer.doubleword || job.doubleword ? Width::doubleword : Width::word);
   const bool known = error == 0 || job.write;
   const auto named = job.sub_slave == 0 ? names_.find(job.parameter) : names_.end();
-  show({job.time, job.job, job.write ? "write" : "read", job.parameter,
-        named == names_.end() ? "" : named->second.name,
-        !known ? "-" : (named == names_.end() ? fmt::format("{}", value) : in_unit(named->second, raw)),
-        known ? value : 0, error});
+  const bool has_name = named != names_.end();
+  answered_ = Answered{job,
+                       {.time = job.time,
+                        .job = job.job,
+                        .kind = job.write ? "write" : "read",
+                        .number = job.parameter,
+                        .name = has_name ? named->second.name : "",
+                        .value = !known     ? "-"
+                                 : has_name ? in_unit(named->second, raw)
+                                            : fmt::format("{}", value),
+                        .raw = known ? value : 0,
+                        .error = error}};
+}
+
+void Server::end_parameter(const cansync_slave_ParameterJob& end) {
+  if (!answered_ || answered_->job.job != end.job) return;
+  Answered answered = *std::exchange(answered_, std::nullopt);
+  answered.shown.dropped = end.step != cansync_slave_JOB_ANSWERED;
+  const cansync_slave_ParameterJob& job = answered.job;
+  const auto number = ParameterNumber::from(job.parameter);
+  if (job.write && answered.shown.error == 0 && !answered.shown.dropped && number)
+    static_cast<void>(table_.write(*number, job.doubleword, job.value));
+  show(answered.shown);
 }
 
 /// "12.5 rpm".
 std::string Server::in_unit(const profile::Parameter& named, std::uint32_t raw) {
   const std::string number = profile::scaled_text(named, profile::raw_number(named, raw));
   return named.unit.empty() ? number : number + " " + named.unit;
-}
-
-void Server::show_block(const cansync_slave_BlockJob& job, std::size_t bytes, unsigned error) {
-  show({job.time, job.job, job.download ? "download" : "upload", job.address, "",
-        text::counted(bytes, "byte"), static_cast<std::int64_t>(bytes), error});
 }
 
 /// There is room for a download; of an upload something lies there, and goes as a whole if that is asked.
@@ -209,11 +258,11 @@ bool Server::possible(const cansync_slave_BlockJob& job) const {
 
 void Server::begin_block(Application& application, const cansync_slave_BlockJob& job) {
   open_ = job;
+  refused_ = 0;
   coming_.clear();
   if (!possible(job)) {
-    constexpr auto kNotPossible = static_cast<std::uint16_t>(TransferError::not_possible);
-    problem_ = application.refuse(job, kNotPossible);
-    show_block(job, 0, kNotPossible);
+    refused_ = static_cast<unsigned>(TransferError::not_possible);
+    problem_ = application.refuse(job, static_cast<std::uint16_t>(refused_));
     return;
   }
   if (job.download) {
@@ -238,7 +287,7 @@ void Server::move_telegram(Application& application, const cansync_slave_BlockJo
 }
 
 void Server::serve(Application& application, const cansync_slave_BlockJob& job) {
-  if (enough()) return;
+  if (enough() || !application.is_asked(job)) return;
   switch (job.step) {
     case cansync_slave_BLOCK_BEGUN:
       begin_block(application, job);
@@ -251,15 +300,28 @@ void Server::serve(Application& application, const cansync_slave_BlockJob& job) 
       move_telegram(application, job);
       break;
     case cansync_slave_BLOCK_ENDED:
-      if (job.job != open_.job || job.result == cansync_slave_BLOCK_REFUSED) break;
-      if (job.result == cansync_slave_BLOCK_DONE && open_.download) blocks_[open_.address] = coming_;
-      open_.time = job.time;
-      show_block(open_, coming_.size(),
-                 job.result == cansync_slave_BLOCK_DONE
-                     ? 0
-                     : static_cast<unsigned>(TransferError::cancelled_by_slave));
+      end_block(job);
       break;
   }
+}
+
+void Server::end_block(const cansync_slave_BlockJob& end) {
+  if (end.job != open_.job) return;
+  const bool done = end.result == cansync_slave_BLOCK_DONE;
+  const bool refused = end.result == cansync_slave_BLOCK_REFUSED;
+  if (done && open_.download) blocks_[open_.address] = coming_;
+  const std::size_t bytes = refused ? 0 : coming_.size();
+  show({.dropped = !done && !refused,
+        .time = end.time,
+        .job = open_.job,
+        .kind = open_.download ? "download" : "upload",
+        .number = open_.address,
+        .name = "",
+        .value = text::counted(bytes, "byte"),
+        .raw = static_cast<std::int64_t>(bytes),
+        .error = done      ? 0
+                 : refused ? refused_
+                           : static_cast<unsigned>(TransferError::cancelled_by_slave)});
 }
 
 /// Says on a change whom the daemon takes for the application, when that is not this process: what it refuses
@@ -311,7 +373,11 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
   if (texts.file.empty() && texts.profile.empty())
     throw UsageError("FILE: is missing; allowed: a file with [[parameter]], --profile PROFILE, or both");
   std::shared_ptr<const profile::Profile> profile;
-  if (!texts.profile.empty()) profile = profile::load_typed(texts.profile, session.profiles());
+  if (!texts.profile.empty()) {
+    profile::NamedProfile read = profile::load_typed(texts.profile, session.profiles());
+    tell_left_out(session.output(), texts.profile, read.left_out);
+    profile = std::move(read.profile);
+  }
   std::vector<NamedParameter> parameters = parameters_of(profile.get(), texts.file);
   Duties duties;
   duties.blocks = texts.blocks;
@@ -329,7 +395,7 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
     std::string problem = application.keep();
     if (problem.empty()) problem = server.problem();
     if (!problem.empty()) return session.finish({client::ReplyCode::no_reply, problem}, {}, "serve", "");
-    if (!client.receive(kTurn, listener)) {
+    if (!client.receive(kTurn, listener) && stays_gone(client)) {
       return end_without_daemon(session, client.place());
     }
     if (const auto status = client.status(std::chrono::milliseconds(0))) {
@@ -346,7 +412,7 @@ ExitCode serve_verb(Session& session, const ServeTexts& texts) {
 }  // namespace
 
 void add_serve_verb(CLI::App& app, Verb& chosen) {
-  auto* serve = app.add_subcommand("serve", "as a slave: answer the master's parameter jobs until Ctrl-C");
+  auto* serve = app.add_subcommand("serve", "answer the master's parameter jobs until Ctrl-C");
   serve->group("The daemon as a slave");
   auto texts = std::make_shared<ServeTexts>();
   serve->add_option(
@@ -362,7 +428,7 @@ void add_serve_verb(CLI::App& app, Verb& chosen) {
       "end, and an upload gives what lies there");
   serve
       ->add_option("--strength", texts->strength,
-                   "among several applications the strongest answers; 0 and more (default 1)")
+                   "an application that answers is displaced by a stronger one alone; 0 and more (default 1)")
       ->type_name("N");
   serve->add_option("--count", texts->count, "end after so many answers")->type_name("N");
   serve->footer(

@@ -71,6 +71,9 @@ std::string cluster_text(const SideStatus& status) {
                   gateway::dds::text(status.cluster_state), text::counted(status.jobs_below, "job"),
                   text::counted(status.blocks_below, "block"), status.unknown_below,
                   text::counted(status.sync_stops, "time"));
+  if (status.repeated_below != 0)
+    text += fmt::format("; {} answered from memory, not given below again",
+                        text::counted(status.repeated_below, "write"));
   for (unsigned n = 0; n < std::size(status.lead_given); ++n) {
     if (status.lead_given[n] + status.lead_missing[n] + status.lead_refused[n] == 0) continue;
     text += fmt::format("; lead axis: WRC{} given {}, left out {}", n + 1,

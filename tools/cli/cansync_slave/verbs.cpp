@@ -100,7 +100,7 @@ ExitCode references_verb(Session& session, bool follow, const std::string& count
   constexpr auto kLook = std::chrono::milliseconds(200);
   const auto end = std::chrono::steady_clock::now() + session.search_time();
   while (!interrupt_flag().load() && !lines.enough()) {
-    if (!client.receive(kLook, listener)) {
+    if (!client.receive(kLook, listener) && stays_gone(client)) {
       return end_without_daemon(session, client.place());
     }
     if (follow || lines.enough() || std::chrono::steady_clock::now() < end) continue;
@@ -111,8 +111,7 @@ ExitCode references_verb(Session& session, bool follow, const std::string& count
 }
 
 void add_references(CLI::App& app, Verb& chosen) {
-  auto* references =
-      app.add_subcommand("references", "as a slave: the reference values that the master sent last");
+  auto* references = app.add_subcommand("references", "show the reference values that the master sent last");
   references->group("The daemon as a slave");
   auto count = std::make_shared<std::string>();
   auto follow = std::make_shared<bool>(false);
@@ -127,13 +126,19 @@ void add_references(CLI::App& app, Verb& chosen) {
 }
 
 void add_verbs_of_cansync_slave(CLI::App& app, Verb& chosen) {
-  add_references(app, chosen);
-  add_actual_verb(app, chosen);
-  add_serve_verb(app, chosen);
+  CLI::App& slave =
+      add_protocol_verb(app, "slave", "show reference values, release actual values, answer parameter jobs",
+                        "The daemon as a slave");
+  add_references(slave, chosen);
+  add_actual_verb(slave, chosen);
+  add_serve_verb(slave, chosen);
 }
+
+constexpr FormerVerb kFormerSlaveVerbs[] = {
+    {"references", "slave", "references"}, {"actual", "slave", "actual"}, {"serve", "slave", "serve"}};
 
 }  // namespace
 
-const ProtocolVerbs cansync_slave_verbs = {add_verbs_of_cansync_slave, &kSlaveStatusPart};
+const ProtocolVerbs cansync_slave_verbs = {add_verbs_of_cansync_slave, &kSlaveStatusPart, kFormerSlaveVerbs};
 
 }  // namespace cansync::cli

@@ -2,11 +2,14 @@
 
 #include "cli/base/interrupt.h"
 #include "cli/base/session.h"
-#include "dds/daemon_sight.h"
+#include "dds/ask/daemon_sight.h"
 
 namespace cansync::cli {
 
-/// How a session's daemon is found by the client libraries of other protocols than the master's.
+/// Where a session looks for daemons of any bus.
+gateway::dds::ClientOptions domain_options(Session& session);
+
+/// How a session's daemon is found by the client libraries of other protocols than the master's. Throws as `Session::bus`.
 gateway::dds::ClientOptions bus_options(Session& session);
 
 /// A connection of such a library. Throws client::NoDaemon, client::SetupError, Interrupted,
@@ -16,6 +19,9 @@ Client connect_bus(Session& session) {
   session.expect_input("");  // a batch that only checks its lines goes no further
   try {
     return Client(bus_options(session));
+  } catch (const gateway::dds::OtherProtocol& error) {
+    throw client::NoDaemon(other_protocol_text(
+        session.globals(), client::OtherProtocol(error.bus, error.served_as, error.needs)));
   } catch (const gateway::dds::NoDaemon& error) {
     if (interrupt_flag().load()) throw Interrupted();
     throw client::NoDaemon(error.what());

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "cli/base/restarts.h"
 #include "cli/base/verbs.h"
 #include "cli/connect/bus_connection.h"
 
@@ -38,7 +39,7 @@ ExitCode end_without_daemon(Session& session, const std::string& place);
 template <class Client, class Receive, class Enough>
 ExitCode receive_until(Session& session, const Client& client, Receive&& receive, Enough&& enough) {
   while (!interrupt_flag().load() && !enough()) {
-    if (!receive()) return end_without_daemon(session, client.place());
+    if (!receive() && stays_gone(client)) return end_without_daemon(session, client.place());
   }
   return ExitCode::done;
 }

@@ -1,7 +1,5 @@
 #include "cli/connect/gateway_reply.h"
 
-#include <utility>
-
 namespace cansync::cli {
 namespace {
 
@@ -20,19 +18,30 @@ client::ReplyCode reply_code_of(gateway_ReplyCode code) {
       return ReplyCode::cancelled;
     case gateway_REPLY_MASTER_STOPPED:
       return ReplyCode::master_stopped;
-    default:
-      return ReplyCode::refused;
+    case gateway_REPLY_REPLACED:
+      return ReplyCode::replaced;
+    case gateway_REPLY_SLAVE_LOST:
+      return ReplyCode::slave_lost;
+    case gateway_REPLY_WORD_EXPECTED:
+      return ReplyCode::word_expected;
+    case gateway_REPLY_DOUBLEWORD_EXPECTED:
+      return ReplyCode::doubleword_expected;
+    case gateway_REPLY_VALUE_TOO_WIDE:
+      return ReplyCode::value_too_wide;
+    case gateway_REPLY_REFUSED:
+      break;
   }
+  return ReplyCode::refused;
 }
 
 }  // namespace
 
-client::Reply reply_of(bool replied, gateway_ReplyCode code, gateway_RefusalCause cause, std::string reason) {
+client::Reply reply_of(const gateway::dds::Ended& ended) {
   client::Reply reply;
-  reply.reason = std::move(reason);
-  reply.code = replied ? reply_code_of(code) : client::ReplyCode::no_reply;
+  reply.reason = ended.reason;
+  reply.code = ended.replied ? reply_code_of(ended.code) : client::ReplyCode::no_reply;
   // The numbers are those of the data model.
-  if (reply.code == client::ReplyCode::refused) reply.cause = static_cast<client::RefusalCause>(cause);
+  if (reply.code == client::ReplyCode::refused) reply.cause = static_cast<client::RefusalCause>(ended.cause);
   return reply;
 }
 

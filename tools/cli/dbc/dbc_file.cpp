@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,8 +10,11 @@
 #include <variant>
 
 #include "cli/base/files.h"
+#include "cli/base/left_out.h"
 #include "cli/text/values.h"
+#include "dbc/encode.h"
 #include "signals/signal_file.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
@@ -19,12 +23,14 @@ constexpr std::size_t kLargestFile = std::size_t{16} * 1024 * 1024;  // those of
 
 }  // namespace
 
-dbc::Database load_signals(const std::string& path) {
+dbc::Database load_signals(const std::string& path, Output& output) {
   const auto bytes = read_file(path, kLargestFile);
   const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   auto read = signals::read_signal_file(content, path);
-  if (auto* database = std::get_if<dbc::Database>(&read)) return std::move(*database);
-  throw UsageError(std::get<std::string>(read));
+  if (const auto* refused = std::get_if<std::string>(&read)) throw UsageError(*refused);
+  auto& file = std::get<signals::SignalFile>(read);
+  tell_left_out(output, path, file.remarks, file.more_remarks);
+  return std::move(file.database);
 }
 
 void add_signal_files(CLI::App& verb, std::string& path, const std::string& what) {
@@ -37,11 +43,13 @@ void add_signal_files(CLI::App& verb, std::string& path, const std::string& what
 std::string meaning_of(const dbc::Message& message, std::span<const dbc::Reading> readings) {
   std::string text;
   for (const dbc::Reading& reading : readings) {
-    text += fmt::format("{} {} {:.10g}", text.empty() ? ":" : ",", reading.signal->name, reading.value);
+    const char* mark = reading.signal->kind == dbc::NumberKind::text ? "\"" : "";
+    text += fmt::format("{} {} {}{}{}", text.empty() ? ":" : ",", reading.signal->name, mark,
+                        dbc::value_text(reading), mark);
     if (!reading.signal->unit.empty()) text += " " + reading.signal->unit;
     if (!reading.word.empty()) text += fmt::format(" ({})", reading.word);
   }
-  return message.name + text;
+  return text::visible(message.name + text);
 }
 
 void add_meaning(const dbc::Message* message, std::span<const dbc::Reading> readings,
@@ -49,11 +57,16 @@ void add_meaning(const dbc::Message* message, std::span<const dbc::Reading> read
   text::JsonArray signals;
   for (const dbc::Reading& reading : readings) {
     text::JsonObject signal;
-    signal.add("name", reading.signal->name)
-        .add("raw", reading.raw)
-        .add("value", reading.value)
-        .add("unit", reading.signal->unit)
-        .add("word", reading.word);
+    signal.add("name", reading.signal->name);
+    if (reading.signal->kind == dbc::NumberKind::text) {
+      signal.add_null("raw").add_null("value").add("unit", reading.signal->unit).add("word", reading.text);
+    } else {
+      // The digits that people are shown: all of a whole number of 64 bits, and not those of a float's double.
+      signal.add("raw", reading.raw)
+          .add_json("value", std::isfinite(reading.value) ? dbc::value_text(reading) : "null")
+          .add("unit", reading.signal->unit)
+          .add("word", reading.word);
+    }
     signals.add_json(signal.text());
   }
   if (message == nullptr) {

@@ -4,15 +4,17 @@
 #include <span>
 #include <string>
 
+#include "cli/base/output.h"
 #include "dbc/database.h"
 #include "text/json.h"
 
 /// Files of signals on the command line: what messages mean. Main thread.
 namespace cansync::cli {
 
-/// Reads a DBC file, or, when its name ends in .toml, a table of signals (docs/signals.md). Throws UsageError
-/// with each line that is wrong, std::system_error when it cannot be read.
-dbc::Database load_signals(const std::string& path);
+/// Reads a DBC file, or, when its name ends in .toml, a table of signals (docs/signals.md). What is left out is
+/// shown (`tell_left_out`). Throws UsageError when nothing can be used, std::system_error when the file cannot be
+/// read.
+dbc::Database load_signals(const std::string& path, Output& output);
 
 /// The options --dbc and --signals of a verb, which both give such a file; `what` begins their help.
 void add_signal_files(CLI::App& verb, std::string& path, const std::string& what);

@@ -50,6 +50,18 @@ std::vector<IdleState> read_idle_states(const fs::path& root, int cpu) {
   return states;
 }
 
+/// The text of an option of [bus]; empty: it is not there, or is no text.
+std::string text_of(const config::Document& document, std::string_view option) {
+  for (const config::Node& node : document.nodes) {
+    const bool it_is = node.kind == config::Node::Kind::value && node.path.size() == 2 &&
+                       node.path.front().name == "bus" && node.name() == option;
+    if (!it_is) continue;
+    const std::string* text = config::scalar<std::string>(node.value);
+    return text != nullptr ? *text : std::string();
+  }
+  return {};
+}
+
 }  // namespace
 
 MachineFacts read_machine(const fs::path& root, int cpu) {
@@ -62,16 +74,21 @@ MachineFacts read_machine(const fs::path& root, int cpu) {
   return facts;
 }
 
-std::optional<std::string> configured_interface(const fs::path& root, const std::string& bus) {
-  const config::Document document = config::read_document(root / "etc/cansync" / (bus + ".toml"));
-  for (const config::Node& node : document.nodes) {
-    const bool it_is = node.kind == config::Node::Kind::value && node.path.size() == 2 &&
-                       node.path.front().name == "bus" && node.name() == "interface";
-    if (!it_is) continue;
-    const std::string* name = config::scalar<std::string>(node.value);
-    return name != nullptr && !name->empty() ? std::optional(*name) : std::nullopt;
+std::optional<ConfiguredBus> configured_bus(const fs::path& root, const std::string& bus) {
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(root / "etc/cansync", none))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::optional<ConfiguredBus> of_that_name;
+  for (const fs::path& path : files) {
+    const config::Document document = config::read_document(path.string());
+    const ConfiguredBus found{path.stem().string(), text_of(document, "interface")};
+    const std::string name = text_of(document, "name");
+    if ((name.empty() ? found.interface : name) == bus) return found;
+    if (found.unit == bus && !document.nodes.empty()) of_that_name = found;
   }
-  return std::nullopt;
+  return of_that_name;
 }
 
 bool in_processor_list(const std::string& list, int cpu) noexcept {

@@ -27,9 +27,15 @@ struct MachineFacts {
 /// `cpu`: the processor the realtime thread is bound to; below 0: processor 0 stands for all.
 MachineFacts read_machine(const std::filesystem::path& root, int cpu);
 
-/// bus.interface of the configuration that cansyncd@BUS reads, /etc/cansync/BUS.toml; nothing when there is
-/// no such file, it cannot be read or does not say it. `bus`: a bus's name.
-std::optional<std::string> configured_interface(const std::filesystem::path& root, const std::string& bus);
+/// The configuration of a bus in /etc/cansync.
+struct ConfiguredBus {
+  std::string unit;       ///< the instance of cansyncd@.service that reads it: the file's name without .toml
+  std::string interface;  ///< bus.interface; empty: the file does not have it
+};
+
+/// The file in /etc/cansync whose bus.name is `bus`, or, without a name, whose bus.interface is; else the file
+/// of that name. Nothing when there is none that can be read.
+std::optional<ConfiguredBus> configured_bus(const std::filesystem::path& root, const std::string& bus);
 
 /// Is processor `cpu` in a kernel list such as "1,4-7"? What is no such list names none.
 bool in_processor_list(const std::string& list, int cpu) noexcept;

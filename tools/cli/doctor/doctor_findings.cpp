@@ -4,10 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "cli/base/finding_list.h"
 #include "cli/doctor/doctor_line.h"
 #include "cli/doctor/doctor_link.h"
+#include "cli/text/values.h"
 #include "text/counts.h"
 
 namespace cansync::cli {
@@ -17,6 +20,7 @@ using Status = DaemonStatus;
 
 /// Idle states that take longer to leave are felt in a 1 ms interval.
 constexpr std::uint32_t kLongestIdleLatency = 20;  // us
+constexpr std::uint16_t kInRun = 0x0080;           // w_OPTION_STATUS
 
 void look_at_daemon(const DoctorInput& in, FindingList& out) {
   if (!in.several_daemons.empty()) {
@@ -24,7 +28,7 @@ void look_at_daemon(const DoctorInput& in, FindingList& out) {
               "stop all but one, or give each a bus.name (or a dds.domain) of its own, and restart it");
   } else if (!in.status) {
     out.error("daemon", in.no_daemon,
-              fmt::format("systemctl start cansyncd@{0}   (or: cansyncd /etc/cansync/{0}.toml)", in.bus));
+              fmt::format("systemctl start cansyncd@{0}   (or: cansyncd /etc/cansync/{0}.toml)", in.unit));
   }
   if (!in.status) {
     out.warning("not looked at",
@@ -37,11 +41,20 @@ void look_at_daemon(const DoctorInput& in, FindingList& out) {
 }
 
 void look_at_versions(const DoctorInput& in, const Status& status, FindingList& out) {
-  if (in.cli_version == status.gateway.version)
+  const std::string_view waits = client::text(status.gateway.restart_reason);
+  const bool newer_waits = !client::text(status.gateway.installed_version).empty();
+  if (waits.empty())
+    out.ok("restart", "nothing that the daemon has loaded was replaced on disk");
+  else
+    out.warning("restart", std::string(waits),
+                fmt::format("when the line may stop: systemctl restart cansyncd@{}", in.unit));
+  if (newer_waits)  // which version runs, the finding above says
+    out.ok("version", fmt::format("cansync {}", in.cli_version));
+  else if (in.cli_version == status.gateway.version)
     out.ok("version", fmt::format("cansyncd and cansync {}", in.cli_version));
   else
     out.warning("version", fmt::format("cansyncd {}, but cansync {}", status.gateway.version, in.cli_version),
-                "install both from the same package, then: systemctl restart cansyncd@" + in.bus);
+                "install both from the same package, then: systemctl restart cansyncd@" + in.unit);
   if (in.data_model == status.gateway.data_model) {
     out.ok("data model", fmt::format("number {} on both sides", in.data_model));
     return;
@@ -51,7 +64,7 @@ void look_at_versions(const DoctorInput& in, const Status& status, FindingList& 
               fmt::format("the daemon has number {}, this program {}: {} members are not {}",
                           status.gateway.data_model, in.data_model, older ? "newer" : "the daemon's newer",
                           older ? "told" : "understood"),
-              older ? "update cansyncd, then: systemctl restart cansyncd@" + in.bus : "update cansync");
+              older ? "update cansyncd, then: systemctl restart cansyncd@" + in.unit : "update cansync");
 }
 
 void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList& out) {
@@ -66,7 +79,7 @@ void look_at_timestamps(const DoctorInput& in, const Status& status, FindingList
 }
 
 void look_at_rights(const DoctorInput& in, const Status& status, FindingList& out) {
-  const std::string unit = "systemctl edit cansyncd@" + in.bus;
+  const std::string unit = "systemctl edit cansyncd@" + in.unit;
   const std::int32_t wanted = status.realtime.realtime_priority_wanted;
   if (status.realtime.realtime_priority > 0)
     out.ok("priority", fmt::format("SCHED_FIFO {}", status.realtime.realtime_priority));
@@ -156,17 +169,54 @@ void look_at_places(const DoctorInput& in, FindingList& out) {
 void look_at_dds(const DoctorInput& in, const Status& status, FindingList& out) {
   const std::string peers = fmt::format("other participants in the domain: {}", in.participants);
   const std::string_view interface = status.gateway.dds_interface;
+  const std::string_view power = status.has_sync ? "move drives" : "send frames";
   if (status.gateway.secured)
     out.ok("DDS", fmt::format("{}, DDS Security on: only who has an identity sees or does anything; {}",
                               interface.empty() ? "set up by dds.xml" : interface, peers));
   else if (interface == "lo")
-    out.ok("DDS", "lo: this computer alone, every program on it can move drives; " + peers);
+    out.ok("DDS", fmt::format("lo: this computer alone, every program on it can {}; {}", power, peers));
   else if (interface.empty())
     out.warning("DDS", "set up by dds.xml, DDS Security off; " + peers,
                 "see that no program on the network can reach it, or use DDS Security (docs/security.md)");
   else
-    out.warning("DDS", fmt::format("{}: every program on that network can move drives; {}", interface, peers),
+    out.warning("DDS", fmt::format("{}: every program on that network can {}; {}", interface, power, peers),
                 "set dds.interface = \"lo\", or use DDS Security (docs/security.md)");
+}
+
+/// A daemon that is not where its configuration wants it.
+void look_at_network(const Status& status, FindingList& out) {
+  const std::string_view reason = status.gateway.network_reason;
+  if (reason.empty()) return;
+  const bool taken = !std::string_view(status.gateway.name_taken_by).empty();
+  out.warning(
+      "network", std::string(reason),
+      taken ? "give one of the two buses another bus.name, or stop the other daemon; programs of this "
+              "computer reach this one with --interface lo"
+            : "look with: ip address; the daemon joins the network when the interface can be used, programs "
+              "of this computer reach it with --interface lo");
+}
+
+/// DDS removes the daemon when its identity ends.
+void look_at_identity(const Status& status, FindingList& out) {
+  constexpr std::uint32_t kSince = 8;    // data model that tells it
+  constexpr std::int64_t kDay = 86'400;  // s
+  constexpr std::int64_t kNotice = 30 * kDay;
+  if (!status.gateway.secured || status.gateway.data_model < kSince) return;
+  const std::int64_t left = status.gateway.identity_time_left;
+  const std::string remedy =
+      "cansync-security renew DIR NAME where the authorities are, copy the folder, restart the daemon when the line may "
+      "stop; `cansync events` names the file";
+  if (left <= 0)
+    out.error("identity", "the daemon's identity of DDS Security has ended", remedy);
+  else if (left <= kNotice)
+    out.warning("identity",
+                fmt::format("the daemon's identity of DDS Security ends in {}; then no client reaches it",
+                            left < kDay ? std::string("less than a day")
+                                        : text::counted(static_cast<std::uint64_t>(left / kDay), "day")),
+                remedy);
+  else
+    out.ok("identity",
+           fmt::format("valid for {}", text::counted(static_cast<std::uint64_t>(left / kDay), "day")));
 }
 
 void look_at_incompatible(const DoctorInput& in, FindingList& out) {
@@ -186,7 +236,8 @@ void look_at_second_master(const client::MasterStatus& status, FindingList& out)
   const std::uint64_t frames = status.second_master_frames;
   if (status.second_master)
     out.error("second master",
-              fmt::format("another master sends on this bus: {} so far", text::counted(frames, "frame")),
+              fmt::format("another master sends on this bus: {} so far; state: {}",
+                          text::counted(frames, "frame"), client::text(status.state)),
               remedy);
   else if (frames != 0)
     out.warning(
@@ -197,14 +248,16 @@ void look_at_second_master(const client::MasterStatus& status, FindingList& out)
     out.ok("second master", "none was heard");
 }
 
-/// A daemon that was told to read its file again and did not take it.
-void look_at_configuration(const DoctorInput& in, FindingList& out) {
-  if (in.reload_refused.empty()) return;
+/// A daemon that runs another configuration than the file on disk, or did not accept it in a reload.
+void look_at_configuration(const DoctorInput& in, const Status& status, FindingList& out) {
+  const std::string_view reason = status.gateway.configuration_reason;
+  if (reason.empty() && in.reload_refused.empty()) return;
   out.warning(
-      "configuration", "the file on disk is not what runs: " + in.reload_refused,
+      "configuration",
+      reason.empty() ? "the file on disk is not what runs: " + in.reload_refused : std::string(reason),
       fmt::format(
           "cansyncd --check /etc/cansync/{0}.toml; then systemctl reload cansyncd@{0}, or restart where a restart is named",
-          in.bus));
+          in.unit));
 }
 
 void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out) {
@@ -222,6 +275,26 @@ void look_at_sync(const DoctorInput& in, const Status& status, FindingList& out)
   } else {
     out.ok("SYNC", state.empty() ? fmt::format("made by the daemon, output {}", output)
                                  : fmt::format("locked to the input {}, output {}", input, output));
+  }
+}
+
+/// What a daemon that only looks on refuses.
+bool is_refused_by_read_only(std::string_view remedy) {
+  constexpr std::array<std::string_view, 4> kChanging = {"cansync mode", "cansync release", "cansync control",
+                                                         "cansync can "};
+  return std::any_of(kChanging.begin(), kChanging.end(),
+                     [remedy](std::string_view verb) { return remedy.find(verb) != remedy.npos; });
+}
+
+/// A read-only daemon takes none of the commands that its remedies name.
+void say_read_only(const DoctorInput& in, std::vector<Finding>& findings) {
+  if (!in.status || !in.status->gateway.read_only) return;
+  const std::string first =
+      fmt::format("set access.read_only = false and systemctl reload cansyncd@{}, then: ", in.unit);
+  for (Finding& finding : findings) {
+    if (!is_refused_by_read_only(finding.remedy)) continue;
+    finding.remedy = first + finding.remedy;
+    if (!finding.remedy_form.empty()) finding.remedy_form = first + finding.remedy_form;
   }
 }
 
@@ -247,22 +320,95 @@ std::vector<Finding> diagnose(const DoctorInput& in) {
   look_at_controller(in, out);
   if (in.status) {
     look_at_timestamps(in, *in.status, out);
-    look_at_sync(in, *in.status, out);
+    if (in.status->has_sync) look_at_sync(in, *in.status, out);
     if (in.status->master) {
       look_at_second_master(*in.status->master, out);
       look_at_line(in, out);
     }
     out.add(in.of_protocol);
-    look_at_configuration(in, out);
+    look_at_configuration(in, *in.status, out);
     look_at_rights(in, *in.status, out);
     look_at_processor(in, *in.status, out);
   }
   look_at_idle_states(in, out);
   look_at_kernel(in, out);
-  if (in.status) look_at_dds(in, *in.status, out);
+  // Where a simulated line runs, no machine does.
+  if (in.interface_name != kSimulated) {
+    look_at_host(in.host, out);
+    if (in.status) {
+      const bool in_run = in.status->master && (in.status->master->option_status & kInRun) != 0;
+      look_at_inhibitors(in.host, in.status->gateway.process, in_run, out);
+    }
+  }
+  if (in.status) {
+    look_at_dds(in, *in.status, out);
+    look_at_network(*in.status, out);
+    look_at_identity(*in.status, out);
+  }
   look_at_places(in, out);
   look_at_incompatible(in, out);
-  return std::move(out).take();
+  std::vector<Finding> findings = std::move(out).take();
+  say_read_only(in, findings);
+  return findings;
+}
+
+std::vector<Finding> with_options(std::vector<Finding> findings, std::string_view options) {
+  if (options.empty()) return findings;
+  constexpr std::string_view kProgram = "cansync ";
+  // Those look at files and interfaces, not at a daemon.
+  constexpr std::array<std::string_view, 3> kWithoutDaemon = {"learn", "scan", "setup"};
+  const std::string inserted = std::string(options) + " ";
+  const auto insert = [&](std::string& text) {
+    for (std::size_t at = 0; (at = text.find(kProgram, at)) != std::string::npos;) {
+      at += kProgram.size();
+      const std::string_view verb = std::string_view(text).substr(at);
+      const bool apart = std::any_of(kWithoutDaemon.begin(), kWithoutDaemon.end(),
+                                     [verb](std::string_view one) { return verb.starts_with(one); });
+      if (!apart) text.insert(at, inserted);
+    }
+  };
+  for (Finding& finding : findings) {
+    insert(finding.remedy);
+    insert(finding.remedy_form);
+  }
+  return findings;
+}
+
+std::vector<Finding> grouped(const std::vector<Finding>& findings) {
+  std::vector<Finding> out;
+  for (const Finding& finding : findings) {
+    const auto same = [&finding](const Finding& other) {
+      return finding.slaves != 0 && other.slaves != 0 && other.level == finding.level &&
+             other.topic == finding.topic && other.alike == finding.alike &&
+             other.remedy_form == finding.remedy_form;
+    };
+    const auto group = std::find_if(out.begin(), out.end(), same);
+    if (group == out.end()) {
+      out.push_back(finding);
+      continue;
+    }
+    group->slaves |= finding.slaves;
+    const std::string numbers = format_slave_set(group->slaves);
+    group->found = fmt::format("{} ({}): {}",
+                               text::counted(static_cast<std::size_t>(std::popcount(group->slaves)), "slave"),
+                               numbers, group->alike);
+    group->remedy = group->remedy_form;
+    for (std::size_t at = 0; (at = group->remedy.find(kSlavesHere)) != std::string::npos;)
+      group->remedy.replace(at, kSlavesHere.size(), numbers);
+  }
+  return out;
+}
+
+const Finding* first_to_fix(const std::vector<Finding>& findings) {
+  const auto first = [&findings](Level level, bool state) {
+    return std::find_if(findings.begin(), findings.end(), [&](const Finding& one) {
+      return one.level == level && !one.remedy.empty() && (one.topic == "operating state") == state;
+    });
+  };
+  for (const Level level : {Level::error, Level::warning})
+    for (const bool state : {false, true})
+      if (const auto found = first(level, state); found != findings.end()) return &*found;
+  return nullptr;
 }
 
 std::string summary(const std::vector<Finding>& findings) {

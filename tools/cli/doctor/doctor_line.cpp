@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "cli/base/status_refusal.h"
 #include "text/counts.h"
@@ -22,18 +25,31 @@ bool is_in(const client::MasterStatus& master, std::uint16_t state) noexcept {
   return master.option_status == state;
 }
 
-void look_at_state_of_master(const client::MasterStatus& master, FindingList& out) {
+/// Where the mode alone does not bring set-up: what has to come before.
+std::string before_set_up(const DaemonStatus& status) {
+  const std::string_view state = client::text(status.master->state);
+  const std::string_view link = client::text(status.bus.link_state);
+  if (link == "missing" || link == "down")
+    return "fix the interface first, see above; when the state stays: ";
+  if (status.master->second_master) return "switch the other master off and wait 3 s; when the state stays: ";
+  if (state.starts_with("listening")) return "wait until it has listened; when the state stays: ";
+  if (state.find("upper bus") != state.npos) return "start the upper bus first; when the state stays: ";
+  return {};
+}
+
+void look_at_state_of_master(const DaemonStatus& status, FindingList& out) {
+  const client::MasterStatus& master = *status.master;
   constexpr const char* kTopic = "operating state";
   if (is_in(master, kLineActive)) {
     out.ok(kTopic, master.state);
   } else if (!is_in(master, kLineInSetUp)) {
     out.warning(kTopic,
                 fmt::format("{}: no SYNC is made, and no slave is asked or told anything", master.state),
-                "cansync mode setup, then cansync mode run");
+                before_set_up(status) + "cansync mode setup, then cansync mode run");
   } else if ((master.slaves_configured & ~master.slaves_released) != 0) {
     out.error(kTopic,
               fmt::format("{}: waits for slaves, see below; no reference value goes out", master.state),
-              "mend the slaves; or go without them: cansync mode run, with --force when that is refused");
+              "fix the slaves; or go without them: cansync mode run, with --force when that is refused");
   } else {
     out.warning(kTopic,
                 fmt::format("{}: every slave is ready, but no reference value goes out", master.state),
@@ -54,48 +70,88 @@ std::string slave_called(const client::SlaveStatus& slave) {
                       : fmt::format("slave {} '{}'", slave.slave, name);
 }
 
+/// What keeps a slave from use; nothing: it is as it should be.
+std::optional<std::pair<Level, SlaveFinding>> slave_problem(const client::MasterStatus& master,
+                                                            const client::SlaveStatus& slave) {
+  const std::string_view state = slave.state;
+  const std::string who = slave_called(slave);
+  const auto of = [&](Level level, std::string found, std::string alike, std::string remedy) {
+    return std::pair(level, SlaveFinding{slave.slave, std::move(found), std::move(alike), std::move(remedy)});
+  };
+  if (state == "absent")
+    return of(Level::error, who + " has never answered", "never answered", kMissingSlaveRemedy);
+  if (state == "lost")
+    return of(Level::error,
+              fmt::format("{} has stopped answering; its last answer came {}", who,
+                          seconds_ago(master, slave.last_seen)),
+              "stopped answering", kMissingSlaveRemedy);
+  if (state == "held")
+    return of(Level::error, fmt::format("{} is held out: {}", who, slave.held_reason),
+              fmt::format("held out: {}", slave.held_reason),
+              "connect the right drive or correct the value, then: cansync release {slaves}; as it is: "
+              "cansync release {slaves} --force");
+  if (!slave.synchronized)
+    return of(Level::error, who + " answers, but is not synchronized", "answer, but are not synchronized",
+              "check its SYNC line and cable, and SYNC above; the drive's own display says more");
+  if (state == "checking" || state == "returning" || state == "starting")
+    return of(Level::warning, fmt::format("{} is {}: not to be used yet", who, state),
+              fmt::format("{}: not to be used yet", state), "wait for it: cansync wait released {slaves}");
+  return std::nullopt;
+}
+
 /// False when the slave is not as it should be, which is told.
 bool look_at_slave(const client::MasterStatus& master, const client::SlaveStatus& slave, FindingList& out) {
   const std::string_view state = slave.state;
-  constexpr const char* kTopic = "slave";
-  if (state == "absent") {
-    out.error(kTopic, slave_called(slave) + " has never answered", kMissingSlaveRemedy);
-  } else if (state == "lost") {
-    out.error(kTopic,
-              fmt::format("{} has stopped answering; its last answer came {}", slave_called(slave),
-                          seconds_ago(master, slave.last_seen)),
-              kMissingSlaveRemedy);
-  } else if (state == "held") {
-    out.error(
-        kTopic, slave_called(slave) + " is held out: its return parameters are not right",
-        fmt::format("cansync events says which; put them right, then: cansync release {}", slave.slave));
-  } else if (lacks_status_word(slave)) {
-    out.error("status word", status_refusal(slave), kStatusRefusalRemedy);
-  } else if (!slave.synchronized) {
-    out.error(kTopic, fmt::format("{} answers, but is not synchronized", slave_called(slave)),
-              "check its SYNC line and cable, and SYNC above; the drive's own display says more");
-  } else if (state == "checking" || state == "returning" || state == "starting") {
-    out.warning(kTopic, fmt::format("{} is {}: not to be used yet", slave_called(slave), state),
-                fmt::format("wait for it: cansync wait released {}", slave.slave));
-  } else {
-    return true;
+  if (state != "absent" && state != "lost" && state != "held" && lacks_status_word(slave)) {
+    out.add_slave(Level::error, "status word",
+                  {slave.slave, status_refusal(slave), status_refusal_alike(slave), kStatusRefusalRemedy});
+    return false;
   }
+  auto problem = slave_problem(master, slave);
+  if (!problem) return true;
+  out.add_slave(problem->first, "slave", std::move(problem->second));
   return false;
+}
+
+/// "3, 5" for the bits of a mask.
+std::string numbers_of(std::uint32_t mask) {
+  std::string text;
+  for (unsigned n = 0; n < 32; ++n) {
+    if (((mask >> n) & 1u) != 0) text += fmt::format("{}{}", text.empty() ? "" : ", ", n);
+  }
+  return text;
+}
+
+/// False when a drive is on the bus that should not be there, which is told.
+bool look_at_strangers(const client::MasterStatus& master, FindingList& out) {
+  if (master.slaves_duplicate != 0) {
+    out.error("duplicate slave",
+              fmt::format("two drives answer as slave {}: both follow every command",
+                          numbers_of(master.slaves_duplicate)),
+              "disconnect one of them, or give it another number; then: cansync release NUMBER");
+  }
+  if (master.slaves_unknown != 0) {
+    out.warning(
+        "unknown slave",
+        fmt::format("slave {} answers and is not in the configuration", numbers_of(master.slaves_unknown)),
+        "add it to the configuration ([[slave]]), or disconnect it");
+  }
+  return master.slaves_duplicate == 0 && master.slaves_unknown == 0;
 }
 
 void look_at_slaves(const DaemonStatus& status, FindingList& out) {
   const client::MasterStatus& master = *status.master;
   // Without SYNC nobody is asked, and what was known is past.
   if (!is_in(master, kLineActive) && !is_in(master, kLineInSetUp)) return;
-  bool well = true;
+  bool well = look_at_strangers(master, out);
   for (const client::SlaveStatus& slave : status.slaves) {
     if (!look_at_slave(master, slave, out)) well = false;
     if (const auto fault = status.faults.find(slave.slave); fault != status.faults.end() && slave.responds) {
-      out.error(
-          "drive fault", fmt::format("{}: {}", slave_called(slave), fault->second),
-          fmt::format("mend the cause (cansync params {0} shows the drive's own words), then acknowledge it "
-                      "with the drive's control word: cansync control {0} WORD",
-                      slave.slave));
+      out.add_slave(
+          Level::error, "drive fault",
+          {slave.slave, fmt::format("{}: {}", slave_called(slave), fault->second), fault->second,
+           "remove the cause (cansync params {slaves} shows the drive's own words), then acknowledge it "
+           "with the drive's control word: cansync control {slaves} WORD"});
       well = false;
     }
   }
@@ -123,6 +179,23 @@ void look_at_references(const client::MasterStatus& master, FindingList& out) {
   }
 }
 
+void look_at_limits(const DaemonStatus& status, FindingList& out) {
+  const client::MasterStatus& master = *status.master;
+  std::string values;
+  for (unsigned value = 0; value < std::size(master.reference_value); ++value) {
+    if (((master.references_unlimited >> value) & 1u) == 0) continue;
+    const std::string_view name = master.reference_value[value].name;
+    values += fmt::format("{}{}", values.empty() ? "" : ", ", value);
+    if (!name.empty()) values += fmt::format(" '{}'", name);
+  }
+  // Simulated drives break nothing.
+  if (values.empty() || status.bus.bus_interface == std::string_view("sim")) return;
+  out.warning(
+      "limits",
+      fmt::format("no minimum, maximum or max_step for reference values {}: drives get any value", values),
+      "set them in [[reference]] of the configuration; cansync learn proposes them");
+}
+
 void look_at_misses(const DoctorInput& in, FindingList& out) {
   const std::uint64_t syncs = in.status->realtime.missed_syncs;
   const std::uint64_t telegrams = in.status->master->left_out;
@@ -143,9 +216,10 @@ void look_at_misses(const DoctorInput& in, FindingList& out) {
 
 void look_at_line(const DoctorInput& in, FindingList& out) {
   const client::MasterStatus& master = *in.status->master;
-  look_at_state_of_master(master, out);
+  look_at_state_of_master(*in.status, out);
   look_at_slaves(*in.status, out);
   look_at_references(master, out);
+  look_at_limits(*in.status, out);
   look_at_misses(in, out);
 }
 

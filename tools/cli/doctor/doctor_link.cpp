@@ -1,6 +1,7 @@
 #include "cli/doctor/doctor_link.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -10,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "can/adapter/adapters.h"
+#include "can/adapter/link_remedy.h"
 #include "can/bit_timing.h"
 #include "can/bus_names.h"
 #include "text/counts.h"
@@ -89,7 +92,7 @@ bool look_at_presence(const DoctorInput& in, FindingList& out) {
   }
   if (!in.link.present) {
     out.error("interface", fmt::format("{}: there is no such interface", name),
-              list + "   (lists those there are; plug the adapter in or load its driver)");
+              can::link_remedy(name, in.link));
     return false;
   }
   if (!in.link.is_can) {
@@ -108,6 +111,42 @@ bool look_at_presence(const DoctorInput& in, FindingList& out) {
     out.ok("interface", fmt::format("{} is up", name));
   }
   return !nothing_to_set;
+}
+
+/// Whose drives does this name lead to, also after the next boot?
+void look_at_adapter(const DoctorInput& in, FindingList& out) {
+  const std::string& name = in.interface_name;
+  const std::string wanted(in.status ? client::text(in.status->bus.adapter_wanted) : "");
+  const std::string found = can::words_of(in.link.adapter);
+  const auto allowed = can::interfaces_of(can::read_pin(wanted).pin, in.adapters);
+  const std::string fix_name = fmt::format(
+      "cansync scan {} --write FOLDER --interface-name can-line1, and cansync setup FOLDER", name);
+  if (wanted.empty()) {
+    if (in.adapters.size() < 2 || !in.link.adapter.known()) return;
+    const auto pin = can::pin_of(name, in.adapters);
+    const std::string set_pin =
+        pin ? fmt::format("set bus.adapter = \"{}\"", can::text_of(*pin)) : std::string("set bus.adapter");
+    if (can::is_kernel_name(name))
+      out.warning("adapter",
+                  fmt::format("{} of {} adapters; after a boot {} can be another one", found,
+                              in.adapters.size(), name),
+                  fmt::format("{}, and give it a fixed name: {}", set_pin, fix_name));
+    else
+      out.ok("adapter", fmt::format("{}; {} is no name that the kernel gives by itself", found, name));
+  } else if (in.status->bus.link_state == can::name(can::LinkState::wrong_adapter)) {
+    out.error(
+        "adapter",
+        fmt::format("{}, but bus.adapter is {}: nothing is sent or received; {}", found, wanted,
+                    allowed.empty() ? std::string("that one is not there")
+                                    : fmt::format("that one is {}", fmt::join(allowed, ", "))),
+        fmt::format("plug the adapters in as they were, or correct bus.adapter; fixed names: {}", fix_name));
+  } else if (allowed.size() > 1) {
+    out.warning("adapter",
+                fmt::format("bus.adapter is {}, which {} have", wanted, fmt::join(allowed, " and ")),
+                "add path= or channel= to bus.adapter, so that only one matches");
+  } else {
+    out.ok("adapter", fmt::format("{}, as bus.adapter demands", found));
+  }
 }
 
 void look_at_timing(const DoctorInput& in, FindingList& out) {
@@ -204,14 +243,19 @@ void look_at_queue(const DoctorInput& in, FindingList& out) {
     out.ok("txqueuelen", found);
 }
 
+/// Out of bus-off, as root; and by the daemon, where its protocol has a command for it and it has the right.
+std::string out_of_bus_off(const DoctorInput& in) {
+  std::string as_root = fmt::format("ip link set {0} down && ip link set {0} up", in.interface_name);
+  if (!in.status || in.status->reset_command.empty()) return as_root;
+  return fmt::format("{}; or as root: {}", in.status->reset_command, as_root);
+}
+
 void look_at_state(const DoctorInput& in, std::string_view state, const std::string& wiring,
                    FindingList& out) {
   if (state == "error-active")
     out.ok("controller", std::string(state));
   else if (state == "bus-off")
-    out.error("controller", "bus-off: takes no part in the bus",
-              in.status ? std::string("cansync mode reset-can")
-                        : fmt::format("ip link set {0} down && ip link set {0} up", in.interface_name));
+    out.error("controller", "bus-off: takes no part in the bus", out_of_bus_off(in));
   else if (state == "stopped")
     out.error("controller", "stopped", fmt::format("ip link set {} up", in.interface_name));
   else
@@ -234,7 +278,9 @@ void look_at_delivery(const DoctorInput& in, const std::string& wiring, FindingL
 }  // namespace
 
 void look_at_link(const DoctorInput& in, FindingList& out) {
-  if (!look_at_presence(in, out)) return;
+  const bool has_settings = look_at_presence(in, out);
+  if (in.link.is_can) look_at_adapter(in, out);
+  if (!has_settings) return;
   look_at_timing(in, out);
   look_at_restart(in, out);
   look_at_one_shot(in, out);

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
+#include <cstdint>
 #include <string_view>
-#include <system_error>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "cli/base/session.h"
+#include "dbc/by_name.h"
 #include "dbc/encode.h"
 #include "j1939/identifier.h"
 #include "text/counts.h"
@@ -16,51 +18,19 @@
 namespace cansync::cli {
 namespace {
 
-/// Most names that an error lists.
-constexpr std::size_t kNamesListed = 20;
-
-template <class Named>
-std::string names_of(const std::vector<Named>& all) {
-  std::string names;
-  for (std::size_t i = 0; i < all.size() && i < kNamesListed; ++i)
-    names += (i == 0 ? "" : ", ") + all[i].name;
-  return names + (all.size() > kNamesListed ? " and others" : "");
-}
-
-template <class Named>
-const Named& find_named(const std::vector<Named>& all, std::string_view name, std::string_view what) {
-  const auto found =
-      std::find_if(all.begin(), all.end(), [name](const Named& one) { return one.name == name; });
-  if (found == all.end())
-    throw UsageError(fmt::format("{}: found '{}'; the file has {}", what, name, names_of(all)));
-  return *found;
-}
-
-std::uint64_t raw_in(const dbc::Signal& signal, std::string_view text) {
-  double value = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool number = read.ec == std::errc() && read.ptr == text.data() + text.size();
-  const auto raw = number ? dbc::raw_of(signal, value) : dbc::raw_of(signal, text);
-  if (raw) return *raw;
-  const auto [lowest, highest] = dbc::range_of(signal);
-  std::string words;
-  for (const auto& [key, word] : signal.words) words += fmt::format(", '{}'", word);
-  throw UsageError(fmt::format("--set {}: found '{}'; allowed: {:.10g}..{:.10g}{}{}{}", signal.name, text,
-                               lowest, highest, signal.unit.empty() ? "" : " ", signal.unit, words));
-}
-
-/// The multiplexor of a signal that is there with one of its values only.
-void choose(const dbc::Message& message, const dbc::Signal& signal, std::vector<std::uint8_t>& data) {
-  if (!signal.chosen_by) return;
-  for (const dbc::Signal& one : message.signals)
-    if (one.chooses) (void)dbc::write_bits(one, *signal.chosen_by, data);
+/// What was found. Throws UsageError, which names `place`.
+template <class T>
+T found(std::variant<T, std::string> what, std::string_view place) {
+  if (const auto* problem = std::get_if<std::string>(&what))
+    throw UsageError(fmt::format("{}: {}", place, *problem));
+  return std::get<T>(what);
 }
 
 }  // namespace
 
 j1939::client::Message encode_group(const dbc::Database& database, const std::string& name,
                                     std::span<const std::string> settings) {
-  const dbc::Message& message = find_named(database.messages(), name, "PGN");
+  const dbc::Message& message = *found(dbc::message_by_name(database, name), "PGN");
   if (!message.extended)
     throw UsageError(fmt::format("PGN: message '{}' has an identifier of 11 bits; allowed: one of 29", name));
   const j1939::Identifier parts = j1939::parse(message.identifier);
@@ -74,12 +44,15 @@ j1939::client::Message encode_group(const dbc::Database& database, const std::st
     const std::size_t at = setting.find('=');
     if (at == std::string::npos)
       throw UsageError(fmt::format("--set: found '{}'; allowed: NAME=VALUE", setting));
-    const dbc::Signal& signal = find_named(message.signals, std::string_view(setting).substr(0, at), "--set");
+    const dbc::Signal& signal =
+        *found(dbc::signal_by_name(message, std::string_view(setting).substr(0, at)), "--set");
     if (std::find(given.begin(), given.end(), &signal) != given.end())
       throw UsageError(fmt::format("--set {}: it is given twice", signal.name));
     given.push_back(&signal);
-    choose(message, signal, out.data);
-    if (!dbc::write_bits(signal, raw_in(signal, std::string_view(setting).substr(at + 1)), out.data))
+    dbc::choose(message, signal, out.data);
+    const std::uint64_t bits =
+        found(dbc::bits_of(signal, std::string_view(setting).substr(at + 1)), "--set " + signal.name);
+    if (!dbc::write_bits(signal, bits, out.data))
       throw UsageError(fmt::format("--set {}: it ends behind the {} that the file gives '{}'", signal.name,
                                    text::counted(message.length, "byte"), name));
   }

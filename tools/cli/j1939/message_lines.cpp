@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "cli/base/session.h"
 #include "cli/dbc/dbc_file.h"
 #include "cli/text/values.h"
@@ -13,18 +15,31 @@
 namespace cansync::cli {
 namespace {
 
-constexpr std::string_view kHexDigits = "0123456789abcdefABCDEF";
+constexpr std::string_view kHexDigits = "0123456789ABCDEFabcdef";
 
-const char* transport_text(j1939_MessageTransport transport) {
+const char* transport_text(j1939::Transport transport) {
   switch (transport) {
-    case j1939_TRANSPORT_BROADCAST:
+    case j1939::Transport::broadcast:
       return "broadcast";
-    case j1939_TRANSPORT_CONNECTION:
+    case j1939::Transport::connection:
       return "connection";
-    case j1939_TRANSPORT_EXTENDED:
+    case j1939::Transport::extended:
       return "extended";
     default:
       return "frame";
+  }
+}
+
+j1939::Transport transport_of(j1939_MessageTransport transport) {
+  switch (transport) {
+    case j1939_TRANSPORT_BROADCAST:
+      return j1939::Transport::broadcast;
+    case j1939_TRANSPORT_CONNECTION:
+      return j1939::Transport::connection;
+    case j1939_TRANSPORT_EXTENDED:
+      return j1939::Transport::extended;
+    default:
+      return j1939::Transport::frame;
   }
 }
 
@@ -63,7 +78,12 @@ std::uint8_t parse_address(std::string_view text, std::string_view what) {
 
 std::string bytes_text(std::span<const std::uint8_t> bytes) {
   std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{}{:02X}", text.empty() ? "" : " ", byte);
+  text.reserve(3 * bytes.size());
+  for (const std::uint8_t byte : bytes) {
+    if (!text.empty()) text += ' ';
+    text += kHexDigits[byte >> 4];
+    text += kHexDigits[byte & 0xF];
+  }
   return text;
 }
 
@@ -103,7 +123,7 @@ std::vector<Table::Column> message_columns() {
           {"TO", right, "address of the node it is for; 255: all", 3},
           {"BY", left,
            "frame, or in packets: broadcast to all, connection to one; extended: over 1785 bytes to one", 10},
-          {"RANGE", right, "place in the configuration of the range that takes it", 5},
+          {"RANGE", right, "place in the configuration of the range that takes it; -: recorded", 5},
           {"LEN", right, "length in bytes, 0 to 1048576", 4},
           {"DATA", left, "the bytes, hexadecimal", 23},
           {"MEANING", left, "with --dbc: message and signals, with unit and name of the value", 7}};
@@ -124,53 +144,74 @@ void MessageLines::tell_missed(const j1939_MessageBatch& batch) {
   lost_ = batch.lost;
 }
 
-void MessageLines::show(const j1939_ReceivedMessage& message, std::span<const std::uint8_t> data) {
-  const dbc::Message* const named = j1939::client::find_group(names_, message.pgn, message.source);
+void MessageLines::show(const ShownMessage& message) {
+  const dbc::Message* const named = names_.find(message.pgn, message.source);
   const auto readings =
-      named == nullptr ? std::vector<dbc::Reading>() : j1939::client::read_group(*named, data);
+      named == nullptr ? std::vector<dbc::Reading>() : j1939::client::read_group(*named, message.data);
   if (output_.json()) {
     JsonObject object;
-    object.add("time_ns", message.receive_time)
+    object.add("time_ns", message.time)
+        .add("interface", message.interface)
         .add("pgn", message.pgn)
         .add("priority", message.priority)
         .add("source", message.source)
         .add("destination", message.destination)
-        .add("transport", transport_text(message.transport))
-        .add("range", message.range_index)
-        .add("data", bytes_json(data));
+        .add("transport", transport_text(message.transport));
+    message.range ? object.add("range", *message.range) : object.add_null("range");
+    object.add("data", bytes_json(message.data));
     add_meaning(named, readings, object);
-    output_.object(object);
-    return;
+    text_ += object.text() + '\n';
+  } else {
+    if (shown_ == 0) table_.append_heading(text_);
+    const std::string time = time_text(message.time, true);
+    const std::string pgn = pgn_text(message.pgn);
+    const std::string priority = std::to_string(message.priority);
+    const std::string source = std::to_string(message.source);
+    const std::string destination = std::to_string(message.destination);
+    const std::string range = message.range ? std::to_string(*message.range) : "-";
+    const std::string length = std::to_string(message.data.size());
+    const std::string data = bytes_text(message.data);
+    const std::string meaning = named == nullptr ? "" : meaning_of(*named, readings);
+    table_.append(text_, std::array<std::string_view, 10>{time, pgn, priority, source, destination,
+                                                          transport_text(message.transport), range, length,
+                                                          data, meaning});
   }
-  if (shown_ == 0) output_.line(table_.heading());
-  output_.line(table_.line({time_text(message.receive_time, true), pgn_text(message.pgn),
-                            fmt::format("{}", message.priority), fmt::format("{}", message.source),
-                            fmt::format("{}", message.destination), transport_text(message.transport),
-                            fmt::format("{}", message.range_index), fmt::format("{}", data.size()),
-                            bytes_text(data), named == nullptr ? "" : meaning_of(*named, readings)}));
+  ++shown_;
+  if (text_.size() >= kMostWaiting) flush();
+}
+
+void MessageLines::flush() {
+  if (!text_.empty()) output_.bytes(text_);
+  text_.clear();
 }
 
 void MessageLines::show(const j1939_MessageBatch& batch) {
   tell_missed(batch);
   for (std::uint32_t i = 0; i < batch.messages._length && !enough(); ++i) {
     const j1939_ReceivedMessage& message = batch.messages._buffer[i];
-    show(message, {message.data._buffer, message.data._length});
-    ++shown_;
+    show({message.receive_time,
+          bus_,
+          message.pgn,
+          message.priority,
+          message.source,
+          message.destination,
+          transport_of(message.transport),
+          message.range_index,
+          {message.data._buffer, message.data._length}});
   }
 }
 
 void MessageLines::show(const j1939_LongMessage& message) {
   if (enough()) return;
-  j1939_ReceivedMessage head = {};
-  head.pgn = message.pgn;
-  head.priority = message.priority;
-  head.source = message.source;
-  head.destination = message.destination;
-  head.transport = j1939_TRANSPORT_EXTENDED;
-  head.receive_time = message.receive_time;
-  head.range_index = message.range_index;
-  show(head, {message.data._buffer, message.data._length});
-  ++shown_;
+  show({message.receive_time,
+        bus_,
+        message.pgn,
+        message.priority,
+        message.source,
+        message.destination,
+        j1939::Transport::extended,
+        message.range_index,
+        {message.data._buffer, message.data._length}});
 }
 
 }  // namespace cansync::cli

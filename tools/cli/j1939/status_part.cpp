@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "cli/base/finding_list.h"
 #include "cli/connect/bus_verb.h"
 #include "dds/bounded_text.h"
 #include "j1939/client/message_client.h"
+#include "j1939/name.h"
 #include "j1939_members.h"
 #include "text/counts.h"
 
@@ -57,8 +59,34 @@ std::vector<Explained> node_lines_help() {
           {"load of the bus", "share of the last second in which it was busy"}};
 }
 
+/// Which node wins when another one claims the address.
+std::string strength_text(j1939::Name name) {
+  if (name == j1939::kWeakestName) return "every other NAME wins against it";
+  return name == 0 ? "it wins against every other NAME" : "a lower NAME wins against it";
+}
+
+std::vector<Finding> node_findings(Session& session) {
+  const j1939_NodeStatus status = node_status(session);
+  const std::string claim(gateway::dds::text(status.claim_state));
+  const std::string name = fmt::format("NAME {:016X}", status.node_name);
+  FindingList out;
+  if (status.name_twice) {
+    out.error("address", fmt::format("another node has the daemon's {}", name),
+              "give the daemon another name.identity, and start it again");
+  } else if (claim == "cannot-claim") {
+    out.error("address", fmt::format("none: another node has address.preferred; {}", name),
+              "set another address.preferred, or address.arbitrary = true");
+  } else if (claim == "claimed") {
+    out.ok("address", fmt::format("{}; {}: {}", status.address, name, strength_text(status.node_name)));
+  } else {
+    out.ok("address", claim);
+  }
+  return std::move(out).take();
+}
+
 }  // namespace
 
-const StatusPart kJ1939StatusPart = {"j1939", lines_of_node, add_node_members, node_lines_help};
+const StatusPart kJ1939StatusPart = {"j1939",       lines_of_node, add_node_members, node_lines_help, nullptr,
+                                     node_findings, false};
 
 }  // namespace cansync::cli

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,9 +21,13 @@
 #include "cli/j1939/status_part.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
+#include "cli/trace/follow_source.h"
+#include "cli/trace/trace_source.h"
 #include "j1939/client/message_client.h"
+#include "j1939/client/recorded_bus.h"
 #include "j1939/dds/texts.h"
 #include "j1939/name.h"
+#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
@@ -42,6 +47,8 @@ struct MessageTexts {
 
 /// Those of `messages`.
 struct MessagesTexts {
+  std::string file;  ///< of a recording; empty: the messages of the daemon
+  std::string interface;
   std::string count;
   std::string dbc;
 };
@@ -54,12 +61,12 @@ j1939::client::Message with_choice(j1939::client::Message message, const Message
   return message;
 }
 
-j1939::client::Message parse_message(const MessageTexts& texts) {
+j1939::client::Message parse_message(const MessageTexts& texts, Output& output) {
   j1939::client::Message message;
   if (!texts.settings.empty()) {
     if (texts.dbc.empty() || !texts.data.empty() || !texts.file.empty())
       throw UsageError("--set: it needs --dbc and the name of a message, and neither DATA nor --file");
-    message = encode_group(load_signals(texts.dbc), texts.pgn, texts.settings);
+    message = encode_group(load_signals(texts.dbc, output), texts.pgn, texts.settings);
     return with_choice(std::move(message), texts);
   }
   if (!texts.dbc.empty()) throw UsageError("--dbc: it needs --set NAME=VALUE");
@@ -79,7 +86,7 @@ std::string target_text(std::uint8_t address) {
 }
 
 ExitCode transmit_verb(Session& session, const MessageTexts& texts) {
-  const j1939::client::Message message = parse_message(texts);
+  const j1939::client::Message message = parse_message(texts, session.output());
   auto client = connect_bus<MessageClient>(session);
   (void)client.status(session.search_time());
   const auto result = client.request(j1939_MESSAGE_SEND, message, session.monitoring_ms());
@@ -96,7 +103,7 @@ ExitCode transmit_verb(Session& session, const MessageTexts& texts) {
 }
 
 ExitCode request_verb(Session& session, const MessageTexts& texts) {
-  const j1939::client::Message message = parse_message(texts);
+  const j1939::client::Message message = parse_message(texts, session.output());
   auto client = connect_bus<MessageClient>(session);
   (void)client.status(session.search_time());
   const auto result = client.request(j1939_MESSAGE_ASK, message, session.monitoring_ms());
@@ -114,19 +121,66 @@ ExitCode request_verb(Session& session, const MessageTexts& texts) {
   return session.finish(reply, object, where, result.data.empty() ? where + " acknowledged" : "");
 }
 
-ExitCode messages_verb(Session& session, const MessagesTexts& texts) {
-  const std::uint64_t count = parse_end_count(texts.count);
-  dbc::Database names;
-  if (!texts.dbc.empty()) names = load_signals(texts.dbc);
+ExitCode daemon_messages(Session& session, MessageLines& lines) {
   auto client = connect_bus<MessageClient>(session);
-  MessageLines lines(session.output(), count, std::move(names));
   constexpr auto kLook = std::chrono::milliseconds(200);
   const auto receive = [&] {
-    return client.receive(
+    const bool present = client.receive(
         kLook, [&lines](const j1939_MessageBatch& batch) { lines.show(batch); },
         [&lines](const j1939_LongMessage& message) { lines.show(message); });
+    lines.flush();
+    return present;
   };
   return receive_until(session, client, receive, [&lines] { return lines.enough(); });
+}
+
+/// What of the frames is in no message.
+ExitCode tell_counters(Output& output, const j1939::client::RecordedBus::Counters& counters) {
+  if (counters.foreign != 0)
+    output.remark(text::counted(counters.foreign, "frame is", "frames are") +
+                  " not J1939 (11-bit identifiers, remote and error frames)");
+  if (counters.incomplete != 0)
+    output.remark(text::counted(counters.incomplete, "multi-packet message is", "multi-packet messages are") +
+                  " incomplete: packets are missing, or the connection was aborted");
+  if (counters.refused != 0)
+    output.remark(text::counted(counters.refused, "multi-packet message was", "multi-packet messages were") +
+                  " left out: the announcement is wrong, or too many were sent at the same time");
+  return counters.incomplete + counters.refused == 0 ? ExitCode::done : ExitCode::in_part;
+}
+
+ExitCode recorded_messages(Output& output, TraceSource& source, MessageLines& lines,
+                           const std::string& interface) {
+  RecordedInterfaces interfaces(interface);
+  j1939::client::RecordedBus bus;
+  const auto take = [&](const can::CandumpLine& line) {
+    const auto number = interfaces.take(line.interface);
+    if (!number) return;
+    const auto message = bus.receive(*number, line.frame, line.time);
+    if (message)
+      lines.show({message->end.count(), line.interface, message->number, message->priority, message->source,
+                  message->destination, message->transport, std::nullopt, message->data});
+  };
+  const ExitCode read =
+      follow_source(source, output, {take, [&lines] { lines.flush(); }, [&lines] { return lines.enough(); }});
+  // What `--count` cut off is not incomplete.
+  const ExitCode messages = lines.enough() ? ExitCode::done : tell_counters(output, bus.counters());
+  const ExitCode left_out = interfaces.end(output);
+  for (const ExitCode code : {read, messages, left_out})
+    if (code != ExitCode::done) return code;
+  return ExitCode::done;
+}
+
+ExitCode messages_verb(Session& session, const MessagesTexts& texts) {
+  const std::uint64_t count = parse_end_count(texts.count);
+  if (texts.file.empty() && !texts.interface.empty())
+    throw UsageError("--only-interface: found without FILE; allowed: with a recording");
+  dbc::Database names;
+  if (!texts.dbc.empty()) names = load_signals(texts.dbc, session.output());
+  const std::string bus = texts.file.empty() ? session.bus() : std::string();  // a recording needs none
+  MessageLines lines(session.output(), count, bus, std::move(names));
+  if (texts.file.empty()) return daemon_messages(session, lines);
+  session.expect_input(texts.file);
+  return recorded_messages(session.output(), *open_log(texts.file), lines, texts.interface);
 }
 
 std::vector<Table::Column> address_columns() {
@@ -236,18 +290,27 @@ ExitCode faults_verb(Session& session) {
 constexpr std::string_view kOfJ1939 = "Of a bus with bus.protocol = \"j1939\"";
 
 void add_messages(CLI::App& app, Verb& chosen) {
-  auto* messages = app.add_subcommand("messages", "J1939: what other nodes send, until Ctrl-C");
+  auto* messages =
+      app.add_subcommand("messages", "J1939: show the messages of other nodes, or of a recording");
   messages->group("J1939");
   auto texts = std::make_shared<MessagesTexts>();
+  messages->add_option("FILE", texts->file,
+                       "a recording instead of the daemon's messages: a candump log, what candump shows on a "
+                       "screen, or a pcapng capture; - = standard input");
+  messages
+      ->add_option("--only-interface", texts->interface, "with FILE: only the frames of this CAN interface")
+      ->type_name("NAME");
   messages->add_option("--count", texts->count, "end after so many messages")->type_name("N");
   add_signal_files(*messages, texts->dbc, "name messages and signals by");
-  messages->footer(fmt::format("{}: whole messages that its ranges take.\n", kOfJ1939) +
+  messages->footer(fmt::format("{}: whole messages that its ranges take, until Ctrl-C. Of a FILE\n"
+                               "all messages, those between other nodes too, without a daemon.\n",
+                               kOfJ1939) +
                    columns_help(message_columns()));
   run_when_named(*messages, chosen, texts, messages_verb);
 }
 
-void add_transmit(CLI::App& app, Verb& chosen) {
-  auto* transmit = app.add_subcommand("transmit", "J1939: send a message");
+void add_send(CLI::App& app, Verb& chosen) {
+  auto* transmit = app.add_subcommand("send", "send a message");
   transmit->group("J1939");
   auto texts = std::make_shared<MessageTexts>();
   transmit->add_option("PGN", texts->pgn, "group in five hexadecimal digits, or 0x..")->required();
@@ -274,7 +337,7 @@ void add_transmit(CLI::App& app, Verb& chosen) {
 }
 
 void add_request(CLI::App& app, Verb& chosen) {
-  auto* request = app.add_subcommand("request", "J1939: ask a node for a message");
+  auto* request = app.add_subcommand("request", "request a message from a node");
   request->group("J1939");
   auto texts = std::make_shared<MessageTexts>();
   request->add_option("PGN", texts->pgn, "group in five hexadecimal digits, or 0x..")->required();
@@ -284,13 +347,13 @@ void add_request(CLI::App& app, Verb& chosen) {
       ->type_name("N");
   request->footer(fmt::format(
       "{}. Prints the bytes of the node's answer. Asked of all it is done when it\nwas sent; the answers come as "
-      "messages (cansync messages).",
+      "messages (cansync j1939 messages).",
       kOfJ1939));
   run_when_named(*request, chosen, texts, request_verb);
 }
 
 void add_addresses(CLI::App& app, Verb& chosen) {
-  auto* addresses = app.add_subcommand("addresses", "J1939: which node has which address");
+  auto* addresses = app.add_subcommand("addresses", "list the claimed addresses");
   addresses->group("J1939");
   addresses->footer(fmt::format("{}: the claims that were heard, and the daemon's own.\n", kOfJ1939) +
                     columns_help(address_columns()));
@@ -298,22 +361,27 @@ void add_addresses(CLI::App& app, Verb& chosen) {
 }
 
 void add_faults(CLI::App& app, Verb& chosen) {
-  auto* faults = app.add_subcommand("faults", "J1939: the faults that other nodes tell");
+  auto* faults = app.add_subcommand("faults", "list the diagnostic trouble codes of other nodes (DM1, DM2)");
   faults->group("J1939");
   faults->footer(fmt::format("{}: what DM1 and DM2 said last.\n", kOfJ1939) + columns_help(fault_columns()));
   faults->callback([&chosen] { chosen = faults_verb; });
 }
 
 void add_verbs_of_j1939(CLI::App& app, Verb& chosen) {
-  add_messages(app, chosen);
-  add_transmit(app, chosen);
-  add_request(app, chosen);
-  add_addresses(app, chosen);
-  add_faults(app, chosen);
+  CLI::App& j1939 =
+      add_protocol_verb(app, "j1939", "receive and send messages, list addresses and faults", "J1939");
+  for (const AddVerbs add : {add_messages, add_send, add_request, add_addresses, add_faults})
+    add(j1939, chosen);
 }
+
+constexpr FormerVerb kFormerNodeVerbs[] = {{"messages", "j1939", "messages"},
+                                           {"transmit", "j1939", "send"},
+                                           {"request", "j1939", "request"},
+                                           {"addresses", "j1939", "addresses"},
+                                           {"faults", "j1939", "faults"}};
 
 }  // namespace
 
-const ProtocolVerbs j1939_verbs = {add_verbs_of_j1939, &kJ1939StatusPart};
+const ProtocolVerbs j1939_verbs = {add_verbs_of_j1939, &kJ1939StatusPart, kFormerNodeVerbs};
 
 }  // namespace cansync::cli

@@ -69,7 +69,7 @@ JsonObject bus_object(const gateway_GatewayStatus& status, const BusSummary& sum
 }
 
 ExitCode buses_verb(Session& session, std::span<const ProtocolVerbs* const> protocols) {
-  auto options = bus_options(session);
+  auto options = domain_options(session);
   options.wait = session.globals().timeout ? session.search_time() : kShortestLook;
   std::vector<gateway_GatewayStatus> found;
   try {

@@ -50,7 +50,7 @@ std::string state_of(const gateway_OpenRequest& request) {
 std::vector<Table::Column> job_columns() {
   constexpr auto left = Table::Align::left;
   constexpr auto right = Table::Align::right;
-  return {{"JOB", right, "its number, for `cancel`; a daemon counts them from its start"},
+  return {{"JOB", right, "its number, for `cancel`; each start of a daemon has other numbers"},
           {"STATE", left,
            "how far a transfer is; runs = its turn has come; behind 7 = it waits for the end of job 7, and "
            "nothing of it was sent"},
@@ -138,7 +138,7 @@ ExitCode cancel_verb(Session& session, const std::string& typed) {
   constexpr std::chrono::milliseconds kForTheEnd{2000};
   const auto job = static_cast<std::uint64_t>(parse_integer(typed, "JOB", 1, kHighestJob));
   auto desk = connect_bus<DeskClient>(session);
-  const DeskClient::Ended ended = desk.end(job);
+  const DeskClient::EndedOther ended = desk.end(job);
   const client::Reply reply = reply_of(ended);
   std::string done;
   if (reply.ok()) {

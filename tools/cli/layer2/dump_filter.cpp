@@ -5,44 +5,29 @@
 #include <algorithm>
 #include <string>
 
+#include "can/typed/identifier.h"
 #include "cli/text/values.h"
 
 namespace cansync::cli {
 namespace {
 
-/// An identifier as typed.
-struct TypedIdentifier {
-  std::uint32_t value = 0;
-  bool extended = false;
-};
-
-/// Three hexadecimal digits, or eight; nothing for anything else. `largest`: also what no identifier can be.
-std::optional<TypedIdentifier> parse_digits(std::string_view text, std::uint32_t largest) {
-  if (text.size() != 3 && text.size() != 8) return std::nullopt;
-  if (text.find_first_not_of("0123456789abcdefABCDEF") != std::string_view::npos) return std::nullopt;
-  const bool extended = text.size() == 8;
-  const unsigned long value = std::stoul(std::string(text), nullptr, 16);
-  if (value > (extended ? largest : can::kStandardIdentifierMask)) return std::nullopt;
-  return TypedIdentifier{static_cast<std::uint32_t>(value), extended};
-}
-
 [[noreturn]] void refuse_identifiers(std::string_view text) {
-  throw UsageError(
-      fmt::format("--id: found '{}'; allowed: identifiers of three hexadecimal digits (000..7FF) or eight "
-                  "(00000000..1FFFFFFF), as 123, 100-1FF or 120:7F0 (identifier:mask), with commas between",
-                  text));
+  throw UsageError(fmt::format(
+      "--id: found '{}'; allowed: identifiers {}, as 123, 0x123, 100-1FF or 120:7F0 (identifier:mask), with "
+      "commas between",
+      text, can::kTypedIdentifierForm));
 }
 
 }  // namespace
 
 DumpFilter::Identifiers DumpFilter::parse(std::string_view text) {
   const std::size_t cut = text.find_first_of("-:");
-  const auto first = parse_digits(text.substr(0, cut), can::kExtendedIdentifierMask);
+  const auto first = can::typed_identifier(text.substr(0, cut));
   if (!first) refuse_identifiers(text);
   const std::uint32_t all = first->extended ? can::kExtendedIdentifierMask : can::kStandardIdentifierMask;
   if (cut == std::string_view::npos) return {first->value, first->value, all, first->extended};
   const bool masked = text[cut] == ':';
-  const auto second = parse_digits(text.substr(cut + 1), masked ? UINT32_MAX : can::kExtendedIdentifierMask);
+  const auto second = can::typed_identifier(text.substr(cut + 1), masked);
   if (!second || second->extended != first->extended) refuse_identifiers(text);
   if (masked) {
     const std::uint32_t mask = second->value & all;

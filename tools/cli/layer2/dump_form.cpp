@@ -34,9 +34,13 @@ std::string meaning_of(const dbc::Database& names, const can::Frame& frame) {
 
 JsonObject dumped_object(const DumpedFrame& dumped, const dbc::Database& names) {
   JsonObject object;
-  object.add("time_ns", dumped.time);
+  object.add("time_ns", dumped.time).add("interface", dumped.interface);
   add_frame(dumped.frame, object);
-  object.add("range", dumped.range).add("high_priority", dumped.high_priority);
+  if (dumped.taken_by) {
+    object.add("range", dumped.taken_by->range).add("high_priority", dumped.taken_by->high_priority);
+  } else {
+    object.add_null("range").add_null("high_priority");
+  }
   const dbc::Message* message = names.find(dumped.frame);
   add_meaning(message, message == nullptr ? std::vector<dbc::Reading>() : readings_of(*message, dumped.frame),
               object);
@@ -51,7 +55,7 @@ std::vector<Table::Column> dump_columns() {
   return {{"TIME", left, "when its last bit was on the bus, in the time zone of this computer", 23},
           {"ID", right, "identifier, hexadecimal: three digits for 11 bits, eight for 29", 8},
           {"LEN", right, "length in bytes, 0 to 8", 3},
-          {"RANGE", right, "place in the configuration of the range that takes it", 5},
+          {"RANGE", right, "place in the configuration of the range that takes it; -: recorded", 5},
           {"DATA", left,
            "the bytes, hexadecimal, those that changed in colour; remote: a frame that asks for them",
            kDataWidth},
@@ -59,13 +63,13 @@ std::vector<Table::Column> dump_columns() {
 }
 
 DumpForm::DumpForm(Output& output, Choice choice)
-    : output_(output), choice_(std::move(choice)), table_(dump_columns()) {
+    : output_(output), choice_(std::move(choice)), colours_(output.colours()), table_(dump_columns()) {
   if (!choice_.capture.empty()) capture_ = std::make_unique<TraceCapture>(choice_.capture, output, "--write");
 }
 
 std::string DumpForm::painted_data(const can::Frame& frame) {
   std::string plain = fitted(data_text(frame), kDataWidth);
-  if (!output_.colours() || frame.remote) return plain;
+  if (!colours_ || frame.remote) return plain;
   const Key key = (Key{frame.extended} << 32U) | frame.id;
   const auto known = last_.find(key);
   if (known == last_.end()) {
@@ -82,31 +86,32 @@ std::string DumpForm::painted_data(const can::Frame& frame) {
   return text + plain.substr(data_text(frame).size());
 }
 
-std::string DumpForm::table_line(const DumpedFrame& dumped) {
-  std::string line =
-      table_.line({time_text(dumped.time, true), identifier_text(dumped.frame),
-                   fmt::format("{}", dumped.frame.dlc), fmt::format("{}", dumped.range), "", ""});
-  line.resize(line.find_last_not_of(' ') + 1);
-  line += "  " + painted_data(dumped.frame) + "  " + meaning_of(choice_.names, dumped.frame);
-  line.resize(line.find_last_not_of(' ') + 1);
-  return line + '\n';
+void DumpForm::write_line(const DumpedFrame& dumped) {
+  const std::string time = time_text(dumped.time, true);
+  const std::string identifier = identifier_text(dumped.frame);
+  const std::string length = std::to_string(dumped.frame.dlc);
+  const std::string range = dumped.taken_by ? std::to_string(dumped.taken_by->range) : "-";
+  const std::string data = painted_data(dumped.frame);
+  const std::string meaning = meaning_of(choice_.names, dumped.frame);
+  table_.append(text_, std::array<std::string_view, 6>{time, identifier, length, range, data, meaning});
 }
 
 void DumpForm::write(const DumpedFrame& dumped) {
   const std::chrono::nanoseconds time(dumped.time);
   if (capture_) {
-    capture_->write(time, choice_.bus, dumped.frame);
+    capture_->write(time, dumped.interface, dumped.frame);
   } else if (choice_.candump) {
     std::array<char, can::kCandumpLineLimit> line{};
     const auto micros = std::chrono::duration_cast<std::chrono::microseconds>(time);
-    text_.append(line.data(), can::write_candump_line(micros, choice_.bus, dumped.frame, line));
+    text_.append(line.data(), can::write_candump_line(micros, dumped.interface, dumped.frame, line));
   } else if (output_.json()) {
     text_ += dumped_object(dumped, choice_.names).text() + '\n';
   } else {
-    if (!headed_) text_ += table_.heading() + '\n';
+    if (!headed_) table_.append_heading(text_);
     headed_ = true;
-    text_ += table_line(dumped);
+    write_line(dumped);
   }
+  if (text_.size() >= kMostWaiting) flush();
 }
 
 void DumpForm::flush() {

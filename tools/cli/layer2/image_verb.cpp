@@ -109,7 +109,7 @@ ExitCode watch_image(Session& session, const ImageTexts& texts) {
   constexpr auto kLook = milliseconds(200);
   for (std::uint64_t n = 1; (count == 0 || n < count) && !interrupt_flag().load();) {
     const auto newest = client.image(kLook, true);
-    if (!client.daemon_present()) {
+    if (stays_gone(client)) {
       return end_without_daemon(session, client.place());
     }
     const bool same =
@@ -146,7 +146,7 @@ SendResult write_as_owner(Session& session, FrameClient& client, const ImageText
   const std::int64_t strength =
       texts.strength.empty() ? 0 : parse_integer(texts.strength, "--strength", 0, INT32_MAX);
   layer2::client::ImageWriter writer(client, static_cast<std::int32_t>(strength));
-  SendResult result{.replied = true, .code = gateway_REPLY_NO_ANSWER};
+  SendResult result{{.replied = true, .code = gateway_REPLY_NO_ANSWER}};
   result.reason = writer.write(address, bytes);
   if (!result.reason.empty()) return result;
   result.reason =
@@ -223,7 +223,7 @@ ExitCode lead_verb(Session& session, const std::string& name) {
   session.output().remark("the module is to run until Ctrl-C");
   std::optional<layer2_FrameStatus> told;
   while (!interrupt_flag().load()) {
-    if (!client.daemon_present()) {
+    if (stays_gone(client)) {
       return end_without_daemon(session, client.place());
     }
     (void)client.image(milliseconds(200), true);

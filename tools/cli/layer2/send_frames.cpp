@@ -35,7 +35,8 @@ can::Frame parse_sent_frame(std::string_view text) {
         "8 bytes, such as 123#0102FF, 18DAF110#, or 123#R3 for a remote frame of length 3",
         text, why));
   };
-  const auto parsed = can::parse_candump_frame(without_dots(text));
+  const bool prefix = text.starts_with("0x") || text.starts_with("0X");
+  const auto parsed = can::parse_candump_frame(without_dots(prefix ? text.substr(2) : text));
   if (const auto* wrong = std::get_if<can::CandumpError>(&parsed)) refuse(wrong->message);
   const auto* frame = std::get_if<can::Frame>(&parsed);
   if (frame->error) refuse("which is an error frame");

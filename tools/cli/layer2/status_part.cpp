@@ -44,6 +44,13 @@ std::vector<Explained> frame_lines_help() {
 
 }  // namespace
 
-const StatusPart kFrameStatusPart = {"layer2", lines_of_frames, add_frame_members, frame_lines_help};
+const StatusPart kFrameStatusPart = {"layer2",
+                                     lines_of_frames,
+                                     add_frame_members,
+                                     frame_lines_help,
+                                     nullptr,
+                                     nullptr,
+                                     false,
+                                     "cansync can reset-controller"};
 
 }  // namespace cansync::cli

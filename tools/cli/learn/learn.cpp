@@ -8,6 +8,7 @@
 #include "cli/base/interrupt.h"
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/trace_text.h"
+#include "cli/learn/evidence_text.h"
 #include "cli/learn/learn_compare.h"
 #include "cli/learn/learn_files.h"
 #include "cli/learn/learn_points.h"
@@ -29,9 +30,11 @@ struct LearnTexts {
 
 void write_all_files(Session& session, const LearnTexts& texts, const RecordingEnd& end,
                      const observe::Observation& observation, const observe::Learned& learned) {
+  if (!learned.bit_rate.known())
+    throw UsageError("--write: the recording does not tell the bit rate; --bit-rate gives it");
   LearnedPlace place;
   place.source = texts.recording.source;
-  place.interface = end.interface.empty() ? "can0" : end.interface;
+  place.interface = usable_interface(end.interface);
   place.bus = place.interface;
   const auto files = learned_files(observation, learned, place);
   write_learned_files(texts.write, files);
@@ -48,8 +51,15 @@ ExitCode learn_verb(Session& session, const LearnTexts& texts) {
   if (!texts.compare.empty()) configured = settings_of_file(texts.compare);
   const auto [end, observation] = observe_recording(output, texts.recording);
   const observe::Learned learned = observe::learn(observation);
-  if (observation.frames == 0)
+  const std::uint64_t received = observation.frames + observation.evidence.frames;
+  if (received == 0)
     throw std::runtime_error(fmt::format("{}: no frame at all was found", texts.recording.source));
+  if (is_other_protocol(observation.evidence, received)) {
+    output.remark(other_protocol_text(observation.evidence));
+    write_other_protocol(output, observation, learned);
+    return ExitCode::not_cansync;
+  }
+  remark_on_stamps(output, observation.stamps);
   if (!texts.write.empty()) write_all_files(session, texts, end, observation, learned);
   if (configured) {
     const auto differences = learned_differences(*configured, learned);
@@ -58,7 +68,7 @@ ExitCode learn_verb(Session& session, const LearnTexts& texts) {
   } else {
     write_learn_report(output, observation, learned, {texts.steps});
   }
-  return end.problems == 0 ? ExitCode::done : ExitCode::failed;
+  return end.problems == 0 ? ExitCode::done : ExitCode::in_part;
 }
 
 }  // namespace
@@ -80,7 +90,8 @@ void add_learn_verb(CLI::App& app, Verb& chosen) {
       ->type_name("CONFIG");
   learn->add_flag("--steps", texts->steps, "every step of the master; the default is the first 20");
   learn->footer(
-      "No daemon is needed, and nothing is sent. Exit code 9: --compare found a difference.\n"
+      "No daemon is needed, and nothing is sent. Exit code 9: --compare found a difference; 11: a file "
+      "was read in part; 12: the frames do not look like CANsync, and nothing is written.\n"
       "Examples:\n"
       "  candump -L can0 > old.log; cansync learn old.log --write learned\n"
       "  cansync learn old.log --compare /etc/cansync/can0.toml\n" +

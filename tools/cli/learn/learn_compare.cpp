@@ -5,10 +5,10 @@
 #include <functional>
 #include <stdexcept>
 
+#include "cansync/config/file.h"
 #include "cli/learn/learn_points.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
-#include "daemon/cansync/config/file.h"
 
 namespace cansync::cli {
 namespace {

@@ -81,6 +81,26 @@ void write_process(ConfigurationText& text, const Learned& learned, const Master
     write_learned_mapping(text, "reference", c, learned.reference_mapping[c]);
 }
 
+/// Proposals: a limit that is too tight stops the line.
+void write_limits(ConfigurationText& text, const Learned& learned) {
+  bool any = false;
+  for (const observe::NumberRange& range : learned.reference_range) any = any || range.count > 1;
+  if (!any) return;
+  text.section("# Limits of reference values: what was on the bus, in numbers without factor and offset.");
+  text.comment("Compare them with the machine, add a margin, then remove the signs of comment.");
+  text.comment(
+      "max_step holds from one telegram to the next: k times the step bears k - 1 missing telegrams.");
+  for (unsigned value = 0; value < kValues; ++value) {
+    const observe::NumberRange& range = learned.reference_range[value];
+    if (range.count < 2) continue;
+    text.comment("[[reference]]");
+    text.left_out("number", fmt::format("{}", value), text::counted(range.count, "telegram"));
+    text.left_out("minimum", fmt::format("{}", range.least), "least number on the bus");
+    text.left_out("maximum", fmt::format("{}", range.greatest), "greatest number on the bus");
+    if (range.step > 0) text.left_out("max_step", fmt::format("{}", range.step), "greatest step on the bus");
+  }
+}
+
 void write_channel(ConfigurationText& text, const Learned& learned, const MasterSettings& settings) {
   const CommandChannelSettings& channel = settings.command_channel;
   text.section("[command_channel]");
@@ -101,7 +121,8 @@ void write_slave(ConfigurationText& text, const Observation& observation, const 
   const observe::SlaveUse& use = observation.slave[number];
   const std::uint64_t actual = use.actual[0].count + use.actual[1].count;
   text.section("[[slave]]");
-  if (use.answers + actual == 0) text.comment("It was asked and never answered.");
+  if (use.answers + actual == 0)
+    text.comment(use.commands > 0 ? "It was asked and never answered." : "It was polled and never answered.");
   text.option("number", fmt::format("{}", number),
               fmt::format("{}, {}, {} actual value telegrams", text::counted(use.commands, "command"),
                           text::counted(use.answers, "answer"), actual));
@@ -112,6 +133,7 @@ void write_slave(ConfigurationText& text, const Observation& observation, const 
   if (profile)
     text.option("profile", toml_quoted(learned_profile_name(number)),
                 "a draft of the parameters that were read");
+  text.left_out("expect", "[]", "no recording tells which parameters say who the drive is");
 }
 
 }  // namespace
@@ -136,6 +158,7 @@ std::string learned_configuration(const Observation& observation, const Learned&
   write_startup(text, learned, settings);
   write_process(text, learned, settings);
   write_channel(text, learned, settings);
+  write_limits(text, learned);
   for (const SlaveNumber slave : learned.slaves.value)
     write_slave(text, observation, learned, settings, slave.value(), SlaveMask{place.profiles}.has(slave));
   return text.take();

@@ -3,19 +3,22 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
 
 #include "cli/base/files.h"
-#include "cli/cansync/passport.h"
 #include "cli/learn/learn_points.h"
 #include "cli/learn/learn_report.h"
 #include "cli/text/values.h"
 #include "profile/hash.h"
+#include "profile/passport.h"
 #include "profile/reader.h"
 #include "system/descriptor.h"
 #include "text/counts.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
@@ -72,7 +75,7 @@ LearnedFile passport_file(const Observation& observation, const LearnedPlace& pl
                           const std::string& profile_text) {
   const std::string name = learned_profile_name(slave);
   const auto reading = profile::parse(profile_text, name + ".toml");
-  Passport passport;
+  profile::Passport passport;
   passport.bus = place.bus;
   passport.slave = slave;
   passport.slave_name = fmt::format("slave{}", slave);
@@ -123,7 +126,7 @@ std::string learned_batch(const Observation& observation, const LearnedPlace& pl
   std::string out = fmt::format(
       "# What the master of {} wrote, in its order; run it from this folder: cansync --bus {} batch start-up.batch\n"
       "# Lines behind a # are for you to judge: control words move drives, and some steps were refused.\n",
-      place.source, place.bus);
+      text::visible(place.source), place.bus);
   const Duration begin = observation.first_reference.value_or(Duration{0});
   std::size_t transfer = 0;
   for (const Step& step : observation.steps) {
@@ -165,6 +168,14 @@ std::vector<LearnedFile> learned_files(const Observation& observation, const obs
       files.push_back({transfer_path(transfer, *moved), std::string(moved->data.begin(), moved->data.end())});
   }
   return files;
+}
+
+std::string usable_interface(const std::string& name) {
+  const bool usable = !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) != 0 &&
+                      std::all_of(name.begin(), name.end(), [](char one) {
+                        return std::isalnum(static_cast<unsigned char>(one)) != 0 || one == '-' || one == '_';
+                      });
+  return usable ? name : "can0";
 }
 
 void write_learned_files(const std::string& folder, const std::vector<LearnedFile>& files) {

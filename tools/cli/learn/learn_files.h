@@ -28,6 +28,9 @@ std::string learned_batch(const observe::Observation& observation, const Learned
 /// A draft of a profile: the parameters of this slave that were read or written.
 std::string learned_profile(const observe::Observation& observation, unsigned slave);
 
+/// The name in a log when an interface and a file can have it, else "can0".
+std::string usable_interface(const std::string& name);
+
 /// Writes the files below `folder`, which is made. Throws UsageError and writes nothing when one of them is
 /// there already; std::system_error with the file's name.
 void write_learned_files(const std::string& folder, const std::vector<LearnedFile>& files);

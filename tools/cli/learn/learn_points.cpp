@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "cli/learn/evidence_text.h"
 #include "cli/text/values.h"
 #include "text/counts.h"
 
@@ -72,7 +73,13 @@ void points_of_slaves(PointList& out, const std::string& name, const Learned& le
              group.count, group.slaves);
 }
 
-void line_points(PointList& out, const Learned& learned) {
+void line_points(PointList& out, const Observation& observation, const Learned& learned) {
+  const auto& evidence = observation.evidence;
+  out.fact("protocol", protocol_text(evidence),
+           evidence.frames == 0 ? Certainty::not_seen : Certainty::inferred, evidence.telegrams);
+  const auto& stamps = observation.stamps;
+  out.fact("time stamps", stamps_text(stamps), stamps.frames == 0 ? Certainty::not_seen : Certainty::seen,
+           stamps.frames);
   out.setting<Duration>("interval", learned.interval,
                         [](const Duration& time) { return fmt::format("{} us", microseconds_of(time)); });
   out.setting<BitRate>("bus.bit_rate", learned.bit_rate, [](const BitRate& rate) {
@@ -175,7 +182,7 @@ void command_points(PointList& out, const Observation& observation, const Learne
 
 std::vector<LearnedPoint> learned_points(const Observation& observation, const Learned& learned) {
   PointList out;
-  line_points(out, learned);
+  line_points(out, observation, learned);
   start_points(out, observation, learned);
   process_points(out, observation, learned);
   command_points(out, observation, learned);

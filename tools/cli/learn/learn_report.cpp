@@ -288,16 +288,10 @@ void write_head(Output& output, const Observation& observation) {
                   text::counted(observation.error_frames, "error frame"), text::counted(none, "other")));
 }
 
-}  // namespace
-
-std::string step_text(const Step& step) {
-  return std::visit([](const auto& what) { return step_words(what); }, step.what);
-}
-
-void write_learn_report(Output& output, const Observation& observation, const Learned& learned,
-                        const ReportOptions& options) {
+/// A table of points, or an object for each.
+void write_points(Output& output, const std::vector<LearnedPoint>& points) {
   Table table(learned_columns());
-  for (const LearnedPoint& point : learned_points(observation, learned)) {
+  for (const LearnedPoint& point : points) {
     if (output.json()) {
       output.object(JsonObject()
                         .add("kind", "point")
@@ -311,6 +305,26 @@ void write_learn_report(Output& output, const Observation& observation, const Le
     table.add({point.name, point.found, certainty_text(point.certainty, point.count)});
   }
   if (!output.json()) output.table(table);
+}
+
+}  // namespace
+
+std::string step_text(const Step& step) {
+  return std::visit([](const auto& what) { return step_words(what); }, step.what);
+}
+
+void write_other_protocol(Output& output, const Observation& observation, const Learned& learned) {
+  auto points = learned_points(observation, learned);
+  // What the frames are, and how their times are; every other point holds of a CANsync bus alone.
+  points.resize(2);
+  write_points(output, points);
+  if (!output.json()) output.line("");
+  write_head(output, observation);
+}
+
+void write_learn_report(Output& output, const Observation& observation, const Learned& learned,
+                        const ReportOptions& options) {
+  write_points(output, learned_points(observation, learned));
   write_heard_slots(output, observation);
   write_heard_slaves(output, observation, learned);
   write_heard_words(output, observation, learned);

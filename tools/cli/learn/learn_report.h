@@ -15,6 +15,10 @@ struct ReportOptions {
 void write_learn_report(Output& output, const observe::Observation& observation,
                         const observe::Learned& learned, const ReportOptions& options);
 
+/// Of a recording that does not look like CANsync: its protocol, its time stamps, and how many frames it has.
+void write_other_protocol(Output& output, const observe::Observation& observation,
+                          const observe::Learned& learned);
+
 /// A step of the master in words: "write slave 3 parameter 400 = 20, done".
 std::string step_text(const observe::Step& step);
 

@@ -8,6 +8,7 @@
 
 #include "cansync/observe/observer.h"
 #include "cli/base/interrupt.h"
+#include "cli/cansync/sync_identifier.h"
 #include "cli/cansync/trace_text.h"
 #include "cli/text/values.h"
 #include "cli/trace/trace_source.h"
@@ -20,6 +21,10 @@ using ListeningClock = std::chrono::steady_clock;
 
 /// Lines that are no frames are named up to this many times, then only counted.
 constexpr std::uint64_t kMostProblemsNamed = 10;
+/// Time stamps that go back by more were not made by one clock that runs; by less frames of several interfaces do.
+constexpr std::chrono::microseconds kMostBack = std::chrono::milliseconds(1);
+/// A file in which nothing stands for so long is not one recording of a line that runs.
+constexpr std::chrono::microseconds kLongestPause = std::chrono::seconds(2);
 /// Lines that are looked at to see which kind of log it is.
 constexpr std::size_t kLinesLookedAt = 256;
 /// Nanoseconds of a later one would not fit 64 bits.
@@ -33,8 +38,9 @@ class ObserverSink final : public RecordingSink {
   void begin(observe::Stamps stamps, std::optional<BitRate> bit_rate) override {
     observer_.emplace(observe::ObserverSettings{stamps, bit_rate});
   }
-  void edge(Duration at, const can::Frame* /*frame*/) override { observer_->sync(at); }
+  void edge(Duration at, const can::Frame* frame) override { observer_->sync(at, frame); }
   void frame(Duration at, const can::Frame& frame) override { observer_->frame(at, frame); }
+  void begin_anew() override { observer_->begin_anew(); }
   observe::Observation finish() { return observer_->finish(); }
 
  private:
@@ -48,8 +54,7 @@ class RecordingReader {
       : output_(output),
         texts_(texts),
         sink_(sink),
-        sync_(texts.sync.empty() ? kSyncIdentifier
-                                 : static_cast<std::uint32_t>(parse_integer(texts.sync, "--sync", 0, 0x7FF))),
+        sync_(parse_sync_identifier(texts.sync, output)),
         bit_rate_(given_bit_rate(texts.bit_rate)) {
     if (!texts.stamps.empty() && texts.stamps != "start" && texts.stamps != "end")
       throw UsageError(fmt::format("--stamps: found '{}'; allowed: start or end", texts.stamps));
@@ -57,9 +62,12 @@ class RecordingReader {
 
   std::uint32_t sync() const noexcept { return sync_; }
 
-  void take(const can::CandumpLine& line) {
-    if (begun_) return hand_over(line);
-    first_.push_back(line);
+  /// `place`: where it is in a file; empty: it comes from an interface.
+  void take(can::CandumpLine line, const std::string& place) {
+    if (!wanted(line)) return;
+    const bool anew = to_one_time(line, place);
+    if (begun_) return hand_over(line, anew);
+    first_.push_back({std::move(line), anew});
     if (first_.size() >= kLinesLookedAt) begin();
   }
 
@@ -71,6 +79,11 @@ class RecordingReader {
 
   RecordingEnd end(std::uint64_t dropped) {
     if (!begun_) begin();
+    if (end_.interface.empty() && !other_interface_.empty())
+      throw UsageError(fmt::format("--from: found '{}'; allowed: an interface of {}, such as {}", texts_.from,
+                                   texts_.source, other_interface_));
+    if (end_.breaks > kMostProblemsNamed)
+      output_.remark(fmt::format("time begins anew {}", text::counted(end_.breaks, "time")));
     end_.dropped = dropped;
     if (dropped > 0)
       output_.remark(fmt::format("{} dropped by the kernel and are missing here",
@@ -82,27 +95,72 @@ class RecordingReader {
   void begin() {
     bool starts = texts_.stamps == "start";
     if (texts_.stamps.empty())
-      for (const can::CandumpLine& line : first_) starts = starts || line.interface == kSyncInterface;
+      for (const First& first : first_) starts = starts || first.line.interface == kSyncInterface;
     begun_ = true;
     sink_.begin(starts ? observe::Stamps::start : observe::Stamps::end, bit_rate_);
-    for (const can::CandumpLine& line : first_) hand_over(line);
+    for (const First& first : first_) hand_over(first.line, first.anew);
     first_ = {};
   }
 
-  void hand_over(const can::CandumpLine& line) {
-    if (line.time < std::chrono::microseconds(0) || line.time > kLatestStamp)
-      return problem({fmt::format("a time stamp of {} s is no time", line.time.count() / 1'000'000)});
-    const bool edge = line.frame.is_standard_data() && line.frame.id == sync_;
-    if (line.interface == kSyncInterface || edge) {
-      if (edge) sink_.edge(line.time, line.interface == kSyncInterface ? nullptr : &line.frame);
-      return;
+  bool is_edge(const can::CandumpLine& line) const noexcept {
+    return line.frame.is_standard_data() && line.frame.id == sync_;
+  }
+
+  /// Is the frame of the line that is looked at? Throws UsageError when it is not said which that is.
+  bool wanted(const can::CandumpLine& line) {
+    if (line.time < std::chrono::microseconds(0) || line.time > kLatestStamp) {
+      problem({fmt::format("a time stamp of {} s is no time", line.time.count() / 1'000'000)});
+      return false;
     }
-    if (!texts_.from.empty() && line.interface != texts_.from) return;
+    if (line.interface == kSyncInterface) return is_edge(line);
+    if (!texts_.from.empty() && line.interface != texts_.from) {
+      other_interface_ = line.interface;
+      return false;
+    }
     if (end_.interface.empty()) end_.interface = line.interface;
     if (line.interface != end_.interface)
       throw UsageError(fmt::format("{}: found frames of the interfaces {} and {}; name one with --from",
                                    texts_.source, end_.interface, line.interface));
-    sink_.frame(line.time, line.frame);
+    return true;
+  }
+
+  /// Puts the line's time behind those before it. True: it has no relation to them, for the clock was set back or
+  /// the recording has a gap; both are said.
+  bool to_one_time(can::CandumpLine& line, const std::string& place) {
+    const std::chrono::microseconds stamp = line.time;
+    bool anew = false;
+    if (newest_) {
+      const auto step = stamp - *newest_;
+      anew = step < -kMostBack || (!place.empty() && step > kLongestPause);
+      if (anew) {
+        ++end_.breaks;
+        shift_ -= step;
+        tell_break(step, place);
+      }
+    }
+    newest_ = anew || !newest_ ? stamp : std::max(*newest_, stamp);
+    line.time = stamp + shift_;
+    return anew;
+  }
+
+  void tell_break(std::chrono::microseconds step, const std::string& place) {
+    if (end_.breaks > kMostProblemsNamed) return;
+    const std::string where = place.empty() ? texts_.source : place;
+    const auto length = text::duration_text(step < std::chrono::microseconds(0) ? -step : step);
+    output_.remark(
+        step < std::chrono::microseconds(0)
+            ? fmt::format("{}: the clock goes back by {}; nothing is derived across this place", where,
+                          length)
+            : fmt::format("{}: no frame for {}; nothing is derived across this gap", where, length));
+    if (end_.breaks == kMostProblemsNamed) output_.remark("more of these are only counted");
+  }
+
+  void hand_over(const can::CandumpLine& line, bool anew) {
+    if (anew) sink_.begin_anew();
+    if (is_edge(line))
+      sink_.edge(line.time, line.interface == kSyncInterface ? nullptr : &line.frame);
+    else
+      sink_.frame(line.time, line.frame);
   }
 
   Output& output_;
@@ -110,9 +168,16 @@ class RecordingReader {
   RecordingSink& sink_;
   std::uint32_t sync_;
   std::optional<BitRate> bit_rate_;
-  std::vector<can::CandumpLine> first_;
+  struct First {
+    can::CandumpLine line;
+    bool anew;
+  };
+  std::vector<First> first_;
+  std::optional<std::chrono::microseconds> newest_;  ///< stamp, as the recording has it
+  std::chrono::microseconds shift_{0};               ///< from stamps to a time that does not go back
   bool begun_ = false;
   RecordingEnd end_;
+  std::string other_interface_;  ///< whose frames are not looked at
 };
 
 }  // namespace
@@ -137,7 +202,8 @@ void add_recording_options(CLI::App& verb, RecordingTexts& texts, std::string_vi
       ->type_name("N");
   verb.add_option("--from", texts.from, "of a log of several interfaces: the one to look at")
       ->type_name("NAME");
-  verb.add_option("--sync", texts.sync, "identifier of the frame that marks SYNC, 0..0x7FF (default 0x080)")
+  verb.add_option("--sync", texts.sync,
+                  "identifier of the frame that marks SYNC, hexadecimal, 000..7FF (default 080)")
       ->type_name("ID");
   verb.add_option("--bit-rate", texts.bit_rate,
                   "of the line, when the recording is too short to tell its interval")
@@ -151,7 +217,7 @@ void add_recording_options(CLI::App& verb, RecordingTexts& texts, std::string_vi
 RecordingEnd read_recording(Output& output, const RecordingTexts& texts, RecordingSink& sink,
                             const Listening& listening) {
   RecordingReader reader(output, texts, sink);
-  const auto source = open_trace_source(texts.source, reader.sync(), listening.frames);
+  const auto source = open_trace_source(texts.source, reader.sync(), HeardFrames::all);
   std::chrono::seconds seconds = source->endless() ? listening.seconds : kWithoutEnd;
   if (!texts.seconds.empty())
     seconds = std::chrono::seconds(parse_integer(texts.seconds, "--seconds", 1, 86400));
@@ -162,7 +228,7 @@ RecordingEnd read_recording(Output& output, const RecordingTexts& texts, Recordi
     if (seconds != kWithoutEnd && ListeningClock::now() - begin >= seconds) break;
     const TraceItem item = source->next();
     if (std::holds_alternative<TraceEnd>(item)) break;
-    if (const auto* line = std::get_if<can::CandumpLine>(&item)) reader.take(*line);
+    if (const auto* line = std::get_if<can::CandumpLine>(&item)) reader.take(*line, source->place());
     if (const auto* problem = std::get_if<TraceProblem>(&item)) reader.problem(*problem);
     if (const auto* remark = std::get_if<TraceRemark>(&item)) output.remark(remark->text);
   }

@@ -30,6 +30,7 @@ struct RecordingEnd {
   std::string interface;       ///< that the frames stood on; empty: none came
   std::uint64_t problems = 0;  ///< lines that were no frames
   std::uint64_t dropped = 0;   ///< by the kernel
+  std::uint64_t breaks = 0;    ///< times the clock of the recording went back, or nothing came for long
 };
 
 /// Takes a recording as it is read.
@@ -42,14 +43,15 @@ class RecordingSink {
   virtual void edge(Duration at, const can::Frame* frame) = 0;
   /// Any other frame.
   virtual void frame(Duration at, const can::Frame& frame) = 0;
+  /// What comes next has no relation in time to what came before; it follows it at once.
+  virtual void begin_anew() = 0;
 };
 
 /// An interface is listened to until Ctrl-C.
 inline constexpr std::chrono::seconds kWithoutEnd{0};
 
-/// How an interface is listened to.
+/// How an interface is listened to; all its frames are received, whatever their protocol.
 struct Listening {
-  HeardFrames frames = HeardFrames::telegrams;
   std::chrono::seconds seconds = kWithoutEnd;  ///< without --seconds
 };
 

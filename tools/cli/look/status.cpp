@@ -20,6 +20,7 @@ struct CommonStatus {
   client::BusStatus bus;
   client::RealtimeStatus realtime;
   bool brief = false;  ///< counts of 0 are left out
+  bool has_sync = true;
 };
 
 /// A count with its words, such as "in the kernel".
@@ -43,6 +44,14 @@ std::string daemon_text(const CommonStatus& status) {
   const client::GatewayStatus& gateway = status.gateway;
   return fmt::format("{}, cansyncd {} (process {} on {})", gateway.bus, gateway.version, gateway.process,
                      gateway.host);
+}
+
+std::string configuration_text(const CommonStatus& status) {
+  return std::string(client::text(status.gateway.configuration_reason));
+}
+
+std::string network_text(const CommonStatus& status) {
+  return std::string(client::text(status.gateway.network_reason));
 }
 
 std::string bit_rate_text(const CommonStatus& status) {
@@ -88,6 +97,11 @@ std::string interface_text(const CommonStatus& status) {
   if (bus.sample_point != 0) text += fmt::format(", sample point 0.{:03}", bus.sample_point);
   if (bus.restart_time >= 0) text += fmt::format(", restart-ms {}", bus.restart_time);
   if (bus.queue_length != 0) text += fmt::format(", txqueuelen {}", bus.queue_length);
+  const std::string_view adapter = bus.adapter;
+  if (std::string_view(bus.link_state) == "wrong-adapter")
+    text += fmt::format(", adapter {} instead of {}", adapter.empty() ? "-" : adapter, bus.adapter_wanted);
+  else if (!adapter.empty() && !status.brief)
+    text += fmt::format(", adapter {}", adapter);
   return text + fmt::format("; times by: {}", bus.timestamp_source);
 }
 
@@ -95,12 +109,11 @@ std::string bus_faults_text(const CommonStatus& status) {
   const client::BusStatus& bus = status.bus;
   std::string seen = list_counts({{bus.error_frames, bus.error_frames == 1 ? "error frame" : "error frames"},
                                   {bus.acknowledge_errors, "not acknowledged"},
-                                  {bus.restarts, bus.restarts == 1 ? "restart" : "restarts"}},
+                                  {bus.restarts, bus.restarts == 1 ? "restart" : "restarts"},
+                                  {bus.queue_full, "times no room in the send queue"}},
                                  status.brief);
-  const std::string lost = list_counts({{bus.queue_full, "for a full send queue"},
-                                        {bus.overruns, "in the controller"},
-                                        {bus.dropped_frames, "in the kernel"}},
-                                       status.brief);
+  const std::string lost =
+      list_counts({{bus.overruns, "in the controller"}, {bus.dropped_frames, "in the kernel"}}, status.brief);
   if (seen.empty() && lost.empty()) return "none";
   if (lost.empty()) return seen;
   return fmt::format("{}{}lost: {}", seen, seen.empty() ? "" : "; ", lost);
@@ -121,9 +134,14 @@ std::string clients_text(const CommonStatus& status) {
                      rejected);
 }
 
+std::string restart_text(const CommonStatus& status) {
+  return std::string(client::text(status.gateway.restart_reason));
+}
+
 std::string missed_text(const CommonStatus& status) {
-  return fmt::format("{}, {}", text::counted(status.realtime.missed_syncs, "SYNC edge"),
-                     text::counted(status.realtime.lost_reports, "report"));
+  std::string reports = text::counted(status.realtime.lost_reports, "report");
+  if (!status.has_sync) return reports;
+  return fmt::format("{}, {}", text::counted(status.realtime.missed_syncs, "SYNC edge"), reports);
 }
 
 struct CommonLine {
@@ -135,6 +153,11 @@ struct CommonLine {
 constexpr CommonLine kFirst = {"bus", "its name, and the daemon that serves it", daemon_text};
 
 constexpr CommonLine kCommonLines[] = {
+    {"configuration", "why another one than the file on disk runs; only when it does", configuration_text},
+    {"restart",
+     "what was replaced on disk since the start of the daemon and takes effect with a restart; only then",
+     restart_text},
+    {"network", "why DDS is not on the interface of the configuration; only when it is not", network_text},
     {"bit rate", "of the bus, as configured", bit_rate_text},
     {"controller", "state and error counters of the CAN controller", controller_text},
     {"access", "whether requests that change something are taken, and whether DDS Security is on",
@@ -144,12 +167,14 @@ constexpr CommonLine kCommonLines[] = {
      sync_text},
     {"interface", "state and settings of the CAN interface, and where the times of frames come from",
      interface_text},
-    {"bus faults", "since the start; a full send queue and what is lost cost frames", bus_faults_text},
+    {"bus faults", "since the start; what is lost cost frames, a full send queue only those of CANsync",
+     bus_faults_text},
     {"clients",
      "programs that have asked for something (a mere look, such as this one, is not counted), and how many "
      "of their requests were rejected, by reason",
      clients_text},
-    {"missed", "SYNC edges skipped, and reports of the realtime thread without room", missed_text},
+    {"missed", "SYNC edges skipped, on a bus that has them, and reports of the realtime thread without room",
+     missed_text},
 };
 
 void write_line(Output& output, std::string_view label, std::string_view text) {
@@ -162,11 +187,12 @@ void write_line(Output& output, std::string_view label, std::string_view text) {
 ExitCode status_verb(Session& session, std::span<const ProtocolVerbs* const> protocols) {
   session.look_only();
   client::Client& client = session.client();
-  const CommonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status(),
-                            session.output().fitting_width() != 0};
+  CommonStatus status{client.gateway_status(), client.bus_status(), client.realtime_status(),
+                      session.output().fitting_width() != 0, true};
   const auto part = std::find_if(protocols.begin(), protocols.end(), [&status](const ProtocolVerbs* one) {
     return one->status != nullptr && one->status->protocol == client::text(status.gateway.protocol);
   });
+  if (part != protocols.end()) status.has_sync = (*part)->status->has_sync;
   if (session.json()) {
     JsonObject object;
     text::add_members(object, status.gateway);

@@ -156,7 +156,7 @@ ExitCode wait_verb(Session& session, const WaitTexts& texts) {
     throw UsageError(fmt::format("SLAVE: found '{}'; {} is no state of a slave; allowed: nothing",
                                  texts.slaves.front(), texts.state));
   for (const std::string& list : texts.slaves)
-    if (is_number_list(list)) static_cast<void>(session.slave_mask(list));
+    if (is_number_list(list)) check_slave_list(list);
   return Wait(session, texts, state).run();
 }
 

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <utility>
 
+#include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/restarts.h"
 #include "cli/base/verb_groups.h"
@@ -34,6 +35,7 @@ struct RecordTexts {
   std::string size;   ///< of a file; empty: no bound
   std::string older;  ///< how many full files are kept; empty: none
   bool raw = false;
+  bool force = false;
 };
 
 /// Samples on their way from the client's thread to this one; one for which there is no room is counted.
@@ -198,6 +200,7 @@ ExitCode record_verb(Session& session, const RecordTexts& texts) {
   std::erase_if(slaves,
                 [wanted](const client::SlaveStatus& slave) { return ((wanted >> slave.slave) & 1u) == 0; });
   const RecordPlan plan(slaves, texts.values, texts.raw);
+  expect_new_files(texts.file, bounds, texts.force);
   RecordFile file(texts.file, plan.header(), bounds);
   return tell(session, texts, plan, record(session, plan, file, every, duration));
 }
@@ -208,7 +211,7 @@ void add_record_verb(CLI::App& app, Verb& chosen) {
   auto* verb = app.add_subcommand("record", "the actual values of the slaves as a CSV file");
   verb->group(kLookingVerbs);
   auto texts = std::make_shared<RecordTexts>();
-  verb->add_option("FILE", texts->file, "is overwritten; - = standard output")->required();
+  verb->add_option("FILE", texts->file, "- = standard output")->required();
   verb->add_option("SLAVE", texts->slaves, "numbers or names (default: every configured slave)");
   verb->add_option("--values", texts->values,
                    "these alone, by name or number, with commas (default: all that are mapped)")
@@ -226,6 +229,8 @@ void add_record_verb(CLI::App& app, Verb& chosen) {
                    "go on in a new file instead, and keep N older ones as FILE.1 to FILE.N, 1..999")
       ->type_name("N")
       ->needs(size);
+  verb->add_flag("--force", texts->force,
+                 "replace FILE, and FILE.1 to FILE.N of --rotate, when they are there already");
   verb->add_flag("--raw", texts->raw, "numbers as on the bus instead of scaled ones");
   verb->footer(
       "A row holds what came from one slave in one interval. Rows are written as they come: a line with its\n"

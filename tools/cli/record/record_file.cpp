@@ -31,6 +31,12 @@ std::uint64_t parse_size(std::string_view text, std::string_view what) {
   throw UsageError(fmt::format("{}: found '{}'; allowed: bytes such as 65536, 64K, 100M or 2G", what, text));
 }
 
+void expect_new_files(const std::string& path, const RecordBounds& bounds, bool force) {
+  expect_new_file(path, "FILE", force);
+  for (unsigned age = 1; age <= bounds.older; ++age)
+    expect_new_file(fmt::format("{}.{}", path, age), fmt::format("FILE.{} of --rotate", age), force);
+}
+
 RecordFile::RecordFile(std::string path, std::string header, const RecordBounds& bounds)
     : path_(std::move(path)), header_(std::move(header)), bounds_(bounds) {
   constexpr std::uint64_t kLeast = 4096;

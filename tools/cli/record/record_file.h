@@ -17,6 +17,10 @@ struct RecordBounds {
 /// "64M": bytes, with K, M or G for 1024, 1024^2, 1024^3. Throws UsageError.
 std::uint64_t parse_size(std::string_view text, std::string_view what);
 
+/// Throws UsageError when `path`, or one of the older files that the recording would replace, is there with
+/// something in it, unless `force`.
+void expect_new_files(const std::string& path, const RecordBounds& bounds, bool force);
+
 /// The file of a recording, written as rows come, so that what is there survives whatever ends this program.
 /// Older ones are FILE.1 (the newest of them), FILE.2 and so on; each begins with the header. Main thread
 /// only.

@@ -9,6 +9,7 @@
 
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
+#include "cli/base/left_out.h"
 #include "cli/base/person.h"
 #include "cli/text/values.h"
 #include "profile/folders.h"
@@ -74,7 +75,9 @@ std::vector<std::string> profile_files(const std::string& folder) {
 /// Null: it is wrong, which is said.
 ProfilePointer profile_or_remark(Output& output, const std::string& path) {
   try {
-    return profile::load(path);
+    profile::NamedProfile read = profile::load(path);
+    tell_left_out(output, path, read.left_out);
+    return std::move(read.profile);
   } catch (const std::runtime_error& error) {
     output.remark(error.what());
     return nullptr;

@@ -44,6 +44,7 @@ JsonObject answer_object(const FoundSlave& slave) {
   add_mapping(object, "reference_registers_2", slave.reference[1]);
   add_mapping(object, "actual_registers_1", slave.actual[0]);
   add_mapping(object, "actual_registers_2", slave.actual[1]);
+  object.add("twice", slave.twice);
   return object;
 }
 
@@ -82,6 +83,13 @@ void write_found_slaves(Output& output, const InquiryResult& result) {
     output.line("No slave answered.");
   else
     output.table(table);
+  for (const FoundSlave& slave : result.slaves) {
+    if (slave.twice)
+      output.line(
+          fmt::format("Two drives answer as slave {0}. Disconnect one, or give it another number, then scan "
+                      "again; what is shown of slave {0} may be of either.",
+                      slave.number.value()));
+  }
 }
 
 std::string found_tables_help() {

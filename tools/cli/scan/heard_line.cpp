@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
+#include "can/adapter/adapters.h"
+#include "can/adapter/link_remedy.h"
 #include "can/link_kernel.h"
+#include "cli/base/afterwards.h"
 #include "cli/base/child_process.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/person.h"
+#include "cli/learn/learn_files.h"
 #include "cli/scan/rate_trials.h"
 #include "cli/text/values.h"
 #include "cli/trace/trace_source.h"
@@ -26,7 +31,10 @@ class CensusSink final : public RecordingSink {
   void begin(observe::Stamps /*stamps*/, std::optional<BitRate> /*bit_rate*/) override {}
   void edge(Duration at, const can::Frame* frame) override { taker_.sync(at, frame); }
   void frame(Duration at, const can::Frame& frame) override { taker_.frame(at, frame); }
-  observe::Census census() const { return taker_.census(); }
+  void begin_anew() override { taker_.begin_anew(); }
+  observe::Census census(std::optional<BitRate> bit_rate = std::nullopt) const {
+    return taker_.census(bit_rate);
+  }
 
  private:
   observe::CensusTaker taker_;
@@ -35,12 +43,22 @@ class CensusSink final : public RecordingSink {
 /// Says why nothing can be heard, with the remedy.
 void expect_link_up(const std::string& name, const can::LinkFacts& link) {
   if (!link.present || link.up) return;
+  const std::string remedy = can::link_remedy(name, link);
+  // Only an adapter has a bit rate to be set and to be tried.
+  if (remedy.find(" type can ") == std::string::npos)
+    throw std::runtime_error(fmt::format("{} is down: nothing can be received. Remedy: {}", name, remedy));
   throw std::runtime_error(fmt::format(
-      "{0} is down: nothing can be heard. With its bit rate known: `ip link set {0} up type can bitrate 500000 "
-      "listen-only on`; not known: `cansync scan {0} --try-rates` sets the four one after the other",
+      "{0} is down: nothing can be received. With its bit rate known: `ip link set {0} up type can bitrate 500000 "
+      "listen-only on`; not known: `cansync scan {0} --try-rates` tries the four in turn",
       name));
 }
 
+void look_at_interface(const std::string& name, HeardLine& line) {
+  line.link = can::make_link_kernel()->read(name);
+  line.pin = can::pin_of(name, can::adapters_there());
+}
+
+/// What was typed, or the interface is set to.
 void choose_rate(HeardLine& line, std::optional<BitRate> typed) {
   const auto set = line.link.timing ? slot_times_for(line.link.timing->bits_per_second) : std::nullopt;
   if (typed) {
@@ -49,9 +67,6 @@ void choose_rate(HeardLine& line, std::optional<BitRate> typed) {
   } else if (set) {
     line.bit_rate = set->bit_rate;
     line.rate_source = RateSource::interface;
-  } else if (line.census.interval.votes > 0) {
-    line.bit_rate = line.census.interval.bit_rate;
-    line.rate_source = RateSource::interval;
   }
 }
 
@@ -62,15 +77,21 @@ HeardLine hear_line(Output& output, const RecordingTexts& texts) {
   const std::optional<BitRate> typed = given_bit_rate(texts.bit_rate);
   line.live = !is_trace_file(texts.source);
   if (line.live) {
-    line.link = can::make_link_kernel()->read(texts.source);
+    look_at_interface(texts.source, line);
     expect_link_up(texts.source, line.link);
   }
   CensusSink sink;
-  const RecordingEnd end = read_recording(output, texts, sink, {HeardFrames::all, kListeningTime});
-  line.interface = line.live ? texts.source : end.interface;
+  const RecordingEnd end = read_recording(output, texts, sink, {kListeningTime});
+  line.interface = line.live ? texts.source : usable_interface(end.interface);
   line.problems = end.problems;
-  line.census = sink.census();
   choose_rate(line, typed);
+  line.census = sink.census(line.bit_rate);
+  const auto& found = line.census;
+  if (!line.bit_rate && found.interval.votes > 0 && found.evidence.kind() == observe::LineKind::cansync) {
+    line.bit_rate = found.interval.bit_rate;
+    line.rate_source = RateSource::interval;
+    line.census = sink.census(line.bit_rate);
+  }
   return line;
 }
 
@@ -78,7 +99,7 @@ std::optional<HeardLine> hear_line_at_all_rates(Output& output, const RecordingT
   HeardLine line;
   line.interface = texts.source;
   line.live = !is_trace_file(texts.source);
-  if (line.live) line.link = can::make_link_kernel()->read(texts.source);
+  if (line.live) look_at_interface(texts.source, line);
   if (!line.live || std::string_view(line.link.driver_kind.data()) != "can")
     throw UsageError(
         fmt::format("--try-rates: found '{}'; allowed: a CAN interface with a controller", texts.source));
@@ -92,10 +113,14 @@ std::optional<HeardLine> hear_line_at_all_rates(Output& output, const RecordingT
                         },
                         [&] {
                           CensusSink sink;
-                          read_recording(output, texts, sink, {HeardFrames::all, kTrialTime});
+                          read_recording(output, texts, sink, {kTrialTime});
                           return sink.census();
                         },
-                        [] { return interrupt_flag().load(); }};
+                        [] { return interrupt_flag().load(); },
+                        [](std::vector<std::vector<std::string>> commands) {
+                          for (auto& words : commands) words.insert(words.begin(), "ip");
+                          return std::make_shared<Afterwards>(commands);
+                        }};
   const auto trials = try_rates(texts.source, line.link, tools);
   if (const RateTrial* heard = heard_trial(trials)) {
     line.census = heard->census;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "can/adapter/adapter.h"
 #include "can/link_facts.h"
 #include "cansync/observe/census.h"
 #include "cansync/settings/timing.h"
@@ -25,9 +26,10 @@ enum class RateSource : std::uint8_t {
 
 /// A line that was listened to.
 struct HeardLine {
-  std::string interface;  ///< that the frames stood on; of one that is listened to, in any case
-  bool live = false;      ///< it is an interface, not a recording
-  can::LinkFacts link;    ///< as it was before; of a recording nothing
+  std::string interface;               ///< that the frames stood on; of one that is listened to, in any case
+  bool live = false;                   ///< it is an interface, not a recording
+  can::LinkFacts link;                 ///< as it was before; of a recording nothing
+  std::optional<can::AdapterPin> pin;  ///< of its adapter; nothing: nothing distinguishes it from others
   observe::Census census;
   std::optional<BitRate> bit_rate;
   RateSource rate_source = RateSource::unknown;

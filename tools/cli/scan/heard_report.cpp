@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/learn/evidence_text.h"
 #include "cli/scan/heard_line.h"
 #include "cli/text/column_help.h"
 #include "cli/text/values.h"
@@ -33,7 +34,7 @@ double milliseconds(Duration time) {
 LinePoint rate_point(const HeardLine& line) {
   const auto& vote = line.census.interval;
   if (!line.bit_rate)
-    return {"bit rate", "-", "nothing tells it: no master runs, and the interface has none of its own"};
+    return {"bit rate", "-", "nothing tells it: no interval is known, and the interface has no bit rate"};
   std::string found = fmt::format("{} bit/s", slot_times(*line.bit_rate).bits_per_second);
   std::string how;
   if (line.rate_source == RateSource::typed) how = "--bit-rate";
@@ -47,7 +48,9 @@ LinePoint rate_point(const HeardLine& line) {
 
 LinePoint interval_point(const Census& census) {
   const auto& vote = census.interval;
-  if (vote.votes == 0) return {"interval", "-", "no telegram comes regularly"};
+  if (vote.votes == 0)
+    return {"interval", "-",
+            census.stamps.bunched() ? "time stamps are bunched" : "no telegram comes regularly"};
   return {"interval", fmt::format("{:.3f} ms", milliseconds(vote.mean)),
           fmt::format("{} apart so, {} otherwise", vote.votes, vote.against)};
 }
@@ -62,7 +65,8 @@ LinePoint master_point(const Census& census) {
   std::string how =
       fmt::format("WRC1 {}, WRC2 {}, commands {}, actions {}", heard_words(census.reference[0]),
                   heard_words(census.reference[1]), census.commands.count, census.actions.count);
-  return {"master", census.second_master() ? "two or more" : "yes", std::move(how)};
+  if (!census.second_master()) return {"master", "yes", std::move(how)};
+  return {"master", "two or more", how + "; or recordings of two buses were merged"};
 }
 
 LinePoint slaves_point(const Census& census) {
@@ -85,14 +89,22 @@ LinePoint load_point(const HeardLine& line) {
   return {"load", fmt::format("{:.1f} %", 100.0 * static_cast<double>(census.busy_bits) / bits), how};
 }
 
+LinePoint adapter_point(const HeardLine& line) {
+  if (!line.link.adapter.known())
+    return {"adapter", "-", "a virtual interface, or a bus whose places are not known"};
+  return {"adapter", can::text_of(line.link.adapter),
+          line.pin ? fmt::format("bus.adapter = \"{}\" allows no other", can::text_of(*line.pin))
+                   : "another interface has the same: bus.adapter cannot distinguish them"};
+}
+
 LinePoint foreign_point(const Census& census) {
   std::uint64_t frames = census.foreign_over;
   for (const auto& foreign : census.foreign) frames += foreign.count;
+  if (census.frames == 0) return {"others", "-", "no frame was received"};
   if (frames == 0) return {"others", "none", "every frame is one of CANsync"};
   return {"others",
-          fmt::format("{} {}{}", census.foreign_over > 0 ? "over " : "", census.foreign.size(),
-                      census.foreign.size() == 1 ? "identifier" : "identifiers"),
-          fmt::format("{} that are none of CANsync", text::counted(frames, "frame"))};
+          (census.foreign_over > 0 ? "over " : "") + text::counted(census.foreign.size(), "identifier"),
+          text::counted(frames, "frame that is none of CANsync", "frames that are none of CANsync")};
 }
 
 std::vector<Table::Column> slave_sound_columns() {
@@ -173,6 +185,11 @@ void write_foreign_frames(Output& output, const Census& census) {
     output.line(fmt::format("and {} of further identifiers", text::counted(census.foreign_over, "frame")));
 }
 
+/// What holds of a CANsync bus alone.
+bool is_conclusion(const LinePoint& point) {
+  return point.name == "interval" || point.name == "SYNC" || point.name == "master" || point.name == "slaves";
+}
+
 std::string columns_part(const char* title, const std::vector<Table::Column>& columns) {
   std::vector<Explained> entries;
   entries.reserve(columns.size());
@@ -184,15 +201,22 @@ std::string columns_part(const char* title, const std::vector<Table::Column>& co
 
 std::vector<LinePoint> heard_points(const HeardLine& line) {
   const Census& census = line.census;
-  return {rate_point(line),
-          interval_point(census),
-          sync_point(census),
-          master_point(census),
-          slaves_point(census),
-          load_point(line),
-          {"error frames", fmt::format("{}", census.error_frames),
-           census.error_frames == 0 ? "" : "cable, termination, or a wrong bit rate"},
-          foreign_point(census)};
+  std::vector<LinePoint> points{{"protocol", protocol_text(census.evidence), evidence_text(census.evidence)},
+                                {"time stamps", stamps_text(census.stamps), stamps_evidence(census.stamps)},
+                                rate_point(line),
+                                interval_point(census),
+                                sync_point(census),
+                                master_point(census),
+                                slaves_point(census),
+                                load_point(line),
+                                {"error frames", fmt::format("{}", census.error_frames),
+                                 census.error_frames == 0 ? "" : "cable, termination, or a wrong bit rate"},
+                                foreign_point(census)};
+  if (line.live) points.push_back(adapter_point(line));
+  if (is_other_protocol(census.evidence, census.frames))
+    for (LinePoint& point : points)
+      if (is_conclusion(point)) point = {point.name, "-", "not derived: this does not look like CANsync"};
+  return points;
 }
 
 std::vector<Table::Column> line_point_columns() {
@@ -214,7 +238,7 @@ void write_heard_line(Output& output, const HeardLine& line) {
       table.add({point.name, point.found, point.how});
   }
   if (!output.json()) output.table(table);
-  write_slave_sounds(output, line.census);
+  if (!is_other_protocol(line.census.evidence, line.census.frames)) write_slave_sounds(output, line.census);
   write_foreign_frames(output, line.census);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 
 #include "cansync/channel/transfer_job.h"
 #include "cansync/settings/settings.h"
@@ -207,7 +208,12 @@ InquiryResult inquire(QuestionLine& line, const InquirySettings& settings, const
     Inquiry(line, settings, progress).run(result.slaves);
   } catch (const Stopped&) {
     result.stopped = true;
+  } catch (const std::runtime_error& error) {
+    if (result.slaves.empty()) throw;
+    result.stopped = true;
+    result.failure = error.what();
   }
+  for (FoundSlave& slave : result.slaves) slave.twice = line.two_answer(slave.number);
   return result;
 }
 

@@ -35,6 +35,7 @@ struct FoundSlave {
   bool block_limit_told = false;             ///< by a parameter, not by trying
   FoundMapping reference;
   FoundMapping actual;
+  bool twice = false;                      ///< two drives answer with this number
   std::vector<FoundParameter> parameters;  ///< by rising number
 };
 
@@ -52,10 +53,12 @@ using InquiryProgress = std::function<void(const std::string& what, unsigned don
 struct InquiryResult {
   std::vector<FoundSlave> slaves;  ///< by rising number
   bool stopped = false;            ///< it was ended before it was through
+  std::string failure;             ///< why the line let it ask no more; empty: it did
 };
 
 /// Asks the slaves, one question at a time. Nothing on a drive is changed; an upload that was begun to try a
-/// block's length is closed, also when it is stopped. Throws as `QuestionLine::ask`.
+/// block's length is closed, also when it is stopped or the line fails; what was found until then is kept.
+/// Throws as `QuestionLine::ask` when that is nothing.
 InquiryResult inquire(QuestionLine& line, const InquirySettings& settings, const InquiryProgress& progress);
 
 /// The profile whose recognition values all are among the parameters, the one with the most of them; null:

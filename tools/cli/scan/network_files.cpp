@@ -23,12 +23,33 @@ std::vector<LearnedFile> virtual_files(const std::string& interface) {
                    interface)}};
 }
 
-std::string link_text(const std::string& interface) {
-  return fmt::format(
-      "# Settings of the interface itself, applied when it appears.\n[Match]\nOriginalName={}\n\n[Link]\n"
-      "# What stands in this queue is still sent when the daemon dies; it sends at most three frames in an interval.\n"
-      "TransmitQueueLength=10\n",
-      interface);
+/// Which adapter a .link file is for. The channel is a property that 60-cansyncd.rules gives to CAN interfaces.
+std::string match_text(const can::AdapterPin& pin) {
+  std::string out;
+  if (!pin.path.empty()) out += fmt::format("Path={}\n", pin.path);
+  std::string properties;
+  if (!pin.serial.empty()) properties = fmt::format(" ID_SERIAL_SHORT={}", pin.serial);
+  if (pin.channel) properties += fmt::format(" CANSYNC_CHANNEL={}", *pin.channel);
+  return properties.empty() ? out : fmt::format("{}Property={}\n", out, properties.substr(1));
+}
+
+std::string link_text(const NetworkInterface& interface) {
+  std::string out = "# Name and settings of the interface itself, applied when it appears.\n[Match]\n";
+  out += interface.pin ? match_text(*interface.pin)
+                       : "# Nothing distinguishes its adapter from others: another one may get this name.\n"
+                         "OriginalName=" +
+                             interface.name + "\n";
+  out += "\n[Link]\n";
+  if (interface.is_renamed)
+    out += fmt::format(
+        "# The name stays with the adapter, in whatever order the kernel finds several.\nName={}\n",
+        interface.name);
+  else if (interface.pin)
+    out +=
+        "# With a second adapter, give it a name of your choice that the kernel does not use:\n#Name=can-line1\n";
+  return out +
+         "# What stands in this queue is still sent when the daemon dies; it sends at most three frames in an interval.\n"
+         "TransmitQueueLength=10\n";
 }
 
 std::string network_text(const std::string& interface, const can::LinkFacts& link, BitRate rate) {
@@ -47,11 +68,11 @@ std::string network_text(const std::string& interface, const can::LinkFacts& lin
 
 }  // namespace
 
-std::vector<LearnedFile> network_files(const std::string& interface, const can::LinkFacts& link,
-                                       BitRate rate) {
-  if (is_virtual_link(link)) return virtual_files(interface);
-  return {{fmt::format("80-{}.link", interface), link_text(interface)},
-          {fmt::format("80-{}.network", interface), network_text(interface, link, rate)}};
+std::vector<LearnedFile> network_files(const NetworkInterface& interface, BitRate rate) {
+  if (is_virtual_link(interface.link)) return virtual_files(interface.name);
+  // Below 70: those of systemd come later, and the first that matches is the only one.
+  return {{fmt::format("60-{}.link", interface.name), link_text(interface)},
+          {fmt::format("80-{}.network", interface.name), network_text(interface.name, interface.link, rate)}};
 }
 
 }  // namespace cansync::cli

@@ -17,18 +17,37 @@ constexpr const char* kNobodyAcknowledges =
 }  // namespace
 
 std::optional<ask::Answer> QuestionLine::ask(const ask::Question& question) {
-  const bool closes = std::holds_alternative<ask::CloseQuestion>(question);
   const std::uint64_t before = sent_;
+  // The slave may have begun the upload, whatever it answers.
+  const auto close_what_began = [&] {
+    if (std::holds_alternative<ask::BlockQuestion>(question) && sent_ != before) close(asked_slave(question));
+  };
+  try {
+    auto answer = wait_for_answer(question);
+    if (!answer) close_what_began();
+    return answer;
+  } catch (const std::runtime_error&) {
+    close_what_began();
+    throw;
+  }
+}
+
+/// As far as the line lets it.
+void QuestionLine::close(SlaveNumber slave) noexcept {
+  try {
+    wait_for_answer(ask::CloseQuestion{slave});
+  } catch (const std::exception&) {
+    return;
+  }
+}
+
+std::optional<ask::Answer> QuestionLine::wait_for_answer(const ask::Question& question) {
+  const bool closes = std::holds_alternative<ask::CloseQuestion>(question);
   asker_.ask(question, port_.now());
   for (;;) {
-    if (stop_.load() && !closes) {
-      // The slave may have begun the upload, whatever it answers.
-      const bool began = std::holds_alternative<ask::BlockQuestion>(question) && sent_ != before;
-      if (began) ask(ask::CloseQuestion{asked_slave(question)});
-      return std::nullopt;
-    }
+    if (stop_.load() && !closes) return std::nullopt;
     take_frames();
-    if (asker_.master_heard())
+    if (asker_.master_heard() && !closes)
       throw std::runtime_error(
           "somebody else sends what a master sends: nothing more is asked. Switch that master off, or learn "
           "from it with `cansync learn`");

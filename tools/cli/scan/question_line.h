@@ -17,17 +17,23 @@ class QuestionLine {
   QuestionLine(LinePort& port, BitRate rate, const std::atomic<bool>& stop)
       : port_(port), asker_(rate), stop_(stop), interval_(slot_times(rate).interval) {}
 
-  /// The answer; nothing when it was stopped before. A `CloseQuestion` is asked even then, and follows by
-  /// itself on a `BlockQuestion` that was stopped after it had gone out. Throws std::runtime_error when a
-  /// master is heard, and when the line takes no frames, with the remedy.
+  /// The answer; nothing when it was stopped before. Throws std::runtime_error when a master is heard, and when the
+  /// line takes no frames, with the remedy. In each of these cases a `CloseQuestion` is asked all the same, and
+  /// follows on a `BlockQuestion` that had gone out.
   std::optional<ask::Answer> ask(const ask::Question& question);
 
   /// Time from one question to the next at least.
   Duration interval() const noexcept { return interval_; }
+  /// Two drives answer as this slave: it has answered twice, and again.
+  bool two_answer(SlaveNumber slave) const noexcept { return asker_.answers_too_many(slave) >= kTwoDrives; }
   /// Telegrams that were sent.
   std::uint64_t sent() const noexcept { return sent_; }
 
  private:
+  static constexpr unsigned kTwoDrives = 2;  ///< once, a frame may come twice
+
+  std::optional<ask::Answer> wait_for_answer(const ask::Question& question);
+  void close(SlaveNumber slave) noexcept;
   void take_frames();
   void send(const can::Frame& frame);
 

@@ -2,25 +2,44 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <sstream>
 #include <stdexcept>
 
 namespace cansync::cli {
 namespace {
+
+/// The time quantum and segments of a bit as `ip -details link show` has them, as words for `ip link set`.
+std::vector<std::string> segments_of(const std::string& shown) {
+  std::vector<std::string> out;
+  std::istringstream words(shown);
+  std::string word;
+  std::string value;
+  while (words >> word) {
+    const bool wanted =
+        word == "tq" || word == "prop-seg" || word == "phase-seg1" || word == "phase-seg2" || word == "sjw";
+    if (!wanted || std::find(out.begin(), out.end(), word) != out.end() || !(words >> value)) continue;
+    if (value.find_first_not_of("0123456789") != std::string::npos) continue;
+    out.insert(out.end(), {word, value});
+  }
+  constexpr std::size_t kAll = 10;
+  return out.size() == kAll ? out : std::vector<std::string>{};
+}
 
 /// An interface that is set for a while, and set back at the end.
 class BorrowedInterface {
  public:
   BorrowedInterface(std::string name, const can::LinkFacts& before, const RateTools& tools)
       : name_(std::move(name)), before_(before), tools_(tools) {
-    const ChildResult told = tools_.ip({"-details", "link", "show", name_});
-    listened_ = told.output.find("LISTEN-ONLY") != std::string::npos;
+    const ChildResult shown = tools_.ip({"-details", "link", "show", name_});
+    listened_ = shown.output.find("LISTEN-ONLY") != std::string::npos;
+    segments_ = segments_of(shown.output);
+    guard_ = tools_.guard ? tools_.guard(commands_back()) : nullptr;
   }
   ~BorrowedInterface() {
     // What fails here was said already, or `ip link show` tells it.
     try {
-      tools_.ip({"link", "set", name_, "down"});
-      if (before_.timing) tools_.ip(rate_words(before_.timing->bits_per_second, listened_));
-      if (before_.up) tools_.ip({"link", "set", name_, "up"});
+      for (const auto& words : commands_back()) tools_.ip(words);
     } catch (const std::exception&) {
     }
   }
@@ -40,6 +59,25 @@ class BorrowedInterface {
   }
 
  private:
+  /// A driver that takes no segments refuses the last of the three timings and keeps the one before.
+  std::vector<std::vector<std::string>> commands_back() const {
+    std::vector<std::vector<std::string>> out{{"link", "set", name_, "down"}};
+    if (before_.timing) {
+      auto words = rate_words(before_.timing->bits_per_second, listened_);
+      out.push_back(words);
+      const unsigned point = before_.timing->sample_point;
+      if (point > 0) {
+        words.insert(words.end(), {"sample-point", fmt::format("{}.{:03}", point / 1000, point % 1000)});
+        out.push_back(std::move(words));
+      }
+      if (!segments_.empty()) {
+        out.push_back({"link", "set", name_, "type", "can"});
+        out.back().insert(out.back().end(), segments_.begin(), segments_.end());
+      }
+    }
+    if (before_.up) out.push_back({"link", "set", name_, "up"});
+    return out;
+  }
   std::vector<std::string> rate_words(std::uint32_t bits_per_second, bool listens) const {
     return {"link",
             "set",
@@ -65,6 +103,8 @@ class BorrowedInterface {
   const can::LinkFacts& before_;
   const RateTools& tools_;
   bool listened_ = false;
+  std::vector<std::string> segments_;  ///< "tq", "125", ...; empty: not shown
+  std::shared_ptr<void> guard_;        ///< does the same when this process is killed
 };
 
 std::uint64_t good_frames(const observe::Census& census) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,10 +25,12 @@ struct RateTools {
   std::function<ChildResult(const std::vector<std::string>& arguments)> ip;  ///< the program `ip`
   std::function<observe::Census()> listen;                                   ///< for a while
   std::function<bool()> stopped;                                             ///< no further rate is tried
+  /// Has these commands run when this process ends while what is returned lives; null: not.
+  std::function<std::shared_ptr<void>(const std::vector<std::vector<std::string>>& commands)> guard;
 };
 
-/// Sets the interface to each bit rate, in listen-only mode, and listens. Afterwards it is as `before` says,
-/// down when it had no bit rate. Throws std::runtime_error when the driver has no listen-only mode, or `ip`
+/// Sets the interface to each bit rate, in listen-only mode, and listens. Afterwards it is as `before` says, with
+/// sample point, segments and jump width as `ip` showed them; down when it had no bit rate. Throws std::runtime_error when the driver has no listen-only mode, or `ip`
 /// fails; the interface is set back then, too.
 std::vector<RateTrial> try_rates(const std::string& interface, const can::LinkFacts& before,
                                  const RateTools& tools);

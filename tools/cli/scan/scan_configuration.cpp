@@ -53,8 +53,12 @@ std::optional<TelegramMapping> common_reference(const std::vector<FoundSlave>& s
 
 void write_scanned_bus(ConfigurationText& text, const ScannedLine& line) {
   text.section("[bus]");
-  text.option("name", toml_quoted(line.heard.interface), "the name that clients find it by");
-  text.option("interface", toml_quoted(line.heard.interface), "the interface of this computer");
+  text.option("name", toml_quoted(interface_of(line)), "the name that clients find it by");
+  text.option("interface", toml_quoted(interface_of(line)),
+              line.new_name.empty() ? "the interface of this computer" : "from the next boot on");
+  if (line.heard.pin)
+    text.option("adapter", toml_quoted(can::text_of(*line.heard.pin)),
+                "with another adapter under this name nothing is sent");
   text.option("bit_rate", fmt::format("{}", slot_times(*line.heard.bit_rate).bits_per_second),
               rate_origin(line.heard.rate_source));
   text.section("[sync]");
@@ -84,6 +88,32 @@ bool is_carried(const FoundSlave& slave, std::uint8_t value) {
     if (((mapping.value_mask() >> value) & 1u) != 0) return true;
   }
   return false;
+}
+
+/// The parameters by which the profile tells drives apart, with what the drive holds there.
+std::string identity_of(const FoundSlave& slave) {
+  std::string list;
+  for (const profile::Parameter& parameter : slave.profile->parameters) {
+    if (parameter.identity == profile::Identity::none) continue;
+    const auto found = std::find_if(
+        slave.parameters.begin(), slave.parameters.end(),
+        [&](const FoundParameter& one) { return one.number == parameter.number && one.error == 0; });
+    if (found == slave.parameters.end()) continue;
+    list += fmt::format("{}\"{}=0x{:X}\"", list.empty() ? "" : ", ", parameter.name, found->value);
+  }
+  return list;
+}
+
+void write_expect(ConfigurationText& text, const FoundSlave& slave) {
+  const std::string list = slave.profile ? identity_of(slave) : "";
+  if (slave.twice) {
+    text.comment("expect: two drives answered with this number; scan again with one of them.");
+  } else if (list.empty()) {
+    text.left_out("expect", "[]", "no profile tells which parameters say who the drive is");
+  } else {
+    text.option("expect", "[" + list + "]",
+                "who the drive is; without a serial number any drive of its type");
+  }
 }
 
 void write_value_names(ConfigurationText& text, const FoundSlave& slave) {
@@ -126,6 +156,7 @@ void write_found_slave(ConfigurationText& text, const FoundSlave& slave) {
   else if (slave.parameters.size() > 1)
     text.option("profile", toml_quoted(scanned_profile_name(slave)),
                 "a draft of the parameters that were read");
+  write_expect(text, slave);
   if (slave.profile) write_value_names(text, slave);
 }
 

@@ -22,9 +22,18 @@ void expect_writable(const ScannedLine& line) {
   const bool any = std::any_of(heard.begin(), heard.end(), [](const auto& one) { return one.sends(); });
   if (line.slaves.empty() && !any)
     throw std::runtime_error("--write: no slave was found, so there is nothing to write");
+  if (!line.new_name.empty() && !line.heard.pin)
+    throw std::runtime_error(fmt::format(
+        "--interface-name: the adapter of {} cannot be distinguished from others, by serial number, path or channel; "
+        "allowed: an adapter that can",
+        line.heard.interface));
 }
 
 }  // namespace
+
+const std::string& interface_of(const ScannedLine& line) noexcept {
+  return line.new_name.empty() ? line.heard.interface : line.new_name;
+}
 
 std::string scanned_profile_name(const FoundSlave& slave) {
   return fmt::format("scanned-{}", slave.number.value());
@@ -57,7 +66,7 @@ std::string scanned_profile(const FoundSlave& slave) {
 std::vector<LearnedFile> scan_files(const ScannedLine& line) {
   expect_writable(line);
   std::vector<LearnedFile> files;
-  files.push_back({line.heard.interface + ".toml", scan_configuration(line)});
+  files.push_back({interface_of(line) + ".toml", scan_configuration(line)});
   for (const auto& [name, text] : line.profiles) {
     const bool used = std::any_of(
         line.slaves.begin(), line.slaves.end(),
@@ -68,7 +77,9 @@ std::vector<LearnedFile> scan_files(const ScannedLine& line) {
     if (needs_draft(slave))
       files.push_back({fmt::format("profiles/{}.toml", scanned_profile_name(slave)), scanned_profile(slave)});
   if (line.heard.live)
-    for (LearnedFile& file : network_files(line.heard.interface, line.heard.link, *line.heard.bit_rate))
+    for (LearnedFile& file :
+         network_files({interface_of(line), !line.new_name.empty(), line.heard.link, line.heard.pin},
+                       *line.heard.bit_rate))
       files.push_back({"network/" + file.path, std::move(file.text)});
   return files;
 }

@@ -1,25 +1,30 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
 #include <stdexcept>
 
+#include "cansync/config/file.h"
+#include "cansync/config/options.h"
+#include "cansync/config/reload.h"
 #include "cli/base/child_process.h"
 #include "cli/base/files.h"
 #include "cli/base/interrupt.h"
 #include "cli/base/person.h"
 #include "cli/base/verb_groups.h"
+#include "cli/cansync/leading_programs.h"
+#include "cli/setup/appliance.h"
 #include "cli/setup/configuration_edit.h"
+#include "cli/setup/service_steps.h"
 #include "cli/setup/setup_plan.h"
 #include "cli/setup/verbs.h"
 #include "config/document.h"
 #include "config/option.h"
 #include "config/settings.h"
-#include "daemon/cansync/config/file.h"
-#include "daemon/cansync/config/options.h"
 
 namespace cansync::cli {
 namespace {
@@ -37,8 +42,11 @@ struct SetupTexts {
   std::string target;
   std::string root = "/";
   bool replace = false;
+  bool restart = false;
   bool dry_run = false;
   bool yes = false;
+  bool appliance = false;
+  bool undo = false;
 };
 
 /// The person has ended it; nothing was written.
@@ -63,12 +71,20 @@ fs::path configuration_in(const std::string& source) {
       found.size(), source));
 }
 
-/// What is wrong with a configuration that stands in `path`; throws when anything is.
-cansyncd::Config checked(const std::string& text, const fs::path& path) {
+cansyncd::ConfigFile read_configuration(const std::string& text, const fs::path& path) {
   const config::Document document = config::parse_document(text, path.string());
-  const cansyncd::ConfigFile file =
-      cansyncd::build_config(config::resolve(document, cansyncd::options()), path.string());
-  if (file.problems.empty()) return file.config;
+  return cansyncd::build_config(config::resolve(document, cansyncd::options()), path.string());
+}
+
+/// A configuration that is to be in `path`. Throws when anything is wrong with it.
+cansyncd::ConfigFile checked(const std::string& text, const fs::path& path) {
+  cansyncd::ConfigFile file = read_configuration(text, path);
+  if (file.problems.empty() && file.config.bus.kind == cansyncd::BusKind::simulated)
+    throw UsageError(fmt::format(
+        "bus.interface: found \"{}\" in {}, a simulated bus, which no service runs; allowed: the name of a CAN "
+        "interface",
+        file.config.bus.interface, path.string()));
+  if (file.problems.empty()) return file;
   throw std::runtime_error(fmt::format("{}; `cansyncd --check {}` tells everything that is wrong",
                                        config::to_string(file.problems.front()), path.string()));
 }
@@ -136,10 +152,10 @@ void ask_rest(Output& output, const cansyncd::Config& config, bool sync_given, S
 }
 
 /// The files of the system: the configuration first, then profiles and network files beside it.
-SetupPlan plan_of(const fs::path& configuration, std::string text, const std::string& bus,
+SetupPlan plan_of(const fs::path& configuration, std::string text, const std::string& interface,
                   const fs::path& root) {
   SetupPlan plan;
-  plan.files.push_back(planned_file(root / "etc/cansync" / (bus + ".toml"), std::move(text)));
+  plan.files.push_back(planned_file(root / "etc/cansync" / (interface + ".toml"), std::move(text)));
   const fs::path folder = configuration.parent_path();
   std::set<fs::path> found;
   std::error_code none;
@@ -157,27 +173,50 @@ SetupPlan plan_of(const fs::path& configuration, std::string text, const std::st
     plan.commands.push_back({"systemctl", "enable", "--now", "systemd-networkd"});
     plan.commands.push_back({"networkctl", "reload"});
   }
-  plan.commands.push_back({"systemctl", "enable", "--now", "cansyncd@" + bus});
   return plan;
 }
 
-bool systemd_runs(const fs::path& root) {
-  return root == "/" && fs::exists("/run/systemd/system");
+std::string is_active(const std::string& interface) {
+  try {
+    return run_child({"systemctl", "is-active", service_unit(interface)}, "").output;
+  } catch (const NoProgram&) {
+    return "";
+  }
 }
 
-/// Runs the commands; the first that fails ends it.
-bool run_commands(Output& output, const SetupPlan& plan) {
-  for (const auto& command : plan.commands) {
-    try {
-      const ChildResult result = run_child(command, "");
-      if (result.status == 0) continue;
-      output.remark(fmt::format("`{}` failed: {}", command_text(command), result.errors));
-    } catch (const NoProgram& error) {
-      output.remark(fmt::format("`{}`: {}", command_text(command), error.what()));
-    }
-    return false;
+/// The programs that lead the drives of a bus, asked from its daemon; empty: none, or it does not answer.
+std::string leading_on(const cansyncd::Config& running) {
+  client::Options options;
+  options.domain = running.dds.domain;
+  options.bus = running.dds.partition;
+  options.interface = running.dds.interface;
+  options.security = running.dds.security;
+  options.final_types = running.dds.final_types;
+  options.client_name = "cansync";
+  options.wait = std::chrono::seconds(1);
+  options.requests = false;
+  options.go_on = [] { return !interrupt_flag().load(); };
+  try {
+    return leading_writers(client::Client::connect(options).master_status());
+  } catch (const std::exception&) {
+    return "";  // the restart is asked for all the same
   }
-  return true;
+}
+
+/// `file`: the configuration as it is planned; `wanted`: the same, read.
+ServiceFacts facts_of(const PlannedFile& file, const cansyncd::ConfigFile& wanted) {
+  const std::string& interface = wanted.config.bus.interface;
+  ServiceFacts facts;
+  facts.active = service_end(is_active(interface)) == ServiceEnd::active;
+  facts.interface_present = fs::exists(fs::path("/sys/class/net") / interface);
+  facts.file_changes = file.kind != PlannedFile::Kind::same;
+  if (!facts.active || !facts.file_changes) return facts;
+  facts.needs_restart = {"the file that runs is not there, or is wrong"};
+  if (file.kind != PlannedFile::Kind::replace) return facts;
+  const cansyncd::ConfigFile running = read_configuration(whole_text(file.path), file.path);
+  if (running.problems.empty()) facts.needs_restart = cansyncd::plan_reload(running, wanted).needs_restart;
+  if (!facts.needs_restart.empty()) facts.leading = leading_on(running.config);
+  return facts;
 }
 
 void expect_replaceable(const SetupPlan& plan, const SetupTexts& texts) {
@@ -196,41 +235,51 @@ void expect_replaceable(const SetupPlan& plan, const SetupTexts& texts) {
     throw SetupCancelled{};
 }
 
-std::string plan_words(const SetupPlan& plan) {
-  std::string out = "This will";
-  for (const PlannedFile& file : plan.files)
-    if (file.kind != PlannedFile::Kind::same)
-      out += fmt::format("\n  {} {}", file.kind == PlannedFile::Kind::write ? "write" : "replace",
-                         file.path.string());
-  for (const auto& command : plan.commands) out += "\n  run " + command_text(command);
-  return out;
+/// Before anything is written: `--yes` alone stops no line.
+void expect_interruptible(const std::string& interrupts, const SetupTexts& texts) {
+  if (interrupts.empty() || texts.restart || texts.dry_run || !texts.yes) return;
+  throw UsageError(fmt::format("{}; nothing was written. --restart restarts it", interrupts));
 }
 
-ExitCode carry_out(Output& output, SetupPlan plan, const SetupTexts& texts, const std::string& bus) {
+ExitCode carry_out(Output& output, SetupPlan plan, const SetupTexts& texts,
+                   const cansyncd::ConfigFile& wanted) {
+  const bool systemd = systemd_runs(texts.root);
+  const std::string& interface = wanted.config.bus.interface;
+  const std::string path = "/etc/cansync/" + interface + ".toml";
+  const ServiceFacts facts = systemd ? facts_of(plan.files.front(), wanted) : ServiceFacts{};
+  ServiceSteps steps = service_steps(interface, path, facts);
+  plan.commands.insert(plan.commands.end(), steps.commands.begin(), steps.commands.end());
   if (texts.dry_run) {
     write_plan(output, plan, false);
+    if (!steps.interrupts.empty()) output.remark(steps.interrupts);
     return ExitCode::done;
   }
   expect_replaceable(plan, texts);
-  const bool systemd = systemd_runs(texts.root);
+  expect_interruptible(steps.interrupts, texts);
   std::vector<std::vector<std::string>> later;
   if (!systemd) later.swap(plan.commands);
-  if (!texts.yes && !person_agrees(plan_words(plan))) throw SetupCancelled{};
+  std::string question = plan_words(plan);
+  if (!steps.interrupts.empty()) question += fmt::format("\n{}.", steps.interrupts);
+  if (!texts.yes && !person_agrees(question)) throw SetupCancelled{};
   if (interrupt_flag().load()) throw SetupCancelled{};
   write_planned_files(plan);
   const bool ran = run_commands(output, plan);
   write_plan(output, plan, ran);
   for (const auto& command : later)
     output.remark(fmt::format("systemd does not run here; later: {}", command_text(command)));
-  output.remark(fmt::format("next: cansync --bus {} doctor", bus));
-  return ran ? ExitCode::done : ExitCode::failed;
+  output.remark(fmt::format("next: cansync --bus {} doctor", wanted.config.bus.name));
+  if (!systemd) return ExitCode::done;
+  const ServiceEnd end = service_end(is_active(interface));
+  output.remark(in_force_text(interface, path, facts, end));
+  const bool waits = end == ServiceEnd::inactive && !facts.interface_present;
+  return ran && (end == ServiceEnd::active || waits) ? ExitCode::done : ExitCode::failed;
 }
 
 ExitCode set_up(Session& session, const SetupTexts& texts) {
   Output& output = session.output();
   const fs::path path = configuration_in(texts.source);
   const std::string text = whole_text(path);
-  const cansyncd::Config config = checked(text, path);
+  const cansyncd::Config config = checked(text, path).config;
   SetupAnswers answers;
   take_names(texts, config, answers);
   if (!texts.sync.empty()) answers.sync_output = one_of(texts.sync, kSyncOutputs, "--sync");
@@ -241,12 +290,14 @@ ExitCode set_up(Session& session, const SetupTexts& texts) {
         "nobody can be asked here: --name, --sync and --start say what is to stand, and --yes goes on");
   if (asks) ask_rest(output, config, config.sync.output != decltype(config.sync.output){}, answers);
   std::string edited = edited_configuration(text, answers);
-  checked(edited, path);
-  return carry_out(output, plan_of(path, std::move(edited), config.bus.name, texts.root), texts,
-                   config.bus.name);
+  const cansyncd::ConfigFile wanted = checked(edited, path);
+  return carry_out(output, plan_of(path, std::move(edited), config.bus.interface, texts.root), texts, wanted);
 }
 
 ExitCode setup_verb(Session& session, const SetupTexts& texts) {
+  if (texts.appliance) return set_up_appliance(session, {texts.undo, texts.dry_run, texts.yes, texts.root});
+  if (texts.source.empty())
+    throw UsageError("FOLDER is missing: a folder of --write, or a configuration; or use --appliance");
   session.expect_input(texts.source);
   try {
     return set_up(session, texts);
@@ -263,7 +314,7 @@ void add_setup_verb(CLI::App& app, Verb& chosen) {
       app.add_subcommand("setup", "put what `scan` or `learn` has written in place, and start the daemon");
   setup->group(kLookingVerbs);
   auto texts = std::make_shared<SetupTexts>();
-  setup->add_option("FOLDER", texts->source, "folder of --write, or a configuration")->required();
+  auto* folder = setup->add_option("FOLDER", texts->source, "folder of --write, or a configuration");
   setup->add_option("--name", texts->names, "name of a slave, such as 3=winder; repeatable")
       ->type_name("N=NAME");
   setup->add_option("--sync", texts->sync, "where SYNC comes out: none, gpio, phc or can")
@@ -276,14 +327,22 @@ void add_setup_verb(CLI::App& app, Verb& chosen) {
       ->type_name("FOLDER");
   setup->add_flag("--replace", texts->replace,
                   "a file that is there with other contents is kept as .before-setup, and replaced");
+  setup->add_flag("--restart", texts->restart,
+                  "with --yes: restart the service when the new configuration needs it, which stops its bus");
   setup->add_flag("--dry-run", texts->dry_run, "say what would be done, and do nothing");
   setup->add_flag("--yes", texts->yes, "ask nothing; what is not given stays as it is in the configuration");
+  auto* appliance = setup->add_flag(
+      "--appliance", texts->appliance,
+      "prepare this computer to run a machine: no sleep, no automatic reboot, full clock rate, hardware watchdog");
+  appliance->excludes(folder);
+  setup->add_flag("--undo", texts->undo, "remove what --appliance has written")->needs(appliance);
   setup->footer(
       "No daemon is needed. Everything is asked before the first file is written, and each file is written in one "
       "step.\n"
       "Examples:\n"
       "  cansync scan can0 --ask --write line && sudo cansync setup line\n"
-      "  cansync setup line --name 3=winder --sync gpio --dry-run");
+      "  cansync setup line --name 3=winder --sync gpio --dry-run\n"
+      "  sudo cansync setup --appliance");
   setup->callback(
       [texts, &chosen] { chosen = [texts](Session& session) { return setup_verb(session, *texts); }; });
 }

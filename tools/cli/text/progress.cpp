@@ -32,7 +32,12 @@ std::string progress_line(std::uint64_t done, std::uint64_t total, unsigned widt
 ProgressBar::ProgressBar(std::FILE* file) : file_(file), terminal_(::isatty(::fileno(file)) == 1) {}
 
 ProgressBar::~ProgressBar() {
+  clear();
+}
+
+void ProgressBar::clear() {
   if (drawn_) static_cast<void>(std::fputs("\r\x1b[K", file_));
+  drawn_ = false;
 }
 
 void ProgressBar::update(std::uint64_t done, std::uint64_t total) {

@@ -23,6 +23,8 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void update(std::uint64_t done, std::uint64_t total);
+  /// Takes the bar away until the next `update`, so that other lines find an empty one.
+  void clear();
 
  private:
   std::FILE* file_;

@@ -43,6 +43,23 @@ std::uint32_t parse_numbers(std::string_view item) {
   return mask;
 }
 
+/// Refuses a list, range or word that a slave has for its name: whom it means cannot be said.
+void expect_no_name(std::string_view text, const std::vector<std::string_view>& items,
+                    const SlaveDirectory& directory) {
+  const auto refuse_name = [&directory](std::string_view name) {
+    const int slave = directory.find(name);
+    if (slave < 0) return;
+    throw UsageError(fmt::format(
+        "SLAVE: '{}' is ambiguous: slave {} has this name, and it is a number, a range, a list or 'all', too; "
+        "type {}, and give the slave another name in the configuration",
+        name, slave, slave));
+  };
+  if (items.size() > 1) refuse_name(text);
+  for (const std::string_view item : items)
+    if (item == "all" || (looks_like_number(item) && item.find('-', 1) != std::string_view::npos))
+      refuse_name(item);
+}
+
 void replace_all(std::string& text, std::string_view what, std::string_view by) {
   for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
     text.replace(at, what.size(), by);
@@ -59,13 +76,17 @@ bool is_number_list(std::string_view text) noexcept {
   }
 }
 
+void check_slave_list(std::string_view text) {
+  for (const std::string_view item : items_of(text))
+    if (looks_like_number(item)) static_cast<void>(parse_numbers(item));
+}
+
 std::uint32_t parse_slave_list(std::string_view text, const SlaveDirectory& directory) {
   const std::vector<std::string_view> items = items_of(text);
   std::uint32_t mask = 0;
   for (const std::string_view item : items)
     if (looks_like_number(item)) mask |= parse_numbers(item);
-  if (is_number_list(text)) return mask;
-  if (const int slave = directory.find(text); slave >= 0) return 1u << static_cast<unsigned>(slave);
+  expect_no_name(text, items, directory);
   for (const std::string_view item : items) {
     if (looks_like_number(item)) continue;
     if (item.empty()) {
@@ -73,10 +94,10 @@ std::uint32_t parse_slave_list(std::string_view text, const SlaveDirectory& dire
           "SLAVE: found '{}'; allowed: a number, a name, or a list of them such as 1,3,5-9,winder, or all",
           text));
     }
-    if (const int slave = directory.find(item); slave >= 0) {
-      mask |= 1u << static_cast<unsigned>(slave);
-    } else if (item == "all") {
+    if (item == "all") {
       mask |= directory.configured();
+    } else if (const int slave = directory.find(item); slave >= 0) {
+      mask |= 1u << static_cast<unsigned>(slave);
     } else {
       throw UsageError("SLAVE: " + directory.problem(item));
     }

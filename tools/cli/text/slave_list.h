@@ -25,10 +25,13 @@ struct SlaveDirectory {
 /// they are never names.
 bool is_number_list(std::string_view text) noexcept;
 
+/// Throws UsageError when a number or range of `text` is wrong. Asks for nothing.
+void check_slave_list(std::string_view text);
+
 /// Mask of a list of numbers 0..31, ranges of numbers, names and `all` (every configured slave), with commas
-/// between ("1,3,5-9,winder"). A text that is exactly a configured name is that slave, also with a comma in
-/// it or when the name is "all". Numbers are checked before the directory is asked. Never empty. Throws
-/// UsageError; not that a number is not configured.
+/// between ("1,3,5-9,winder"). A list or range that is a slave's name, too, is refused: a configuration takes
+/// no such name, and an older daemon may have one. Numbers are checked before the directory is asked. Never
+/// empty. Throws UsageError; not that a number is not configured.
 std::uint32_t parse_slave_list(std::string_view text, const SlaveDirectory& directory);
 
 /// `pattern` with `{slave}` replaced by the number and `{name}` by the name of a slave. Throws UsageError

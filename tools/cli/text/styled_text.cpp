@@ -1,6 +1,7 @@
 #include "cli/text/styled_text.h"
 
 #include "cli/text/table.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
@@ -18,7 +19,7 @@ std::size_t bytes_of(std::string_view text, std::size_t width) {
 }  // namespace
 
 StyledLine& StyledLine::add(std::string text, Style style) {
-  if (!text.empty()) spans.push_back({std::move(text), style});
+  if (!text.empty()) spans.push_back({text::visible(text), style});
   return *this;
 }
 

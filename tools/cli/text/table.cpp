@@ -4,6 +4,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "text/visible.h"
+
 namespace cansync::cli {
 namespace {
 
@@ -56,6 +58,7 @@ Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
 void Table::add(std::vector<std::string> cells) {
   if (cells.size() > columns_.size()) throw std::logic_error("more cells than columns");
   cells.resize(columns_.size());
+  for (std::string& cell : cells) cell = text::visible(cell);
   for (std::size_t i = 0; i < cells.size(); ++i) widths_[i] = std::max(widths_[i], display_width(cells[i]));
   rows_.push_back(std::move(cells));
 }
@@ -98,17 +101,17 @@ std::string Table::line(const std::vector<std::string>& cells, std::size_t width
   std::size_t column = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::size_t taken = display_width(cells[i]);
-    const std::string space(widths_[i] - std::min(taken, widths_[i]), ' ');
+    const std::size_t space = widths_[i] - std::min(taken, widths_[i]);
     const bool last = i + 1 == cells.size() && columns_[i].align == Align::left;
     if (last && i != 0 && on_own_lines(taken, column, width)) {
       out.erase(out.find_last_not_of(' ') + 1);
       return out + '\n' + std::string(kSetIn, ' ') + folded(cells[i], kSetIn, width);
     }
-    if (i != 0) out += std::string(kColumnGap, ' ');
-    if (last)
-      out += folded(cells[i], column, width);
-    else
-      out += columns_[i].align == Align::right ? space + cells[i] : cells[i] + space;
+    if (i != 0) out.append(kColumnGap, ' ');
+    const bool right = columns_[i].align == Align::right;
+    if (right) out.append(space, ' ');
+    out += last ? folded(cells[i], column, width) : cells[i];
+    if (!right && !last) out.append(space, ' ');
     column += std::max(taken, widths_[i]) + kColumnGap;
   }
   out.erase(out.find_last_not_of(' ') + 1);

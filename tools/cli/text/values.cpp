@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "cli/text/slave_list.h"
+#include "text/given_name.h"
 
 namespace cansync::cli {
 namespace {
@@ -15,10 +16,6 @@ constexpr unsigned kValues = 8;
 
 [[noreturn]] void refuse(std::string_view what, std::string_view found, std::string_view allowed) {
   throw UsageError(fmt::format("{}: found '{}'; allowed: {}", what, found, allowed));
-}
-
-bool is_digit(char c) noexcept {
-  return c >= '0' && c <= '9';
 }
 
 /// Sign and digits of a whole number; nothing when `text` is none or does not fit 64 bits.
@@ -42,8 +39,7 @@ std::optional<std::int64_t> to_integer(std::string_view text) noexcept {
 }  // namespace
 
 bool looks_like_number(std::string_view text) noexcept {
-  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
-  return !text.empty() && is_digit(text.front());
+  return text::begins_as_number(text);
 }
 
 std::int64_t parse_integer(std::string_view text, std::string_view what, std::int64_t minimum,

@@ -2,23 +2,23 @@
 
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
-#include "cli/base/interrupt.h"
+#include "cansync/config/file.h"
+#include "cli/base/files.h"
 #include "cli/base/verb_groups.h"
+#include "cli/cansync/sync_identifier.h"
 #include "cli/cansync/trace_text.h"
 #include "cli/text/column_help.h"
 #include "cli/text/slave_list.h"
+#include "cli/trace/follow_source.h"
 #include "cli/trace/trace_source.h"
 #include "cli/trace/trace_writer.h"
 #include "cli/trace/verbs.h"
-#include "daemon/cansync/config/file.h"
-#include "text/counts.h"
 
 namespace cansync::cli {
 namespace {
-
-/// Lines that are no frames are named up to this many times, then only counted.
-constexpr std::uint64_t kMostNamed = 10;
 
 struct TraceTexts {
   std::string source;
@@ -28,6 +28,7 @@ struct TraceTexts {
   std::string pcapng;
   std::string config;  ///< of a daemon; empty: a running one is asked for names
   bool candump = false;
+  bool force = false;
 };
 
 JsonObject telegram_object(const TracedTelegram& telegram, const can::CandumpLine& line) {
@@ -47,7 +48,9 @@ class Tracer {
  public:
   Tracer(Output& output, const TraceTexts& texts, std::uint32_t slaves, std::uint32_t sync)
       : output_(output), candump_(texts.candump), slaves_(slaves), text_(sync) {
-    if (!texts.pcapng.empty()) capture_.emplace(texts.pcapng, output, "--pcapng");
+    if (texts.pcapng.empty()) return;
+    expect_new_file(texts.pcapng, "--pcapng", texts.force);
+    capture_.emplace(texts.pcapng, output, "--pcapng");
   }
 
   void show(const can::CandumpLine& line) {
@@ -55,51 +58,36 @@ class Tracer {
     if (slaves_ != 0 && (telegram.slaves & slaves_) == 0) return;
     if (capture_) {
       capture_->write(line.time, line.interface, line.frame);
-      capture_->flush();
     } else if (output_.json()) {
-      output_.object(telegram_object(telegram, line));
+      waiting_ += telegram_object(telegram, line).text() + '\n';
     } else if (candump_) {
       std::array<char, can::kCandumpLineLimit> text{};
-      output_.bytes({text.data(), can::write_candump_line(line.time, line.interface, line.frame, text)});
+      waiting_.append(text.data(), can::write_candump_line(line.time, line.interface, line.frame, text));
     } else {
-      if (shown_ == 0) output_.line(trace_heading());
-      output_.line(trace_line(telegram));
+      if (shown_ == 0) waiting_ += trace_heading() + '\n';
+      waiting_ += trace_line(telegram) + '\n';
     }
     ++shown_;
+    if (waiting_.size() >= kMostWaiting) flush();
   }
 
-  void problem(const TraceProblem& problem) {
-    ++problems_;
-    if (problems_ <= kMostNamed) output_.remark(problem.text);
-    if (problems_ == kMostNamed) output_.remark("more of these are only counted");
-  }
-
-  void remark(const TraceRemark& remark) {
-    ++remarks_;
-    if (remarks_ <= kMostNamed) output_.remark(remark.text);
-  }
-
-  ExitCode end(std::uint64_t dropped) {
-    if (dropped > 0)
-      output_.remark(fmt::format("{} dropped by the kernel: this program was too slow",
-                                 text::counted(dropped, "frame was", "frames were")));
-    if (problems_ == 0) return ExitCode::done;
-    output_.remark(
-        fmt::format("{} {} not understood", problems_, problems_ == 1 ? "line was" : "lines were"));
-    return ExitCode::failed;
+  void flush() {
+    if (capture_) capture_->flush();
+    if (!waiting_.empty()) output_.bytes(std::exchange(waiting_, {}));
   }
 
   std::int64_t shown() const noexcept { return shown_; }
 
  private:
+  static constexpr std::size_t kMostWaiting = 65536;
+
   Output& output_;
   bool candump_;
   std::optional<TraceCapture> capture_;
   std::uint32_t slaves_;  ///< mask; 0: everything is shown
   TraceText text_;
   std::int64_t shown_ = 0;
-  std::uint64_t problems_ = 0;
-  std::uint64_t remarks_ = 0;
+  std::string waiting_;  ///< data that are not written yet
 };
 
 /// Mask of a list of slaves; names are those of `texts.config`, or of a running daemon.
@@ -131,9 +119,7 @@ std::uint32_t wanted_slaves(Session& session, const TraceTexts& texts) {
 
 ExitCode trace_verb(Session& session, const TraceTexts& texts) {
   const std::int64_t count = parse_integer(texts.count, "--count", 0, 1'000'000'000);
-  const std::uint32_t sync = texts.sync.empty()
-                                 ? kSyncIdentifier
-                                 : static_cast<std::uint32_t>(parse_integer(texts.sync, "--sync", 0, 0x7FF));
+  const std::uint32_t sync = parse_sync_identifier(texts.sync, session.output());
   if (texts.candump && session.json())
     throw UsageError("--candump: found together with --json; allowed: one of the two");
   if (!texts.pcapng.empty() && (texts.candump || session.json()))
@@ -142,16 +128,10 @@ ExitCode trace_verb(Session& session, const TraceTexts& texts) {
   session.expect_input(texts.source);
   const auto source = open_trace_source(texts.source, sync);
   Tracer tracer(session.output(), texts, slaves, sync);
-  for (;;) {
-    if (interrupt_flag().load()) break;
-    const TraceItem item = source->next();
-    if (std::holds_alternative<TraceEnd>(item)) break;
-    if (const auto* line = std::get_if<can::CandumpLine>(&item)) tracer.show(*line);
-    if (const auto* problem = std::get_if<TraceProblem>(&item)) tracer.problem(*problem);
-    if (const auto* remark = std::get_if<TraceRemark>(&item)) tracer.remark(*remark);
-    if (count != 0 && tracer.shown() == count) break;
-  }
-  return tracer.end(source->dropped());
+  return follow_source(
+      *source, session.output(),
+      {[&tracer](const can::CandumpLine& line) { tracer.show(line); }, [&tracer] { tracer.flush(); },
+       [&tracer, count] { return count != 0 && tracer.shown() == count; }});
 }
 
 }  // namespace
@@ -176,17 +156,19 @@ void add_trace_verb(CLI::App& app, Verb& chosen) {
       ->type_name("FILE");
   trace->add_option("--count", texts->count, "end after N frames; 0 = all (default)")->type_name("N");
   trace
-      ->add_option("--sync", texts->sync, "identifier of the frame that marks SYNC, 0..0x7FF (default 0x080)")
+      ->add_option("--sync", texts->sync,
+                   "identifier of the frame that marks SYNC, hexadecimal, 000..7FF (default 080)")
       ->type_name("ID");
   trace->add_flag("--candump", texts->candump, "write the frames as a candump text log instead");
   trace
       ->add_option("--pcapng", texts->pcapng,
-                   "write the frames as a pcapng capture into FILE instead, which is replaced; - = stdout")
+                   "write the frames as a pcapng capture into FILE instead; - = stdout")
       ->type_name("FILE");
+  trace->add_flag("--force", texts->force, "replace the FILE of --pcapng when it is there already");
   trace->footer(
       "No daemon is needed, except to look up a slave's name. Lines that are no frames are named and "
       "counted;\n"
-      "then the exit code is 1.\n"
+      "then the exit code is 11, or 1 when there is no frame at all.\n"
       "Examples:\n"
       "  candump -L can0 | cansync trace - --slave 3\n"
       "  cansync trace can0 --pcapng - | wireshark -k -i -\n" +

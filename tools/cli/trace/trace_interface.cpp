@@ -15,8 +15,10 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "can/adapter/link_remedy.h"
 #include "can/candump.h"
 #include "can/kernel_frame.h"
+#include "can/link_kernel.h"
 #include "cansync/telegram/telegram.h"
 #include "cli/trace/trace_source.h"
 #include "system/descriptor.h"
@@ -105,8 +107,8 @@ class InterfaceSource final : public TraceSource {
   TraceItem failed(int error) const {
     if (error == EAGAIN || error == EINTR) return TraceNothing{};
     if (error == ENETDOWN)
-      return TraceRemark{
-          fmt::format("{} is down; `ip link set {} up` (after setting its bit rate)", name_, name_)};
+      return TraceRemark{fmt::format("{} is down; remedy: {}", name_,
+                                     can::link_remedy(name_, can::make_link_kernel()->read(name_)))};
     throw std::system_error(error, std::generic_category(), name_);
   }
 

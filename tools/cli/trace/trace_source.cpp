@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -16,17 +17,20 @@
 
 #include "can/pcapng_reader.h"
 #include "system/descriptor.h"
+#include "text/foreign_file.h"
+#include "text/visible.h"
 
 namespace cansync::cli {
 namespace {
 
 constexpr int kLookMs = 50;
-constexpr std::size_t kFirstBytes = 4;  ///< that tell which kind of file it is
+constexpr std::size_t kShortestBeginning = 4;  ///< of a pcapng capture, which has ends of lines in it
+constexpr std::size_t kFirstBytes = 64;  ///< that tell which kind of file it is; a complete line does, too
 
-/// Makes items of a file's bytes.
+/// Makes items of the bytes of the file `name`.
 class TraceReader {
  public:
-  TraceReader() = default;
+  explicit TraceReader(std::string name) : name_(std::move(name)) {}
   virtual ~TraceReader() = default;
   TraceReader(const TraceReader&) = delete;
   TraceReader& operator=(const TraceReader&) = delete;
@@ -35,11 +39,18 @@ class TraceReader {
   virtual std::optional<TraceItem> next() = 0;
   /// What the bytes after the last item say; called once, at the end of the file.
   virtual std::optional<TraceItem> finish() = 0;
+  /// Where the last item is: "line 7".
+  virtual std::string place() const = 0;
+
+ protected:
+  const std::string name_;
 };
 
 /// A text log, read without ever holding more than one line and what was fed last.
 class LogReader final : public TraceReader {
  public:
+  using TraceReader::TraceReader;
+
   void feed(std::string_view bytes) override {
     bytes_.erase(0, at_);
     at_ = 0;
@@ -47,58 +58,63 @@ class LogReader final : public TraceReader {
   }
 
   std::optional<TraceItem> next() override {
-    while (at_ < bytes_.size()) {
-      const char c = bytes_[at_++];
-      if (c == '\n') {
-        if (auto item = take_line()) return item;
-      } else if (line_.size() < kLongestTraceLine) {
-        line_ += c;
-      } else {
-        too_long_ = true;
-      }
+    for (std::size_t end = bytes_.find('\n', at_); end != bytes_.npos; end = bytes_.find('\n', at_)) {
+      const std::string_view line = std::string_view(bytes_).substr(at_, end - at_);
+      at_ = end + 1;
+      if (auto item = take_line(line)) return item;
+    }
+    if (bytes_.size() - at_ > kLongestTraceLine) {
+      too_long_ = true;
+      at_ = bytes_.size();
     }
     return std::nullopt;
   }
 
   std::optional<TraceItem> finish() override {
-    if (line_.empty()) return std::nullopt;
-    return take_line();
+    const std::string_view line = std::string_view(bytes_).substr(at_);
+    if (line.empty() && !too_long_) return std::nullopt;
+    return take_line(line);
   }
+
+  std::string place() const override { return fmt::format("line {}", number_); }
 
  private:
   /// What the finished line says; nothing for an empty one.
-  std::optional<TraceItem> take_line() {
-    std::string line = std::exchange(line_, {});
-    const bool too_long = std::exchange(too_long_, false);
+  std::optional<TraceItem> take_line(std::string_view line) {
+    const bool too_long = std::exchange(too_long_, false) || line.size() > kLongestTraceLine;
     ++number_;
-    if (too_long) return TraceProblem{fmt::format("line {}: over {} characters", number_, kLongestTraceLine)};
-    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (number_ == 1) line = text::without_mark(line);
+    if (too_long)
+      return TraceProblem{fmt::format("{}:{}: over {} characters", name_, number_, kLongestTraceLine)};
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.empty()) return std::nullopt;
-    if (line.front() == '#') return TraceRemark{fmt::format("line {}: {}", number_, printable(line))};
+    if (line.front() == '#')
+      return TraceRemark{
+          fmt::format("{}:{}: {}", name_, number_, text::visible_ascii(line, kLongestTraceLine))};
+    // What `candump -e` says of an error frame on a screen, below it.
+    if (after_error_ && line.front() == '\t') return std::nullopt;
     auto parsed = can::parse_candump_line(line);
-    if (auto* frame = std::get_if<can::CandumpLine>(&parsed)) return std::move(*frame);
+    if (auto* frame = std::get_if<can::CandumpLine>(&parsed)) {
+      after_error_ = frame->frame.error;
+      return std::move(*frame);
+    }
     const auto& error = std::get<can::CandumpError>(parsed);
-    return TraceProblem{
-        fmt::format("line {}, column {}: {}", number_, error.column, printable(error.message))};
-  }
-
-  /// Without what would confuse a terminal.
-  static std::string printable(std::string text) {
-    for (char& c : text)
-      if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7F) c = '?';
-    return text;
+    return TraceProblem{fmt::format("{}:{}:{}: {}", name_, number_, error.column,
+                                    text::visible_ascii(error.message, kLongestTraceLine))};
   }
 
   std::string bytes_;
-  std::size_t at_ = 0;
-  std::string line_;
-  bool too_long_ = false;
+  std::size_t at_ = 0;        ///< of the first line that was not taken yet
+  bool too_long_ = false;     ///< the beginning of this line was dropped
+  bool after_error_ = false;  ///< the last frame was an error frame
   std::uint64_t number_ = 0;
 };
 
 /// A pcapng capture.
 class CaptureReader final : public TraceReader {
  public:
+  using TraceReader::TraceReader;
+
   void feed(std::string_view bytes) override {
     if (!stopped_) reader_.feed(bytes);
   }
@@ -106,19 +122,25 @@ class CaptureReader final : public TraceReader {
   std::optional<TraceItem> next() override {
     auto item = reader_.next();
     if (!item) return std::nullopt;
-    if (auto* line = std::get_if<can::CandumpLine>(&*item)) return std::move(*line);
-    auto& error = std::get<can::PcapngError>(*item);
+    if (auto* line = std::get_if<can::CandumpLine>(&*item)) {
+      ++frames_;
+      return std::move(*line);
+    }
+    const auto& error = std::get<can::PcapngError>(*item);
     stopped_ = stopped_ || error.fatal;
-    return TraceProblem{std::move(error.message)};
+    return TraceProblem{fmt::format("{}: {}", name_, error.message)};
   }
 
   std::optional<TraceItem> finish() override {
     if (stopped_ || reader_.unfinished() == 0) return std::nullopt;
-    return TraceProblem{"the capture ends in the middle of a block"};
+    return TraceProblem{fmt::format("{}: the capture ends in the middle of a block", name_)};
   }
+
+  std::string place() const override { return fmt::format("frame {}", frames_); }
 
  private:
   can::PcapngReader reader_;
+  std::uint64_t frames_ = 0;
   bool stopped_ = false;
 };
 
@@ -129,6 +151,9 @@ class FileSource final : public TraceSource {
     if (path == "-") return;
     file_.reset(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     if (!file_.is_open()) throw std::system_error(errno, std::generic_category(), path);
+    struct stat found {};
+    if (::fstat(file_.number(), &found) == 0 && S_ISREG(found.st_mode))
+      size_ = static_cast<std::uint64_t>(found.st_size);
   }
 
   TraceItem next() override {
@@ -146,6 +171,9 @@ class FileSource final : public TraceSource {
     }
   }
 
+  std::string place() const override { return reader_ ? reader_->place() : std::string(); }
+  TraceProgress progress() const noexcept override { return {read_, size_}; }
+
  private:
   /// False: nothing came for a moment.
   bool read_on() {
@@ -157,21 +185,38 @@ class FileSource final : public TraceSource {
     if (got < 0 && errno == EINTR) return false;
     if (got < 0) throw std::system_error(errno, std::generic_category(), path_);
     ended_ = got == 0;
+    read_ += static_cast<std::uint64_t>(got);
     first_.append(buffer_.data(), static_cast<std::size_t>(got));
-    if (!reader_ && (ended_ || first_.size() >= kFirstBytes)) {
-      if (can::is_pcapng(first_))
-        reader_ = std::make_unique<CaptureReader>();
-      else
-        reader_ = std::make_unique<LogReader>();
-    }
+    if (!reader_ &&
+        (ended_ || first_.size() >= kFirstBytes || first_.find('\n', kShortestBeginning) != first_.npos))
+      choose_reader();
     if (reader_) reader_->feed(std::exchange(first_, {}));
     return true;
+  }
+
+  /// Throws std::runtime_error for a file that is neither kind.
+  void choose_reader() {
+    const std::string name = path_ == "-" ? "standard input" : text::visible(path_);
+    if (can::is_pcapng(first_)) {
+      reader_ = std::make_unique<CaptureReader>(name);
+      return;
+    }
+    // The first line alone: what is damaged behind it costs its own lines.
+    const auto end = first_.find('\n', kShortestBeginning);
+    const std::string foreign =
+        text::recognized_text(std::string_view(first_).substr(0, end == first_.npos ? end : end + 1));
+    if (!foreign.empty())
+      throw std::runtime_error(
+          fmt::format("{}: {}; allowed: a candump text log (candump -L) or a pcapng capture", name, foreign));
+    reader_ = std::make_unique<LogReader>(name);
   }
 
   std::string path_;
   sys::Descriptor file_;  ///< none: standard input
   std::array<char, 65536> buffer_{};
   std::string first_;  ///< read, and not yet handed to the reader
+  std::uint64_t read_ = 0;
+  std::uint64_t size_ = 0;
   bool ended_ = false;
   bool finished_ = false;
   std::unique_ptr<TraceReader> reader_;

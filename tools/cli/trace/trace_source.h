@@ -15,7 +15,7 @@ namespace cansync::cli {
 
 /// A line that is no frame, or a comment in the log.
 struct TraceProblem {
-  std::string text;  ///< "line 7, column 3: ..."
+  std::string text;  ///< of a file: "FILE:7:3: what is wrong there"
 };
 /// Something worth telling that is no error, e.g. a comment in the log.
 struct TraceRemark {
@@ -28,12 +28,22 @@ struct TraceNothing {};
 
 using TraceItem = std::variant<can::CandumpLine, TraceProblem, TraceRemark, TraceNothing, TraceEnd>;
 
+/// How much of a file was read.
+struct TraceProgress {
+  std::uint64_t done = 0;   ///< bytes
+  std::uint64_t total = 0;  ///< bytes; 0: not known, as of a pipe
+};
+
 class TraceSource {
  public:
   virtual ~TraceSource() = default;
   /// The next item; waits at most some 50 ms when there is none. Throws std::system_error when the source
   /// cannot be read.
   virtual TraceItem next() = 0;
+  /// Where the last item is in the file, e.g. "line 7"; empty: it is none of a file.
+  virtual std::string place() const { return {}; }
+  /// Of a file; nothing of an interface.
+  virtual TraceProgress progress() const noexcept { return {}; }
   /// It has no end of its own.
   virtual bool endless() const noexcept { return false; }
   /// Frames the kernel dropped because they were not taken in time.
@@ -44,8 +54,8 @@ class TraceSource {
 inline constexpr std::size_t kLongestTraceLine = 4096;
 
 /// Reads the candump text log or pcapng capture (its first bytes tell which) in `path`, of standard input for
-/// "-". Throws std::system_error with the file's
-/// name when it cannot be opened.
+/// "-". Throws std::system_error with the file's name when it cannot be opened; `next` throws
+/// std::runtime_error, with the remedy, when the file is of another format that is recognized.
 std::unique_ptr<TraceSource> open_log(const std::string& path);
 
 /// Which frames of an interface are taken.

@@ -10,7 +10,7 @@
 namespace cansync::cli {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;  // ns
+constexpr std::int64_t kOneMillisecond = 1'000'000;  // ns
 
 JsonObject parameter_object(const WatchedParameter& parameter, std::int64_t now) {
   JsonObject object;
@@ -36,7 +36,7 @@ JsonObject parameter_object(const WatchedParameter& parameter, std::int64_t now)
   object.add("words", words_of(parameter));
   if (parameter.value)
     object.add("read_time_ns", parameter.time)
-        .add("age_ms", std::max<std::int64_t>(0, (now - parameter.time) / kMillisecond));
+        .add("age_ms", std::max<std::int64_t>(0, (now - parameter.time) / kOneMillisecond));
   else
     object.add_null("read_time_ns").add_null("age_ms");
   if (parameter.last)
@@ -53,7 +53,7 @@ JsonObject row_object(const WatchRow& row, std::int64_t now) {
   JsonArray values;
   if (row.values) {
     object.add("receive_time_ns", row.values->receive_time)
-        .add("age_ms", (now - row.values->receive_time) / kMillisecond);
+        .add("age_ms", (now - row.values->receive_time) / kOneMillisecond);
     for (unsigned telegram = 0; telegram < 2; ++telegram) {
       if (((row.values->ever >> telegram) & 1u) != 0)
         intervals.add(row.values->interval[telegram]);
@@ -151,7 +151,7 @@ std::vector<std::string> WatchTable::cells(const WatchRow& row, std::int64_t now
   if (with_time_) out.push_back(time_text(now, false));
   out.push_back(fmt::format("{}", row.status.slave));
   out.emplace_back(row.status.name);
-  out.push_back(row.values ? fmt::format("{}", (now - row.values->receive_time) / kMillisecond) : "-");
+  out.push_back(row.values ? fmt::format("{}", (now - row.values->receive_time) / kOneMillisecond) : "-");
   if (parameters_ > 0) {
     const auto oldest = oldest_ms(row.parameters, now);
     out.push_back(oldest ? fmt::format("{}", *oldest) : "-");

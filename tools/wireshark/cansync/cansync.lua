@@ -83,6 +83,7 @@ end
 local frame_identifier = Field.new("can.id")
 local frame_extended = Field.new("can.flags.xtd")
 local frame_remote = Field.new("can.flags.rtr")
+local frame_flexible = Field.new("canfd.flags.brs")
 local interface_name = Field.new("frame.interface_name")
 
 local line, maps
@@ -232,6 +233,8 @@ local function frame_of(buffer)
 end
 
 function cansync.dissector(buffer, pinfo, root)
+  -- CANsync knows no CAN FD.
+  if frame_flexible() then return 0 end
   local frame = frame_of(buffer)
   if not frame then return end
   local is_sync = frame.kind == "standard" and frame.id == cansync.prefs.sync_identifier

@@ -29,7 +29,8 @@ typedef int (*cansync_go_on)(void* user);
 /* Where the daemon is looked for. Zero and NULL mean the default. */
 typedef struct cansync_options {
   uint32_t domain;         /* DDS domain, 0..230 */
-  const char* bus;         /* the bus's name; default "can0" */
+  const char* bus;         /* the bus's name; default "can0"; "" takes the only bus of the domain;
+                              "plc2/can0": no daemon of another computer than plc2 is asked */
   const char* interface;   /* network interface; default "lo" */
   const char* client_name; /* shown in the daemon's journal, at most 64 characters; default "client" */
   const char* security;    /* DDS Security: folder of this program's identity; default: without */
@@ -160,8 +161,12 @@ typedef void (*cansync_on_event)(void* user, const cansync_event* event);
 CANSYNC_C_API int cansync_subscribe_events(cansync_client* client, cansync_on_event callback,
                                            void* user) CANSYNC_C_NOEXCEPT;
 
-/* Takes the right to give reference values: of the living writers of a telegram the one with the highest
- * strength (0 and more) wins. Waits at most 2 s for the daemon. Again: with the new strength. */
+/* In the place of a strength: one more than that of whoever has it now, so that this program takes over. */
+#define CANSYNC_TAKE_OVER (-2147483647 - 1)
+
+/* Makes the writer of reference values, with a strength of 0 and more or CANSYNC_TAKE_OVER. A telegram has one
+ * writer at a time, which keeps it until it gives it up, is lost, or a stronger one comes. Waits at most 2 s for
+ * the daemon. Again: with the new strength. */
 CANSYNC_C_API int cansync_take_references(cansync_client* client, int32_t strength) CANSYNC_C_NOEXCEPT;
 
 /* Gives values of telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`: value[n] is new. They are
@@ -169,12 +174,13 @@ CANSYNC_C_API int cansync_take_references(cansync_client* client, int32_t streng
  * the next). Bad values are reported by the daemon as an event. CANSYNC_INVALID before
  * cansync_take_references(). CANSYNC_TAKE_UP: the daemon was started anew, or the mapping of the reference
  * values was changed; nothing is given until cansync_take_references() is called again, after a look at the
- * line. */
+ * line. CANSYNC_REFUSED: another writer has the telegram that is no weaker, and nothing was given; it is when
+ * that one has gone. */
 CANSYNC_C_API int cansync_give_references(cansync_client* client, uint8_t telegram, const int32_t value[4],
                                           uint8_t valid, uint32_t release_intervals,
                                           uint64_t from_interval) CANSYNC_C_NOEXCEPT;
 
-/* Gives both telegrams up: their release ends at once, and the next values of a weaker writer are taken. */
+/* Gives both telegrams up: their release ends at once, and the next values of another writer are taken. */
 CANSYNC_C_API int cansync_leave_references(cansync_client* client) CANSYNC_C_NOEXCEPT;
 
 /* The next four wait until the telegram was on the bus, or the mode is in effect. A control word or broadcast

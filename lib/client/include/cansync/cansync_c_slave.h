@@ -122,7 +122,8 @@ CANSYNC_C_API int cansync_application_receive(cansync_application* application, 
 
 /* Takes over `count` parameters of the slave, 0..4095, with `sub_slaves` not 0 those of sub-slaves too, and
  * with `blocks` not 0 uploads and downloads; instead of what was taken over before. Nothing of all: gives all
- * back. `strength` 0 and more, of several programs the strongest answers; that of the first call counts. */
+ * back. `strength` 0 and more: one program answers at a time, until it gives all back or a stronger one comes;
+ * that of the first call counts. */
 CANSYNC_C_API int cansync_application_take_over(cansync_application* application, const uint16_t* parameters,
                                                 size_t count, int sub_slaves, int blocks,
                                                 int32_t strength) CANSYNC_C_NOEXCEPT;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,7 +26,7 @@ namespace cansync::client {
 /// Where the daemon is looked for.
 struct CANSYNC_PUBLIC Options {
   std::uint32_t domain = 0;              ///< DDS domain, 0..230
-  std::string bus = "can0";              ///< partition: the bus's name
+  std::string bus = "can0";              ///< the bus, "HOST/BUS": of that host alone; empty: the only one
   std::string interface = "lo";          ///< network interface
   std::string client_name = "client";    ///< shown in the daemon's journal, at most 64 characters
   std::string xml = {};                  ///< Cyclone DDS configuration instead of the built one; empty: none
@@ -112,8 +113,8 @@ class CANSYNC_PUBLIC Client {
   SlaveLookup find_slave(std::string_view number_or_name) const;
   /// True while a daemon is matched.
   bool daemon_present() const;
-  /// Who they are and what helps, while more than one daemon serves the bus: then states are those of either,
-  /// and every request is refused. Empty: not so.
+  /// Who they are and what helps, while more than one daemon serves the bus, or only that of another computer than
+  /// Options::bus names: then states are those of either, and every request is refused. Empty: not so.
   std::string several_daemons() const;
   /// Other DDS participants known in the domain now: on `lo` daemons and programs without this library, on
   /// other interfaces clients too.
@@ -213,11 +214,17 @@ class CANSYNC_PUBLIC Client {
   std::shared_ptr<detail::Link> link_;
 };
 
-/// Gives reference values. The living writer with the highest strength wins, per telegram; what a weaker one
-/// writes has no effect. When this object is destroyed it gives its telegrams up: their release ends at once,
-/// and the next values of a weaker writer are taken. When its process dies (lease 500 ms), a weaker writer
-/// takes over, or release stops. That is noticed for a dead process, not for one that hangs:
-/// `release_intervals` bounds how long the last values of a hanging one are released.
+/// In the place of a strength: one more than that of whoever has it when the writer is made, so that this one
+/// takes over.
+inline constexpr std::int32_t kTakeOver = std::numeric_limits<std::int32_t>::min();
+
+/// Gives reference values. A telegram has one writer at a time, as the daemon decides: it keeps the telegram
+/// until it gives it up, is lost, or a stronger one comes. While another writer has it that is no weaker,
+/// `write` writes nothing and says so; the first `write` after that one has gone is taken. When this object is
+/// destroyed it gives its telegrams up: their release ends at once, and another writer's next values are taken.
+/// When its process dies (lease 500 ms), its telegrams are lost, and another writer's next values are taken, or
+/// release stops. That is noticed for a dead process, not for one that hangs: `release_intervals` bounds how
+/// long the last values of a hanging one are released.
 ///
 /// What is written holds for one start of the daemon and one mapping of the reference values: those of the
 /// construction, or of the last `take_up`. After the daemon was started anew, or the mapping was changed,
@@ -225,7 +232,7 @@ class CANSYNC_PUBLIC Client {
 /// time.
 class CANSYNC_PUBLIC ReferenceWriter {
  public:
-  /// `strength`: 0 and more. Throws SetupError, also when the identity has no right to. Waits at most 2
+  /// `strength`: 0 and more, or kTakeOver. Throws SetupError, also when the identity has no right to. Waits at most 2
   /// s until the daemon is matched; throws NoDaemon.
   explicit ReferenceWriter(Client& client, std::int32_t strength = 0);
   /// Gives up what was written; may take 300 ms when the daemon does not take samples.
@@ -238,11 +245,16 @@ class CANSYNC_PUBLIC ReferenceWriter {
   /// Gives values of telegram 1 (values 0..3) or 2 (values 4..7); bit n of `valid`: value[n] is new. They are
   /// released in `release_intervals` intervals in a row (1: exactly once), from `from_interval` on (0: the
   /// next). Empty, or what failed: with a standing other than `current` nothing is written, and telegrams
-  /// given before are given up. Bad values are reported by the daemon as an event.
+  /// given before are given up; while another writer has the telegram (`waits`) nothing is written. Bad values are reported by the daemon as an event.
   std::string write(std::uint8_t telegram, const std::array<std::int32_t, 4>& value, std::uint8_t valid,
                     std::uint32_t release_intervals = 1, std::uint64_t from_interval = 0);
 
-  /// Gives the telegram up: its release ends at once, and the next values of a weaker writer are taken. A
+  /// The last `write` wrote nothing, because another writer has the telegram that is no weaker.
+  bool waits() const;
+  /// Of this writer; with kTakeOver as it was chosen.
+  std::int32_t strength() const;
+
+  /// Gives the telegram up: its release ends at once, and the next values of another writer are taken. A
   /// later `write` takes it again. May take 300 ms when the daemon does not take samples.
   void release(std::uint8_t telegram);
 

@@ -27,7 +27,8 @@ struct SignalValue {
   double value = 0.0;     ///< in `unit`
   std::string unit;       ///< may be empty
   std::uint64_t raw = 0;  ///< its bits
-  std::string word;       ///< the name of this value; empty: it has none
+  std::string
+      word;  ///< the name of this value; empty: it has none. Of a signal of over 64 bits its text; `raw` is 0
 };
 
 /// What bytes are.
@@ -51,8 +52,12 @@ class CANSYNC_PUBLIC Signals {
   using Setting = std::variant<double, std::string>;
 
   /// Reads a table when the file's name ends in .toml, else a DBC file, of up to 16 MiB. Throws SignalError
-  /// with each line that is wrong.
+  /// with what is wrong when the file has no message that can be used. See `remarks`.
   static Signals read(const std::string& path);
+
+  /// What was left out of the file, or taken otherwise than it is written: "FILE:LINE:COLUMN: what and why";
+  /// the first 10000. Empty: the file was read completely.
+  const std::vector<std::string>& remarks() const noexcept;
 
   /// What a frame is; nothing: the file has no message of this identifier. `data` may be shorter than it
   /// says.

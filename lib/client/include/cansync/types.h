@@ -71,6 +71,19 @@ class CANSYNC_PUBLIC SeveralDaemons : public NoDaemon {
   ~SeveralDaemons() override;
 };
 
+/// The bus is served with another protocol than this connection needs. `what()` names bus and both protocols.
+class CANSYNC_PUBLIC OtherProtocol : public NoDaemon {
+ public:
+  /// `served_as`, `needs`: words of bus.protocol.
+  OtherProtocol(const std::string& bus, const std::string& served_as, const std::string& needs);
+  OtherProtocol(const OtherProtocol&) = default;
+  OtherProtocol& operator=(const OtherProtocol&) = default;
+  ~OtherProtocol() override;
+  std::string bus;        ///< name of the bus
+  std::string served_as;  ///< bus.protocol of the daemon
+  std::string needs;      ///< what bus.protocol must be
+};
+
 /// DDS could not be set up, or this program's identity has no right to; `what()` names what failed, domain,
 /// partition, interface and a remedy.
 class CANSYNC_PUBLIC SetupError : public std::runtime_error {

@@ -136,22 +136,24 @@ int command(cansync_application* handle, const cansync_slave_SlaveCommand& wante
   return connected_slave(handle, [&](cansync_application& open, SlaveClient& slave) {
     open.reply.reset();
     const auto end = std::chrono::steady_clock::now() + kReplyTime;
-    auto given = slave.command(wanted);
+    auto begun = slave.command(wanted);
     // Just connected, its endpoints may not have found each other yet.
-    while (given.cause == gateway_CAUSE_OTHER_DAEMON && std::chrono::steady_clock::now() < end) {
+    while (begun.not_begun &&
+           client::detail::cause_of(*begun.not_begun) == client::RefusalCause::other_daemon &&
+           std::chrono::steady_clock::now() < end) {
       if (!look(open, milliseconds(20))) break;
-      given = slave.command(wanted);
+      begun = slave.command(wanted);
     }
-    if (given.request == 0) {
-      open.cause = client::detail::to_cause(given.cause);
-      return fail(open, CANSYNC_REFUSED, "client: " + given.problem);
+    if (begun.not_begun) {
+      open.cause = client::detail::cause_of(*begun.not_begun);
+      return fail(open, CANSYNC_REFUSED, "client: " + begun.not_begun->reason);
     }
     while (std::chrono::steady_clock::now() < end) {
       std::deque<cansync_slave_event> before = std::exchange(open.events, {});
       const bool there = look(open, milliseconds(100));
       before.insert(before.end(), open.events.begin(), open.events.end());
       open.events = std::move(before);
-      if (open.reply && open.reply->request == given.request) {
+      if (open.reply && open.reply->request == begun.request) {
         open.cause = client::detail::to_cause(open.reply->cause);
         const int result = client::c_face::number_of(static_cast<client::ReplyCode>(open.reply->code));
         const std::string reason(gateway::dds::text(open.reply->reason));

@@ -76,9 +76,10 @@ int cansync_subscribe_events(cansync_client* handle, cansync_on_event callback, 
 
 int cansync_take_references(cansync_client* handle, int32_t strength) noexcept {
   return connected(handle, [&](cansync_client& open, Client& client) {
-    if (strength < 0)
-      return fail(open, CANSYNC_INVALID,
-                  "client: strength " + std::to_string(strength) + ": allowed 0 and more");
+    if (strength < 0 && strength != cansync::client::kTakeOver)
+      return fail(
+          open, CANSYNC_INVALID,
+          "client: strength " + std::to_string(strength) + ": allowed 0 and more, or CANSYNC_TAKE_OVER");
     open.writer.reset();
     open.writer.emplace(client, strength);
     open.writer->take_up();  // this program knows which start it is for
@@ -102,7 +103,7 @@ int cansync_give_references(cansync_client* handle, uint8_t telegram, const int3
       failed = open.writer->write(telegram, values, valid, release_intervals, from_interval);
       return fail(open, CANSYNC_TAKE_UP, "client: " + failed);
     }
-    return fail(open, CANSYNC_FAILED, "client: " + failed);
+    return fail(open, open.writer->waits() ? CANSYNC_REFUSED : CANSYNC_FAILED, "client: " + failed);
   });
 }
 

@@ -105,13 +105,13 @@ void SlaveSide::note(const cansync_slave_ActionReceived& sample) {
 }
 
 void SlaveSide::note(const cansync_slave_ParameterJob& sample) {
-  if (duties_.parameters.empty()) return;
+  if (duties_.parameters.empty() || !is_asked(sample)) return;
   if (parameter_steps_.size() == kSteps) parameter_steps_.pop_front();
   parameter_steps_.push_back(sample);
 }
 
 void SlaveSide::note(const cansync_slave_BlockJob& sample) {
-  if (!duties_.blocks) return;
+  if (!duties_.blocks || !is_asked(sample)) return;
   if (block_steps_.size() == kSteps) block_steps_.pop_front();
   BlockStep step{sample, {sample.data._buffer, sample.data._buffer + sample.data._length}};
   step.job.data = {};

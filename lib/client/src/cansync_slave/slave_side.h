@@ -87,6 +87,8 @@ class SlaveSide {
   void serve_blocks(bool wanted);
   /// Nothing while nothing is taken over.
   cansync_slave::client::Application* application() noexcept;
+  /// Something is taken over, and the daemon asks another program, or none yet.
+  bool is_standby() const noexcept { return application_ && !application_->is_application(status_); }
   /// Why the application could not say what it takes over; empty: it could.
   const std::string& problem() const noexcept { return problem_; }
 
@@ -99,6 +101,11 @@ class SlaveSide {
 
  private:
   void take_over();
+  /// Jobs of another application are not for this program.
+  template <class Job>
+  bool is_asked(const Job& job) const noexcept {
+    return application_ && application_->is_asked(job);
+  }
   void note(const cansync_slave_MonitoredValues& sample);
   void note(const cansync_slave_ActionReceived& sample);
   void note(const cansync_slave_ParameterJob& sample);

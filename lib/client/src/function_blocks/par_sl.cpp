@@ -53,6 +53,7 @@ PAR_SL::~PAR_SL() {
 void PAR_SL::call() {
   detail::SlaveSide& side = connection_->side();
   if (x_RESET || !x_EN) side.serve_parameters({});
+  x_STANDBY = false;
   if (x_RESET) {
     clear();
     return;
@@ -68,6 +69,7 @@ void PAR_SL::call() {
   side.serve_parameters(numbers());
   side.look();
   error_ = side.problem();
+  x_STANDBY = side.is_standby();
   const bool shown = phase_ == Phase::asked;
   if (phase_ != Phase::idle && (!side.daemon_present() || daemon_ != side.daemon())) return end(false);
   next_step();

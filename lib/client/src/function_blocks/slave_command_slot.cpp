@@ -28,21 +28,23 @@ cansync_slave_SlaveMode to_idl(Mode mode) noexcept {
 
 }  // namespace
 
-void SlaveCommandSlot::entered(std::uint64_t request, RefusalCause cause, const std::string& problem) {
+void SlaveCommandSlot::enter(const cansync_slave_SlaveCommand& wanted) {
+  const gateway::dds::Begun begun = connection_->side().client().command(wanted);
   daemon_ = connection_->side().daemon();
-  request_ = request;
+  request_ = begun.request;
   sent_ = false;
-  code_ = problem.empty() ? ReplyCode::done : ReplyCode::refused;
-  cause_ = cause;
-  error_ = problem.empty() ? "" : "client: " + problem;
+  code_ = ReplyCode::done;
+  cause_ = RefusalCause::none;
+  error_.clear();
+  if (!begun.not_begun) return;
+  refuse(detail::cause_of(*begun.not_begun), "client: " + begun.not_begun->reason);
 }
 
 void SlaveCommandSlot::mode(Mode mode) {
   cansync_slave_SlaveCommand wanted = {};
   wanted.kind = cansync_slave_SLAVE_COMMAND_MODE;
   wanted.mode = to_idl(mode);
-  const auto given = connection_->side().client().command(wanted);
-  entered(given.request, detail::to_cause(given.cause), given.problem);
+  enter(wanted);
 }
 
 void SlaveCommandSlot::mapping(const MappingBytes& references, const MappingBytes& actual_values) {
@@ -50,8 +52,7 @@ void SlaveCommandSlot::mapping(const MappingBytes& references, const MappingByte
   wanted.kind = cansync_slave_SLAVE_COMMAND_MAPPING;
   std::copy(references.begin(), references.end(), std::begin(wanted.reference_mapping));
   std::copy(actual_values.begin(), actual_values.end(), std::begin(wanted.actual_mapping));
-  const auto given = connection_->side().client().command(wanted);
-  entered(given.request, detail::to_cause(given.cause), given.problem);
+  enter(wanted);
 }
 
 void SlaveCommandSlot::listen(std::uint8_t other, const MappingBytes& actual_values) {
@@ -59,8 +60,7 @@ void SlaveCommandSlot::listen(std::uint8_t other, const MappingBytes& actual_val
   wanted.kind = cansync_slave_SLAVE_COMMAND_LISTEN;
   wanted.other = other;
   std::copy(actual_values.begin(), actual_values.end(), std::begin(wanted.actual_mapping));
-  const auto given = connection_->side().client().command(wanted);
-  entered(given.request, detail::to_cause(given.cause), given.problem);
+  enter(wanted);
 }
 
 void SlaveCommandSlot::poll() {

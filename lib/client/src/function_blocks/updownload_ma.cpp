@@ -91,7 +91,8 @@ void UPDOWNLOAD_MA::proceed(Clock::time_point now) {
 }
 
 void UPDOWNLOAD_MA::take(const TransferReply& reply, Clock::time_point now) {
-  const bool unanswered = reply.code == ReplyCode::timeout || reply.code == ReplyCode::slave_lost;
+  const bool unanswered = reply.code == ReplyCode::timeout || reply.code == ReplyCode::no_answer ||
+                          reply.code == ReplyCode::slave_lost;
   if (unanswered && attempts_left_ > 0 && now < deadline_) return attempt();
   if (unanswered) return fail(transfer_error::timeout, 0, describe(reply));
   if (reply.retry() == Retry::soon && now < deadline_) {

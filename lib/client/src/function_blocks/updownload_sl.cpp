@@ -29,6 +29,7 @@ UPDOWNLOAD_SL::~UPDOWNLOAD_SL() {
 
 void UPDOWNLOAD_SL::call(Clock::time_point now) {
   detail::SlaveSide& side = connection_->side();
+  x_STANDBY = false;
   if (x_RESET) {
     side.serve_blocks(false);
     return clear();
@@ -41,6 +42,7 @@ void UPDOWNLOAD_SL::call(Clock::time_point now) {
   }
   side.serve_blocks(true);
   side.look();
+  x_STANDBY = side.is_standby();
   if (!side.problem().empty()) error_ = side.problem();
   if (x_BUSY && (!side.daemon_present() || daemon_ != side.daemon()))
     return cancelled("client: the daemon has gone");

@@ -160,7 +160,7 @@ const std::vector<std::uint8_t>* FrameSide::data_block(int number) const {
 bool FrameSide::map(Mapping wanted) {
   mapped_ = wanted.entries;
   if (mapping_under_way_) {  // a daemon refuses one while it takes another over
-    if (next_mapping_) next_mapping_->ended({.reason = "a later call took its place"});
+    if (next_mapping_) next_mapping_->ended({{.reason = "a later call took its place"}});
     next_mapping_ = std::move(wanted);
     return true;
   }
@@ -186,7 +186,7 @@ void FrameSide::end_mapping(const Result& result) {
   if (next_mapping_) {
     Mapping next = *std::exchange(next_mapping_, std::nullopt);
     const Ended ended = next.ended;
-    if (!result.replied || !map(std::move(next))) ended({.reason = "the daemon has gone"});
+    if (!result.replied || !map(std::move(next))) ended({{.reason = "the daemon has gone"}});
   } else if (!result.replied || result.code != gateway_REPLY_DONE) {
     mapped_ = false;
   }

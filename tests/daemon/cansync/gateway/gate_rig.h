@@ -116,16 +116,15 @@ class GateRig : public ReferenceSurroundings {
     return {};
   }
   void tell(const EventText& event, SteadyTime /*now*/) override { events.push_back(event); }
-  Writer identify(WriterHandle writer) override {
+  gateway::dds::WriterIdentity identify(WriterHandle writer) override {
     return {"writer " + std::to_string(writer), strength[writer]};
   }
-  bool yielded(WriterHandle owner) override { return yielding.count(owner) != 0; }
-  bool left(WriterHandle writer) override { return yielding.count(writer) != 0; }
+  bool left(WriterHandle writer) override { return gone.count(writer) != 0; }
 
   cansync::test::MasterRig line;
   std::map<WriterHandle, std::int32_t> strength;
-  std::set<WriterHandle> yielding;  ///< have left, died or unregistered
-  bool full = false;                ///< no room for requests
+  std::set<WriterHandle> gone;  ///< have left or died
+  bool full = false;            ///< no room for requests
   std::vector<EventText> events;
   std::vector<cansync::Refusal> refusals;
   std::int64_t wall_offset = 0;

@@ -1,5 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+#include <string_view>
+#include <thread>
+#include <variant>
+
 #include "support/reference_writer.h"
 
 namespace cansyncd {
@@ -61,6 +69,44 @@ TEST(GatewayReferences, ReleaseStopsForTheTelegramsOfTheWriterThatLeft) {
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
 }
 
+TEST(GatewayReferences, AChangeOfTheNetworkIsALossAndReleasesNothingTwice) {
+  GatewayRig rig;
+  ReferenceWriter writer(rig, 0);
+  writer.write(values(1, 1));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 1u);
+  rig.gateway->set_surroundings({"", {"lo", "another address", ""}});
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  ASSERT_TRUE(event(rig, "network_joined"));
+  ASSERT_TRUE(event(rig, "reference_writer_lost"));
+  // The writer finds the new reader in its own time.
+  Request request;
+  while (!rig.exchange.requests.try_pop(request)) {
+    writer.write(values(1, 2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  const auto* next = std::get_if<cansync::ReferenceUpdate>(&request);
+  ASSERT_NE(next, nullptr);
+  EXPECT_EQ(next->value[0], 2u) << "never what was written before";
+}
+
+TEST(GatewayReferences, ANetworkThatCannotBeJoinedIsSaidAndEndsNothing) {
+  GatewayRig rig;
+  ReferenceWriter writer(rig, 0);
+  writer.write(values(1, 1));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 1u);
+  rig.gateway->set_surroundings({"", {"nosuch0", "7", ""}});
+  const auto said = event(rig, "network_lost");
+  ASSERT_TRUE(said);
+  EXPECT_NE(gateway::dds::text(said->text).find("network interface 'nosuch0' does not exist"),
+            std::string_view::npos)
+      << said->text;
+  EXPECT_TRUE(rig.client.wait_for<gateway_GatewayStatus>([](const auto& status) {
+    return gateway::dds::text(status.dds_interface) == "lo" && status.network_reason[0] != 0;
+  }));
+  writer.write(values(1, 2));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
+}
+
 TEST(GatewayReferences, AWriterThatGivesATelegramUpStopsIt) {
   GatewayRig rig;
   ReferenceWriter writer(rig, 0);
@@ -73,7 +119,97 @@ TEST(GatewayReferences, AWriterThatGivesATelegramUpStopsIt) {
   EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 2u);
 }
 
-// DDS does not tell that one of several writers unregisters.
+// Writers of one participant have GUIDs in the order in which they were made.
+TEST(GatewayReferences, OfEqualWritersTheFirstKeepsTheTelegramInEveryOrderOfGuids) {
+  GatewayRig rig;
+  const gateway::dds::Participant participant(rig.places().there);
+  std::array<std::unique_ptr<ReferenceWriter>, 3> writers;
+  for (auto& writer : writers) writer = std::make_unique<ReferenceWriter>(participant, 1);
+  std::array<std::size_t, 3> order = {0, 1, 2};
+  do {
+    SCOPED_TRACE(testing::PrintToString(order));
+    ReferenceWriter& first = *writers[order[0]];
+    ReferenceWriter& second = *writers[order[1]];
+    ReferenceWriter& third = *writers[order[2]];
+    first.write(values(1, 1));
+    EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 1u);
+    second.deliver(values(1, 2));
+    third.deliver(values(1, 3));
+    first.write(values(1, 4));
+    EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 4u) << "nothing of those that wait";
+    first.give_up(1);
+    EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+    third.write(values(1, 5));
+    const auto next = rig.expect_request<cansync::ReferenceUpdate>();
+    EXPECT_EQ(next.value[0], 5u) << "whose own next sample comes first, nothing that was written before";
+    EXPECT_FALSE(next.takes_over);
+    second.deliver(values(1, 6));
+    first.deliver(values(1, 7));
+    third.write(values(1, 8));
+    EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 8u);
+    first.give_up(1);
+    second.give_up(1);
+    third.give_up(1);
+    EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST(GatewayReferences, AnEqualWriterIsToldOfAndSeenInTheStatus) {
+  GatewayRig rig;
+  ReferenceWriter first(rig.places(), 1, "conveyor");
+  first.write(values(1, 1));
+  rig.expect_request<cansync::ReferenceUpdate>();
+  ReferenceWriter second(rig.places(), 1, "laptop");
+  second.write(values(1, 2));
+  const auto waits = event(rig, "writer_waits");
+  ASSERT_TRUE(waits);
+  EXPECT_NE(gateway::dds::text(waits->text).find("'laptop'"), std::string_view::npos) << waits->text;
+  const auto status = rig.client.wait_for<cansync_MasterStatus>([](const auto& s) {
+    return gateway::dds::text(s.reference_release[0].waiting_writer).find("'laptop'") !=
+           std::string_view::npos;
+  });
+  ASSERT_TRUE(status);
+  const cansync_ReferenceRelease& release = status->reference_release[0];
+  EXPECT_EQ(release.refused, 1u);
+  EXPECT_NE(gateway::dds::text(release.refused_reason).find("'conveyor'"), std::string_view::npos);
+  const auto guid = first.guid();
+  EXPECT_TRUE(std::equal(guid.begin(), guid.end(), std::begin(release.writer_guid)));
+  EXPECT_EQ(rig.exchange.requests.size(), 0u);
+}
+
+// Each writer has a key of its own.
+TEST(GatewayReferences, AnOwnerThatOnlyUnregistersIsLostAlsoWhileAnotherWaits) {
+  GatewayRig rig;
+  ReferenceWriter owner(rig, 2);
+  owner.write(values(1, 1));
+  rig.expect_request<cansync::ReferenceUpdate>();
+  ReferenceWriter waiting(rig, 2);
+  waiting.deliver(values(1, 2));
+  owner.unregister(values(1, 0));
+  EXPECT_EQ(rig.expect_request<StopRelease>().channel, Channel::one);
+  waiting.write(values(1, 3));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 3u);
+}
+
+TEST(GatewayReferences, AWriterThatWaitsAndLeavesTakesNothingFromTheOwner) {
+  GatewayRig rig;
+  ReferenceWriter owner(rig, 1);
+  owner.write(values(1, 1));
+  rig.expect_request<cansync::ReferenceUpdate>();
+  {
+    ReferenceWriter one(rig, 1);
+    one.deliver(values(1, 2));
+    ReferenceWriter two(rig, 0);
+    two.deliver(values(1, 3));
+    ASSERT_TRUE(event(rig, "writer_waits"));
+  }
+  ASSERT_TRUE(rig.client.wait_for<cansync_MasterStatus>([](const auto& s) {
+    return s.reference_release[0].refused == 2 && s.reference_release[0].waiting_writer[0] == '\0';
+  }));
+  owner.write(values(1, 4));
+  EXPECT_EQ(rig.expect_request<cansync::ReferenceUpdate>().value[0], 4u);
+}
+
 TEST(GatewayReferences, AStrongWriterThatGivesUpStopsItAlsoWhileAWeakerOneLives) {
   GatewayRig rig;
   ReferenceWriter weak(rig, 1);

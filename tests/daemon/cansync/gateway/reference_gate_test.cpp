@@ -88,18 +88,63 @@ TEST_F(Gate, GivingUpEndsAtOnceAlsoWhereLossesAreHeld) {
   EXPECT_EQ(rig.on_bus(60), Seen{});
   rig.take(rig.values(kStrong, 23, 1000));
   EXPECT_EQ(rig.count_on_bus(3, 23), 3u);
-  rig.gate.lost(0, rig.now());
+  rig.gate.lost(0, rig.wall(), rig.now());
   EXPECT_EQ(rig.count_on_bus(60, 23), 50u) << "lost: held";
 }
 
-TEST_F(Gate, AWeakerWriterIsHeardWhenTheStrongOneHasYieldedAndNotBefore) {
-  take(values(kStrong, 22, 5));
-  take(values(kWeak, 11, 5));
-  EXPECT_EQ(count_on_bus(5, 22), 5u);
-  yielding.insert(kStrong);
-  take(values(kWeak, 12, 5));
-  EXPECT_EQ(count_on_bus(10, 12), 5u);
-  EXPECT_EQ(told("reference_writer_taken_over"), 1u);
+TEST_F(Gate, WhatGrowsTooOldOfAWriterThatHasGivenUpIsNoOtherLoss) {
+  take(values(kStrong, 22, 1000));
+  take(last_of(kStrong));
+  EXPECT_TRUE(gate.take_reaction(0));
+  std::array<cansync::ReleaseStatus, cansync::kChannels> release = {};
+  release[0].too_old = 1;
+  gate.watch(release, now());
+  EXPECT_EQ(gate.givers()[0].loss, Loss::given_up);
+  EXPECT_FALSE(gate.take_reaction(0));
+  take(values(kWeak, 11, 1000));
+  release[0].too_old = 2;
+  gate.watch(release, now());
+  EXPECT_EQ(gate.givers()[0].loss, Loss::too_old);
+}
+
+TEST_F(Gate, WhyASampleWasRefusedIsShownAlsoWhenItsWriterHasGone) {
+  take(values(kStrong, 22, 1000));
+  gate.refused_for_limit(0, {gateway_CAUSE_FIELD, "above its maximum"}, std::nullopt, now());
+  take(last_of(kStrong));
+  (void)gate.tick(now());
+  EXPECT_EQ(gate.givers()[0].refused_reason, "above its maximum");
+  EXPECT_EQ(gate.givers()[0].who, "");
+}
+
+TEST_F(Gate, AWriterThatIsNoStrongerWaitsUntilTheOwnerIsLost) {
+  constexpr WriterHandle kEqual = 3;
+  for (const WriterHandle waiting : {kWeak, kEqual}) {
+    SCOPED_TRACE(waiting);
+    GateRig rig;
+    rig.strength = {{kWeak, 1}, {kStrong, 2}, {kEqual, 2}};
+    rig.take(rig.values(kStrong, 22, 1000));
+    rig.take(rig.values(waiting, 11, 5));
+    EXPECT_EQ(rig.count_on_bus(5, 22), 5u);
+    EXPECT_EQ(rig.told("writer_waits"), 1u);
+    rig.take(rig.values(waiting, 12, 5));
+    EXPECT_EQ(rig.told("writer_waits"), 1u) << "on the change";
+    (void)rig.gate.tick(rig.now());
+    EXPECT_EQ(rig.gate.givers()[0].waiting, "writer " + std::to_string(waiting));
+    EXPECT_EQ(rig.gate.givers()[0].refused, 2u);
+    EXPECT_NE(rig.gate.givers()[0].refused_reason.find("writer 2 has"), std::string::npos);
+
+    const ReferenceSample on_its_way = rig.values(waiting, 13, 5);
+    EXPECT_EQ(rig.count_on_bus(2, 22), 2u);
+    rig.gate.lost(0, rig.wall(), rig.now());
+    EXPECT_EQ(rig.on_bus(5), Seen{}) << "nothing that it gave while it waited";
+    rig.take(on_its_way);
+    EXPECT_EQ(rig.on_bus(5), Seen{}) << "nor what it wrote before the owner was lost";
+    rig.take(rig.values(waiting, 14, 2));
+    EXPECT_EQ(rig.on_bus(5), (Seen{14, 14}));
+    EXPECT_EQ(rig.told("reference_writer_taken_over"), 0u);
+    (void)rig.gate.tick(rig.now());
+    EXPECT_EQ(rig.gate.givers()[0].waiting, "");
+  }
 }
 
 struct Spoiled {
@@ -211,7 +256,7 @@ TEST_F(Gate, AProgramThatTriesATelegramOfTheLeadAxisGetsNoPartInIt) {
   EXPECT_NE(why.find(gateway::dds::name(gateway_CAUSE_RIGHT)), std::string::npos) << why;
   EXPECT_NE(why.find("[[lead]]"), std::string::npos) << why;
   take(last_of(kWeak));
-  gate.lost(0, now());
+  gate.lost(0, wall(), now());
   EXPECT_FALSE(gate.take_reaction(0));
   EXPECT_EQ(told("reference_given_up") + told("reference_writer_lost"), 0u);
   ReferenceSample other = values(kWeak, 12);
@@ -225,7 +270,7 @@ TEST_F(Gate, WhoWasThereBeforeTheLeadAxisWasKnownLosesNothing) {
   gate.set_lead_axis({true, false});
   EXPECT_EQ(gate.owner(0), 0u);
   EXPECT_EQ(gate.givers()[0].who, "");
-  gate.lost(0, now());
+  gate.lost(0, wall(), now());
   EXPECT_FALSE(gate.take_reaction(0));
 }
 

@@ -18,26 +18,33 @@ namespace {
 
 TEST(SocketcanLoop, ReceivesExactlyWhatTheMasterNeeds) {
   cansync::MasterSettings settings;
+  settings.startup.census = false;
   settings.slaves[2].configured = true;
   settings.slaves[31].configured = true;
   Config config = config_for(settings);
   EXPECT_EQ(socketcan_settings(bus_plan(config)).filters.size(), 10u);
   config.sync.input = SyncInput::can;
   config.sync.can_identifier = 0x080;
-  const auto filters = socketcan_settings(bus_plan(config)).filters;
-  std::vector<std::uint32_t> passed;
-  for (std::uint32_t id = 0; id <= 0x7FF; ++id) {
-    if (std::any_of(filters.begin(), filters.end(),
-                    [id](const auto& filter) { return (id & filter.mask) == filter.identifier; })) {
-      passed.push_back(id);
+  const auto passed = [&config] {
+    const auto filters = socketcan_settings(bus_plan(config)).filters;
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t id = 0; id <= 0x7FF; ++id) {
+      if (std::any_of(filters.begin(), filters.end(),
+                      [id](const auto& filter) { return (id & filter.mask) == filter.identifier; }))
+        all.push_back(id);
     }
-  }
+    return all;
+  };
   std::vector<std::uint32_t> expected = {0x010, 0x080};
   for (std::uint32_t id = 0x100; id < 0x200; ++id) expected.push_back(id);
   expected.insert(expected.end(), {0x302, 0x31F, 0x382, 0x39F});
   for (std::uint32_t id = 0x500; id < 0x580; ++id) expected.push_back(id);
+  std::vector<std::uint32_t> counting = expected;
   expected.insert(expected.end(), {0x582, 0x59F});
-  EXPECT_EQ(passed, expected);
+  EXPECT_EQ(passed(), expected);
+  config.master.startup.census = true;
+  for (std::uint32_t id = 0x580; id < 0x600; ++id) counting.push_back(id);
+  EXPECT_EQ(passed(), counting) << "every number that the census asks may answer";
 }
 
 TEST(SocketcanLoop, SystemCallsOfAnIntervalAreCounted) {

@@ -37,6 +37,25 @@ TEST(GatewayCommonState, GatewayStatusTellsWhichDaemonItIs) {
                          [&] { return rig.client.all<gateway_GatewayStatus>().size() >= before + 2; }));
 }
 
+TEST(GatewayCommonState, WhatWaitsForARestartIsShownAndOneEventForEachChange) {
+  GatewayRig rig(gateway_config());
+  const PendingRestart library{"", "replaced on disk since the start: libddsc.so.0debian"};
+  const PendingRestart both{"1.1-1", "cansyncd 1.1-1 is installed, 1.0-1 runs"};
+  for (const PendingRestart& pending : {PendingRestart(), library, library, both}) {
+    rig.gateway->set_pending_restart(pending);
+    ASSERT_TRUE(rig.client.wait_for<gateway_GatewayStatus>(
+        [&](const auto& s) { return text(s.restart_reason) == pending.reason; }));
+  }
+  EXPECT_EQ(text(rig.client.all<gateway_GatewayStatus>().back().installed_version), "1.1-1");
+  std::vector<std::string> told;
+  for (const gateway_Event& event : rig.client.events(2)) {
+    if (text(event.code) == "restart_pending") told.emplace_back(text(event.text));
+  }
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0], library.reason + ": restart the daemon when the line may stop");
+  EXPECT_EQ(told[1], both.reason + ": restart the daemon when the line may stop");
+}
+
 TEST(GatewayCommonState, RealtimeStatusTellsHowTheTimelineFollows) {
   Config config = gateway_config();
   config.sync.output = SyncOutput::gpio;
@@ -135,6 +154,29 @@ TEST(GatewayCommonState, BusStatusTellsInterfaceControllerAndCounts) {
   ASSERT_TRUE(known);
   EXPECT_EQ(known->sample_point, 875u);
   EXPECT_EQ(known->queue_length, 10u);
+}
+
+TEST(GatewayCommonState, AnotherAdapterIsToldWithBoth) {
+  Config config = gateway_config();
+  config.bus.adapter = "serial=A";
+  GatewayRig rig(config);
+  can::LinkFacts link;
+  link.adapter.path = {'p', 'c', 'i'};
+  link.adapter.serial = {'B'};
+  rig.exchange.link.write(link);
+  rig.report(LinkChanged{moment(3), can::LinkState::up, can::LinkState::wrong_adapter, 0, 0});
+  const auto event =
+      rig.client.wait_for<gateway_Event>([](const auto& e) { return text(e.code) == "wrong_adapter"; });
+  ASSERT_TRUE(event);
+  EXPECT_NE(
+      std::string_view(event->text).find("the adapter path=pci,serial=B,channel=0, bus.adapter is serial=A"),
+      std::string_view::npos)
+      << event->text;
+  const auto status =
+      rig.client.wait_for<gateway_BusStatus>([](const auto& s) { return !text(s.adapter).empty(); });
+  ASSERT_TRUE(status);
+  EXPECT_EQ(text(status->adapter), "path=pci,serial=B,channel=0");
+  EXPECT_EQ(text(status->adapter_wanted), "serial=A");
 }
 
 TEST(GatewayCommonState, TheLast100EventsOfALevelAreThereForOneWhoComesLate) {

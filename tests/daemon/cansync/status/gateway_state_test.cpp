@@ -271,6 +271,13 @@ TEST(GatewayState, ReloadPublishesNamesAndChangesTheLine) {
                          [](const auto& e) { return text(e.code) == "configuration_reloaded"; }) == 2;
   }));
   EXPECT_EQ(rig.exchange.requests.size(), 0u);
+  // The remedy: the setting is corrected in the file, and the file read again.
+  config.master.slaves[2].actual_mapping[0].word[0] = {true, false, 1};
+  rig.gateway->reload(config);
+  const auto corrected = rig.expect_request<SetActualMapping>();
+  EXPECT_EQ(corrected.slave, slave(2));
+  EXPECT_EQ(corrected.mapping, config.master.slaves[2].actual_mapping);
+  rig.answer(CommandDone{corrected.id, cansync::Outcome::done});
 }
 
 }  // namespace

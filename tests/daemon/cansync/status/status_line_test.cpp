@@ -52,6 +52,9 @@ TEST(StatusText, TellsFirstWhatKeepsTheLineFromRunning) {
   EXPECT_EQ(status_text(master, line_of(2)), "waiting for interface can0: it is missing");
   master.controller.link = can::LinkState::down;
   EXPECT_EQ(status_text(master, line_of(2)), "waiting for interface can0: it is down");
+  master.controller.link = can::LinkState::wrong_adapter;
+  EXPECT_EQ(status_text(master, line_of(2)),
+            "nothing is sent: interface can0 has another adapter than bus.adapter");
   master.controller.link = can::LinkState::wrong_bit_rate;
   EXPECT_EQ(status_text(master, line_of(2)),
             "nothing is sent: interface can0 has another bit rate than the configured one");
@@ -65,6 +68,30 @@ TEST(StatusText, TellsOfAnotherMaster) {
   master.second_master = true;
   EXPECT_EQ(status_text(master, line_of(1)),
             "run: 1 of 1 slave responds; bus line (can0) at 500000 bit/s; another master sends");
+}
+
+TEST(StatusText, TellsFirstThatAnotherMasterKeepsItSilent) {
+  MasterSnapshot master = active_with(0);
+  master.state = cansync::State::waiting_for_start;
+  master.access = cansync::BusAccess::listening;
+  EXPECT_EQ(status_text(master, line_of(1)),
+            "listening for another master: 0 of 1 slave responds; no answer from slave0; bus line (can0) at "
+            "500000 bit/s");
+  master.access = cansync::BusAccess::other_master;
+  master.second_master = true;
+  master.second_master_identifier = 0x105;
+  EXPECT_EQ(status_text(master, line_of(1)),
+            "silent: another master on the bus of interface can0 (identifier 0x105); switch one of them off");
+  master.second_master_identifier = 0;
+  EXPECT_EQ(status_text(master, line_of(1)),
+            "silent: another master on the bus of interface can0 (a SYNC frame); switch one of them off");
+  master.access = cansync::BusAccess::granted;
+  master.second_master = false;
+  master.waits_for_command = true;
+  EXPECT_EQ(
+      status_text(master, line_of(1)),
+      "waiting for a command: another master was on the bus of interface can0; start with: cansync mode "
+      "setup");
 }
 
 TEST(StatusLine, IsToldOnTheEdgeAndAtMostOnceASecond) {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "can/fake_kernel.h"
-#include "daemon/bus/bit_timing_check.h"
 #include "daemon/bus/socketcan_line.h"
+#include "daemon_config/bit_timing_check.h"
 
 namespace cansyncd::test {
 namespace {
@@ -76,10 +76,33 @@ TEST(BusEvents, EachStateOfTheInterfaceSaysWhatToDo) {
   EXPECT_EQ(missing.severity, gateway_SEVERITY_ERROR);
   EXPECT_EQ(missing.text,
             "there is no CAN interface can0, nothing is sent; plug the adapter in, or load its driver");
-  EXPECT_EQ(describe_link({{}, LinkState::up, LinkState::down, 0, 0}, config).text,
-            "can0 is down, nothing is sent; set it up with: ip link set can0 up");
+  can::LinkFacts link = can::test::can0();
+  const auto down = [&] {
+    return describe_link({{}, LinkState::up, LinkState::down, 0, 0}, config, link).text;
+  };
+  EXPECT_NE(down().find("set it up with: ip link set can0 down; ip link set can0 type can bitrate"),
+            std::string::npos)
+      << down();
+  // A virtual interface has no bit timing: `ip` refuses to set one.
+  link.driver_kind = {'v', 'c', 'a', 'n'};
+  EXPECT_EQ(down(), "can0 is down, nothing is sent; set it up with: ip link set can0 up");
   EXPECT_EQ(describe_link({{}, LinkState::up, LinkState::wrong_bit_rate, 125'000, 0}, config).code,
             "wrong_bit_rate");
+  Config pinned = config;
+  pinned.bus.adapter = "serial=A,channel=1";
+  can::LinkFacts exchanged = can::test::can0();
+  exchanged.adapter.serial = {'B'};
+  const EventText wrong =
+      describe_link({{}, LinkState::up, LinkState::wrong_adapter, 0, 0}, pinned, exchanged);
+  EXPECT_EQ(wrong.code, "wrong_adapter");
+  EXPECT_EQ(wrong.severity, gateway_SEVERITY_ERROR);
+  EXPECT_TRUE(
+      wrong.text.starts_with("can0 has the adapter serial=B,channel=0, bus.adapter is "
+                             "serial=A,channel=1: nothing is sent or received; "))
+      << wrong.text;
+  EXPECT_EQ(interface_refusal(pinned.bus, exchanged), wrong.text) << "at the start likewise";
+  EXPECT_NE(interface_refusal(pinned.bus, can::test::can0()).find("no adapter that is known"),
+            std::string::npos);
   const EventText up = describe_link({{}, LinkState::missing, LinkState::up, 500'000, 42}, config);
   EXPECT_EQ(up.severity, gateway_SEVERITY_INFO);
   EXPECT_EQ(up.text, "can0 is up again; 42 telegrams were left out");

@@ -102,6 +102,14 @@ TEST(EventText, ReportsBecomeEventsWithNames) {
   EXPECT_EQ(lost.when->interval, 7u);
   EXPECT_EQ(told(EventReport{{}, {Code::second_master, std::nullopt, 0x105}}).text,
             "another master sends on this bus (identifier 0x105); switch one of them off");
+  EXPECT_EQ(
+      told(EventReport{{},
+                       {.code = Code::second_master,
+                        .slave = std::nullopt,
+                        .found = static_cast<std::uint32_t>(cansync::BusAccess::other_master)}})
+          .text,
+      "another master sends on this bus (a SYNC frame); the daemon sends nothing until that one has been "
+      "quiet for 3 s; switch one of them off");
   EXPECT_EQ(told(EventReport{{}, {Code::references_stopped, std::nullopt, 2}}).text,
             "reference values of telegram 2 are no longer released");
   EXPECT_EQ(told(StateChanged{{},
@@ -153,6 +161,23 @@ TEST(EventTexts, OfSlavesThatComeAndGo) {
   EXPECT_NE(told(failed).text.find("expected 5 (0x5), slave error 0xFFFC;"), std::string::npos);
   failed.outcome = cansync::Outcome::timeout;
   EXPECT_NE(told(failed).text.find("expected 5 (0x5), timeout;"), std::string::npos);
+  cansync::MasterEvent wrong{Code::wrong_drive, slave, 102, 1002, 1003};
+  EXPECT_EQ(told(wrong).severity, gateway_SEVERITY_ERROR);
+  EXPECT_EQ(told(wrong).parameter, 102);
+  EXPECT_EQ(
+      told(wrong).text,
+      "slave 2 'winder' is not the drive expected and is held out: parameter 102, expected 1002 (0x3EA), "
+      "found 1003 (0x3EB); connect the right drive, or correct its expect and reload, then: cansync release 2");
+  EXPECT_EQ(told({Code::slave_identified, slave, 1}).text,
+            "slave 2 'winder' is the drive expected: 1 parameter has its value");
+  EXPECT_EQ(
+      told({Code::duplicate_slave, slave}).text,
+      "two drives answer as slave 2 'winder', which is held out; give each drive a number of its own, then: "
+      "cansync release 2");
+  EXPECT_EQ(
+      told({Code::unknown_slave, SlaveNumber::from(9)}).text,
+      "slave 9 answers and is not in the configuration; add it ([[slave]] with number = 9), or disconnect it: "
+      "it receives the reference values of all");
   cansync::MasterEvent refused{Code::slave_status_refused,   slave, 301, 0, 0xFFFB,
                                cansync::Outcome::slave_error};
   EXPECT_EQ(told(refused).severity, gateway_SEVERITY_ERROR);

@@ -49,7 +49,56 @@ std::string value_text(const KnownRequest& request, const client::ParameterReply
   return number_text(request, reply) + (words.empty() ? "" : ": " + words);
 }
 
+std::string hexadecimal(const client::ParameterReply& reply) {
+  return reply.doubleword ? fmt::format("0x{:08X}", reply.value) : fmt::format("0x{:04X}", reply.value);
+}
+
+/// What a value means, or its signed number when only its bits are known; empty: nothing to add.
+std::string meaning_text(const KnownRequest& request, const client::ParameterReply& reply) {
+  if (request.known != nullptr && scales(request, reply)) return profile::words(*request.known, reply.value);
+  const std::int64_t number = as_signed(reply.value, reply.doubleword ? Width::doubleword : Width::word);
+  return number < 0 ? fmt::format("signed {}", number) : "";
+}
+
+std::vector<std::string> reading_cells(Session& session, const KnownRequest& request,
+                                       const client::ParameterReply& reply, const Shown& shown) {
+  const bool known = request.known != nullptr;
+  const bool scaled = known && scales(request, reply);
+  std::vector<std::string> cells;
+  if (shown.time) cells.push_back(time_text(*shown.time, false));
+  cells.push_back(fmt::to_string(request.job.slave));
+  cells.push_back(session.slave_name(request.job.slave));
+  cells.push_back(fmt::to_string(request.job.number));
+  cells.push_back(known ? request.known->name : "-");
+  cells.push_back(scaled
+                      ? profile::scaled_text(*request.known, profile::raw_number(*request.known, reply.value))
+                      : fmt::to_string(reply.value));
+  cells.push_back(scaled ? request.known->unit : "");
+  cells.push_back(hexadecimal(reply));
+  cells.push_back(meaning_text(request, reply));
+  return cells;
+}
+
 }  // namespace
+
+std::vector<Table::Column> reading_columns(bool timed) {
+  constexpr auto left = Table::Align::left;
+  constexpr auto right = Table::Align::right;
+  std::vector<Table::Column> columns;
+  if (timed) columns.push_back({"TIME", left, "with --every: when it was read"});
+  columns.push_back({"SLAVE", right, "its number"});
+  columns.push_back({"NAME", left, "of the slave, as configured"});
+  columns.push_back({"NUMBER", right, "of the parameter"});
+  columns.push_back({"PARAMETER", left, "its name in the slave's drive profile; - = not known"});
+  columns.push_back(
+      {"VALUE", right, "in its unit, by the profile; without a profile as on the bus, decimal"});
+  columns.push_back({"UNIT", left, "of the value"});
+  columns.push_back({"RAW", left, "as on the bus: four hexadecimal digits are a word, eight a doubleword"});
+  columns.push_back(
+      {"MEANING", left,
+       "of the value, by the profile; without one its signed number when the highest bit is set"});
+  return columns;
+}
 
 ExitCode finish_parameter(Session& session, const KnownRequest& request, const client::ParameterReply& reply,
                           const Shown& shown) {
@@ -77,7 +126,12 @@ ExitCode finish_parameter(Session& session, const KnownRequest& request, const c
     object.add_null("scaled");
   }
   if (shown.time) object.add("time_ns", *shown.time);
-  if (reply.ok() && !session.json()) session.output().line(shown.before + value_text(request, reply));
+  if (reply.ok() && !session.json()) {
+    if (shown.table != nullptr)
+      shown.table->add(reading_cells(session, request, reply, shown));
+    else
+      session.output().line(value_text(request, reply));
+  }
   const std::string parameter = request.known != nullptr ? profile::label(*request.known)
                                                          : fmt::format("parameter {}", request.job.number);
   return session.finish(reply, object, fmt::format("slave {}, {}", request.job.slave, parameter));

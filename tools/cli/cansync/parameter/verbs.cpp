@@ -12,6 +12,7 @@
 #include "cli/base/verb_groups.h"
 #include "cli/cansync/parameter/parameter_answer.h"
 #include "cli/cansync/parameter/parameter_request.h"
+#include "cli/text/column_help.h"
 #include "profile/scaling.h"
 #include "text/counts.h"
 
@@ -62,46 +63,66 @@ std::vector<Readings> parse_readings(Session& session, const ReadOptions& option
   return slaves;
 }
 
-ExitCode read_one(Session& session, const KnownRequest& request, bool of_several, bool timed) {
+ExitCode read_one(Session& session, const KnownRequest& request, Table& table, bool timed) {
   const client::ParameterReply reply =
       session.ask(Effect::reads, [&] { return session.client().submit(request.job); });
-  Shown shown;
+  Shown shown{&table, std::nullopt};
   if (timed) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     shown.time = std::chrono::nanoseconds(now).count();
-    shown.before = time_text(*shown.time, false) + "  ";
-  }
-  if (of_several) {
-    shown.before +=
-        request.known != nullptr ? request.known->name : fmt::format("parameter {}", request.job.number);
-    shown.before += ": ";
   }
   return finish_parameter(session, request, reply, shown);
 }
 
+/// Writes the rows of a round; `first`: below the heading.
+void show_round(Session& session, Table& table, bool first) {
+  if (session.json()) return;
+  if (first) {
+    session.output().table(table);
+  } else {
+    for (const std::string& line : table.lines(session.output().fitting_width())) session.output().line(line);
+  }
+  table.clear();
+}
+
+struct Round {
+  ExitCode code;
+  /// The first answer. That of a program's first request takes longer: DDS has to find its way.
+  std::chrono::steady_clock::time_point begin;
+};
+
 /// Every parameter of every slave once, also when one fails; ends early at Ctrl-C.
-ExitCode read_round(Session& session, const std::vector<Readings>& slaves, bool timed) {
+Round read_round(Session& session, const std::vector<Readings>& slaves, Table& table, bool timed) {
+  std::optional<std::chrono::steady_clock::time_point> begin;
   std::vector<unsigned> numbers;
   numbers.reserve(slaves.size());
   for (const Readings& readings : slaves) numbers.push_back(readings.front().job.slave);
-  return session.for_each(numbers, [&](std::size_t index) {
-    ExitCode first = ExitCode::done;
-    for (const KnownRequest& request : slaves[index]) {
-      const ExitCode code = read_one(session, request, slaves[index].size() > 1, timed);
-      if (first == ExitCode::done) first = code;
-      if (interrupt_flag().load() || code == ExitCode::not_reachable) break;
-    }
-    return first;
-  });
+  const ExitCode ended = session.for_each(
+      numbers,
+      [&](std::size_t index) {
+        ExitCode first = ExitCode::done;
+        for (const KnownRequest& request : slaves[index]) {
+          const ExitCode code = read_one(session, request, table, timed);
+          if (!begin) begin = std::chrono::steady_clock::now();
+          if (first == ExitCode::done) first = code;
+          if (interrupt_flag().load() || code == ExitCode::not_reachable) break;
+        }
+        return first;
+      },
+      Session::Lines::grouped);
+  return {ended, begin.value_or(std::chrono::steady_clock::now())};
 }
 
 /// Rounds until there were `count` of them, or (0) Ctrl-C, which is their end and no failure.
 ExitCode read_rounds(Session& session, const std::vector<Readings>& slaves, std::chrono::nanoseconds every,
                      std::int64_t count) {
   ExitCode first = ExitCode::done;
-  auto next = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point next;
+  Table table(reading_columns(true));
   for (std::int64_t round = 1;; ++round) {
-    const ExitCode code = read_round(session, slaves, true);
+    const auto [code, begin] = read_round(session, slaves, table, true);
+    if (round == 1) next = begin;
+    show_round(session, table, round == 1);
     if (interrupt_flag().load()) return first;
     if (first == ExitCode::done) first = code;
     if (round == count || code == ExitCode::not_reachable) return first;
@@ -123,8 +144,11 @@ ExitCode read_verb(Session& session, const ReadOptions& options) {
     every = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
   }
   const std::vector<Readings> slaves = parse_readings(session, options);
-  return options.every.empty() ? read_round(session, slaves, false)
-                               : read_rounds(session, slaves, every, count);
+  if (!options.every.empty()) return read_rounds(session, slaves, every, count);
+  Table table(reading_columns(false));
+  const ExitCode code = read_round(session, slaves, table, false).code;
+  if (!table.lines().empty()) show_round(session, table, true);
+  return code;
 }
 
 Width width_of(client::ParameterFormat format) {
@@ -192,9 +216,10 @@ ExitCode write_verb(Session& session, const ParameterOptions& options) {
         fmt::format("{}{} would be sent; nothing was sent", what, text::counted(requests.size(), "slave")));
     return ExitCode::done;
   }
-  return session.for_each(slaves_of(requests), [&](std::size_t index) {
-    return write_one(session, requests[index], options.value);
-  });
+  return session.for_each(
+      slaves_of(requests),
+      [&](std::size_t index) { return write_one(session, requests[index], options.value); },
+      Session::Lines::grouped);
 }
 
 constexpr const char* kParameterHelp = "parameter number 0..4095, or its name in the slave's drive profile";
@@ -217,14 +242,8 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
                    "with --every: end after N rounds; 0 = until Ctrl-C (default)")
       ->type_name("N")
       ->needs(every);
-  read->footer(
-      "With a name: prints the value in its unit, then name, number and raw value. With a number: prints the "
-      "value in\n"
-      "decimal, in hexadecimal, its format, and, when its highest bit is set, its signed value; then name "
-      "and value in\n"
-      "its unit, when the slave's profile knows them. Of several parameters each line begins with the "
-      "parameter, with\n"
-      "--every before it with the time.");
+  read->footer("One row for each value of each slave; with --every the rows of each round.\n" +
+               columns_help(reading_columns(true)));
   read->callback([read_options, &chosen] {
     chosen = [read_options](Session& session) { return read_verb(session, *read_options); };
   });
@@ -243,7 +262,7 @@ void add_parameter_verbs(CLI::App& app, Verb& chosen) {
   add_parameter_options(*write, *write_options);
   add_consent_options(*write, write_options->consent);
   write->footer(
-      "Prints what was written, as `read` does. What the slave's profile does not allow (limits, format, "
+      "Prints what was written: the value in its unit and raw. What the slave's profile does not allow (limits, format, "
       "access) is an\n"
       "error of the command line, and nothing is sent. Without a profile and with --format auto the "
       "parameter is read\n"

@@ -37,6 +37,9 @@ class CANSYNC_PUBLIC PAR_SL {
   BOOL x_BUSY = false;              ///< likewise, or the answer is ready and not fetched
   BOOL x_OK = false;                ///< the master has fetched the answer, also one with an error
 
+  /// The daemon asks another program, or none yet: this one gets no jobs. Not in the manual.
+  BOOL x_STANDBY = false;
+
   /// What could not be taken over or answered, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return error_; }
 

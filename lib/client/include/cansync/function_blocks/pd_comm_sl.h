@@ -38,8 +38,8 @@ class CANSYNC_PUBLIC PD_COMM_SL {
   /// Why nothing is released, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return error_; }
 
-  /// `connection` must outlive the block. `strength`: 0 and more, of several programs that release a telegram
-  /// the strongest wins. Throws SetupError.
+  /// `connection` must outlive the block. `strength`: 0 and more; a telegram has one writer at a time,
+  /// which keeps it until it gives it up, is lost, or a stronger one comes. Throws SetupError.
   explicit PD_COMM_SL(SlaveConnection& connection, std::int32_t strength = 0);
   /// Gives up what it has released.
   ~PD_COMM_SL();

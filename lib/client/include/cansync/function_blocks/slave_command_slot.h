@@ -6,6 +6,8 @@
 
 #include "../slave_connection.h"
 
+struct cansync_slave_SlaveCommand;
+
 namespace cansync::client::function_blocks {
 
 /// The transmission range of a block that sets the slave: one command on its way. One thread.
@@ -40,7 +42,7 @@ class CANSYNC_PUBLIC SlaveCommandSlot {
   bool other_daemon() const;
 
  private:
-  void entered(std::uint64_t request, RefusalCause cause, const std::string& problem);
+  void enter(const ::cansync_slave_SlaveCommand& wanted);
 
   SlaveConnection* connection_;
   std::array<std::uint8_t, 16> daemon_ = {};  ///< of the command entered last

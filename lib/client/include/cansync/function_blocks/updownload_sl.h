@@ -41,6 +41,9 @@ class CANSYNC_PUBLIC UPDOWNLOAD_SL {
   TIME t_NEXT = std::chrono::seconds(1);  ///< how long a full block waits for the next. Not in the manual.
   UINT u_TRANSFERRED = 0;                 ///< doublewords of the whole job so far. Not in the manual.
 
+  /// The daemon asks another program, or none yet: this one gets no jobs. Not in the manual.
+  BOOL x_STANDBY = false;
+
   /// What went wrong, in words; empty without an error. Not in the manual.
   const std::string& error() const noexcept { return error_; }
 

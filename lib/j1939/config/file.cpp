@@ -1,0 +1,91 @@
+#include "j1939/config/file.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "j1939/config/options.h"
+
+namespace cansyncd {
+namespace {
+
+/// `key` says what a node sends.
+void check_group(j1939::Pgn number, const std::string& key, Findings& findings) {
+  if (!j1939::is_pgn(number))
+    findings.problem(
+        key, fmt::format("found 0x{:X}, whose lowest byte is the destination's place below PDU format 240; "
+                         "allowed: 0x{:X}",
+                         number, number & ~0xFFu));
+  if (j1939::is_reserved(number))
+    findings.problem(
+        key, fmt::format("found 0x{:X}, which the transport protocol or the address claim themselves send; "
+                         "allowed: all but 0xC700, 0xC800, 0xEB00, 0xEC00, 0xEE00",
+                         number));
+}
+
+void finish_pgn_ranges(J1939Draft& draft, Findings& findings) {
+  for (std::size_t n = 0; n < draft.ranges.size(); ++n) {
+    const J1939Draft::Range& found = draft.ranges[n];
+    if (!found.given) continue;
+    const j1939::Pgn first = found.first.value_or(0);
+    const j1939::PgnRange range{first, found.last.value_or(found.first.value_or(j1939::kLargestPgn)),
+                                found.source};
+    draft.config.receive.push_back(range);
+    if (range.last < range.first)
+      findings.problem(fmt::format("receive.{}.first", n),
+                       fmt::format("found 0x{:X}, which is after last, 0x{:X}; allowed: 0..0x{:X}",
+                                   range.first, range.last, range.last));
+  }
+  if (draft.config.receive.empty()) draft.config.receive.push_back({});
+}
+
+void finish_provided(J1939Draft& draft, Findings& findings) {
+  for (std::size_t n = 0; n < draft.provided.size(); ++n) {
+    const J1939Draft::Offer& found = draft.provided[n];
+    if (!found.given) continue;
+    draft.config.provided.push_back(found.provided);
+    check_group(found.provided.number, fmt::format("provide.{}.pgn", n), findings);
+    if (found.provided.period > j1939::Time{0} && found.provided.data.empty())
+      findings.problem(fmt::format("provide.{}.period_ms", n),
+                       "found without data; allowed: with the bytes that are sent (data)");
+  }
+}
+
+void finish_ecus(J1939Draft& draft, Findings& findings) {
+  for (unsigned n = 0; n < draft.ecus.size(); ++n) {
+    J1939Draft::Ecu& found = draft.ecus[n];
+    if (!found.given) continue;
+    found.ecu.number = n;
+    // Those who were given no identity of their own still need different NAMEs.
+    if (found.ecu.name == j1939::NameFields{}) found.ecu.name.identity = 1000 + n;
+    draft.config.ecus.push_back(found.ecu);
+    check_group(found.ecu.group, fmt::format("ecu.{}.pgn", n), findings);
+    if (found.ecu.destination == j1939::kNullAddress)
+      findings.problem(fmt::format("ecu.{}.destination", n), "found 254; allowed: 0..253, or 255 for all");
+  }
+}
+
+void check_address(const J1939Config& config, Findings& findings) {
+  if (config.first_other > config.last_other)
+    findings.problem("address.first_other",
+                     fmt::format("found {}, which is after address.last_other, {}; allowed: 0..{}",
+                                 config.first_other, config.last_other, config.last_other));
+}
+
+}  // namespace
+
+J1939File build_j1939_config(config::Settings settings, const std::string& path) {
+  return build_file(std::move(settings), path, j1939_option_rows(),
+                    [](J1939Draft& draft, Findings& findings) {
+                      check_address(draft.config, findings);
+                      finish_pgn_ranges(draft, findings);
+                      finish_provided(draft, findings);
+                      finish_ecus(draft, findings);
+                    });
+}
+
+J1939File load_j1939_config(const config::Source& source, std::span<const std::string> overrides) {
+  return build_j1939_config(config::read_settings(source, overrides, j1939_options()), source.path);
+}
+
+}  // namespace cansyncd
