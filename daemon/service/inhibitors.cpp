@@ -40,7 +40,7 @@ class BusLogind final : public Logind {
       result = sd_bus_message_append(call.get(), "ssss", std::string(what).c_str(), "cansyncd",
                                      "the line is in run", std::string(mode).c_str());
     if (result < 0) return reason("Inhibit", result);
-    sd_bus_error error = SD_BUS_ERROR_NULL;
+    sd_bus_error error = {};
     sd_bus_message* answer = nullptr;
     result = sd_bus_call(bus_.get(), call.get(), kPatience, &error, &answer);
     const Message reply(answer);

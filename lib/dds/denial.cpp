@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 
 namespace gateway::dds {
 namespace {
@@ -56,7 +58,9 @@ static_assert(in_order(), "a row for each cause, in the order of the data model"
 }  // namespace
 
 std::string_view name(gateway_RefusalCause cause) noexcept {
-  const auto index = static_cast<std::size_t>(cause);
+  std::uint32_t index = 0;  // a cause of a newer daemon is no value of the enumeration
+  static_assert(sizeof cause == sizeof index);
+  std::memcpy(&index, &cause, sizeof index);
   return kWords[index < kWords.size() ? index : std::size_t{gateway_CAUSE_UNKNOWN}].word;
 }
 

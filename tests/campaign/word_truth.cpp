@@ -392,7 +392,8 @@ void WordTruth::ended(const Terminal& terminal, const std::optional<MemoryTruth:
   judge_words(id, asked, said, known(asked, terminal, memory, doubtful));
   judge_entry(id, asked, said, terminal);
   // A late telegram may have changed what was read before it came.
-  judge_before(id, asked, said, terminal, plan_.doubtful_answers(0, now / plan_.interval()));
+  judge_before(id, asked, said, terminal,
+               plan_.doubtful_answers(0, static_cast<std::uint64_t>(now / plan_.interval())));
   learn(asked, terminal);
 }
 

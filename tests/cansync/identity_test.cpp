@@ -232,7 +232,7 @@ TEST_F(Identity, ByForceADriveIsActivatedAgainUnasked) {
 TEST_F(Identity, TwoDrivesOfANumberAreNotActivated) {
   settings.startup.enable = EnableRule::any;
   set_up();
-  rig->second_answer = [this](const ParameterCommand& command) -> std::optional<Telegram> {
+  rig->second_answer = [](const ParameterCommand& command) -> std::optional<Telegram> {
     if (command.slave != slave(1)) return std::nullopt;
     return MasterRig::word_reply(command, 7);
   };
@@ -268,7 +268,7 @@ TEST_F(Identity, TwoDrivesOfANumberThatComeTogetherInRunAreNotActivated) {
   ASSERT_EQ(run(), Refusal::none);
   rig->run(100);
   drives->dead = {};
-  rig->second_answer = [this](const ParameterCommand& command) -> std::optional<Telegram> {
+  rig->second_answer = [](const ParameterCommand& command) -> std::optional<Telegram> {
     if (command.slave != slave(1)) return std::nullopt;
     return MasterRig::word_reply(command, 7);
   };

@@ -21,14 +21,15 @@ class Kernel:
     """The kernel in a folder that has boot/vmlinuz-* and lib/modules/*."""
 
     def __init__(self, folder):
+        self.folder = folder
         self.image = glob.glob(os.path.join(folder, "boot/vmlinuz-*"))[0]
-        self.modules = self._in_order(folder)
+        self.modules = self.in_order(MODULES)
 
-    @staticmethod
-    def _in_order(folder):
-        """Paths of MODULES and all they depend on, each after what it needs; what the kernel has built in is left out."""
+    def in_order(self, names):
+        """Paths of the modules of these names and all they depend on, each after what it needs; what the kernel has built in is left
+        out."""
         files = {}
-        for path in glob.glob(os.path.join(folder, "lib/modules/*/kernel/**/*.ko"), recursive=True):
+        for path in glob.glob(os.path.join(self.folder, "lib/modules/*/kernel/**/*.ko"), recursive=True):
             files[os.path.basename(path)[:-3].replace("-", "_")] = path
         order = []
 
@@ -41,8 +42,8 @@ class Kernel:
                 add(other.replace("-", "_"))
             order.append(files[name])
 
-        for module in MODULES:
-            add(module)
+        for name in names:
+            add(name)
         return order
 
 

@@ -67,12 +67,20 @@ def run(command, environment, files, limit, show=print, seed=1):
     kernel = debian_kernel.fetch()
     variables = "\n".join(f"export {name}={shlex.quote(value)}" for name, value in environment.items())
     start = START.format(environment=variables, command=shlex.join(command))
+    return boot(kernel, [memory_root.make(files, kernel.modules, start)], MEMORY, limit, show, seed)
+
+
+def boot(kernel, archives, memory, limit, show=print, seed=1):
+    """Boots `kernel` with the file system of `archives` (cpio, one over the other) in `memory` MiB; as `run` for the rest. What runs
+    in it says `exit code CODE, after SECONDS s of its own` on the console."""
+    need_qemu()
     with tempfile.TemporaryDirectory(prefix="cansync_machine_") as work:
         initrd = os.path.join(work, "initrd")
         with open(initrd, "wb") as file:
-            file.write(memory_root.make(files, kernel.modules, start))
+            for archive in archives:
+                file.write(archive)
         # It ends with this program, however that ends.
-        arguments = ["setpriv", "--pdeathsig", "KILL", QEMU, "-machine", "pc", "-cpu", CPU, "-smp", "1", "-m", str(MEMORY), *TIME, "-seed", str(seed), *CONTROLLERS]
+        arguments = ["setpriv", "--pdeathsig", "KILL", QEMU, "-machine", "pc", "-cpu", CPU, "-smp", "1", "-m", str(memory), *TIME, "-seed", str(seed), *CONTROLLERS]
         arguments += ["-nodefaults", "-display", "none", "-serial", "stdio", "-no-reboot"]
         arguments += ["-kernel", kernel.image, "-initrd", initrd, "-append", KERNEL]
         return watch(arguments, limit, show)

@@ -25,7 +25,7 @@ can::Frame numbered(std::uint32_t identifier, std::uint32_t number) {
                                  static_cast<std::uint8_t>(number >> 16)});
 }
 std::uint32_t number_of(const can::Frame& frame) {
-  return frame.data[0] | frame.data[1] << 8 | frame.data[2] << 16;
+  return frame.data[0] | frame.data[1] * 0x100u | frame.data[2] * 0x10000u;
 }
 
 /// One run: what was given, and what came of it.

@@ -39,11 +39,11 @@ class LintTest(unittest.TestCase):
             {"directory": f"{project}/build", "file": f"{project}/{name}.cpp",
              "command": f"{compiler} -I{project} -o {name}.o -c {project}/{name}.cpp"} for name in ("first", "second")]))
 
-    def lint(self, project=None, **environment):
+    def lint(self, project=None, options=(), **environment):
         """Exit status, and how many files were read."""
         project = project or self.project
         environment = {**os.environ, "CCACHE_DIR": f"{self.place}/cache", "XDG_CACHE_HOME": f"{self.place}/cache", **environment}
-        done = subprocess.run([project / "tools/lint", project / "build", project / "first.cpp", project / "second.cpp"],
+        done = subprocess.run([project / "tools/lint", *options, project / "build", project / "first.cpp", project / "second.cpp"],
                               env=environment, capture_output=True, text=True)
         return done.returncode, int(done.stdout.split("files, ")[1].split()[0])
 
@@ -102,6 +102,14 @@ class LintTest(unittest.TestCase):
         self.assertEqual(self.lint(), (1, 1))
         (self.project / "second.cpp").write_text(CLEAN)
         self.assertEqual(self.lint()[0], 0)
+
+    def test_without_the_analyzer_the_rest_is_found_and_keeps_stamps_of_its_own(self):
+        (self.project / ".clang-tidy").write_text("Checks: '-*,clang-analyzer-core.DivideZero,modernize-use-nullptr'\nWarningsAsErrors: '*'\n")
+        (self.project / "first.cpp").write_text("int wrong() {\n  int zero = 0;\n  return 1 / zero;\n}\n")
+        self.assertEqual(self.lint(options=["--without-analyzer"]), (0, 2))
+        self.assertEqual(self.lint(), (1, 2))
+        (self.project / "second.cpp").write_text(FOUND)
+        self.assertEqual(self.lint(options=["--without-analyzer"]), (1, 1))
 
     def together(self, sources, checks="modernize-use-nullptr"):
         """What lint says of a target of these texts: exit status, its words, and how often it called clang-tidy."""

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import shlex
 import shutil
 import subprocess
 import sys
@@ -55,7 +56,7 @@ class EndOfToolsTest(unittest.TestCase):
         self.assertEqual(status, 0)
         steps = lines[lines.index("steps") + 1:]
         self.assertEqual([row.split(" s  ")[1] for row in steps[:steps.index("")]],
-                         ["packages", "format", "build (dev)", "unit tests (dev)", "whole processes, one boot (dev)"])
+                         ["Debian packages", "format", "build (dev)", "unit tests (dev)", "whole processes, one boot (dev)"])
         slowest = lines[lines.index("slowest of 34 tests") + 1:]
         slowest = slowest[:slowest.index("")]
         self.assertEqual(len(slowest), 15)
@@ -70,9 +71,9 @@ class EndOfToolsTest(unittest.TestCase):
 
     def test_last_line_names_the_step_that_failed(self):
         status, lines = self.run_tests("--all", FAILS="kernel")
-        self.assertEqual(status, 8)
+        self.assertEqual(status, 14)
         self.assertIn("slowest of 34 tests", lines)
-        self.assertEqual(lines[-1], "tools/test: FAILED in: whole processes and real kernels, in machines (dev)")
+        self.assertEqual(lines[-1], 'tools/test: FAILED in step "whole processes and real kernels, in machines (dev)" (exit code 14): a.thing, another')
         self.assertFalse((self.folder / "alone").exists(), "what has a time of its own has one try")
 
     def test_what_fails_on_the_time_of_the_computer_is_tried_alone_at_the_end(self):
@@ -82,16 +83,49 @@ class EndOfToolsTest(unittest.TestCase):
                          [f"--preset dev --parallel 1 --tests-regex ^{name}$" for name in ("a[.]thing", "another")])
         self.assertEqual(lines[-1], "tools/test: passed in 0 min; passed only alone: a.thing (dev); passed only alone: another (dev)")
         status, lines = self.run_tests("--all", FAILS="unsanitized", ALONE="8")
-        self.assertEqual(status, 1)
-        self.assertEqual(lines[-1], "tools/test: FAILED in: tests that failed, alone")
+        self.assertEqual(status, 13)
+        self.assertEqual(lines[-1], 'tools/test: FAILED in step "tests that failed, alone" (exit code 13): a.thing (dev), another (dev)')
 
     def test_a_failure_before_any_test_ends_with_the_steps_alone(self):
         status, lines = self.run_tests(FORMAT_STATUS="3")
-        self.assertNotEqual(status, 0)
+        self.assertEqual(status, 11)
         self.assertIn("steps", lines)
         self.assertFalse([line for line in lines if line.startswith("slowest")])
-        self.assertEqual(lines[-1], "tools/test: FAILED in: format")
+        self.assertEqual(lines[-1], 'tools/test: FAILED in step "format" (exit code 11): it said nothing')
 
+    def test_each_step_has_its_exit_code_and_the_last_line_says_why(self):
+        for program, says, code, step in (
+                ("bin/clang-format", "a.h:3:1: error: code should be clang-formatted", 11, "format"),
+                ("bin/cmake", "FAILED: a.o\na.cpp:3: error: expected ;\nninja: stopped", 12, "build (dev)"),
+                ("tests/packages/run.py", "E: cansyncd: no-manual-page", 15, "packages: build, lintian, install, boot, upgrade, purge"),
+                ("tools/lint", "a.cpp:1: error: too long\n", 16, "lint (clang-tidy)"),
+                ("tools/fuzz", "master failed; all it said: log", 17, "fuzzing")):
+            with self.subTest(program):
+                path = self.folder / program
+                kept = path.read_text()
+                interpreter = "#!/usr/bin/python3\nprint({!r})\nraise SystemExit(1)\n" if program.endswith(".py") else "#!/bin/bash\necho {!r}\nexit 1\n"
+                path.write_text(interpreter.format(says) if program.endswith(".py") else f"#!/bin/bash\nprintf '%s\\n' {shlex.quote(says)}\nexit 1\n")
+                status, lines = self.run_tests("--all")
+                path.write_text(kept)
+                self.assertEqual(status, code)
+                why = next(line for line in reversed(says.splitlines()) if "rror:" in line or "E:" in line or "failed" in line)
+                self.assertEqual(lines[-1], f'tools/test: FAILED in step "{step}" (exit code {code}): {why}')
+
+    def test_what_cannot_be_had_is_no_failed_test(self):
+        (self.folder / "tools/install_packages").write_text("#!/bin/bash\necho 'E: Unable to locate package ninja-build' >&2\nexit 100\n")
+        status, lines = self.run_tests()
+        self.assertEqual(status, 10)
+        self.assertEqual(lines[-1], 'tools/test: step could not start "Debian packages" (exit code 10): E: Unable to locate package ninja-build')
+        (self.folder / "tools/install_packages").write_text("#!/bin/bash\n")
+        (self.folder / "tests/packages/run.py").write_text("print('no mirror of Debian can be reached')\nraise SystemExit(77)\n")
+        status, lines = self.run_tests("--all")
+        self.assertEqual(status, 10)
+        self.assertIn('could not start "packages: build', lines[-1])
+
+    def test_help_lists_the_exit_codes(self):
+        status, lines = self.run_tests("--help")
+        self.assertEqual(status, 0)
+        self.assertIn("13 tests on this computer", " ".join(lines))
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[1:]])

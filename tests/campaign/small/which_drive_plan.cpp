@@ -157,7 +157,8 @@ WhichDrivePlan draw_which_drive(std::uint64_t seed) {
     plan.last = std::max({plan.last, unit.from, unit.to == kStays ? 0 : unit.to});
   for (const sim::Fault& fault : plan.line.faults) plan.last = std::max(plan.last, fault.to);
   // Every other one until a drive that does not synchronize is activated again.
-  plan.end = plan.last + (dice.chance(500) ? 20 : 5'200'000'000 / plan.line.interval().count());
+  plan.end = plan.last +
+             static_cast<std::uint64_t>(dice.chance(500) ? 20 : 5'200'000'000 / plan.line.interval().count());
   return plan;
 }
 

@@ -89,14 +89,16 @@ TEST(Evidence, A29BitLineOfParameterGroupsIsJ1939) {
 
 TEST(Evidence, TwentyNineBitIdentifiersOfNoParameterGroupAreUnknown) {
   Heard heard;
-  for (int i = 0; i < 200; ++i) heard.frame(10'000 * i, data_frame(0x10004000U + (i % 7), {1}, true));
+  for (int i = 0; i < 200; ++i)
+    heard.frame(10'000 * i, data_frame(0x10004000U + static_cast<unsigned>(i % 7), {1}, true));
   EXPECT_EQ(heard.kind(), LineKind::unknown);
 }
 
 TEST(Evidence, AMasterWhoseDrivesAreOffInSetUpIsCansync) {
   Heard heard;
   for (int i = 0; i < 100; ++i)
-    heard.frame(8000 * (i + i / 3 * 4), data_frame(0x500U + i % 3, {0x2D, 0x71, 0, 0}));
+    heard.frame(8000 * (i + i / 3 * 4),
+                data_frame(0x500U + static_cast<unsigned>(i % 3), {0x2D, 0x71, 0, 0}));
   EXPECT_EQ(heard.kind(), LineKind::cansync) << heard.census().evidence.confidence();
 }
 
@@ -205,8 +207,8 @@ TEST(Evidence, BunchedStampsOfARecordingTellNoTiming) {
     const Duration at = std::chrono::milliseconds(4 * (i / 4));
     const can::Frame edge = data_frame(0x080, {});
     observer.sync(at, &edge);
-    observer.frame(at, data_frame(0x100u + i % 3u, {1, 0, 2, 0, 3, 0, 4, 0}));
-    observer.frame(at, data_frame(0x300u + i % 3u, {1, 0, 2, 0, 3, 0, 4, 0}));
+    observer.frame(at, data_frame(0x100u + static_cast<unsigned>(i % 3), {1, 0, 2, 0, 3, 0, 4, 0}));
+    observer.frame(at, data_frame(0x300u + static_cast<unsigned>(i % 3), {1, 0, 2, 0, 3, 0, 4, 0}));
   }
   const Observation observation = observer.finish();
   EXPECT_TRUE(observation.stamps.bunched());

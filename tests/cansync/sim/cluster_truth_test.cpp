@@ -392,7 +392,7 @@ TEST(ClusterTruth, K13FindsEveryMutant) {
     for (unsigned seed = 1; seed <= 60 && !found; ++seed) {
       const auto wrong = TruthCourse(seed, mutant).run(totals);
       found = std::ranges::any_of(
-          wrong, [&](const std::string& each) { return each.find(what) != std::string::npos; });
+          wrong, [words = what](const std::string& each) { return each.find(words) != std::string::npos; });
     }
     EXPECT_TRUE(found) << "mutant " << static_cast<unsigned>(mutant) << ": " << what;
   }

@@ -34,7 +34,7 @@ class LiveRig {
     for (WatchRow& row : rows) {
       row.values->scaled[0] = position + row.status.slave;
       row.values->raw[0] =
-          static_cast<std::uint32_t>(static_cast<std::int32_t>(row.values->scaled[0] * 1000));
+          static_cast<std::uint32_t>(static_cast<std::int64_t>(row.values->scaled[0] * 1000));
     }
     now += 500'000'000;
     model.look(facts, status, rows, now);

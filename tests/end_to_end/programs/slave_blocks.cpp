@@ -39,7 +39,7 @@ class Programme {
     other_.si_SL_NR = one_.si_SL_NR = 7;
     other_.a_RDC1 = {0, 0, -1, -1};
     other_.a_HL_RDC1 = {false, true, false, false};
-    for (std::size_t i = 0; i < 10; ++i) blocks_.a_UPLOAD[i] = static_cast<UDINT>(0x01010101 * (i + 1));
+    for (std::size_t i = 0; i < 10; ++i) blocks_.a_UPLOAD[i] = static_cast<DINT>(0x01010101 * (i + 1));
     parameters_.x_EN = blocks_.x_EN = true;
   }
 
