@@ -135,6 +135,7 @@ def install(work):
         "systemctl enable systemd-networkd.service",
         "systemctl disable systemd-networkd-wait-online.service apt-daily.timer apt-daily-upgrade.timer",
         "systemctl mask systemd-binfmt.service e2scrub_reap.service",  # nothing for them in this kernel
+        "systemctl mask serial-getty@ttyS0.service",  # the console shows the tests alone
         "systemctl enable cansync-proof.service",
         "echo cansync-proof >/etc/hostname",
     )
