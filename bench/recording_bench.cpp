@@ -69,7 +69,7 @@ const Files& files() {
 }
 
 void count(benchmark::State& state) {
-  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * files().bytes));
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(files().bytes));
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * kFrames));
 }
 
