@@ -6,6 +6,7 @@ with another seed another one: its kernel draws other random numbers.
 What it needs of this computer lies in its memory; it needs no right of its own.
 """
 
+import hashlib
 import os
 import re
 import shlex
@@ -76,9 +77,13 @@ def boot(kernel, archives, memory, limit, show=print, seed=1):
     need_qemu()
     with tempfile.TemporaryDirectory(prefix="cansync_machine_") as work:
         initrd = os.path.join(work, "initrd")
+        memory_sum = hashlib.sha256()
         with open(initrd, "wb") as file:
             for archive in archives:
                 file.write(archive)
+                memory_sum.update(archive)
+        # Two runs of which this line is the same take the same course.
+        show(f"machine {memory_sum.hexdigest()[:16]}, seed {seed}")
         # It ends with this program, however that ends.
         arguments = ["setpriv", "--pdeathsig", "KILL", QEMU, "-machine", "pc", "-cpu", CPU, "-smp", "1", "-m", str(memory), *TIME, "-seed", str(seed), *CONTROLLERS]
         arguments += ["-nodefaults", "-display", "none", "-serial", "stdio", "-no-reboot"]

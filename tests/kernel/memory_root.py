@@ -13,13 +13,15 @@ import tempfile
 from debian_kernel import LONG, Missing
 
 REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+# Where the repository is inside, wherever it is here: with the same bytes in memory the same seed is the same course everywhere.
+INSIDE = "/project"
 # Debian packages, each with those that it depends on within FAMILIES.
 PACKAGES = ("bash", "can-utils", "coreutils", "findutils", "gnuplot-nox", "grep", "hostname", "iproute2", "libddsc0debian", "mawk", "ncurses-base", "openssl",
             "python3", "python3-can", "python3-cffi-backend", "python3-jsonschema", "python3-prometheus-client", "python3-pyte", "sed", "strace", "util-linux")
 FAMILIES = re.compile(r"(lib)?python3|gnuplot")
 NOT_NEEDED = re.compile(r"/usr/share/(doc|man|info|locale|lintian|doc-base)/|/usr/lib/python3[.0-9]*/(idlelib|lib2to3|pydoc_data)/")
 PROGRAMS = ("awk", "busybox", "gnuplot", "sh")  # which of several is chosen here
-# Files and folders of the repository, at the same path as outside.
+# Files and folders of the repository.
 PLACES = ("bench", "config", "docs", "tests/bench", "tests/client", "tests/end_to_end", "tests/fastdds", "tests/kernel", "tests/manual", "tests/pictures",
           "tests/python", "tools/completions", "tools/demo", "tools/demos", "tools/examples", "tools/security")
 MERGED = ("bin", "sbin", "lib", "lib64")  # Debian has them in /usr
@@ -49,12 +51,20 @@ class Archive:
     def add_file(self, path, name=None):
         """A file of this computer, under its own path or another; a link as what it leads to."""
         with open(path, "rb") as file:
-            mode = FILE | (0o755 if os.access(path, os.X_OK) else 0o644)
-            self.add(name or path, mode, file.read(), int(os.stat(path).st_mtime))
+            self.add(name or path, mode_of(path), file.read(), int(os.stat(path).st_mtime))
 
     def finish(self):
         self.add("TRAILER!!!", 0)
         return b"".join(self.parts)
+
+
+def mode_of(path):
+    return FILE | (0o755 if os.access(path, os.X_OK) else 0o644)
+
+
+def inside(text):
+    """With the paths of the repository that it has inside."""
+    return re.sub(rf"{re.escape(REPOSITORY)}(?![\w.-])", INSIDE, text)
 
 
 def output(*command):
@@ -115,9 +125,18 @@ def files_of_repository():
         os.path.join(folder, name) for place in places for folder, _, names in os.walk(place) for name in names}
 
 
+def content(path):
+    """What a file of the repository is inside: a program without what a debugger needs, a text with the paths that are right there."""
+    if is_elf(path):
+        with tempfile.NamedTemporaryFile() as small:
+            subprocess.run(["strip", "-o", small.name, path], check=True, timeout=LONG)
+            return small.read()
+    with open(path, "rb") as file:
+        return inside(file.read().decode(errors="surrogateescape")).encode(errors="surrogateescape")
+
+
 def make(files, modules, start):
-    """The archive: `files` (ours; programs without what a debugger needs), `modules` of the kernel, the shell script `start` as
-    the first process; raises Missing."""
+    """The archive: `files` (ours), `modules` of the kernel, the shell script `start` as the first process; raises Missing."""
     archive = Archive()
     for name in MERGED:
         archive.add(name, LINK, f"usr/{name}".encode())
@@ -125,17 +144,14 @@ def make(files, modules, start):
         archive.add(name, FOLDER)
     archive.add("etc/passwd", FILE | 0o644, b"root:x:0:0:root:/run:/bin/sh\n")
     archive.add("etc/hosts", FILE | 0o644, b"127.0.0.1 localhost machine\n")
-    archive.add("init", FILE | 0o755, start.encode())
+    archive.add("init", FILE | 0o755, inside(start).encode())
     paths = files_of_debian() | files_of_repository() | set(files)
     paths |= libraries(filter(is_elf, paths))
-    ours = {path for path in paths if path.startswith(REPOSITORY) and is_elf(path)}
-    for path in sorted(paths - ours):
-        archive.add_file(path)
-    with tempfile.TemporaryDirectory() as work:
-        small = os.path.join(work, "program")
-        for path in sorted(ours):
-            subprocess.run(["strip", "-o", small, path], check=True, timeout=LONG)
-            archive.add_file(small, path)
+    for path in sorted(paths):
+        if path.startswith(f"{REPOSITORY}/"):
+            archive.add(inside(path), mode_of(path), content(path))
+        else:
+            archive.add_file(path)
     for module in modules:
         archive.add_file(module, f"modules/{os.path.basename(module)}")
     archive.add("modules/order", FILE | 0o644, "\n".join(map(os.path.basename, modules)).encode())
