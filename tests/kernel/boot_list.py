@@ -2,10 +2,12 @@
 environment as NAME=VALUE, an empty field, and script and arguments, all between tabs (cansync_whole_processes in tests/CMakeLists.txt).
 
 Inside the machine: boot_list.py LIST [NAME ...] runs all of them, or those named, one after another, each on its own. What each
-took is in seconds of the machine's own; of one that failed all that it wrote is shown.
+took is in seconds of the machine's own: all, and those in which the processor had to work; only these cost time of the computer
+around it. Of one that failed all that it wrote is shown.
 """
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -63,15 +65,21 @@ def run(entry):
         return status, output.read()
 
 
+def worked():
+    """Seconds of the processor for all that has run and ended here."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def main():
     path, *names = sys.argv[1:]
     failed = []
     for entry in read(path):
         if names and entry.name not in names:
             continue
-        begin = time.monotonic()
+        begin, before = time.monotonic(), worked()
         status, output = run(entry)
-        took = f"{time.monotonic() - begin:.3f} s"
+        took = f"{time.monotonic() - begin:.3f} s, {worked() - before:.1f} s of work"
         if status == 0:
             print(f"{entry.name}: passed, {took}", flush=True)
             continue

@@ -53,6 +53,23 @@ $b poweroff -f
 """
 
 
+def in_courses(run):
+    """Exit code of `run(seed)`, None without one, in the course that CANSYNC_SEED in the environment names. Without it in course 1, and
+    when that failed in course 2: a race that one course in many meets does not keep a good commit back. It is not forgotten: what
+    `run.name` says is named in the file CANSYNC_REPEATED."""
+    if "CANSYNC_SEED" in os.environ:
+        return run(int(os.environ["CANSYNC_SEED"]))
+    code = run(1)
+    if code == 0:
+        return code
+    name = run.name
+    code = run(2)
+    if code == 0 and "CANSYNC_REPEATED" in os.environ:
+        with open(os.environ["CANSYNC_REPEATED"], "a", encoding="utf-8") as repeated:
+            repeated.write(f"in course 2: {name}\n")
+    return code
+
+
 def need_qemu():
     """Raises Missing when it is not there."""
     if not shutil.which(QEMU):

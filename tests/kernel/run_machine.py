@@ -4,8 +4,8 @@
     run_machine.py program PROGRAM [ARGUMENT ...]      a Python program of this folder; paths in its arguments are those of programs
     run_machine.py processes BOOT [NAME ...]           tests of whole processes in a list of build/PRESET/tests/boots, all or those named
 
-CANSYNC_SEED in the environment, 1 without it: another number is another course of everything that chance decides inside. The
-same number with the same command is the same course.
+CANSYNC_SEED in the environment: another number is another course of everything that chance decides inside; the same number with
+the same command is the same course. Without it courses 1 and 2, as machine.in_courses says.
 
 Exit code: that of the tests or the program; 77 when this computer cannot run the machine (with the reason), which is an
 error when CANSYNC_KERNEL_TESTS is in the environment: CI must not skip.
@@ -54,25 +54,42 @@ def inside(kind, arguments):
     return [PYTHON, "-B", os.path.abspath(arguments[0]), *arguments[1:]], environment, files
 
 
+class Run:
+    """What the arguments say, in one course after another: the second one only with what failed in the first, where that is told."""
+
+    def __init__(self, arguments):
+        self.arguments = arguments
+        self.name = os.path.basename(arguments[1])
+        self.begin = time.monotonic()
+
+    def show(self, line):
+        print(f"{time.monotonic() - self.begin:6.1f} {line}", flush=True)
+        if line.startswith("failed: "):
+            self.arguments[2:] = line.split()[1:]
+            self.name = " ".join(self.arguments[2:])
+
+    def __call__(self, seed):
+        """Exit code of what ran inside; None: it did not end."""
+        command, environment, files = inside(self.arguments[0], self.arguments[1:])
+        code = machine.run(command, environment, files, LIMIT - (time.monotonic() - self.begin), self.show, seed)
+        if code is None:
+            print(f"run_machine.py: the machine ended without a result, or not within {LIMIT} s")
+        if code != 0:
+            ours = "".join(f"{name}={shlex.quote(os.environ[name])} " for name in (*PROGRAMS, *PASSED_ON) if name in os.environ)
+            print(f"run_machine.py: the same course again: CANSYNC_SEED={seed} {ours}{shlex.join([PYTHON, '-B', *sys.argv])}")
+        return code
+
+
 def main():
     if len(sys.argv) < 3 or sys.argv[1] not in ("tests", "program", "processes"):
         sys.exit(__doc__)
-    seed = int(os.environ.get("CANSYNC_SEED", "1"))
-    command, environment, files = inside(sys.argv[1], sys.argv[2:])
-    begin = time.monotonic()
     try:
-        code = machine.run(command, environment, files, LIMIT,
-                           lambda line: print(f"{time.monotonic() - begin:6.1f} {line}", flush=True), seed)
+        code = machine.in_courses(Run(sys.argv[1:]))
     except machine.Missing as reason:
         required = "CANSYNC_KERNEL_TESTS" in os.environ
         print(f"{'cannot run, but CANSYNC_KERNEL_TESTS is set' if required else 'skipped'}: {reason}")
         sys.exit(1 if required else SKIPPED)
-    if code != 0:
-        ours = "".join(f"{name}={shlex.quote(os.environ[name])} " for name in (*PROGRAMS, *PASSED_ON) if name in os.environ)
-        print(f"run_machine.py: the same course again: CANSYNC_SEED={seed} {ours}{shlex.join([PYTHON, '-B', *sys.argv])}")
-    if code is None:
-        sys.exit(f"run_machine.py: the machine ended without a result, or not within {LIMIT} s")
-    sys.exit(code)
+    sys.exit(1 if code is None else code)
 
 
 main()

@@ -162,12 +162,22 @@ def added(kernel, lines):
     return archive.finish()
 
 
-def boot(work, lines):
-    """Boots it, as it was installed, with systemd as the first process. The exit code of the tests inside."""
-    kernel = debian_kernel.fetch()
-    began = time.monotonic()
-    return machine.boot(kernel, [(work / "root.cpio").read_bytes(), added(kernel, lines)], MEMORY, LIMIT,
-                        lambda line: print(f"{time.monotonic() - began:6.1f} {line}", flush=True), int(os.environ.get("CANSYNC_SEED", "1")))
+class Boot:
+    """Boots what was installed, with systemd as the first process; as machine.in_courses asks for it."""
+
+    name = "boot of the packages"
+
+    def __init__(self, work, lines):
+        self.kernel = debian_kernel.fetch()
+        self.archives = [(work / "root.cpio").read_bytes(), added(self.kernel, lines)]
+        self.began = time.monotonic()
+
+    def show(self, line):
+        print(f"{time.monotonic() - self.began:6.1f} {line}", flush=True)
+
+    def __call__(self, seed):
+        """The exit code of the tests inside; None: it did not end."""
+        return machine.boot(self.kernel, self.archives, MEMORY, LIMIT, self.show, seed)
 
 
 def main():
@@ -191,7 +201,7 @@ def main():
                 for step in steps:
                     step.result()
         with stage("boot it and run the tests inside"):
-            code = boot(work, options.lines)
+            code = machine.in_courses(Boot(work, options.lines))
     if code is None:
         sys.exit(f"run.py: the machine ended without a result, or not within {LIMIT} s")
     sys.exit(code)

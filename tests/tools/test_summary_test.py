@@ -67,7 +67,7 @@ class EndOfToolsTest(unittest.TestCase):
     def test_last_line_names_what_passed_only_when_it_was_repeated(self):
         status, lines = self.run_tests(REPEATED="the boot")
         self.assertEqual(status, 0)
-        self.assertEqual(lines[-1], "tools/test: passed in 0 min; passed only alone: the boot; passed only alone: the boot")
+        self.assertEqual(lines[-1], "tools/test: passed in 0 min; failed once, passed the boot; failed once, passed the boot")
 
     def test_last_line_names_the_step_that_failed(self):
         status, lines = self.run_tests("--all", FAILS="kernel")
@@ -81,7 +81,7 @@ class EndOfToolsTest(unittest.TestCase):
         self.assertEqual(status, 0)
         self.assertEqual((self.folder / "alone").read_text().splitlines(),
                          [f"--preset dev --parallel 1 --tests-regex ^{name}$" for name in ("a[.]thing", "another")])
-        self.assertEqual(lines[-1], "tools/test: passed in 0 min; passed only alone: a.thing (dev); passed only alone: another (dev)")
+        self.assertEqual(lines[-1], "tools/test: passed in 0 min; failed once, passed alone: a.thing (dev); failed once, passed alone: another (dev)")
         status, lines = self.run_tests("--all", FAILS="unsanitized", ALONE="8")
         self.assertEqual(status, 13)
         self.assertEqual(lines[-1], 'tools/test: FAILED in step "tests that failed, alone" (exit code 13): a.thing (dev), another (dev)')
