@@ -111,7 +111,7 @@ def is_elf(path):
 
 def libraries(paths):
     """Every shared library that these programs and libraries need."""
-    return set(re.findall(r"(/\S+) \(0x", output("ldd", *sorted(paths))))
+    return set(map(os.path.normpath, re.findall(r"(/\S+) \(0x", output("ldd", *sorted(paths)))))
 
 
 @functools.cache
