@@ -6,6 +6,8 @@
 #include <sys/time.h>
 #include <sys/un.h>
 
+#include <cerrno>
+
 #include "cansyncd_fixture.h"
 
 namespace {
@@ -29,7 +31,10 @@ class NotifySocket {
   /// The next message; empty when none comes.
   std::string next() const {
     std::string text(4096, '\0');
-    const ssize_t size = ::recv(socket_, text.data(), text.size(), 0);
+    ssize_t size = 0;
+    do {
+      size = ::recv(socket_, text.data(), text.size(), 0);
+    } while (size < 0 && errno == EINTR);  // also by a stop of this process
     text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     return text;
   }

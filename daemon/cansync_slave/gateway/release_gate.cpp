@@ -28,13 +28,13 @@ ReleaseGate::ReleaseGate(const gateway::dds::Participant& participant, gateway::
                          EventPublisher& events, const DaemonIdentity& daemon, SlaveExchange& exchange)
     : reader_(participant, signal), events_(events), daemon_(daemon), exchange_(exchange) {}
 
-bool ReleaseGate::take_samples(SteadyTime now) {
+bool ReleaseGate::take_samples(SteadyTime now, std::int64_t wall) {
   // A key that is no telegram has no owner.
   const auto number = [](const cansync_slave_ActualRelease& sample) { return sample.telegram - 1u; };
   const auto gives_up = [](const cansync_slave_ActualRelease& sample) { return sample.given_up; };
   const bool more = reader_.take(
       number, gives_up, [&](const cansync_slave_ActualRelease& sample, const dds_sample_info_t& info) {
-        take(sample, info, now);
+        take(sample, info.publication_handle, std::chrono::nanoseconds(wall - info.source_timestamp), now);
       });
   for (unsigned channel = 0; channel < cansync::kChannels; ++channel) {
     if (reader_.lost(channel, arbiters_[channel]))
@@ -47,22 +47,22 @@ bool ReleaseGate::take_samples(SteadyTime now) {
   return more;
 }
 
-void ReleaseGate::take(const cansync_slave_ActualRelease& sample, const dds_sample_info_t& info,
-                       SteadyTime now) {
+void ReleaseGate::take(const cansync_slave_ActualRelease& sample, WriterHandle from,
+                       std::chrono::nanoseconds age, SteadyTime now) {
   const bool known = sample.telegram == 1 || sample.telegram == 2;
   const unsigned channel = sample.telegram == 2 ? 1 : 0;
   WriterArbiter& arbiter = arbiters_[channel];
   if (sample.given_up) {
     if (!known) return;
-    arbiter.forget(info.publication_handle);
-    if (arbiter.owner().handle == info.publication_handle) lost(channel, "gives up", true, now);
+    arbiter.forget(from);
+    if (arbiter.owner().handle == from) lost(channel, "gives up", true, now);
     return;
   }
-  if (const auto problem = problem_of(sample, info.source_timestamp)) {
+  if (const auto problem = problem_of(sample, age)) {
     refuse(channel, *problem, now);
     return;
   }
-  const TopicWriter writer = reader_.writer_of(sample, info.publication_handle);
+  const TopicWriter writer = reader_.writer_of(sample, from);
   const WriterArbiter::Claim claim = arbiter.claim(writer.handle, writer.identity.strength);
   if (claim == WriterArbiter::Claim::waits) {
     tell_waiting(events_, arbiter, writer, now);
@@ -80,7 +80,7 @@ void ReleaseGate::take(const cansync_slave_ActualRelease& sample, const dds_samp
 }
 
 gateway::dds::Problem ReleaseGate::problem_of(const cansync_slave_ActualRelease& sample,
-                                              std::int64_t written) const {
+                                              std::chrono::nanoseconds age) const {
   if (auto wrong = cansync_slave::dds::check(sample)) return wrong;
   if (read_only_)
     return Denial{
@@ -91,12 +91,10 @@ gateway::dds::Problem ReleaseGate::problem_of(const cansync_slave_ActualRelease&
     return Denial{gateway_CAUSE_OTHER_DAEMON,
                   "meant for another start of the daemon: what was released before it is not sent; let the "
                   "program take up its telegrams"};
-  const std::int64_t age = wall_clock_now() - written;
-  const std::int64_t most = std::chrono::nanoseconds(kMaximumAge).count();
-  if (age > most || age < -most)
+  if (age > kMaximumAge || age < -kMaximumAge)
     return Denial{gateway_CAUSE_STALE,
                   fmt::format("written {:.0f} ms ago; allowed: {} ms; check the load and the clocks",
-                              static_cast<double>(age) / 1e6, kMaximumAge.count())};
+                              static_cast<double>(age.count()) / 1e6, kMaximumAge.count())};
   return std::nullopt;
 }
 

@@ -32,8 +32,8 @@ class ReleaseGate {
   ReleaseGate(const gateway::dds::Participant& participant, gateway::dds::DataSignal& signal,
               EventPublisher& events, const DaemonIdentity& daemon, SlaveExchange& exchange);
 
-  /// Takes what has come, and looks who has gone. True: there may be more.
-  bool take_samples(SteadyTime now);
+  /// Takes what has come, and looks who has gone. `wall`: CLOCK_REALTIME at `now`, ns since 1970. True: there may be more.
+  bool take_samples(SteadyTime now, std::int64_t wall);
 
   /// Tells of refused releases that are over, and hands on what had no room. Returns when to call again; nothing: no need.
   std::optional<SteadyTime> tick(SteadyTime now);
@@ -45,8 +45,11 @@ class ReleaseGate {
   const WriterArbiter& arbiter(unsigned channel) const noexcept { return arbiters_[channel]; }
 
  private:
-  void take(const cansync_slave_ActualRelease& sample, const dds_sample_info_t& info, SteadyTime now);
-  gateway::dds::Problem problem_of(const cansync_slave_ActualRelease& sample, std::int64_t written) const;
+  /// `age`: since it was written.
+  void take(const cansync_slave_ActualRelease& sample, WriterHandle from, std::chrono::nanoseconds age,
+            SteadyTime now);
+  gateway::dds::Problem problem_of(const cansync_slave_ActualRelease& sample,
+                                   std::chrono::nanoseconds age) const;
   void new_owner(unsigned channel, const TopicWriter& writer, SteadyTime now);
   /// `wanted`: a client or the configuration says so.
   void lost(unsigned channel, const char* how, bool wanted, SteadyTime now);

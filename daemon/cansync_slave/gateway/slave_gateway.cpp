@@ -94,7 +94,7 @@ SteadyTime SlaveGateway::pass(bool samples_may_wait) {
   posted_.publish(events_, now);
   if (samples_may_wait) {
     second_daemon_.look(now);
-    if (releases_.take_samples(now)) signal_.raise();
+    if (releases_.take_samples(now, wall_clock_now())) signal_.raise();
     if (application_.take_samples(now)) signal_.raise();
     if (commands_.take_requests(context(now))) signal_.raise();
   }

@@ -34,9 +34,9 @@ class ReleaseGateTest : public testing::Test {
     sample.wait_intervals = 1000;
     sample.given_up = given_up;
     gateway::dds::set_daemon(kThisStart, sample);
-    ASSERT_EQ(writer_.write(sample), DDS_RETCODE_OK);
+    ASSERT_EQ(dds_write_ts(writer_.handle(), &sample, kWritten), DDS_RETCODE_OK);
     ASSERT_EQ(dds_wait_for_acks(writer_.handle(), DDS_SECS(20)), DDS_RETCODE_OK);
-    (void)gate_.take_samples(now_);
+    (void)gate_.take_samples(now_, kWritten + age_.count());
   }
   /// For how many intervals each order to the realtime thread releases; 0: it withdraws.
   std::vector<std::uint32_t> orders() {
@@ -47,6 +47,9 @@ class ReleaseGateTest : public testing::Test {
   }
 
   using Intervals = std::vector<std::uint32_t>;
+
+  static constexpr dds_time_t kWritten = DDS_SECS(1'700'000'000);
+  std::chrono::nanoseconds age_ = 1ms;  ///< of a sample when the gate takes it
 
   TwoPlaces places_;
   gateway::dds::Participant daemon_{places_.here};
@@ -110,6 +113,23 @@ TEST_F(ReleaseGateTest, OfTooManyThatWaitFewerAreTaken) {
   (void)orders();
   write();
   EXPECT_EQ(orders(), Intervals{1000});
+}
+
+TEST_F(ReleaseGateTest, WhatIsTooOldOrFromTheFutureIsNotTaken) {
+  for (const auto age : {500ms, -500ms}) {
+    age_ = age;
+    write();
+    EXPECT_EQ(orders(), Intervals{1000});
+  }
+  for (const auto age : {501ms, -501ms}) {
+    age_ = age;
+    write();
+    EXPECT_EQ(orders(), Intervals{});
+  }
+  const auto told = journal_.with("EVENT", "actual_refused");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].message.find("written 501 ms ago; allowed: 500 ms"), std::string::npos)
+      << told[0].message;
 }
 
 TEST_F(ReleaseGateTest, AProgramThatGaveItsTelegramUpReleasesItAgainWhenItIsStartedAgain) {
