@@ -3,13 +3,9 @@
 import math
 import os
 import re
-import shutil
-import socket
-import subprocess
 import sys
 import tempfile
 import unittest
-import urllib.request
 
 from gateway import LONG, Gateway, wait_for
 
@@ -148,33 +144,6 @@ class Metrics(unittest.TestCase):
         # Slots without a telegram have no start.
         rows = {metric for metric, _, _, _ in documented()}
         self.assertEqual({m for m in present ^ rows if not m.startswith("cansync_slot_start_")}, set())
-
-    def test_node_exporter_takes_it(self):
-        program = shutil.which("prometheus-node-exporter")
-        if program is None:
-            self.skipTest("prometheus-node-exporter is not installed")
-        self.with_timing()
-        with socket.socket() as place:
-            place.bind(("127.0.0.1", 0))
-            port = place.getsockname()[1]
-        with subprocess.Popen([program, "--collector.disable-defaults", "--collector.textfile",
-                               f"--collector.textfile.directory={self.folder.name}",
-                               f"--web.listen-address=127.0.0.1:{port}"], stderr=subprocess.DEVNULL) as exporter:
-            try:
-                def scrape():
-                    try:
-                        with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=LONG) as page:
-                            return page.read().decode()
-                    except OSError:
-                        return None
-
-                page = wait_for("the exporter answers", scrape)
-            finally:
-                exporter.kill()
-        self.assertRegex(page, r"(?m)^node_textfile_scrape_error 0$")
-        self.assertRegex(page, r'(?m)^cansync_slave_responds\{bus="[^"]+",name="winder",slave="1"\} 1$')
-        self.assertRegex(page, r"(?m)^cansync_telegrams_sent_total\{")
-        self.assertRegex(page, r"(?m)^# TYPE cansync_sync_lateness_seconds histogram$")
 
 
 class Failures(unittest.TestCase):

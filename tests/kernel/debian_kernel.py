@@ -47,14 +47,28 @@ class Kernel:
         return order
 
 
-def fetch():
-    """The kernel that linux-image-amd64 depends on, downloaded by apt when it is not in the cache folder; raises Missing."""
-    depends = subprocess.run(["apt-cache", "depends", "linux-image-amd64"], capture_output=True, text=True, check=False,
-                             timeout=LONG)
-    found = re.search(r"Depends: (linux-image-\S+-amd64)$", depends.stdout, re.MULTILINE)
-    if not found:
+def ask(*command, **options):
+    """What a command of apt says, in English."""
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONG, env=os.environ | {"LC_ALL": "C"}, **options)
+    except subprocess.TimeoutExpired:
+        raise Missing(f"{' '.join(command)} has not ended within {LONG} s") from None
+
+
+def current():
+    """The package that linux-image-amd64 depends on; where apt does not know, the newest in the cache folder. Raises Missing."""
+    found = re.search(r"Depends: (linux-image-\S+-amd64)$", ask("apt-cache", "depends", "linux-image-amd64").stdout, re.MULTILINE)
+    if found:
+        return found.group(1)
+    kept = sorted(glob.glob(os.path.join(CACHE, "linux-image-*-amd64")), key=os.path.getmtime)
+    if not kept:
         raise Missing("apt-cache knows no linux-image-amd64; is the package list there (apt-get update)?")
-    package = found.group(1)
+    return os.path.basename(kept[-1])
+
+
+def fetch():
+    """Debian's current kernel, downloaded by apt when it is not in the cache folder; raises Missing."""
+    package = current()
     folder = os.path.join(CACHE, package)
     if os.path.isdir(folder):
         return Kernel(folder)
@@ -62,8 +76,7 @@ def fetch():
     # Everything happens in a folder of its own, so that two tests at once do not see half a kernel.
     with tempfile.TemporaryDirectory(dir=CACHE) as work:
         os.chmod(work, 0o755)  # apt downloads as another user
-        fetched = subprocess.run(["apt-get", "download", package], cwd=work, capture_output=True, text=True, check=False,
-                                 timeout=LONG)
+        fetched = ask("apt-get", "download", package, cwd=work)
         if fetched.returncode != 0:
             raise Missing(f"{package} cannot be downloaded: {fetched.stderr.strip()}")
         unpacked = os.path.join(work, "unpacked")

@@ -50,8 +50,10 @@ class Archive:
 
     def add_file(self, path, name=None):
         """A file of this computer, under its own path or another; a link as what it leads to."""
+        # Python looks at when a source was changed; nothing at when this computer got the others.
+        changed = int(os.stat(path).st_mtime) if path.endswith(".py") else 0
         with open(path, "rb") as file:
-            self.add(name or path, mode_of(path), file.read(), int(os.stat(path).st_mtime))
+            self.add(name or path, mode_of(path), file.read(), changed)
 
     def finish(self):
         self.add("TRAILER!!!", 0)
@@ -111,7 +113,8 @@ def is_elf(path):
 
 def libraries(paths):
     """Every shared library that these programs and libraries need."""
-    return set(map(os.path.normpath, re.findall(r"(/\S+) \(0x", output("ldd", *sorted(paths)))))
+    found = re.findall(r"^\s+(?:\S+ => )?(/.+) \(0x", output("ldd", *sorted(paths)), re.MULTILINE)
+    return set(map(os.path.normpath, found))
 
 
 @functools.cache
@@ -120,9 +123,12 @@ def files_of_debian():
 
 
 def files_of_repository():
+    """Those of PLACES that git knows or would add; all where there is no git."""
+    listed = output("git", "-C", REPOSITORY, "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", *PLACES)
     places = [os.path.join(REPOSITORY, place) for place in PLACES]
-    return {place for place in places if os.path.isfile(place)} | {
-        os.path.join(folder, name) for place in places for folder, _, names in os.walk(place) for name in names}
+    found = [os.path.join(REPOSITORY, name) for name in listed.split("\0") if name] or [
+        os.path.join(folder, name) for place in places for folder, _, names in os.walk(place) for name in names]
+    return set(filter(os.path.isfile, found))
 
 
 def content(path):

@@ -15,7 +15,9 @@ import contextlib
 import os
 import pathlib
 import re
+import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -101,7 +103,9 @@ def build(work):
     if before:
         packages_before(before, work / "previous")
     else:
-        print("   the commit of tests/packages/upgraded_from is not here; upgrading from this one under a lower version")
+        text = "the commit of tests/packages/upgraded_from is not in this clone: upgraded from this one under a lower version"
+        print(f"   {text}")
+        machine.note(text)
         run(REPOSITORY / "packaging/build", "--suffix", "~before", work / "previous", env=dict(os.environ, DEB_BUILD_OPTIONS="noautodbgsym"))
 
 
@@ -141,9 +145,11 @@ def install(work):
     )
     run("mmdebstrap", "--variant=minbase", f"--include={','.join(DEBIAN)}", "--format=tar",
         "--aptopt=Acquire::Languages \"none\"", "--dpkgopt=force-unsafe-io",
-        f"--customize-hook=copy-in {extra}/srv/packages /srv",
-        f"--customize-hook=copy-in {HERE}/inside/cansync-proof.service /etc/systemd/system",
-        *(f"--chrooted-customize-hook={command}" for command in inside), "bookworm", work / "root.tar")
+        f"--customize-hook=copy-in {shlex.quote(f'{extra}/srv/packages')} /srv",
+        f"--customize-hook=copy-in {shlex.quote(f'{HERE}/inside/cansync-proof.service')} /etc/systemd/system",
+        *(f"--chrooted-customize-hook={command}" for command in inside), "bookworm", work / "root.tar",
+        # No file is newer than the commit: the same packages are the same bytes.
+        env=dict(os.environ, SOURCE_DATE_EPOCH=git("log", "-1", "--format=%ct")))
     run("bsdtar", "--format", "newc", "-cf", work / "root.part", f"@{work}/root.tar")
     (work / "root.tar").unlink()
     (work / "root.part").rename(work / "root.cpio")
@@ -177,7 +183,10 @@ class Boot:
 
     def __call__(self, seed):
         """The exit code of the tests inside; None: it did not end."""
-        return machine.boot(self.kernel, self.archives, MEMORY, LIMIT, self.show, seed)
+        code = machine.boot(self.kernel, self.archives, MEMORY, LIMIT, self.show, seed)
+        if code != 0:
+            print(f"run.py: this course again: CANSYNC_SEED={seed} {shlex.join(sys.argv)}, with --keep FOLDER for the same packages")
+        return code
 
 
 def main():
@@ -193,6 +202,8 @@ def main():
             work = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="cansync_packages_")))
         work.chmod(0o755)
         if not (work / "root.cpio").exists():
+            for left in (work / name for name in ("new", "previous", "extra")):
+                shutil.rmtree(left, ignore_errors=True)
             with stage("build the packages of this commit; those before it"):
                 build(work)
             # Neither uses what the other makes.
@@ -208,6 +219,7 @@ def main():
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("run.py: stopped"))  # what it has laid down goes
     try:
         main()
     except debian_kernel.Missing as reason:

@@ -4,12 +4,15 @@ import os
 import pathlib
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).parents[2]
+PACKAGES = "packages: build, lintian, install, boot, upgrade, purge"
 
 # Writes a log as ctest does: 17 tests, the later the longer. FAILS is what fails, and how, when it is chosen so; of what is tried
 # alone ALONE is the exit status.
@@ -21,7 +24,9 @@ for i in $(seq 17); do
   printf '%d/17 Testing: %s%d\\nOutput:\\n' $i "${4//|/_}." $i
   printf 'Test time =  %d.50 sec\\n' $i
 done
-[ -z "${REPEATED:-}" ] || echo "$REPEATED" >>"$CANSYNC_REPEATED"
+[ -z "${NOTE:-}" ] || echo "$NOTE" >>"$CANSYNC_NOTES"
+[ -z "${SKIPS:-}" ] || echo "skipped: $SKIPS"
+[ -z "${WAITS:-}" ] || { echo $$ >waits; sleep 600; }
 [ "$3" != --parallel ] || { echo "$@" >>alone; exit "${ALONE:-0}"; }
 [ "$4" = "${FAILS:-}" ] || exit 0
 printf '3:a.thing\\n12:another\\n' >$folder/LastTestsFailed.log
@@ -46,10 +51,17 @@ class EndOfToolsTest(unittest.TestCase):
         for command in (["init", "-q"], ["add", "a.h"]):
             subprocess.run(["git", *command], cwd=self.folder, check=True)
 
+    def start_tests(self, *arguments, **environment):
+        (self.folder / "tmp").mkdir(exist_ok=True)
+        environment = {**os.environ, "PATH": f"{self.folder}/bin:{os.environ['PATH']}", "TMPDIR": f"{self.folder}/tmp", "FORMAT_STATUS": "0",
+                       **environment}
+        return subprocess.Popen(["tools/test", *arguments], cwd=self.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
     def run_tests(self, *arguments, **environment):
-        environment = {**os.environ, "PATH": f"{self.folder}/bin:{os.environ['PATH']}", "FORMAT_STATUS": "0", **environment}
-        done = subprocess.run(["tools/test", *arguments], cwd=self.folder, env=environment, capture_output=True, text=True)
-        return done.returncode, done.stdout.rstrip().splitlines()
+        with self.start_tests(*arguments, **environment) as running:
+            told = running.communicate()[0]
+        self.assertEqual(list((self.folder / "tmp").iterdir()), [])
+        return running.returncode, told.rstrip().splitlines()
 
     def test_names_steps_and_the_slowest_tests(self):
         status, lines = self.run_tests()
@@ -64,10 +76,10 @@ class EndOfToolsTest(unittest.TestCase):
         self.assertTrue(slowest[0].endswith(" (dev)"), slowest[0])
         self.assertEqual(slowest[-1].split()[0], "10.5")
 
-    def test_last_line_names_what_passed_only_when_it_was_repeated(self):
-        status, lines = self.run_tests(REPEATED="the boot")
+    def test_last_line_tells_what_is_to_be_noted(self):
+        status, lines = self.run_tests(NOTE="failed once, passed in course 2: the boot")
         self.assertEqual(status, 0)
-        self.assertEqual(lines[-1], "tools/test: passed in 0 min; failed once, passed the boot; failed once, passed the boot")
+        self.assertEqual(lines[-1], "tools/test: passed in 0 min; " + "; ".join(["failed once, passed in course 2: the boot"] * 2))
 
     def test_last_line_names_the_step_that_failed(self):
         status, lines = self.run_tests("--all", FAILS="kernel")
@@ -86,6 +98,47 @@ class EndOfToolsTest(unittest.TestCase):
         self.assertEqual(status, 13)
         self.assertEqual(lines[-1], 'tools/test: FAILED in step "tests that failed, alone" (exit code 13): a.thing (dev), another (dev)')
 
+    def test_what_failed_before_is_not_forgotten_when_another_step_fails(self):
+        (self.folder / "tools/lint").write_text("#!/bin/bash\necho 'a.cpp:1: error: too long'\nexit 1\n")
+        status, lines = self.run_tests("--all", FAILS="unsanitized")
+        self.assertEqual(status, 16)
+        self.assertEqual(lines[-1], 'tools/test: FAILED in step "lint (clang-tidy)" (exit code 16): a.cpp:1: error: too long; '
+                         "failed before, and not tried again: a.thing (dev), another (dev)")
+
+    def test_a_machine_that_cannot_run_is_no_test_that_passed(self):
+        for tier, step in (((), "whole processes, one boot (dev)"), (("--all",), "whole processes and real kernels, in machines (dev)")):
+            status, lines = self.run_tests(*tier, SKIPS="qemu-system-x86_64 is not installed")
+            self.assertEqual(status, 10)
+            self.assertEqual(lines[-1], f'tools/test: step could not start "{step}" (exit code 10): qemu-system-x86_64 is not installed')
+
+    def test_what_is_stopped_leaves_nothing(self):
+        for stop in (signal.SIGTERM, signal.SIGINT, signal.SIGKILL):
+            with self.subTest(stop), self.start_tests(WAITS="yes") as running:
+                waits = self.folder / "waits"
+                while not waits.exists() or not waits.read_text().strip():
+                    self.assertIsNone(running.poll())
+                    time.sleep(0.05)
+                test = int(waits.read_text())
+                running.send_signal(stop)
+                told = running.communicate()[0]
+                self.assertIn(running.returncode, (130, -signal.SIGKILL))
+                self.assertIn('tools/test: stopped in step "unit tests (dev)"', told)
+                waits.unlink()
+                self.assertFalse(pathlib.Path(f"/proc/{test}").exists())
+                self.assertEqual(list((self.folder / "tmp").iterdir()), [])
+
+    def test_without_python_the_last_line_still_says_where(self):
+        (self.folder / "tools/test_summary").write_text("#!/nowhere/python3\n")
+        status, lines = self.run_tests(FORMAT_STATUS="3")
+        self.assertEqual(status, 11)
+        self.assertEqual(lines[-1], 'tools/test: step "format" ended with exit code 11')
+
+    def test_without_git_it_says_so(self):
+        shutil.rmtree(self.folder / ".git")
+        status, lines = self.run_tests()
+        self.assertEqual(status, 11)
+        self.assertIn("not a git repository", lines[-1])
+
     def test_a_failure_before_any_test_ends_with_the_steps_alone(self):
         status, lines = self.run_tests(FORMAT_STATUS="3")
         self.assertEqual(status, 11)
@@ -94,21 +147,27 @@ class EndOfToolsTest(unittest.TestCase):
         self.assertEqual(lines[-1], 'tools/test: FAILED in step "format" (exit code 11): it said nothing')
 
     def test_each_step_has_its_exit_code_and_the_last_line_says_why(self):
-        for program, says, code, step in (
-                ("bin/clang-format", "a.h:3:1: error: code should be clang-formatted", 11, "format"),
-                ("bin/cmake", "FAILED: a.o\na.cpp:3: error: expected ;\nninja: stopped", 12, "build (dev)"),
-                ("tests/packages/run.py", "E: cansyncd: no-manual-page", 15, "packages: build, lintian, install, boot, upgrade, purge"),
-                ("tools/lint", "a.cpp:1: error: too long\n", 16, "lint (clang-tidy)"),
-                ("tools/fuzz", "master failed; all it said: log", 17, "fuzzing")):
+        for program, says, code, step, why in (
+                ("bin/clang-format", "a.h:3:1: error: code should be clang-formatted", 11, "format", "a.h:3:1: error: code should be clang-formatted"),
+                ("bin/cmake", "FAILED: a.o\na.cpp:3:1: error: expected ;\na.cpp:9:1: error: x\nninja: build stopped: subcommand failed.", 12, "build (dev)",
+                 "a.cpp:3:1: error: expected ;"),
+                ("bin/cmake", "CMake Error at CMakeLists.txt:3 (find_package):\n  There is no fmt.\n-- Configuring incomplete, errors occurred!", 12,
+                 "build (dev)", "CMake Error at CMakeLists.txt:3 (find_package): There is no fmt."),
+                ("tests/packages/run.py", "run.py: lintian --fail-on error,warning x: exit code 2\nE: cansyncd: no-manual-page", 15, PACKAGES,
+                 "E: cansyncd: no-manual-page"),
+                ("tests/packages/run.py", " 12.3 a unit failed\n 99.1 FAIL: test_5 (a.A.test_5)\n 99.2 FAILED (failures=1)\nrun.py: this course again", 15,
+                 PACKAGES, "test_5"),
+                ("tools/lint", "a.cpp:1: error: too long\nclang-tidy: 1 files, 1 of them read, 1 with findings", 16, "lint (clang-tidy)",
+                 "a.cpp:1: error: too long"),
+                ("tools/fuzz", "master failed; all it said: log\nfuzzing has found something", 17, "fuzzing", "master failed; all it said: log")):
             with self.subTest(program):
                 path = self.folder / program
                 kept = path.read_text()
-                interpreter = "#!/usr/bin/python3\nprint({!r})\nraise SystemExit(1)\n" if program.endswith(".py") else "#!/bin/bash\necho {!r}\nexit 1\n"
-                path.write_text(interpreter.format(says) if program.endswith(".py") else f"#!/bin/bash\nprintf '%s\\n' {shlex.quote(says)}\nexit 1\n")
+                path.write_text(f"print({says!r})\nraise SystemExit(1)\n" if program.endswith(".py") else
+                                f"#!/bin/bash\nprintf '%s\\n' {shlex.quote(says)}\nexit 1\n")
                 status, lines = self.run_tests("--all")
                 path.write_text(kept)
                 self.assertEqual(status, code)
-                why = next(line for line in reversed(says.splitlines()) if "rror:" in line or "E:" in line or "failed" in line)
                 self.assertEqual(lines[-1], f'tools/test: FAILED in step "{step}" (exit code {code}): {why}')
 
     def test_what_cannot_be_had_is_no_failed_test(self):
